@@ -95,12 +95,15 @@ def command(
     Examples:
       gsp export @rubin-m2 --to mjcf -o m2.xml
       gsp export platform.yaml --to mjcf --mode 3 > model.xml
+      gsp export @rubin-m2 --to urdf -o m2.urdf
       gsp export @nano-hexapod --to c -o nano_hexapod.c
       gsp export @dietmaier --to msolve -o d.ms && msolve -f d.ms -o d.out
       gsp certify @dietmaier d.out
     """
     instance = load_instance(spec, changes)
-    source = _source(output, _PROGRAMS[target]) if target in _PROGRAMS else None
+    form = FORMATS[target]
+    pair = None if isinstance(form, SystemFormat) or len(form.suffixes) < 2 else form.suffixes
+    source = None if pair is None else _source(output, *pair)
     with working("exporting"):
         found = exported(
             instance,
@@ -134,9 +137,8 @@ command.help = str(command.help).format(
 )
 
 
-def _source(output: Output, form: ControllerFormat) -> Path:
-    """Return where the source of a program is written; its header is beside it."""
-    last, suffix = form.suffixes
+def _source(output: Output, last: str, suffix: str) -> Path:
+    """Return where one of two files is written; the other is beside it."""
     source = output.path
     if source is None or source.suffix != suffix:
         message = f"two files are written: expected -o NAME{suffix}, NAME{last} is then beside it"

@@ -10,6 +10,7 @@ from gspcli.cli.number_types import Finite, Whole
 from gspcli.cli.output import Output, file_option, write
 from gspcli.cli.streams import say
 from gspcli.defaults import IMPORTED_DIGITS, MEETING_SHARE
+from gspcli.errors import GspError
 
 
 @click.command()
@@ -57,11 +58,25 @@ def command(
     """
     from gspcli.machines.api import import_machine
 
+    _spare(file, output)
     found = import_machine(file, base=base, platform=platform, meet=meet, digits=digits)
     say(f"{file}: {found.described}")
     for line in (*found.chains, *found.notes):
         say(line)
     write(output, found.text)
+
+
+def _spare(file: Path, output: Output) -> None:
+    """Refuse to write over what is read: the loops of a robot are in a YAML file, too."""
+    loops = file.with_suffix(".yaml")
+    target = output.path
+    if target is None or not (target.exists() and file.exists()):
+        return
+    if target.samefile(file) or (
+        loops.exists() and target.samefile(loops) and b"closed_loop" in loops.read_bytes()
+    ):
+        message = f"{target}: this file is read, expected another one for -o"
+        raise GspError(message)
 
 
 command.help = str(command.help).format(

@@ -30,8 +30,8 @@ class Export:
     target
         The program, as `gsp export --to` names it.
     files
-        The texts of the files by the ends of their names: one, whose end is empty, or the header
-        and the source of a controller.
+        The texts of the files by the ends of their names: one, whose end is empty, or two, as the
+        header and the source of a controller.
     notes
         What to know of it: which mode it is, what is not exact.
     """
@@ -66,7 +66,7 @@ def exported(
     instance
         The platform.
     target
-        The program: mjcf (MuJoCo), c (a controller), or a solver of polynomials, as
+        The program: mjcf (MuJoCo), sdf, urdf, c (a controller), or a solver of polynomials, as
         `gsp export --help` lists them.
     mode
         The number of the real pose that is built; home if None.
@@ -95,10 +95,11 @@ def exported(
     pose, notes = _pose(instance, mode, needed=isinstance(form, PoseFormat))
     if isinstance(form, ControllerFormat):
         prefix = re.sub(r"\W", "_", name, flags=re.ASCII) if prefix is None else prefix
-        texts = form.write(instance, prefix, tries, name, pose)
-        return Export(target, dict(zip(form.suffixes, texts, strict=True)), notes)
+        program = form.write(instance, prefix, tries, name, pose)
+        return Export(target, dict(zip(form.suffixes, program, strict=True)), notes)
     assert pose is not None
-    return Export(target, {"": form.write(instance, pose)}, notes)
+    texts = form.write(instance, pose)
+    return Export(target, dict(zip(form.suffixes, texts, strict=True)), notes)
 
 
 def _pose(

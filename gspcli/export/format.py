@@ -45,13 +45,16 @@ class PoseFormat:
     Attributes
     ----------
     write
-        Its text for an instance and a pose of it.
+        The texts of its files for an instance and a pose of it.
     what
         What that is, for the help.
+    suffixes
+        What the names of the files end with if there are two; the last is what `-o` names.
     """
 
-    write: Callable[[Instance, Solution], str]
+    write: Callable[[Instance, Solution], tuple[str, ...]]
     what: str
+    suffixes: tuple[str, ...] = ("",)
 
 
 @dataclass(frozen=True)

@@ -23,9 +23,7 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.lengths import METRES
 from gspcli.geometry.primitives import Line, Plane
-from gspcli.machines.markup import parse
-from gspcli.machines.stored import DIGEST, INSTANCE, digest
-from gspcli.spec.writing import dumps
+from gspcli.machines.stored import store_custom
 
 Array = NDArray[np.float64]
 
@@ -88,10 +86,7 @@ class _Model:
 
     def text(self) -> str:
         """Return the XML, with the instance in it."""
-        plain = parse(ET.tostring(self.root, encoding="unicode"), "")
-        custom = ET.SubElement(self.root, "custom")
-        ET.SubElement(custom, "text", name=INSTANCE, data=dumps(self.instance))
-        ET.SubElement(custom, "text", name=DIGEST, data=digest(plain))
+        store_custom(self.root, self.instance)
         ET.indent(self.root)
         unit = self.instance.units.length
         known = unit in METRES

@@ -91,8 +91,8 @@ def import_machine(
     if isinstance(found, Instance):
         note = f"{path.name} is a model that gsp wrote: this is the instance stored in it"
         text = f"# {plain(note)}.\n{dumps(found)}"
-        said = f"MJCF with {found.type.id}"
-        return ImportedMachine(found, text, "MJCF", said, "world", "platform", (), (note,))
+        said = f"a model of gsp with {found.type.id}"
+        return ImportedMachine(found, text, "gsp", said, "world", "platform", (), (note,))
     try:
         machine = recognized(found, base=base, platform=platform, meet=meet)
         instance = instance_of(machine, digits)

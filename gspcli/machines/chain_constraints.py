@@ -73,9 +73,9 @@ def held_constraints(chain: Chain, meet: float) -> tuple[list[Held], int]:
     count = 6 - _rank(chain, size, rng)
     if count == 0:
         return [], 0
-    rest = _coordinates(chain, size, None)
-    motions = [_moved(chain, rest)]
-    motions += [_moved(chain, _coordinates(chain, size, rng)) for _ in range(_MOTIONS)]
+    rest = random_changes(chain, size, None)
+    motions = [moved(chain, rest)]
+    motions += [moved(chain, random_changes(chain, size, rng)) for _ in range(_MOTIONS)]
     passive = [p.part for p in chain.parts if not p.held]
     found = candidates(passive, size, near=max(meet, 1e-9) * size)
     search = _Search(motions, size, count)
@@ -86,7 +86,9 @@ def held_constraints(chain: Chain, meet: float) -> tuple[list[Held], int]:
     return search.held, count
 
 
-def _coordinates(chain: Chain, size: float, rng: np.random.Generator | None) -> list[Array | float]:
+def random_changes(
+    chain: Chain, size: float, rng: np.random.Generator | None
+) -> list[Array | float]:
     """Return changes of all coordinates: none of those that are held, else random ones, or none."""
     changes: list[Array | float] = []
     for p in chain.parts:
@@ -100,7 +102,7 @@ def _coordinates(chain: Chain, size: float, rng: np.random.Generator | None) -> 
     return changes
 
 
-def _moved(chain: Chain, changes: list[Array | float]) -> Array:
+def moved(chain: Chain, changes: list[Array | float]) -> Array:
     """Return the pose of the platform after changes of the coordinates, shape (4, 4)."""
     X = np.eye(4)
     for p, change in zip(chain.parts, changes, strict=True):
@@ -111,9 +113,9 @@ def _moved(chain: Chain, changes: list[Array | float]) -> Array:
 
 def pose_after(chain: Chain, place: int, change: float) -> Array:
     """Return the pose of the platform after the change of one coordinate, shape (4, 4)."""
-    changes = _coordinates(chain, 1.0, None)
+    changes = random_changes(chain, 1.0, None)
     changes[place] = change
-    return _moved(chain, changes)
+    return moved(chain, changes)
 
 
 def _rank(chain: Chain, size: float, rng: np.random.Generator) -> int:
@@ -122,7 +124,7 @@ def _rank(chain: Chain, size: float, rng: np.random.Generator) -> int:
     centre = np.mean([p.part.point for p in chain.parts], axis=0)
     for _ in range(_CONFIGURATIONS):
         X, screws = frame(T=-centre), [np.zeros((0, 6))]
-        for p, change in zip(chain.parts, _coordinates(chain, size, rng), strict=True):
+        for p, change in zip(chain.parts, random_changes(chain, size, rng), strict=True):
             if not p.held:
                 screws.append(scaled(p.part.moved(X), size).screws)
             X = X @ p.part.motion(change)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -9,7 +10,7 @@ from gspcli.geometry.instance import Instance
 from gspcli.machines.graph import Graph
 from gspcli.machines.markup import Element, parse
 from gspcli.machines.source import Place, text_of
-from gspcli.machines.stored import INSTANCE, stored_text
+from gspcli.machines.stored import stored_text
 from gspcli.spec.reading import loads
 from gspcli.wording import listed, shown
 
@@ -65,27 +66,32 @@ def _marked_up(text: str, path: Path, stored: bool) -> Graph | Instance:
         text = erb.expanded(text, file)
     root = parse(text, file)
     if root.tag == "mujoco":
-        return _mjcf(root, path, stored)
+        from gspcli.machines.readers import mjcf
+
+        return _or_stored(root, path, stored, lambda: mjcf.read(root, path.stem))
     if root.tag == "sdf":
         from gspcli.machines.readers import sdf
 
-        return sdf.read(root, path.stem)
+        return _or_stored(root, path, stored, lambda: sdf.read(root, path.stem))
     if root.tag == "robot":
         from gspcli.machines.readers import urdf
 
-        return urdf.read(root, path)
+        beside = urdf.beside(path)
+        texts = [text_of(beside)] if beside.exists() else []
+        return _or_stored(root, path, stored, lambda: urdf.read(root, path), *texts)
     if root.tag in ("cables", "bodies_system"):
         return _caspr(root, path)
     raise root.error(f"found <{root.tag}>, expected {listed(FORMATS)}")
 
 
-def _mjcf(root: Element, path: Path, stored: bool) -> Graph | Instance:
-    from gspcli.machines.readers import mjcf
-
-    text, same = stored_text(root)
+def _or_stored(
+    root: Element, path: Path, stored: bool, read: Callable[[], Graph], *beside: str
+) -> Graph | Instance:
+    """Return the instance that gsp stored in a model, else what a reader makes of it."""
+    text, same = stored_text(root, *beside)
     if text is not None and same and stored:
-        return loads(text, name=f"{path.name}, the text {INSTANCE}")
-    graph = mjcf.read(root, path.stem)
+        return loads(text, name=f"{path.name}, the stored instance")
+    graph = read()
     if text is None or same:
         return graph
     note = "the model was changed after gsp wrote it: the instance stored in it is not used"

@@ -23,6 +23,7 @@ from gspcli.machines.driven_values import Found, with_drives
 from gspcli.machines.frames import inverse
 from gspcli.machines.graph import Graph, Joint, NoPlatform, Part, extent
 from gspcli.machines.kinds import measured
+from gspcli.machines.source import LARGEST_NUMBER
 from gspcli.machines.structure import Chain, ChainPart, Structure, structure
 from gspcli.records import dataclass
 from gspcli.wording import counted, nearest, shown
@@ -103,6 +104,7 @@ def recognized(
             near = nearest(body, graph.bodies)
             expected = f"did you mean {shown(near)}?" if near else _names(graph)
             raise NoPlatform(f"found no body {shown(body)}: {expected}")
+    _check_numbers(graph)
     joints = unhindered(graph)
     reasons: list[str] = []
     for held, assumed in _drives(graph, joints, base):
@@ -112,6 +114,31 @@ def recognized(
             reasons.append(f"{assumed}: {error}" if assumed else str(error))
     # What comes after the first are less likely drives.
     raise NoPlatform(f"{graph.described()}\n{reasons[0]}")
+
+
+def _check_numbers(graph: Graph) -> None:
+    """Refuse numbers with which nothing can be computed, wherever a file has them.
+
+    Raises
+    ------
+    NoPlatform
+        Naming the joint or the body.
+    """
+    for joint in graph.joints:
+        arrays = [joint.relative, *(x for part in joint.parts for x in (part.axis, part.point))]
+        values = [part.at for part in joint.parts]
+        if not all(_usable(x) for x in (*arrays, np.array(values))):
+            message = f"found numbers of the joint {shown(joint.name)} that are not finite, or huge"
+            raise NoPlatform(message)
+    for body in graph.bodies.values():
+        masses = (np.array(body.mass or 0.0), body.centre, body.inertia)
+        if not all(_usable(x) for x in (body.pose, *masses)):
+            message = f"found numbers of the body {shown(body.name)} that are not finite, or huge"
+            raise NoPlatform(message)
+
+
+def _usable(numbers: Array) -> bool:
+    return bool((np.abs(numbers) < LARGEST_NUMBER).all())
 
 
 def _names(graph: Graph) -> str:

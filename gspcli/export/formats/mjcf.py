@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from gspcli.solver import Solution
 
 
-def write(instance: Instance, pose: Solution) -> str:
+def write(instance: Instance, pose: Solution) -> tuple[str]:
     """Return the model as XML.
 
     Raises
@@ -26,7 +26,7 @@ def write(instance: Instance, pose: Solution) -> str:
     )
     from gspcli.export.mjcf import mjcf
 
-    return mjcf(instance, pose.R.real, pose.T.real)
+    return (mjcf(instance, pose.R.real, pose.T.real),)
 
 
 FORMAT = PoseFormat(

@@ -105,7 +105,8 @@ class _World:
         tokens = self.sections.get("CONSTANTS", [])
         places = [k for k, token in enumerate(tokens) if token.text == ":=" and k > 0]
         found: dict[str, str] = {}
-        for k, end in zip(places, [*(p - 1 for p in places[1:]), len(tokens)], strict=True):
+        ends = [*(place - 1 for place in places[1:]), len(tokens)]
+        for k, end in zip(places, ends, strict=False):
             found[tokens[k - 1].text] = self.full([t.text for t in tokens[k + 1 : end]], found)
         return found
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from typing import Any
 
 import numpy as np
@@ -32,6 +33,9 @@ _REFUSED = {
     "flexcomp": "expected rigid bodies",
     "flex": "expected rigid bodies",
 }
+#: What MuJoCo takes for no number, but in names.
+_NOT_A_NUMBER = re.compile(r"(?<![\w.])[-+]?nan(?![\w.])", re.IGNORECASE)
+_NAMES = {"name", "class", "childclass", "model", "body1", "body2", "site1", "site2", "joint"}
 _SHAPES = {"plane", "sphere", "capsule", "ellipsoid", "cylinder", "box"}
 #: What MuJoCo keeps of an option and of a compiler here.
 _OPTIONS = {"gravity"}
@@ -66,14 +70,19 @@ def read(root: Element, name: str) -> Graph:
         message = "MJCF is read by MuJoCo, which is not installed: pip install 'gspcli[simulation]'"
         raise GspError(message) from None
     weightless = _cleaned(root)
+    # MuJoCo would write its warnings to a file of the current folder.
+    mujoco.set_mju_user_warning(lambda message: None)
     try:
         model = mujoco.MjModel.from_xml_string(written(root))
         data = mujoco.MjData(model)
     except (ValueError, mujoco.FatalError) as error:
         said = " ".join(str(error).split())[:200]
         raise root.error(f"MuJoCo cannot compile the model: {said}") from None
-    mujoco.mj_kinematics(model, data)
-    mujoco.mj_comPos(model, data)
+    else:
+        mujoco.mj_kinematics(model, data)
+        mujoco.mj_comPos(model, data)
+    finally:
+        mujoco.set_mju_user_warning(None)
     return _Model(mujoco, model, data, weightless, root.get("model") or name).graph()
 
 
@@ -84,6 +93,9 @@ def _cleaned(root: Element) -> bool:
     for element in root.everywhere():
         if element.tag in _REFUSED:
             raise element.error(f"found <{element.tag}>, {_REFUSED[element.tag]}")
+        for key, text in element.attributes.items():
+            if key not in _NAMES and _NOT_A_NUMBER.search(text):
+                raise element.error(f"found {key} = {shown(text)}, expected numbers")
         if element.tag in ("option", "compiler"):
             keep = _OPTIONS if element.tag == "option" else _COMPILER
             element.attributes = {k: v for k, v in element.attributes.items() if k in keep}

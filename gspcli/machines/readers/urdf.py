@@ -33,7 +33,7 @@ def read(root: Element, path: Path) -> Graph:
     root
         The element ``robot``.
     path
-        Where the file is: ``NAME.yaml`` or ``robot.yaml`` beside it has the loops.
+        Where the file is: ``NAME.yaml`` beside it has the loops.
 
     Raises
     ------
@@ -42,8 +42,12 @@ def read(root: Element, path: Path) -> Graph:
     NoPlatform
         If there are joints that are not read.
     """
-    beside = path.with_suffix(".yaml")
-    return _Robot(root, _Loops(beside), path.stem).graph()
+    return _Robot(root, _Loops(beside(path)), path.stem).graph()
+
+
+def beside(path: Path) -> Path:
+    """Return where the loops of a robot are."""
+    return path.with_suffix(".yaml")
 
 
 class _Loops:

@@ -1,0 +1,154 @@
+"""A platform at one pose as bodies and single joints between them, for SDF and URDF.
+
+Each constraint is its chain of joints (`chains`) from the base to the platform, taken apart: every
+joint has two bodies. Frames of links have the axes of the base; lengths are metres.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gspcli.export.chains import Joint, chain, driven_leg
+from gspcli.export.simulated_masses import Inertial, SimulatedMasses
+from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.instance import Instance
+from gspcli.geometry.lengths import METRES
+from gspcli.records import dataclass
+
+Array = NDArray[np.float64]
+
+#: The bodies that all chains join.
+BASE, PLATFORM = "base", "platform"
+#: What a link between two joints of one place weighs of another link.
+_BETWEEN = 1e-3
+
+
+@dataclass(frozen=True, eq=False)
+class JointedLink:
+    """A link of a chain.
+
+    Attributes
+    ----------
+    name
+        Its name.
+    origin
+        The origin of its frame in that of the base, shape (3,).
+    inertial
+        Its mass.
+    """
+
+    name: str
+    origin: Array
+    inertial: Inertial
+
+
+@dataclass(frozen=True, eq=False)
+class LinkJoint:
+    """A joint between two bodies.
+
+    Attributes
+    ----------
+    name
+        Its name: ``value_k`` if it is the value of constraint k.
+    parent, child
+        The bodies, from the base to the platform.
+    joint
+        Its type, axis and point in the frame of the base.
+    """
+
+    name: str
+    parent: str
+    child: str
+    joint: Joint
+
+
+@dataclass(frozen=True, eq=False)
+class JointedModel:
+    """A platform at one pose.
+
+    Attributes
+    ----------
+    instance
+        The platform.
+    R, T
+        The pose; metres.
+    platform
+        The mass of the platform, in its frame.
+    gravity
+        The acceleration of what falls, m/s^2, shape (3,).
+    chains
+        The links and the joints of each constraint; the last joint leads to the platform.
+    """
+
+    instance: Instance
+    R: Array
+    T: Array
+    platform: Inertial
+    gravity: Array
+    chains: tuple[tuple[tuple[JointedLink, ...], tuple[LinkJoint, ...]], ...]
+
+    @staticmethod
+    def of(instance: Instance, R: Array, T: Array) -> JointedModel:
+        """Return the model of an instance at a real pose, R and T in its units."""
+        numbers = Arrangement.of(instance)
+        metre = METRES.get(instance.units.length, 1.0)
+        own = numbers.y * metre
+        masses = SimulatedMasses(instance, own.mean(axis=0), numbers.length * metre)
+        T = T * metre
+        ends = numbers.x * metre, numbers.v, own @ R.T + T, numbers.u @ R.T
+        chains = []
+        for k, kind in enumerate(numbers.kinds):
+            x, v, y, w = (end[k] for end in ends)
+            if masses.has_leg(k):
+                links = driven_leg(x, y, masses.leg_axis(k))
+                bodies = list(masses.leg_bodies(k, links[1].joints[0].axis))
+                joints = [(link.joints, body) for link, body in zip(links, bodies, strict=True)]
+                joints.append(((Joint("ball", np.eye(3)[2], y),), masses.link))
+            else:
+                joints = [(link.joints, masses.link) for link in chain(kind, x, v, y, w)]
+            chains.append(_chain(k + 1, joints))
+        gravity = masses.gravity(None)
+        return JointedModel(instance, R, T, masses.platform, gravity, tuple(chains))
+
+    @property
+    def scale(self) -> str:
+        """What a unit of length of the instance became."""
+        unit = self.instance.units.length
+        known = unit in METRES
+        return f"1 {unit} = {METRES[unit]:g} m" if known else f"1 {unit} is taken for 1 m"
+
+
+def _chain(
+    number: int, links: list[tuple[tuple[Joint, ...], Inertial]]
+) -> tuple[tuple[JointedLink, ...], tuple[LinkJoint, ...]]:
+    """Return the links and joints of a constraint: each joint of a link has a body of its own."""
+    made: list[JointedLink] = []
+    joints: list[LinkJoint] = []
+    parent = BASE
+    for place, (own, inertial) in enumerate(links):
+        for order, joint in enumerate(own):
+            last = order + 1 == len(own)
+            end = last and place + 1 == len(links)
+            child = PLATFORM if end else f"chain_{number}_{place + 1}_{order + 1}"
+            name = f"value_{number}" if joint.value is not None else f"joint_{child}"
+            if end and joint.value is None:
+                name = f"joint_{number}_platform"
+            joints.append(LinkJoint(name, parent, child, joint))
+            if not end:
+                body = inertial if last else light(inertial)
+                made.append(JointedLink(child, joint.point, body))
+            parent = child
+    return tuple(made), tuple(joints)
+
+
+def light(inertial: Inertial) -> Inertial:
+    """Return what a link between two joints of one place weighs: little, but not nothing."""
+    mass = _BETWEEN * inertial.mass
+    size = float(np.trace(inertial.matrix)) / 3 / inertial.mass
+    return Inertial(mass, np.zeros(3), mass * size * np.eye(3), falls=False)
+
+
+def numbers(values: object) -> str:
+    """Return numbers that read back as the same doubles."""
+    return " ".join(repr(float(x) + 0.0) for x in np.ravel(np.asarray(values, dtype=float)))
