@@ -75,8 +75,7 @@ def legs_graph(
     joints
         Others between ``base`` and ``platform``.
     """
-    longest = max((leg.length or leg.low for leg in legs), default=1.0)
-    X = frame(T=(0, 0, longest or 1.0)) if pose is None else pose
+    X = _above(legs) if pose is None else pose
     bodies = {"base": Body("base", np.eye(4))}
     bodies["platform"] = Body("platform", X) if platform is None else replace(platform, pose=X)
     names = [leg.name for leg in legs]
@@ -123,3 +122,9 @@ def legs_graph(
         exact={} if exact is None else exact,
         remarks={} if remarks is None else remarks,
     )
+
+
+def _above(legs: Sequence[Leg]) -> Array:
+    """Return a pose as far above the base as the longest leg, where the file states none."""
+    longest = max((leg.length or leg.low for leg in legs), default=1.0)
+    return frame(T=(0, 0, longest or 1.0))
