@@ -12,18 +12,7 @@ if TYPE_CHECKING:
 
 
 def write(instance: Instance, pose: Solution) -> tuple[str]:
-    """Return the model as XML.
-
-    Raises
-    ------
-    ArgumentError
-        If the platform has cranks: they would not be in the model.
-    """
-    from gspcli.geometry.coordinates import refuse_cranks
-
-    refuse_cranks(
-        instance, "a model would have motors in the legs; models with cranks are not written yet"
-    )
+    """Return the model as XML."""
     from gspcli.export.mjcf import mjcf
 
     return (mjcf(instance, pose.R.real, pose.T.real),)
