@@ -188,6 +188,27 @@ def constant_rods(instance: Instance, model: Model, seen: Measurements) -> Measu
     return replace(seen, readings=readings, rods=seen.rods | rods)
 
 
+def alike(seen: Measurements, R: Array, T: Array, cranks: Array | None) -> Measurements:
+    """Return measurements at n poses of the sorts that were made, as they would be without errors.
+
+    Readings and points are zero: only derivatives mean something.
+    """
+    n, nothing = len(R), np.nan
+    readings = np.where(np.isfinite(seen.readings).any(axis=0), 0.0, nothing)
+    turned = bool(np.isfinite(seen.rotations).any())
+    placed = bool(np.isfinite(seen.positions).any())
+    return replace(
+        seen,
+        readings=np.tile(readings, (n, 1)),
+        rotations=R if turned else np.full((n, 3, 3), nothing),
+        positions=T + R @ seen.pivot if placed else np.full((n, 3), nothing),
+        points={name: np.zeros((n, 3)) for name in seen.points},
+        inclinations=np.zeros((n if len(seen.inclinations) else 0, 2)),
+        cranks=cranks,
+        lines=("",) * n,
+    )
+
+
 def hat(a: Array) -> Array:
     """Return the matrices of cross products, ``hat(a) b = a x b``, (..., 3) -> (..., 3, 3)."""
     x, y, z = np.moveaxis(a, -1, 0)

@@ -10,7 +10,6 @@ are better in both. Poses are eliminated as in the fit.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
@@ -19,7 +18,14 @@ from numpy.typing import NDArray
 
 from gspcli.calibration.candidate_poses import CRANK_TURN, Places, candidates
 from gspcli.calibration.fitting import fit, reduced
-from gspcli.calibration.measurements import Measurements, Noise, constant_rods, hat, value_rows
+from gspcli.calibration.measurements import (
+    Measurements,
+    Noise,
+    alike,
+    constant_rods,
+    hat,
+    value_rows,
+)
 from gspcli.calibration.numbers import file_numbers
 from gspcli.calibration.optimal_designs import d_optimal, exchanged
 from gspcli.calibration.options import Options, chosen_model, noise_of, prior_of
@@ -256,7 +262,7 @@ def told_by(model: Model, places: Places, seen: Measurements | None, noise: Nois
     """Return the derivatives of what each pose tells by the scaled free parameters, (n, q, f)."""
     R, T, _ = places
     n = len(R)
-    one = _whole(model, places) if seen is None else _alike(seen, places)
+    one = _whole(model, places) if seen is None else alike(seen, *places)
     slopes = reduced(model, R, T, one, noise).slopes * model.sizes[model.free]
     found: Array = slopes.reshape(n, -1, slopes.shape[1])
     return found
@@ -273,25 +279,6 @@ def _whole(model: Model, places: Places) -> Measurements:
         np.zeros(3),
         cranks=places.cranks,
         rods=rods,
-        lines=("",) * n,
-    )
-
-
-def _alike(seen: Measurements, places: Places) -> Measurements:
-    """Return measurements at poses of the sorts that were made, as they would be without errors."""
-    R, T, cranks = places
-    n, nothing = len(R), np.nan
-    readings = np.where(np.isfinite(seen.readings).any(axis=0), 0.0, nothing)
-    turned = bool(np.isfinite(seen.rotations).any())
-    placed = bool(np.isfinite(seen.positions).any())
-    return replace(
-        seen,
-        readings=np.tile(readings, (n, 1)),
-        rotations=R if turned else np.full((n, 3, 3), nothing),
-        positions=T + R @ seen.pivot if placed else np.full((n, 3), nothing),
-        points={name: np.zeros((n, 3)) for name in seen.points},
-        inclinations=np.zeros((n if len(seen.inclinations) else 0, 2)),
-        cranks=cranks,
         lines=("",) * n,
     )
 

@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 
 from gspcli.calibration.blocks import Block
 from gspcli.calibration.exact_ranks import exact_rank
-from gspcli.calibration.fitting import Fit
-from gspcli.calibration.measurements import Measurements
+from gspcli.calibration.fitting import Fit, reduced
+from gspcli.calibration.measurements import Measurements, Noise, alike
 from gspcli.calibration.parameters import Model
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.quaternions import rotation_from_vector, vector_from_rotation
@@ -35,6 +35,9 @@ _EXACT, _HIDDEN = 1e-5, 0.1
 _SHOWN, _PART = 4, 0.2
 #: And so many such directions are told.
 _MOST = 3
+#: Random poses that tell what a sort of measurements can: how many, turned (radians) and shifted
+#: (typical lengths) by how much.
+_POSES, _TURN, _SHIFT = 60, 0.4, 0.3
 #: Poses that differ by less than these (radians; of a typical length) do not differ.
 _SAME_TURN, _SAME_PLACE = 0.01, 1e-3
 
@@ -112,7 +115,7 @@ def _sentences(named: list[Motion]) -> list[str]:
     """Return motions in words, those of several constraints and along several axes together."""
     alike: dict[tuple[str, str], list[str]] = {}
     for (what, number), group in groupby(named, lambda motion: (motion.what, motion.number)):
-        how = listed((motion.how for motion in group), "and")
+        how = listed(dict.fromkeys(motion.how for motion in group), "and")
         alike.setdefault((what, how), []).append("" if number is None else str(number))
     sentences = []
     for (what, how), numbers in alike.items():
@@ -120,7 +123,7 @@ def _sentences(named: list[Motion]) -> list[str]:
         if numbers[0]:
             plural = "s" if len(numbers) > 1 else ""
             whose = f"constraint{plural} {listed(numbers, 'and')}: "
-        sentences.append(f"{whose}{what} {how}")
+        sentences.append(f"{whose}{what} {how}".rstrip())
     return sentences
 
 
@@ -169,6 +172,7 @@ def _vector_rate(vector: Array, omega: Array) -> Array:
 
 def _motions(model: Model, R: Array, T: Array, seen: Measurements) -> Iterator[Motion]:
     """Yield the other motions with names, the most special first."""
+    yield from _unread(model, seen)
     yield from _planes(model)
     yield from _legs(model, R, T, seen)
     yield from _pairs(model)
@@ -178,6 +182,23 @@ def _motions(model: Model, R: Array, T: Array, seen: Measurements) -> Iterator[M
                 change = _body_motion(model, body, axis, turning=turning)
                 yield Motion(f"all of the {body} {how}", name, change)
     yield from _sizes(model, seen)
+
+
+def _unread_rows(seen: Measurements) -> list[int]:
+    """Return the constraints, from 0, that have no reading in any row."""
+    return np.flatnonzero(~np.isfinite(seen.readings).any(axis=0)).tolist()
+
+
+def _unread(model: Model, seen: Measurements) -> Iterator[Motion]:
+    """Yield changes of what only constraints without readings use."""
+    for k in _unread_rows(seen):
+        own = np.zeros(len(model.free), bool)
+        for block, span in model.spans():
+            own[span] = block.rows == (k,)
+        own[[model.geometry + k, model.geometry + 6 + k]] = True
+        for parameter in np.flatnonzero(own):
+            change = np.where(np.arange(len(own)) == parameter, 1.0, 0.0)
+            yield Motion("no row has a reading", "", change, k + 1)
 
 
 def _planes(model: Model) -> Iterator[Motion]:
@@ -232,11 +253,11 @@ def _sizes(model: Model, seen: Measurements) -> Iterator[Motion]:
     for k, kind in enumerate(model.kinds):
         change[model.geometry + 6 + k] = 1.0 if kind.is_distance else 0.0
     yield Motion("the size of everything with", "the scales", change)
-    means = np.nanmean(np.where(np.isfinite(seen.readings), seen.readings, np.nan), axis=0)
-    for k in range(len(model.kinds)):
-        if np.isfinite(means[k]):
+    for k, readings in enumerate(seen.readings.T):
+        read = readings[np.isfinite(readings)]
+        if len(read):
             change = np.zeros(len(model.free))
-            change[model.geometry + 6 + k], change[model.geometry + k] = 1.0, -means[k]
+            change[model.geometry + 6 + k], change[model.geometry + k] = 1.0, -read.mean()
             yield Motion("its scale with", "its offset", change, k + 1)
 
 
@@ -290,11 +311,16 @@ def _numbers(row: Array, names: list[str]) -> str:
 def advice(instance: Instance, found: Fit, seen: Measurements) -> str:
     """Return what to measure so that more is known."""
     model = found.model
+    if unread := [str(k + 1) for k in _unread_rows(seen)]:
+        return f"give readings of {listed(unread, 'and')}, or hold what only they use"
     motion = _motion(found)
     measured = _measured(seen)
     most = None
-    if measured and not model.cranks and not model.with_frames:
-        most = exact_rank(instance, model, motion=motion, measured=measured)
+    if not model.cranks and not model.with_frames:
+        if measured:
+            most = exact_rank(instance, model, motion=motion, measured=measured)
+        elif motion == "all":
+            most = _rank_of_sort(found, seen)
     wanted = int(model.free.sum())
     limit = ""
     if most is not None and most < wanted:
@@ -308,12 +334,32 @@ def advice(instance: Instance, found: Fit, seen: Measurements) -> str:
         return f"{limit}measure positions of the platform, too"
     if measured == "position":
         return f"{limit}measure rotations, too, or three points of the platform"
+    if most is not None and most < wanted:
+        placed = [name for name in seen.points if name in seen.targets]
+        if seen.points and not placed:
+            return f"{limit}say where points are on the platform (--target), or measure whole poses"
+        what = "positions" if np.isfinite(seen.rotations).any() else "whole poses"
+        return f"{limit}measure {what} of the platform, too"
     rows = np.isfinite(found.residual).sum(axis=1)
     lacking = wanted - found.freedom - int(found.known.sum())
     if lacking > 0:
         each = max(int(rows.max(initial=7)) - 6, 1)
         return f"measure at least {counted(-(-lacking // each), 'more pose')}"
     return "measure poses farther apart, or more exactly; --plan N says which"
+
+
+def _rank_of_sort(found: Fit, seen: Measurements) -> int:
+    """Return how many numbers measurements of the sorts that were made tell at many random poses.
+
+    A numerical rank, at poses far apart.
+    """
+    model, random = found.model, np.random.default_rng(0)
+    turns = rotation_from_vector(_TURN * random.normal(size=(_POSES, 3)))
+    T = found.T.mean(axis=0) + _SHIFT * model.length * random.uniform(-1, 1, (_POSES, 3))
+    there = alike(seen, turns @ found.R[0], T, None)
+    slopes = reduced(model, turns @ found.R[0], T, there, Noise.usual(model.length)).slopes
+    singular = np.linalg.svd(slopes * model.sizes[model.free], compute_uv=False)
+    return int((singular > _EXACT * singular.max(initial=0.0)).sum())
 
 
 def _motion(found: Fit) -> Literal["all", "translations", "one axis"]:

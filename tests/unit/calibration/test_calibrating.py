@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -156,6 +157,41 @@ def test_part_of_a_pose_tells_part_of_the_numbers(what, count, hint):
     )
     with pytest.raises(IncompleteError, match=f"at most {count}, however many.*{hint}"):
         gspcli.calibrate(nominal(), values, **given)
+
+
+@pytest.mark.parametrize(
+    ("given", "hint"),
+    [
+        (lambda R, T: {"points": _three_points(R, T)}, r"say where points are .*\(--target\)"),
+        (lambda R, T: {"R": R}, "measure positions of the platform, too"),
+    ],
+)
+def test_what_no_number_of_poses_tells_is_said(given, hint):
+    """36 of 42: the frame of the platform, or the origins of both."""
+    R, T = reachable(30, np.random.default_rng(7))
+    with pytest.raises(IncompleteError) as caught:
+        gspcli.calibrate(nominal(), readings(real(), R, T), **given(R, T))
+    text = str(caught.value)
+    assert "farther apart" not in text
+    assert re.search(f"tell at most 36, however many: {hint}", text)
+
+
+def _three_points(R, T):
+    blocks = {b.name: b.point for b in real().blocks if b.body == "platform"}
+    return {name: R @ blocks[name] + T for name in ("P1", "P3", "P5")}
+
+
+def test_a_leg_that_is_never_read():
+    R, T = reachable(20, np.random.default_rng(7))
+    values = readings(real(), R, T)
+    values[:, 3] = np.nan
+    with pytest.raises(IncompleteError) as caught:
+        gspcli.calibrate(nominal(), values, R, T)
+    text = str(caught.value)
+    assert text.startswith("the data tell 35 of 42 numbers; they do not tell\n")
+    assert "constraint 4: no row has a reading\ngive readings of 4, or hold what" in text
+    held = gspcli.calibrate(nominal(), values, R, T, hold=["platform.P4", "base.P4", "offset.4"])
+    assert held.unknowns.count == 0
 
 
 def test_unknown_frames():
