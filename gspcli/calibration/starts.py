@@ -1,7 +1,9 @@
 """Where a fit starts: poses from what is known of them, and frames of device and target.
 
-A pose that was measured whole is its own start. Of others all real poses for the readings with the
-stated geometry are found, and the one is taken that agrees best with what was measured.
+A pose that was measured whole is its own start. Of others with six readings all real poses for the
+readings with the stated geometry are found, and the one is taken that agrees best with what was
+measured. Rows of less start at the pose of another row, or a mode of the stated values, from which
+Newton's method comes nearest to what they tell.
 """
 
 from __future__ import annotations
@@ -11,16 +13,20 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.calibration.fitting import fit
-from gspcli.calibration.measurements import Measurements, Noise, value_rows
+from gspcli.calibration.fitting import Fit, fit
+from gspcli.calibration.measurements import Measurements, Noise, Rows, value_rows
 from gspcli.calibration.parameters import Model
 from gspcli.errors import GspError
 from gspcli.geometry.instance import Instance, Side
-from gspcli.geometry.quaternions import apply, vector_from_rotation
+from gspcli.geometry.quaternions import apply, rotation_from_vector, vector_from_rotation
 from gspcli.geometry.readings import values_of, without_corrections
 from gspcli.solver import solve, solve_values
 
 Array = NDArray[np.float64]
+
+#: Rows of less start at so many poses of others and take so many steps, none longer than this part
+#: of a typical length; in the end they may be off by this part.
+_STARTS, _STEPS, _LONGEST, _AGREES = 8, 30, 0.3, 0.05
 
 
 def started(
@@ -31,19 +37,104 @@ def started(
     Raises
     ------
     GspError
-        If a row has neither a whole pose nor six readings, or no real pose has its readings.
+        If no pose agrees with a row.
     """
+    read = np.asarray(np.isfinite(seen.readings).all(axis=1))
+    R, T = seen.rotations.copy(), seen.positions - apply(seen.rotations, seen.pivot)
     if not model.with_frames:
-        R, T = seen.rotations.copy(), seen.positions - apply(seen.rotations, seen.pivot)
-        rest = ~seen.whole
+        rest = ~seen.whole & read
         if rest.any():
             R[rest], T[rest] = _modes(instance, model, seen.taken(rest), noise)
-        return model, R, T
-    R, T = _modes(instance, model, seen, noise)
+        return model, *_with_less(instance, model, seen, R, T, noise, ~seen.whole & ~read)
+    if not read.any():
+        message = "no row has all six readings: with unknown frames some rows must have them"
+        raise GspError(message)
+    R[read], T[read] = _modes(instance, model, seen.taken(read), noise)
+    first = _with_frames(model, seen.taken(read), R[read], T[read], noise)
+    R[read], T[read] = first.R, first.T
+    R, T = _with_less(instance, first.model, seen, R, T, noise, ~read)
+    return replace(first.model, free=model.free), R, T
+
+
+def _with_frames(model: Model, seen: Measurements, R: Array, T: Array, noise: Noise) -> Fit:
+    """Return a fit of the frames only, to poses that are known but for them."""
     # With the stated geometry first, so that the frames of base and platform stay where they are.
     near = replace(model, frames=_frames(model, seen, R, T), free=model.free & _of_frames(model))
-    first = fit(near, R, T, seen, noise)
-    return replace(first.model, free=model.free), first.R, first.T
+    return fit(near, R, T, seen, noise)
+
+
+def _with_less(
+    instance: Instance,
+    model: Model,
+    seen: Measurements,
+    R: Array,
+    T: Array,
+    noise: Noise,
+    less: NDArray[np.bool_],
+) -> tuple[Array, Array]:
+    """Return poses R, T with those filled in of rows that have less than a pose and six readings.
+
+    Raises
+    ------
+    GspError
+        If no pose agrees with a row.
+    """
+    if not less.any():
+        return R, T
+    R, T = R.copy(), T.copy()
+    if less.all():
+        modes = solve(instance)
+        starts = modes.R[modes.real].real, modes.T[modes.real].real
+    else:
+        starts = R[~less], T[~less]
+    if not len(starts[0]):
+        message = "the stated values have no real pose, and no row has a whole pose or six readings"
+        raise GspError(message)
+    for k in np.flatnonzero(less).tolist():
+        there = seen.taken(np.full(len(starts[0]), k))
+        costs = _costs(there.rows(model, *starts, noise))
+        nearest = np.argsort(costs)[:_STARTS]
+        found = _settled(model, there.taken(nearest), starts[0][nearest], starts[1][nearest], noise)
+        costs = _costs(there.taken(nearest).rows(model, *found, noise))
+        best = int(costs.argmin())
+        # As far off as poses of stated numbers can be, and not only noise.
+        if not costs[best] < (_AGREES * model.length / (noise.value or noise.position)) ** 2:
+            message = (
+                f"row {seen.lines[k]}: no pose near those of other rows agrees with what it has: "
+                "leave the row out"
+            )
+            raise GspError(message)
+        R[k], T[k] = found[0][best], found[1][best]
+    return R, T
+
+
+def _costs(rows: Rows) -> Array:
+    """Return the sum of squares of each row, infinite where one is not a number."""
+    return np.asarray(np.nansum(rows.residual**2, axis=1))
+
+
+def _settled(
+    model: Model, seen: Measurements, R: Array, T: Array, noise: Noise
+) -> tuple[Array, Array]:
+    """Return the poses of least squares for each row, from poses near them, by Newton's method."""
+    sizes = np.array([1 / model.length] * 3 + [1.0] * 3)
+    costs = _costs(seen.rows(model, R, T, noise))
+    scale = np.ones(len(R))
+    for _ in range(_STEPS):
+        r, _, P = seen.rows(model, R, T, noise)
+        there = np.isfinite(r)
+        slopes = np.where(there[..., None], P, 0.0) * sizes
+        inverse = np.linalg.pinv(np.nan_to_num(slopes), rcond=1e-9)
+        twist = -(inverse @ np.where(there, r, 0.0)[..., None])[..., 0] * sizes * scale[:, None]
+        size = np.abs(twist / sizes).max(axis=1, initial=0.0)
+        twist /= np.maximum(size / (_LONGEST * model.length), 1.0)[:, None]
+        tried = rotation_from_vector(twist[:, :3]) @ R, T + twist[:, 3:]
+        after = _costs(seen.rows(model, *tried, noise))
+        better = after <= costs
+        R = np.where(better[:, None, None], tried[0], R)
+        T = np.where(better[:, None], tried[1], T)
+        costs, scale = np.where(better, after, costs), np.where(better, 1.0, scale / 4)
+    return R, T
 
 
 def _of_frames(model: Model) -> NDArray[np.bool_]:
@@ -54,13 +145,6 @@ def _modes(
     instance: Instance, model: Model, seen: Measurements, noise: Noise
 ) -> tuple[Array, Array]:
     """Return for each row the real pose of its readings that agrees best with what was measured."""
-    gaps = np.flatnonzero(~np.isfinite(seen.readings).all(axis=1))
-    if len(gaps):
-        message = (
-            f"row {seen.lines[gaps[0]]}: a pose that was not measured whole needs all six "
-            "readings: fill them in, or leave the row out"
-        )
-        raise GspError(message)
     R, T = np.zeros((len(seen), 3, 3)), np.zeros((len(seen), 3))
     values = values_of(instance, _in_file_units(model, seen.readings))
     sided = [row.kind.has_sides for row in instance.constraints]

@@ -24,6 +24,7 @@ import gspcli
 from gspcli.calibration.instance_files import calibrated_text
 from gspcli.calibration.parameters import Model
 from gspcli.errors import ArgumentError, IncompleteError
+from gspcli.geometry.home_pose import HomePose
 from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.resources import data_path
 
@@ -133,6 +134,33 @@ def test_blank_cells_and_rows_of_less():
     values[3::4] = readings(real(), *reachable(40, np.random.default_rng(5)))[3::4]
     result = gspcli.calibrate(nominal(), values, R, T)
     assert np.abs(_errors(result)).max() < 1e-7
+
+
+@pytest.mark.parametrize("frames", [False, True])
+def test_any_cell_may_be_blank(frames):
+    """Rows without z and a reading, without a rotation and two readings, without both poses."""
+    rng = np.random.default_rng(5)
+    R, T = reachable(40, rng)
+    values, turns, places = readings(real(), R, T), R.copy(), T.copy()
+    values[0, 3], places[0, 2] = np.nan, np.nan
+    values[1, 5], places[1] = np.nan, np.nan
+    values[2, :2], turns[2] = np.nan, np.nan
+    values[3, 4], places[3, :2], turns[3] = np.nan, np.nan, np.nan
+    places[4], turns[4] = np.nan, np.nan
+    machine = replace(nominal(), home=HomePose((0, 0, 800))) if frames else nominal()
+    estimate = ["frames"] if frames else []
+    result = gspcli.calibrate(machine, values, turns, places, estimate=estimate)
+    assert result.scatter < 1e-6
+    if frames:
+        return
+    # The fourth row has six numbers, and the fifth six readings: more than one pose has them.
+    assert np.abs(result.T[:3] - T[:3]).max() < 1e-6
+    alone = np.full_like(places, np.nan)
+    alone[:, :2] = places[:, :2]
+    alone[::2, 2] = places[::2, 2]
+    values[5:, 1] = np.nan
+    result = gspcli.calibrate(nominal(), values, turns, alone, hold_unknown=True)
+    assert result.scatter < 1e-6
 
 
 def test_points_of_a_target_are_as_good_as_poses():
