@@ -32,7 +32,7 @@ class Follower {
       march();
       if (options_.certify) prove_blocks();
       for (Cursor& cursor : cursors_)
-        if (cursor.branch) classify_endpoints(cursor);
+        if (cursor.branch) keep_proved_steps(cursor);
     }
   }
 
@@ -237,7 +237,7 @@ class Follower {
   }
 
   // Keeps the steps that hold, and chooses the next step size.
-  void classify_endpoints(Cursor& cursor) {
+  void keep_proved_steps(Cursor& cursor) {
     Branch& b = *cursor.branch;
     double worst = 0.0;
     int s = 0;

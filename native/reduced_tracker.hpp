@@ -139,7 +139,7 @@ class ReducedTracker {
     // What the second correction changes in the factors is of second order.
     for (int i = 0; i < D; ++i) w.x[i] = w.x[i] - second[i];
     s.learn(n1, n2, noise, accepted);
-    return classify_endpoints(accepted);
+    return retire_lanes(accepted);
   }
 
   Aims aims() const {
@@ -172,7 +172,7 @@ class ReducedTracker {
   }
 
   // Lanes whose paths are at their ends take the next; returns as `step`.
-  INLINE Mask classify_endpoints(const Mask& accepted) {
+  INLINE Mask retire_lanes(const Mask& accepted) {
     Mask chosen = accepted;
     const V gone = s.next - s.t, arrived = s.next;
     for (int l = 0; l < W; ++l) {

@@ -159,7 +159,7 @@ class Tracker {
       renew(z, accepted);
       const V arrived = s.next;
       advance(accepted);
-      classify_endpoints(z, arrived, accepted);
+      retire_lanes(z, arrived, accepted);
     }
     refine_all();
   }
@@ -265,7 +265,7 @@ class Tracker {
   }
 
   // Counts the step in each lane, and ends the paths that have arrived or cannot go on.
-  INLINE void classify_endpoints(const C* z, const V& arrived, const Mask& accepted) {
+  INLINE void retire_lanes(const C* z, const V& arrived, const Mask& accepted) {
     const V ahead = s.next - s.t;
     const double waypoint = 1.0 - options_.waypoint;
     // With all digits: a double cannot tell 1 - 1e-20 from 1.

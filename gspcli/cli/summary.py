@@ -10,6 +10,7 @@ import numpy as np
 from gspcli.catalogue.kinds import DLL
 from gspcli.geometry.primitives import Line
 from gspcli.geometry.printed_numbers import printed_residual
+from gspcli.geometry.tolerances import PARALLEL_SINE
 from gspcli.solver.results.proof import CountKind
 
 if TYPE_CHECKING:
@@ -20,8 +21,6 @@ if TYPE_CHECKING:
 _DIGITS = 3
 #: Poses that are so many lengths away are called nearly infinite.
 _FAR = 1e5
-#: Sines that are zero but for rounding.
-_PARALLEL = 1e-9
 
 
 def summary(result: SolveResult, *, contradicting: Sequence[int] = ()) -> list[str]:
@@ -194,7 +193,7 @@ def _parallel(result: SolveResult) -> list[str]:
         str(number)
         for number, row in enumerate(result.instance.constraints, 1)
         if isinstance(row.platform, Line) and isinstance(row.base, Line) and row.kind is DLL
-        if np.abs(np.cross(result.R @ row.platform.unit, row.base.unit)).max() < _PARALLEL
+        if np.abs(np.cross(result.R @ row.platform.unit, row.base.unit)).max() < PARALLEL_SINE
     ]
     if not numbers:
         return []

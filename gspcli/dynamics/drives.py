@@ -14,15 +14,14 @@ from gspcli.dynamics.mass_model import MassModel
 from gspcli.geometry.measurement import curvature, hessian, jacobian, measured
 from gspcli.geometry.quaternions import apply, cross, dot
 from gspcli.geometry.residuals import condition_numbers
+from gspcli.geometry.tolerances import PARALLEL_SINE
 from gspcli.motion.poses.inverse_kinematics import value_signs
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
-#: A distance below this part of the platform's size is zero to doubles, and a smaller angle
-#: (radians) of directions makes them parallel.
+#: A distance below this part of the platform's size is zero to doubles.
 _ZERO = 1e-12
-_PARALLEL = 1e-9
 #: Up to this condition number a bound that costs less than the number itself is enough.
 _GOOD = 1e8
 #: Beyond this one the forces are not known: as in `gspcli.motion.statics`.
@@ -62,7 +61,7 @@ class Drives:
         if any(directed):
             w = np.asarray(bodies.placed(self.R, self.T).w)
             normal = cross(w, np.broadcast_to(bodies.v, w.shape))
-            wrong |= (dot(normal, normal) < _PARALLEL**2) & directed
+            wrong |= (dot(normal, normal) < PARALLEL_SINE**2) & directed
         if wrong.any():
             pose, k = np.argwhere(wrong)[0].tolist()
             kind = bodies.kinds[k]

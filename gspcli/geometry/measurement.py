@@ -19,9 +19,8 @@ from gspcli.catalogue.kinds import DPL, Kind, Law
 from gspcli.geometry.arrangement import Bodies, Placed
 from gspcli.geometry.constraint_polynomials import COSINE, Gradient, Hessian, polynomial
 from gspcli.geometry.quaternions import Field, apply, cross, dot
+from gspcli.geometry.tolerances import PARALLEL_SINE
 
-#: Lines that meet at a smaller angle than this (radians) are measured as parallel ones.
-_PARALLEL = 1e-9
 #: A complex unit vector with a larger entry is long: its entries cancel in double precision.
 _LONG = 2.0
 _IDENTITY = np.eye(3)
@@ -184,7 +183,7 @@ def _sine_square(w: Field, v: Field) -> tuple[Field, Field]:
     """Return the squared sine of the angle of directions, and whether they are parallel."""
     normal = cross(w, v)
     square = dot(normal, normal)
-    return square, np.abs(square) < _PARALLEL**2
+    return square, np.abs(square) < PARALLEL_SINE**2
 
 
 def _angle(law: Law, w: Field, v: Field) -> Field:

@@ -14,12 +14,10 @@ from gspcli.catalogue.kinds import DLL, Law
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.measurement import jacobian, measured
 from gspcli.geometry.quaternions import Field, apply, cross, dot
+from gspcli.geometry.tolerances import NEARLY_PARALLEL_SINE_SQUARE
 
 Array = NDArray[np.float64]
 
-#: Squared sine of the angle of two lines below which their distance is measured with more digits:
-#: doubles lose half as many digits as it has zeros.
-_NEARLY_PARALLEL = 1e-8
 _DIGITS = 60
 #: A height below this part of the lengths in its sum may have either sign, by rounding.
 _SIGN_KNOWN = 2.0**-45
@@ -71,7 +69,7 @@ def proved_residuals(arrangement: Arrangement, R: Field, T: Field) -> Array:
     normals = cross(w, np.broadcast_to(arrangement.v[lines], w.shape))
     squares = np.abs(dot(normals, normals))
     targets = np.broadcast_to(arrangement.targets, result.shape)
-    for pose, line in zip(*np.nonzero(squares < _NEARLY_PARALLEL), strict=True):
+    for pose, line in zip(*np.nonzero(squares < NEARLY_PARALLEL_SINE_SQUARE), strict=True):
         k = lines[line]
         distance = _skew_distance(arrangement, R[pose], T[pose], k)
         if distance is not None:

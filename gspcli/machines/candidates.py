@@ -7,14 +7,13 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
+from gspcli.geometry.tolerances import MEASURED_PARALLEL_SINE
 from gspcli.machines.graph import Part
 from gspcli.machines.kinds import Primitives
 from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
 
-#: Axes at a smaller angle than this (radians) do not cross.
-_PARALLEL = 1e-6
 #: Primitives that agree to this share of the size are one.
 _SAME = 1e-9
 
@@ -103,7 +102,7 @@ def _normals(balls: list[Array], hinges: list[Part], slides: list[Part]) -> list
     normals = [
         across / np.linalg.norm(across)
         for first, second in combinations(slides, 2)
-        if np.linalg.norm(across := np.cross(first.axis, second.axis)) > _PARALLEL
+        if np.linalg.norm(across := np.cross(first.axis, second.axis)) > MEASURED_PARALLEL_SINE
     ]
     normals += [hinge.axis for hinge in hinges]
     if len(balls) == 1 and not hinges and not slides:
@@ -119,7 +118,7 @@ def _crossing(first: Part, second: Part, near: float) -> Array | None:
     """Return where two axes cross, if they do."""
     across = np.cross(first.axis, second.axis)
     length = float(np.linalg.norm(across))
-    if length < _PARALLEL:
+    if length < MEASURED_PARALLEL_SINE:
         return None
     sides = np.array([first.axis, -second.axis, across]).T
     s, t, gap = np.linalg.solve(sides, second.point - first.point)

@@ -8,6 +8,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from gspcli.geometry.tolerances import PARALLEL_SINE
 from gspcli.machines.frames import place, turn
 from gspcli.records import dataclass
 
@@ -16,8 +17,6 @@ Array = NDArray[np.float64]
 #: The kinds that are looked for, in this order. A chain that holds an angle of a line or plane
 #: holds the angle of two lines, too: ALL stands for all four.
 ORDER = ("DPP", "DLL", "ALL", "DPL", "DLP", "DPH", "DHP")
-#: Directions at a smaller angle than this are parallel.
-_PARALLEL = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,6 +88,6 @@ def measured(kind: str, platform: Primitives, base: Primitives, X: Array) -> Arr
     sine = np.linalg.norm(normal, axis=-1)
     if kind == "ALL":
         return np.asarray(np.arctan2(sine, (u * v).sum(axis=-1)))
-    across = np.abs((r * normal).sum(axis=-1)) / np.where(sine > _PARALLEL, sine, 1.0)
+    across = np.abs((r * normal).sum(axis=-1)) / np.where(sine > PARALLEL_SINE, sine, 1.0)
     apart = np.linalg.norm(np.cross(r, v), axis=-1)
-    return np.asarray(np.where(sine > _PARALLEL, across, apart))
+    return np.asarray(np.where(sine > PARALLEL_SINE, across, apart))

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.defaults import MEETING_SHARE
+from gspcli.geometry.tolerances import MEASURED_PARALLEL_SINE
 from gspcli.machines.chain_constraints import held_constraints
 from gspcli.machines.clusters import Clusters, unhindered
 from gspcli.machines.driven_values import Found, with_drives
@@ -32,8 +33,6 @@ Array = NDArray[np.float64]
 
 #: What the configuration of a file misses by more than this share of the size is said.
 _EXACT = 1e-9
-#: Axes at a smaller angle than this (radians) are parallel: they meet nowhere.
-_PARALLEL = 1e-6
 #: Bodies of a machine, and joints at one of them, at most.
 _MOST_BODIES = 1500
 
@@ -306,4 +305,4 @@ def _runs(parts: tuple[ChainPart, ...]) -> Iterator[list[ChainPart]]:
 
 
 def _parallel(first: Part, second: Part) -> bool:
-    return float(np.linalg.norm(np.cross(first.axis, second.axis))) < _PARALLEL
+    return float(np.linalg.norm(np.cross(first.axis, second.axis))) < MEASURED_PARALLEL_SINE

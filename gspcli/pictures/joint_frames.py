@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from gspcli.catalogue.joints import JointAxis, JointKind, PlacedJoint
 from gspcli.catalogue.realization import Realization
+from gspcli.geometry.tolerances import PARALLEL_SINE
 from gspcli.pictures.strokes import perpendicular
 from gspcli.records import dataclass
 
@@ -18,7 +19,6 @@ _APART, _BEYOND = 2.6, 3.4
 _SHORTEST = 5.0
 #: Joints of a short leg are drawn smaller, but not below this part of the size.
 _SMALLEST = 0.4
-_PARALLEL = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,7 +67,7 @@ def mounted(realization: Realization, ends: ChainEnds, joint: float) -> tuple[Mo
     joints = realization.chain.joints
     way = ends.base - ends.platform
     length = float(np.linalg.norm(way))
-    down = way / length if length > _PARALLEL else np.array([0.0, 0.0, -1.0])
+    down = way / length if length > PARALLEL_SINE else np.array([0.0, 0.0, -1.0])
     leg = down if realization.kinds[0].is_distance else _hinge(ends, down)
     across = perpendicular(leg)
     directions = {
@@ -110,7 +110,7 @@ def _hinge(ends: ChainEnds, down: Array) -> Array:
     """Return the axis about which an angle turns: perpendicular to both directions."""
     axis = np.cross(ends.w, ends.v)
     norm = float(np.linalg.norm(axis))
-    return axis / norm if norm > _PARALLEL else perpendicular(down)
+    return axis / norm if norm > PARALLEL_SINE else perpendicular(down)
 
 
 def _places(

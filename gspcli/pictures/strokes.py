@@ -17,13 +17,12 @@ from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, DPP, Kind
 from gspcli.geometry.quaternions import cross, dot
+from gspcli.geometry.tolerances import PARALLEL_SINE
 from gspcli.pictures.scene import Stroke, StrokeStyle
 
 Array = NDArray[np.float64]
 
 _ARC_POINTS = 13
-#: Lines whose directions have a smaller vector product have no common perpendicular of their own.
-_PARALLEL = 1e-9
 
 
 class Sizes(NamedTuple):
@@ -77,7 +76,7 @@ def connection(kind: Kind, p: Array, w: Array, x: Array, v: Array) -> Ends:
     if kind is DLL:
         normal = cross(w, v)
         square = dot(normal, normal)[:, None]
-        parallel = square < _PARALLEL**2
+        parallel = square < PARALLEL_SINE**2
         safe = np.where(parallel, 1.0, square)
         s = dot(cross(v, r), normal)[:, None] / safe
         t = dot(cross(w, r), normal)[:, None] / safe
@@ -111,7 +110,9 @@ def angle_strokes(kind: Kind, ends: Ends, sizes: Sizes) -> Iterator[Stroke]:
     first, second = arms(kind, ends)
     across = second - dot(first, second)[:, None] * first
     norm = np.linalg.norm(across, axis=1, keepdims=True)
-    across = np.where(norm > _PARALLEL, across / np.where(norm > 0, norm, 1), perpendicular(first))
+    across = np.where(
+        norm > PARALLEL_SINE, across / np.where(norm > 0, norm, 1), perpendicular(first)
+    )
     angle = np.arctan2(norm[:, 0], dot(first, second))
     turn = angle[:, None] * np.linspace(0, 1, _ARC_POINTS)
     arc = np.cos(turn)[..., None] * first[:, None] + np.sin(turn)[..., None] * across[:, None]
@@ -128,7 +129,7 @@ def arms(kind: Kind, ends: Ends) -> tuple[Array, Array]:
     line, normal = (w, v) if kind.base.value == "H" else (v, w)
     flat = line - dot(line, normal)[:, None] * normal
     norm = np.linalg.norm(flat, axis=1, keepdims=True)
-    flat = np.where(norm > _PARALLEL, flat / np.where(norm > 0, norm, 1), perpendicular(normal))
+    flat = np.where(norm > PARALLEL_SINE, flat / np.where(norm > 0, norm, 1), perpendicular(normal))
     return (flat, line) if line is w else (line, flat)
 
 
@@ -141,8 +142,8 @@ def perpendicular(directions: Array) -> Array:
         (-directions[..., 1], directions[..., 0], np.zeros_like(directions[..., 0])), axis=-1
     )
     norm = np.linalg.norm(horizontal, axis=-1, keepdims=True)
-    safe = np.where(norm > _PARALLEL, norm, 1.0)
-    return np.where(norm > _PARALLEL, horizontal / safe, np.array([1.0, 0.0, 0.0]))
+    safe = np.where(norm > PARALLEL_SINE, norm, 1.0)
+    return np.where(norm > PARALLEL_SINE, horizontal / safe, np.array([1.0, 0.0, 0.0]))
 
 
 def _along(r: Array, direction: Array) -> Array:

@@ -18,17 +18,13 @@ from numpy.typing import NDArray
 from gspcli.catalogue.kinds import DLL
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.quaternions import Field, cross, dot, rotation_from_vector
+from gspcli.geometry.tolerances import NEARLY_PARALLEL_SINE, PARALLEL_SINE_OF_MULTIPLE_ENDS
 from gspcli.reality.pose_newton import improved
 
-#: Unit directions that differ by less are parallel: the accuracy of doubles at an end where several
-#: paths meet.
-_PARALLEL = 1e-5
 #: Distances, in lengths of the platform, that differ by less are equal at such an end ...
 _EQUAL = 1e-5
 #: ... and those that differ by more are not.
 _DIFFERENT = 1e-3
-#: Lines at a smaller sine have lost so many digits that polishing is worth it.
-_ALMOST_PARALLEL = 1e-2
 _POLISHING_STEPS = 2
 #: Poses are sought about an end from so many places turned by so much, by so many steps.
 _TRIALS, _TURNS, _TRIAL_STEPS = 4, (1e-7, 1e-6, 1e-5), 12
@@ -67,7 +63,7 @@ def judge_parallel_lines(
     r, w = (field[:, lines] for field in arrangement.placed(R, T)[:2])
     v = arrangement.v[lines]
     apart = [np.sqrt((np.abs(w - sign * v) ** 2).sum(axis=-1)) for sign in (1, -1)]
-    parallel = multiple[:, None] & (np.minimum(*apart) < _PARALLEL)
+    parallel = multiple[:, None] & (np.minimum(*apart) < PARALLEL_SINE_OF_MULTIPLE_ENDS)
     # The squares of complex distances are compared: their roots have no sign.
     across = r - dot(r, v)[..., None] * v
     square = arrangement.targets[lines] ** 2
@@ -90,7 +86,7 @@ def polish_parallel_lines(
     if not lines or not len(R):
         return R, T
     sines = _sines(arrangement, R, T)
-    chosen = np.flatnonzero(simple & (sines < _ALMOST_PARALLEL).any(axis=1))
+    chosen = np.flatnonzero(simple & (sines < NEARLY_PARALLEL_SINE).any(axis=1))
     if len(chosen):
         R, T = R.copy(), T.copy()
     for i in chosen:

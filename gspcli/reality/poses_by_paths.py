@@ -59,7 +59,7 @@ def solve_each_by_tracking(
 def track_platforms(
     arrangements: Iterable[Arrangement], *, seed: int, jobs: int = 1
 ) -> Iterator[tuple[Arrangement, list[TrackedPaths]]]:
-    """Yield each platform with the paths to its poses: a tracked_paths for each choice of sides.
+    """Yield each platform with the paths to its poses: one `TrackedPaths` for each choice of sides.
 
     Parameters
     ----------

@@ -18,6 +18,7 @@ from gspcli.geometry.coordinates import Body
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.primitives import Point, Vector, as_array, unit_vectors, vector
 from gspcli.geometry.quaternions import apply, cross, dot
+from gspcli.geometry.tolerances import MEASURED_PARALLEL_SINE
 from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
@@ -252,14 +253,10 @@ def checked_joint(instance: Instance, sensor: JointSensor) -> JointSensor:
         message = f"found constraint {sensor.leg + 1}, expected a leg (DPP): {known}"
         raise ArgumentError(message)
     normal = np.cross(*unit_vectors([sensor.axis, sensor.zero]))
-    if np.linalg.norm(normal) < _PARALLEL:
+    if np.linalg.norm(normal) < MEASURED_PARALLEL_SINE:
         message = "found an axis along the direction of zero: give another after from"
         raise ArgumentError(message)
     return sensor
-
-
-#: The sine of directions that are too nearly parallel for an angle to be measured between them.
-_PARALLEL = 1e-6
 
 
 def _verticals(angles: Array) -> Array:

@@ -10,11 +10,10 @@ import numpy as np
 
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.primitives import Geometry, Line, Plane, Point
+from gspcli.geometry.tolerances import PARALLEL_SINE_IN_FILES
 
 #: Ratios of lengths above this give a warning. Poses lose twice as many of sixteen digits.
 SUSPICIOUS = 1e7
-#: Lines with a smaller sine of their angle are parallel in the computation of their distance.
-_PARALLEL = 1e-12
 
 
 def out_of_proportion(instance: Instance) -> str | None:
@@ -67,7 +66,7 @@ def _apart(a: Geometry, b: Geometry) -> float:
     between = b.point - a.point
     if isinstance(a, Line) and isinstance(b, Line):
         normal = np.cross(a.unit, b.unit)
-        if (sine := float(np.linalg.norm(normal))) > _PARALLEL:
+        if (sine := float(np.linalg.norm(normal))) > PARALLEL_SINE_IN_FILES:
             return abs(float(normal @ between)) / sine
         return float(np.linalg.norm(np.cross(a.unit, between)))
     if isinstance(b, Point):

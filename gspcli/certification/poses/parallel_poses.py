@@ -17,11 +17,9 @@ from gspcli.certification.poses.locator import Located, Locator
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.primitives import Line
+from gspcli.geometry.tolerances import NEARLY_PARALLEL_SINE
 
 Complex = NDArray[np.complex128]
-#: Squared sine (bilinear for complex lines) below which lines are too nearly parallel for double
-#: precision.
-_PARALLEL = 1e-4
 #: Bits with which lines are compared with parallel ones.
 _BITS = 512
 
@@ -92,5 +90,5 @@ def nearly_parallel(instance: Instance, R: Complex) -> NDArray[np.bool_]:
         if constraint.kind is DLL and isinstance(line, Line) and isinstance(other, Line):
             normal = np.cross(R @ line.unit, other.unit)
             sizes = 1 + np.abs(R).max(axis=(1, 2)) ** 2
-            nearly[:, k] = np.abs((normal**2).sum(axis=1)) <= _PARALLEL * sizes
+            nearly[:, k] = np.abs((normal**2).sum(axis=1)) <= NEARLY_PARALLEL_SINE**2 * sizes
     return nearly

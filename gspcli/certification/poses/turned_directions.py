@@ -27,11 +27,9 @@ from gspcli.certification.poses.locator import AtInfinity, Complex, Located, Loc
 from gspcli.geometry.instance import Constraint, Instance
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Line, Plane, Point, Vector
+from gspcli.geometry.tolerances import TURNED_APART_RADIANS
 from gspcli.records import dataclass
 
-#: Directions with a difference between these are nearly parallel. Above the second, paths with 64
-#: digits are quicker; below the first, bounds are no floats.
-_LEAST, _PARALLEL = 1e-62, 1e-13
 #: Bits of the differences; bits of the equations for each bit of s eps; additional bits.
 _BITS, _TIMES, _MORE = 2048, 8, 256
 #: The first step of log s; the factors of the next step after success and after failure.
@@ -216,7 +214,8 @@ def _turn(other: Sequence[arb], direction: Sequence[arb]) -> _Turn | None:
     if all(x.contains(0) for x in difference):
         return None
     angle = float((norm(difference) / length).mid())
-    return _Turn(near, difference, angle) if _LEAST < angle < _PARALLEL else None
+    least, most = TURNED_APART_RADIANS
+    return _Turn(near, difference, angle) if least < angle < most else None
 
 
 def _vector(turn: _Turn, s: arb) -> Vector:

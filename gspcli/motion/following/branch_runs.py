@@ -9,6 +9,7 @@ from gspcli.catalogue.kinds import DLL
 from gspcli.certification.branches.folds import Fold, prove_fold
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
+from gspcli.geometry.tolerances import NEARLY_PARALLEL_SINE
 from gspcli.motion.following.branch_follower import Branches, FollowOptions, MovingPlatform, Stop
 from gspcli.motion.following.branch_steps import follow_closely
 from gspcli.motion.following.moving_geometry import MovingGeometry
@@ -19,9 +20,7 @@ Array = NDArray[np.float64]
 
 #: Points of norm one at the same pose agree to this.
 SAME = 1e-7
-#: Limits for the words of a reason: lines at a smaller angle (radians) are "nearly parallel", and a
-#: platform farther away than this many typical lengths is "far away".
-_PARALLEL = 1e-2
+#: A platform farther away than this many typical lengths is called "far away" in a reason.
 _FAR = 10.0
 
 
@@ -197,7 +196,7 @@ class Run:
         w, v = arrangement.placed(R, T).w, arrangement.v
         sines = np.linalg.norm(np.cross(w, v), axis=-1)
         for k, kind in enumerate(arrangement.kinds):
-            if kind is DLL and sines[k] < _PARALLEL:
+            if kind is DLL and sines[k] < NEARLY_PARALLEL_SINE:
                 return f"the lines of constraint {k + 1} become parallel"
         distance = float(
             np.linalg.norm(T + R @ arrangement.platform_centre - arrangement.base_centre)

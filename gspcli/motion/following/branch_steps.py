@@ -37,7 +37,7 @@ SCALED, SCALED_EXACTLY = 2.0**-40, 2.0**-48
 #: How often a step may be halved where residuals are known in balls, and how often it is at first.
 _MOST_HALVINGS, _HALVINGS = 50, 24
 #: After so many tries in balls, of some milliseconds each, a branch is given up if there is no hope
-#: (`Follower.hopeless`), and after the most in any case.
+#: (`BranchSteps.hopeless`), and after the most in any case.
 _TRIES, _MOST_TRIES = 50, 1000
 
 
@@ -103,7 +103,7 @@ class Segment:
 
 
 @dataclasses.dataclass(eq=False)
-class Follower:
+class BranchSteps:
     """Follows branches, all of them one step at a time.
 
     Attributes
@@ -277,7 +277,7 @@ def follow_closely(
     options
         As for `MovingGeometry.follow`, except that the step may be halved more often.
     hopeless
-        As for `Follower`.
+        As for `BranchSteps`.
     """
     part, steps = float(branches.fraction[k]).as_integer_ratio()
     level = max(_HALVINGS, steps.bit_length() - 1)
@@ -285,7 +285,7 @@ def follow_closely(
     cursor.part, cursor.level = part * (2**level // steps), level
     cursor.end, cursor.alone = float(branches.near[k]), float(branches.alone[k])
     more = replace(options, most_halvings=_MOST_HALVINGS)
-    return Follower(system, rows[None], more, exact=True, hopeless=hopeless).resumed(cursor)
+    return BranchSteps(system, rows[None], more, exact=True, hopeless=hopeless).resumed(cursor)
 
 
 def newton(

@@ -23,7 +23,7 @@ from gspcli.motion.following.branch_steps import (
     PROVED,
     SCALED,
     SCALED_EXACTLY,
-    Follower,
+    BranchSteps,
     Segment,
     corrected,
     newton,
@@ -109,7 +109,7 @@ class ConeProofs:
             if row + 1 >= len(self.rows) or not len(here):
                 return found
             kept: list[Segment] = []
-            follower = Follower(self.system, self.rows[None, row:], FollowOptions(), kept=kept)
+            follower = BranchSteps(self.system, self.rows[None, row:], FollowOptions(), kept=kept)
             branches = follower.run(np.zeros(len(here), np.int64), points[here, row])
             for one, stretch in self._judged(row, kept):
                 found[here[one]].append(stretch)

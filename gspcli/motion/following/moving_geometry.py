@@ -15,7 +15,7 @@ from gspcli.certification.equations.local_frames import LocalFrames
 from gspcli.geometry.coordinates import Coordinate, moved
 from gspcli.geometry.instance import Instance
 from gspcli.motion.following.branch_follower import Branches, FollowOptions, StudyUnits
-from gspcli.motion.following.branch_steps import Follower
+from gspcli.motion.following.branch_steps import BranchSteps
 from gspcli.motion.following.chord_equations import equations_at
 
 Array = NDArray[np.float64]
@@ -74,4 +74,4 @@ class MovingGeometry(StudyUnits):
         trajectory, start, options, near
             As for `MovingPlatform.follow`; `FollowOptions.jobs` and ``build`` are not used.
         """
-        return Follower(self.system, values, options).run(trajectory, start, near)
+        return BranchSteps(self.system, values, options).run(trajectory, start, near)

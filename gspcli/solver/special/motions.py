@@ -20,6 +20,7 @@ from gspcli.geometry.quaternions import (
     quaternion_from_rotation,
     rotation_from_quaternion,
 )
+from gspcli.geometry.tolerances import MEASURED_PARALLEL_SINE
 from gspcli.solver.results.pose_set import Motion
 
 Array = NDArray[np.float64]
@@ -34,8 +35,6 @@ _CORRECTIONS = 48
 _KERNEL = 1e-6
 #: Cosines this near to one, and distances this near to zero, are at the end of their range.
 _END = 1e-12
-#: Lines whose directions have a smaller vector product are parallel.
-_PARALLEL = 1e-6
 #: Largest remaining error of a corrected pose, in radians or typical lengths.
 _CONVERGED = 1e-11
 
@@ -129,7 +128,7 @@ class _System:
         kind, v, target = self.given.kinds[i], self.given.v[i], self.targets[i]
         is_real = not np.iscomplexobj(r)
         if kind.is_distance:
-            apart = np.abs(cross(w, v)).max() > _PARALLEL
+            apart = np.abs(cross(w, v)).max() > MEASURED_PARALLEL_SINE
             if kind is DLL and not apart:
                 kind = DPL
             squared = kind in (DPP, DPL, DLP)

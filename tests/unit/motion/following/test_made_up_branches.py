@@ -17,7 +17,7 @@ from gspcli import _kernel
 from gspcli.certification.branches.parametric_quadrics import Law, Shape
 from gspcli.certification.branches.taylor import MovingQuadrics
 from gspcli.motion.following.branch_follower import FollowOptions, Stop
-from gspcli.motion.following.branch_steps import Follower, Segment
+from gspcli.motion.following.branch_steps import BranchSteps, Segment
 from gspcli.motion.following.chord_equations import DEGREE, VALUES, Chord, Parts
 from gspcli.motion.following.chords import ChordProofs, on_patch, prove
 from gspcli.motion.following.cone_limits import _enclosed, _joined
@@ -247,7 +247,7 @@ def test_two_proofs_are_of_the_same_zero_only_if_one_is_in_the_ball_of_the_other
     assert (alone.end[0], alone.uniqueness[0], alone.radius[0]) == (1e-3, 2e-3, 2e-3)
 
 
-class MadeUp(Follower):
+class MadeUp(BranchSteps):
     """Follows a branch of a made-up equation."""
 
     name = "square"

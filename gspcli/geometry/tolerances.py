@@ -1,0 +1,26 @@
+"""When directions count as parallel: a tolerance for each purpose, its unit in its name.
+
+A sine is the norm of the vector product of two unit directions, for small angles the angle in
+radians. The purposes differ by how many digits there are.
+"""
+
+from __future__ import annotations
+
+#: Zero but for the rounding of doubles: lines have no common perpendicular of their own, and are
+#: measured as parallel ones.
+PARALLEL_SINE = 1e-9
+#: Zero but for rounding in the numbers of a file, which are exact.
+PARALLEL_SINE_IN_FILES = 1e-12
+#: Zero but for the errors of corrected poses, of sensors, and of machines described in doubles.
+MEASURED_PARALLEL_SINE = 1e-6
+#: Zero but for the errors of an end where several paths meet, which has half the digits.
+PARALLEL_SINE_OF_MULTIPLE_ENDS = 1e-5
+#: Nearly parallel: the equation of a DLL nearly holds whatever its distance is, and doubles do not
+#: prove its poses.
+NEARLY_PARALLEL_SINE = 1e-2
+#: The square of the sine of two lines below which their distance is measured with more digits:
+#: doubles lose half as many digits as it has zeros.
+NEARLY_PARALLEL_SINE_SQUARE = 1e-8
+#: Angles in radians between which directions of a body are turned apart to find poses far away.
+#: Above the second, paths with 64 digits are quicker; below the first, bounds are no floats.
+TURNED_APART_RADIANS = (1e-62, 1e-13)
