@@ -17,7 +17,7 @@ from gspcli.motion.singularities.enclosures import Neighbourhood
 from gspcli.motion.singularities.pose_clearances import _divided
 from gspcli.motion.singularities.screw_forms import Regular, ScrewForms
 from gspcli.motion.singularities.taylor_forms import Form
-from gspcli.solver.generate import random_instance
+from gspcli.solver.instances.generate import random_instance
 
 
 def quadric(**entries: float) -> np.ndarray:
