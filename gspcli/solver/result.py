@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli import __version__
+from gspcli.catalogue.kinds import DLL
 from gspcli.continuation.paths import PathAccount, Verdict
 from gspcli.defaults import PATIENCE
 from gspcli.geometry.arrangement import Arrangement
@@ -149,9 +150,9 @@ class SolveResult:
 
     @cached_property
     def geometry_count(self) -> int | None:
-        """How many poses this geometry has for almost all values; None if nobody could count.
+        """How many poses this geometry has for almost all values; None if it was not counted.
 
-        It is computed when it is asked for, except where the poses prove it to be the type's.
+        Lines at distance zero have one sign, as in `expected`: for other values they have two. It is computed when it is asked for, except where the poses prove it to be the type's.
         """
         if self.proof is not None and self.proof.by is CountKind.TYPE:
             return self.expected
@@ -167,7 +168,8 @@ class SolveResult:
         if self.arrangement.values[self.arrangement.distances].all():
             known = STARTS.count(self.instance, self.seed, PATIENCE)
         count = known or geometry_count(self.instance, seed=self.seed)
-        return None if count is None else count.solutions
+        zeros = sum(row.kind is DLL and row.value.value == 0 for row in self.instance.constraints)
+        return None if count is None else count.solutions >> zeros
 
     @cached_property
     def counts(self) -> Counts:

@@ -323,3 +323,12 @@ def test_poses_that_the_machine_cannot_take_are_told(gsp):
     assert kept["T"] == pytest.approx([-3.218, -5.895, 56.166], abs=1e-3)
     assert {one["body"] for pose in poses for one in pose["limits"][1:]} == {"base", "platform"}
     assert "limits" not in gsp("solve", "@dietmaier", "--format", "json").out
+
+
+def test_lines_that_touch_are_counted_once_in_both_numbers(gsp):
+    """Each solution was counted twice for each of them in the geometry's number only."""
+    words = [word for k in (4, 5, 6) for word in ("--set", f"{k}=0")]
+    run = gsp("solve", "@parallel-edges", *words)
+    assert "32 poses, real or not, of this geometry's 32; the type can have 52" in run.out
+    document = json.loads(gsp("solve", "@parallel-edges", *words, "--format", "json").out)
+    assert document["geometry_count"] == 32
