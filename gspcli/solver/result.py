@@ -152,7 +152,8 @@ class SolveResult:
     def geometry_count(self) -> int | None:
         """How many poses this geometry has for almost all values; None if it was not counted.
 
-        Lines at distance zero have one sign, as in `expected`: for other values they have two. It is computed when it is asked for, except where the poses prove it to be the type's.
+        Lines at distance zero have one sign, as in `expected`: for other values they have two. It
+        is computed when it is asked for, except where the poses prove it to be the type's.
         """
         if self.proof is not None and self.proof.by is CountKind.TYPE:
             return self.expected
@@ -169,7 +170,7 @@ class SolveResult:
             known = STARTS.count(self.instance, self.seed, PATIENCE)
         count = known or geometry_count(self.instance, seed=self.seed)
         zeros = sum(row.kind is DLL and row.value.value == 0 for row in self.instance.constraints)
-        return None if count is None else count.solutions >> zeros
+        return None if count is None or count.solutions is None else count.solutions >> zeros
 
     @cached_property
     def counts(self) -> Counts:

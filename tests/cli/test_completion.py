@@ -40,7 +40,7 @@ def _completed(line: str) -> list[str]:
         ("gsp analyze x.yaml p", ["<file>"]),
         ("gsp track x.yaml v", ["<file>"]),
         ("gsp measure x.yaml p.csv --require range,cond", ["range,condition"]),
-        ("gsp solve x.yaml --format j", ["json"]),
+        ("gsp solve x.yaml --format j", ["json", "jsonl"]),
         ("gsp solve x.yaml -o p", ["<file>"]),
         ("gsp example fix", ["fixture-3-2-1"]),
         ("gsp bound --part b", ["bounds"]),
