@@ -116,6 +116,7 @@ def test_an_arc_ends_at_its_reach() -> None:
     assert arc.contains(place(0.09, 0.09))
     assert not arc.contains(place(0.11, 0.11))
     assert not arc.contains([arb(0.095, 0.01), *[arb(0)] * 7, arb(0.095)])
+    assert not arc.contains([arb(0.05), *[arb(0)] * 7, arb(0.05, 0.01)])
 
 
 def test_where_time_turns_back_the_arc_says_so() -> None:

@@ -124,11 +124,11 @@ NAMES = [name for name in CROSSINGS if "crank" not in name]
 
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("branch", [1, -1])
-@pytest.mark.parametrize("size", [1e-3, 0.03, 0.2])
+@pytest.mark.parametrize("size", [1e-4, 3e-4, 1e-3, 0.03, 0.2])
 def test_no_step_leads_across_the_crossing(name: str, branch: int, size: float) -> None:
     at = CROSSINGS[name].at
     way = -1 if name == "minus cosine" or name == "sine" else 1
-    for share in (0.5, 0.9, 1.0, 1.1, 1.5, 2, 3):
+    for share in (0.3, 0.5, 0.7, 0.9, 1.0, 1.1, 1.5, 2, 3):
         found = started(name, at + way * size, branch)
         assert step(found, at + way * 1.1 * size) is FollowerStatus.PROVED
         assert step(found, at - way * share * size) is not FollowerStatus.PROVED
