@@ -21,10 +21,10 @@ from gspcli.catalogue.kinds import ALL, DHP, DLL, DPH, Kind
 from gspcli.catalogue.types import CONSTRAINTS, Family
 from gspcli.catalogue.witnesses import Witness, named_family, read_row
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.reality.limits import limits
 from gspcli.reality.platforms import Platforms, multiplier
 from gspcli.reality.solved_platforms import Solved
 from gspcli.reality.witness_proofs import witness_instance
+from tools.witnesses.limits import limits
 from tools.witnesses.record import FOLDER, Record
 
 REAL = Record(FOLDER / "real.csv", FOLDER / "manifest.json", ("family", "real", "numbers"))

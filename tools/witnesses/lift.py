@@ -1,7 +1,7 @@
 """Lift platforms with many real solutions to types that have them in the limit.
 
 For each family whose solutions are not all known to be real: take the best platforms of its simpler
-families (`gspcli.reality.limits`), and go from there to platforms of the family, as long as that
+families (`tools.witnesses.limits`), and go from there to platforms of the family, as long as that
 finds better ones.
 """
 
@@ -12,10 +12,10 @@ import numpy as np
 from gspcli.catalogue.kinds import DHP, DPH, DPP
 from gspcli.catalogue.types import Family
 from gspcli.geometry.quaternions import pose_from_study
-from gspcli.reality.limits import Limit, limits
 from gspcli.reality.platforms import Platforms
 from gspcli.reality.solved_platforms import Solved, quickly_solved
 from tools.witnesses.known import Known, canonical_families, kinds_of, solutions
+from tools.witnesses.limits import Limit, limits
 
 #: How far away far points are, in units of the size of the set of places.
 _REACHES = tuple(3.0 * 2.5**k for k in range(12))

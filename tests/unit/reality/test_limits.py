@@ -5,9 +5,9 @@ import pytest
 
 from gspcli.catalogue.kinds import ALL, DHP, DLL, DPH, DPL, DPP
 from gspcli.geometry.quaternions import pose_from_study
-from gspcli.reality.limits import Limit, limits
 from gspcli.reality.platforms import random_platforms, reduced
 from gspcli.reality.solved_platforms import Solved, solved
+from tools.witnesses.limits import Limit, limits
 
 
 def _poses(found: Solved) -> np.ndarray:

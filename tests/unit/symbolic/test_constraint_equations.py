@@ -44,12 +44,12 @@ from gspcli.symbolic.coordinate_systems import (
     system,
 )
 from gspcli.symbolic.degrees import constrained_motions, excludes_degree
-from gspcli.symbolic.facts import constraint_facts, unproved_degrees
 from gspcli.symbolic.forms import Frame, Vector, base, evaluate, inner, platform, triple
 from gspcli.symbolic.loci import loci, quadratic_part
 from gspcli.symbolic.rational_motions import RationalMotion, random_motion
 from gspcli.symbolic.samples import RationalConstraint, sample
 from gspcli.symbolic.varieties import hilbert_function, motion_variables
+from tools.build.constraints import constraint_facts, unproved_degrees
 
 
 def exact(array: Any) -> Matrix:
