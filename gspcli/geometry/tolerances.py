@@ -1,22 +1,22 @@
-"""When directions count as parallel: a tolerance for each purpose, its unit in its name.
+"""Tolerances below which directions count as parallel: one for each purpose, its unit in its name.
 
-A sine is the norm of the vector product of two unit directions, for small angles the angle in
-radians. The purposes differ by how many digits there are.
+A sine is the norm of the vector product of two unit directions; for small angles it is the angle in
+radians. The purposes differ in the number of correct digits.
 """
 
 from __future__ import annotations
 
-#: Zero but for the rounding of doubles: lines have no common perpendicular of their own, and are
-#: measured as parallel ones.
+#: Zero up to the rounding of doubles: the lines have no unique common perpendicular and are measured
+#: as parallel ones.
 PARALLEL_SINE = 1e-9
-#: Zero but for rounding in the numbers of a file, which are exact.
+#: Zero up to rounding, for the numbers of a file, which are exact.
 PARALLEL_SINE_IN_FILES = 1e-12
-#: Zero but for the errors of corrected poses, of sensors, and of machines described in doubles.
+#: Zero up to the errors of corrected poses, of sensors, and of machines described in doubles.
 MEASURED_PARALLEL_SINE = 1e-6
-#: Zero but for the errors of an end where several paths meet, which has half the digits.
+#: Zero up to the error of an end at which several paths meet, which has half the digits.
 PARALLEL_SINE_OF_MULTIPLE_ENDS = 1e-5
-#: Nearly parallel: the equation of a DLL nearly holds whatever its distance is, and doubles do not
-#: prove its poses.
+#: Nearly parallel: the equation of a DLL nearly holds at any distance, and doubles do not prove its
+#: poses.
 NEARLY_PARALLEL_SINE = 1e-2
 #: The square of the sine of two lines below which their distance is measured with more digits:
 #: doubles lose half as many digits as it has zeros.

@@ -177,7 +177,7 @@ KEYS: dict[str, str] = {
     "proof": "what proves that nothing is missing; null if nothing does",
     "by": "the count that the poses reach",
     "grade": "certain, or up to a random prime",
-    "modulo_random_prime": "false if certain, else a bound of the probability that the prime misled",
+    "modulo_random_prime": "false if certain, else a bound of the probability of a wrong count",
     "geometry_count": "count of this geometry with random values, where computed",
     "exact_count": "count of this very platform, where computed",
     "found": "distinct finite solutions",

@@ -193,7 +193,7 @@ class ValueProofs:
             The frames of the points.
         rows
             Sets of values, shape (b, 6); a distance of lines is zero in all of them or in none.
-            None for the values of the instance, exactly as they are written; b = 1.
+            None for the values of the instance, exactly as written; b = 1.
         jobs
             Threads.
         """
