@@ -6,8 +6,8 @@ radians. The purposes differ in the number of correct digits.
 
 from __future__ import annotations
 
-#: Zero up to the rounding of doubles: the lines have no unique common perpendicular and are measured
-#: as parallel ones.
+#: Zero up to the rounding of doubles: the lines have no unique common perpendicular and are
+#: measured as parallel ones.
 PARALLEL_SINE = 1e-9
 #: Zero up to rounding, for the numbers of a file, which are exact.
 PARALLEL_SINE_IN_FILES = 1e-12
