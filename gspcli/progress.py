@@ -9,7 +9,7 @@ Item = TypeVar("Item")
 
 
 class Progress(Protocol):
-    """Wraps an iterable and shows how far it has come."""
+    """Wraps an iterable and shows its progress."""
 
     def __call__(
         self, items: Iterable[Item], *, total: int | None = None, label: str = ""

@@ -142,7 +142,7 @@ def _fed(
 
 @contextmanager
 def _processes(jobs: int) -> Iterator[Executor]:
-    """Start processes, which end at once when the context is left, whatever they do."""
+    """Start processes, which end at once when the context ends, also during work."""
     others = set(active_children())
     # Not forked: threads of the tracker may be running.
     executor = ProcessPoolExecutor(jobs, get_context("spawn"), initializer=_follow_parent)

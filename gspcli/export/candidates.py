@@ -1,4 +1,4 @@
-"""Lists of poses that somebody else made, as JSON or CSV, read without believing them."""
+"""Lists of poses from other programs, as JSON or CSV; nothing in them is taken as proved."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _COLUMNS = {
 _NUMBERS = tuple("123456")
 _SIGNS = {"positive": 1, "negative": -1}
 _IMAGINARY = "_imag"
-#: Lines that begin so say nothing of poses: comments, and notices of Singular.
+#: Beginnings of lines without poses: comments, and notices of Singular.
 COMMENTS = ("#", "//")
 _EXPECTED = "R (3x3) or quaternion (4 numbers, scalar first), and T (3 numbers)"
 
@@ -40,7 +40,7 @@ class Candidates:
     R, T
         Complex, shapes (n, 3, 3) and (n, 3).
     claimed_real
-        For each pose what the list says about it, None if it says nothing.
+        Whether the list states that each pose is real, None without a statement.
     claimed_sides
         For each pose and constraint the side of its plane that the list says: 1 or -1, or 0 if it
         says nothing; shape (n, 6).
@@ -56,12 +56,13 @@ def read_candidates(text: str, name: str) -> Candidates:
     """Read a list of poses.
 
     JSON is a list of poses or an object with one under ``solutions``. A pose is an object with
-    ``R`` or ``quaternion`` (scalar first, of any length) and ``T``, and for a non-real one
-    ``R_imag`` and ``T_imag``; it may say whether it is ``real``, and on which ``sides`` of planes,
-    such as ``{"1": "positive"}`` (in CSV ``1:positive 2:negative``). Or it is a list of 12 numbers
-    (R by rows, T) or of 7 (quaternion, T). CSV has columns r11 ... r33 or qw qx qy qz, and tx ty
-    tz, in any order and among others, with imaginary parts in r11_imag and so on; or no heading
-    and 12 or 7 numbers a line.
+    ``R`` or ``quaternion`` (scalar first, of any length) and ``T``. A pose that is not real also
+    has ``R_imag`` and ``T_imag``. It may state whether it is ``real``, and the ``sides`` of planes,
+    such as ``{"1": "positive"}`` (in CSV ``1:positive 2:negative``). A pose may also be a list of
+    12 numbers (R by rows, T) or of 7 (quaternion, T).
+
+    CSV has columns r11 ... r33 or qw qx qy qz, and tx ty tz, in any order, with imaginary parts in
+    r11_imag and so on; other columns are ignored. Without a heading it has 12 or 7 numbers a line.
 
     Parameters
     ----------
@@ -101,7 +102,7 @@ Places = list[tuple[Location | None, str]]
 
 def _json(text: str, name: str) -> tuple[list[Any], Places]:
     try:
-        # Integers of any length are read as what they are for us: numbers that may be too large.
+        # Integers of any length are read as floats, which may be infinite.
         document = json.loads(text, parse_int=float)
     except json.JSONDecodeError as error:
         location = Location(name, error.lineno, error.colno)

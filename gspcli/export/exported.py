@@ -111,7 +111,7 @@ def exported(
 def _pose(
     instance: Instance, mode: int | None, *, needed: bool
 ) -> tuple[Solution | None, tuple[str, ...]]:
-    """Return the real pose that is asked for, by default home, and what to say of it."""
+    """Return the real pose that is asked for, by default home, and a note about it."""
     from gspcli.motion.poses.chosen_mode import chosen_mode
     from gspcli.solver import solve
 

@@ -1,4 +1,4 @@
-"""What a format of `gsp export` says of itself.
+"""What a format of `gsp export` states about itself.
 
 Rational coefficients are exact everywhere. Irrational constants (square roots, cosines) are exact
 for SymPy; for programs that know only rational numbers they are decimal fractions of as many digits

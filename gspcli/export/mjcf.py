@@ -139,7 +139,7 @@ class _Model:
     def _corners(self, points: Array, *, platform: bool) -> Array | None:
         """Return points whose convex hull MuJoCo draws, shape (n, 3); None if it has no area.
 
-        A flat body is made a thin plate. Planes are no corners: they are drawn by themselves.
+        A flat body is made a thin plate. Planes are not corners; they are drawn separately.
         """
         rows = self.instance.constraints
         primitives = [row.platform if platform else row.base for row in rows]

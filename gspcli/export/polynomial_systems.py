@@ -1,10 +1,9 @@
 """The constraints as polynomials, from their definitions (Section 4), for other programs.
 
-Directions and normals are kept as they are written, of any length, so that rational data give
-rational coefficients. Nothing is shared with the quadrics of the path tracker, nor with the
-equations of the certificates: that all have the same solutions is part of what the benchmarks and
-the oracles check. Other independent statements, kept apart for the same reason, are those modulo
-primes in `gspcli.atlas` and those for Singular in `tools/`.
+Directions and normals are kept as written, of any length, so that rational data give rational
+coefficients. No code is shared with the quadrics of the path tracker or with the equations of the
+certificates: benchmarks and oracles check that all have the same solutions. Other independent
+statements are those modulo primes in `gspcli.atlas` and those for Singular in `tools/`.
 """
 
 from __future__ import annotations
@@ -81,7 +80,7 @@ def expanded(equation: SumOfProducts) -> Polynomial:
 def equations(instance: Instance, motion: SymbolicMotion) -> tuple[list[SumOfProducts], Constants]:
     """Return one equation for each constraint, and the irrational numbers in them.
 
-    For DLL also lines that become parallel satisfy the equation, whatever their distance.
+    Parallel lines at any distance also satisfy the equation of a DLL.
     """
     constants = Constants()
     rows = [_equation(row, instance.units.angle, motion, constants) for row in instance.constraints]

@@ -28,8 +28,8 @@ LIGHT = 1e-3
 #: at least and at most so many N/m for each kilogramme of the platform: stiffer ones are not
 #: stable with a step of 0.5 ms.
 _SAG, _SOFT, _STIFF = 2e-4, 1e4, 4e6
-#: What a joint has of inertia by itself, as a share of that of a link: no two parallel joints of a
-#: link can then be without any.
+#: The inertia of a joint alone, as a share of that of a link, so that none of two parallel joints
+#: of a link is without inertia.
 _ROTOR = 0.01
 #: Inertias of leg bodies are at least this share of the mass times the square of the size.
 _SLENDER = 1e-6
@@ -92,7 +92,7 @@ class SimulatedMasses:
         return np.array([0.0, 0.0, -(9.81 if against_z is None else against_z)])
 
     def armature(self, kind: str, constraint: int | None) -> float:
-        """Return the inertia of a joint by itself, with the drive of a constraint (from 0) or none.
+        """Return the inertia of a joint alone, with the drive of a constraint (from 0) or none.
 
         Kilogrammes for slides, kg m^2 for others.
         """

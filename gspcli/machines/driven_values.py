@@ -169,7 +169,7 @@ def _linear(held: Held, chain: Chain, drive: int) -> bool:
 def _at_the_coordinate(held: Held, chain: Chain, drive: int) -> Held:
     """Return a distance to a plane that is the coordinate of its drive, signed.
 
-    The chain does not say where the plane is: only its normal. Other kinds are as they are.
+    The chain does not say where the plane is: only its normal. Other kinds are unchanged.
     """
     if held.kind not in ("DPH", "DHP") or not _linear(held, chain, drive):
         return held

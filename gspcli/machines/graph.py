@@ -179,7 +179,7 @@ class Graph:
     notes
         What was not read, assumed or left out.
     exact
-        Coordinates of points as they are written, by the doubles next to them.
+        Coordinates of points as written, by the doubles nearest to them.
     remarks
         What is said of a joint of a name that an instance file has no place for.
     """

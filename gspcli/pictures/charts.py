@@ -11,7 +11,7 @@ from gspcli.pictures.figures import ANGLE, PLATFORM, SOFT, styled, written
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-#: Colours that people tell apart whatever their sight (Okabe and Ito).
+#: Colours that people with any colour vision can distinguish (Okabe and Ito).
 PALETTE = ("#0072b2", "#e69f00", "#009e73", "#d55e00")
 #: Area of a bubble of weight one, in square points.
 _BUBBLE = 1.6

@@ -1,8 +1,8 @@
 """The numbers from which a page finds all poses again when values move.
 
-What the kernel of the page (tools/view/module/) needs of a geometry: how values enter equations,
-solved systems with complex values from which paths lead, equations of proofs, poses far away, and
-the numbers of the step of a controller. It is written once; the page has no other mathematics.
+They are the numbers of a geometry for the kernel of the page (tools/view/module/): coefficients of
+values in equations, solved systems with complex values from which paths start, equations of proofs,
+poses far away, and the numbers of the step of a controller. The page has no other mathematics.
 """
 
 from __future__ import annotations

@@ -54,7 +54,7 @@ def page(
 def parts(
     scene: Scene, start: int, view: View | None, seen: Mapping[str, object]
 ) -> dict[str, str]:
-    """Return what every page says of a scene, by the marks in its template.
+    """Return the texts about a scene in every page, by the marks in its template.
 
     Parameters
     ----------

@@ -114,7 +114,7 @@ class Stage:
                     and other.kind.is_distance
                 ]
                 elements[label] = self._element(label, primitive, feet)
-        # A plane shows by itself where it belongs.
+        # A plane needs no line to the body.
         joined = [e.centre for e in elements.values() if e.primitive is not Primitive.PLANE]
         return DrawnBody(
             name, tuple(elements.values()), convex_hull(np.array(joined).reshape(-1, 3))

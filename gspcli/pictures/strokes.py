@@ -1,4 +1,4 @@
-"""What is drawn for each kind of constraint, at many poses at a time.
+"""The strokes of each kind of constraint, at many poses at a time.
 
 A distance is its shortest connection, with marks of the right angles it makes; an angle is an arc
 between the two directions, moved together at a point of the base's primitive (for AHL the

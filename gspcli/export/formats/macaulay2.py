@@ -20,7 +20,7 @@ def write(system: PolynomialSystem, digits: int) -> str:
         f"R = QQ[{', '.join(system.names)}];\n"
         f"I = ideal(\n{rows});\n"
         '<< "# dimension " << dim I << ", degree " << degree I << endl;\n'
-        # By eigenvalues, and improved: its path tracking loses solutions without a word.
+        # By eigenvalues, and improved: its path tracking loses solutions without a message.
         'needsPackage "EigenSolver";\n'
         'needsPackage "NumericalAlgebraicGeometry";\n'
         "S = CC[gens R];\n"

@@ -91,7 +91,7 @@ def legs_graph(
         slide = Part("P", e, leg.base, value, leg.low, leg.high, True, said)
         made += [
             Joint(f"{said}, base", "base", f"{said}, foot", np.eye(4), (ball(leg.base, said),)),
-            # The length is that of the file, whatever pose the file states.
+            # The length is that of the file, for any pose that the file states.
             Joint(
                 said,
                 f"{said}, foot",

@@ -51,7 +51,7 @@ def beside(path: Path) -> Path:
 
 
 class _Loops:
-    """What a YAML file says of the loops, the drives and the joints of a robot."""
+    """The loops, the drives and the joints of a robot in a YAML file."""
 
     def __init__(self, file: Path) -> None:
         self.file = file
