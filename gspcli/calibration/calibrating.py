@@ -135,7 +135,7 @@ def calibrate_rows(
         raise ArgumentError(message, "sigma")
     prior = prior_of(options, model)
     _check_told(seen, noise)
-    model, R, T = started(instance, model, seen, noise)
+    model, R, T, home = started(instance, model, seen, noise)
     start = model.anchored(R, T), R, T
     huber = HUBER if options.robust else None
     found, scatter = _fitted(start, seen, noise, huber, prior, stated=bool(sigma))
@@ -143,7 +143,7 @@ def calibrate_rows(
     if unknown.missing and not options.hold_unknown:
         raise IncompleteError(_refusal(instance, unknown, found, seen))
     worst = _without_worst(found, seen, noise, huber, prior / scatter)
-    return Calibration(instance, found, seen, noise, scatter, unknown, options, worst)
+    return Calibration(instance, found, seen, noise, scatter, unknown, options, worst, home)
 
 
 def _fitted(

@@ -211,7 +211,7 @@ def planned(
     nothing = before = np.eye(int(model.free.sum())) / prior**2
     if seen is not None:
         # Where the machine is best known, the poses to come tell what they will.
-        found = fit(*started(instance, model, seen, noise), seen, noise, prior=prior)
+        found = fit(*started(instance, model, seen, noise)[:3], seen, noise, prior=prior)
         model = found.model
         scaled = found.directions * found.singular[:, None]
         before = before + scaled.T @ scaled

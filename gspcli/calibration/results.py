@@ -48,6 +48,8 @@ class Calibration:
         What was estimated, and how.
     without_worst
         The same without the row that agrees least, and its index; None if that cannot be told.
+    home
+        With unknown frames and no stated home, which real pose was taken for it, in words.
     """
 
     stated: Instance
@@ -58,6 +60,7 @@ class Calibration:
     unknowns: Unknowns
     options: Options
     without_worst: tuple[int, Fit] | None = None
+    home: str = ""
 
     def __repr__(self) -> str:
         count = int(self.estimated.sum())
@@ -215,6 +218,7 @@ class Calibration:
             "scatter": self.scatter,
             "doubts": list(self.doubts),
             "cause": self.cause or "",
+            "home_taken": self.home,
             "noise": {
                 "value": self.noise.value,
                 "angle": self.noise.angle / model.in_radians,

@@ -9,6 +9,7 @@ Newton's method comes nearest to what they tell.
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,16 +24,31 @@ from gspcli.geometry.readings import values_of, without_corrections
 from gspcli.solver import solve, solve_values
 
 Array = NDArray[np.float64]
+#: Poses R, T of a row.
+Poses = tuple[Array, Array]
 
 #: Rows of less start at so many poses of others and take so many steps, none longer than this part
 #: of a typical length; in the end they may be off by this part.
 _STARTS, _STEPS, _LONGEST, _AGREES = 8, 30, 0.3, 0.05
 
 
-def started(
-    instance: Instance, model: Model, seen: Measurements, noise: Noise
-) -> tuple[Model, Array, Array]:
+class Start(NamedTuple):
+    """Where a fit starts: the model, with its frames, and poses, (n, 3, 3) and (n, 3)."""
+
+    model: Model
+    R: Array
+    T: Array
+    home: str = ""
+    """Which pose was taken for home and why, in words; empty if none was needed, or it is stated.
+    """
+
+
+def started(instance: Instance, model: Model, seen: Measurements, noise: Noise) -> Start:
     """Return the model and the poses to start from.
+
+    With unknown frames the pose of a row is the one nearest to home. If no home is stated all real
+    poses for the stated values are tried, and the one is taken whose poses are nearest to those
+    measured.
 
     Raises
     ------
@@ -44,23 +60,51 @@ def started(
     if not model.with_frames:
         rest = ~seen.whole & read
         if rest.any():
-            R[rest], T[rest] = _modes(instance, model, seen.taken(rest), noise)
-        return model, *_with_less(instance, model, seen, R, T, noise, ~seen.whole & ~read)
+            some = seen.taken(rest)
+            R[rest], T[rest] = _agreeing(model, some, _modes(instance, model, some, noise), noise)
+        return Start(model, *_with_less(instance, model, seen, R, T, noise, ~seen.whole & ~read))
     if not read.any():
         message = "no row has all six readings: with unknown frames some rows must have them"
         raise GspError(message)
-    R[read], T[read] = _modes(instance, model, seen.taken(read), noise)
-    first = _with_frames(model, seen.taken(read), R[read], T[read], noise)
+    some = seen.taken(read)
+    first, home = _from_home(instance, model, some, _modes(instance, model, some, noise), noise)
     R[read], T[read] = first.R, first.T
     R, T = _with_less(instance, first.model, seen, R, T, noise, ~read)
-    return replace(first.model, free=model.free), R, T
+    return Start(replace(first.model, free=model.free), R, T, home)
 
 
-def _with_frames(model: Model, seen: Measurements, R: Array, T: Array, noise: Noise) -> Fit:
-    """Return a fit of the frames only, to poses that are known but for them."""
+def _from_home(
+    instance: Instance, model: Model, seen: Measurements, modes: list[Poses], noise: Noise
+) -> tuple[Fit, str]:
+    """Return the fit of frames to the poses of all rows near home, and which home that is."""
+    result = solve(instance)
+    if result.home is None:
+        message = "the stated values have no real pose: state those of a pose of the machine"
+        raise GspError(message)
+
+    if instance.home is not None:
+        places = _nearest(model, modes, result.home.R, result.home.T)
+        return fit(_with_frames(model, seen, *places), *places, seen, noise), ""
+    tried = []
+    for R, T in zip(result.R[result.real].real, result.T[result.real].real, strict=True):
+        places = _nearest(model, modes, R, T)
+        near = _with_frames(model, seen, *places)
+        tried.append((float(_costs(seen.rows(near, *places, noise)).sum()), near, places))
+    order = sorted(range(len(tried)), key=lambda k: tried[k][0])
+    best = order[0]
+    home = f"no home is stated, and mode {best + 1} of {len(tried)} was taken"
+    if len(tried) > 1:
+        # Before the machine is fitted chi-squared means nothing, but their ratio does.
+        ratio = (tried[order[1]][0] / max(tried[best][0], 1e-300)) ** 0.5
+        home += f": poses of the next best are {ratio:.2g} times as far from those measured"
+    _, near, places = tried[best]
+    return fit(near, *places, seen, noise), f"{home}; `home` in SPEC says which is right"
+
+
+def _with_frames(model: Model, seen: Measurements, R: Array, T: Array) -> Model:
+    """Return the model with the frames that poses show, only these free."""
     # With the stated geometry first, so that the frames of base and platform stay where they are.
-    near = replace(model, frames=_frames(model, seen, R, T), free=model.free & _of_frames(model))
-    return fit(near, R, T, seen, noise)
+    return replace(model, frames=_frames(model, seen, R, T), free=model.free & _of_frames(model))
 
 
 def _with_less(
@@ -141,19 +185,16 @@ def _of_frames(model: Model) -> NDArray[np.bool_]:
     return np.arange(len(model.free)) >= model.geometry + 12
 
 
-def _modes(
-    instance: Instance, model: Model, seen: Measurements, noise: Noise
-) -> tuple[Array, Array]:
-    """Return for each row the real pose of its readings that agrees best with what was measured."""
-    R, T = np.zeros((len(seen), 3, 3)), np.zeros((len(seen), 3))
+def _modes(instance: Instance, model: Model, seen: Measurements, noise: Noise) -> list[Poses]:
+    """Return for each row the real poses of its readings."""
+    found = []
     values = values_of(instance, _in_file_units(model, seen.readings))
     sided = [row.kind.has_sides for row in instance.constraints]
-    home = _home(instance) if model.with_frames else None
     rows = solve_values(_both_sides(instance), np.where(sided, np.abs(values), values))
     for k, poses in enumerate(rows):
-        found = poses.R[poses.real].real, poses.T[poses.real].real
-        same = seen.taken(np.full(len(found[0]), k))
-        apart = np.abs(value_rows(model, *found, same, noise).residual).max(axis=1, initial=0.0)
+        R, T = poses.R[poses.real].real, poses.T[poses.real].real
+        same = seen.taken(np.full(len(R), k))
+        apart = np.abs(value_rows(model, R, T, same, noise).residual).max(axis=1, initial=0.0)
         # Readings of distances to planes have a sign.
         right = apart * noise.value < 1e-3 * model.length
         if not right.any():
@@ -162,16 +203,35 @@ def _modes(
                 "measure the whole pose, or leave the row out"
             )
             raise GspError(message)
-        found = found[0][right], found[1][right]
-        if home is None:
-            there = same.taken(right).rows(model, *found, noise).residual
-            costs = np.nansum(there**2, axis=1)
-        else:
-            costs = np.linalg.norm(found[0] - home[0], axis=(1, 2))
-            costs += np.linalg.norm(found[1] - home[1], axis=1) / model.length
-        best = int(costs.argmin())
-        R[k], T[k] = found[0][best], found[1][best]
-    return R, T
+        found.append((R[right], T[right]))
+    return found
+
+
+def _agreeing(
+    model: Model, seen: Measurements, modes: list[Poses], noise: Noise
+) -> tuple[Array, Array]:
+    """Return for each row the pose that agrees best with what was measured."""
+    chosen = []
+    for k, (R, T) in enumerate(modes):
+        rows = seen.taken(np.full(len(R), k)).rows(model, R, T, noise)
+        best = int(_costs(rows).argmin())
+        chosen.append((R[best], T[best]))
+    return _stacked(chosen)
+
+
+def _nearest(model: Model, modes: list[Poses], home_R: Array, home_T: Array) -> tuple[Array, Array]:
+    """Return for each row the pose that is nearest to home."""
+    chosen = []
+    for R, T in modes:
+        apart = np.linalg.norm(R - home_R, axis=(1, 2))
+        apart += np.linalg.norm(T - home_T, axis=1) / model.length
+        best = int(apart.argmin())
+        chosen.append((R[best], T[best]))
+    return _stacked(chosen)
+
+
+def _stacked(poses: list[Poses]) -> tuple[Array, Array]:
+    return np.array([R for R, _ in poses]), np.array([T for _, T in poses])
 
 
 def _both_sides(instance: Instance) -> Instance:
@@ -186,15 +246,6 @@ def _in_file_units(model: Model, readings: Array) -> Array:
     scaled = readings.copy()
     scaled[:, angles] /= model.in_radians
     return scaled
-
-
-def _home(instance: Instance) -> tuple[Array, Array]:
-    """Return the home pose."""
-    result = solve(instance)
-    if result.home is None:
-        message = "the stated values have no real pose: state those of a pose of the machine"
-        raise GspError(message)
-    return result.home.R, result.home.T
 
 
 def _frames(model: Model, seen: Measurements, R: Array, T: Array) -> Array:

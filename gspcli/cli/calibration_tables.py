@@ -83,6 +83,8 @@ def _summary(result: Calibration) -> list[str]:
         lines.append(
             f"{what} not told by the data, as stated: {'; '.join(result.unknowns.sentences)}"
         )
+    if result.home:
+        lines.append(result.home)
     if result.unknowns.frames:
         lines.append("the frames of base and platform are as stated, as well as they can be")
     worst = result.worst

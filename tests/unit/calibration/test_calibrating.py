@@ -242,6 +242,26 @@ def test_unknown_frames():
     assert np.abs(result.fit.model.offsets - real().offsets).max() < 1e-6
 
 
+def test_unknown_frames_of_a_machine_that_hangs():
+    """The least turned real pose is the mirror image of what it does: all modes are tried."""
+    rng = np.random.default_rng(8)
+    mirror = np.diag([1.0, 1.0, -1.0])
+    R, T = reachable(20, rng)
+    R, T = mirror @ R @ mirror, T @ mirror
+    A, B = rotation_from_vector(np.array([[0.5, -1.2, 2.0], [0.02, 0.3, 0.01]]))
+    a, b = np.array([5000, 3, -2000.0]), np.array([1, 20, 30.0])
+    seen = readings(real(), R, T), A @ R @ B, (T + R @ b) @ A.T + a
+    found = gspcli.calibrate(nominal(), *seen, estimate=["frames"])
+    assert found.scatter < 1e-6
+    assert found.fit.converged
+    assert "no home is stated, and mode " in found.home
+    assert found.home.endswith("`home` in SPEC says which is right")
+    stated = replace(nominal(), home=HomePose((0, 0, -800)))
+    same = gspcli.calibrate(stated, *seen, estimate=["frames"])
+    assert same.home == ""
+    assert np.allclose(same.after, found.after, atol=1e-6)
+
+
 def _near(instance, count, rng, turn=0.3, shift=0.15):
     home = gspcli.solve(instance)
     R, T = home.R[home.real].real, home.T[home.real].real
