@@ -83,5 +83,5 @@ command.help = str(command.help).format(
     formats="FILE is a model for MuJoCo (MJCF; the package mujoco is needed), SDF or a template of "
     "it (ERB), URDF with loops in NAME.yaml beside NAME.urdf, NAME_bodies.xml of CASPR with "
     "NAME_cables.xml, a HAL file of LinuxCNC with its INI file, a .world of CuikSuite, or a table "
-    "of joints (CSV, TSV). It is told by what is in it."
+    "of joints (CSV, TSV). The format follows from the content."
 )

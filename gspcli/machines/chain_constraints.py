@@ -1,9 +1,8 @@
 """The constraints that a chain of joints holds while its drives are held.
 
-They are found, not looked up: a chain whose passive screws have rank r holds 6 - r constraints, and
-these are the distances and angles of primitives of its joints that stay the same over random
-finite motions, the first with independent gradients in the order of `kinds.ORDER`. Nothing is known
-of universal joints, cylinders, spinning struts or cranks.
+There is no table of chains. A chain whose passive screws have rank r holds 6 - r constraints. They
+are distances and angles of primitives of its joints that stay the same over random finite motions:
+the first with independent gradients, in the order of `kinds.ORDER`.
 """
 
 from __future__ import annotations

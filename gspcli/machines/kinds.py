@@ -15,8 +15,9 @@ from gspcli.records import dataclass
 Array = NDArray[np.float64]
 
 #: The kinds that are looked for, in this order. A chain that holds an angle of a line or plane
-#: holds the angle of two lines, too: ALL stands for all four.
-ORDER = ("DPP", "DLL", "ALL", "DPL", "DLP", "DPH", "DHP")
+#: holds the angle of two lines, too: ALL stands for all four. DLL is the last: lines that are
+#: parallel in one pose are held there by more than one constraint.
+ORDER = ("DPP", "ALL", "DPL", "DLP", "DPH", "DHP", "DLL")
 
 
 @dataclass(frozen=True, eq=False)

@@ -290,7 +290,7 @@ def _meeting(chain: Chain, size: float, meet: float) -> tuple[Chain, float, floa
 
 
 def _runs(parts: tuple[ChainPart, ...]) -> Iterator[list[ChainPart]]:
-    """Yield passive hinges in a row together, and all other parts by themselves."""
+    """Yield passive hinges in a row together, and each other part alone."""
     run: list[ChainPart] = []
     for p in parts:
         if p.part.letter == "R" and not p.held:
