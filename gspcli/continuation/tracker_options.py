@@ -84,8 +84,10 @@ DEEPEST = replace(
 FROM_START = replace(
     DEFAULT, predictor_tolerance=3e-3, contraction=0.1, min_step=1e-10, max_steps=200
 )
-#: From a planar platform with complex values to others: with steps three times as long, paths of 11
-#: to 28 of 60 platforms are lost.
+#: From a solved platform with complex values to others of its structure.
+LONG_STEPS = replace(FROM_START, predictor_tolerance=1e-2, contraction=0.25)
+#: From a planar platform with complex values to others: with the steps above, paths of 11 to 28 of
+#: 60 platforms are lost.
 MEDIUM_STEPS = replace(FROM_START, predictor_tolerance=1e-3, contraction=0.07)
 #: From the start of a geometry to real values near it; only values move.
 VALUE_STEPS = replace(FROM_START, predictor_tolerance=2e-2, contraction=0.35, radius_fraction=0.8)

@@ -35,6 +35,7 @@ PRESETS = {
     "PARANOID": ("all unknowns", False),
     "SHORT": ("all unknowns", False),
     "FROM_START": ("fewer unknowns", True),
+    "LONG_STEPS": ("fewer unknowns", True),
     "MEDIUM_STEPS": ("fewer unknowns", True),
     "VALUE_STEPS": ("fewer unknowns", True),
     "SHORT_STEPS": ("fewer unknowns", True),

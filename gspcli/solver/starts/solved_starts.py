@@ -20,14 +20,15 @@ from gspcli.geometry.numbers import Number
 
 if TYPE_CHECKING:
     from gspcli.certification.counting import ExactCount
+    from gspcli.continuation.systems import Structure
     from gspcli.solver.results.pose_set import PoseSet
 
 _Entry = TypeVar("_Entry")
 
 #: So many of each sort are kept, those used last.
 _KEPT = 64
-#: After so many planar platforms one is solved from which paths to others are short. It takes as
-#: long as three to ten of them save (`make bench`, row "planar 6-6").
+#: After so many platforms of a sort one is solved from which paths to others are short. It takes as
+#: long as three to ten of them save (`make bench`, rows "6-6, one", "planar 6-6").
 OFTEN = 5
 _UNITS = Units("unit", AngleUnit.DEGREE)
 
@@ -35,8 +36,8 @@ _UNITS = Units("unit", AngleUnit.DEGREE)
 class Sort(Enum):
     """What is kept."""
 
-    MET = "sorts of planar platforms, how often they were solved"
-    PLANAR = "solved planar platforms with complex values"
+    MET = "sorts of platforms, how often they were solved"
+    START = "solved platforms with complex values"
     PLATFORM = "solved platforms of special geometries"
     SAME = "starts of special geometries, made from those"
     GEOMETRY = "solved systems of a geometry with complex values"
@@ -117,10 +118,13 @@ class SolvedStarts:
             return cast(_Entry, self.fetch(sort, key))
         return self.keep(sort, key, make())
 
-    def is_frequent(self, flat: tuple[bool, bool]) -> bool:
-        """Return whether `OFTEN` platforms with bodies as planar were solved before; count this."""
-        met = cast(int, self.fetch(Sort.MET, flat) or 0)
-        self.keep(Sort.MET, flat, met + 1)
+    def is_frequent(self, sort: Structure | tuple[bool, bool]) -> bool:
+        """Return whether `OFTEN` platforms were solved before, and count this one.
+
+        Those are meant with the same structure of equations, or with bodies as planar.
+        """
+        met = cast(int, self.fetch(Sort.MET, sort) or 0)
+        self.keep(Sort.MET, sort, met + 1)
         return met >= OFTEN
 
     def keep_platform(self, solved: SolvedPlatform) -> None:

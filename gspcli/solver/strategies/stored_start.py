@@ -1,4 +1,4 @@
-"""Paths from the stored start system of a structure, or from a planar platform."""
+"""Paths from the stored start system of a structure, or from a solved platform of it."""
 
 from __future__ import annotations
 
@@ -35,16 +35,19 @@ def _ways(problem: Problem, structure: Structure) -> Iterator[tuple[StartSystem,
     from gspcli.continuation.start import start_system
     from gspcli.continuation.tracker_options import (
         FROM_START,
+        LONG_STEPS,
         MEDIUM_STEPS,
         SHORT_STEPS,
     )
-    from gspcli.solver.starts.planar_starts import planar_starts
+    from gspcli.solver.starts.platform_starts import planar_starts, structure_start
 
     planar = planar_starts(problem.arrangement.normalized, problem.starts)
     if planar:
         yield planar[0], MEDIUM_STEPS
         yield from ((start, SHORT_STEPS) for start in planar)
         return
+    if (start := structure_start(structure, problem.starts)) is not None:
+        yield start, LONG_STEPS
     yield start_system(structure), FROM_START
 
 

@@ -58,8 +58,8 @@ def test_of_each_sort_the_last_are_kept():
 
 def test_what_is_kept_is_told():
     starts = SolvedStarts()
-    starts.keep(Sort.PLANAR, 1, 2)
-    assert "1 solved planar platforms with complex values" in repr(starts)
+    starts.keep(Sort.START, 1, 2)
+    assert "1 solved platforms with complex values" in repr(starts)
     for sort in Sort:
         assert sort.value in repr(starts)
 

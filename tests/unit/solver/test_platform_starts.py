@@ -9,12 +9,15 @@ import pytest
 
 from gspcli import hexapod
 from gspcli.catalogue.kinds import DPH
+from gspcli.catalogue.names import parse_type
+from gspcli.continuation import reduced_homotopy
 from gspcli.continuation.reduced_homotopy import ends_from_start
 from gspcli.continuation.tracker_options import SHORT_STEPS
 from gspcli.geometry.quaternions import rotation_from_quaternion
 from gspcli.solver import solve
+from gspcli.solver.instances.generate import random_instance
 from gspcli.solver.problem import Problem
-from gspcli.solver.starts.planar_starts import planar_starts
+from gspcli.solver.starts.platform_starts import planar_starts, structure_start
 from gspcli.solver.starts.solved_starts import OFTEN, SolvedStarts
 from gspcli.solver.strategies import stored_start
 
@@ -74,3 +77,34 @@ def test_others_have_no_planar_start(what):
     else:
         given = replace(given, kinds=(DPH, *given.kinds[1:]))
     assert all(planar_starts(given, starts) == [] for _ in range(OFTEN + 1))
+
+
+@pytest.mark.parametrize("name", ["6PP", "3PP 2PH ALL"])
+def test_where_a_structure_is_frequent_paths_begin_at_a_platform_of_it(name, monkeypatch):
+    rng, starts = np.random.default_rng(8), SolvedStarts()
+    instances = [random_instance(parse_type(name), rng)[0] for _ in range(OFTEN + 2)]
+    known = [solve(instance, starts=SolvedStarts()) for instance in instances[OFTEN:]]
+    for instance in instances[:OFTEN]:
+        solve(instance, starts=starts)
+    used = []
+    start = structure_start(Problem(instances[0]).equations[0].canonical(), starts)
+    follow = reduced_homotopy.ends_from_start
+
+    def watched(given, *rest):
+        used.append(given is start)
+        return follow(given, *rest)
+
+    monkeypatch.setattr(reduced_homotopy, "ends_from_start", watched)
+    for instance, expected in zip(instances[OFTEN:], known, strict=True):
+        found = solve(instance, starts=starts)
+        assert found.proof == expected.proof
+        for part in ("quaternions", "R", "T", "real"):
+            np.testing.assert_array_equal(getattr(found, part), getattr(expected, part))
+    assert all(used)
+
+
+@pytest.mark.parametrize("name", ["5PP PL", "6D 5PP LL"])
+def test_products_have_no_start_of_their_own(name):
+    structure = Problem(random_instance(parse_type(name), np.random.default_rng(3))[0]).equations[0]
+    starts = SolvedStarts()
+    assert all(structure_start(structure.canonical(), starts) is None for _ in range(OFTEN + 1))
