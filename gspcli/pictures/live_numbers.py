@@ -44,7 +44,7 @@ from gspcli.solver.study_systems import coefficients_of
 
 if TYPE_CHECKING:
     from gspcli.solver.result import SolveResult
-    from gspcli.solver.starts.start_pool import StartPool
+    from gspcli.solver.starts.start import Start
 
 Array = NDArray[np.float64]
 
@@ -231,19 +231,18 @@ def _put_values(numbers: _Numbers, instance: Instance, geometry: Geometry) -> No
 
 
 def _put_pools(numbers: _Numbers, geometry: Geometry) -> None:
-    pool = geometry.pool
-    first = geometry.start.pool
-    if pool is None or first is None:
+    near, first = geometry.near, geometry.start
+    homotopy = near.homotopy
+    if homotopy is None:
         numbers.put(0)
         return
-    homotopy = pool.homotopy
-    stages: list[tuple[StartPool, TrackerOptions]] = [(pool, VALUE_STEPS), (first, SHORT_STEPS)]
+    stages: list[tuple[Start, TrackerOptions]] = [(near, VALUE_STEPS), (first, SHORT_STEPS)]
     has_h = len(homotopy.pivots) + len(homotopy.free) == 7
     numbers.put(len(stages), len(homotopy.free), has_h, homotopy.pivots, homotopy.free)
     numbers.put(homotopy.forms, homotopy.slopes, homotopy.combinations)
-    numbers.put(pool.points.shape[1], geometry.length)
+    numbers.put(near.reduced.shape[1], geometry.length)
     for each, options in stages:
-        numbers.put(len(each.parameters), each.parameters, each.unit, each.points)
+        numbers.put(len(each.parameters), each.parameters, each.unit, each.reduced)
         numbers.put(options.predictor_tolerance, options.contraction, options.radius_fraction)
         numbers.put(options.min_step, options.max_steps)
 

@@ -35,14 +35,8 @@ from gspcli.records import dataclass
 from gspcli.solver.ends import Ends
 from gspcli.solver.results.pose_set import PoseSet
 from gspcli.solver.results.proof import CountKind, Proof
-from gspcli.solver.starts.complex_start import (
-    GeometryStart,
-    SolvedSystem,
-    StartMethod,
-    geometry_start,
-)
 from gspcli.solver.starts.solved_starts import SolvedStarts, Sort
-from gspcli.solver.starts.start_pool import StartPool
+from gspcli.solver.starts.start import Start, StartMethod, geometry_start
 from gspcli.solver.study_systems import coefficients_of, side_choices
 
 if TYPE_CHECKING:
@@ -107,7 +101,7 @@ def geometry_about(
     seed: int,
     starts: SolvedStarts,
     ways: Iterable[StartMethod],
-    solved: SolvedSystem | None = None,
+    solved: tuple[Array, ComplexArray] | None = None,
     far: FarPoses | None = None,
 ) -> Geometry | None:
     """Return a geometry with a start about some parameters; None if that is not safe.
@@ -146,7 +140,7 @@ def geometry_about(
             proof = (
                 Proof.modulo(CountKind.GEOMETRY, counted.error) if counted.has_lone_lines else None
             )
-        return Geometry(given, inner, length, choices, start, start.pool, far, expected, proof)
+        return Geometry(given, inner, length, choices, start, start, far, expected, proof)
     return None
 
 
@@ -155,14 +149,14 @@ def _besides(far: FarPoses | None) -> int:
     return 0 if far is None else len(far) - far.approached
 
 
-def solved_system(given: Arrangement, length: float, poses: PoseSet) -> SolvedSystem:
+def solved_system(given: Arrangement, length: float, poses: PoseSet) -> tuple[Array, ComplexArray]:
     """Return a solved platform in a unit of length, of several choices of sides the first."""
     choices = side_choices(given)
     values = _inner_values(given, given.values[None], length, choices)[0, 0]
     chosen = slice(None) if poses.signs is None else (poses.signs == choices[0]).all(axis=1)
     R = poses.R[chosen]
     T = (poses.T[chosen] - given.base_centre + apply(R, given.platform_centre)) / length
-    return SolvedSystem(_squared(given, values), np.concatenate(study_from_pose(R, T), axis=-1))
+    return _squared(given, values), np.concatenate(study_from_pose(R, T), axis=-1)
 
 
 def _inner_values(given: Arrangement, rows: Array, length: float, choices: Array) -> Array:
@@ -191,8 +185,8 @@ class Geometry:
         The sign of each value for each choice of sides, shape (k, 6).
     start
         The start for each of them.
-    pool
-        From where paths with fewer unknowns lead; None if there are none.
+    near
+        The same with members among the sets of values, where there are many.
     far
         The poses to which no paths lead, for the only choice of sides; None if there are none.
     expected
@@ -205,8 +199,8 @@ class Geometry:
     inner: Arrangement
     length: float
     choices: Array
-    start: GeometryStart
-    pool: StartPool | None
+    start: Start
+    near: Start
     far: FarPoses | None
     expected: int
     proof: Proof | None
@@ -223,21 +217,21 @@ class Geometry:
 
     def among(self, rows: Array, jobs: int) -> Geometry:
         """Return the geometry with starts among sets of values (b, 6)."""
-        if self.pool is None:
+        if self.start.homotopy is None:
             return self
-        return replace(self, pool=self.pool.about(self._parameters(rows), jobs))
+        return replace(self, near=self.start.about(self._parameters(rows), jobs))
 
     def quick_ends(self, rows: Array, jobs: int = 1) -> Ends:
         """Return the ends of paths to sets of values (b, 6), from the nearest start."""
-        if self.pool is None:
+        if self.near.homotopy is None:
             return self._whole_ends(rows, SHORT, jobs)
-        return self._ends(self.pool.follow(self._parameters(rows), VALUE_STEPS, jobs), self.length)
+        return self._ends(self.near.follow(self._parameters(rows), VALUE_STEPS, jobs), self.length)
 
     def short_ends(self, rows: Array, jobs: int = 1) -> Ends | None:
         """Return the same, by short steps from the geometry's own start; None without a pool."""
-        if self.start.pool is None:
+        if self.start.homotopy is None:
             return None
-        ends = self.start.pool.follow(self._parameters(rows), SHORT_STEPS, jobs)
+        ends = self.start.follow(self._parameters(rows), SHORT_STEPS, jobs)
         return self._ends(ends, self.length)
 
     def careful_ends(self, rows: Array, jobs: int = 1) -> Ends:

@@ -18,9 +18,9 @@ from numpy.typing import NDArray
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.solver.problem import Problem
 from gspcli.solver.results.pose_set import PoseSet, are_far
-from gspcli.solver.starts.complex_start import StartMethod
 from gspcli.solver.starts.geometry_starts import Geometry, geometry_about, solved_system
 from gspcli.solver.starts.solved_starts import SolvedPlatform, Sort, geometry_key
+from gspcli.solver.starts.start import StartMethod
 
 if TYPE_CHECKING:
     from gspcli.certification.poses.far_poses import FarPoses

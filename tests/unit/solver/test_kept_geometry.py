@@ -14,8 +14,8 @@ from gspcli.solver import solve, solve_batch
 from gspcli.solver.problem import Problem
 from gspcli.solver.results.proof import CountKind
 from gspcli.solver.special import by_count
-from gspcli.solver.starts.complex_start import StartMethod, geometry_start
 from gspcli.solver.starts.solved_starts import STARTS, SolvedStarts
+from gspcli.solver.starts.start import StartMethod, geometry_start
 from gspcli.solver.strategies.kept_geometry import kept_geometry
 from gspcli.spec import load
 
@@ -75,8 +75,7 @@ def test_a_start_that_lacks_a_solution_proves_nothing(monkeypatch):
         start = geometry_start(*about, **how)
         if start is None:
             return None
-        pool = replace(start.pool, points=start.pool.points[:, 1:])
-        return replace(start, points=start.points[1:], pool=pool)
+        return replace(start, points=start.points[1:], reduced=start.reduced[:, 1:])
 
     monkeypatch.setattr("gspcli.solver.starts.geometry_starts.geometry_start", lacking)
     starts = SolvedStarts()

@@ -19,7 +19,7 @@ from gspcli.solver.instances.generate import random_instance
 from gspcli.solver.problem import Problem
 from gspcli.solver.starts import geometry_starts as one_geometry
 from gspcli.solver.starts.solved_starts import SolvedStarts
-from gspcli.solver.starts.start_pool import StartPool
+from gspcli.solver.starts.start import Start
 
 SETS = 160
 
@@ -49,9 +49,9 @@ def _overlaps(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 def test_paths_from_the_pool_end_where_those_from_the_start_do(name):
     _, rows, geometry = case(name)
     parameters = geometry._parameters(rows)
-    assert len(geometry.pool.parameters) == SETS // 32
-    near = geometry.pool.follow(parameters, FROM_START, 1)
-    far = geometry.start.pool.follow(parameters, FROM_START, 1)
+    assert len(geometry.near.parameters) == SETS // 32
+    near = geometry.near.follow(parameters, FROM_START, 1)
+    far = geometry.start.follow(parameters, FROM_START, 1)
     found = np.isfinite(near).all(axis=(1, 2)) & np.isfinite(far).all(axis=(1, 2))
     assert found.mean() > 0.9
     # Each end of one is an end of the other.
@@ -64,7 +64,7 @@ def test_paths_from_the_pool_are_shorter():
     _, rows, geometry = case()
     parameters = geometry._parameters(rows)
     steps = []
-    for pool in (geometry.pool, geometry.start.pool):
+    for pool in (geometry.near, geometry.start):
         given = parameters.astype(complex), pool._nearest(parameters), VALUE_STEPS, 1
         steps.append(pool._follow(*given).steps.mean())
     assert steps[0] < 0.8 * steps[1]
@@ -72,7 +72,7 @@ def test_paths_from_the_pool_are_shorter():
 
 def test_the_nearest_member_is_taken():
     _, rows, geometry = case()
-    pool, parameters = geometry.pool, geometry._parameters(rows)
+    pool, parameters = geometry.near, geometry._parameters(rows)
     far = ((parameters[:, None] - pool.parameters.real) / pool.unit) ** 2
     np.testing.assert_array_equal(pool._nearest(parameters), far.sum(axis=2).argmin(axis=1))
     # Each member is one of the sets.
@@ -82,13 +82,13 @@ def test_the_nearest_member_is_taken():
 def test_few_sets_start_from_the_geometry():
     instance, rows, _ = case()
     geometry = geometry_of(instance, rows[:100])
-    assert geometry.pool is geometry.start.pool
+    assert geometry.near is geometry.start
 
 
 @pytest.mark.parametrize("wrong", ["lost", "jumped"])
 def test_members_whose_paths_went_wrong_are_left_out(wrong, monkeypatch):
     _, rows, geometry = case()
-    follow = StartPool._follow
+    follow = Start._follow
 
     def spoiled(*given):
         ends = follow(*given)
@@ -98,10 +98,10 @@ def test_members_whose_paths_went_wrong_are_left_out(wrong, monkeypatch):
             ends.study[1, 7] = 2j * ends.study[1, 8]
         return ends
 
-    monkeypatch.setattr(StartPool, "_follow", spoiled)
-    pool = geometry.start.pool.about(geometry._parameters(rows), 1)
+    monkeypatch.setattr(Start, "_follow", spoiled)
+    pool = geometry.start.about(geometry._parameters(rows), 1)
     others = np.delete(np.arange(SETS // 32), 1)
-    np.testing.assert_array_equal(pool.parameters, geometry.pool.parameters[others])
+    np.testing.assert_array_equal(pool.parameters, geometry.near.parameters[others])
 
 
 def test_what_long_steps_lose_is_found_by_short_ones(monkeypatch):

@@ -15,7 +15,7 @@ struct Ends {
   double unit;
 };
 
-// With fewer unknowns: gspcli.solver.starts.start_pool, and its two sizes of steps.
+// With fewer unknowns: gspcli.solver.starts.start, and its two sizes of steps.
 class PoolPaths {
  public:
   explicit PoolPaths(Numbers& numbers);
