@@ -80,10 +80,8 @@ def show_travels(
     columns = [
         *(Column(f"held_{name}", f"{name} held", "right", True) for name in names),
         Column("axis", essential=True),
-        *(
-            Column(key, align="right", essential=True, aligned=True)
-            for key in ("down", "up", "total")
-        ),
+        # Lengths and angles differ in size: decimals of the larger would hide the smaller.
+        *(Column(key, align="right", essential=True) for key in ("down", "up", "total")),
         Column("down_stops", "stops down", fold=", "),
         Column("up_stops", "stops up", fold=", "),
     ]
