@@ -23,6 +23,8 @@ Item = TypeVar("Item")
 _BEGIN, _STEP = b'{"', 1 << 16
 #: The place of the lock, on systems that lock parts of files.
 _FAR = 2**31 - 2
+#: Characters of the name of a file that are in that of the lock beside it.
+_KEPT = 200
 
 
 class Done(Protocol):
@@ -153,6 +155,34 @@ def _locked(file: BinaryIO) -> bool:
         # In a file system without locks no process respects them.
         return error.errno not in (errno.EWOULDBLOCK, errno.EACCES, errno.EDEADLK)
     return True
+
+
+@contextmanager
+def held(path: Path) -> Iterator[None]:
+    """Keep a file that is replaced during the work for this process alone.
+
+    The lock is on a file beside it, which is removed in the end.
+
+    Raises
+    ------
+    GspError
+        If another process works with it.
+    """
+    lock = path.with_name(f".{path.name[:_KEPT]}.lock")
+    try:
+        file = lock.open("a+b", buffering=0)
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        message = f"{named(path)}: cannot be written: {reason}"
+        raise GspError(message) from error
+    with file:
+        if not _locked(file):
+            message = f"{named(path)}: another process is at this work: wait, or use another file"
+            raise GspError(message)
+        try:
+            yield
+        finally:
+            lock.unlink(missing_ok=True)
 
 
 def carry_out(

@@ -74,8 +74,8 @@ _MOST_NAMED = 5
 @click.option(
     "--stiffness",
     metavar="K",
-    help="Stiffness of the constraints, one number or six: N/m and N m/rad, of the drives.  "
-    "[default: that of SPEC]",
+    help="Stiffness of the constraints, one number or six: N/m and N m/rad, whatever the unit of "
+    "length of SPEC.  [default: that of the drives in SPEC]",
 )
 @require_option("force<=200, range, condition<=50")
 @output_options()

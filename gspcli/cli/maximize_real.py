@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -92,17 +93,19 @@ def command(
     if real == 0:
         message = "--real 0 is for --show: a search is for at least one real pose"
         raise click.UsageError(message)
+    from gspcli.atlas.journal import held
     from gspcli.reality.real_search import RealSearch
     from gspcli.reality.state import State, read_state
 
     search = RealSearch.of(gsp_type if given is None else given, real, seconds, seed)
     subject = search.subject
-    state = State(subject, seed) if resume is None else read_state(resume, subject, seed)
     interrupted = False
-    try:
-        state = _searched(search, state, most, workers, resume)
-    except _Interrupted as interruption:
-        state, interrupted = interruption.state, True
+    with nullcontext() if resume is None else held(resume):
+        state = State(subject, seed) if resume is None else read_state(resume, subject, seed)
+        try:
+            state = _searched(search, state, most, workers, resume)
+        except _Interrupted as interruption:
+            state, interrupted = interruption.state, True
     if state.platform is None and interrupted:
         say("interrupted before the end of an attempt")
         return INTERRUPTED

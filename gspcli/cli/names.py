@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import click
+
 from gspcli.catalogue.names import parse_name
 from gspcli.catalogue.types import Family, GspType
 from gspcli.cli.streams import say
@@ -78,10 +80,34 @@ def load_instance(word: str, changes: Changes | None = None) -> Instance:
     """
     from gspcli.spec import read
 
+    refuse_to_replace(word)
     reading = read(spec_source(word))
     if reading.doubts:
         say(brief("\n".join(f"warning: {problem}" for problem in reading.doubts), "warning"))
     return reading.instance if changes is None else changes.of(reading.instance)
+
+
+def refuse_to_replace(word: str) -> None:
+    """Raise if the file that a command reads is the one that it is to write.
+
+    Raises
+    ------
+    GspError
+        Before anything is written.
+    """
+    from gspcli.cli.output.options import Output
+
+    context = click.get_current_context(silent=True)
+    output = None if context is None else context.params.get("output")
+    if not isinstance(output, Output) or output.path is None or word == "-":
+        return
+    try:
+        same = output.path.exists() and output.path.samefile(word)
+    except (OSError, ValueError):
+        return
+    if same and output.path.is_file():
+        message = f"-o {named(output.path)}: it is the file that is read: choose another"
+        raise GspError(message)
 
 
 def read_type(words: Sequence[str]) -> GspType:

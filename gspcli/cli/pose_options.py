@@ -73,8 +73,10 @@ def pose_format(
 
 def text_of(path: str) -> tuple[str, str]:
     """Return the content of a file or, for -, of standard input, and its name."""
+    from gspcli.cli.names import refuse_to_replace
     from gspcli.spec.whole_files import LARGEST_TABLE, content_of
 
+    refuse_to_replace(path)
     name = "standard input" if path == "-" else path
     try:
         return content_of(path, LARGEST_TABLE).decode("utf-8-sig"), name

@@ -105,8 +105,8 @@ def command(
     on edges of the grid at which the determinant changes its sign, to the last digit; pictures
     show the singular curve through them.
 
-    Ctrl-C shows what is known so far. The exit code is 4 if not all poses could be found at
-    some node; its modes are left out.
+    Ctrl-C shows what is known so far; a file of -o is not written then. The exit code is 4 if not
+    all poses could be found at some node; its modes are left out.
 
     \b
     Examples:
@@ -149,6 +149,9 @@ def command(
     except KeyboardInterrupt:
         interrupted = True
         say(f"interrupted after {(found.modes != MISSING).sum()} of {total} nodes")
+    if interrupted and output.path is not None:
+        say(f"{output.path}: not written; --resume keeps what is done for the next run")
+        return INTERRUPTED
     result = as_read(asked, found, limits, folds=folds)
     found, limits = result.found, result.limits
     if output.format in DRAWINGS:

@@ -12,6 +12,7 @@ from gspcli.dynamics.arrays import make_read_only
 from gspcli.dynamics.drive_forces import inverse_dynamics
 from gspcli.errors import ArgumentError
 from gspcli.geometry.instance import Instance
+from gspcli.geometry.lengths import METRES
 from gspcli.geometry.printed_numbers import printed_condition
 from gspcli.motion.files.requirements import Parts
 from gspcli.motion.statics.accuracy import Accuracy, accuracy
@@ -201,7 +202,10 @@ def analyze(
     at
         Where the load acts, shape (3,); by default at the point.
     stiffness, tolerance
-        Of the constraints, and how far each value may be off: one number or six.
+        Of the constraints, and how far each value may be off: one number or six. The stiffness is a
+        force of the load's unit over a length of the instance's unit, for angles a moment over a
+        radian; by default that of the drives, if the instance states one, converted to newtons
+        over that unit.
     geometry_tolerance
         How far each coordinate of each primitive may be off, or that and the turn of directions.
     point
@@ -217,7 +221,7 @@ def analyze(
     """
     R, T = np.asarray(R, float), np.asarray(T, float)
     given = wrenches(instance, R.reshape(-1, 3, 3), T.reshape(-1, 3), point=point, length=length)
-    constants = None if stiffness is None else _six(stiffness, "stiffness")
+    constants = _drives(instance) if stiffness is None else _six(stiffness, "stiffness")
     limits = _stated(instance) if tolerance is None else _six(tolerance, "tolerance")
     return Analysis(
         given,
@@ -241,6 +245,20 @@ def _numbers(given: ArrayLike, counts: Sequence[int], name: str) -> Array:
 def _six(given: ArrayLike, name: str) -> list[float]:
     numbers: list[float] = np.resize(_numbers(given, (1, 6), name), 6).tolist()
     return numbers
+
+
+def _drives(instance: Instance) -> list[float] | None:
+    """Return the stiffness of the drives if an instance states it: in N and its unit of length."""
+    if instance.dynamics is None or instance.dynamics.drives is None:
+        return None
+    stated = instance.dynamics.drives.stiffness
+    if stated is None:
+        return None
+    metre = METRES[instance.units.length]
+    numbers = np.resize([number.value for number in stated], 6)
+    distances = [row.kind.is_distance for row in instance.constraints]
+    held: list[float] = np.where(distances, numbers * metre, numbers / metre).tolist()
+    return held
 
 
 def _stated(instance: Instance) -> list[float] | None:

@@ -216,3 +216,15 @@ def test_mistakes_with_rows(gsp, poses, arguments, message):
     run = gsp("analyze", HEXAPOD, poses, *arguments)
     assert (run.code, run.out) == (2, "")
     assert message in run.err
+
+
+def test_the_stiffness_of_the_drives_counts_in_the_unit_of_the_file(gsp, tmp_path):
+    """N/m in the file, N/mm at the option: they are the same stiffness."""
+    body = "{mass: 1, centre: [0, 0, 0], inertia: [1, 1, 1, 0, 0, 0]}"
+    stated = f"dynamics:\n  platform: {body}\n  drives: {{stiffness: 2e6}}\n"
+    spec = tmp_path / "stated.yaml"
+    spec.write_text(gsp("example", "workspace-study").out + stated)
+    words = ["--pose", "0,0,400,1,0,0,0", "--part", "stiffness", "--format", "csv"]
+    own = gsp("analyze", spec, *words)
+    given = gsp("analyze", "@workspace-study", *words, "--stiffness", "2000")
+    assert (own.code, own.out) == (given.code, given.out) == (0, given.out)

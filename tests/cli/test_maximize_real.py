@@ -134,3 +134,16 @@ def test_known_numbers_are_a_column_and_a_key(gsp) -> None:
     assert row.splitlines()[1] == "DPP DPP DPP DPP DPP DPP,0..40"
     document = json.loads(gsp("bound", "6PP", "--format", "json").out)
     assert document["real_counts"] == list(range(0, 41, 2))
+
+
+def test_a_second_search_on_the_same_state_is_refused(gsp, tmp_path):
+    from gspcli.atlas.journal import held
+
+    path = tmp_path / "state.json"
+    words = ["maximize-real", "3D3A", "PH", "PH", "PH", "--attempts", "1", "--resume", path]
+    with held(path):
+        run = gsp(*words)
+    assert run.code == 2
+    assert run.err == f"error: {path}: another process is at this work: wait, or use another file\n"
+    assert gsp(*words).code == 0
+    assert [one.name for one in tmp_path.iterdir()] == ["state.json"]

@@ -228,3 +228,40 @@ def test_work_of_unknown_length_shows_that_it_goes_on(
     with working("solving"):
         pass
     assert "solving" not in capsys.readouterr().err
+
+
+def test_a_part_that_the_answer_does_not_have_is_an_error(gsp, tmp_path):
+    """Nothing was printed, no file written, and the exit code was 0."""
+    path = tmp_path / "a.csv"
+    for words, has in (
+        (["analyze", "@rubin-m2", "--part", "stiffness"], "wrenches, jacobian"),
+        (["table", "1", "--part", "table-2"], "table-1"),
+        (["table", "1", "--part", "table-2", "-o", path], "table-1"),
+    ):
+        run = gsp(*words)
+        assert (run.code, run.out) == (2, "")
+        assert f"--part {words[3]}: there is no such table in this answer, which has {has}" in (
+            run.err
+        )
+    assert not path.exists()
+    assert gsp("analyze", "@rubin-m2", "--part", "stiffness", "--stiffness", "1").code == 0
+
+
+def test_the_file_that_is_read_is_not_replaced(gsp, tmp_path):
+    spec, rows = tmp_path / "a.yaml", tmp_path / "rows.csv"
+    spec.write_text(gsp("example", "octahedral-3-3").out)
+    rows.write_text("x,y,z,qw,qx,qy,qz\n0,0,1,1,0,0,0\n")
+    link = tmp_path / "link.csv"
+    link.symlink_to(rows)
+    for words in (
+        ["solve", spec, "--format", "json", "-o", spec],
+        ["measure", spec, rows, "-o", rows],
+        ["measure", spec, rows, "-o", link],
+        ["export", spec, "--to", "msolve", "-o", spec],
+    ):
+        before = spec.read_text(), rows.read_text()
+        run = gsp(*words)
+        assert run.code == 2
+        assert "it is the file that is read: choose another" in run.err
+        assert before == (spec.read_text(), rows.read_text())
+    assert gsp("measure", spec, rows, "-o", tmp_path / "other.csv").code == 0

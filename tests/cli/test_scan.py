@@ -86,6 +86,13 @@ def test_work_is_kept_and_taken_up(gsp, tmp_path, monkeypatch):
     assert run.err == "interrupted after 4 of 7 nodes\n"
     assert len(run.out.splitlines()) == 1 + 4
     done.clear()
+    # A file appears whole or not at all.
+    path = tmp_path / "modes.csv"
+    words = ("scan", HEXAPOD, "--vary", "1=2.4:2.6:7", "--jobs", "1", "-o", path)
+    run = gsp(*words)
+    assert (run.code, run.out, path.exists()) == (130, "", False)
+    assert f"{path}: not written; --resume keeps what is done" in run.err
+    done.clear()
     run = gsp(*call, "--format", "csv")
     assert (run.code, done) == (0, [2, 3])
     assert len(run.out.splitlines()) == 1 + 7

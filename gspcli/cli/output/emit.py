@@ -13,6 +13,8 @@ from gspcli.cli.output.files import write_whole
 from gspcli.cli.output.options import Output
 from gspcli.cli.output.tables import Table
 from gspcli.cli.streams import lacking, representable, say
+from gspcli.errors import GspError
+from gspcli.wording import listed
 
 
 def emit(
@@ -41,7 +43,7 @@ def emit(
     # Each format is imported when it is needed: start-up is most of the time of many commands.
     tables = [tables] if isinstance(tables, Table) else list(tables)
     if output.part is not None:
-        tables = [table for table in tables if table.part == output.part]
+        tables = [*_of_part(tables, output.part)]
     limited = output.path is None and lacking(sys.stdout)
     if limited:
         # Before they are laid out: what stands for a character may be longer.
@@ -69,6 +71,22 @@ def emit(
             terminal.show(tables)
         else:
             write(output, terminal.render(tables))
+
+
+def _of_part(tables: Sequence[Table], part: str) -> Sequence[Table]:
+    """Return the tables of a part.
+
+    Raises
+    ------
+    GspError
+        If there is none: an empty answer would say that there is nothing in it.
+    """
+    found = [table for table in tables if table.part == part]
+    if not found:
+        there = listed([table.part for table in tables if table.part], "and")
+        message = f"--part {part}: there is no such table in this answer, which has {there}"
+        raise GspError(message)
+    return found
 
 
 def _emit_csv(output: Output, tables: Sequence[Table]) -> None:
