@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from gspcli.records import dataclass
 from gspcli.wording import brief, named
 
@@ -65,6 +67,10 @@ class SpecError(GspError):
         self.problems = tuple(problems)
         super().__init__(brief("\n".join(map(str, problems)), "mistake"))
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        # The text of an exception is not what it is made from.
+        return type(self), (list(self.problems),)
+
 
 class ArgumentError(GspError, ValueError):
     """A wrong argument of a function; the text begins with its name and index.
@@ -80,6 +86,9 @@ class ArgumentError(GspError, ValueError):
     def __init__(self, message: str, where: str = "") -> None:
         self.message, self.where = message, where
         super().__init__(f"{where}: {message}" if where else message)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.message, self.where)
 
     def within(self, where: str) -> ArgumentError:
         """Return the error of a part as one of the whole: ``[2]`` in ``base`` is ``base[2]``."""

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from functools import cache
 
 from gspcli.catalogue.kinds import KINDS_BY_NAME, Kind, Primitive
+from gspcli.catalogue.names import parse_kind
 from gspcli.records import dataclass
 from gspcli.resources import data_json
 
@@ -125,9 +126,15 @@ class ConstraintFacts:
 
 
 @cache
-def constraint_facts(kind: Kind) -> ConstraintFacts:
-    """Return the recorded facts about a kind of constraint."""
-    return _all_facts()[kind]
+def constraint_facts(kind: Kind | str) -> ConstraintFacts:
+    """Return the recorded facts about a kind of constraint, or about that of a name: ``PL``.
+
+    Raises
+    ------
+    TypeNameError
+        If there is no such kind, or if the name fits two.
+    """
+    return _all_facts()[parse_kind(kind) if isinstance(kind, str) else kind]
 
 
 @cache

@@ -10,6 +10,7 @@ from gspcli.catalogue.constraints import constraint_facts
 from gspcli.catalogue.counts import GenericCounts, family_counts, generic_counts
 from gspcli.catalogue.kinds import Kind
 from gspcli.catalogue.mechanism import mechanism_of_type
+from gspcli.catalogue.names import any_subject, parse_type
 from gspcli.catalogue.real_counts import real_counts
 from gspcli.catalogue.realization import realization
 from gspcli.catalogue.types import Family, GspType
@@ -131,28 +132,37 @@ class KnownFacts(KnownBounds):
         }
 
 
-def bound(subject: GspType | Family) -> KnownBounds:
-    """Return the bounds and the generic counts of a type or family.
+def bound(subject: GspType | Family | str | int) -> KnownBounds:
+    """Return the bounds and the generic counts of a type or family, given itself or by its name.
+
+    Raises
+    ------
+    TypeNameError
+        If a text is the name of neither.
 
     Examples
     --------
-    >>> from gspcli.catalogue.names import parse_type
-    >>> bound(parse_type("6PP")).counts.one_sided
+    >>> bound("6PP").counts.one_sided
     40
     """
-    return KnownBounds(subject)
+    return KnownBounds(any_subject(subject))
 
 
-def show(gsp_type: GspType) -> KnownFacts:
-    """Return the facts about a type.
+def show(gsp_type: GspType | str | int) -> KnownFacts:
+    """Return the facts about a type, given itself, by its name or by its number.
+
+    Raises
+    ------
+    TypeNameError
+        If a text is the name of no type.
 
     Examples
     --------
-    >>> from gspcli.catalogue.names import parse_type
-    >>> show(parse_type("6PP")).sharing_patterns > 0
+    >>> show("6PP").sharing_patterns > 0
     True
     """
-    return KnownFacts(gsp_type)
+    named = parse_type(str(gsp_type)) if isinstance(gsp_type, str | int) else gsp_type
+    return KnownFacts(named)
 
 
 def _constraint(kind: Kind) -> dict[str, Any]:

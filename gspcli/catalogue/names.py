@@ -218,6 +218,31 @@ def parse_type(text: str | Sequence[str]) -> GspType:
     return found
 
 
+def any_type(subject: GspType | Family | str | int) -> GspType:
+    """Return a type as functions take it: itself, its name or its number.
+
+    A family stands for its first type, all of whose angles are ALL, as for commands to which the
+    kinds of the angles make no difference.
+
+    Raises
+    ------
+    TypeNameError
+        If a text is the name of neither.
+    """
+    found = any_subject(subject)
+    return found.types[0] if isinstance(found, Family) else found
+
+
+def any_subject(subject: GspType | Family | str | int) -> GspType | Family:
+    """Return a type or family as functions take it: itself, its name or its number; as above."""
+    if isinstance(subject, GspType | Family):
+        return subject
+    if not isinstance(subject, str | int):
+        message = f"found a {type(subject).__name__}, expected a type, its name or its number"
+        raise ArgumentError(message)
+    return parse_name(str(subject))
+
+
 def parse_kind_set(text: str | Sequence[str]) -> frozenset[Kind]:
     """Return a set of kinds: names, ``A`` for all angles, ``D`` for all distances.
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from typing import TYPE_CHECKING
 
 import click
@@ -11,14 +10,9 @@ from gspcli.cli.number_types import decimals_option, one_sided_option, seed_opti
 from gspcli.cli.output import Output, file_option, write
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from gspcli.catalogue.coincidence import Bond
     from gspcli.catalogue.kinds import Kind
-    from gspcli.catalogue.types import GspType
     from gspcli.geometry.instance import Instance
 
-_PATTERN_WORD = re.compile(r"[PLH]\d+[-^][plh]\d+")
 _SORTS = {"P": "point", "L": "line", "H": "plane"}
 #: Comments of a template, by the key that begins the line.
 _COMMENTS = {
@@ -70,9 +64,8 @@ def command(
     from gspcli.solver.instances.new_instance import new
     from gspcli.spec import dumps
 
-    instance = new(
-        _pattern(type_words), decimals=decimals, planar=planar, one_sided=one_sided, seed=seed
-    )
+    text = " ".join(type_words)
+    instance = new(text, decimals=decimals, planar=planar, one_sided=one_sided, seed=seed)
     gsp_type = instance.type
     head = f"# {gsp_type.id} (type {gsp_type.number}, {gsp_type.platform_class})\n"
     text = dumps(instance)
@@ -80,18 +73,6 @@ def command(
         head += _TEMPLATE_HEAD
         text = _commented(text, instance)
     write(output, head + text)
-
-
-def _pattern(words: tuple[str, ...]) -> GspType | Sequence[Bond]:
-    from gspcli.catalogue.aliases import find_alias
-    from gspcli.catalogue.coincidence import parse_sharing
-    from gspcli.catalogue.names import parse_type
-
-    joined = " ".join(words)
-    alias = find_alias(joined)
-    if (alias and alias.pattern) or any(_PATTERN_WORD.fullmatch(word) for word in joined.split()):
-        return parse_sharing(joined).bonds
-    return parse_type(joined)
 
 
 def _commented(text: str, instance: Instance) -> str:

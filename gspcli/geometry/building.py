@@ -55,7 +55,8 @@ def hexapod(
     ----------
     base, platform
         The joints of the legs on the base and on the platform, each in the frame of its body,
-        shape (6, 3): an array, or rows of numbers, fractions or texts such as ``"sqrt(3)/2"``.
+        shape (6, 3): an array or a DataFrame, or rows of numbers, fractions or texts such as
+        ``"sqrt(3)/2"``.
         A float is the decimal that it prints as.
     lengths
         The lengths of the legs, shape (6,).
@@ -105,6 +106,8 @@ def _joints(rows: Any, where: str) -> list[Point]:
 
 
 def _rows(values: Any, where: str, what: str) -> Sequence[Any]:
+    # Frames and series of pandas, and arrays.
+    values = values.to_numpy() if hasattr(values, "to_numpy") else values
     rows = values.tolist() if isinstance(values, np.ndarray) else values
     if not isinstance(rows, Sequence) or isinstance(rows, str):
         message = f"found a {type(values).__name__}, expected six {what}"

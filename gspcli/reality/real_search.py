@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+from gspcli.catalogue.names import any_type
 from gspcli.catalogue.types import GspType
 from gspcli.continuation.start import path_count
 from gspcli.defaults import SEARCH_SECONDS, SEED
@@ -166,7 +167,7 @@ class RealSearchResult:
 
 
 def maximize_real(
-    given: GspType | Instance,
+    given: GspType | Instance | str,
     *,
     real: int | None = None,
     seconds: float = SEARCH_SECONDS,
@@ -179,7 +180,8 @@ def maximize_real(
     Parameters
     ----------
     given
-        A type, the kinds of whose angles make no difference, or a platform to begin with.
+        A type or its name, the kinds of whose angles make no difference, or a platform to begin
+        with.
     real
         The number of real poses that suffices; as many as possible if None.
     seconds, attempts
@@ -194,7 +196,8 @@ def maximize_real(
     IncompleteError
         If no platform was solved in the time given.
     """
-    search = RealSearch.of(given, real, seconds, seed)
+    named = any_type(given) if isinstance(given, str) else given
+    search = RealSearch.of(named, real, seconds, seed)
     state = State(search.subject, seed)
     for _, _, after in search.steps(state, attempts, workers):
         state = after

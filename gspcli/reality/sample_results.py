@@ -5,8 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from gspcli import __version__
+from gspcli.catalogue.names import any_type
 from gspcli.catalogue.types import GspType
 from gspcli.defaults import SEED
+from gspcli.errors import ArgumentError
 from gspcli.reality.real_distribution import Sample, Tally
 from gspcli.reality.real_distribution import sample as parts
 from gspcli.records import dataclass
@@ -63,7 +65,7 @@ class SampleResult:
 
 
 def sample(
-    gsp_type: GspType,
+    gsp_type: GspType | str | int,
     count: int = 1000,
     *,
     seed: int = SEED,
@@ -75,7 +77,7 @@ def sample(
     Parameters
     ----------
     gsp_type
-        The type; the kinds of its angles make no difference.
+        The type, its name or its number; the kinds of its angles make no difference.
     count
         The number of platforms.
     seed
@@ -84,8 +86,18 @@ def sample(
         Whether one side of each DPH and DHP counts; otherwise both do.
     workers
         The processes that do the work.
+
+    Raises
+    ------
+    ArgumentError
+        If the number of platforms is not positive.
+    TypeNameError
+        If a text is the name of no type.
     """
-    wanted, tally = Sample(gsp_type, count, seed, one_sided), Tally()
+    if count < 1:
+        message = f"found {count}, expected at least 1"
+        raise ArgumentError(message, "count")
+    wanted, tally = Sample(any_type(gsp_type), count, seed, one_sided), Tally()
     for part in parts(wanted, workers):
         tally.add(part)
     return SampleResult(wanted, tally)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, TextIO
 
 from gspcli.errors import ArgumentError, GspError
@@ -21,18 +22,22 @@ _BODIES = ("platform", "base")
 _NOT_TEXT = {"null", "true", "false", "yes", "no", "on", "off", "y", "n"}
 
 
-def dump(instance: Instance, file: TextIO) -> None:
-    """Write an instance to an open text file; as `dumps`.
+def dump(instance: Instance, file: str | Path | TextIO) -> None:
+    """Write an instance to a file, given by its path or open for text; as `dumps`.
 
     Raises
     ------
     ArgumentError
-        If it is not an open file, such as a path.
+        If it is neither.
     """
+    text = dumps(instance)
+    if isinstance(file, str | Path):
+        Path(file).write_text(text, encoding="utf-8")
+        return
     if not hasattr(file, "write"):
-        message = f"found a {type(file).__name__}, expected an open file: open(name, 'w')"
+        message = f"found a {type(file).__name__}, expected a path or an open file"
         raise ArgumentError(message, "file")
-    file.write(dumps(instance))
+    file.write(text)
 
 
 def dumps(instance: Instance) -> str:

@@ -22,9 +22,16 @@ class Derivation:
     ----------
     triangular
         Its triangular set.
+    expanded
+        Whether its coefficients are written in the parameters alone.
     """
 
     triangular: TriangularSet
+    expanded: bool = False
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # Expressions of SymPy change while they are written: the case is derived again.
+        return _derived, (self.triangular.case, self.expanded)
 
     def __repr__(self) -> str:
         found = self.triangular
@@ -66,4 +73,8 @@ def derive(case: str, *, expand: bool = False) -> Derivation:
         If it is none of the cases, or one that is not written out (CCC, SCC).
     """
     name = parse_case(case)
-    return Derivation(expand_case(name) if expand else triangular_set(name))
+    return _derived(name, expand)
+
+
+def _derived(case: str, expanded: bool) -> Derivation:
+    return Derivation(expand_case(case) if expanded else triangular_set(case), expanded)

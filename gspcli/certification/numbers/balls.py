@@ -6,6 +6,7 @@ Every function works at the precision of the current `flint.ctx`; an `arb` is a 
 
 from __future__ import annotations
 
+import copyreg
 import math
 from collections.abc import Iterable, Sequence
 from fractions import Fraction
@@ -19,6 +20,31 @@ from gspcli.certification.numbers.rounding import OUTWARD, TINY
 from gspcli.geometry.numbers import Number
 
 Ball = TypeVar("Ball", arb, acb)
+
+
+def _same_ball(mid: tuple[int, int] | str, rad: tuple[int, int] | str) -> arb:
+    """Return the ball with a midpoint and a radius, each m 2^e as (m, e), or a name.
+
+    The radius is rounded up: the ball contains the one that was written.
+    """
+    return arb(mid, arb(rad))
+
+
+def _parts(ball: arb) -> tuple[tuple[int, int] | str, tuple[int, int] | str]:
+    """Return the midpoint and the radius of a ball, exactly."""
+
+    def part(number: arb) -> tuple[int, int] | str:
+        if not number.is_finite():
+            return "nan" if number.is_nan() else "inf" if number > 0 else "-inf"
+        m, e = number.man_exp()
+        return int(m), int(e)
+
+    return part(ball.mid()), part(ball.rad())
+
+
+#: python-flint does not pickle balls.
+copyreg.pickle(arb, lambda ball: (_same_ball, _parts(ball)))
+copyreg.pickle(acb, lambda ball: (acb, (ball.real, ball.imag)))
 
 
 class _BallField:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from enum import IntEnum
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -108,6 +109,9 @@ class Follower:
             }.get(FollowerStatus(status), "found no pose: a rotation and a translation")
             raise ArgumentError(message)
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _moved, (self.instance, self.R, self.T, self.values)
+
     def forward(self, values: ArrayLike) -> FollowerStatus:
         """Move to the pose of other values, if it is proved to be the continuation of this one.
 
@@ -173,3 +177,10 @@ class Follower:
 
     def __repr__(self) -> str:
         return f"<Follower of {self.instance!r} at {self.T.tolist()}>"
+
+
+def _moved(instance: Instance, R: Array, T: Array, values: Array) -> Follower:
+    """Return a follower that stands at a pose and has its values, as one that is unpickled."""
+    follower = Follower(instance, R, T)
+    follower.forward(values)
+    return follower

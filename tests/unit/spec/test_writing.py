@@ -133,7 +133,7 @@ constraints:
 @pytest.mark.parametrize(
     ("wrong", "said"),
     [
-        (lambda good: gspcli.dump(good, "f.yaml"), "file: found a str, expected an open file"),
+        (lambda good: gspcli.dump(good, 7), "file: found a int, expected a path or an open file"),
         (lambda _: gspcli.dumps(None), "instance: found a NoneType, expected an Instance"),
         (lambda _: gspcli.set_values(None, {1: 2}), "instance: found a NoneType"),
         (lambda _: gspcli.load(None), "source: found a NoneType, expected a path"),
