@@ -215,7 +215,13 @@ __all__ = [
 ]
 
 
+#: Rooms that pages name after `import gspcli`.
+_ROOMS = ("calibration", "dynamics", "geometry", "motion", "sensing", "spec")
+
+
 def __getattr__(name: str) -> Any:
+    if name in _ROOMS:
+        return import_module(f"gspcli.{name}")
     if name not in _HOMES:
         message = f"module {__name__!r} has no attribute {name!r}"
         raise AttributeError(message)

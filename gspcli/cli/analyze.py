@@ -69,7 +69,8 @@ _ZERO = 1e-12
     "--stiffness",
     metavar="K",
     help="Stiffness of the constraints, one number or six: force of --load over the unit of length "
-    "of SPEC, as N/mm; gsp dynamics takes N/m.  [default: that of the drives in SPEC]",
+    "of SPEC, as N/mm, for angles moment by radian; gsp dynamics takes N/m.  "
+    "[default: that of the drives in SPEC]",
 )
 @click.option("--tolerance", metavar="D", help="How far each value may be off: one number or six.")
 @click.option(

@@ -211,6 +211,9 @@ def _tell(
     document = _document(found, verdicts, asked) if output.format == "json" else None
     emit(output, shown, document=document)
     _warn(found, asked)
+    if not any(one.worst == one.worst for one in verdicts if not one.met):
+        # What is not known at a singular pose is neither kept nor violated.
+        _refuse_singular(found, asked)
     refuse(verdicts)
     _refuse_singular(found, asked)
 

@@ -10,6 +10,8 @@ from gspcli.dynamics.drive_forces import FORCES
 from gspcli.dynamics.forward import POSE
 from gspcli.dynamics.trajectories import ACCELERATION, VELOCITY
 from gspcli.dynamics.vibrations import FREQUENCIES
+from gspcli.geometry.coordinates import coordinates
+from gspcli.wording import listed
 
 if TYPE_CHECKING:
     from gspcli.cli.dynamics_rows import Asked
@@ -44,6 +46,11 @@ def force_table(
     ]
     columns.append(Column("power", "power [W]", align="right"))
     notes = [f"{asked.how}; positive: the drive pushes towards a greater value"]
+    cranks = [one.name for one in coordinates(instance) if one.vector == "crank"]
+    if cranks:
+        notes.append(
+            f"forces act along the rods: what {listed(cranks, 'and')} must do is another moment"
+        )
     worst = found.worst
     if worst is not None:
         unit = found.units[worst.drive]

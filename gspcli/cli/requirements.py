@@ -183,7 +183,8 @@ def verdict_lines(verdicts: Sequence[Verdict], places: Callable[[int], str]) -> 
     for one in verdicts:
         met = "met" if one.met else "NOT met"
         of = f", {one.part}" if one.part else ""
-        lines.append(f"{one.requirement}: {met}; worst {one.worst:.6g} {places(one.row)}{of}")
+        worst = f"worst {one.worst:.6g}" if one.worst == one.worst else "not known"
+        lines.append(f"{one.requirement}: {met}; {worst} {places(one.row)}{of}")
     return lines
 
 

@@ -12,6 +12,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import gspcli
+from gspcli.resources import data_path
+
 PAGE = (Path(__file__).parents[2] / "docs" / "dynamics.md").read_text(encoding="utf-8")
 SPEC = re.search(r"```yaml\n(.*?)```", PAGE, re.DOTALL)[1]
 POSE = "5,10,190,1,0.02,0,0"
@@ -136,6 +139,26 @@ def test_requirements_decide_the_exit_code(gsp, spec, rows):
     assert gsp("dynamics", spec, "--modes", "--pose", POSE, "--require", "frequency>=60").code == 1
 
 
+def test_forces_of_a_rotary_machine_are_those_of_rods(gsp, tmp_path):
+    text = gspcli.dumps(gspcli.load(data_path("platforms", "t-top-head.yaml")))
+    path = tmp_path / "rotary.yaml"
+    path.write_text(
+        text + "dynamics:\n  platform: {mass: 1, centre: [0, 0, 0], inertia: [1, 1, 1, 0, 0, 0]}\n",
+        encoding="utf-8",
+    )
+    run = gsp("dynamics", path, "--mode", "home")
+    assert run.code == 0
+    assert "forces act along the rods: what " in run.out
+    assert "must do is another moment" in run.out
+
+
+def test_values_beside_poses_are_an_error(gsp, spec, rows):
+    path = rows("x,y,z,qw,qx,qy,qz,1,2\n0,0,190,1,0,0,0,100,100\n")
+    run = gsp("dynamics", spec, path)
+    assert (run.code, run.out) == (2, "")
+    assert "rows.csv:1:" in run.err
+
+
 def test_singular_rows_are_named(gsp, spec, rows):
     path = rows("x,y,z,qw,qx,qy,qz\n0,0,190,1,0,0,0\n0,0,0,1,0,0,0\n0,0,1e-7,1,0,0,0\n")
     run = gsp("dynamics", spec, path, "--format", "csv")
@@ -147,6 +170,12 @@ def test_singular_rows_are_named(gsp, spec, rows):
     modes = gsp("dynamics", spec, path, "--modes", "--format", "csv")
     assert (modes.code, modes.out.splitlines()[2]) == (4, "2,,,,,,")
     assert gsp("dynamics", spec, path, "--require", "force<=1").code == 1
+    # Where all other rows keep what is required, it is not known of this one.
+    alone = rows("x,y,z,qw,qx,qy,qz\n0,0,190,1,0,0,0\n0,0,0,1,0,0,0\n")
+    unknown = gsp("dynamics", spec, alone, "--require", "force<=1e6")
+    assert unknown.code == 4
+    assert "force <= 1e+06: NOT met; not known in row 2" in unknown.out
+    assert "the pose is singular: no forces hold every load there" in unknown.err
 
 
 def test_a_motion_is_read_again_and_needs_the_forces_that_made_it(gsp, spec, rows, tmp_path):

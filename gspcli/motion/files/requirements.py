@@ -165,7 +165,7 @@ def judge(
         The requirements.
     quantities
         The numbers of n poses by the keys of `QUANTITIES`: shape (n,), or in parts. NaN stands for
-        a number that could not be computed, and is the worst.
+        a number that could not be computed: it violates a requirement that all others keep.
 
     Raises
     ------
@@ -180,7 +180,11 @@ def judge(
             message = f"there is no pose of which {one} could be required"
             raise GspError(message)
         least = QUANTITIES[one.quantity].least
-        bad = np.where(np.isnan(parts.values), np.inf, parts.values * (-1 if least else 1))
+        unknown = np.isnan(parts.values)
+        bad = np.where(unknown, -np.inf, parts.values * (-1 if least else 1))
+        if unknown.any() and bad.max() <= one.limit * (-1 if least else 1):
+            # No number violates it, and of some it is not known.
+            bad = np.where(unknown, 1.0, 0.0)
         row, part = np.unravel_index(int(bad.argmax()), bad.shape)
         worst = float(parts.values[row, part])
         met = worst >= one.limit if least else worst <= one.limit
