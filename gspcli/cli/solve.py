@@ -51,8 +51,9 @@ _READABLE = ("table", "markdown", "latex")
 @click.option(
     "--prove/--no-prove",
     default=None,
-    help="Count the poses of a special platform exactly, however long that takes, or never; by "
-    "default if it takes a few seconds at most.",
+    help="Count the poses of a special platform exactly, however long that takes, and make a proof "
+    "up to a random prime certain where that succeeds; or never count. By default they are counted "
+    "if it takes a few seconds at most.",
 )
 @seed_option("; the answer does not depend on it")
 @jobs_option

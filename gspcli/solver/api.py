@@ -53,7 +53,8 @@ def solve(
     prove
         Whether to count the poses of a special platform however long it takes (True), not at
         all (False), or if it takes no longer than `PATIENCE` (None). Without a count only
-        as many certified poses as the type has prove that there are no others.
+        as many certified poses as the type has prove that there are no others. If True, a proof
+        up to a random prime is made certain where that succeeds, in some seconds.
     starts
         What is kept of solved platforms: nothing but time depends on it. By default that of the
         process.
@@ -76,7 +77,12 @@ def solve(
 
 
 def _ordered(problem: Problem) -> PoseSet:
-    return all_poses(problem).in_order(problem.arrangement.length)
+    poses = all_poses(problem)
+    if problem.limit is None:
+        from gspcli.solver.special.certain import made_certain
+
+        poses = made_certain(problem, poses)
+    return poses.in_order(problem.arrangement.length)
 
 
 def solve_values(

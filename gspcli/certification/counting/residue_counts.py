@@ -118,7 +118,8 @@ class EliminationTrace:
 
 
 @cache
-def _hessians() -> NDArray[np.int64]:
+def motion_forms() -> NDArray[np.int64]:
+    """Return the quadratic forms in (e, f) of the functions of a motion, shape (n, 8, 8)."""
     return study.form_hessians()[:FUNCTIONS].astype(np.int64)
 
 
@@ -226,7 +227,7 @@ def _run(
     outcome, solutions, distinct, apart, apart_distinct, *facts, followed = _kernel.count(
         prime,
         blocks=int(blocks),
-        hessians=_hessians(),
+        hessians=motion_forms(),
         moments=_matrix(equations.moments, FUNCTIONS, prime),
         functions=_matrix([row.linear for row in rows], width, prime),
         squares=_matrix([function for _, _, function in squares], width, prime),
