@@ -1,4 +1,4 @@
-"""An instance in, its assembly modes out: one, many sets of values, and what is returned."""
+"""Solve an instance for its assembly modes, once or for many sets of values."""
 
 from gspcli.solver.api import solve, solve_batch, solve_values
 from gspcli.solver.result import SolveResult

@@ -1,4 +1,4 @@
-"""What callers give to the solver: checked before any work, each mistake named with its place."""
+"""Checks of the arguments of the solver, before any work; a mistake is named with its place."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The poses of a platform that are proved, whoever found them, and what is missing."""
+"""The proved poses of a platform, and which sets of values have not all of theirs yet."""
 
 from __future__ import annotations
 
@@ -37,10 +37,10 @@ class Ledger:
     Attributes
     ----------
     proved
-        What a strategy has found that found everything of a set of values at once; the other sets
-        in it have no meaning. None if there are none.
+        The poses for sets of values of which one strategy has found all. Rows of other sets have
+        no meaning. None if no set of values is complete.
     left
-        The sets of values that have not all their poses there.
+        The indices of the sets of values that are not complete.
     is_quick
         Whether everything was found by quick paths, and proved at once.
     """
@@ -63,7 +63,7 @@ class Ledger:
 
     @property
     def open(self) -> Problem:
-        """What there is still to be solved: the platform with the sets of values that are left."""
+        """The platform with the sets of values that are not complete."""
         return self.problem if self.proved is None else self.problem.part(self.left)
 
     def add(self, ends: Ends) -> None:
@@ -88,7 +88,7 @@ class Ledger:
                 )
 
     def _keep(self, found: ProvedPoses) -> None:
-        """Keep the sets of values of which all poses are found, of those that were left."""
+        """Keep the poses for sets of values that were left and are complete now."""
         if self.proved is None:
             self.proved = found
         else:
@@ -108,7 +108,7 @@ class Ledger:
         return sum(len(side.found) for side in self.sides)
 
     def _counted(self, number: int) -> Proof | None:
-        """Return what says that there are so many poses."""
+        """Return the proof that there are exactly so many poses; None if no count says so."""
         problem = self.problem
         if number == problem.expected:
             return Proof(CountKind.TYPE)
@@ -136,7 +136,7 @@ class Ledger:
         return replace(poses, account=account, proof=proof)
 
     def poses(self, k: int) -> PoseSet:
-        """Return the poses for a set of values that is not left; its arrays are parts of those."""
+        """Return the poses for a complete set of values; its arrays are views of `proved`."""
         found, shared = self.proved, self._shared
         assert found is not None
         return PoseSet(
@@ -150,7 +150,7 @@ class Ledger:
 
     @cached_property
     def _shared(self) -> dict[str, Any]:
-        """What the poses for each set of values have that is not left."""
+        """The fields of a `PoseSet` that all complete sets of values share."""
         number, answer = len(self), self._answer
         assert answer is not None
         return {

@@ -1,4 +1,4 @@
-"""All poses for each of many sets of values: together where that proves all, else one by one."""
+"""All poses for each of many sets of values: in groups, and one by one where some are missing."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A platform prepared to be solved: each part is computed when it is first asked for, and kept."""
+"""A platform with everything that its solution needs, each part computed once at its first use."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 
-#: Whose equations are each one quadric that depends on e, e ^ f and f.f alone.
+#: Kinds with an equation of one quadric in e, e ^ f and f.f alone.
 _REDUCIBLE = frozenset({DPP, DPH, DHP, *ANGLE_KINDS})
 
 
@@ -70,7 +70,7 @@ class Problem:
         self.seed, self.jobs, self.starts = seed, jobs, starts
         #: Work that a count may take, None for no limit; if it is zero, nothing is counted.
         self.limit = {True: None, False: 0.0, None: PATIENCE}[prove]
-        #: The count of the geometry, if it was asked for before.
+        #: The count of the geometry, once it is computed.
         self.known_geometry_count: ExactCount | None = None
         self._has_counted = False
         #: From where paths lead to the sets of values, if they have a start together.
@@ -159,7 +159,7 @@ class Problem:
 
     @cached_property
     def is_kept(self) -> bool:
-        """Whether the count and a start of its geometry are worth keeping."""
+        """Whether the count and a start of its geometry are kept for other values."""
         given = self.arrangement
         return self.is_reducible and bool(given.values[given.distances].all())
 
@@ -236,7 +236,7 @@ class Problem:
 
     @property
     def geometry_count(self) -> ExactCount | None:
-        """The count of a geometry that is worth keeping; None if it cannot be had."""
+        """The count of a geometry that is kept; None if it is not known, or would take too long."""
         if not self._has_counted:
             self.known_geometry_count, self._has_counted = self._geometry_count(), True
         return self.known_geometry_count

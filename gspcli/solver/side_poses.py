@@ -1,4 +1,4 @@
-"""The poses for one choice of sides: proved ones, and the paths that have led to none yet."""
+"""The poses for one choice of sides: the proved ones, and the paths without a pose."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from gspcli.solver.results.pose_set import PoseSet
 Bits = NDArray[np.bool_]
 Index = NDArray[np.intp]
 
-#: Poses that agree to this part of their largest entry are not worth locating again.
+#: Poses that agree to this part of their largest entry are not located again.
 _KNOWN = 1e-13
 #: Bits for poses that 32 digits do not round correctly.
 _MANY_BITS = 128
@@ -163,7 +163,7 @@ class SidePoses:
         return new
 
     def _is_known(self, points: Field) -> Bits:
-        """Return which ends are proved poses as well as doubles tell, shape (k,)."""
+        """Return which ends agree with a proved pose in double precision, shape (k,)."""
         given = self.problem.arrangement
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             R, T = pose_from_study(points[:, :4], points[:, 4:])
@@ -215,9 +215,9 @@ def is_nearly_real(point: Field) -> bool:
 
 
 def conjugate_sources(points: Field) -> Index:
-    """Return for each Study point an earlier one whose conjugate it is, else itself, shape (k,).
+    """Return for each Study point the index of an earlier conjugate, else its own, shape (k,).
 
-    Lost paths may end at no point at all; those are nobody's conjugates.
+    NaN end points have no conjugate.
     """
     source = np.arange(len(points))
     for i, point in enumerate(points):

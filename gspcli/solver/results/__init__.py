@@ -1,1 +1,1 @@
-"""What is told of the poses of a platform."""
+"""Records of the poses of a platform, and of what is proved of them."""

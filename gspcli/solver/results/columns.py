@@ -202,7 +202,7 @@ def plain_table(result: Poses, account: str) -> str:
     columns: list[list[str]] = [["no.", *(str(k + 1) for k in range(count))]]
     for column in COLUMNS:
         values = [_text(value) for value in column.read(result)[:count]]
-        # What is as usual for all poses is not worth a column.
+        # A column with the usual value for all poses is left out.
         if not set(values) <= {"True", "1", ""}:
             columns.append([column.key + units[column.unit], *values])
     widths = [max(map(len, cells)) for cells in columns]

@@ -44,8 +44,7 @@ class PoseBatch:
     proved
         For which of them that is proved, shape (b,).
     others
-        The `PoseSet` of each set whose values are special (or wrong): its account, motions and
-        proof say what is the matter.
+        The `PoseSet` of each set with special or wrong values, with account, motions and proof.
     """
 
     arrangement: Arrangement

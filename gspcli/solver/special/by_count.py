@@ -1,4 +1,4 @@
-"""Platforms in special or nearly special position: each system of sides by what its count says."""
+"""Platforms in special or nearly special position, solved by an exact count of their poses."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from gspcli.solver.special.repeated_constraints import poses_of_repeated
 #: A count takes longer than to follow this part of the paths with 32 digits, for each path that
 #: there is; and the part of which more are not followed: then the platform is a special one.
 _LONG, _MOST = 1 / 2500, 1 / 5
-#: Counts that mislead with a larger probability are worth another one.
+#: A count with a larger probability of error is replaced by the count of the geometry, if smaller.
 _DOUBTFUL = 1e-9
 
 
@@ -41,7 +41,7 @@ def poses_by_count(
     Parameters
     ----------
     problem, ledger
-        The platform, and what is proved; its careful paths have been followed.
+        The platform, and its proved poses. Its careful paths have been tracked.
     solve
         Returns all poses of another platform.
     """

@@ -53,7 +53,7 @@ def go_on_until(
     side
         The poses for a choice of sides.
     last
-        The last of the further strategies that is worth it.
+        The last of the further strategies that may be used.
     most
         How many poses there can be, if that is known.
     """
@@ -72,7 +72,7 @@ def go_on_until(
 
 
 def complete(side: SidePoses, solutions: int, distinct: int, spurious: int | None) -> PoseSet:
-    """Return all poses if the counts are reached; what is missing is lost.
+    """Return all poses if the counts are reached; else the missing ones count as lost.
 
     Parameters
     ----------
@@ -101,7 +101,7 @@ def complete(side: SidePoses, solutions: int, distinct: int, spurious: int | Non
 
 
 class _Candidates:
-    """The multiple poses that the endgame leads to, or paths with 64 digits that end nowhere else.
+    """The multiple poses at the ends of the endgame, or of paths with 64 digits without a pose.
 
     Parameters
     ----------

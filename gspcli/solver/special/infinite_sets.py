@@ -1,4 +1,4 @@
-"""Platforms whose equations have infinitely many solutions, as an exact count has said."""
+"""Platforms whose equations have infinitely many solutions by an exact count."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ def _motion(arrangement: Arrangement, curve: SolutionCurve) -> Motion:
 def along_points(
     instance: Instance, arrangement: Arrangement, samples: Sequence[Motion], proof: Proof | None
 ) -> PoseSet:
-    """Return the motions of a platform whose lines are parallel all along.
+    """Return the motions of a platform whose lines are parallel at every pose.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Platforms some of whose constraints are the same: they have no pose, or infinitely many.
+"""Platforms with equal constraints: they have no pose, or infinitely many.
 
 Fewer than six equations on the six-dimensional set of poses have a solution set of positive
 dimension through each of their solutions: an equation takes away at most one dimension. So one

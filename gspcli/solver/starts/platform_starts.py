@@ -35,8 +35,8 @@ _KINDS = {"a": ALL, "p": DPH, "q": DHP, "s": DPP}
 def structure_start(structure: Structure, starts: SolvedStarts) -> StartSystem | None:
     """Return a solved platform of a structure without products, in canonical order.
 
-    It is solved when it was asked for `OFTEN` times; None before. None, too, for the mutual moment
-    of lines that meet, which has no value.
+    None before `OFTEN` platforms of the structure were solved. None for the mutual moment of lines
+    that meet, which has no value that could be complex.
     """
     if structure.is_product.any() or not set(structure.spaces) <= _KINDS.keys():
         return None

@@ -121,7 +121,7 @@ class SolvedStarts:
     def is_frequent(self, sort: Structure | tuple[bool, bool]) -> bool:
         """Return whether `OFTEN` platforms were solved before, and count this one.
 
-        Those are meant with the same structure of equations, or with bodies as planar.
+        They have the same structure of equations, or the same planar bodies.
         """
         met = cast(int, self.fetch(Sort.MET, sort) or 0)
         self.keep(Sort.MET, sort, met + 1)
@@ -132,7 +132,7 @@ class SolvedStarts:
         self.kept(Sort.PLATFORM, geometry_key(solved.arrangement), lambda: solved)
 
     def platform(self, arrangement: Arrangement) -> SolvedPlatform | None:
-        """Return the solved platform of a geometry, as well as doubles tell."""
+        """Return the solved platform of a geometry that is equal in double precision."""
         if not self._kept[Sort.PLATFORM]:
             return None
         found = self.fetch(Sort.PLATFORM, geometry_key(arrangement))
@@ -155,7 +155,7 @@ class SolvedStarts:
 
 
 def geometry_key(given: Arrangement) -> Hashable:
-    """Return what platforms of one geometry and sides share, as well as doubles tell."""
+    """Return a key that platforms of one geometry and sides share, in double precision."""
     parts = (given.y, given.x, given.u, given.v, given.sides)
     return (given.kinds, *(np.asarray(part).tobytes() for part in parts))
 

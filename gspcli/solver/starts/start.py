@@ -38,7 +38,7 @@ _SETS_A_MEMBER = 32
 _LEAST, _MOST = 4, 128
 #: The imaginary parts of a member as parts of those of the start.
 _NEARER = 0.3
-#: Solutions whose Study points have a cosine nearer to one are not told apart.
+#: Solutions whose Study points have a cosine nearer to one count as the same.
 _SAME = 1e-10
 
 

@@ -1,4 +1,4 @@
-"""All poses by eigenvectors, paths or not: where counts say that they are simple."""
+"""All poses by eigenvectors, without paths, where counts say that they are simple."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from gspcli.certification.counting import ApproximatePose, poses_by_elimination
 from gspcli.solver.results.pose_set import are_far
 from gspcli.solver.side_poses import SidePoses
 
-#: Bits in which all poses are computed, and the largest number of paths for which that is worth it
-#: (some seconds); with the fewest bits, where most paths lead to none.
+#: Bits in which all poses are computed. The largest numbers of paths for which that is done (some
+#: seconds): with all of these bits, and with the fewest where most paths lead to no pose.
 _BITS = (512, 1024, 2048)
 _ELIMINABLE, _MOST = 130, 200
 #: The first elimination takes as long as so many paths with 64 digits, or as this part of the cube

@@ -151,8 +151,8 @@ def _about(
 def _flattened(arrangement: Arrangement) -> Arrangement:
     """Return the arrangement with the points of nearly planar bodies in their planes.
 
-    Equations of paths with fewer unknowns are solved for what such bodies leave nearly singular.
-    Proofs are of the platform as it is.
+    In the equations of paths with fewer unknowns, a nearly planar body makes a nearly singular
+    matrix. Proofs use the platform with its own points.
     """
     return replace(arrangement, y=_in_plane(arrangement.y), x=_in_plane(arrangement.x))
 

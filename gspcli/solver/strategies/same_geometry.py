@@ -1,4 +1,4 @@
-"""Paths from a solved platform of the same geometry: only the values move; far poses hardly do."""
+"""Paths from a solved platform of the same geometry, along which only the values change."""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""Poses far away because directions of a body are nearly parallel: from where these differ more."""
+"""Poses far away because directions of a body are nearly parallel.
+
+They are continued from a platform whose directions are turned apart, in the angle between them.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +20,7 @@ _APART = (3e-3, -3e-3)
 
 
 def from_turned_directions(side: SidePoses) -> Iterator[None]:
-    """Follow the poses of a platform whose directions are turned apart."""
+    """Add the poses to which those of a platform with directions turned apart lead."""
     turned = TurnedDirections.of(side.problem.instance) if len(side.unresolved) else None
     if turned is None:
         return
