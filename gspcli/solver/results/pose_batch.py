@@ -42,7 +42,7 @@ class PoseBatch:
         For which sets the poses are all that there are: the account of paths adds up to the
         verdict ``complete``; shape (b,).
     proved
-        For which of them that is proved, shape (b,).
+        For which of them that is proved, for certain or up to a random prime, shape (b,).
     others
         The `PoseSet` of each set with special or wrong values, with account, motions and proof.
     """
