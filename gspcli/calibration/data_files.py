@@ -32,6 +32,8 @@ Array = NDArray[np.float64]
 
 _INCLINATIONS = ("incl.x", "incl.y")
 _NUMBERS = tuple("123456")
+#: What coordinates that move begin with in `gsp track`: no target has such a name.
+_MOVING = ("base", "platform")
 _EXPECTED = "t, 1 ... 6, x y z, qw qx qy qz or rx ry rz, NAME.x, incl.x or crank.NAME"
 
 
@@ -111,6 +113,12 @@ def _groups(table: NumberTable, instance: Instance, targets: Mapping[str, Array]
             table.note_column(written, f"found {written}, expected a constraint from 1 to 6")
         elif not dot or head == "crank" or name in _INCLINATIONS:
             continue
+        elif head.partition(".")[0].lower() in _MOVING:
+            message = (
+                f"found {shown(written)}, which is a coordinate that moves in gsp track, expected "
+                "a measured point of the platform or a target: P1.x"
+            )
+            table.note_column(written, message)
         elif axis in "xyz" and axis:
             found.setdefault(head, set()).add(axis)
             try:
@@ -199,6 +207,9 @@ def targets_of(texts: tuple[str, ...]) -> dict[str, Array]:
         cells = numbers.split(",")
         if not name or not equals or len(cells) != 3 or any(map(wrong_number, cells)):
             message = f"found {shown(text)}, expected NAME=X,Y,Z"
+            problems.append(Problem(None, "--target", message))
+        elif name.partition(".")[0].lower() in _MOVING:
+            message = f"found {shown(name)}, expected a name that is no coordinate of gsp track"
             problems.append(Problem(None, "--target", message))
         else:
             found[name] = np.array([float(cell) for cell in cells])

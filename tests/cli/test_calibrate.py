@@ -192,3 +192,15 @@ def test_blank_cells_points_and_standard_input(gsp, tmp_path):
     run = gsp("calibrate", MACHINE, path, *SIGMA, "--robust", "--format", "json")
     assert run.code == 0
     assert json.loads(run.out)["freedom"] == 102 - 2 - 3
+
+
+def test_coordinates_of_track_are_no_measured_points(gsp, tmp_path):
+    """base.B1.z moved a joint in one command and was a measured target in the other."""
+    path = tmp_path / "rows.csv"
+    path.write_text("1,2,3,4,5,6,base.B1.x,base.B1.y,base.B1.z\n" + ",".join("9" * 9) + "\n")
+    run = gsp("calibrate", "@workspace-study-cones", path)
+    assert run.code == 2
+    assert "found 'base.B1.x', which is a coordinate that moves in gsp track" in run.err
+    run = gsp("calibrate", "@workspace-study-cones", path, "--target", "base.B1=0,0,0")
+    assert run.code == 2
+    assert "--target: found 'base.B1', expected a name that is no coordinate" in run.err
