@@ -63,6 +63,15 @@ def solve(
     ------
     ArgumentError
         If an argument is wrong: not an instance, not six constraints, a value out of range.
+
+    Examples
+    --------
+    >>> import gspcli
+    >>> found = gspcli.solve(gspcli.example("octahedral-3-3"))
+    >>> found.verdict, found.counts.real, found.counts.found
+    ('complete', 4, 16)
+    >>> found.real_solutions[0].R.shape
+    (3, 3)
     """
     warn_of_certify(certify)
     checked(instance)

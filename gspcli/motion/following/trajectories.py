@@ -72,6 +72,17 @@ def track(
         If an argument has a wrong shape or number.
     NotFiniteError, IncompleteError
         If the poses at an end of the trajectory are infinitely many or could not all be found.
+
+    Examples
+    --------
+    >>> import gspcli
+    >>> import numpy as np
+    >>> platform = gspcli.example("workspace-study")
+    >>> T = np.array([[0, 0, 400], [10, 0, 400], [10, 0, 410]])
+    >>> R = np.tile(np.eye(3), (3, 1, 1))
+    >>> followed = gspcli.track(platform, gspcli.measure(platform, R, T), near=(R[0], T[0]))
+    >>> followed.certified, followed.ends, gspcli.motion.departures(followed, R, T)
+    (True, (), [])
     """
     rows = values_of(instance, _checked(values, "values", (None, 6)))
     moving = coordinates or {}

@@ -87,6 +87,15 @@ def measure(instance: Instance, R: ArrayLike, T: ArrayLike) -> MeasuredValues:
     ------
     ArgumentError
         If the arrays have other shapes or numbers that are not finite.
+
+    Examples
+    --------
+    >>> import gspcli
+    >>> import numpy as np
+    >>> platform = gspcli.example("workspace-study")
+    >>> values = gspcli.measure(platform, np.eye(3), [0, 0, 400])
+    >>> values.round(3).tolist()[:2]
+    [423.683, 423.683]
     """
     values = measured(instance, R, T).view(MeasuredValues)
     values.instance = instance
