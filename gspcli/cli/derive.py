@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from typing import TYPE_CHECKING
 
 import click
@@ -46,6 +47,10 @@ def command(case: str | None, expand: bool, output: Output) -> None:
         emit(output, (), document=found.to_json())
     else:
         text = found.to_latex() if output.format == "latex" else str(found)
+        if output.format != "latex" and output.path is None and sys.stdout.isatty():
+            from gspcli.cli.output.terminal import folded_lines
+
+            text = folded_lines(text)
         emit(output, (), texts={output.format: text})
 
 

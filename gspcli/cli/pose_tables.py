@@ -130,7 +130,7 @@ def pose_tables(
         Column("sides", _sided(result), minor=1),
         Column("residual", align="right", minor=3),
         Column("condition", align="right", minor=2),
-        Column("remarks", fold=", "),
+        Column("remarks", minor=-1, fold=", "),
     ]
     last = [column for column in last if any(row.get(column.key) is not None for row in rows)]
     orientations = _orientations(result, shown)

@@ -149,3 +149,33 @@ def test_what_a_terminal_would_obey_is_written_out(shown: Shown) -> None:
     assert code == 2
     assert "\x1b[2J" not in "".join(pages)
     assert "\\x1b[2Jbad\\x07.yaml" in pages[0]
+
+
+def test_derived_equations_fit_the_terminal(monkeypatch):
+    from gspcli.cli.output.terminal import folded_lines
+    from gspcli.symbolic.derivation import derive
+
+    text = str(derive("psc"))
+    for width in (60, 80, 120, 200):
+        monkeypatch.setenv("COLUMNS", str(width))
+        shown = folded_lines(text)
+        assert max(map(len, shown.splitlines())) <= width
+        assert shown.split() == text.split()
+    assert folded_lines(text) == text
+
+
+def test_remarks_stay_where_fewer_digits_make_room():
+    from gspcli.cli.output.layout import lay_out
+    from gspcli.cli.output.tables import Column, Table
+
+    numbers = [Column(key, align="right", essential=True) for key in "abc"]
+    row = {"a": 0.123456, "b": 0.123456, "c": 0.123456, "d": 1.5, "e": "home"}
+    columns = [*numbers, Column("d", minor=2), Column("e", minor=-1)]
+    table = Table(columns, [row])
+
+    def shown(width):
+        return [column.key for column in lay_out(table, width).columns]
+
+    assert [shown(width) for width in (40, 34, 30, 26)] == [
+        list("abcde"), list("abce"), list("abce"), list("abc"),
+    ]  # fmt: skip

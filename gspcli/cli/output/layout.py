@@ -40,7 +40,8 @@ def lay_out(table: Table, width: int | None = None) -> Grid | None:
     """Choose how to show a table in a width, None being room for all.
 
     Tried in this order: all columns; headings, then prose, folded at blanks; without the columns
-    that matter least; prose as narrow as its words; fewer digits.
+    that matter least; prose as narrow as its words; fewer digits. Columns that are `minor` below
+    zero go only if four digits do not make room for them.
 
     Returns
     -------
@@ -49,12 +50,18 @@ def lay_out(table: Table, width: int | None = None) -> Grid | None:
     measured = _Measured(table, DIGITS)
     if width is None:
         return measured.grid(measured.natural)
-    for digits in (DIGITS, *_FEWER_DIGITS):
-        if digits != DIGITS:
-            measured = _Measured(table, digits)
-        for widths in measured.attempts(width, every=digits == DIGITS):
+    important = [k for k, column in enumerate(table.columns) if column.minor < 0]
+    tries: list[tuple[int, tuple[int, ...]]]
+    tries = [(digits, ()) for digits in (DIGITS, *_FEWER_DIGITS)]
+    if important:
+        tries[:0] = [(digits, tuple(important)) for digits in (DIGITS, *_FEWER_DIGITS[:2])]
+    every = {digits: measured if digits == DIGITS else None for digits, _ in tries}
+    for digits, kept in tries:
+        found = every[digits] or _Measured(table, digits)
+        every[digits] = found
+        for widths in found.attempts(width, kept, every=digits == DIGITS):
             if sum(widths.values()) + GAP * (len(widths) - 1) <= width:
-                return measured.grid(widths)
+                return found.grid(widths)
     return None
 
 
@@ -85,8 +92,20 @@ class _Measured:
             [column.heading for k, column in enumerate(columns) if k not in widths],
         )
 
-    def attempts(self, width: int, *, every: bool) -> Iterator[dict[int, int]]:
-        """Yield widths of columns by their positions, the best first; not all of them fit."""
+    def attempts(
+        self, width: int, important: Sequence[int], *, every: bool
+    ) -> Iterator[dict[int, int]]:
+        """Yield widths of columns by their positions, the best first; not all of them fit.
+
+        Parameters
+        ----------
+        width
+            The width of the terminal.
+        important
+            Columns that stay as essential ones do.
+        every
+            Whether columns are left out one after the other, or all that may be at once.
+        """
         columns = self.table.columns
         comfortable = {
             k: max(narrowest, min(self.folded[k], _COMFORTABLE))
@@ -94,7 +113,8 @@ class _Measured:
         }
         kept = list(range(len(columns)))
         dispensable = sorted(
-            (k for k in kept if not columns[k].essential), key=lambda k: (-columns[k].minor, -k)
+            (k for k in kept if not columns[k].essential and k not in important),
+            key=lambda k: (-columns[k].minor, -k),
         )[: len(kept) - 1]
         if every:
             yield self.natural

@@ -28,7 +28,8 @@ class Column:
         Whether the column stays when a terminal is too narrow for all of them.
     minor
         How little the column matters: on a narrow terminal those with the largest number are left
-        out first, and of several with the same the last.
+        out first, and of several with the same the last. Below zero it is left out only if fewer
+        digits do not make room for it.
     fold
         After what a cell may go on in the next line: a blank in prose, a comma and a blank in
         lists; empty for cells that stay in one line.

@@ -17,6 +17,27 @@ from gspcli.cli.streams import say
 _RULE = "─"
 
 
+def folded_lines(text: str) -> str:
+    """Return a text whose lines fit the terminal: they go on, indented, after a blank."""
+    import shutil
+    import textwrap
+
+    width = shutil.get_terminal_size().columns
+    lines = []
+    for line in text.splitlines():
+        indent = " " * (len(line) - len(line.lstrip()) + 4)
+        parts = textwrap.wrap(
+            line,
+            width,
+            subsequent_indent=indent,
+            break_long_words=False,
+            break_on_hyphens=False,
+            drop_whitespace=True,
+        )
+        lines += parts or [line]
+    return "".join(f"{line}\n" for line in lines)
+
+
 def show(tables: Sequence[Table]) -> None:
     """Print tables on the terminal, leaving out columns that do not fit."""
     import shutil
