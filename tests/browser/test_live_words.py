@@ -46,6 +46,8 @@ def test_words_are_explained_to_the_pointer_and_to_the_keyboard(
     )
     for term in ("proved", "condition", "pose clearance"):
         browser.run(f"document.querySelector('[data-term=\"{term}\"]').focus()")
+        # It stays where focus scrolls the word into sight.
+        browser.settle()
         assert browser.run("document.getElementById('meaning').hidden") is False
         assert len(text(browser, "meaning")) > 40
     browser.key("Escape")

@@ -38,16 +38,19 @@ export function showMeanings() {
   tip.hidden = true;
   tip.setAttribute("aria-hidden", "true");
   document.body.append(tip);
-  const show = ({ target }) => {
-    const word = target instanceof Element ? target.closest(".term") : null;
+  let word = null;
+  const say = (one) => {
+    word = one;
     tip.hidden = !word;
     if (word) place(tip, word);
   };
-  const hide = () => { tip.hidden = true; };
+  const show = ({ target }) => say(target instanceof Element ? target.closest(".term") : null);
+  const hide = () => say(null);
   document.addEventListener("pointerover", show);
   document.addEventListener("focusin", show);
   document.addEventListener("focusout", hide);
-  document.addEventListener("scroll", hide, true);
+  // Focus may scroll the word into sight.
+  document.addEventListener("scroll", () => say(word), true);
   document.addEventListener("keydown", (event) => event.key === "Escape" && hide());
 }
 
