@@ -235,6 +235,8 @@ def _refusal(
     chains = ", ".join(f"{number} {letters}" for letters, number in kinds.items())
     said = f"found {len(shape.chains)} chains ({chains}) from the base {shown(shape.base)} to the "
     said += f"platform {shown(shape.platform)}, which hold {count} constraints, expected six"
+    if count == 6:
+        said += " distances and angles of points, lines and planes"
     if missed > 0:
         share = missed / size * 1.1
         return said + (

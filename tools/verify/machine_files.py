@@ -14,6 +14,7 @@ import warnings
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
+from random import Random
 
 import numpy as np
 from numpy.typing import NDArray
@@ -126,19 +127,22 @@ def there_and_back(instance: Instance, form: str, folder: Path) -> tuple[str, bo
     return f"{said}, {missing} missing, {more} too many", not missing and not more
 
 
-def exports(forms: list[str], types: int, seed: int) -> int:
-    """Print what became of all platforms in each format; return how many are wrong."""
-    wrong = 0
+def exports(forms: list[str], types: int, seed: int, sample: int | None) -> int:
+    """Print what became of platforms in each format, all or a sample; return how many are wrong."""
+    wrong = count = 0
+    every = list(platforms(types, seed))
+    drawn = every if sample is None else Random(seed).sample(every, min(sample, len(every)))
     with tempfile.TemporaryDirectory() as folder:
-        for name, instance in platforms(types, seed):
+        for name, instance in drawn:
             for form in forms:
+                count += 1
                 said, right = there_and_back(instance, form, Path(folder))
                 known = not right and name in KNOWN
                 wrong += not right and not known
                 verdict = "right" if right else "known" if known else "WRONG"
                 said += f": {KNOWN[name]}" if known else ""
                 print(f"{verdict} {form:4s} {name}: {said}", flush=True)
-    print(f"{wrong} wrong")
+    print(f"{wrong} of {count} are wrong" if wrong else f"confirmed: {count} exports read back")
     return wrong
 
 
@@ -243,13 +247,15 @@ def main() -> int:
     back.add_argument("--formats", nargs="+", default=["mjcf", "sdf", "urdf"])
     back.add_argument("--types", type=int, default=200)
     back.add_argument("--seed", type=int, default=1)
+    back.add_argument("--check", action="store_true", help="done in any case")
+    back.add_argument("--sample", type=int, metavar="N", help="only so many, drawn at random")
     given = commands.add_parser("files", help="read files, solve, close their loops")
     given.add_argument("paths", nargs="+", type=Path)
     given.add_argument("--meet", type=float, default=1e-4)
     options = parser.parse_args()
     warnings.simplefilter("ignore")
     if options.command == "exports":
-        return min(1, exports(options.formats, options.types, options.seed))
+        return min(1, exports(options.formats, options.types, options.seed, options.sample))
     return min(1, files(options.paths, options.meet))
 
 

@@ -196,6 +196,13 @@ STEPS = (
         "tools.verify.controllers.linuxcnc --check --jobs {jobs} --work {work}",
         sample="--sample 1",
     ),
+    Step(
+        "machine-exports",
+        (),
+        "tools.verify.machine_files exports --check",
+        sample="--sample 3",
+    ),
+    Step("machine-fuzz", (), "tools.verify.machine_fuzz --check", sample="--sample 35"),
     Step("view", ("data/view/*",), "tools.build.view --check"),
     Step(
         "live",
