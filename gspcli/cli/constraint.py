@@ -18,6 +18,9 @@ _LEGEND = (
     "platform: point Y, line (B, v), plane (B, normal v); "
     "base: point X, line (A, u), plane (A, normal u); v and u of length 1",
     "x_base = R x_platform + T; U = RᵀT, ρ = T·T, T×R has the columns T × R_k",
+    "the paper's equations of motions: Lazard (1) RᵀR = RRᵀ = I, det R = 1, U = RᵀT; Mourrain (2) "
+    "det R = 1, columns and rows of R orthogonal and of length 1, (3) U = RᵀT, ρ = [T, T], "
+    "(4) (i,j|k,4) = r_ik t_j − r_jk t_i: the entries of T×R up to sign",
 )
 _PROOF = (
     "these degrees are the lowest: at exact motions that satisfy a random constraint of the kind "
