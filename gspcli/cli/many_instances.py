@@ -107,10 +107,15 @@ def solve_many(
     int
         The largest exit code of an instance.
     """
+    if specs.count("-") > 1:
+        message = "standard input is one SPEC, and found more than once"
+        raise GspError(message)
     answers = _answers(_sources(specs, lines=lines), partial(_answer, solving, changes), jobs)
     total = None if _any_lines(specs, lines=lines) else len(specs)
-    answers = progress(answers, total=total, label="instances")
     streamed = output.format == LINES and output.path is None
+    if not (streamed and sys.stdout.isatty()):
+        # A bar would stand between the lines.
+        answers = progress(answers, total=total, label="instances")
     rows, texts = [], []
     for answer in answers:
         rows.append(answer.row)

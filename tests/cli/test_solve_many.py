@@ -89,6 +89,7 @@ def test_changes_and_options_are_for_all(gsp, instances):
     run = gsp("solve", instances, "--near", "0,0,1,1,0,0,0", "--legend")
     assert run.code == 2
     assert "--near and --legend: for one SPEC" in run.err
+    assert gsp("solve", "-", "-").code == 2
     empty = instances.with_name("empty.jsonl")
     empty.write_text("\n", encoding="utf-8")
     assert "found no instance" in gsp("solve", empty).err
