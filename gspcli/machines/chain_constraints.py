@@ -21,7 +21,8 @@ Array = NDArray[np.float64]
 
 #: Random motions over which a constraint must hold, and configurations for the rank.
 _MOTIONS, _CONFIGURATIONS = 8, 6
-#: Singular values of screws below this are zero: lengths are in units of the chain's size.
+#: Singular values of screws up to this, or a tenth of the share up to which axes meet, are zero:
+#: lengths are in units of the chain's size.
 _NO_FREEDOM = 1e-6
 #: Shares of the size up to which what is constant may change: rounding, then files of few digits.
 _CHANGES = (1e-9, 1e-7, 1e-5)
@@ -69,7 +70,7 @@ def held_constraints(chain: Chain, meet: float) -> tuple[list[Held], int]:
     """
     rng = np.random.default_rng(1)
     size = chain.size
-    count = 6 - _rank(chain, size, rng)
+    count = 6 - _rank(chain, size, max(_NO_FREEDOM, meet / 10), rng)
     if count == 0:
         return [], 0
     rest = random_changes(chain, size, None)
@@ -117,8 +118,11 @@ def pose_after(chain: Chain, place: int, change: float) -> Array:
     return moved(chain, changes)
 
 
-def _rank(chain: Chain, size: float, rng: np.random.Generator) -> int:
-    """Return how many freedoms the platform has in the chain, in general configurations."""
+def _rank(chain: Chain, size: float, least: float, rng: np.random.Generator) -> int:
+    """Return how many freedoms the platform has in the chain, in general configurations.
+
+    Singular values of the screws up to `least` are none.
+    """
     ranks = []
     centre = np.mean([p.part.point for p in chain.parts], axis=0)
     for _ in range(_CONFIGURATIONS):
@@ -128,7 +132,7 @@ def _rank(chain: Chain, size: float, rng: np.random.Generator) -> int:
                 screws.append(scaled(p.part.moved(X), size).screws)
             X = X @ p.part.motion(change)
         values = np.linalg.svd(np.concatenate(screws), compute_uv=False)
-        ranks.append(int((values > _NO_FREEDOM).sum()))
+        ranks.append(int((values > least).sum()))
     return max(ranks)
 
 

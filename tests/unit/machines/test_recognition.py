@@ -155,3 +155,45 @@ def test_what_is_printed_reads_back(imported) -> None:
         assert gspcli.loads(found.text) == found.instance
         assert "ImportedMachine from MJCF" in repr(found)
         assert str(found) == found.text
+
+
+def guided(tilt: float) -> str:
+    """Return three legs, and three pairs of parallel hinges that keep points in planes.
+
+    Parameters
+    ----------
+    tilt
+        By how much the second hinge of each pair is out of parallel, in radians.
+    """
+    text = models.legs(["UPS"] * 3)
+    bodies = closures = ""
+    for i in range(3):
+        t = 2 * np.pi * i / 3 + 0.3
+        along, across = np.array([np.cos(t), np.sin(t), 0]), np.array([-np.sin(t), np.cos(t), 0])
+        axis = across + tilt * np.array([0.6, 0.3, 0.7])
+        bodies += (
+            f'<body name="g{i}" pos="{models.row(1.5 * along)}"><joint type="hinge" '
+            f'axis="{models.row(across)}"/><geom size=".02"/><body name="h{i}" '
+            f'pos="{models.row(0.2 * along + [0, 0, 0.6])}"><joint type="hinge" '
+            f'axis="{models.row(axis)}"/><geom size=".02"/></body></body>'
+        )
+        anchor = models.row(0.5 * along)
+        closures += f'<connect body1="platform" body2="h{i}" anchor="{anchor}"/>'
+    text = text.replace('<body name="platform"', bodies + '<body name="platform"')
+    return text.replace("</equality>", closures + "</equality>")
+
+
+@pytest.mark.parametrize("digits", range(1, 4))
+def test_hinges_that_are_not_parallel_hold_no_plane(imported, digits: int) -> None:
+    with pytest.raises(NoPlatform, match="expected six distances and angles"):
+        imported(guided(10.0**-digits))
+
+
+@pytest.mark.parametrize("digits", range(4, 15))
+def test_hinges_that_are_nearly_parallel_are_said_to_be(imported, digits: int) -> None:
+    found = imported(guided(10.0**-digits))
+    assert kinds(found) == ["DPH"] * 3 + ["DPP"] * 3
+    assert any("hold within" in note for note in found.notes) == (digits <= 6)
+    if digits <= 6:
+        with pytest.raises(NoPlatform):
+            imported(guided(10.0 ** (1 - digits)), meet=0)
