@@ -1,6 +1,6 @@
 """Weaken one inequality of a proof after the other: a test of the suite must notice each.
 
-    python -m tools.verify.mutants [NAME ...] [--check [--sample N]]
+    python -m tools.verify.mutants [NAME ...] [--jobs 2] [--check [--sample N]]
 
 ``tools/verify/weakened/*.toml`` lists the mutants: a file, a text that occurs once in it, what
 replaces it, what the inequality proves, and the tests that fail then. All files of the project
@@ -8,6 +8,9 @@ are copied; each mutant is written there alone, a mutant in C++ is compiled, and
 It is killed if they fail. Without NAME all mutants are tried, and the record is
 ``data/verification/mutants.csv``. Only the object files that depend on the changed file are
 compiled again, and of the instruction sets only the one that this processor uses.
+
+What is found is kept in ``build/mutants``, by the contents of the changed file and of the tests: an
+interrupted run is taken up where it stopped.
 """
 
 from __future__ import annotations
@@ -21,6 +24,7 @@ import subprocess
 import sys
 import tomllib
 from collections.abc import Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -31,7 +35,6 @@ from pathlib import Path
 from gspcli import __version__, _kernel
 from tools.recording import (
     ROOT,
-    UNABLE,
     add_sample,
     csv_text,
     parser,
@@ -129,9 +132,9 @@ def _is_test(test: str, root: Path) -> bool:
 class Copy:
     """A copy of the project, in which one file at a time is changed."""
 
-    def __init__(self, folder: Path) -> None:
-        self.root = folder / "project"
-        self._site = folder / "site"
+    def __init__(self, folder: Path, number: int = 0) -> None:
+        self.root = folder / f"project-{number}"
+        self._site = self.root.with_name(f"site-{number}")
         self._site.mkdir(parents=True, exist_ok=True)
         (self._site / "sitecustomize.py").write_text(_SITE, encoding="utf-8")
         listed = subprocess.run(
@@ -181,8 +184,10 @@ class Copy:
             **os.environ,
             "PYTHONPATH": os.pathsep.join(map(str, paths)),
             "PYTHONDONTWRITEBYTECODE": "1",
+            # Half of the time of a short test is that of plugins.
+            "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1",
         }
-        command = [sys.executable, "-m", "pytest", "-q", "-n", "0", "-p", "no:cacheprovider"]
+        command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider"]
         done = subprocess.run(
             [*command, *options, *tests],
             cwd=self.root,
@@ -277,40 +282,83 @@ def tried(copy: Copy, mutant: Mutant) -> str:
     return "survives" if code == _PASSED else "killed"
 
 
+class Results:
+    """What became of mutants, kept in a file.
+
+    Parameters
+    ----------
+    path
+        The file: a line of JSON for each.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        lines = path.read_text(encoding="utf-8").splitlines() if path.is_file() else []
+        self._known = dict(json.loads(line) for line in lines)
+
+    def of(self, mutant: Mutant) -> str | None:
+        """Return what became of a mutant of these files; None if it was not tried."""
+        return self._known.get(_key(mutant))
+
+    def add(self, mutant: Mutant, result: str) -> None:
+        """Keep what became of a mutant."""
+        self._known[_key(mutant)] = result
+        with self._path.open("a", encoding="utf-8") as file:
+            file.write(json.dumps([_key(mutant), result]) + "\n")
+
+
+def _key(mutant: Mutant) -> str:
+    files = sorted({mutant.file, *(test.partition("::")[0] for test in mutant.tests)})
+    texts = [(ROOT / file).read_text(encoding="utf-8") for file in files]
+    return sha256(json.dumps([mutant.old, mutant.new, *mutant.tests, *texts]))
+
+
+def try_all(chosen: Sequence[Mutant], folder: Path, jobs: int) -> dict[str, str]:
+    """Return what becomes of mutants, by their names; those of C++ are all tried in one copy."""
+    results = Results(folder / "results.jsonl")
+    left = [one for one in chosen if results.of(one) is None]
+    copies = [Copy(folder, number) for number in range(jobs if left else 0)]
+    queues: list[list[Mutant]] = [[one for one in left if one.is_native], *([] for _ in copies[1:])]
+    for number, one in enumerate(one for one in left if not one.is_native):
+        queues[number % len(copies[1:]) + 1 if copies[1:] else 0].append(one)
+
+    def work(copy: Copy, queue: Sequence[Mutant]) -> None:
+        # Without any change the tests pass.
+        code, printed = copy.test(sorted({test for one in queue for test in one.tests}), "-x")
+        if code != _PASSED and queue:
+            print(printed, file=sys.stderr)
+            return
+        for one in queue:
+            results.add(one, tried(copy, one))
+            print(f"{results.of(one):10}  {one.name}", file=sys.stderr, flush=True)
+
+    with ThreadPoolExecutor(max(len(copies), 1)) as threads:
+        list(threads.map(work, copies, queues))
+    return {one.name: results.of(one) or "not tried: its tests fail" for one in chosen}
+
+
 def main() -> int:
     """Try the mutants; return the exit code."""
     arguments = parser(__doc__)
     add_sample(arguments)
     arguments.add_argument("names", nargs="*", metavar="NAME", help="only these mutants")
-    help_text = "where the copy of the project is (build/mutants); one for each run"
-    arguments.add_argument("--copy", type=Path, default=WORK, metavar="FOLDER", help=help_text)
+    arguments.add_argument(
+        "--jobs", type=int, default=1, metavar="N", help="copies at work at once"
+    )
     options = arguments.parse_args()
     listed = mutants()
-    chosen = [one for one in listed if not options.names or one.name in options.names]
-    chosen = sampled(chosen, options.sample)
-    wrong = [
-        *problems(listed),
-        *(f"no such mutant: {name}" for name in set(options.names) - {one.name for one in listed}),
-    ]
+    unknown = sorted(set(options.names) - {one.name for one in listed})
+    wrong = [*problems(listed), *(f"no such mutant: {name}" for name in unknown)]
     if wrong:
         return report(wrong, "")
-    copy = Copy(options.copy.resolve())
-    code, printed = copy.test(sorted({test for one in chosen for test in one.tests}), "-x")
-    if code != _PASSED:
-        print(f"{printed}\nwithout any change tests fail, or cannot be run", file=sys.stderr)
-        return UNABLE
-    ends = {}
-    for number, one in enumerate(chosen, 1):
-        ends[one.name] = tried(copy, one)
-        print(
-            f"{number:3}/{len(chosen)}  {ends[one.name]:10}  {one.name}",
-            file=sys.stderr,
-            flush=True,
-        )
+    chosen = [one for one in listed if not options.names or one.name in options.names]
+    chosen = sampled(chosen, options.sample)
+    WORK.mkdir(parents=True, exist_ok=True)
+    ends = try_all(chosen, WORK, options.jobs)
     left = [f"{name}: {end}" for name, end in ends.items() if end != "killed"]
+    if options.check and not options.names:
+        left += _unlike_the_record(listed)
     if left or options.names or options.check:
-        if options.check and not options.names:
-            left += _unlike_the_record(listed)
         return report(left, f"{len(chosen)} mutants killed")
     return save(_record(listed), check=False, confirmed="")
 
