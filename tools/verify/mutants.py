@@ -133,8 +133,8 @@ class Copy:
     """A copy of the project, in which one file at a time is changed."""
 
     def __init__(self, folder: Path, number: int = 0) -> None:
-        self.root = folder / f"project-{number}"
-        self._site = self.root.with_name(f"site-{number}")
+        suffix = f"-{number}" if number else ""
+        self.root, self._site = folder / f"project{suffix}", folder / f"site{suffix}"
         self._site.mkdir(parents=True, exist_ok=True)
         (self._site / "sitecustomize.py").write_text(_SITE, encoding="utf-8")
         listed = subprocess.run(

@@ -171,7 +171,8 @@ def test_numbers_that_are_hardly_known_prove_no_step(name: str) -> None:
         found = started(name, 0.1, 1, moduli=moduli)
         assert step(found, 0.11) is FollowerStatus.PROVED
         errors.append(found.error())
-    assert errors[1] > 100 * errors[0]
+    # They are of squares.
+    assert errors[1] > 1e4 * errors[0]
     assert step(started(name, 0.1, 1, moduli=1e7), 0.11) is not FollowerStatus.PROVED
 
 
