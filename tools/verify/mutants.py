@@ -10,11 +10,12 @@ It is killed if they fail. Without NAME all mutants are tried, and the record is
 compiled again, and of the instruction sets only the one that this processor uses.
 
 What is found is kept in ``build/mutants``, by the contents of the changed file and of the tests: an
-interrupted run is taken up where it stopped.
+interrupted run is taken up where it stopped. With ``--known`` the record is made of what is kept.
 """
 
 from __future__ import annotations
 
+import csv
 import json
 import os
 import re
@@ -23,7 +24,8 @@ import shutil
 import subprocess
 import sys
 import tomllib
-from collections.abc import Iterator, Sequence
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -54,6 +56,7 @@ _KERNEL = Path("build", "mutants", "kernel")
 _NATIVE = (".c", ".cpp", ".hpp")
 #: What pytest returns when tests have failed; it returns more when it could not run them.
 _PASSED, _FAILED = 0, 1
+_NOT_TRIED = "not tried"
 #: The installed package is found by an import hook: without it the copy is.
 _SITE = """\
 import sys
@@ -334,7 +337,7 @@ def try_all(chosen: Sequence[Mutant], folder: Path, jobs: int) -> dict[str, str]
 
     with ThreadPoolExecutor(max(len(copies), 1)) as threads:
         list(threads.map(work, copies, queues))
-    return {one.name: results.of(one) or "not tried: its tests fail" for one in chosen}
+    return {one.name: results.of(one) or _NOT_TRIED for one in chosen}
 
 
 def main() -> int:
@@ -345,6 +348,7 @@ def main() -> int:
     arguments.add_argument(
         "--jobs", type=int, default=1, metavar="N", help="copies at work at once"
     )
+    arguments.add_argument("--known", action="store_true", help="try none: record what is kept")
     options = arguments.parse_args()
     listed = mutants()
     unknown = sorted(set(options.names) - {one.name for one in listed})
@@ -352,37 +356,37 @@ def main() -> int:
     if wrong:
         return report(wrong, "")
     chosen = [one for one in listed if not options.names or one.name in options.names]
-    chosen = sampled(chosen, options.sample)
+    if options.sample is not None:
+        # Without a compiler.
+        chosen = sampled([one for one in chosen if not one.is_native], options.sample)
     WORK.mkdir(parents=True, exist_ok=True)
-    ends = try_all(chosen, WORK, options.jobs)
+    if options.known:
+        results = Results(WORK / "results.jsonl")
+        ends = {one.name: results.of(one) or _NOT_TRIED for one in chosen}
+    else:
+        ends = try_all(chosen, WORK, options.jobs)
     left = [f"{name}: {end}" for name, end in ends.items() if end != "killed"]
     if options.check and not options.names:
         left += _unlike_the_record(listed)
-    if left or options.names or options.check:
-        return report(left, f"{len(chosen)} mutants killed")
-    return save(_record(listed), check=False, confirmed="")
+    elif len(chosen) == len(listed):
+        save(_record(listed, ends), check=False, confirmed="")
+    return report(left, f"{len(chosen)} mutants killed")
 
 
 def _rows(listed: Sequence[Mutant]) -> list[dict[str, object]]:
     return [
-        {
-            "mutant": one.name,
-            "file": one.file,
-            "proves": one.proves,
-            "result": "killed",
-            "tests": " ".join(one.tests),
-        }
+        {"mutant": one.name, "file": one.file, "proves": one.proves, "tests": " ".join(one.tests)}
         for one in listed
     ]
 
 
-def _record(listed: Sequence[Mutant]) -> dict[Path, str | bytes]:
-    text = csv_text(_rows(listed))
+def _record(listed: Sequence[Mutant], ends: Mapping[str, str]) -> dict[Path, str | bytes]:
+    text = csv_text([{**row, "result": ends[str(row["mutant"])]} for row in _rows(listed)])
     manifest = {
         "command": "python -m tools.verify.mutants",
         "date": datetime.now(UTC).date().isoformat(),
         "mutants": len(listed),
-        "killed": len(listed),
+        "results": dict(Counter(ends.values())),
         "sha256": sha256(text),
         "versions": {"gsp": __version__, "kernel": _kernel.build(), **versions("pytest", "numpy")},
     }
@@ -390,8 +394,12 @@ def _record(listed: Sequence[Mutant]) -> dict[Path, str | bytes]:
 
 
 def _unlike_the_record(listed: Sequence[Mutant]) -> list[str]:
-    recorded = RECORD.read_text(encoding="utf-8") if RECORD.is_file() else ""
-    return [] if recorded == csv_text(_rows(listed)) else [f"{RECORD.name}: differs from the list"]
+    """Return what the record has not as the list has it."""
+    with RECORD.open(encoding="utf-8", newline="") as file:
+        recorded = [
+            {key: row[key] for key in row if key != "result"} for row in csv.DictReader(file)
+        ]
+    return [] if recorded == _rows(listed) else [f"{RECORD.name}: differs from the list"]
 
 
 if __name__ == "__main__":

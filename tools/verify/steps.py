@@ -203,6 +203,12 @@ STEPS = (
         sample="--sample 3",
     ),
     Step("machine-fuzz", (), "tools.verify.machine_fuzz --check", sample="--sample 35"),
+    Step(
+        "mutants",
+        ("data/verification/mutants*",),
+        "tools.verify.mutants --check --jobs {jobs}",
+        sample="--sample 3",
+    ),
     Step("view", ("data/view/*",), "tools.build.view --check"),
     Step(
         "live",
