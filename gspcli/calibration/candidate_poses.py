@@ -8,6 +8,7 @@ reaches: the box is as wide as the cranks are long, and poses out of their reach
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -26,6 +27,7 @@ from gspcli.motion.poses.inverse_kinematics import values_at
 from gspcli.motion.workspace.travels import travels
 
 Array = NDArray[np.float64]
+Allowed = Callable[[Array, Array], NDArray[np.bool_]]
 
 _CANDIDATES = 3000
 #: Candidates are tried in so many rounds of so many.
@@ -51,7 +53,13 @@ class Places(NamedTuple):
 
 
 def candidates(
-    instance: Instance, model: Model, R: Array, T: Array, seed: int, count: int = _CANDIDATES
+    instance: Instance,
+    model: Model,
+    R: Array,
+    T: Array,
+    seed: int,
+    count: int = _CANDIDATES,
+    allowed: Allowed | None = None,
 ) -> Places:
     """Return poses that can be reached from home, at most ``count``.
 
@@ -65,16 +73,21 @@ def candidates(
         Of the random numbers.
     count
         How many.
+    allowed
+        Which of some poses (R, T) are allowed besides, a mask; all if None.
 
     Raises
     ------
     ArgumentError
-        If home does not keep the limits, or there are no others about it.
+        If home does not keep the limits or is not allowed, or there are no others about it.
     """
     centre = Arrangement.of(instance).platform_centre
     home = _kept(instance, model, R[None], T[None])
     if not len(home.T):
         message = "home does not keep the limits: choose another with --mode"
+        raise ArgumentError(message)
+    if allowed is not None and not allowed(home.R, home.T).all():
+        message = "home does not keep what is required of planned poses: require less"
         raise ArgumentError(message)
     low, high = _box(instance, model, R, T)
     if not (high > low).any():
@@ -93,12 +106,16 @@ def candidates(
         turned = rotation_from_euler("ZYX", change[:, 3:]) @ R
         places = T + R @ centre + change[:, :3] - turned @ centre
         kept = _kept(instance, model, turned, places)
-        found.append(kept.taken(_signs(model, kept) == sign))
+        kept = kept.taken(_signs(model, kept) == sign).taken(slice(0, count - number))
+        if allowed is not None and len(kept.T):
+            kept = kept.taken(allowed(kept.R, kept.T))
+        found.append(kept)
         number += len(found[-1].T)
         if number >= count:
             break
     if not number:
-        message = "no pose about home keeps the ranges and cones: choose another with --mode"
+        what = "the ranges and cones" if allowed is None else "ranges, cones and what is required"
+        message = f"no pose about home keeps {what}: choose another with --mode"
         raise ArgumentError(message)
     turns, places = (
         np.concatenate(part)[:count] for part in zip(*(p[:2] for p in found), strict=True)

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.calibration.candidate_poses import CRANK_TURN, Places, candidates
+from gspcli.calibration.candidate_poses import CRANK_TURN, Allowed, Places, candidates
 from gspcli.calibration.fitting import fit, reduced
 from gspcli.calibration.measurements import (
     Measurements,
@@ -172,6 +172,7 @@ def planned(
     sigma: Mapping[str, float] | None = None,
     options: Options | None = None,
     seed: int = SEED,
+    allowed: Allowed | None = None,
 ) -> Plan:
     """Return the poses to measure that tell most of the numbers of a platform.
 
@@ -190,6 +191,9 @@ def planned(
         As for `gspcli.calibration.calibrate_rows`.
     seed
         Of the candidates.
+    allowed
+        Which of some poses may be planned besides those that ranges and cones exclude: a function
+        of R, (n, 3, 3), and T, (n, 3), that returns a mask.
 
     Raises
     ------
@@ -206,7 +210,7 @@ def planned(
     noise = noise_of(model, sigma or {})
     if seen is not None:
         seen = constant_rods(instance, model, seen)
-    places = candidates(instance, model, R, T, seed)
+    places = candidates(instance, model, R, T, seed, allowed=allowed)
     prior = prior_of(options, model)
     nothing = before = np.eye(int(model.free.sum())) / prior**2
     if seen is not None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 import click
@@ -13,13 +14,20 @@ from gspcli.cli.number_types import Positive, Whole, seed_option
 from gspcli.cli.output import DRAWINGS, FORMATS, Output, emit, output_options, write
 from gspcli.cli.pose_options import ignore_option, pose_format, pose_options, text_of
 from gspcli.cli.progress_bars import working
+from gspcli.cli.requirements import measured_quantities, required
 from gspcli.errors import CheckFailed, Problem, SpecError
 from gspcli.wording import shown
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
     from gspcli.calibration import Calibration, Options
     from gspcli.calibration.measurements import Measurements
     from gspcli.geometry.instance import Instance
+    from gspcli.motion.files.requirements import Requirement
+
+    Array = NDArray[np.float64]
 
 #: Poses of a plan: more take hours to choose, and tell hardly more than as many at random.
 _MOST_PLANNED = 300
@@ -79,6 +87,11 @@ _MOST_PLANNED = 300
     help="Which N poses to measure next, after those of DATA if it is given.",
 )
 @mode_option("about which poses are planned.  [default: home]")
+@click.option(
+    "--require",
+    metavar="WHAT",
+    help="Plan only poses that keep this: such as 'condition<=50, clearance>=0.5'.",
+)
 @seed_option(": of --plan")
 @pose_options
 @ignore_option
@@ -96,6 +109,7 @@ def command(
     accept: bool,
     plan: int | None,
     mode: Mode | None,
+    require: str | None,
     seed: int,
     euler: str | None,
     pivot: str | None,
@@ -126,7 +140,8 @@ def command(
     every command honours; JSON has the covariance; a picture shows the residuals.
 
     With --plan N nothing is fitted but the geometry that is known so far: N poses within ranges and
-    cones are chosen so that their measurement tells most (D-optimal), with what will be known then.
+    cones (and --require) are chosen so that their measurement tells most (D-optimal), with what
+    will be known then.
     Where cranks drive the machine the plan has their angles.
 
     \b
@@ -137,6 +152,7 @@ def command(
       gsp calibrate machine.yaml measured.csv -o residuals.svg
       gsp calibrate machine.yaml tracker.csv --estimate frames --robust
       gsp calibrate machine.yaml --plan 12 -o poses.csv
+      gsp calibrate machine.yaml --plan 12 --require "condition<=50"
       gsp calibrate machine.yaml measured.csv --plan 6
     """
     if data is None and plan is None:
@@ -147,6 +163,9 @@ def command(
         raise click.UsageError(message)
     if mode is not None and plan is None:
         message = "--mode says about which pose to plan: give it with --plan"
+        raise click.UsageError(message)
+    if require is not None and plan is None:
+        message = "--require is for the poses of --plan only"
         raise click.UsageError(message)
     if plan is not None and output.format in ("yaml", *DRAWINGS):
         message = f"a plan cannot be written as {output.format}: use one of {', '.join(FORMATS)}"
@@ -161,7 +180,7 @@ def command(
     if data is not None:
         seen = read_measurements(*text_of(data), instance, form, places)
     if plan is not None:
-        _plan(instance, seen, noise, options, plan, mode, seed, output)
+        _plan(instance, seen, noise, options, plan, mode, required(require), seed, output)
         return
     assert seen is not None
     with working("fitting"):
@@ -208,6 +227,7 @@ def _plan(
     options: Options,
     count: int,
     mode: Mode | None,
+    requirements: list[Requirement],
     seed: int,
     output: Output,
 ) -> None:
@@ -228,10 +248,29 @@ def _plan(
     )
     with working("choosing poses"):
         found = planned(
-            instance, count, home.R, home.T, seen=seen, sigma=noise, options=options, seed=seed
+            instance,
+            count,
+            home.R,
+            home.T,
+            seen=seen,
+            sigma=noise,
+            options=options,
+            seed=seed,
+            allowed=partial(_allowed, instance, requirements) if requirements else None,
         )
     document = plan_document(found) if output.format == "json" else None
     emit(output, plan_table(found), document=document)
+
+
+def _allowed(
+    instance: Instance, requirements: list[Requirement], R: Array, T: Array
+) -> NDArray[np.bool_]:
+    """Return which poses keep what is required."""
+    from gspcli.motion.files.requirements import keeping
+    from gspcli.motion.poses.inverse_kinematics import values_at
+
+    values = values_at(instance, R, T)
+    return keeping(requirements, measured_quantities(instance, requirements, values, R, T))
 
 
 def _numbers(texts: tuple[str, ...]) -> dict[str, float]:

@@ -131,6 +131,24 @@ def test_a_plan_can_be_measured_and_gone_on_from(gsp, tmp_path):
     assert all(one["sigma"] < one["before"] for one in json.loads(more.out)["expected"])
 
 
+def test_planned_poses_keep_what_is_required(gsp, tmp_path):
+    """Without it the most telling poses are next to singular ones."""
+    path, free = tmp_path / "poses.csv", tmp_path / "free.csv"
+    required = "condition<=30, clearance>=0.01"
+    plan = ("calibrate", "@workspace-study", "--plan", "6", "--seed", "3")
+    assert gsp(*plan, "--require", required, "-o", path).code == 0
+    assert len(path.read_text(encoding="utf-8").splitlines()) == 7
+    words = ("--ignore", "1,2,3,4,5,6", "--require", required)
+    assert gsp("measure", "@workspace-study", path, *words).code == 0
+    assert gsp(*plan, "-o", free).code == 0
+    assert gsp("measure", "@workspace-study", free, *words).code == 1
+    wild = gsp(*plan, "--require", "condition<=1")
+    assert wild.code == 2
+    assert "home does not keep what is required of planned poses: require less" in wild.err
+    alone = gsp("calibrate", "@workspace-study", MEASURED, "--require", required)
+    assert "--require is for the poses of --plan only" in alone.err
+
+
 HEAD = "t,1,2,3,4,5,6,x,y,z,qw,qx,qy,qz\n"
 ROW = "1,120,120,120,120,120,120,0,0,100,1,0,0,0\n"
 

@@ -154,6 +154,20 @@ class Verdict:
     part: str = ""
 
 
+def keeping(
+    requirements: Sequence[Requirement], quantities: Mapping[str, Array | Parts]
+) -> NDArray[np.bool_]:
+    """Return which of n poses keep all requirements, shape (n,); arguments as for `judge`."""
+    kept = np.ones(1, bool)
+    for one in requirements:
+        given = quantities[one.quantity]
+        parts = given.values if isinstance(given, Parts) else given[:, None]
+        least = QUANTITIES[one.quantity].least
+        # What is not known is not kept.
+        kept = kept & (parts >= one.limit if least else parts <= one.limit).all(axis=1)
+    return np.asarray(kept)
+
+
 def judge(
     requirements: Sequence[Requirement], quantities: Mapping[str, Array | Parts]
 ) -> list[Verdict]:
