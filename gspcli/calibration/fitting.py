@@ -73,6 +73,8 @@ class Fit:
         Whether the iterations came to their end.
     iterations
         How many there were.
+    huber
+        Where residuals count less; None for squares.
     """
 
     model: Model
@@ -86,10 +88,33 @@ class Fit:
     known: NDArray[np.bool_]
     converged: bool
     iterations: int
+    huber: float | None = None
+
+    def spread(self, scatter: float = 1.0) -> float:
+        """Return by what variances of a robust fit are larger than those of its equations.
+
+        Those of an estimate with influence psi are ``E[psi^2] / E[psi']^2`` times those of least
+        squares (Huber 1964), and those of the weighted equations ``1 / E[w]`` times; means are over
+        the residuals. One for least squares.
+
+        Parameters
+        ----------
+        scatter
+            What all deviations are multiplied by.
+        """
+        if self.huber is None or self.freedom <= 0:
+            return 1.0
+        left = self.residual[np.isfinite(self.residual)]
+        weight = (1 + (left / self.huber) ** 2) ** -0.5
+        squares = float(((weight * left / scatter) ** 2).sum()) / self.freedom
+        return squares * float(weight.mean()) / float((weight**3).mean()) ** 2
 
     @cached_property
     def covariance(self) -> Array:
-        """The covariance of all parameters, shape (p, p): zero for what was not estimated."""
+        """The covariance of all parameters, shape (p, p): zero for what was not estimated.
+
+        That of the equations; `spread` is a factor of a robust fit.
+        """
         free = self.model.free
         scaled = self.directions[self.known] * self.model.sizes[free]
         found = np.zeros((len(free), len(free)))
@@ -165,7 +190,7 @@ def fit(
     spare = rows if noise.exact else np.maximum(rows - 6, 0)
     freedom = int(spare.sum()) - int(known.sum())
     left = system.residual
-    return Fit(model, R, T, left, cost, freedom, s, V, known, converged, iterations)
+    return Fit(model, R, T, left, cost, freedom, s, V, known, converged, iterations, huber)
 
 
 def reduced(

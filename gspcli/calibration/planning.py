@@ -192,8 +192,7 @@ def planned(
     seed
         Of the candidates.
     allowed
-        Which of some poses may be planned besides those that ranges and cones exclude: a function
-        of R, (n, 3, 3), and T, (n, 3), that returns a mask.
+        Which of some poses R, T may be planned, besides ranges and cones; returns a mask.
 
     Raises
     ------

@@ -85,6 +85,16 @@ class Calibration:
         return np.asarray((by != 0).any(axis=1))
 
     @cached_property
+    def repeated(self) -> int:
+        """How many rows have the same numbers as one before: they count as measured again."""
+        seen = self.seen
+        parts = [seen.readings, seen.rotations.reshape(len(seen), -1), seen.positions]
+        parts += [*seen.points.values(), *([seen.inclinations] if len(seen.inclinations) else [])]
+        parts += [] if seen.cranks is None else [seen.cranks]
+        rows = {row.tobytes() for row in np.hstack(parts)}
+        return len(seen) - len(rows)
+
+    @cached_property
     def doubts(self) -> tuple[str, ...]:
         """Why the data do not fit the machine, in sentences; empty if they do."""
         return doubts(
@@ -124,7 +134,8 @@ class Calibration:
     @cached_property
     def covariance(self) -> Array:
         """The covariance of the numbers found, shape (m, m)."""
-        whole = self._found.covariance(self.fit.covariance) * self.scatter**2
+        factor = self.scatter**2 * self.fit.spread(self.scatter)
+        whole = self._found.covariance(self.fit.covariance) * factor
         return _fixed(whole[np.ix_(self.estimated, self.estimated)])
 
     @cached_property
@@ -219,6 +230,7 @@ class Calibration:
             "doubts": list(self.doubts),
             "cause": self.cause or "",
             "home_taken": self.home,
+            "repeated_rows": self.repeated,
             "noise": {
                 "value": self.noise.value,
                 "angle": self.noise.angle / model.in_radians,

@@ -14,7 +14,7 @@ from gspcli.cli.number_types import Positive, Whole, seed_option
 from gspcli.cli.output import DRAWINGS, FORMATS, Output, emit, output_options, write
 from gspcli.cli.pose_options import ignore_option, pose_format, pose_options, text_of
 from gspcli.cli.progress_bars import working
-from gspcli.cli.requirements import measured_quantities, required
+from gspcli.cli.requirements import measured_quantities, require_option, required
 from gspcli.errors import CheckFailed, Problem, SpecError
 from gspcli.wording import shown
 
@@ -87,11 +87,7 @@ _MOST_PLANNED = 300
     help="Which N poses to measure next, after those of DATA if it is given.",
 )
 @mode_option("about which poses are planned.  [default: home]")
-@click.option(
-    "--require",
-    metavar="WHAT",
-    help="Plan only poses that keep this: such as 'condition<=50, clearance>=0.5'.",
-)
+@require_option("condition<=50, clearance>=0.5", "for rows of --plan")
 @seed_option(": of --plan")
 @pose_options
 @ignore_option

@@ -83,6 +83,11 @@ def _summary(result: Calibration) -> list[str]:
         lines.append(
             f"{what} not told by the data, as stated: {'; '.join(result.unknowns.sentences)}"
         )
+    if result.repeated:
+        lines.append(
+            f"{counted(result.repeated, 'row')} with the same numbers as another: each counts as "
+            "measured again, so that deviations are too small if they are copies"
+        )
     if result.home:
         lines.append(result.home)
     if result.unknowns.frames:

@@ -33,13 +33,14 @@ _SOURCES = {
 }
 
 
-def require_option(example: str) -> Callable[[Function], Function]:
-    """Return a decorator that adds ``--require``, with an example in its help."""
+def require_option(
+    example: str, otherwise: str = "else the exit code is 1, and the worst row of each is named"
+) -> Callable[[Function], Function]:
+    """Return a decorator that adds ``--require``, with an example and the consequence."""
     return click.option(
         "--require",
         metavar="WHAT",
-        help=f"Exit with 1 unless every row keeps this: such as '{example}'; the worst row of each "
-        "is named.",
+        help=f"Every row must keep this: such as '{example}'; {otherwise}.",
     )
 
 

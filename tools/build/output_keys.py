@@ -510,6 +510,7 @@ KEYS: dict[str, str] = {
     "scatter": "what all deviations are multiplied by; 1 if the noise was stated",
     "doubts": "why the data do not fit the machine; empty if they do",
     "calibrate.cause": "which mistake of the data it probably is; empty if none is likely",
+    "repeated_rows": "how many rows have the same numbers as one before",
     "home_taken": "which pose was taken for home, with unknown frames and no stated home",
     "noise": "standard deviations that were used",
     "calibrate.noise.value": "of readings of distances",

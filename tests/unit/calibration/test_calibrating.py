@@ -417,6 +417,32 @@ def test_nothing_measured_but_poses_or_values():
             gspcli.calibrate(nominal(), **given)
 
 
+def test_outliers_make_the_intervals_of_a_robust_fit_wider():
+    """By the variance of the influence function: a third of the deviations was missing."""
+    rng = np.random.default_rng(4)
+    values, R, T = noisy(real(), *reachable(40, rng), rng)
+    plain = gspcli.calibrate(nominal(), values, R, T, sigma=SIGMA)
+    clean = gspcli.calibrate(nominal(), values, R, T, sigma=SIGMA, robust=True)
+    values += 0.05 * rng.choice([-1, 1], values.shape) * (rng.random(values.shape) < 0.03)
+    robust = gspcli.calibrate(nominal(), values, R, T, sigma=SIGMA, robust=True)
+    assert plain.fit.spread() == 1
+    assert 0.8 < clean.fit.spread() < 1.1 < 1.4 < robust.fit.spread() < 3
+    assert 0.95 < np.median(clean.sigma / plain.sigma) < 1.15
+    assert np.median(robust.sigma / plain.sigma) > 1.2
+    # Without stated deviations they are the same, up to what the scatter tells of all of them.
+    scattered = gspcli.calibrate(nominal(), values, R, T, robust=True)
+    assert 0.5 < scattered.fit.spread(scattered.scatter) < 4
+
+
+def test_rows_that_are_there_twice_are_told():
+    R, T = reachable(20, np.random.default_rng(4))
+    values = readings(real(), R, T)
+    once = gspcli.calibrate(nominal(), values, R, T)
+    assert once.repeated == 0
+    twice = [np.concatenate((part, part[:5])) for part in (values, R, T)]
+    assert gspcli.calibrate(nominal(), *twice).repeated == 5
+
+
 def test_outliers_where_the_noise_is_not_stated():
     """Ten times the usual noise: what is an outlier is told by the scatter."""
     rng = np.random.default_rng(13)
