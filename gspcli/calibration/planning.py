@@ -207,13 +207,12 @@ def planned(
         driven = seen.cranks is not None
     model = chosen_model(instance, options, cranks=driven)
     noise = noise_of(model, sigma or {})
-    if seen is not None:
-        seen = constant_rods(instance, model, seen)
     places = candidates(instance, model, R, T, seed, allowed=allowed)
     prior = prior_of(options, model)
     nothing = before = np.eye(int(model.free.sum())) / prior**2
     if seen is not None:
         # Where the machine is best known, the poses to come tell what they will.
+        seen = constant_rods(instance, model, seen)
         found = fit(*started(instance, model, seen, noise)[:3], seen, noise, prior=prior)
         model = found.model
         scaled = found.directions * found.singular[:, None]
