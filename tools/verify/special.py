@@ -4,14 +4,16 @@
     python -m tools.verify.special solve [--only PATTERN] [--jobs N] [--seeds N] [--sample N]
     python -m tools.verify.special batches [--only PATTERN] [--jobs N] [--sample N]
     python -m tools.verify.special certify [--only PATTERN] [--jobs N] [--sample N]
+    python -m tools.verify.special certain [--only PATTERN] [--jobs N] [--sample N]
     python -m tools.verify.special show ID ...
 
 `count` makes the platforms anew and counts their poses exactly (`special/counts.py`); the table is
 ``data/verification/special-platforms.csv``. Rows of unchanged platforms are kept without --check.
 `solve` solves them and judges every answer by the table (`special/answers.py`); with --record the
 result of all of them goes into docs/completeness.md. `batches` asks `solve_values` and
-`solve_batch` for special values among others (`special/rows.py`). `certify` has `gsp certify` judge
-what `gsp solve` prints, and what is made wrong on purpose (`special/candidates.py`). The exit code
+`solve_batch` for special values among others (`special/rows.py`). `certify` has `gsp certify`
+judge what `gsp solve` prints, and what is made wrong on purpose (`special/candidates.py`).
+`certain` tells which proofs up to a random prime `gsp solve --prove` makes certain. The exit code
 is 1 if anything said is wrong. PATTERN is a part of the ids, or a pattern as of files. `show`
 writes the instance files and prints their paths.
 """
@@ -44,6 +46,7 @@ from tools.recording import (
 )
 from tools.special import candidates, rows
 from tools.special.answers import Judgement, answers
+from tools.special.certain import BECOMES, grade
 from tools.special.counts import counted, real_poses
 from tools.special.platforms import TABLE, Platform, platforms, recorded
 
@@ -183,6 +186,20 @@ def _record(judgement: Judgement, seeds: int, known: Mapping[str, Mapping[str, s
     PAGE.write_text(text, encoding="utf-8")
 
 
+def certain(chosen: list[Platform], arguments: argparse.Namespace) -> int:
+    """Tell which proofs are certain, which become so, and which stay; return the exit code."""
+    tally: Counter[str] = Counter()
+    some = sampled(chosen, arguments.sample)
+    work = workers_of(arguments).as_completed(grade, some)
+    for name, word in progress(work, total=len(some), label="proving"):
+        tally[word] += 1
+        if word == BECOMES:
+            print(f"{name}: {word}", flush=True)
+    told = ", ".join(f"{number} {word}" for word, number in tally.most_common())
+    print(f"confirmed: {len(some)} of {len(chosen)}: {told}")
+    return CONFIRMED
+
+
 def show(names: list[str], every: list[Platform]) -> int:
     """Write instance files and print their paths with the exact counts."""
     known = recorded()
@@ -214,7 +231,7 @@ def main() -> int:
     commands = parser.add_subparsers(dest="command", required=True)
     shown = commands.add_parser("show", help="write instance files")
     shown.add_argument("names", nargs="+", metavar="ID")
-    for name in ("count", "solve", "batches", "certify"):
+    for name in ("count", "solve", "batches", "certify", "certain"):
         command = commands.add_parser(name)
         command.add_argument("--only", default="", metavar="PATTERN", help="of the ids")
         add_workers(command)
@@ -243,6 +260,8 @@ def main() -> int:
     if arguments.command == "batches":
         geometries = rows.geometries(chosen)
         return attack(rows.attacked, geometries, rows.HONEST, arguments)
+    if arguments.command == "certain":
+        return certain(chosen, arguments)
     if arguments.command == "certify":
         honest = candidates.HONEST
         return attack(candidates.attacked, chosen, honest, arguments)

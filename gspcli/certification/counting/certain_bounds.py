@@ -60,13 +60,15 @@ _MOST_PRIMES = 64
 _SPARE_BITS = 40
 
 
-def certain_bound(instance: Instance) -> int | None:
+def certain_bound(instance: Instance, enough: int = 0) -> int | None:
     """Return a number of poses that a platform cannot exceed, multiplicities counted.
 
     Parameters
     ----------
     instance
         A platform, for the sides asked for.
+    enough
+        A bound that need not be lowered any more.
 
     Returns
     -------
@@ -83,7 +85,7 @@ def certain_bound(instance: Instance) -> int | None:
     rows = [evaluated(row, lambda number: _rational(number.fraction)) for row in exact]
     total = 0
     for signs in product(*(row.sides for row in exact)):
-        bound = _of_side([row.on_side(sign) for row, sign in zip(rows, signs, strict=True)])
+        bound = _of_side([row.on_side(sign) for row, sign in zip(rows, signs, strict=True)], enough)
         if bound is None:
             return None
         total += bound
@@ -94,7 +96,7 @@ def _rational(number: Any) -> fmpq:
     return fmpq(number.numerator, number.denominator)
 
 
-def _of_side(rows: Sequence[EvaluatedConstraint]) -> int | None:
+def _of_side(rows: Sequence[EvaluatedConstraint], enough: int) -> int | None:
     linear = equations(rows).equations
     if any(equation.squares for equation in linear):
         return None
@@ -105,7 +107,7 @@ def _of_side(rows: Sequence[EvaluatedConstraint]) -> int | None:
         return None
     quadrics = _in_free_coordinates(functions)
     for degree in _DEGREES:
-        bound = _Products(quadrics, len(functions[0]) - 1, degree).bound()
+        bound = _Products(quadrics, len(functions[0]) - 1, degree).bound(enough)
         if bound is not None:
             return bound
     return None
@@ -219,7 +221,7 @@ class _Products:
         #: So many rows, the first, have terms of the highest degree.
         self.highest = len(monomials(degree - 2)) * len(quadrics)
 
-    def bound(self) -> int | None:
+    def bound(self, enough: int) -> int | None:
         """Return a bound of the dimension of P/I; None if this degree proves none."""
         width = len(self.columns)
         echelon, rank = self._modulo(_PRIME, range(len(self.rows)), width).rref()
@@ -237,8 +239,8 @@ class _Products:
             leading = sum(pivot < self.top for pivot in _pivots(echelon, larger))
             if leading < self.top:
                 return None
-            if larger == rank:
-                return width - rank
+            if larger == rank or width - larger <= enough:
+                return width - larger
             rank = larger
 
     def _times(self, row: Sequence[int], variable: int) -> list[int]:

@@ -23,6 +23,8 @@ def made_certain(problem: Problem, poses: PoseSet) -> PoseSet:
         return poses
     if not poses.certified.all() or (poses.multiplicity > 1).any():
         return poses
-    if certain_bound(problem.instance) != len(poses.R):
+    # More sides than one share the poses: the bound of each is as low as it gets.
+    enough = len(poses.R) if len(problem.choices) == 1 else 0
+    if certain_bound(problem.instance, enough) != len(poses.R):
         return poses
     return replace(poses, proof=Proof(CountKind.EXACT))
