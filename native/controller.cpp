@@ -48,7 +48,7 @@ int Controller::start(const double* pose) {
   platform_pose p;
   std::copy(pose, pose + 3, p.position);
   std::copy(pose + 3, pose + 7, p.rotation);
-  return begin(&parts_->numbers, &p, &parts_->state);
+  return begin(&parts_->numbers, &p, &parts_->state, &parts_->report);
 }
 
 int Controller::forward(const double* values) {

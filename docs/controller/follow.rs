@@ -30,7 +30,7 @@ pub struct Report {
 
 extern "C" {
     fn nano_hexapod_inverse(pose: *const Pose, values: *mut f64) -> i32;
-    fn nano_hexapod_start(pose: *const Pose, state: *mut State) -> i32;
+    fn nano_hexapod_start(pose: *const Pose, state: *mut State, report: *mut Report) -> i32;
     fn nano_hexapod_forward(values: *const f64, state: *mut State, report: *mut Report) -> i32;
 }
 
@@ -46,7 +46,9 @@ pub fn forward(state: &mut State, values: &[f64; 6]) -> Result<Report, i32> {
 fn main() {
     let mut pose = Pose { position: [0.0, 0.0, 0.09], rotation: [1.0, 0.0, 0.0, 0.0] };
     let mut state = State::default();
-    assert_eq!(unsafe { nano_hexapod_start(&pose, &mut state) }, 0);
+    let mut report = Report::default();
+    assert_eq!(unsafe { nano_hexapod_start(&pose, &mut state, &mut report) }, 0);
+    assert!(report.alone > 0.0, "too near to a singular pose");
     for cycle in 1..=100 {
         pose.position[2] = 0.09 + 1e-5 * f64::from(cycle);
         let mut values = [0.0; 6];

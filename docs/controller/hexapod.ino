@@ -9,7 +9,7 @@ static int cycle;
 
 void setup() {
   Serial.begin(115200);
-  if (nano_hexapod_start(&home, &state)) Serial.println("no start");
+  if (nano_hexapod_start(&home, &state, 0)) Serial.println("no start");
 }
 
 void loop() {
@@ -20,7 +20,8 @@ void loop() {
   nano_hexapod_inverse(&goal, values);
   const int status = nano_hexapod_forward(values, &state, &report);
   if (status) {
-    Serial.println("refused: stop the motors");
+    Serial.print("stop the motors: ");
+    Serial.println(nano_hexapod_text(status));
     return;
   }
   if (cycle % 100 == 0) Serial.println(state.pose.position[2] * 1e6);  // micrometres

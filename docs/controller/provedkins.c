@@ -54,7 +54,7 @@ int kinematicsForward(const double *joints, struct EmcPose *world,
   int status;
   (void)fflags, (void)iflags;
   if (!*pins->homed) return -1; /* LinuxCNC asks once before it knows its joints */
-  status = started ? HEXAPOD_PROVED : hexapod_start(&home, &where);
+  status = started ? HEXAPOD_PROVED : hexapod_start(&home, &where, 0);
   if (!status) {
     started = 1;
     status = hexapod_forward(joints, &where, 0);

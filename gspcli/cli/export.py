@@ -65,6 +65,14 @@ _SYSTEMS = {name: form for name, form in FORMATS.items() if isinstance(form, Sys
     metavar="N",
     help="For c: how many parts of a line of values a step tries: its time is bounded by them.",
 )
+@click.option(
+    "--margin",
+    type=click.FloatRange(0, 1),
+    default=0.0,
+    show_default=True,
+    metavar="PART",
+    help="For c: by which part of its range a value may leave it, as with readings at a stop.",
+)
 @file_option("export")
 def command(
     spec: str,
@@ -75,6 +83,7 @@ def command(
     significant_digits: int,
     prefix: str | None,
     tries: int,
+    margin: float,
     output: Output,
 ) -> None:
     """Write a platform as a file for another program.
@@ -114,6 +123,7 @@ def command(
             name="" if source is None else source.stem,
             prefix=prefix,
             tries=tries,
+            margin=margin,
         )
     for note in found.notes:
         say(note)

@@ -59,6 +59,7 @@ def exported(
     name: str = "platform",
     prefix: str | None = None,
     tries: int = TRIES,
+    margin: float = 0.0,
 ) -> Export:
     """Write a platform for another program: its text is ``str`` of the result.
 
@@ -81,6 +82,8 @@ def exported(
         What names in them begin with; the name if None.
     tries
         How many parts of a line of values a step of the controller tries.
+    margin
+        By which part of its range a value may leave it in a step of the controller.
 
     Raises
     ------
@@ -101,7 +104,7 @@ def exported(
     pose, notes = _pose(instance, mode, needed=isinstance(form, PoseFormat))
     if isinstance(form, ControllerFormat):
         prefix = re.sub(r"\W", "_", name, flags=re.ASCII) if prefix is None else prefix
-        program = form.write(instance, prefix, tries, name, pose)
+        program = form.write(instance, prefix, tries, name, pose, margin)
         return Export(target, dict(zip(form.suffixes, program, strict=True)), notes)
     assert pose is not None
     texts = form.write(instance, pose)

@@ -65,13 +65,14 @@ class ControllerFormat:
     ----------
     write
         Their texts for an instance, what names begin with, how many parts of a line of values are
-        tried, the name of the files, and a pose that the header is to have, if any.
+        tried, the name of the files, a pose that the header is to have, if any, and by which part
+        of its range a value may leave it.
     suffixes
         What the names of the two files end with.
     what
         What that is, for the help.
     """
 
-    write: Callable[[Instance, str, int, str, Solution | None], tuple[str, str]]
+    write: Callable[[Instance, str, int, str, Solution | None, float], tuple[str, str]]
     suffixes: tuple[str, str]
     what: str

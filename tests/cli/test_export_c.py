@@ -33,6 +33,17 @@ def test_prefix_tries_and_values(gsp, tmp_path):
     assert '#include "x.h"' in (tmp_path / "x.c").read_text()
 
 
+def test_margin(gsp, tmp_path):
+    for options, written in (([], "0.0"), (["--margin", "0.01"], "0.01")):
+        path = tmp_path / "m2.c"
+        assert gsp("export", "@rubin-m2", "--to", "c", *options, "-o", str(path)).code == 0
+        assert f"#define M2_MARGIN {written} " in path.with_suffix(".h").read_text()
+    result = gsp("export", "@rubin-m2", "--to", "c", "--margin", "2", "-o", str(tmp_path / "y.c"))
+    assert result.code == 2
+    assert "2.0 is not in the range 0<=x<=1" in result.err
+    assert not (tmp_path / "y.c").exists()
+
+
 def test_a_platform_without_a_real_pose_has_no_home(gsp, tmp_path):
     assert gsp("export", "@no-real-pose", "--to", "c", "-o", str(tmp_path / "x.c")).code == 0
     assert "X_HOME" not in (tmp_path / "x.h").read_text()

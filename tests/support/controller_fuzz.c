@@ -23,7 +23,9 @@ int main(void) {
     for (k = 0; k < 3; ++k) p.position[k] = data.reach * any();
     for (k = 0; k < 4; ++k) p.rotation[k] = any();
     memset(&s, 0, sizeof s);
-    if (PUBLIC(_start)(&p, &s)) continue;
+    e = PUBLIC(_start)(&p, &s, i % 2 ? &r : 0);
+    if (e) continue;
+    if (i % 2 && !(r.sigma >= 0.0 && r.alone >= 0.0)) return 5;
     for (k = 0; k < 6; ++k) v[k] = s.values[k] + 0.02 * any() / data.unit[k];
     if (i % 4 == 0) numbers[rand() % 14] = spoilt[rand() % 8];
     if (i % 4 == 1) v[rand() % 6] = spoilt[rand() % 8];

@@ -18,8 +18,12 @@
 
 #include <math.h>
 
-#if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
-#error "the proofs need IEEE arithmetic: compile without -ffast-math"
+#if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__) || defined(__RECIPROCAL_MATH__) || \
+    (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
+#error "the proofs need IEEE arithmetic: compile without -ffast-math, -Ofast, -funsafe-math-optimizations, -fassociative-math, -freciprocal-math and -ffinite-math-only"
+#endif
+#if defined(__clang__) /* it has no macros for these options, but can be told to ignore them */
+#pragma float_control(precise, on)
 #endif
 
 #define EPS 0x1p-46
@@ -27,6 +31,7 @@
 #define LONGEST 0.5 /* of the first correction */
 #define CORRECTIONS 5 /* with the same Y */
 #define CONVERGED 0x1p-42
+#define STALLED 0x1p-46 /* corrections that no longer decrease are rounding, if they are below this |Y| */
 #define SHORTEST 0x1p-10 /* part of the line */
 #define TUBE 0x1p-10
 #define NEVER 1e30 /* a bound that proves nothing */
@@ -48,7 +53,7 @@ typedef struct {
   double crank[6], rod[6]; /* the radii, and the lengths of the rods */
 #endif
   double norm_y[6];          /* not below |Y|, with the crank */
-  double moduli[6];          /* not below the sum of the moduli of all that Y, X and T are sums of */
+  double moduli[6];          /* not below the sum of the moduli of all that Y and X are sums of */
   double middle[3], origin[3]; /* the middles of platform and base, in length units */
   double reach, shift;       /* a length; a bound of the moduli of the middles by it */
   double unit[6], offset[6]; /* an equation has (value + offset) unit */
@@ -124,6 +129,11 @@ static void unload(const geometry *g, const frame *f, platform_pose *pose) {
   for (i = 0; i < 4; ++i) pose->rotation[i] = f->q[i];
   turn(f, g->middle, shift);
   for (i = 0; i < 3; ++i) pose->position[i] = f->T[i] * g->reach - shift[i] + g->origin[i];
+}
+
+/* By how much a frame may be off from its pose: what load and unload round. */
+static double rounded(const geometry *g, const frame *f) {
+  return EPS * (1.0 + length(f->T) + g->shift);
 }
 
 /* Moves a pose by a small twist. */
@@ -679,7 +689,17 @@ static proof attempt(const geometry *g, segment *p, double (*inverse)[6], double
   return found;
 }
 
-/* Newton's method from a frame to the pose of some values; zero if it does not converge at once. */
+/* Is a correction no more than rounding? */
+static int stalled(double (*inverse)[6], double size) {
+  double sum = 0.0;
+  int i, k;
+  for (i = 0; i < 6; ++i)
+    for (k = 0; k < 6; ++k) sum += inverse[i][k] * inverse[i][k];
+  return size < STALLED * sqrt(sum);
+}
+
+/* Newton's method from a frame to the pose of some values; zero if it does not converge at once.
+ * Next to singular poses rounding keeps corrections from CONVERGED: a proof tells whether it may. */
 static int converge(const geometry *g, const double *to, double (*inverse)[6], frame *next) {
   double F[6], d[6], fresh[6][6], (*used)[6] = inverse, before, now;
   int i;
@@ -694,15 +714,15 @@ static int converge(const geometry *g, const double *to, double (*inverse)[6], f
     }
     equations(g, next, to, F, 0);
     now = correction(used, F, d);
-    if (!(now < 0.6 * before || now < CONVERGED)) return 0;
+    if (!(now < 0.6 * before || now < CONVERGED)) return stalled(used, now);
     before = now;
   }
-  return before <= CONVERGED;
+  return before <= CONVERGED || stalled(used, before);
 }
 
 /* Values as the equations have them. */
 static int in_units(const geometry *g, const double *values, double *c) {
-  int k;
+  int k, status = PLATFORM_PROVED;
   for (k = 0; k < 6; ++k) {
     double value = values[k] + g->offset[k];
     if (!(value - value == 0.0)) return PLATFORM_NOT_FINITE;
@@ -710,48 +730,67 @@ static int in_units(const geometry *g, const double *values, double *c) {
 #if HAS_DPH || HAS_DHP
     if (g->either[k]) value = fabs(value);
 #endif
-    if (value < g->least[k] || value > g->most[k]) return PLATFORM_RANGE;
+    if (value < g->least[k] || value > g->most[k]) status = PLATFORM_RANGE;
   }
-  return PLATFORM_PROVED;
+  return status;
 }
 
 #if HAS_DLL
+/* The moment of two lines at a frame; zero if its sign is not certain. */
+static double moment_of(const geometry *g, const frame *f, int k, double error) {
+  placed p;
+  double n[3], moment;
+  place(g, f, k, 0, &p);
+  cross(p.w, g->V[k], n);
+  moment = dot(p.r, n);
+  return fabs(moment) > (error + 0x1p-40) * 4.0 * (1.0 + g->moduli[k] + length(f->T)) ? moment : 0.0;
+}
+
 /* Gives distances of lines the sign that they have at the pose; zero if one is not certain. */
 static int orient(const geometry *g, const frame *f, double error, double *from, double *to) {
   int k, certain = 1;
   for (k = 0; k < 6; ++k) {
-    placed p;
-    double n[3], moment, doubt;
+    double moment;
     if (g->kind[k] != DLL || (from[k] == 0.0 && to[k] == 0.0)) continue;
-    place(g, f, k, from, &p);
-    cross(p.w, g->V[k], n);
-    moment = dot(p.r, n);
-    doubt = (error + 0x1p-40) * 4.0 * (1.0 + g->moduli[k] + length(f->T));
-    if (!(fabs(moment) > doubt))
+    moment = moment_of(g, f, k, error);
+    if (moment == 0.0)
       certain = 0;
     else if (moment < 0.0)
       from[k] = -from[k], to[k] = -to[k];
   }
   return certain;
 }
+
+/* Will the next step know the sides of all lines, or do they stay on each other? */
+static int keeps_sides(const geometry *g, const frame *f, double error, const double *from,
+                       const double *to) {
+  int k;
+  for (k = 0; k < 6; ++k)
+    if (g->kind[k] == DLL && (from[k] != 0.0 || to[k] != 0.0) &&
+        moment_of(g, f, k, 2.0 * error + 0x1p-40) == 0.0)
+      return 0;
+  return 1;
+}
 #endif
 
-static void tell(const geometry *g, const frame *f, const double *c, double (*inverse)[6],
-                 platform_report *report) {
+/* Not above the least singular value of the Jacobian matrix at the frame of the inverse. */
+static double least(const geometry *g, const frame *f, const double *c, double (*inverse)[6],
+                    double defect) {
   double sum = 0.0;
   int i, k;
+  if (!(defect < 1.0)) return 0.0;
   for (k = 0; k < 6; ++k) {
     double s = slope(g, f, k, c);
     for (i = 0; i < 6; ++i) sum += inverse[i][k] * inverse[i][k] * s * s;
   }
-  report->sigma = 1.0 / sqrt(sum);
+  return (1.0 - defect) / (sqrt(sum) * OUTWARD);
 }
 
 static int follow(const geometry *g, const double *values, platform_state *state,
                   platform_report *report) {
   frame at, next;
   double first[6], last[6], from[6], to[6], inverse[6][6];
-  double done = 0.0, step = 1.0, defect, error = state->error / g->reach, alone = 0.0;
+  double done = 0.0, step = 1.0, defect, error = state->error / g->reach, alone = 0.0, sigma = 0.0;
   int k, status, tries = 0, steps = 0;
   if (report) report->fraction = report->sigma = report->alone = 0.0, report->steps = report->tries = 0;
   status = in_units(g, values, last);
@@ -761,12 +800,14 @@ static int follow(const geometry *g, const double *values, platform_state *state
     if (!(first[k] - first[k] == 0.0)) status = PLATFORM_NOT_FINITE;
   }
   if (status) return status;
+  error += rounded(g, &at);
 #if HAS_DLL
   if (!orient(g, &at, error, first, last)) return PLATFORM_SINGULAR;
 #endif
   for (k = 0; k < 6; ++k) from[k] = first[k];
   status = PLATFORM_TRIES_SPENT;
   defect = linearize(g, &at, from, inverse);
+  if (report) sigma = least(g, &at, from, inverse, defect);
   while (tries < PLATFORM_TRIES) {
     double rest = 1.0 - done, measure = 8.0;
     proof found;
@@ -806,18 +847,23 @@ static int follow(const geometry *g, const double *values, platform_state *state
     done += step;
     step *= measure < 0.4 ? 2.0 : 0.8 / measure;
     defect = linearize(g, &at, from, inverse);
+    if (report) sigma = least(g, &at, from, inverse, defect);
   }
+  error += rounded(g, &at);
+#if HAS_DLL
+  if (status == PLATFORM_PROVED && !keeps_sides(g, &at, error, first, last)) status = PLATFORM_SINGULAR;
+#endif
   if (status == PLATFORM_PROVED) {
     unload(g, &at, &state->pose);
     for (k = 0; k < 6; ++k) state->values[k] = values[k];
-    state->error = g->reach * (error + EPS * (1.0 + length(at.T) + g->shift));
+    state->error = g->reach * error;
   }
   if (report) {
     report->fraction = done;
     report->alone = alone * g->reach;
     report->steps = steps;
     report->tries = tries;
-    tell(g, &at, from, inverse, report);
+    report->sigma = sigma;
   }
   return status;
 }
@@ -945,16 +991,60 @@ static int differentiate(const geometry *g, const platform_pose *pose, const dou
   return PLATFORM_PROVED;
 }
 
-static int begin(const geometry *g, const platform_pose *pose, platform_state *state) {
-  double values[6];
+static int begin(const geometry *g, const platform_pose *pose, platform_state *state,
+                 platform_report *report) {
+  double values[6], c[6], inverse[6][6], defect;
+  frame f;
+  segment still;
+  proof found = {8.0, 0.0, 0.0};
   int k, status;
   for (k = 0; k < 6; ++k) values[k] = -g->offset[k];
   status = measure(g, pose, values);
-  if (status) return status;
+  if (status || !load(g, pose, &f)) return status;
+#if HAS_DLL
+  for (k = 0; k < 6; ++k) /* lines that meet */
+    if (g->kind[k] == DLL && moment_of(g, &f, k, 0.0) == 0.0) values[k] = -g->offset[k];
+#endif
+  for (k = 0; k < 6; ++k) c[k] = (values[k] + g->offset[k]) * g->unit[k];
+#if HAS_DLL
+  {
+    double same[6];
+    for (k = 0; k < 6; ++k) same[k] = c[k];
+    (void)orient(g, &f, 0.0, c, same);
+  }
+#endif
+  defect = linearize(g, &f, c, inverse);
+  still.start = still.end = &f;
+  still.from = still.to = c;
+  if (defect < 0.5) found = attempt(g, &still, inverse, defect);
+  if (!(found.measure < 1.0)) found.error = found.alone = 0.0;
   state->pose = *pose;
-  state->error = 0.0;
+  state->error = g->reach * (found.error + rounded(g, &f));
   for (k = 0; k < 6; ++k) state->values[k] = values[k];
+  if (report) {
+    report->fraction = found.measure < 1.0 ? 1.0 : 0.0;
+    report->sigma = least(g, &f, c, inverse, defect);
+    report->alone = found.alone * g->reach;
+    report->steps = report->tries = 0;
+  }
   return status;
+}
+
+static const char *text(int status) {
+  switch (status) {
+    case PLATFORM_PROVED:
+      return "proved";
+    case PLATFORM_NOT_FINITE:
+      return "an argument is not finite, or a quaternion is zero";
+    case PLATFORM_RANGE:
+      return "a value is outside its range, or a crank does not reach";
+    case PLATFORM_SINGULAR:
+      return "refused: too near to a singular pose, here or ahead";
+    case PLATFORM_TRIES_SPENT:
+      return "refused: the line of values is too long";
+    default:
+      return "no status";
+  }
 }
 
 #if HAS_DATA
@@ -964,11 +1054,13 @@ int platform_jacobian(const platform_pose *pose, const double values[6], double 
   return differentiate(&data, pose, values, J);
 }
 
-int platform_start(const platform_pose *pose, platform_state *state) {
-  return begin(&data, pose, state);
+int platform_start(const platform_pose *pose, platform_state *state, platform_report *report) {
+  return begin(&data, pose, state, report);
 }
 
 int platform_forward(const double values[6], platform_state *state, platform_report *report) {
   return follow(&data, values, state, report);
 }
+
+const char *platform_text(int status) { return text(status); }
 #endif

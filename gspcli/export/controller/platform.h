@@ -9,7 +9,7 @@
 #ifndef PLATFORM_H
 #define PLATFORM_H
 
-#define PLATFORM_API 1 /* grows when a signature or a struct changes */
+#define PLATFORM_API 2 /* grows when a signature or a struct changes */
 
 #ifdef __cplusplus
 extern "C" {
@@ -30,13 +30,16 @@ typedef struct {
 typedef struct {
   double fraction; /* how much of the line of values was proved; 1 if all */
   double sigma;    /* where the last part began: not above the least singular value of the Jacobian
-                      matrix with lengths divided by PLATFORM_REACH, at most sqrt(6) below it */
+                      matrix of twists about PLATFORM_MIDDLE with lengths divided by PLATFORM_REACH;
+                      seldom less than a third of it */
   double alone;    /* no other pose with these values is nearer than this, as for `error` */
   int steps;       /* proved parts of the line */
   int tries;       /* parts tried, at most PLATFORM_TRIES */
 } platform_report;
 
 #define PLATFORM_REACH @REACH@ /* rotations by a radian count as this length */
+#define PLATFORM_MIDDLE @MIDDLE@ /* a point of the platform */
+#define PLATFORM_MARGIN @MARGIN@ /* values may leave their ranges by this part of the range */
 #define PLATFORM_TRIES 48
 #if HAS_HOME
 
@@ -48,7 +51,8 @@ enum {
   PLATFORM_PROVED = 0,     /* the pose is the continuation along the line of values */
   PLATFORM_NOT_FINITE = 1, /* an argument is not finite, or a quaternion is zero */
   PLATFORM_RANGE = 2,      /* a value is outside its range, or a crank does not reach */
-  PLATFORM_SINGULAR = 3,   /* refused: too near to a singular pose, here or ahead */
+  PLATFORM_SINGULAR = 3,   /* refused: too near to a singular pose, here or ahead; or the distance of
+                              two lines becomes zero, from where both sides are as good */
   PLATFORM_TRIES_SPENT = 4 /* refused: not proved in PLATFORM_TRIES tries: the line is too long */
 };
 
@@ -58,13 +62,18 @@ int platform_inverse(const platform_pose *pose, double values[6]);
 /* Derivatives of the values by (omega, velocity of `position`) in the axes of the base. */
 int platform_jacobian(const platform_pose *pose, const double values[6], double J[6][6]);
 
-/* A state from a pose@ZERO@. */
-int platform_start(const platform_pose *pose, platform_state *state);
+/* A state from a pose@ZERO@.
+ * `report` may be null. Its sigma and alone are those of the pose; its fraction is 1, or 0 if the pose
+ * is so nearly singular that no step from it can be proved. */
+int platform_start(const platform_pose *pose, platform_state *state, platform_report *report);
 
 /* Moves the state to these values. PROVED: for every value on the straight line between, exactly
  * one pose is near, it is not singular, and the new pose is its end. Otherwise the state is as
  * before. `report` may be null. */
 int platform_forward(const double values[6], platform_state *state, platform_report *report);
+
+/* What a status means, for people. */
+const char *platform_text(int status);
 
 #ifdef __cplusplus
 }

@@ -1,7 +1,7 @@
 """C99 for one platform: ``platform.h`` and ``platform.c`` with its numbers in them.
 
 What the kinds of the platform do not need is left out; the same source, with everything, is
-compiled into the kernel (native/follower_module.cpp) for `gspcli.Follower`.
+compiled into the kernel (native/controller.cpp) for `gspcli.Follower`.
 """
 
 from __future__ import annotations
@@ -48,6 +48,7 @@ def controller(
     tries: int = TRIES,
     name: str = "",
     home: Solution | None = None,
+    margin: float = 0.0,
 ) -> tuple[str, str]:
     """Return the header and the source for a platform.
 
@@ -63,15 +64,18 @@ def controller(
         The name of the files without suffix; the prefix if it is empty.
     home
         A pose that the header is to have as a constant, or None.
+    margin
+        By which part of its range a value may leave it, from 0 to 1.
 
     Raises
     ------
     ArgumentError
-        If the prefix is no name in C, or a crank is not at the end of exactly one leg.
+        If the prefix is no name in C, the margin is not from 0 to 1, or a crank is not at the end
+        of exactly one leg.
     """
     checked_prefix(prefix)
-    numbers = platform_numbers(instance)
-    words = _words(instance, numbers, home)
+    numbers = platform_numbers(instance, margin)
+    words = _words(instance, numbers, home) | {"MARGIN": _number(margin)}
     have = {*numbers.kinds, "DATA"} | ({"HOME"} if home is not None else set())
     texts = []
     for part in ("platform.h", "platform.c"):
@@ -123,6 +127,7 @@ def _words(instance: Instance, numbers: PlatformNumbers, home: Solution | None) 
         else "",
         "DIGEST": "sha256 " + hashlib.sha256(dumps(instance).encode()).hexdigest()[:16],
         "REACH": _number(numbers.reach),
+        "MIDDLE": f"{{{', '.join(map(_number, numbers.middle))}}}",
         "HOME": _home(home),
         "HINT": "; of the two angles of a crank the one nearer to what `values` holds"
         if cranked

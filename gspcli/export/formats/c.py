@@ -12,12 +12,17 @@ if TYPE_CHECKING:
 
 
 def write(
-    instance: Instance, prefix: str, tries: int, name: str, home: Solution | None
+    instance: Instance,
+    prefix: str,
+    tries: int,
+    name: str,
+    home: Solution | None,
+    margin: float,
 ) -> tuple[str, str]:
     """Return the header and the source."""
     from gspcli.export.controller.writing import controller
 
-    return controller(instance, prefix, tries=tries, name=name, home=home)
+    return controller(instance, prefix, tries=tries, name=name, home=home, margin=margin)
 
 
 FORMAT = ControllerFormat(

@@ -30,14 +30,17 @@ class FollowerStatus(IntEnum):
     RANGE = 2
     """A value is outside the range of its constraint."""
     SINGULAR = 3
-    """Refused: too near to a singular pose, here or ahead."""
+    """Refused: too near to a singular pose, here or ahead, or two lines would meet."""
     TRIES_SPENT = 4
     """Refused: the line is too long for the tries that a step has."""
 
 
 @dataclass(frozen=True)
 class FollowerReport:
-    """How the last step went.
+    """How the last step went, or before the first one how the start is.
+
+    At a start ``fraction`` is 1, or 0 if the pose is so nearly singular that no step from it can be
+    proved; ``sigma`` and ``alone`` are those of the pose.
 
     Attributes
     ----------
@@ -45,7 +48,8 @@ class FollowerReport:
         How much of the line of values was proved; 1 if all.
     sigma
         Where the last part began: not above the least singular value of the Jacobian matrix of the
-        values, lengths divided by the size of the platform; at most sqrt(6) below it.
+        values by twists about the platform's middle, lengths divided by its size (``reach`` and
+        ``middle`` of `platform_numbers`); seldom less than a third of it.
     alone
         No other pose with these values is nearer than this: a length, or radians times the size.
     steps, tries
@@ -92,13 +96,15 @@ class Follower:
     'PROVED'
     """
 
-    def __init__(self, instance: Instance, R: ArrayLike, T: ArrayLike) -> None:
+    def __init__(
+        self, instance: Instance, R: ArrayLike, T: ArrayLike, *, margin: float = 0.0
+    ) -> None:
         rotation, translation = checked_poses(R, T)
         if translation.shape != (3,):
             message = f"found the shape {translation.shape}, expected one pose: (3,)"
             raise ArgumentError(message, "T")
         self.instance = instance
-        numbers = platform_numbers(instance)
+        numbers = platform_numbers(instance, margin)
         self._controller = _kernel.Controller(numbers.kind, numbers.either, numbers.doubles)
         quaternion = quaternion_from_rotation(rotation)
         status = self._controller.start(np.concatenate((translation, quaternion)))
@@ -172,7 +178,7 @@ class Follower:
 
     @property
     def report(self) -> FollowerReport:
-        """How the last step went."""
+        """How the last step went; before the first one, how the start is."""
         return FollowerReport(*self._controller.report())
 
     def __repr__(self) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from fractions import Fraction
 
 import numpy as np
@@ -78,14 +79,25 @@ class PlatformNumbers:
         return np.concatenate([np.ravel(getattr(self, name)) for name in names])
 
 
-def platform_numbers(instance: Instance) -> PlatformNumbers:
+def platform_numbers(instance: Instance, margin: float = 0.0) -> PlatformNumbers:
     """Return the numbers of an instance.
+
+    Parameters
+    ----------
+    instance
+        The platform.
+    margin
+        By which part of its range a value may leave it, from 0 to 1. What no distance or angle
+        can be stays refused.
 
     Raises
     ------
     ArgumentError
-        If a crank is not at the end of exactly one leg, or a leg has two.
+        If the margin is not from 0 to 1, a crank is not at the end of exactly one leg, or a leg
+        has two.
     """
+    if not 0 <= margin <= 1:
+        raise ArgumentError(f"found {margin!r}, expected a part from 0 to 1", "margin")
     rows = instance.constraints
     kinds = [_kind(instance, row) for row in rows]
     middles = [_middle(instance, body) for body in BODIES]
@@ -109,7 +121,8 @@ def platform_numbers(instance: Instance) -> PlatformNumbers:
     unit = np.where(angles, instance.units.angle.in_radians, 1 / reach)
     # The value of a reading x is x scale + offset = (x + offset / scale) scale.
     scale = np.where(turned, 1.0, factors(instance))
-    least, most = (limit / scale for limit in _limits(instance, kinds, _LARGEST / unit))
+    limits = _limits(instance, kinds, _LARGEST / unit, margin)
+    least, most = (limit / scale for limit in limits)
     sided = [row.kind.has_sides and row.side is Side.BOTH and bool(row.limits) for row in rows]
     return PlatformNumbers(
         kind=np.array([CONTROLLER_KINDS.index(kind) for kind in kinds], np.uint8),
@@ -122,7 +135,7 @@ def platform_numbers(instance: Instance) -> PlatformNumbers:
         crank=cranks * _UP,
         rod=np.where(turned, [row.value.value for row in rows], 0.0) / reach,
         norm_y=(np.linalg.norm(Y, axis=1) + np.where(on_platform, cranks, 0)) * _UP,
-        moduli=(moduli + shift) * _UP,
+        moduli=moduli * _UP,
         middle=np.array([float(x) for x in middles[0]]),
         origin=np.array([float(x) for x in middles[1]]),
         reach=reach,
@@ -186,24 +199,27 @@ class _Place:
         self.radius = self.size = self.moduli = 0.0
         if not is_distance:
             return
-        place = _less(_exact(geometry.position), middle)
+        place = _exact([_apart(x, m) for x, m in zip(geometry.position, middle, strict=True)])
+        stated = place
+        numbers: tuple[Number, ...] = geometry.position
         if isinstance(geometry, Point):
             if crank is not None:
-                place = self._turn(crank, _exact(geometry.position), place)
+                place = self._turn(crank, place, middle)
         else:
+            numbers += geometry.vector
             height = _along(place, _exact(geometry.vector))
             place = _less(place, height) if isinstance(geometry, Line) else height
         self.nearest = np.array([float(x) for x in place])
         self.size = float(np.linalg.norm(self.nearest)) + self.radius
         self.moduli = self.size
-        if any(x.fraction is None for x in geometry.position):
-            # The difference is then one of rounded numbers.
-            self.moduli += 2 * float(np.linalg.norm(geometry.point))
+        if any(x.fraction is None for x in numbers):
+            self.moduli += 2 * math.hypot(*map(float, stated))
 
-    def _turn(self, crank: Crank, point: Exact, place: Exact) -> Exact:
+    def _turn(self, crank: Crank, place: Exact, middle: Exact) -> Exact:
         """Note the circle of a crank; return its centre."""
         axis = _exact(crank.axis)
-        arm = _less(point, _exact(crank.centre))
+        centre = [_apart(x, m) for x, m in zip(crank.centre, middle, strict=True)]
+        arm = _less(place, _exact(centre))
         arm = _less(arm, _along(arm, axis))
         self.A = np.array([float(x) for x in arm])
         unit = np.array([float(x) for x in axis])
@@ -212,7 +228,12 @@ class _Place:
         return _less(place, arm)
 
 
-def _exact(numbers: tuple[Number, ...]) -> Exact:
+def _apart(number: Number, middle: Fraction) -> Number:
+    """Return a number less another one, whose nearest double has no digits that cancel."""
+    return Number("-", (number, Number.of(middle)))
+
+
+def _exact(numbers: Sequence[Number]) -> Exact:
     """Return numbers as fractions, irrational ones as those of the nearest doubles."""
     return [Fraction(x.value) if x.fraction is None else x.fraction for x in numbers]
 
@@ -251,17 +272,23 @@ def _middle(instance: Instance, body: str) -> Exact:
     return [Fraction(float(x)) for x in np.round(centre / grid) * grid]
 
 
-def _limits(instance: Instance, kinds: list[str], largest: Array) -> tuple[Array, Array]:
+def _limits(
+    instance: Instance, kinds: list[str], largest: Array, margin: float
+) -> tuple[Array, Array]:
     """Return the least and the greatest value of each constraint, planes signed unless either."""
     least, most = np.zeros((2, 6))
     for k, (row, kind) in enumerate(zip(instance.constraints, kinds, strict=True)):
-        low, high = value_range(row.kind, instance.units.angle)
+        lowest, highest = value_range(row.kind, instance.units.angle)
         if kind.endswith("CRANK"):
-            low, high = -math.inf, math.inf
-        elif row.limits is not None:
+            lowest, highest = -math.inf, math.inf
+        low, high = lowest, highest
+        if row.limits is not None and not kind.endswith("CRANK"):
             low, high = (limit.value for limit in row.limits)
             if row.side is Side.NEGATIVE:
                 low, high = -high, -low
+            more = margin * (high - low)
+            if more:
+                low, high = max(low - more, min(low, lowest)), min(high + more, max(high, highest))
         room = _ROUNDING * max(abs(x) for x in (low, high) if math.isfinite(x) or x == low)
         room = room if math.isfinite(room) else 0.0
         floor = 0.0 if row.kind.is_distance and not row.kind.has_sides and low >= 0 else -math.inf

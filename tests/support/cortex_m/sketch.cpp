@@ -10,6 +10,7 @@ uint32_t board_ticks(void);
 
 struct Port {
   void begin(long) {}
+  void print(const char *text) { board_write(text); }
   void println(const char *text) { board_write(text), board_write("\n"); }
   void println(double x) {
     char text[32];

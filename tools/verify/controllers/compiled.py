@@ -104,10 +104,18 @@ class CompiledController:
         self._call("d_time", len(poses), *arrays, seconds)
         return seconds
 
-    def rounding(self, poses: Array, values: Array) -> tuple[Array, Array, Array, Array]:
-        """Return F and F' as they are computed, and the bounds of the rounding of both."""
+    def rounding(self, poses: Array, values: Array) -> tuple[Array, ...]:
+        """Return what is computed at poses, and the bounds of its rounding.
+
+        Returns
+        -------
+        tuple
+            Frames (T and q, in units of the size), the bound of what is rounded in them; F, F', and
+            the bounds of both; the poses of the frames.
+        """
         n = len(poses)
-        found = np.zeros((n, 6)), np.zeros((n, 6, 6)), np.zeros((n, 6)), np.zeros((n, 6))
+        shapes = (n, 7), (n,), (n, 6), (n, 6, 6), (n, 6), (n, 6), (n, 7)
+        found = tuple(map(np.zeros, shapes))
         arrays = np.ascontiguousarray(poses), np.ascontiguousarray(values)
         self._call("d_rounding", n, *arrays, *found)
         return found

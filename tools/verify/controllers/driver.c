@@ -127,10 +127,10 @@ void d_time(long n, const double *poses, const double *from, const double *to, d
   }
 }
 
-/* What is computed at poses, with the bounds of its rounding: F, F', error, slant; shapes (n, 6),
- * (n, 6, 6), (n, 6), (n, 6). */
-void d_rounding(long n, const double *poses, const double *values, double *F, double *J, double *error,
-                double *slant) {
+/* What is computed at poses, with the bounds of its rounding: the frame (T, q) and its bound, F, F',
+ * error, slant; and the pose of the frame; shapes (n, 7), (n,), (n, 6), (n, 6, 6), (n, 6), (n, 6), (n, 7). */
+void d_rounding(long n, const double *poses, const double *values, double *frames, double *off, double *F,
+                double *J, double *error, double *slant, double *back) {
   for (long i = 0; i < n; ++i) {
     pose_t p = pose_of(poses + 7 * i);
     frame f;
@@ -138,6 +138,12 @@ void d_rounding(long n, const double *poses, const double *values, double *F, do
     double c[6];
     part whole = {c, c, 0.0, 0.0};
     load(&data, &p, &f);
+    for (int k = 0; k < 3; ++k) frames[7 * i + k] = f.T[k];
+    for (int k = 0; k < 4; ++k) frames[7 * i + 3 + k] = f.q[k];
+    off[i] = rounded(&data, &f);
+    unload(&data, &f, &p);
+    for (int k = 0; k < 3; ++k) back[7 * i + k] = p.position[k];
+    for (int k = 0; k < 4; ++k) back[7 * i + 3 + k] = p.rotation[k];
     for (int k = 0; k < 6; ++k) c[k] = (values[6 * i + k] + data.offset[k]) * data.unit[k];
     equations(&data, &f, c, F + 6 * i, (double(*)[6])(J + 36 * i));
     bound(&data, &f, &whole, &b);

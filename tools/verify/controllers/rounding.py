@@ -1,6 +1,6 @@
 """Audit the bounds of rounding of a controller's step in ball arithmetic, and record it.
 
-    python -m tools.verify.controllers.rounding [--each 16000] [--jobs 2] [--work FOLDER]
+    python -m tools.verify.controllers.rounding [--each 1000] [--jobs 2] [--work FOLDER]
         [--check [--sample N]]
 
 A proof of a step needs to know by how much the equations and their derivatives in doubles differ
@@ -53,6 +53,7 @@ class Row:
     evaluations: int
     value: float
     derivative: float
+    frame: float
 
     @property
     def task(self) -> str:
@@ -71,7 +72,9 @@ class ExactEquations:
     def __init__(self, instance: Instance, numbers: PlatformNumbers) -> None:
         self._kinds = numbers.kinds
         self._reach = arb(float(numbers.reach))
-        self._middle = [arb(float(x)) for x in numbers.middle]
+        self._middle, self._origin = (
+            [arb(float(x)) for x in part] for part in (numbers.middle, numbers.origin)
+        )
         radian = arb.pi() / 180 if instance.units.angle is AngleUnit.DEGREE else arb(1)
         self._rows = []
         for row, kind in zip(instance.constraints, numbers.kinds, strict=True):
@@ -82,17 +85,26 @@ class ExactEquations:
             rod = ball(row.value) / self._reach
             self._rows.append((kind, *bodies, unit, offset, rod))
 
-    def at(self, pose: Array, values: Array) -> tuple[list[arb], list[Vector]]:
+    def translation(self, frame: Array, pose: Array) -> Vector:
+        """Return by how much the translation of a frame is off from that of a pose."""
+        R, T = (_rotation([arb(float(x)) for x in pose[3:]]), [arb(float(x)) for x in pose[:3]])
+        moved = _minus(
+            [a + b for a, b in zip(T, _times(R, self._middle), strict=True)], self._origin
+        )
+        return [arb(float(t)) - x / self._reach for t, x in zip(frame, moved, strict=False)]
+
+    def at(self, frame: Array, values: Array) -> tuple[list[arb], list[Vector]]:
         """Return the six equations and their derivatives by a twist about the middle."""
-        q = [arb(float(x)) for x in pose[3:]]
-        R, T = _rotation(q), [arb(float(x)) for x in pose[:3]]
+        q = [arb(float(x)) for x in frame[3:]]
+        R, T = _rotation(q), [arb(float(x)) for x in frame[:3]]
         F, J = [], []
         for (kind, one, other, unit, offset, rod), value in zip(self._rows, values, strict=True):
             c = arb(float(value))
             c = c * unit if kind.endswith("CRANK") else (c + offset) * unit
             y, x = one.at(c, kind == "PLATFORM_CRANK"), other.at(c, kind == "BASE_CRANK")
             arm = [z / self._reach for z in _times(R, _minus(y, self._middle))]
-            r = [(a + t - b) / self._reach for a, t, b in zip(_times(R, y), T, x, strict=True)]
+            x = [z / self._reach for z in _minus(x, self._origin)]
+            r = [a + t - b for a, t, b in zip(arm, T, x, strict=True)]
             w = _times(R, one.direction) if one.direction else []
             f, row = _equation(kind, r, arm, w, other.direction, rod if "CRANK" in kind else c)
             F.append(f)
@@ -196,25 +208,32 @@ def examine(each: int, name: str) -> Row:
     values[lost] = rng.uniform(0, 90, size=(int(lost.sum()), 6))
     values *= rng.uniform(0, 2, size=values.shape)
     computed = program.rounding(poses, values)
-    worst = np.zeros(2)
+    worst = np.zeros(3)
     with flint.ctx.workprec(BITS):
         exact = ExactEquations(instance, numbers)
-        for pose, row, F, J, error, slant in zip(poses, values, *computed, strict=True):
-            worst = np.maximum(worst, _parts(exact, pose, row, F, J, error, slant))
+        for pose, row, frame, off, F, J, error, slant, back in zip(
+            poses, values, *computed, strict=True
+        ):
+            parts = _parts(exact, frame, row, F, J, error, slant)
+            ends = [
+                np.linalg.norm([float(x.abs_upper()) for x in exact.translation(frame, at)]) / off
+                for at in (pose, back)
+            ]
+            worst = np.maximum(worst, [*parts, max(ends)])
     return Row(name, len(poses), *(float(f"{x:.{DIGITS}g}") for x in worst))
 
 
 def _parts(
     exact: ExactEquations,
-    pose: Array,
+    frame: Array,
     values: Array,
     F: Array,
     J: Array,
     error: Array,
     slant: Array,
 ) -> tuple[float, float]:
-    """Return the largest parts of both bounds at one pose."""
-    true_F, true_J = exact.at(pose, values)
+    """Return the largest parts of both bounds at one frame."""
+    true_F, true_J = exact.at(frame, values)
     off = [abs(float((arb(float(a)) - b).abs_upper())) for a, b in zip(F, true_F, strict=True)]
     slanted = [
         np.linalg.norm([float((arb(float(x)) - y).abs_upper()) for x, y in zip(a, b, strict=True)])
@@ -226,7 +245,7 @@ def _parts(
 def main() -> int:
     """Write the record, or check it."""
     line = options(__doc__)
-    line.add_argument("--each", type=int, default=16_000, help="poses of each platform")
+    line.add_argument("--each", type=int, default=1_000, help="poses of each platform")
     arguments = line.parse_args()
     chosen = sampled(names(), arguments.sample) if arguments.check else names()
     rows = results(
@@ -237,7 +256,11 @@ def main() -> int:
         name=f"controller-rounding-{arguments.each}",
         label="poses",
     )
-    wrong = [f"{row.name}: beyond its bound" for row in rows if max(row.value, row.derivative) >= 1]
+    wrong = [
+        f"{row.name}: beyond its bound"
+        for row in rows
+        if max(row.value, row.derivative, row.frame) >= 1
+    ]
     text = csv_text([asdict(row) for row in rows])
     count = sum(row.evaluations for row in rows)
     summary = f"{count} evaluations of {len(rows)} platforms within their bounds"

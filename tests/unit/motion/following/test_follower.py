@@ -176,16 +176,42 @@ def test_lines_that_meet_stay_so_and_move_apart_only_where_the_side_is_known():
     T = T + 0.3 * rng.normal(size=(300, 3))
     near = measure(instance, R, T)[:, k].argmin()
     follower = gspcli.Follower(instance, R[near], T[near])
-    # Towards zero, where the lines meet; from there both sides are as good, and it says so.
-    for share in (0.5, 0.0):
-        goal = follower.values
-        goal[k] *= share
-        assert follower.forward(goal) is FollowerStatus.PROVED
-    assert abs(measure(instance, follower.R, follower.T)[k]) < 1e-12
+    # Towards zero, where the lines meet: from there both sides are as good, so it stops before.
+    goal = follower.values
+    start = goal[k]
+    while abs(goal[k]) > 1e-30:
+        goal[k] /= 4
+        status = follower.forward(goal)
+        if status is not FollowerStatus.PROVED:
+            break
+    assert status is FollowerStatus.SINGULAR
+    assert 0 < follower.values[k] < 1e-8
+    goal[k] = 0
+    before = follower.T, follower.values
+    assert follower.forward(goal) is FollowerStatus.SINGULAR
+    assert all((a == b).all() for a, b in zip(before, (follower.T, follower.values), strict=True))
+    # Where it stopped it is not stuck.
     assert follower.forward(follower.values) is FollowerStatus.PROVED
-    apart = follower.values
-    apart[k] = 1e-3
-    assert follower.forward(apart) is FollowerStatus.SINGULAR
+    goal[k] = start / 2
+    assert follower.forward(goal) is FollowerStatus.PROVED
+    # Lines that meet at the start may stay so, and the others move.
+    ends = _meeting(instance, follower.R, follower.T, k)
+    follower = gspcli.Follower(instance, *ends)
+    assert follower.values[k] == 0
+    goal = follower.values + 1e-4 * (np.arange(6) != k)
+    assert follower.forward(goal) is FollowerStatus.PROVED
+    goal[k] = 1e-3
+    assert follower.forward(goal) is FollowerStatus.SINGULAR
+
+
+def _meeting(instance, R, T, k):
+    """A pose near a pose with the distance k zero, by Newton's method."""
+    arrangement = Arrangement.of(instance)
+    for _ in range(60):
+        value, slope = measure(instance, R, T)[k], value_slopes(arrangement, R, T)[k]
+        step = -0.5 * value * slope / (slope @ slope)
+        R, T = rotation_from_vector(step[:3]) @ R, T + step[3:]
+    return R, T
 
 
 @pytest.mark.parametrize(("kinds", "seed", "row"), [("6DLL", 3, 55), ("6DLL", 1, 22)])
