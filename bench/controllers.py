@@ -1,6 +1,6 @@
 """The proved step of a controller against what controllers run, on machines of data/platforms.
 
-    python -m bench.controllers [--walks 40]
+    python -m bench.controllers [--walks 40] [--costs]
 
 Peers are Newton's method until it converges (LinuxCNC's genhexkins and many others), Newton's
 method with three steps a cycle and Reachy Mini's own library, which does so
@@ -11,6 +11,8 @@ a fold. The truth is what the program of `gsp export --to c` has proved. Printed
 table in docs/controller.md: how many proved steps the peer missed by more than a millionth of the
 size, in how many walks it ended in another mode (or gave up), and at how many refusals of the
 program it named a pose without a word; and the time of a step, calls from Python included.
+With ``--costs``: what one proved step and Newton's method until it converges cost, both in C and in
+turns, for steps of some sizes from poses about home.
 """
 
 from __future__ import annotations
@@ -40,6 +42,8 @@ Array = NDArray[np.float64]
 Step = Callable[[Array, Array], Array | None]
 #: A pose is missed by more than this part of the size (or radians), another mode by this.
 MISSED, ELSEWHERE = 1e-6, 1e-2
+#: Sizes of steps whose cost is measured, in radians and parts of the size.
+STEPS = (1e-5, 1e-4, 1e-3, 1e-2)
 #: Every so manieth walk is enough of a slow peer.
 SLOW = 10
 
@@ -161,6 +165,36 @@ def _apart(a: Array, b: Array, size: float) -> float:
     return float(max(turned, np.linalg.norm(a[:3] - b[:3]) / size))
 
 
+def without_ranges(instance: Instance) -> Instance:
+    """Return a machine whose values have no limits."""
+    free = tuple(replace(row, limits=None) for row in instance.constraints)
+    return replace(instance, constraints=free)
+
+
+def costs(name: str) -> str:
+    """Return the line of a machine: microseconds of Newton's method and of a proved step."""
+    rng = np.random.default_rng(SEED)
+    instance, (R, T) = platform(name, rng, home=HOMES[name])
+    instance = without_ranges(instance)
+    size = float(platform_numbers(instance).reach)
+    with tempfile.TemporaryDirectory() as folder:
+        program = CompiledController(instance, Path(folder))
+    R = rotation_from_vector(0.1 * rng.normal(size=(200, 3))) @ R
+    T = T + 0.1 * size * rng.normal(size=(200, 3))
+    poses = poses_of(R, T)
+    start, _ = program.inverse(poses)
+    cells = [name]
+    for step in STEPS:
+        d = rng.normal(size=(200, 6))
+        d *= step / np.linalg.norm(d, axis=1)[:, None]
+        goal, _ = program.inverse(poses_of(rotation_from_vector(d[:, :3]) @ R, T + size * d[:, 3:]))
+        walks = program.follow(poses, np.stack([start, goal], axis=1))
+        one = walks.reports[:, 1, 3] == 1
+        newton, proved = 1e6 * program.times(poses[one], start[one], goal[one])
+        cells.append(f"{proved:.1f} / {newton:.1f} = {proved / newton:.1f}")
+    return f"| {' | '.join(cells)} |"
+
+
 def main() -> int:
     """Print the lines of the table."""
     line = argparse.ArgumentParser(
@@ -168,12 +202,15 @@ def main() -> int:
     )
     line.add_argument("--walks", type=int, default=40)
     line.add_argument("--pace", type=int, default=5, help="how many steps of a walk are one here")
+    line.add_argument("--costs", action="store_true", help="what one step costs, in its place")
     arguments = line.parse_args()
+    if arguments.costs:
+        print(*map(costs, ("nano-hexapod", "linuxcnc-hexapod", "rubin-camera")), sep="\n")
+        return 0
     for name, peers in MACHINES.items():
         rng = np.random.default_rng(SEED)
         instance, (R, T) = platform(name, rng, home=HOMES[name])
-        free = tuple(replace(row, limits=None) for row in instance.constraints)
-        instance = replace(instance, constraints=free)
+        instance = without_ranges(instance)
         size = float(platform_numbers(instance).reach)
         with tempfile.TemporaryDirectory() as folder:
             program = CompiledController(instance, Path(folder))

@@ -15,18 +15,33 @@ static void read_values(int cycle, double values[6]) {
   nano_hexapod_inverse(&pose, values);
 }
 
+/* forward, and the same straight line in shorter steps where one step is not proved. */
+static int advance(const double values[6], nano_hexapod_state *state, nano_hexapod_report *report) {
+  const nano_hexapod_state start = *state;
+  int part, k, status = nano_hexapod_forward(values, state, report);
+  if (status != NANO_HEXAPOD_TRIES_SPENT) return status;
+  for (part = 1, status = 0; part <= 16 && !status; ++part) {
+    double goal[6];
+    for (k = 0; k < 6; ++k)
+      goal[k] = part == 16 ? values[k] : start.values[k] + part / 16.0 * (values[k] - start.values[k]);
+    status = nano_hexapod_forward(goal, state, report);
+  }
+  return status;
+}
+
 int main(void) {
   const nano_hexapod_pose home = NANO_HEXAPOD_HOME;
   nano_hexapod_state state;
   nano_hexapod_report report;
   int cycle, status;
-  if (nano_hexapod_start(&home, &state)) return 1;
+  if (nano_hexapod_start(&home, &state, &report) || report.fraction < 1.0) return 1;
   for (cycle = 1; cycle <= 100; ++cycle) {
     double values[6];
     read_values(cycle, values);
-    status = nano_hexapod_forward(values, &state, &report);
-    if (status) { /* stop the machine: the state is still the last proved pose */
-      printf("cycle %d: refused (%d) after %g of the way, sigma %.3g\n", cycle, status,
+    status = advance(values, &state, &report);
+    if (status == NANO_HEXAPOD_NOT_FINITE) continue; /* a reading is lost: go on with the next one */
+    if (status) { /* stop the machine, and go back to state.values: that pose is proved */
+      printf("cycle %d: %s, after %g of the way, sigma %.3g\n", cycle, nano_hexapod_text(status),
              report.fraction, report.sigma);
       return 1;
     }

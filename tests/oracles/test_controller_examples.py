@@ -27,7 +27,7 @@ def needs(*programs):
     return pytest.mark.skipif(bool(absent), reason=f"no {', '.join(absent)}")
 
 
-def export(name, prefix, folder):
+def export(name, prefix, folder, **options):
     """The program of a machine, from the pose at which it is in its file."""
     instance = gspcli.load(instance_files()[name])
     home = min(
@@ -37,7 +37,7 @@ def export(name, prefix, folder):
             + abs(pose.R.real - [[1, 0, 0], [0, 1, 0], [0, 0, 1]]).max()
         ),
     )
-    for suffix, text in zip("hc", controller(instance, prefix, home=home), strict=True):
+    for suffix, text in zip("hc", controller(instance, prefix, home=home, **options), strict=True):
         (folder / f"{prefix}.{suffix}").write_text(text)
 
 
@@ -73,6 +73,56 @@ def test_loop(tmp_path):
         cwd=tmp_path,
     )
     assert said("./loop", cwd=tmp_path).startswith("lifted to z = 0.091000 m, exact within ")
+
+
+@needs("gcc")
+def test_loop_goes_on_in_shorter_steps(tmp_path):
+    # One try a step: what one step does not prove sixteen do, and what is beyond a fold none.
+    export("nano-hexapod", "nano_hexapod", tmp_path, tries=1)
+    (tmp_path / "user.c").write_text(
+        """
+#define main loop
+#include "loop.c"
+#undef main
+int main(void) {
+  const nano_hexapod_pose home = NANO_HEXAPOD_HOME;
+  nano_hexapod_pose goal = home;
+  nano_hexapod_state state, once;
+  double values[6], far[6];
+  int k;
+  if (nano_hexapod_start(&home, &state, 0)) return 1;
+  goal.position[2] += 0.02, goal.rotation[1] += 0.1;
+  nano_hexapod_inverse(&goal, values);
+  once = state;
+  printf("%s; ", nano_hexapod_text(nano_hexapod_forward(values, &once, 0)));
+  printf("%s; ", nano_hexapod_text(advance(values, &state, 0)));
+  printf("%d; ", (int)(1e6 * state.pose.position[2] + 0.5));
+  for (k = 0; k < 6; ++k) far[k] = state.values[k] + (k % 2 ? -0.1 : 0.1);
+  printf("%d; ", advance(far, &state, 0) != NANO_HEXAPOD_PROVED);
+  far[0] = 0.0 / 0.0;
+  printf("%s; %s", nano_hexapod_text(advance(far, &state, 0)), nano_hexapod_text(7));
+  return 0;
+}
+"""
+    )
+    run(
+        "gcc",
+        "-std=c99",
+        *STRICT,
+        "-Wno-div-by-zero",
+        f"-I{tmp_path}",
+        f"-I{EXAMPLES}",
+        "user.c",
+        "nano_hexapod.c",
+        "-lm",
+        "-o",
+        "user",
+        cwd=tmp_path,
+    )
+    assert said("./user", cwd=tmp_path) == (
+        "refused: the line of values is too long; proved; 110000; 1; "
+        "an argument is not finite, or a quaternion is zero; no status"
+    )
 
 
 @needs("gcc", "ar", "rustc")
