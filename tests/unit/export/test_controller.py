@@ -167,7 +167,7 @@ def test_a_state_that_may_be_that_of_another_pose_goes_nowhere(tmp_path):
         # Pose, values, error; fraction, sigma, alone, steps and tries.
         state, report = np.zeros(14), np.zeros(4)
         arguments = [ctypes.c_void_p(x.ctypes.data) for x in (pose, state)]
-        assert library.machine_start(*arguments) == FollowerStatus.PROVED
+        assert library.machine_start(*arguments, None) == FollowerStatus.PROVED
         state[13] = error
         values = state[7:13] * (1 + 1e-5)
         arguments = [ctypes.c_void_p(x.ctypes.data) for x in (values, state, report)]
