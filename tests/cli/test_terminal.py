@@ -90,7 +90,7 @@ def _others() -> Iterator[list[str]]:
 def test_no_number_is_cut_at_any_width(shown: Shown, call: list[str], tmp_path: Path) -> None:
     run = words(call[0], shlex.join(call[1:]), tmp_path)
     (*pages, whole, _), code = shown(*run, widths=[*WIDTHS, _UNLIMITED])
-    assert code in (0, 4)
+    assert code in (0, 1, 4)
     # Home is said once, with the first page.
     full = set(_NUMBER.findall(whole + pages[0].partition("home is mode")[2][:4]))
     rounded = sorted(map(float, full))

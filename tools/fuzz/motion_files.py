@@ -122,8 +122,10 @@ def attack(most: int, rng: np.random.Generator) -> Attack:
 def written(given: Attack, form: str, rng: np.random.Generator, *, radians: bool) -> Written:
     """Return the trajectory in a form."""
     columns, options = _columns(given, form, rng, radians=radians)
-    for name in OTHERS[: rng.integers(len(OTHERS) + 1)]:
+    others = OTHERS[: rng.integers(len(OTHERS) + 1)]
+    for name in others:
         columns[name] = rng.normal(size=len(given.R))
+        options = [*options, "--ignore", name]
     names = [str(name) for name in rng.permutation(list(columns))]
     delimiter = DELIMITERS[rng.integers(len(DELIMITERS))]
     quote = '"' if delimiter != " " and rng.integers(3) == 0 else ""
@@ -186,6 +188,9 @@ def problems(given: Attack, rng: np.random.Generator) -> Iterator[str]:
                     yield f"refused: {what}: {code}: {said}"
                     return
                 document = {"code": code, **json.loads(out)}
+                if first is not None and document["departures"]:
+                    # Values do not say that they lead away from the poses.
+                    document["code"] = first["code"]
                 if first is None:
                     first = document
                     yield from _begins(given, first)

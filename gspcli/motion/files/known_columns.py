@@ -58,7 +58,8 @@ def left_out(cells: Sequence[str], ignore: Collection[str], name: str) -> frozen
         if _ANY in one:
             continue
         places = [k for k, cell in enumerate(cells) if cell == one]
-        places = places or [k for k, key in enumerate(meant) if key and key == Heading.of(one).name]
+        name_here = Heading.of(one).name.lower()
+        places = places or [k for k, key in enumerate(meant) if key and key.lower() == name_here]
         if not places:
             message = f"{name} has no column {shown(one)}{suggestion(one, cells)}"
             raise SpecError([Problem(None, "--ignore", message)])

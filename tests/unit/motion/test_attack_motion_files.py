@@ -23,8 +23,10 @@ def document(tool, given, tmp_path_factory):
     spec, path = folder / "p.yaml", folder / "v.csv"
     spec.write_text(given.spec(radians=False), encoding="utf-8")
     rng = np.random.default_rng(1)
-    path.write_bytes(tool.written(given, "values", rng, radians=False).text(rng))
-    code, out, _ = tool.call("track", str(spec), str(path), "--complete", "--format", "json")
+    file = tool.written(given, "values", rng, radians=False)
+    path.write_bytes(file.text(rng))
+    words = [str(spec), str(path), "--complete", "--format", "json", *file.options]
+    code, out, _ = tool.call("track", *words)
     return {"code": code, **json.loads(out)}
 
 
