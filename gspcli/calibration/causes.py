@@ -26,6 +26,8 @@ Array = NDArray[np.float64]
 
 #: What a file without its mistake differs by from the stated machine, of what it does with it.
 _LESS = 1 / 3
+#: At most so many rows are looked at.
+_ROWS = 1000
 #: Units that are taken for another: powers of ten, inches and millimetres; degrees and radians.
 _LENGTHS = (1000.0, 100.0, 10.0, 25.4)
 _ANGLES = (180 / np.pi,)
@@ -55,6 +57,8 @@ def likely_cause(model: Model, seen: Measurements, unit: str) -> str | None:
     """
     if not seen.whole.any():
         return None
+    rows = np.flatnonzero(seen.whole)
+    seen = seen.taken(rows[:: -(-len(rows) // _ROWS)])
     before = _apart(model, seen)
     tried = [(_apart(model, one.seen), one) for one in _causes(model, seen)]
     after, best = min(tried, key=lambda pair: pair[0])

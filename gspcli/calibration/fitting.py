@@ -8,6 +8,8 @@ separable problems; Golub and Pereyra 1973), at the cost of a fit with known pos
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
 from functools import cached_property
 from typing import NamedTuple
 
@@ -31,6 +33,8 @@ _STEP, _DECREASE = 1e-13, 1e-14
 #: Weights of a robust fit are those of the iteration before: its steps shrink by a factor only.
 _ROBUST_STEP = 1e-10
 _MOST = 400
+#: So many rows have their derivatives in memory at a time.
+_BLOCK = 2000
 #: Residuals beyond so many standard deviations count by their modulus, not their square.
 HUBER = 2.0
 
@@ -44,8 +48,9 @@ class System(NamedTuple):
     """Those left after the poses, shape (m,)."""
     slopes: Array
     """Their derivatives by the free parameters, shape (m, f)."""
-    back: tuple[Array, Array, Array] | None
-    """What gives the twists of the poses again; None if they are exact."""
+    back: Callable[[Array], Array] | None
+    """Gives the twists of the poses, (n, 6), for a step of the parameters; None if poses are exact.
+    """
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,7 +161,7 @@ def fit(
         If a value has no derivative at a pose.
     """
     damping, free, size = 0.0, model.free, model.sizes[model.free]
-    system = reduced(model, R, T, seen, noise, huber)
+    system = _equations(model, R, T, seen, noise, huber)
     cost, iterations, converged = _cost(system.residual, huber), 0, False
     while iterations < _MOST and not converged:
         iterations += 1
@@ -167,9 +172,9 @@ def fit(
         step = np.zeros(len(free))
         step[free] = scaled * size
         moved = model.moved(step)
-        places = (R, T) if system.back is None else _moved(R, T, system.back, step[free], model)
+        places = (R, T) if system.back is None else _moved(R, T, system.back(step[free]))
         with np.errstate(all="ignore"):
-            tried = reduced(moved, *places, seen, noise, huber, check=False)
+            tried = _equations(moved, *places, seen, noise, huber, check=False)
         after = _cost(tried.residual, huber)
         if after <= cost * (1 + 1e-12):
             least = _STEP if huber is None else _ROBUST_STEP
@@ -191,6 +196,47 @@ def fit(
     freedom = int(spare.sum()) - int(known.sum())
     left = system.residual
     return Fit(model, R, T, left, cost, freedom, s, V, known, converged, iterations, huber)
+
+
+def _equations(
+    model: Model,
+    R: Array,
+    T: Array,
+    seen: Measurements,
+    noise: Noise,
+    huber: float | None,
+    *,
+    check: bool = True,
+) -> System:
+    """Return the equations at poses as `reduced`, for many rows in blocks.
+
+    The equations of a block are replaced by their triangular factor, and the twists are computed
+    from the block again: memory does not grow with the derivatives of all rows.
+    """
+    if len(R) <= _BLOCK:
+        return reduced(model, R, T, seen, noise, huber, check=check)
+    seen = replace(seen, sorts=seen.measured_sorts)
+
+    def block(rows: slice) -> System:
+        return reduced(model, R[rows], T[rows], seen.taken(rows), noise, huber, check=check)
+
+    blocks = [slice(k, k + _BLOCK) for k in range(0, len(R), _BLOCK)]
+    left, factors = [], []
+    for one in map(block, blocks):
+        left.append(one.residual)
+        factors.append(np.linalg.qr(np.column_stack((one.slopes, one.right)), mode="r"))
+    triangles = np.concatenate(factors)
+
+    def back(step: Array) -> Array:
+        systems = map(block, blocks)
+        return np.concatenate([one.back(step) for one in systems if one.back is not None])
+
+    return System(
+        np.concatenate(left),
+        triangles[:, -1],
+        triangles[:, :-1],
+        None if noise.exact else back,
+    )
 
 
 def reduced(
@@ -224,7 +270,11 @@ def reduced(
     Q, U = np.linalg.qr(P * _twist_sizes(model), mode="complete")
     Q = np.swapaxes(Q, 1, 2)
     right, slopes = (Q @ r[..., None])[..., 0], Q @ J
-    back = U[:, :6], right[:, :6], slopes[:, :6]
+    ends = U[:, :6], right[:, :6], slopes[:, :6]
+
+    def back(step: Array) -> Array:
+        return _twists(*ends, step) * _twist_sizes(model)
+
     return System(left, right[:, 6:].reshape(-1), slopes[:, 6:].reshape(-1, J.shape[-1]), back)
 
 
@@ -260,22 +310,23 @@ def _known(singular: Array, prior: float) -> NDArray[np.bool_]:
     return np.asarray((singular > floor) & (singular * prior > 1))
 
 
-def _moved(
-    R: Array, T: Array, back: tuple[Array, Array, Array], step: Array, model: Model
-) -> tuple[Array, Array]:
-    """Return the poses that belong to a step of the free parameters."""
-    U, right, slopes = back
+def _twists(U: Array, right: Array, slopes: Array, step: Array) -> Array:
+    """Return the twists of poses, scaled, that belong to a step of the free parameters."""
     wanted = -(right + slopes @ step)
     # A pose that its row does not determine moves as little as it can.
     scale = np.abs(U).max(axis=(1, 2), initial=0.0)
     least = np.abs(np.diagonal(U, axis1=1, axis2=2)).min(axis=1)
     whole = least > _ROUNDING * scale
-    twist = np.zeros((len(R), 6))
+    twist = np.zeros((len(U), 6))
     twist[whole] = np.linalg.solve(U[whole], wanted[whole, :, None])[..., 0]
     if not whole.all():
         inverse = np.linalg.pinv(U[~whole], rcond=_ROUNDING)
         twist[~whole] = (inverse @ wanted[~whole, :, None])[..., 0]
-    twist *= _twist_sizes(model)
+    return twist
+
+
+def _moved(R: Array, T: Array, twist: Array) -> tuple[Array, Array]:
+    """Return poses after twists."""
     return rotation_from_vector(twist[:, :3]) @ R, T + twist[:, 3:]
 
 

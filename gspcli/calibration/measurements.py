@@ -27,6 +27,8 @@ from gspcli.records import dataclass
 Array = NDArray[np.float64]
 
 _VERTICAL = np.array([0.0, 0.0, 1.0])
+#: Fields of measurements that are not of a row.
+_OF_ALL = ("pivot", "targets", "rods", "sorts")
 #: What is exact has a deviation of this part of a length: of rounding.
 _ROUNDING = 1e-9
 
@@ -102,6 +104,8 @@ class Measurements:
     rods
         Which values are those of rods without readings, which are constants of the machine and
         have no noise but that of the cranks that turn them, shape (6,); see `constant_rods`.
+    sorts
+        Of a part of the rows: `measured_sorts` of all; None of all.
     """
 
     readings: Array
@@ -114,11 +118,19 @@ class Measurements:
     cranks: Array | None = None
     lines: tuple[str, ...] = ()
     rods: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(6, bool))
+    sorts: tuple[bool, bool] | None = None
 
     def __len__(self) -> int:
         return len(self.readings)
 
-    def taken(self, rows: NDArray[np.bool_] | NDArray[np.intp]) -> Measurements:
+    @cached_property
+    def measured_sorts(self) -> tuple[bool, bool]:
+        """Whether rotations and positions were measured in any row."""
+        if self.sorts is not None:
+            return self.sorts
+        return bool(np.isfinite(self.rotations).any()), bool(np.isfinite(self.positions).any())
+
+    def taken(self, rows: NDArray[np.bool_] | NDArray[np.intp] | slice) -> Measurements:
         """Return those of some rows, by index or mask."""
         changes = {}
         for one in fields(self):
@@ -126,8 +138,13 @@ class Measurements:
             if one.name == "points":
                 part = {name: seen[rows] for name, seen in part.items()}
             elif one.name == "lines":
-                part = tuple(np.array(part, object)[rows].tolist())
-            elif one.name not in ("pivot", "targets", "rods") and part is not None and len(part):
+                sliced = isinstance(rows, slice)
+                part = part[rows] if sliced else tuple(np.array(part, object)[rows].tolist())
+            elif (
+                one.name not in ("pivot", "targets", "rods", "sorts")
+                and part is not None
+                and len(part)
+            ):
                 part = part[rows]
             changes[one.name] = part
         return replace(self, **changes)
@@ -151,9 +168,10 @@ class Measurements:
         """Return all rows at poses; only those of values where poses are exact."""
         parts = [value_rows(model, R, T, self, noise)]
         if not noise.exact:
-            if np.isfinite(self.rotations).any():
+            turned, placed = self.measured_sorts
+            if turned:
                 parts.append(_rotation_rows(model, R, self.rotations, noise.rotation))
-            if np.isfinite(self.positions).any():
+            if placed:
                 parts.append(
                     _point_rows(model, R, T, self.pivot, self.positions, noise.position, moves=None)
                 )

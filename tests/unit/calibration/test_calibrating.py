@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import tracemalloc
 from dataclasses import replace
 
 import numpy as np
@@ -21,7 +22,9 @@ from measured_machines import (
 )
 
 import gspcli
+from gspcli.calibration import fitting
 from gspcli.calibration.instance_files import calibrated_text
+from gspcli.calibration.measurements import Measurements, Noise
 from gspcli.calibration.parameters import Model
 from gspcli.errors import ArgumentError, IncompleteError
 from gspcli.geometry.home_pose import HomePose
@@ -432,6 +435,35 @@ def test_outliers_make_the_intervals_of_a_robust_fit_wider():
     # Without stated deviations they are the same, up to what the scatter tells of all of them.
     scattered = gspcli.calibrate(nominal(), values, R, T, robust=True)
     assert 0.5 < scattered.fit.spread(scattered.scatter) < 4
+
+
+def test_blocks_of_rows_give_the_same(monkeypatch):
+    """Also where a block has no rotation, or no position."""
+    rng = np.random.default_rng(4)
+    values, R, T = noisy(real(), *reachable(30, rng), rng)
+    R[:7], T[7:14] = np.nan, np.nan
+    given = {"sigma": SIGMA, "hold_unknown": True, "robust": True}
+    whole = gspcli.calibrate(nominal(), values, R, T, **given)
+    monkeypatch.setattr(fitting, "_BLOCK", 7)
+    parts = gspcli.calibrate(nominal(), values, R, T, **given)
+    assert np.allclose(parts.after, whole.after, atol=1e-7)
+    assert np.allclose(parts.sigma, whole.sigma, rtol=1e-6)
+    assert np.allclose(parts.T, whole.T, atol=1e-7)
+
+
+def test_memory_does_not_grow_with_the_derivatives():
+    """Of 12 000 rows they are 70 MB, of which there were several copies."""
+    R, T = reachable(100, np.random.default_rng(4))
+    values = readings(real(), R, T)
+    many = [np.tile(part, (120, *[1] * (part.ndim - 1))) for part in (values, R, T)]
+    seen = Measurements(*many, np.zeros(3), lines=("",) * 12_000)
+    model = Model.of(nominal())
+    tracemalloc.start()
+    system = fitting._equations(model, *many[1:], seen, Noise.usual(model.length), None)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert system.slopes.shape == (6 * 43, 42)
+    assert peak < 1e8
 
 
 def test_rows_that_are_there_twice_are_told():
