@@ -66,7 +66,7 @@ def home():
 def move(words):
     command.mode(linuxcnc.MODE_MDI)
     command.wait_complete()
-    command.mdi(f"G20 G1 F60 {words}")
+    command.mdi(f"G20 G1 F20 {words}")
     time.sleep(0.3)
 
 
