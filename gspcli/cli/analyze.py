@@ -32,7 +32,6 @@ if TYPE_CHECKING:
     from gspcli.cli.pose_rows import PoseRows
     from gspcli.dynamics.analyses import Analysis
     from gspcli.geometry.instance import Instance
-    from gspcli.motion.files.requirements import Verdict
 
 #: Formats for people.
 _READABLE = ("table", "markdown", "latex")
@@ -143,16 +142,25 @@ def command(
     )
     given = analysis.given
     names = [asked.named(k) for k in range(len(asked.T))]
-    entries = analysis.to_json(names)["poses"]
+    detailed = rows is None and (mode is not None or pose is not None)
+    document = None
+    if output.format == "json":
+        document = analysis.to_json(names)
+        entries = document["poses"]
+    else:
+        # Matrices of many poses fill the memory, and a table of poses has none.
+        wanted = analysis.entry if detailed else analysis.brief
+        entries = [{**name, **wanted(k)} for k, name in enumerate(names)]
     known = analysis.quantities() if requirements else None
     verdicts, more = judged(instance, requirements, given.R, given.T, entries, known)
-    detailed = rows is None and (mode is not None or pose is not None)
     tables = details(entries[0], given) if detailed else [overview(entries, given, more)]
     if output.format in _READABLE:
         tables = [replace(table, rows=[_tidy(row) for row in table.rows]) for table in tables]
     if verdicts:
         tables[0] = replace(tables[0], summary=verdict_lines(verdicts, asked.place))
-    emit(output, tables, document=_document(analysis, entries, verdicts, asked))
+    if document is not None and verdicts:
+        document["requirements"] = verdict_entries(verdicts, asked.named)
+    emit(output, tables, document=document)
     refuse(verdicts)
     asked.check()
 
@@ -214,15 +222,3 @@ def _geometry(text: str | None) -> list[float] | None:
         message = f"--geometry-tolerance: found {text}, expected numbers of at least 0"
         raise GspError(message)
     return numbers
-
-
-def _document(
-    analysis: Analysis,
-    entries: list[dict[str, Any]],
-    verdicts: list[Verdict],
-    asked: PoseRows,
-) -> dict[str, Any]:
-    document = analysis.to_json() | {"poses": entries}
-    if verdicts:
-        document["requirements"] = verdict_entries(verdicts, asked.named)
-    return document

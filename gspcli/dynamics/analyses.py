@@ -26,6 +26,20 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
+#: What only one pose is shown with.
+_LONG = {
+    "R",
+    "T",
+    "point",
+    "forces",
+    "moments",
+    "pitches",
+    "feet",
+    "jacobian",
+    "inverse",
+    "stiffness",
+}
+
 
 @dataclass(frozen=True, eq=False)
 class Analysis:
@@ -142,6 +156,10 @@ class Analysis:
             },
         }
         return entry | self._asked(k)
+
+    def brief(self, k: int) -> dict[str, Any]:
+        """Return of one pose what a table of poses shows, without matrices."""
+        return {key: value for key, value in self.entry(k).items() if key not in _LONG}
 
     def _asked(self, k: int) -> dict[str, Any]:
         """Return what was asked for."""
