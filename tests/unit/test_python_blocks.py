@@ -15,6 +15,8 @@ from tools.build.shown_commands import pages
 from tools.recording import ROOT
 
 MEASURED = ROOT / "docs" / "calibration" / "measured.csv"
+#: The page whose model of a machine stands for the file of the reader.
+IMPORTED = (ROOT / "docs" / "import.md").read_text("utf-8")
 
 #: Run by a test of its own, with what it prints.
 ELSEWHERE = {"dynamics.md"}
@@ -39,6 +41,9 @@ def test_a_block_runs(block: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     monkeypatch.chdir(tmp_path)
     for name, machine in FILES.items():
         Path(name).write_text(instance_files()[machine].read_text("utf-8"), encoding="utf-8")
+    model = re.search(r"^```xml\n(.*?)^```$", IMPORTED, re.DOTALL | re.MULTILINE)
+    assert model is not None
+    Path("robot.xml").write_text(model[1], encoding="utf-8")
     exec(block, _measured() if "calibrate" in block else _found())
 
 

@@ -7,6 +7,7 @@ hand, and has at least one offset or scale that would be seen.
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import replace
 from fractions import Fraction
 
@@ -154,7 +155,9 @@ def test_commands_agree(arguments, tmp_path, capsys):
         )
         path = tmp_path / "platform.yaml"
         path.write_text(gspcli.dumps(replace(instance, constraints=rows)))
-        shown.append((run([part.format(path) for part in arguments]), capsys.readouterr().out))
+        code = run([part.format(path) for part in arguments])
+        # A model stores the instance itself, whose offsets differ.
+        shown.append((code, re.sub(r'<text name="gsp.*', "", capsys.readouterr().out)))
     assert shown[0][0] == 0
     assert shown[0] == shown[1]
 
