@@ -7,7 +7,7 @@ STAMP  := $(VENV)/.installed
 NATIVE := $(wildcard native/*) CMakeLists.txt
 
 .DEFAULT_GOAL := help
-.PHONY: help install demo test lint types docs bench verify verify-fast verify-solve verify-exports verify-pages count-families msolve wheel clean machines machines-fast
+.PHONY: help install demo test lint types docs bench verify verify-fast verify-solve verify-exports verify-pages mutants count-families msolve wheel clean machines machines-fast
 
 help: ## show this list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-14s %s\n", $$1, $$2}'
