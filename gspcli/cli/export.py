@@ -9,7 +9,7 @@ import click
 
 from gspcli.cli.mode_option import Mode, mode_option
 from gspcli.cli.names import load_instance
-from gspcli.cli.number_types import Whole
+from gspcli.cli.number_types import Finite, Whole
 from gspcli.cli.output import Output, check_writable, file_option, write
 from gspcli.cli.progress_bars import working
 from gspcli.cli.streams import say
@@ -67,7 +67,7 @@ _SYSTEMS = {name: form for name, form in FORMATS.items() if isinstance(form, Sys
 )
 @click.option(
     "--margin",
-    type=click.FloatRange(0, 1),
+    type=Finite(0, 1),
     default=0.0,
     show_default=True,
     metavar="PART",

@@ -25,6 +25,8 @@ OTHERWISE = {
     "enumerate": "TypeList",
     "constraint": "constraint_facts",
     "realize": "mechanism",
+    # A word of Python's own.
+    "import": "import_machine",
 }
 DOCUMENTED = Path(__file__).parents[2] / "docs" / "python.md"
 SPEC = "octahedral-3-3"
