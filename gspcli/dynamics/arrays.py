@@ -72,6 +72,9 @@ class RowError(ArgumentError):
         self.row = row
         super().__init__(message, f"row {row + 1}")
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.row, self.message)
+
 
 def by_chunks(count: int, size: int, compute: Callable[[slice], tuple[Any, ...]]) -> list[Any]:
     """Return what is computed of rows, so many at a time that the cache of a core holds them.

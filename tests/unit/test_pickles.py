@@ -28,7 +28,8 @@ def test_an_error_is_the_same_after_it(kind):
         error = SpecError([*places, Problem(None, "", "nothing")])
         assert copied(error).problems == error.problems
     elif issubclass(kind, ArgumentError) and kind is not ArgumentError:
-        error = kind("found 1", 3)
+        # A mistake of a row: the row, and what was found.
+        error = kind(3, "found 1")
     elif kind is ArgumentError:
         error = ArgumentError("found 1", "lengths[3]")
         assert (copied(error).message, copied(error).where) == ("found 1", "lengths[3]")
