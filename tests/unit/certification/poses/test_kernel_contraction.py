@@ -212,3 +212,12 @@ def test_a_point_as_high_as_its_error_may_be_that_of_a_real_solution() -> None:
     found = decide({}, [0.12j, 0.1j, 0.06j, 0.01j, -0.001j])
     assert not (found.bits & COMPLEX).any()
     assert (found.bits & REAL).all()
+
+
+def test_a_point_far_from_a_real_root_is_not_called_complex() -> None:
+    """The equations z + c z^2 = 0: all roots are real, and steps of Newton's method leave heights."""
+    rng = np.random.default_rng(0)
+    for bend in np.geomspace(0.01, 4, 40):
+        points = rng.uniform(-1, 1, (200, 2)) @ [1, 1j]
+        found = decide({0: [form(0, 1, bend)]}, points[np.abs(points) < 1].tolist())
+        assert not (found.bits & COMPLEX).any()

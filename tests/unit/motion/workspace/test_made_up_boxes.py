@@ -184,6 +184,23 @@ def test_what_is_proved_of_a_range_holds_at_all_poses(
     assert proved or measure == 5
 
 
+@pytest.mark.parametrize("modulus", [False, True])
+def test_a_direction_turns_while_the_point_moves(modulus: bool) -> None:
+    """The point of the base is in the middle: all but that product is linear."""
+    u, y = np.eye(3)[0], np.array([0.5, 0.0, 0.0])
+    vectors = np.array([y, u, np.zeros(3), u])
+    half = half_of("moved and turned")
+    values = measured(4, vectors, *poses(np.zeros(6), half))
+    low, high = (np.abs(values).min(), np.abs(values).max()) if modulus else np.sort(values)[[0, -1]]
+
+    def says(low: float, high: float) -> str:
+        return judge(4, vectors, low, high, np.zeros(6), half, modulus=modulus)[0]
+
+    assert says(low + 1e-9, 9.0) != "inside"
+    assert says(-9.0, high - 1e-9) != "inside"
+    assert says(low - 0.3, high + 0.3) == "inside"
+
+
 @pytest.mark.parametrize("box", BOXES)
 @pytest.mark.parametrize("of_base", [True, False])
 @pytest.mark.parametrize("wide", [False, True])
