@@ -215,7 +215,7 @@ def test_a_point_as_high_as_its_error_may_be_that_of_a_real_solution() -> None:
 
 
 def test_a_point_far_from_a_real_root_is_not_called_complex() -> None:
-    """The equations z + c z^2 = 0: all roots are real, and steps of Newton's method leave heights."""
+    """The equations z + c z^2 = 0: all roots are real, but a step from afar ends beside them."""
     rng = np.random.default_rng(0)
     for bend in np.geomspace(0.01, 4, 40):
         points = rng.uniform(-1, 1, (200, 2)) @ [1, 1j]

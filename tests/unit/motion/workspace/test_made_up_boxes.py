@@ -191,7 +191,7 @@ def test_a_direction_turns_while_the_point_moves(modulus: bool) -> None:
     vectors = np.array([y, u, np.zeros(3), u])
     half = half_of("moved and turned")
     values = measured(4, vectors, *poses(np.zeros(6), half))
-    low, high = (np.abs(values).min(), np.abs(values).max()) if modulus else np.sort(values)[[0, -1]]
+    low, high = np.sort(np.abs(values) if modulus else values)[[0, -1]]
 
     def says(low: float, high: float) -> str:
         return judge(4, vectors, low, high, np.zeros(6), half, modulus=modulus)[0]
