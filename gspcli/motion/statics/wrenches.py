@@ -24,6 +24,8 @@ Array = NDArray[np.float64]
 
 #: Above this condition number the inverse matrix has no correct digits.
 _CONDITION = 1e14
+#: What rounding errors may be of the largest moment, relative to it.
+_ROUNDING = 1e-13
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,9 +72,14 @@ class Wrenches:
 
     @cached_property
     def pitches(self) -> Array:
-        """Pitches of the screws: moment along the force, a length; infinite for angles (..., 6)."""
+        """Pitches of the screws: moment along the force, a length; infinite for angles (..., 6).
+
+        A product is zero if rounding errors of the largest moment may make all of it.
+        """
         square = np.einsum("...i,...i->...", self.forces, self.forces)
         along = np.einsum("...i,...i->...", self.forces, self.moments)
+        arms = np.linalg.norm(self.moments, axis=-1).max(axis=-1, keepdims=True)
+        along = np.where(np.abs(along) <= _ROUNDING * np.sqrt(square) * arms, 0.0, along)
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.where(self.angles, np.inf, along / square)
 

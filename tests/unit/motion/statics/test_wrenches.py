@@ -80,7 +80,7 @@ def test_legs_are_forces_along_themselves():
         end = R @ constraint.platform.point + T
         leg = end - constraint.base.point
         np.testing.assert_allclose(given.forces[k], leg / np.linalg.norm(leg), atol=1e-12)
-        assert abs(given.pitches[k]) < 1e-12
+        assert given.pitches[k] == 0
         # The axis of the screw is the leg's line.
         np.testing.assert_allclose(np.cross(given.feet[k] - end, leg), np.zeros(3), atol=1e-12)
 
