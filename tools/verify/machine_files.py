@@ -27,6 +27,7 @@ from gspcli.geometry.primitives import Point
 from gspcli.machines.chain_constraints import moved
 from gspcli.machines.frames import frame
 from gspcli.machines.recognition import Machine
+from gspcli.machines.structure import Chain
 from gspcli.resources import instance_files
 
 Array = NDArray[np.float64]
@@ -167,7 +168,15 @@ def gaps(machine: Machine, all_poses: Array, tries: int = 40) -> Array:
     return worst
 
 
-def _gap(chain, free: list[int], goal: Array, size: float, rng, random: bool) -> float:  # type: ignore[no-untyped-def]
+def _gap(
+    chain: Chain,
+    free: list[int],
+    goal: Array,
+    size: float,
+    rng: np.random.Generator,
+    random: bool,
+) -> float:
+    """Return how far a chain with the free joints moved stays from a frame, relative to a size."""
     wide = [3 if chain.parts[i].part.letter == "S" else 1 for i in free]
     x = rng.uniform(-2, 2, sum(wide)) if random else np.zeros(sum(wide))
 

@@ -21,7 +21,7 @@ import os
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from tools.recording import ROOT, UNABLE, report
@@ -124,8 +124,8 @@ def _apart(one: object, other: object, key: str, size: float) -> Iterator[str]:
         yield f"{key}: {one} is not {other}"
 
 
-def _largest(values: object, size: float) -> float:
-    numbers = [abs(x) for x in values if isinstance(x, float)]  # type: ignore[attr-defined]
+def _largest(values: Iterable[object], size: float) -> float:
+    numbers = [abs(x) for x in values if isinstance(x, float)]
     return max(numbers, default=size)
 
 
