@@ -1,4 +1,4 @@
-"""Coordinates of primitives that can be changed by name: ``base.B1.x``, ``crank.B1``."""
+"""Numbers of primitives that can be changed by name: ``base.B1.x``, ``crank.B1``, ``slide.B1``."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from gspcli.errors import ArgumentError
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.numbers import Number
-from gspcli.geometry.primitives import Geometry, Line, Point, Vector
+from gspcli.geometry.primitives import Geometry, Line, Point
 from gspcli.records import dataclass
 from gspcli.wording import counted, shown, suggestion
 
@@ -31,20 +31,25 @@ class Coordinate:
     ----------
     name
         The name: ``base.B1.x``, ``base.L1.direction.z``, ``platform.H2.normal.x``, or
-        ``crank.B1`` for the angle of a crank.
+        ``crank.B1`` for the angle of a crank, ``slide.B1`` for the place of a carriage.
     body, primitive
         The body and the name of the primitive.
     vector
-        Which field of the primitive, or ``crank``.
+        Which field of the primitive, or ``crank`` or ``slide``.
     component
-        Which entry of the vector; 0 for a crank.
+        Which entry of the vector; 0 for a crank or slide.
     """
 
     name: str
     body: Body
     primitive: str
-    vector: Literal["position", "direction", "normal", "crank"]
+    vector: Literal["position", "direction", "normal", "crank", "slide"]
     component: int
+
+    @property
+    def is_drive(self) -> bool:
+        """Whether it is the value of a crank or slide."""
+        return self.vector in ("crank", "slide")
 
 
 def coordinates(instance: Instance) -> tuple[Coordinate, ...]:
@@ -57,8 +62,10 @@ def coordinates(instance: Instance) -> tuple[Coordinate, ...]:
                 for k, axis in enumerate(AXES)
             ]
             if isinstance(geometry, Point):
-                if geometry.crank is not None:
-                    found.append(Coordinate(f"crank.{name}", body, name, "crank", 0))
+                if geometry.drive is not None:
+                    sort, owner = geometry.drive.sort, geometry.partner or name
+                    drive = Coordinate(f"{sort}.{owner}", body, owner, sort, 0)
+                    found += [drive] if drive not in found else []
                 continue
             vector: Literal["direction", "normal"]
             vector = "direction" if isinstance(geometry, Line) else "normal"
@@ -70,24 +77,26 @@ def coordinates(instance: Instance) -> tuple[Coordinate, ...]:
 
 
 def refuse_cranks(instance: Instance, message: str) -> None:
-    """Raise if an instance has cranks, for work that does not take account of them.
+    """Raise if an instance has cranks or slides, for work that does not take account of them.
 
     Parameters
     ----------
     instance
         The platform.
     message
-        What is not possible, and what is instead; the names of the cranks are put before it.
+        What is not possible, and what is instead; the names of the drives are put before it.
 
     Raises
     ------
     ArgumentError
-        If a point has a crank.
+        If a point has a crank or a slide.
     """
-    names = [one.name for one in coordinates(instance) if one.vector == "crank"]
-    if names:
-        found = f"found {counted(len(names), 'crank')} ({', '.join(names)}): {message}"
-        raise ArgumentError(found)
+    drives = [one for one in coordinates(instance) if one.is_drive]
+    if drives:
+        sorts = {one.vector for one in drives}
+        what = "drive" if len(sorts) > 1 else sorts.pop()
+        names = ", ".join(one.name for one in drives)
+        raise ArgumentError(f"found {counted(len(drives), what)} ({names}): {message}")
 
 
 def choose(instance: Instance, names: Sequence[str]) -> tuple[Coordinate, ...]:
@@ -110,8 +119,9 @@ def choose(instance: Instance, names: Sequence[str]) -> tuple[Coordinate, ...]:
             raise ArgumentError(message + near)
         found += same
     for one in found:
-        if one.vector == "crank" and any(
-            (other.body, other.primitive, other.vector) == (one.body, one.primitive, "position")
+        if one.is_drive and any(
+            other.vector == "position"
+            and (other.body, other.primitive) in carried_by(instance, one)
             for other in found
         ):
             message = f"found {one.name} and coordinates of the same point, expected one of both"
@@ -119,12 +129,23 @@ def choose(instance: Instance, names: Sequence[str]) -> tuple[Coordinate, ...]:
     return tuple(found)
 
 
+def carried_by(instance: Instance, drive: Coordinate) -> list[tuple[Body, str]]:
+    """Return the points that a crank or slide moves: their body and their names."""
+    return [
+        (drive.body, name)
+        for name, geometry in _primitives(instance, drive.body).items()
+        if isinstance(geometry, Point)
+        and geometry.drive is not None
+        and (geometry.partner or name) == drive.primitive
+    ]
+
+
 def nominal_coordinates(instance: Instance, chosen: Sequence[Coordinate]) -> Array:
-    """Return the coordinates that the instance states, shape (n,); zero for a crank."""
+    """Return the coordinates that the instance states, shape (n,); zero for a crank or slide."""
     return np.array(
         [
             0.0
-            if one.vector == "crank"
+            if one.is_drive
             else getattr(_primitives(instance, one.body)[one.primitive], one.vector)[
                 one.component
             ].value
@@ -143,21 +164,22 @@ def moved(instance: Instance, chosen: Sequence[Coordinate], numbers: Array) -> I
     chosen
         Which coordinates.
     numbers
-        Shape (n,): lengths, components, and angles of cranks in the units of the instance.
+        Shape (n,): lengths, components, and values of cranks and slides, in the units of the
+        instance.
     """
     if not chosen:
         return instance
     changed: dict[tuple[Body, str], Geometry] = {}
     for one, number in zip(chosen, numbers.tolist(), strict=True):
-        key = one.body, one.primitive
-        geometry = changed.get(key) or _primitives(instance, one.body)[one.primitive]
-        if one.vector == "crank":
-            assert isinstance(geometry, Point)
-            assert geometry.crank is not None
-            angle = number * instance.units.angle.in_radians
-            turned = geometry.crank.turned(geometry.point, angle)
-            changed[key] = replace(geometry, position=_exact(turned), crank=None)
+        if one.is_drive:
+            unit = instance.units.angle.in_radians if one.vector == "crank" else 1.0
+            for key in carried_by(instance, one):
+                point = _primitives(instance, one.body)[key[1]]
+                assert isinstance(point, Point)
+                changed[key] = point.moved(number * unit)
         else:
+            key = one.body, one.primitive
+            geometry = changed.get(key) or _primitives(instance, one.body)[one.primitive]
             vector = list(getattr(geometry, one.vector))
             vector[one.component] = Number.of(number)
             fields: dict[str, Any] = {one.vector: tuple(vector)}
@@ -171,11 +193,6 @@ def moved(instance: Instance, chosen: Sequence[Coordinate], numbers: Array) -> I
         for row in instance.constraints
     )
     return replace(instance, constraints=constraints)
-
-
-def _exact(vector: Array) -> Vector:
-    x, y, z = vector.tolist()
-    return (Number.of(x), Number.of(y), Number.of(z))
 
 
 def _primitives(instance: Instance, body: Body) -> dict[str, Geometry]:

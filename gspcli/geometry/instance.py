@@ -13,6 +13,7 @@ from gspcli.catalogue.counts import generic_counts
 from gspcli.catalogue.kinds import Kind
 from gspcli.catalogue.types import GspType
 from gspcli.errors import ArgumentError
+from gspcli.geometry import corrections
 from gspcli.geometry.numbers import Number, Real
 from gspcli.geometry.primitives import Geometry
 from gspcli.records import dataclass
@@ -107,23 +108,15 @@ class Constraint:
 
         Every reading that enters the program is converted here.
         """
-        if self.scale is not None:
-            reading = _combined(reading, "*", self._factor)
-        return reading if self.offset is None else _combined(reading, self._added, self.offset)
+        return corrections.value_of(reading, self.scale, self.offset, self._added)
 
     def reading_of(self, value: Number) -> Number:
         """Return the reading at which the machine has a value, exactly."""
-        if self.offset is not None:
-            value = _combined(value, _INVERSE[self._added], self.offset)
-        return value if self.scale is None else _combined(value, "/", self._factor)
+        return corrections.reading_of(value, self.scale, self.offset, self._added)
 
     def raised_by(self, difference: Number) -> Number:
         """Return the value after a number is added to its reading, exactly."""
-        return self.value_of(_combined(self.reading_of(self.value), "+", difference))
-
-    @property
-    def _factor(self) -> Number:
-        return _combined(Number.of(1), "+", self.scale or Number.of(0))
+        return self.value_of(corrections.combined(self.reading_of(self.value), "+", difference))
 
     @property
     def _added(self) -> str:
@@ -140,18 +133,6 @@ def as_read(row: Constraint, *, offset: Number | None, scale: Number | None) -> 
         value=read.value_of(row.value),
         limits=limits and (read.value_of(limits[0]), read.value_of(limits[1])),
     )
-
-
-_INVERSE = {"+": "-", "-": "+", "*": "/", "/": "*"}
-
-
-def _combined(number: Number, operation: str, other: Number) -> Number:
-    """Return a number after an operation; an operation and its inverse cancel exactly."""
-    if number.operation == _INVERSE[operation] and number.arguments[1] == other:
-        undone: Number = number.arguments[0]
-        return undone
-    result = Number(operation, (number, other))
-    return result if result.fraction is None else Number("rational", (result.fraction,))
 
 
 def _number(value: Real, where: str) -> Number:

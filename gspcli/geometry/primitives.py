@@ -1,16 +1,17 @@
-"""Points, lines and planes with exact coordinates."""
+"""Points, lines and planes with exact coordinates, and what moves points."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property
-from typing import TypeAlias
+from typing import ClassVar, Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import Primitive
 from gspcli.errors import ArgumentError
+from gspcli.geometry import corrections
 from gspcli.geometry.numbers import Number, Real
 from gspcli.geometry.quaternions import dot
 from gspcli.records import dataclass
@@ -119,8 +120,60 @@ class Cone:
         return _unit(self.axis)
 
 
+class Motor:
+    """What the drives of points have in common: a range, and readings that differ from values.
+
+    The value q of a drive is an angle or a length, zero where the point is stated.
+
+    Attributes
+    ----------
+    limits
+        The least and the greatest value, in the unit of the instance, or None.
+    tolerance
+        The largest error of the value, or None.
+    offset, scale
+        The value is a reading (of a file, a table or an encoder) times ``1 + scale``, plus
+        ``offset``; None stands for zero. `limits` are values, not readings.
+    """
+
+    limits: tuple[Number, Number] | None
+    tolerance: Number | None
+    offset: Number | None
+    scale: Number | None
+
+    def _state(
+        self,
+        limits: Sequence[Real] | None,
+        tolerance: Real | None,
+        offset: Real | None,
+        scale: Real | None,
+    ) -> None:
+        ends = None if limits is None else tuple(_number(x, "limits") for x in limits)
+        if ends is not None and len(ends) != 2:
+            raise ArgumentError(f"found {len(ends)} numbers, expected two", "limits")
+        object.__setattr__(self, "limits", ends)
+        for name, value in (("tolerance", tolerance), ("offset", offset), ("scale", scale)):
+            exact = None if value is None else _number(value, name)
+            object.__setattr__(self, name, exact)
+
+    def value_of(self, reading: Number) -> Number:
+        """Return the value of a reading, exactly."""
+        return corrections.value_of(reading, self.scale, self.offset)
+
+    def reading_of(self, value: Number) -> Number:
+        """Return the reading at a value, exactly."""
+        return corrections.reading_of(value, self.scale, self.offset)
+
+
+def _number(value: Real, where: str) -> Number:
+    try:
+        return Number.of(value)
+    except ArgumentError as error:
+        raise error.within(where) from None
+
+
 @dataclass(frozen=True, init=False)
-class Crank:
+class Crank(Motor):
     """The arm of a rotary motor, which turns a point about an axis.
 
     Attributes
@@ -129,23 +182,90 @@ class Crank:
         A point of the axis.
     axis
         A nonzero vector along it; positive angles turn by the right-hand rule.
+    limits, tolerance, offset, scale
+        As in `Motor`, in the unit of angles.
     """
 
     centre: Vector
     axis: Vector
+    limits: tuple[Number, Number] | None = None
+    tolerance: Number | None = None
+    offset: Number | None = None
+    scale: Number | None = None
+    sort: ClassVar[Literal["crank"]] = "crank"
 
-    def __init__(self, centre: Components, axis: Components) -> None:
+    def __init__(
+        self,
+        centre: Components,
+        axis: Components,
+        limits: Sequence[Real] | None = None,
+        tolerance: Real | None = None,
+        offset: Real | None = None,
+        scale: Real | None = None,
+    ) -> None:
         object.__setattr__(self, "centre", exact_vector(centre, "centre"))
         object.__setattr__(self, "axis", exact_direction(axis, "axis"))
+        self._state(limits, tolerance, offset, scale)
 
-    def turned(self, point: Array, angle: float) -> Array:
+    @cached_property
+    def unit(self) -> Array:
+        """The unit vector along the axis, shape (3,)."""
+        return _unit(self.axis)
+
+    def moved(self, point: Array, angle: float) -> Array:
         """Return a point, shape (3,), turned by an angle in radians."""
-        axis, centre = _unit(self.axis), as_array(self.centre)
-        arm = point - centre
-        along = (axis @ arm) * axis
-        across = np.cross(axis, arm)
-        turned: Array = centre + along + np.cos(angle) * (arm - along) + np.sin(angle) * across
+        centre = as_array(self.centre)
+        return self._turned(point - centre, angle, centre)
+
+    def turned(self, vector: Array, angle: float) -> Array:
+        """Return a vector, shape (3,), turned by an angle in radians."""
+        return self._turned(vector, angle, np.zeros(3))
+
+    def _turned(self, arm: Array, angle: float, start: Array) -> Array:
+        along = (self.unit @ arm) * self.unit
+        across = np.cross(self.unit, arm)
+        turned: Array = start + along + np.cos(angle) * (arm - along) + np.sin(angle) * across
         return turned
+
+
+@dataclass(frozen=True, init=False)
+class Slide(Motor):
+    """The carriage of a rail, which moves a point along a line.
+
+    Attributes
+    ----------
+    direction
+        A nonzero vector along the rail, of any length; positive values move along it.
+    limits, tolerance, offset, scale
+        As in `Motor`, in the unit of length.
+    """
+
+    direction: Vector
+    limits: tuple[Number, Number] | None = None
+    tolerance: Number | None = None
+    offset: Number | None = None
+    scale: Number | None = None
+    sort: ClassVar[Literal["slide"]] = "slide"
+
+    def __init__(
+        self,
+        direction: Components,
+        limits: Sequence[Real] | None = None,
+        tolerance: Real | None = None,
+        offset: Real | None = None,
+        scale: Real | None = None,
+    ) -> None:
+        object.__setattr__(self, "direction", exact_direction(direction, "direction"))
+        self._state(limits, tolerance, offset, scale)
+
+    @cached_property
+    def unit(self) -> Array:
+        """The unit vector along the rail, shape (3,)."""
+        return _unit(self.direction)
+
+    def moved(self, point: Array, length: float) -> Array:
+        """Return a point, shape (3,), moved along the rail."""
+        return np.asarray(point + length * self.unit)
 
 
 @dataclass(frozen=True, init=False)
@@ -158,8 +278,14 @@ class Point:
         Coordinates in the frame of the body; three numbers of any kind are made exact.
     cone
         The cone of the legs at this point, or None. It restricts motions, as ranges of values do.
+        It turns with the arm of a crank.
     crank
         The arm that turns the point, or None. The position is that at the angle zero.
+    slide
+        The carriage that moves the point along a rail, or None. The position is that at zero.
+    partner
+        The name of the point of the same body whose arm or carriage moves this point, too; empty if
+        it has its own. `crank` or `slide` is then the partner's.
 
     Examples
     --------
@@ -170,19 +296,52 @@ class Point:
     position: Vector
     cone: Cone | None = None
     crank: Crank | None = None
+    slide: Slide | None = None
+    partner: str = ""
     primitive = Primitive.POINT
 
     def __init__(
-        self, position: Components, cone: Cone | None = None, crank: Crank | None = None
+        self,
+        position: Components,
+        cone: Cone | None = None,
+        crank: Crank | None = None,
+        slide: Slide | None = None,
+        partner: str = "",
     ) -> None:
+        if crank is not None and slide is not None:
+            message = "found a crank and a slide, expected at most one of them"
+            raise ArgumentError(message, "slide")
         object.__setattr__(self, "position", exact_vector(position, "position"))
         object.__setattr__(self, "cone", cone)
         object.__setattr__(self, "crank", crank)
+        object.__setattr__(self, "slide", slide)
+        object.__setattr__(self, "partner", partner)
 
     @cached_property
     def point(self) -> Array:
         """The point, shape (3,), in length units."""
         return as_array(self.position)
+
+    @property
+    def drive(self) -> Crank | Slide | None:
+        """What moves the point, or None."""
+        return self.slide if self.crank is None else self.crank
+
+    def moved(self, value: float) -> Point:
+        """Return the point after its drive has moved, without a drive; its cone turns with it.
+
+        Parameters
+        ----------
+        value
+            The value of the drive, in radians or units of length.
+        """
+        drive = self.drive
+        if drive is None:
+            return self
+        cone = self.cone
+        if cone is not None and isinstance(drive, Crank):
+            cone = Cone(drive.turned(cone.unit, value), cone.half_angle)
+        return Point(drive.moved(self.point, value), cone)
 
 
 @dataclass(frozen=True, init=False)

@@ -56,6 +56,11 @@ def number(value: Value) -> Number:
     return parse_number(scalar(value, "a number or an expression like sqrt(3)/2"))
 
 
+def number_or_home(value: Value) -> Number | None:
+    """Return an exact number, or None for the word ``home``."""
+    return None if value == "home" else number(value)
+
+
 def version(value: Value) -> int:
     """Return the version of the file format."""
     if value != str(FORMAT_VERSION):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping as Table
+from dataclasses import replace
 from typing import TYPE_CHECKING, TypeAlias
 
 from gspcli.catalogue.kinds import ANGLE_KINDS, DISTANCE_KINDS, DPP, KINDS_BY_NAME, Kind
@@ -19,7 +20,7 @@ from gspcli.geometry.instance import (
     as_read,
 )
 from gspcli.geometry.numbers import Number
-from gspcli.geometry.primitives import Cone, Crank, Geometry, Line, Plane, Point, Vector
+from gspcli.geometry.primitives import Cone, Geometry, Line, Plane, Point, Vector
 from gspcli.geometry.ranges import wrong_half_angle, wrong_scale, wrong_value
 from gspcli.spec.document import Mapping, Scalar, Sequence, Value
 from gspcli.spec.meaning import remarks
@@ -53,15 +54,26 @@ def _geometry(model: AnyPrimitive | None) -> Geometry | None:
         return Plane(_vector(model.plane.point), _vector(model.plane.normal))
     if model.point is None:
         return None
-    cone, crank = model.cone, model.crank
-    return Point(
-        _vector(model.point),
-        None if cone is None else Cone(_vector(cone.axis), cone.half_angle),
-        None if crank is None else Crank(_vector(crank.centre), _vector(crank.axis)),
-    )
+    cone, crank, slide = model.cone, model.crank, model.slide
+    tilt = None if cone is None else Cone(_vector(cone.axis), cone.half_angle)
+    if crank is None and slide is None:
+        return Point(_vector(model.point), tilt)
+    from gspcli.spec.drive_checks import crank_of, slide_of
+
+    crank_read = crank_of(crank)
+    slide_read = None if crank_read is not None else slide_of(slide)
+    return Point(_vector(model.point), tilt, crank_read, slide_read)
 
 
 Body = dict[str, Geometry | None]
+
+
+def _has_drives(body: Body, nodes: Mapping) -> bool:
+    """Return whether a point has a crank or a slide, or names another point that may have one."""
+    return any(
+        isinstance(one, Point) and (one.drive is not None or "with" in nodes[Scalar(name)])
+        for name, one in body.items()
+    )
 
 
 class FileChecker:
@@ -81,7 +93,12 @@ class FileChecker:
     ) -> Body | None:
         if models is None:
             return None
-        return {name: _geometry(model) for name, model in models.items()}
+        body = {name: _geometry(model) for name, model in models.items()}
+        if any(model is not None and model.partner is not None for model in models.values()):
+            from gspcli.spec.drive_checks import joined
+
+            return joined(body, models)
+        return body
 
     def _note(self, value: Value, message: str) -> None:
         self.problems.append(Problem(value.location, value.path, message))
@@ -96,6 +113,7 @@ class FileChecker:
         self._check_repetitions(nodes, constraints)
         self._check_numbers(nodes)
         self._check_cones(constraints)
+        self._check_drives()
         complete = tuple(constraint for constraint in constraints if constraint is not None)
         units = self.model.units
         dynamics = self._dynamics(constraints)
@@ -143,11 +161,14 @@ class FileChecker:
         if model.side is not None and not kind.has_sides:
             message = f"found a side for {kind.name}, expected one only for DPH and DHP"
             self._note(node[Scalar("side")], message)
+        value = model.value or self._at_home(node, kind, platform, base, model)
+        if value is None:
+            return None
         row = Constraint(
             kind,
             platform,
             base,
-            model.value,
+            value,
             Side(model.side or "both"),
             str(pair[0]),
             str(pair[1]),
@@ -155,6 +176,9 @@ class FileChecker:
             model.tolerance,
         )
         row = self._corrected(row, model, node)
+        if model.value is None:
+            # The home pose gives the value, not the reading.
+            row = replace(row, value=value)
         self._check_value(row, node[Scalar("value")], row.value)
         self._check_limits(row, node)
         tolerance = model.tolerance
@@ -162,6 +186,22 @@ class FileChecker:
             written = node[Scalar("tolerance")]
             self._note(written, f"found {shown(written)}, expected a tolerance of at least 0")
         return row
+
+    def _at_home(
+        self, node: Mapping, kind: Kind, platform: Geometry, base: Geometry, model: AnyConstraint
+    ) -> Number | None:
+        """Return the value of a constraint that states ``value: home``."""
+        home = self._home()
+        if home is None or self.unit is None:
+            if "home" not in self.root:
+                message = (
+                    "found home, but the file states no home pose: home: {position: [x, y, z]}"
+                )
+                self._note(node[Scalar("value")], message)
+            return None
+        from gspcli.geometry.home_values import home_value
+
+        return home_value(kind, Side(model.side or "both"), platform, base, home, self.unit)
 
     def _corrected(self, row: Constraint, model: AnyConstraint, node: Mapping) -> Constraint:
         """Return a constraint that is written as readings, with its offset and scale."""
@@ -267,6 +307,14 @@ class FileChecker:
                     )
                     self._note(node, message)
 
+    def _check_drives(self) -> None:
+        """Check cranks, slides and the names of the points that others ride with."""
+        for where, body in (("platform", self.platform), ("base", self.base)):
+            if body is not None and _has_drives(body, self.root[Scalar(where)]):
+                from gspcli.spec.drive_checks import problems_of_drives
+
+                self.problems += problems_of_drives(self.root[Scalar(where)], body, self.unit)
+
     def _dynamics(self, constraints: list[Constraint | None]) -> Dynamics | None:
         """Return the masses, and note their mistakes."""
         if self.model.dynamics is None:
@@ -328,4 +376,8 @@ class FileChecker:
                     places[geometry] = str(key)
                 if message:
                     found.append(Problem(key.location, key.path, message))
+            if body is not None and _has_drives(body, self.root[Scalar(where)]):
+                from gspcli.spec.drive_checks import doubts_of_drives
+
+                found += doubts_of_drives(self.root[Scalar(where)], body)
         return found

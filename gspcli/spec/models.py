@@ -11,6 +11,7 @@ from pydantic import AfterValidator, BeforeValidator, Field, ValidationInfo, Wit
 from pydantic.json_schema import SkipJsonSchema
 
 from gspcli.errors import Problem
+from gspcli.geometry.numbers import Number
 from gspcli.spec import entries
 from gspcli.spec.document import Mapping, Value
 from gspcli.spec.entries import MAX_NAME, complain, proper_name, version
@@ -35,6 +36,22 @@ Named = Annotated[
     str,
     BeforeValidator(entries.name),
     WithJsonSchema({"type": "string", "pattern": _NAME_PATTERN}),
+]
+
+Range = Annotated[
+    list[Real], Field(min_length=2, max_length=2), list_of("two numbers [low, high]", 2)
+]
+#: A number, or None for ``home``.
+RealOrHome = Annotated[
+    Number | None,
+    BeforeValidator(entries.number_or_home),
+    WithJsonSchema(
+        {
+            "type": ["number", "string"],
+            "description": "A number, exactly as written, or an expression such as sqrt(3)/2; or "
+            "home: what the constraint measures at the home pose.",
+        }
+    ),
 ]
 
 
@@ -84,24 +101,58 @@ class ConeModel(Section):
     half_angle: Real = Field(description="Above 0 and below 180 degrees, in the unit of angles.")
 
 
-class CrankModel(Section):
-    """What turns a point: a point of the axis, and a nonzero vector along it."""
+class DriveModel(Section):
+    """What cranks and slides can state of the values of their motors."""
 
-    centre: Vector
-    axis: Direction
+    range: Range | SkipJsonSchema[None] = Field(
+        None, description="The least and the greatest reading; 0 is where the point is stated."
+    )
+    tolerance: Real | SkipJsonSchema[None] = Field(
+        None, description="How far the value may be off, at least zero."
+    )
+    offset: Real | SkipJsonSchema[None] = Field(
+        None, description="What is added to readings to make them values. Default: 0."
+    )
+    scale: Real | SkipJsonSchema[None] = Field(
+        None,
+        description="Readings are multiplied by one plus this before the offset is added; "
+        "between -1 and 1. Default: 0.",
+    )
+
+
+class CrankModel(DriveModel):
+    """The arm of a motor, which turns a point about an axis; angles in the unit of angles."""
+
+    centre: Vector = Field(description="A point of the axis.")
+    axis: Direction = Field(description="Positive angles turn about it by the right-hand rule.")
+
+
+class SlideModel(DriveModel):
+    """The carriage of a rail, which moves a point along a line."""
+
+    direction: Direction = Field(description="Along the rail; positive values move along it.")
 
 
 class PrimitiveModel(Section):
     """A point, a line or a plane, in the frame of its body."""
 
     one_of = ("point", "line", "plane")
-    needs: ClassVar[dict[str, str]] = {"crank": "point", "cone": "point"}
+    needs: ClassVar[dict[str, str]] = dict.fromkeys(("crank", "slide", "with", "cone"), "point")
+    excludes = (("slide", "crank"), ("with", "crank"), ("with", "slide"))
 
     point: Vector | SkipJsonSchema[None] = None
     line: LineModel | SkipJsonSchema[None] = None
     plane: PlaneModel | SkipJsonSchema[None] = None
     crank: CrankModel | SkipJsonSchema[None] = Field(
         None, description="What turns the point, which is stated at the angle zero."
+    )
+    slide: SlideModel | SkipJsonSchema[None] = Field(
+        None, description="What moves the point along a rail; it is stated at zero."
+    )
+    partner: Named | SkipJsonSchema[None] = Field(
+        None,
+        alias="with",
+        description="A point of the same body whose crank or slide moves this one, too.",
     )
     cone: ConeModel | SkipJsonSchema[None] = Field(
         None, description="Of a point: which directions the point-point distances from it can have."
@@ -122,12 +173,8 @@ class ConstraintModel(Section):
 
     distance: Pair | SkipJsonSchema[None] = None
     angle: Pair | SkipJsonSchema[None] = None
-    value: Real
-    range: Annotated[
-        list[Real] | SkipJsonSchema[None],
-        Field(min_length=2, max_length=2),
-        list_of("two numbers [low, high]", 2),
-    ] = Field(
+    value: RealOrHome
+    range: Range | SkipJsonSchema[None] = Field(
         None, description="The smallest and the largest value that the machine can have there."
     )
     tolerance: Real | SkipJsonSchema[None] = Field(
@@ -156,7 +203,7 @@ class HomeModel(Section):
     """The pose of the machine at home: x_base = R x_platform + position."""
 
     needs: ClassVar[dict[str, str]] = {"rx": "euler", "ry": "euler", "rz": "euler"}
-    excludes: ClassVar[dict[str, str]] = {"quaternion": "euler"}
+    excludes = (("quaternion", "euler"),)
 
     position: Vector = Field(description="Of the platform's origin in the base.")
     quaternion: Annotated[

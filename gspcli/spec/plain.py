@@ -16,6 +16,7 @@ from gspcli.spec.entries import (
     name,
     nonzero,
     number,
+    number_or_home,
     optional_text,
     proper_name,
     text,
@@ -50,11 +51,34 @@ class ConeFields(NamedTuple):
     half_angle: Number
 
 
+class ReadingFields(NamedTuple):
+    """What constraints, cranks and slides can state of their readings."""
+
+    range: list[Number] | None
+    tolerance: Number | None
+    offset: Number | None
+    scale: Number | None
+
+
 class CrankFields(NamedTuple):
     """As `models.CrankModel`."""
 
     centre: list[Number]
     axis: list[Number]
+    range: list[Number] | None
+    tolerance: Number | None
+    offset: Number | None
+    scale: Number | None
+
+
+class SlideFields(NamedTuple):
+    """As `models.SlideModel`."""
+
+    direction: list[Number]
+    range: list[Number] | None
+    tolerance: Number | None
+    offset: Number | None
+    scale: Number | None
 
 
 class PrimitiveFields(NamedTuple):
@@ -64,13 +88,15 @@ class PrimitiveFields(NamedTuple):
     line: LineFields | None = None
     plane: PlaneFields | None = None
     crank: CrankFields | None = None
+    slide: SlideFields | None = None
+    partner: str | None = None
     cone: ConeFields | None = None
 
 
 class ConstraintFields(NamedTuple):
     """As `models.ConstraintModel`, without the names."""
 
-    value: Number
+    value: Number | None
     range: list[Number] | None
     tolerance: Number | None
     offset: Number | None
@@ -224,17 +250,35 @@ def _primitive(value: Value) -> PrimitiveFields:
         return PrimitiveFields(
             plane=PlaneFields(_numbers(plane["point"]), _direction(plane["normal"]))
         )
-    _section(value, ("point",), ("crank", "cone"))
+    _section(value, ("point",), ("crank", "slide", "with", "cone"))
+    if sum(key in given for key in ("crank", "slide", "with")) > 1:
+        raise ValueError
     return PrimitiveFields(
         _numbers(given["point"]),
         crank=_crank(given["crank"]) if "crank" in given else None,
+        slide=_slide(given["slide"]) if "slide" in given else None,
+        partner=name(given["with"]) if "with" in given else None,
         cone=_cone(given["cone"]) if "cone" in given else None,
     )
 
 
 def _crank(value: Value) -> CrankFields:
-    given = _section(value, CrankFields._fields)
-    return CrankFields(_numbers(given["centre"]), _direction(given["axis"]))
+    given = _section(value, ("centre", "axis"), ReadingFields._fields)
+    return CrankFields(_numbers(given["centre"]), _direction(given["axis"]), *_of_readings(given))
+
+
+def _slide(value: Value) -> SlideFields:
+    given = _section(value, ("direction",), ReadingFields._fields)
+    return SlideFields(_direction(given["direction"]), *_of_readings(given))
+
+
+def _of_readings(given: Fields) -> ReadingFields:
+    return ReadingFields(
+        _numbers(given["range"], 2) if "range" in given else None,
+        number(given["tolerance"]) if "tolerance" in given else None,
+        number(given["offset"]) if "offset" in given else None,
+        number(given["scale"]) if "scale" in given else None,
+    )
 
 
 def _cone(value: Value) -> ConeFields:
@@ -244,15 +288,12 @@ def _cone(value: Value) -> ConeFields:
 
 def _constraint(value: Value) -> ConstraintFields:
     quantity = "angle" if "angle" in _entries(value) else "distance"
-    given = _section(value, (quantity, "value"), ("range", "tolerance", "offset", "scale", "side"))
+    given = _section(value, (quantity, "value"), (*ReadingFields._fields, "side"))
     for entry in _list(given[quantity], 2):
         name(entry)
     return ConstraintFields(
-        number(given["value"]),
-        _numbers(given["range"], 2) if "range" in given else None,
-        number(given["tolerance"]) if "tolerance" in given else None,
-        number(given["offset"]) if "offset" in given else None,
-        number(given["scale"]) if "scale" in given else None,
+        number_or_home(given["value"]),
+        *_of_readings(given),
         _choice(given["side"], "positive", "negative", "both") if "side" in given else None,
     )
 

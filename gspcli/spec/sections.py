@@ -115,8 +115,11 @@ def _schema_of(schema: dict[str, Any], model: type[Section]) -> None:
         entry.pop("title", None)
     if model.needs:
         schema["dependentRequired"] = {key: [other] for key, other in model.needs.items()}
-    for key, other in model.excludes.items():
-        schema["not"] = {"required": [key, other]}
+    refused = [{"required": list(pair)} for pair in model.excludes]
+    if len(refused) == 1:
+        schema["not"] = refused[0]
+    elif refused:
+        schema["not"] = {"anyOf": refused}
 
 
 class Section(BaseModel):
@@ -129,7 +132,7 @@ class Section(BaseModel):
     needs
         Keys that need another key.
     excludes
-        Keys that exclude another key.
+        Pairs of keys of which at most one is given.
     """
 
     model_config = ConfigDict(
@@ -141,13 +144,14 @@ class Section(BaseModel):
     )
     one_of: ClassVar[tuple[str, ...]] = ()
     needs: ClassVar[dict[str, str]] = {}
-    excludes: ClassVar[dict[str, str]] = {}
+    excludes: ClassVar[tuple[tuple[str, str], ...]] = ()
 
     @model_validator(mode="before")
     @classmethod
     def _check_keys(cls, section: Value, info: ValidationInfo) -> Mapping:
         """Note wrong keys and return the section without them; `Missing` for a missing key."""
-        known = list(cls.model_fields)
+        fields = {field.alias or name: field for name, field in cls.model_fields.items()}
+        known = list(fields)
         if not isinstance(section, Mapping):
             keys = listed(cls.one_of) if cls.one_of else listed(known, "and")
             raise complain(section, f"a mapping with {keys}")
@@ -162,7 +166,7 @@ class Section(BaseModel):
             hint = f": did you mean {near}?" if near else ""
             message = f"found the unknown key {shown(key)}, expected {listed(known)}{hint}"
             problems.append(Problem(key.location, key.path, message))
-        required = [name for name, field in cls.model_fields.items() if field.is_required()]
+        required = [name for name, field in fields.items() if field.is_required()]
         absent = [name for name in required if name not in kept]
         for name in absent:
             kept[Scalar(name)] = locate(Missing(), section.location, section.path)
@@ -183,9 +187,9 @@ class Section(BaseModel):
                 place = kept[Scalar(needy)]
                 message = f"found {needy} without {other}, expected both"
                 if given:
-                    message = f"found a {needy} at a {given[0]}, expected one only at a {other}"
+                    message = f"found {needy} at a {given[0]}, expected it only at a {other}"
                 problems.append(Problem(place.location, place.path, message))
-        for one, other in cls.excludes.items():
+        for one, other in cls.excludes:
             if one in kept and other in kept:
                 place = kept[Scalar(one)]
                 message = f"found {one} beside {other}, expected one of them"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, TextIO
 
@@ -11,7 +11,7 @@ from gspcli.errors import ArgumentError, GspError
 from gspcli.geometry.checking import expected
 from gspcli.geometry.instance import Constraint, Instance, Side
 from gspcli.geometry.numbers import Number
-from gspcli.geometry.primitives import Geometry, Line, Plane, Point
+from gspcli.geometry.primitives import Crank, Geometry, Line, Plane, Point, Slide
 
 if TYPE_CHECKING:
     from gspcli.geometry.home_pose import HomePose
@@ -117,7 +117,10 @@ class _Body:
 
     def lines(self) -> list[str]:
         """Return the section of the file."""
-        rows = [f"  {scalar(name)}: {_primitive(g)}" for name, g in self.primitives.items()]
+        rows = [
+            f"  {scalar(name)}: {_primitive(g, self.primitives)}"
+            for name, g in self.primitives.items()
+        ]
         return [f"{self.key}:", *rows]
 
 
@@ -125,13 +128,15 @@ def _vector(vector: Sequence[Number]) -> str:
     return "[" + ", ".join(map(str, vector)) + "]"
 
 
-def _primitive(geometry: Geometry) -> str:
+def _primitive(geometry: Geometry, body: Collection[str]) -> str:
     position = _vector(geometry.position)
     match geometry:
-        case Point(cone=cone, crank=crank):
+        case Point(cone=cone, drive=drive, partner=partner):
             tilt = turn = ""
-            if crank is not None:
-                turn = f", crank: {{centre: {_vector(crank.centre)}, axis: {_vector(crank.axis)}}}"
+            if partner in body:
+                turn = f", with: {scalar(partner)}"
+            elif drive is not None:
+                turn = f", {drive.sort}: {{{_drive(drive)}}}"
             if cone is not None:
                 tilt = f", cone: {{axis: {_vector(cone.axis)}, half_angle: {cone.half_angle}}}"
             return f"{{point: {position}{turn}{tilt}}}"
@@ -141,18 +146,31 @@ def _primitive(geometry: Geometry) -> str:
             return f"{{plane: {{point: {position}, normal: {_vector(geometry.normal)}}}}}"
 
 
+def _drive(drive: Crank | Slide) -> str:
+    """Return the entries of a crank or slide."""
+    if isinstance(drive, Crank):
+        said = f"centre: {_vector(drive.centre)}, axis: {_vector(drive.axis)}"
+    else:
+        said = f"direction: {_vector(drive.direction)}"
+    return said + _of_readings(drive)
+
+
+def _of_readings(one: Constraint | Crank | Slide) -> str:
+    """Return what a constraint, a crank or a slide states of its readings."""
+    said = ""
+    if one.limits is not None:
+        low, high = map(one.reading_of, one.limits)
+        said += f", range: [{low}, {high}]"
+    for key in ("tolerance", "offset", "scale"):
+        if (number := getattr(one, key)) is not None:
+            said += f", {key}: {number}"
+    return said
+
+
 def _constraint(constraint: Constraint, platform: str, base: str) -> str:
     quantity = "distance" if constraint.kind.is_distance else "angle"
     side = "" if constraint.side is Side.BOTH else f", side: {constraint.side.value}"
-    reading, span = constraint.reading_of(constraint.value), ""
-    if constraint.limits is not None:
-        low, high = map(constraint.reading_of, constraint.limits)
-        span = f", range: [{low}, {high}]"
-    off = "" if constraint.tolerance is None else f", tolerance: {constraint.tolerance}"
-    shift = "" if constraint.offset is None else f", offset: {constraint.offset}"
-    if constraint.scale is not None:
-        shift += f", scale: {constraint.scale}"
-    value = f"value: {reading}{span}{off}{shift}{side}"
+    value = f"value: {constraint.reading_of(constraint.value)}{_of_readings(constraint)}{side}"
     return f"  - {{{quantity}: [{platform}, {base}], {value}}}"
 
 

@@ -25,7 +25,7 @@ from gspcli.certification.numbers.balls import ball, cross, dot, norm
 from gspcli.certification.numbers.rounding import OUTWARD, TINY
 from gspcli.geometry.coordinates import Body, Coordinate, nominal_coordinates
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance
-from gspcli.geometry.primitives import Crank, Line, Plane, Point
+from gspcli.geometry.primitives import Crank, Line, Plane, Point, Slide
 from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
@@ -181,10 +181,11 @@ class MovingSystem:
         self, body: Body, name: str, geometry: Point | Line | Plane, moving: dict[Any, Element]
     ) -> tuple[list[Element], list[Element]]:
         """Return a point of a primitive in units of the scale, and its unit direction."""
+        owner = geometry.partner if isinstance(geometry, Point) else ""
         own = {
             (one.vector, one.component): series
             for one, series in moving.items()
-            if (one.body, one.primitive) == (body, name)
+            if (one.body, one.primitive) == (body, (owner or name) if one.is_drive else name)
         }
         position = [
             own.get(("position", k), ball(number)) for k, number in enumerate(geometry.position)
@@ -193,6 +194,10 @@ class MovingSystem:
             assert isinstance(geometry, Point)
             assert geometry.crank is not None
             position = _turned(position, geometry.crank, own["crank", 0] * self._unit)
+        if ("slide", 0) in own:
+            assert isinstance(geometry, Point)
+            assert geometry.slide is not None
+            position = _shifted(position, geometry.slide, own["slide", 0])
         position = [entry / arb(self.scale) for entry in position]
         if isinstance(geometry, Point):
             return position, []
@@ -284,6 +289,13 @@ def _turned(point: list[Element], crank: Crank, angle: Element) -> list[Element]
     return [
         centre[k] + along[k] + (arm[k] - along[k]) * cosine + across[k] * sine for k in range(3)
     ]
+
+
+def _shifted(point: list[Element], slide: Slide, length: Element) -> list[Element]:
+    """Return a point moved along a rail."""
+    direction = [ball(x) for x in slide.direction]
+    size = norm(direction)
+    return [x + length * (u / size) for x, u in zip(point, direction, strict=True)]
 
 
 @contextmanager

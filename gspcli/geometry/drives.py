@@ -1,0 +1,456 @@
+"""Drives: what the motors of a platform move, and the poses that follow.
+
+A drive is the value of a constraint, or it moves a point of a distance: a crank turns the point, a
+slide shifts it along a rail. The numbers of the drives are q, in units of length and radians; zero
+is where the point is stated. With f the force part of the row J_k of the Jacobian matrix (the unit
+vector of the rod, from the base to the platform) and B'(q) the velocity of the point, the gain of
+the drive of constraint k is
+
+    g = f.B'(q)     for a point of the base
+    g = -f.R p'(q)  for a point of the platform
+    g = 1           for the value itself
+
+so that ``J t = D q'`` with the twist t and ``D[k, drive of k] = g_k``; the forces of the drives are
+``tau = D^T F`` with the forces F in the rods. Where a gain is zero the drive is at a dead point: it
+moves nothing along the rod. A pose has two numbers for each crank or slide, one with a positive and
+one with a negative gain. The sign of the gain is the *knee*; a machine keeps it from its home pose.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from gspcli.catalogue.kinds import DLL, DPP
+from gspcli.errors import ArgumentError
+from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.coordinates import BODIES
+from gspcli.geometry.drive_numbers import drive_numbers
+from gspcli.geometry.instance import Instance
+from gspcli.geometry.measurement import curvature, gradients, jacobian, measured
+from gspcli.geometry.numbers import Number
+from gspcli.geometry.quaternions import apply, cross, dot
+from gspcli.records import dataclass
+
+Array = NDArray[np.float64]
+
+#: The cosine of an angle above one by less is one: at the end of what a crank or slide can reach.
+_END = 1e-12
+#: Two numbers of a drive whose moduli differ by less are equally near to the stated point: radians
+#: for a crank, parts of the rod for a slide.
+_EQUALLY_NEAR = 1e-6
+#: Constraints with a drive together must ask for the same place, up to this part of the size.
+_SAME = 1e-9
+_TURN = 2 * np.pi
+
+
+@dataclass(frozen=True, eq=False)
+class Drives:
+    """The m drives of a platform, in the order of the first constraint that each moves.
+
+    Attributes
+    ----------
+    instance
+        The platform.
+    names
+        The names of the drives: ``crank.B1``, ``slide.B2``, or the number of a constraint whose
+        value is driven.
+    sorts
+        ``crank``, ``slide`` or ``value``, m of them.
+    index
+        The drive of each constraint, shape (6,).
+    driven
+        Whether the drive of a constraint is a crank or a slide, shape (6,).
+    on_platform
+        Whether it moves the platform's point, shape (6,).
+    units
+        The units of the numbers in radians or lengths, shape (m,).
+    low, high
+        The ranges of q, shape (m,); infinite without a range. For the distance of a point and a
+        plane on both sides they are those of the modulus.
+    tolerances
+        The errors of q, shape (m,); NaN where none is stated.
+    offsets, factors
+        A number of a drive in the unit of the instance is its reading times the factor, plus the
+        offset; shape (m,).
+    middle, across, beside
+        The place of each driven point in the frame of its body, shapes (6, 3): that of a crank is
+        ``middle + across cos q + beside sin q``, that of a slide ``middle + beside q``.
+    arms
+        The lengths of the arms of cranks; 1 for slides and values, shape (6,).
+    rods
+        The values of constraints with a crank or a slide, which stay the same; NaN for others.
+    """
+
+    instance: Instance
+    names: tuple[str, ...]
+    sorts: tuple[str, ...]
+    index: NDArray[np.int64]
+    driven: NDArray[np.bool_]
+    on_platform: NDArray[np.bool_]
+    units: Array
+    low: Array
+    high: Array
+    tolerances: Array
+    offsets: Array
+    factors: Array
+    middle: Array
+    across: Array
+    beside: Array
+    arms: Array
+    rods: Array
+
+    @classmethod
+    def of(cls, instance: Instance) -> Drives:
+        """Return the drives of an instance.
+
+        Raises
+        ------
+        ArgumentError
+            If both points of a constraint have drives.
+        """
+        return cls(instance, **drive_numbers(instance))
+
+    @property
+    def count(self) -> int:
+        """The number of drives, m."""
+        return len(self.names)
+
+    @cached_property
+    def _cranked(self) -> NDArray[np.bool_]:
+        """Which constraints have a crank, shape (6,)."""
+        return np.array([self.sorts[k] == "crank" for k in self.index])
+
+    @cached_property
+    def _arrangement(self) -> Arrangement:
+        return Arrangement.of(self.instance)
+
+    def users(self, drive: int) -> list[int]:
+        """Return the constraints with a drive, by their indices."""
+        return np.flatnonzero(self.index == drive).tolist()
+
+    # The points.
+
+    def points(self, q: ArrayLike) -> Array:
+        """Return the driven points in the frames of their bodies, ``(..., m) -> (..., 6, 3)``."""
+        x = self._of_constraints(q)
+        turned = self.middle + self.across * np.cos(x) + self.beside * np.sin(x)
+        return np.where(self._cranked[:, None], turned, self.middle + self.beside * x)
+
+    def velocities(self, q: ArrayLike) -> Array:
+        """Return the derivatives of `points` by the number of their drive, shape (..., 6, 3)."""
+        x = self._of_constraints(q)
+        turned = self.beside * np.cos(x) - self.across * np.sin(x)
+        return np.where(self._cranked[:, None], turned, self.beside)
+
+    def bends(self, q: ArrayLike) -> Array:
+        """Return the second derivatives of `points`, shape (..., 6, 3)."""
+        x = self._of_constraints(q)
+        turned = -self.across * np.cos(x) - self.beside * np.sin(x)
+        return np.where(self._cranked[:, None], turned, 0.0)
+
+    def _of_constraints(self, q: ArrayLike) -> Array:
+        return np.asarray(q, float)[..., self.index, None]
+
+    def arrangement(self, q: ArrayLike) -> Arrangement:
+        """Return the platform with its points at q: coordinates of shapes (..., 6, 3)."""
+        points, stated = self.points(q), self._arrangement
+        shape = points.shape
+        moves = [self.driven & self.on_platform, self.driven & ~self.on_platform]
+        y, x = (
+            np.where(moved[:, None], points, np.broadcast_to(own, shape))
+            for moved, own in zip(moves, (stated.y, stated.x), strict=True)
+        )
+        return replace(stated, y=y, x=x)
+
+    def ends(self, R: ArrayLike, T: ArrayLike, q: ArrayLike) -> tuple[Array, Array, Array]:
+        """Return base points, the turned platform points R y and the vectors of the rods.
+
+        Each of shape (..., 6, 3), in the axes of the base; ``r = R y + T - b``.
+        """
+        arrangement = self.arrangement(q)
+        placed = arrangement.placed(np.asarray(R, float), np.asarray(T, float))
+        return arrangement.x, placed.arm, placed.r
+
+    # Small motions and forces.
+
+    def jacobian(self, R: ArrayLike, T: ArrayLike, q: ArrayLike) -> Array:
+        """Return the derivatives of the values by a twist with all drives still, (..., 6, 6).
+
+        A twist is that of `gspcli.geometry.measurement`: (omega, velocity of the origin).
+        """
+        return np.asarray(jacobian(self.arrangement(q), np.asarray(R, float), np.asarray(T, float)))
+
+    def gains(self, R: ArrayLike, T: ArrayLike, q: ArrayLike) -> Array:
+        """Return the gains of the drives at their constraints, shape (..., 6)."""
+        R = np.asarray(R, float)
+        arrangement = self.arrangement(q)
+        f = gradients(arrangement, arrangement.placed(R, np.asarray(T, float))).r
+        velocity = self.velocities(q)
+        # The velocities of a platform's points in the axes of the base.
+        turned = -velocity @ np.swapaxes(R, -1, -2)
+        g = dot(f, np.where(self.on_platform[:, None], turned, velocity))
+        return np.where(self.driven, g, 1.0)
+
+    def matrix(self, gains: Array) -> Array:
+        """Return D with ``J t = D q'`` and ``tau = D^T F``, ``(..., 6) -> (..., 6, m)``."""
+        matrix = np.zeros((*gains.shape, self.count))
+        matrix[..., np.arange(len(self.index)), self.index] = gains
+        return matrix
+
+    def transmission(self, gains: Array) -> Array:
+        """Return the share of a point's velocity that acts along its rod, 0 to 1, (..., 6)."""
+        share: Array = np.abs(gains) / self.arms
+        return share
+
+    def rates(
+        self,
+        R: ArrayLike,
+        T: ArrayLike,
+        q: ArrayLike,
+        twist: ArrayLike,
+        change: ArrayLike | None = None,
+    ) -> tuple[Array, Array]:
+        """Return the first and second derivatives of q by the time.
+
+        Parameters
+        ----------
+        R, T, q
+            Poses and the numbers of the drives there.
+        twist
+            Angular velocity and velocity of the platform's origin, shape (..., 6).
+        change
+            Its derivative by the time; zero if None.
+
+        Returns
+        -------
+        q', q''
+            Shapes (..., m); infinite or NaN at a dead point. The mean where constraints share.
+        """
+        R, T, t = (np.asarray(part, float) for part in (R, T, twist))
+        a = np.zeros_like(t) if change is None else np.asarray(change, float)
+        arrangement = self.arrangement(q)
+        J = jacobian(arrangement, R, T)
+        with np.errstate(all="ignore"):
+            g = self.gains(R, T, q)
+            first = apply(J, t) / g
+            second = (apply(J, a) + self._bent(arrangement, R, T, q, t, first)) / g
+        return self._per_drive(first), self._per_drive(second)
+
+    def _bent(
+        self, arrangement: Arrangement, R: Array, T: Array, q: ArrayLike, t: Array, first: Array
+    ) -> Array:
+        """Return the second derivatives of values by the time less those by t' and q''."""
+        omega, v = t[..., None, :3], t[..., None, 3:]
+        placed = arrangement.placed(R, T)
+        f = gradients(arrangement, placed).r
+        velocity, bend = self.velocities(q), self.bends(q)
+        turned = np.swapaxes(R, -1, -2)
+        rate = first[..., None]
+        on = self.on_platform[:, None]
+        own, own_bend = (part @ turned for part in (velocity, bend))
+        arm = np.where(on, own * rate, 0.0)
+        spin = np.broadcast_to(omega, arm.shape)
+        moved = cross(spin, placed.arm) + v + np.where(on, arm, -velocity * rate)
+        # The acceleration of r without that of q and of the twist.
+        bent = cross(spin, cross(spin, placed.arm) + 2 * arm)
+        bent = bent + np.where(on, own_bend, -bend) * rate**2
+        length = np.linalg.norm(placed.r, axis=-1)
+        along = dot(f, moved)
+        rods = (dot(moved, moved) - along**2) / length + dot(f, bent)
+        return np.where(self.driven, rods, curvature(arrangement, R, T, t))
+
+    def _per_drive(self, of_constraints: Array) -> Array:
+        """Return the means over the constraints of each drive, ``(..., 6) -> (..., m)``."""
+        parts = [of_constraints[..., self.users(k)].mean(axis=-1) for k in range(self.count)]
+        return np.stack(parts, axis=-1)
+
+    # From poses to drives.
+
+    def roots(self, R: ArrayLike, T: ArrayLike) -> Array:
+        """Return the two numbers of each drive at poses, shape (..., 6, 2).
+
+        The first has a positive gain, the second a negative one; NaN where the rod does not reach
+        the circle or the rail. Of a crank without a range they are between -pi and pi, of one with
+        a range the nearest to its middle. A value stands twice.
+
+        Raises
+        ------
+        ArgumentError
+            If a point with a drive belongs to another distance than that of two points.
+        """
+        self._need_rods()
+        R, T = np.asarray(R, float), np.asarray(T, float)
+        stated = self._arrangement
+        values = measured(stated, R, T)
+        skew = [kind is DLL for kind in stated.kinds]
+        values[..., skew] = np.abs(values[..., skew])
+        if not self.driven.any():
+            return np.stack((values, values), axis=-1)
+        base = stated.y @ np.swapaxes(R, -1, -2) + T[..., None, :]
+        platform = (stated.x - T[..., None, :]) @ R
+        other = np.where(self.on_platform[:, None], platform, base)
+        w = other - self.middle
+        square = dot(w, w)
+        along, beside = dot(w, self.across), dot(w, self.beside)
+        with np.errstate(all="ignore"):
+            cosine = (square + self.arms**2 - self.rods**2) / (2 * np.hypot(along, beside))
+            half = _arc(cosine)
+            turn = self._wrapped(np.arctan2(beside, along)[..., None] + _pair(half))
+            across = np.maximum(square - beside**2, 0.0)
+            step = np.sqrt(_room(self.rods**2 - across, self.rods**2))
+            shift = beside[..., None] + _pair(step)
+        found = np.where(self._cranked[:, None], turn, shift)
+        return np.where(self.driven[:, None], found, values[..., None])
+
+    def _need_rods(self) -> None:
+        for k in np.flatnonzero(self.driven):
+            kind = self.instance.constraints[k].kind
+            if kind is not DPP:
+                name = self.names[self.index[k]]
+                message = f"constraint {k + 1} of its point is {kind.name}, expected a DPP: a rod"
+                raise ArgumentError(message, name)
+
+    def _wrapped(self, angles: Array) -> Array:
+        """Return angles (..., 6, 2) by whole turns: nearest to the middle of their range, or 0."""
+        low, high = self.low[self.index], self.high[self.index]
+        stated = np.isfinite(low) & np.isfinite(high)
+        middle = np.where(stated, low + high, 0.0)[:, None] / 2
+        near: Array = angles - _TURN * np.round((angles - middle) / _TURN)
+        return near
+
+    def knees(self, R: ArrayLike, T: ArrayLike, what: str = "the pose") -> NDArray[np.int64]:
+        """Return the signs of the gains at one pose, 1 for values, shape (6,).
+
+        Of the two numbers of a drive the one nearer to zero is taken: the stated point.
+
+        Parameters
+        ----------
+        R, T
+            The pose, shapes (3, 3) and (3,).
+        what
+            What the pose is called in errors.
+
+        Raises
+        ------
+        ArgumentError
+            If a drive does not reach the pose, or both its numbers are equally near to zero.
+        """
+        both = self.roots(R, T)
+        size = np.where(self._cranked, 1.0, self.rods)
+        for k in np.flatnonzero(self.driven):
+            name, unit = self.names[self.index[k]], self.units[self.index[k]]
+            if np.isnan(both[k]).any():
+                raise ArgumentError(f"rod {k + 1} does not reach {what}", name)
+            first, second = np.abs(both[k]).tolist()
+            if abs(first - second) <= _EQUALLY_NEAR * size[k]:
+                a, b = (f"{x:.10g}" for x in sorted(both[k] / unit))
+                message = (
+                    f"{what} is reached at {a} and at {b}, equally near to the stated point: "
+                    "state the point where it is at home"
+                )
+                raise ArgumentError(message, name)
+        return _nearer(both, self.driven)
+
+    @cached_property
+    def home_knees(self) -> NDArray[np.int64] | None:
+        """The knees at the stated home pose, or None if the file states none; as `knees`."""
+        home = self.instance.home
+        if home is None:
+            return None
+        return self.knees(home.R(self._arrangement.in_radians), home.T, "the home pose")
+
+    def wanted(self, R: ArrayLike, T: ArrayLike, knees: NDArray[np.int64] | None = None) -> Array:
+        """Return what each constraint asks of its drive, shape (..., 6); as `inverse`."""
+        both = self.roots(R, T)
+        if knees is None:
+            knees = self.home_knees
+        if knees is None:
+            knees = _first_knees(both, self.driven)
+        found: Array = np.where(knees > 0, both[..., 0], both[..., 1])
+        return found
+
+    def inverse(self, R: ArrayLike, T: ArrayLike, knees: NDArray[np.int64] | None = None) -> Array:
+        """Return the numbers of the drives at poses (inverse kinematics), shape (..., m).
+
+        Parameters
+        ----------
+        R, T
+            Poses, shapes (..., 3, 3) and (..., 3), ``x_base = R x_platform + T``.
+        knees
+            The signs of the gains, shape (6,). Those of the stated home if None; without a home
+            those of the first pose that the rod reaches, with the number nearer to zero.
+
+        Returns
+        -------
+        Array
+            NaN where a rod does not reach, and where constraints with one drive ask for different
+            numbers: `wanted` has them.
+        """
+        wanted = self.wanted(R, T, knees)
+        if self.count == len(self.index):
+            return wanted
+        q = self._per_drive(wanted)
+        off = np.abs(wanted - q[..., self.index]) * self.arms > _SAME * self._arrangement.length
+        return np.where(self.matrix(off.astype(float)).any(axis=-2), np.nan, q)
+
+    # From drives to platforms and to readings.
+
+    def instance_at(self, q: ArrayLike) -> Instance:
+        """Return the platform with its points, and driven values, at q of shape (m,).
+
+        Its numbers there are doubles; it has no cranks and slides.
+        """
+        numbers = np.asarray(q, float).tolist()
+        rows = []
+        for k, row in enumerate(self.instance.constraints):
+            number = numbers[self.index[k]]
+            if self.driven[k]:
+                body = BODIES[0] if self.on_platform[k] else BODIES[1]
+                row = replace(row, **{body: getattr(row, body).moved(number)})
+            else:
+                value = number / self.units[self.index[k]]
+                row = replace(row, value=Number.of(abs(value) if row.kind.has_sides else value))
+            rows.append(row)
+        return replace(self.instance, constraints=tuple(rows))
+
+    def readings(self, q: ArrayLike) -> Array:
+        """Return readings of q, shape (..., m), in the units of the instance."""
+        return (np.asarray(q, float) / self.units - self.offsets) / self.factors
+
+    def from_readings(self, readings: ArrayLike) -> Array:
+        """Return q of readings, shape (..., m)."""
+        return (np.asarray(readings, float) * self.factors + self.offsets) * self.units
+
+
+def _pair(half: Array) -> Array:
+    return np.stack((-half, half), axis=-1)
+
+
+def _arc(cosine: Array) -> Array:
+    """Return the arc cosine; 0 or pi for what is beyond one by rounding, NaN for more."""
+    reached = np.abs(cosine) <= 1 + _END
+    return np.where(reached, np.arccos(np.clip(cosine, -1, 1)), np.nan)
+
+
+def _room(square: Array, size: Array) -> Array:
+    """Return a square; 0 for what is below zero by rounding, NaN for less."""
+    return np.where(square < -_END * size, np.nan, np.maximum(square, 0.0))
+
+
+def _nearer(both: Array, driven: NDArray[np.bool_]) -> NDArray[np.int64]:
+    """Return 1 where the first of two numbers is the nearer to zero, -1 elsewhere, shape (6,)."""
+    first = np.abs(both[..., 0]) <= np.abs(both[..., 1])
+    return np.where(first | ~driven, 1, -1)
+
+
+def _first_knees(both: Array, driven: NDArray[np.bool_]) -> NDArray[np.int64]:
+    """Return for each drive the knee at the first pose that it reaches, shape (6,)."""
+    pairs = both.reshape(-1, *both.shape[-2:])
+    first = np.isfinite(pairs[..., 0]).argmax(axis=0) if len(pairs) else None
+    if first is None:
+        return np.ones(both.shape[-2], np.int64)
+    return _nearer(pairs[first, np.arange(pairs.shape[1])], driven)
