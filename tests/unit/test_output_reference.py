@@ -74,3 +74,22 @@ def test_the_page_is_up_to_date() -> None:
     command = [sys.executable, "-m", "tools.build.output_reference", "--check"]
     done = subprocess.run(command, capture_output=True, text=True, cwd=ROOT)
     assert done.returncode == 0, done.stdout + done.stderr
+
+
+@pytest.mark.parametrize(
+    "path", sorted((ROOT / "data" / "keys").glob("*.json")), ids=lambda p: p.stem
+)
+def test_a_command_prints_its_keys_without_its_arguments(
+    path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    name = path.stem.replace("atlas-", "atlas ")
+    assert run([*name.split(), "--keys"]) == 0
+    printed = capsys.readouterr().out
+    for form in json.loads(path.read_text(encoding="utf-8")):
+        assert f"JSON {form['schema']}\n" in printed
+        assert all(meaning for _, _, meaning in form["keys"])
+
+
+def test_a_command_without_json_has_no_keys(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["view", "--keys"]) == 2
+    assert "No such option" in capsys.readouterr().err

@@ -62,7 +62,11 @@ STEPS = (
         "tools.build.example_counts --check --groebner",
         sample="--sample 6",
     ),
-    Step("output", ("docs/output.md", "docs/schemas/*"), "tools.build.output_reference --check"),
+    Step(
+        "output",
+        ("docs/output.md", "docs/output/*", "docs/schemas/*", "data/keys/*"),
+        "tools.build.output_reference --check",
+    ),
     Step(
         "shared-joints",
         ("data/verification/coincident-platforms*",),

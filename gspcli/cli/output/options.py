@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
@@ -49,6 +50,30 @@ class Output:
     format: str
     path: Path | None
     part: str | None = None
+
+
+def _keys_option(function: Function) -> Function:
+    """Add ``--keys``, which prints what the keys of JSON and the columns of CSV mean."""
+
+    def show(context: click.Context, _: click.Parameter, wanted: bool) -> None:
+        if wanted:
+            from gspcli.cli.output import keys, terminal
+
+            tables = list(keys.meanings(" ".join(context.command_path.split()[1:])))
+            if sys.stdout.isatty():
+                terminal.show(tables)
+            else:
+                sys.stdout.write(terminal.render(tables))
+            context.exit()
+
+    return click.option(
+        "--keys",
+        is_flag=True,
+        is_eager=True,
+        expose_value=False,
+        callback=show,
+        help="Print what the keys of JSON and the columns of CSV mean, and nothing else.",
+    )(function)
 
 
 #: What `-o` does, the same in all commands.
@@ -136,6 +161,8 @@ def output_options(
                 is_eager=True,
                 help="Show one table only; CSV holds no more than one.",
             )(function)
+        if "json" in formats:
+            function = _keys_option(function)
         return click.option(
             "--format",
             "format_",
