@@ -54,8 +54,8 @@ def test_every_example_has_a_recorded_count():
     assert set(EXPECTED) == {path.stem for path in EXAMPLES.glob("*.yaml")}
 
 
-def test_the_page_on_completeness_has_these_counts():
-    page = DATA.parent / "docs" / "completeness.md"
+def test_the_page_on_special_platforms_has_these_counts():
+    page = DATA.parent / "docs" / "special-platforms.md"
     checked = set()
     for line in page.read_text(encoding="utf-8").splitlines():
         cells = line.split("|")

@@ -14,7 +14,7 @@ has a hidden real pose, from which its values are measured; what must hold of ev
 
 Work goes through a journal in ``build/verify/``: interrupted, the same command takes it up
 again, unless the solver has changed. A finished run is written to ``data/verification/`` and
-docs/completeness.md; it does not depend on ``--jobs``. The exit code is 1 if anything does not
+docs/random-platforms.md; it does not depend on ``--jobs``. The exit code is 1 if anything does not
 hold; with ``--check``, if anything but a rounding error differs from the record, of which
 ``--sample`` takes some chunks and families. `show` prints an instance of the first two as a file,
 for `gsp solve`.

@@ -1,4 +1,4 @@
-"""The record of random platforms solved: rows, manifest, and the table in docs/completeness.md."""
+"""The record of random platforms solved: rows, manifest, and the table in docs/random-platforms.md."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from tools.verify.examination import Finding
 from tools.verify.random_platforms import Task
 
 RECORDS = ROOT / "data" / "verification"
-PAGE = ROOT / "docs" / "completeness.md"
+PAGE = ROOT / "docs" / "random-platforms.md"
 #: Columns of the record that rounding errors change.
 ROUNDING = {"largest_residual", "smallest_separation", "largest_asymmetry"}
 

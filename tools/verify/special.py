@@ -10,7 +10,7 @@
 `count` makes the platforms anew and counts their poses exactly (`special/counts.py`); the table is
 ``data/verification/special-platforms.csv``. Rows of unchanged platforms are kept without --check.
 `solve` solves them and judges every answer by the table (`special/answers.py`); with --record the
-result of all of them goes into docs/completeness.md. `batches` asks `solve_values` and
+result of all of them goes into docs/special-platforms.md. `batches` asks `solve_values` and
 `solve_batch` for special values among others (`special/rows.py`). `certify` has `gsp certify`
 judge what `gsp solve` prints, and what is made wrong on purpose (`special/candidates.py`).
 `certain` tells which proofs up to a random prime `gsp solve --prove` makes certain. The exit code
@@ -51,7 +51,7 @@ from tools.special.counts import counted, real_poses
 from tools.special.platforms import TABLE, Platform, platforms, recorded
 
 FILES = ROOT / "build" / "special-platforms"
-PAGE = ROOT / "docs" / "completeness.md"
+PAGE = ROOT / "docs" / "special-platforms.md"
 
 
 def count(chosen: list[Platform], every: list[Platform], arguments: argparse.Namespace) -> int:

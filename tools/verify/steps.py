@@ -147,7 +147,7 @@ STEPS = (
             "data/verification/families.csv",
             "data/verification/batches.csv",
             "data/verification/manifest.json",
-            "docs/completeness.md",
+            "docs/random-platforms.md",
         ),
         "tools.verify.solve all --check --jobs {jobs} --work {work}",
         sample="--sample 3",
