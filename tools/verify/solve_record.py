@@ -1,4 +1,4 @@
-"""The record of random platforms solved: rows, manifest, and the table in docs/random-platforms.md."""
+"""The record of random platforms solved: rows, manifest, and docs/random-platforms.md."""
 
 from __future__ import annotations
 
