@@ -1,8 +1,8 @@
 """Least squares with unknown poses: each pose is removed by an orthogonal factorization.
 
 Poses are measured with errors, so that they are unknowns beside the parameters of the platform. A
-pose occurs in its own rows only: a QR factorization of its six columns leaves rows without it, and
-what solves those is the exact least-squares solution for all unknowns (variable projection of
+pose occurs in its own rows only: a QR factorization of its six columns leaves rows without it.
+Their solution is the exact least-squares solution for all unknowns (variable projection of
 separable problems; Golub and Pereyra 1973), at the cost of a fit with known poses.
 """
 
@@ -64,7 +64,7 @@ class Fit:
     R, T
         The poses found, shapes (n, 3, 3) and (n, 3).
     residual
-        What is left, in standard deviations, NaN where nothing was measured, shape (n, q).
+        The residuals in standard deviations, NaN where nothing was measured, shape (n, q).
     cost
         The sum of squares (of a robust fit, of the losses).
     freedom

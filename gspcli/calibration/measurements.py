@@ -1,4 +1,4 @@
-"""What was measured: readings of the values, and of poses whatever is known of them.
+"""What was measured: readings of the values, and what is known about poses.
 
 Each sort gives residuals with their derivatives by the parameters of the model and by a twist of
 each pose, divided by the standard deviation of what was measured; what was not measured is NaN.
@@ -185,7 +185,7 @@ class Measurements:
 
 
 def constant_rods(instance: Instance, model: Model, seen: Measurements) -> Measurements:
-    """Return what was measured, with the stated lengths of rods that cranks turn and nobody reads.
+    """Return what was measured, with the stated lengths of unread rods that cranks turn.
 
     Parameters
     ----------

@@ -116,7 +116,7 @@ def calibrated(instance: Instance, model: Model, deviations: dict[str, float]) -
     Parameters
     ----------
     instance
-        As stated; numbers that were not estimated stay exactly as they are, and readings, too.
+        As stated; numbers that were not estimated stay unchanged, and readings, too.
     model
         With the parameters found.
     deviations

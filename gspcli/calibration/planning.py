@@ -1,7 +1,7 @@
 """Which poses to measure: of those that the machine can take the ones that tell most.
 
 Poses are chosen one by one so that the determinant of the information about the parameters is the
-largest (D-optimal), and then exchanged one for one so that the mean square error of
+largest (D-optimal). Then they are exchanged one for one so that the mean square error of
 the platform's points, over the candidates, is the least (I-optimal). With D-optimal exchanges 12
 poses are 5 % worse than 30 random ones in the pose, though better in the numbers; with these they
 are better in both. Poses are eliminated as in the fit.
@@ -45,7 +45,7 @@ Array = NDArray[np.float64]
 
 #: Errors of the pose are averaged over so many candidates.
 _ERRORS = 300
-#: A number whose deviation stays above this part of what it is before is hardly told.
+#: A number is hardly determined if its deviation stays above this part of the one before.
 _HARDLY = 0.5
 
 

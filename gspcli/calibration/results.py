@@ -47,7 +47,7 @@ class Calibration:
     options
         What was estimated, and how.
     without_worst
-        The same without the row that agrees least, and its index; None if that cannot be told.
+        The same without the row that agrees least, and its index; None if that is undecided.
     home
         With unknown frames and no stated home, which real pose was taken for it, in words.
     """
@@ -150,7 +150,7 @@ class Calibration:
 
     @cached_property
     def instance(self) -> Instance:
-        """The platform with the numbers found; readings stay as they are, and get offsets."""
+        """The platform with the numbers found; readings stay unchanged, and get offsets."""
         return calibrated(self.stated, self.fit.model, self.deviations)
 
     @cached_property
@@ -175,12 +175,12 @@ class Calibration:
 
     @cached_property
     def residuals(self) -> Array:
-        """What is left of each reading, in standard deviations, shape (n, 6); NaN for blanks."""
+        """The residual of each reading, in standard deviations, shape (n, 6); NaN for blanks."""
         return _fixed(self.fit.residual[:, :6])
 
     @cached_property
     def pose_residuals(self) -> Array:
-        """What is left of what was measured of each pose, in deviations, shape (n, k)."""
+        """The residuals of what was measured of each pose, in deviations, shape (n, k)."""
         return _fixed(self.fit.residual[:, 6:])
 
     @cached_property

@@ -1,9 +1,9 @@
 """What data cannot tell, in words, and what to measure instead.
 
-A direction of the parameters along which nothing that was measured changes is compared with the
+Along some directions of the parameters nothing that was measured changes. Each is compared with the
 motions that a metrologist has names for: a plane along its normal with the offset of its distance,
-both ends of a leg together, a whole body with the measuring device. What is left has no name, and
-is told by its largest numbers.
+both ends of a leg together, a whole body with the measuring device. The rest has no name, and is
+described by its largest numbers.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ _AXES = "xyz"
 _EXACT, _HIDDEN = 1e-5, 0.1
 #: So many numbers tell of a direction without a name, those above a part of the largest.
 _SHOWN, _PART = 4, 0.2
-#: And so many such directions are told.
+#: At most this many such directions are named.
 _MOST = 3
 #: Random poses that tell what a sort of measurements can: how many, turned (radians) and shifted
 #: (typical lengths) by how much.
@@ -43,7 +43,7 @@ _SAME_TURN, _SAME_PLACE = 0.01, 1e-3
 
 
 class Motion(NamedTuple):
-    """A motion of parameters that has a name; alike ones are told in one sentence."""
+    """A motion of parameters that has a name; alike ones are named in one sentence."""
 
     what: str
     how: str

@@ -1,4 +1,4 @@
-"""What `gsp analyze` says of poses, as tables for people."""
+"""What `gsp analyze` says about poses, as tables for people."""
 
 from __future__ import annotations
 

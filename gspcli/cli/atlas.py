@@ -38,9 +38,9 @@ def command() -> None:
     """Show, verify or rebuild the generic counts of all types.
 
     A generic count is what almost every platform of a type has over the complex numbers. All
-    are proved (docs/counts.md). Each was confirmed by Gröbner bases of random platforms modulo
-    two primes (msolve), and by tracking paths to a random real platform, proving its poses to be
-    different and testing with traces that none is missing.
+    are proved (docs/counts.md). Each was confirmed in two ways: by Gröbner bases of random
+    platforms modulo two primes (msolve), and by tracking paths to a random real platform. There
+    the poses are proved to be different, and traces test that none is missing.
     """
 
 

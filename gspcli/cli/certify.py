@@ -1,4 +1,4 @@
-"""`gsp certify`: prove the poses that somebody else computed, or prove them wrong."""
+"""`gsp certify`: prove poses of any source, or prove them wrong."""
 
 from __future__ import annotations
 
@@ -70,18 +70,18 @@ def command(
 ) -> None:
     """Prove that the poses in RESULT solve the platform in SPEC, without trusting them.
 
-    For each pose it is proved, in ball arithmetic and for the numbers of SPEC exactly as
-    written, that a solution is within --max-deviation and alone in a ball about it, whether it is
-    real, which others are the same, and how well the pose as given meets the constraints.
-    Whether the list is complete is not examined: compare the number of different solutions
-    with the one that `gsp solve` expects.
+    For each pose it is proved that a solution is within --max-deviation, and alone in a ball
+    about it. It is also proved whether it is real, which others are the same, and how well the
+    pose as given meets the constraints. The proofs are in ball arithmetic, for the numbers of
+    SPEC exactly as written. Whether the list is complete is not examined: compare the number of
+    different solutions with the one that `gsp solve` expects.
 
     RESULT is what `gsp solve --format json --all` prints, or any list of poses as JSON or CSV: R
     (by rows) or a quaternion (scalar first), and T; or what msolve, PHCpack or one of the other
     programs of `gsp export` wrote. SPEC or RESULT may be - for standard input.
 
     The exit code is 0 if every pose is certified and no two are the same; 1 if one is proved
-    wrong, a duplicate, or not what the list says of it; 4 if something could not be decided,
+    wrong, a duplicate, or not what the list says about it; 4 if something could not be decided,
     as at double solutions, or where two are nearer to each other than the digits of the list tell.
 
     \b

@@ -1,4 +1,4 @@
-"""Whether colour is wanted."""
+"""Whether output is coloured."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import IO
 
 
 def coloured(stream: IO[str]) -> bool:
-    """Return whether to colour what goes to a stream: a terminal that can, and a user who wants.
+    """Return whether to colour a stream: a terminal that can, unless the user forbids it.
 
     ``NO_COLOR`` with any text (no-color.org) and ``TERM=dumb`` say no.
     """

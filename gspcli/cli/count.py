@@ -78,11 +78,11 @@ def command(
     """Count the complex solutions of a platform exactly, without finding them.
 
     SPEC is an instance file, - for standard input, or @NAME of an example (`gsp example`); its
-    numbers are taken as written. Three counts: of the type (what almost every platform of it
-    has), of the geometry (this one, with almost all values), and of this very platform, with
-    multiplicity and distinct, and whether the solutions are finitely many. They are found by
-    linear algebra modulo a random prime; each says whether that proves it, or how probably the
-    prime could have misled.
+    numbers are taken as written. Three counts are printed: of the type (what almost every platform
+    of it has), of the geometry (this one, with almost all values), and of this very platform. The
+    last is given with multiplicity and distinct, and says whether the solutions are finitely many.
+    They are found by linear algebra modulo a random prime; each says whether that proves it, or how
+    probably the prime could have misled.
 
     With --type it counts random platforms with special geometries instead: planar, hexagons,
     3-3, 6-4, congruent and others (--geometry all). Those of joints are for 6PP only. A generic

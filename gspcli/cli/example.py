@@ -41,7 +41,7 @@ def command(name: str | None, output: Output) -> None:
 
     The examples are the paper's and special positions; the platforms are real machines with
     published dimensions. Wherever a command takes a SPEC, @NAME stands for one of them.
-    NAME prints the file itself, whatever the format.
+    NAME prints the file itself, in any format.
 
     \b
     Examples:

@@ -1,4 +1,4 @@
-"""What `gsp track` says of ranges and cones along a trajectory."""
+"""What `gsp track` says about ranges and cones along a trajectory."""
 
 from __future__ import annotations
 

@@ -61,7 +61,7 @@ class CommandGroup(click.Group):
 
 
 def _unknown_command(name: str) -> str:
-    """Return what to say of a word that is no command."""
+    """Return the message about a word that is no command."""
     message = f"there is no command {shown(name)}"
     if near := similar(name.lower(), COMMANDS, 2):
         return f"{message}: did you mean {' or '.join(near)}?"
@@ -126,7 +126,7 @@ def _outcome(words: list[str]) -> tuple[int, str]:
     except (click.Abort, KeyboardInterrupt):
         return INTERRUPTED, "error: interrupted"
     except SystemExit as error:
-        # So click ends when nobody reads any more.
+        # So click ends when its output is closed.
         raise BrokenPipeError from error
     except OSError as error:
         if error.filename is None:

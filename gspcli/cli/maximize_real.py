@@ -64,9 +64,9 @@ def command(
 ) -> int:
     """Search for a platform with as many real poses as possible.
 
-    The search begins with random platforms of TYPE, or with the instance file SPEC, and moves
+    The search begins with random platforms of TYPE, or with the instance file SPEC. It moves
     points, lines, planes and values so that pairs of complex poses come together and become
-    real, without losing a real one (after P. Dietmaier, 1998). TYPE may be a family: the kinds
+    real, and no real one is lost (after P. Dietmaier, 1998). TYPE may be a family: the kinds
     of the angles make no difference. The best platform found is rounded to short decimals, its
     real poses are certified, and it is written as an instance file. Their number, sides of PH
     and HP distances left open, is a lower bound of what is possible. A line for each attempt

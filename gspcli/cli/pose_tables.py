@@ -215,7 +215,7 @@ def _rows(result: SolveResult, shown: Shown) -> list[dict[str, Any]]:
 
 
 def _fit_of(result: SolveResult, shown: Shown, index: int) -> dict[str, Any]:
-    """Return what the readings say of a pose; nothing without readings or of one not real."""
+    """Return how the readings fit a pose; nothing without readings, or if it is not real."""
     if shown.fits is None or not result.real[index] or index >= len(shown.fits):
         return {}
     return {key: shown.fits[index][key] for key in ("off", "fits")}

@@ -32,7 +32,7 @@ def progress(items: Iterable[Item], *, total: int | None = None, label: str = ""
 
 @contextmanager
 def working(label: str) -> Iterator[None]:
-    """Show, after a second, that something goes on of which nobody knows how long it takes."""
+    """Show, after a second, that work of unknown length goes on."""
     bar = _LateBar(label, None) if sys.stderr.isatty() else None
     try:
         yield

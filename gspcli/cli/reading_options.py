@@ -53,7 +53,7 @@ def refuse_misfit(fit: ReadingFit) -> None:
 
 
 def add_fit(document: dict[str, Any], shown: Shown, fit: ReadingFit) -> None:
-    """Add to a document what the readings say of its poses."""
+    """Add to a document how the readings fit its poses."""
     document |= fit.to_json()
     for entry, index in zip(document["solutions"], shown.indices, strict=True):
         if index < len(fit.off) and fit.result.counts.real:

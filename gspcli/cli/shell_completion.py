@@ -41,7 +41,7 @@ class _Completed(click.types.StringParamType):
     def shell_complete(
         self, ctx: click.Context, param: click.Parameter, incomplete: str
     ) -> list[CompletionItem]:
-        """Return what the word can become; files first, as the scripts of click want it."""
+        """Return what the word can become; files first, as the scripts of click need it."""
         del ctx, param
         items = [item for completer in self._completers for item in completer(incomplete)]
         return sorted(items, key=lambda item: item.type == "plain")

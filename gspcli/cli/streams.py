@@ -1,4 +1,4 @@
-"""The standard streams: what a terminal or file cannot take is written in ASCII, or told once."""
+"""The standard streams: what one cannot take is written in ASCII, or reported once."""
 
 from __future__ import annotations
 
@@ -159,7 +159,7 @@ def say(message: str) -> None:
     rest = message.removeprefix(_LABEL)
     label = message[: len(message) - len(rest)]
     try:
-        # Named: the console script is `gsp` whatever path it was started by.
+        # Named: the console script is `gsp`, by whichever path it was started.
         click.secho(label, fg="red", bold=True, nl=False, err=True, color=coloured(sys.stderr))
         click.echo(_wrapped(printable(rest), len(label)), err=True)
     except OSError:
@@ -190,7 +190,7 @@ def _wrapped(text: str, begun: int) -> str:
 
 
 def discard(stream: TextIO) -> None:
-    """Let a stream lead nowhere: the interpreter would complain when it flushes what is left."""
+    """Discard the output of a stream: the interpreter would complain when it flushes the rest."""
     with suppress(OSError, ValueError):
         nowhere = os.open(os.devnull, os.O_WRONLY)
         os.dup2(nowhere, stream.fileno())
@@ -198,7 +198,7 @@ def discard(stream: TextIO) -> None:
 
 
 def reason(error: OSError) -> str:
-    """Return what to say of an error of the system, which has a file or is of standard output."""
+    """Return the message of an error of the system, about a file or standard output."""
     why = "it is closed" if error.errno == errno.EBADF else error.strerror or str(error)
     if error.filename:
         return f"{named(error.filename)}: {why}"

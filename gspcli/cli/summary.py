@@ -67,7 +67,7 @@ def _real(result: SolveResult) -> str:
 def fixed(result: SolveResult) -> bool:
     """Return whether all isolated real poses are proved to be so though poses are infinitely many.
 
-    A simple solution is in no larger set of them: whatever moves passes through none of these.
+    A simple solution is in no larger set of them: no motion passes through it.
     """
     real = result.counts.real
     return result.verdict == "infinite" and real > 0 and bool(result.certified[:real].all())

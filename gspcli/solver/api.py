@@ -35,14 +35,14 @@ def solve(
     """Return all poses of an instance, proved, with an account of every path.
 
     Platforms with three angles are solved in closed form (Algorithm 6.6), all others by
-    tracking paths. If that does not give as many distinct simple poses as the type has, the
-    platform is in special or nearly special position: its poses are counted exactly, modulo a
-    random prime, and located with as many digits as they need.
+    tracking paths. If that gives fewer distinct simple poses than the type has, the platform is in
+    special or nearly special position. Then its poses are counted exactly, modulo a random prime,
+    and located with as many digits as they need.
 
     Parameters
     ----------
     instance
-        The platform, whose numbers are meant exactly as they are written; the sides of its DPH
+        The platform, whose numbers are meant exactly as written; the sides of its DPH
         and DHP distances say which solutions are asked for.
     seed
         Source of random choices. Another seed gives the same poses in the same order.

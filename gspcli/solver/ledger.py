@@ -67,7 +67,7 @@ class Ledger:
         return self.problem if self.proved is None else self.problem.part(self.left)
 
     def add(self, ends: Ends) -> None:
-        """Prove poses near the ends of paths to the sets of values that are left, by the kernel."""
+        """Prove poses near the ends of paths to the incomplete sets of values, by the kernel."""
         problem = self.problem
         if problem.proofs is None:
             return

@@ -1,8 +1,8 @@
 """Certificates of poses at which lines happen to be parallel: by all poses of the platform.
 
 Balls never prove that lines are exactly parallel. Counting does
-(`gspcli.solver.special.poses_in_parts`): the platform is solved, and a candidate is a pose with
-parallel lines if it is proved to approximate the same solution, with points for these lines, as one
+(`gspcli.solver.special.poses_in_parts`). The platform is solved. A candidate is a pose with
+parallel lines if it is proved, with points for these lines, to approximate the same solution as one
 of the poses found.
 """
 

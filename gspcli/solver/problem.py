@@ -48,7 +48,7 @@ class Problem:
     rows
         Sets of values in place of those of the instance, doubles that are meant exactly, shape
         (b, 6); the same distances are zero in all of them, and in the arrangement. None for the
-        values of the instance, exactly as they are written.
+        values of the instance, exactly as written.
     seed, jobs, prove, starts
         As for `gspcli.solve`.
     """

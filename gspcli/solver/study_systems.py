@@ -1,10 +1,10 @@
 """From an instance to quadrics on the Study quadric, which is what path tracking solves.
 
 Times N, an angle, a one-sided DPH or DHP, the mutual moment of two lines and a DPP are each one
-quadric in the Study parameters (e, f). DPL, DLP and DLL are products of two quadrics of one
-space, ``G H = tau N^2``: with orthonormal a, b perpendicular to the line, and A, B the
-distances to the planes through it with these normals, ``(A + iB)(A - iB) = d^2 N^2``; with the
-mutual moment M and the cosine C of two lines, ``(M + idC)(M - idC) = d^2 N^2``.
+quadric in the Study parameters (e, f). DPL, DLP and DLL are products of two quadrics of one space,
+``G H = tau N^2``. For DPL, a and b are orthonormal and perpendicular to the line, and A, B are the
+distances to the planes through it with these normals: ``(A + iB)(A - iB) = d^2 N^2``. For DLL, with
+the mutual moment M and the cosine C of two lines: ``(M + idC)(M - idC) = d^2 N^2``.
 """
 
 from __future__ import annotations

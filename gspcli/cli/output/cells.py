@@ -81,7 +81,7 @@ def column_texts(table: Table, column: Column, digits: int = DIGITS) -> list[str
 
 
 def _fixed(value: object, decimals: int, digits: int) -> str:
-    """Return a number with so many decimals, and what is none as it is."""
+    """Return a number with so many decimals, any other value unchanged."""
     if isinstance(value, float) and math.isfinite(value):
         return _without_negative_zero(f"{value:.{decimals}f}")
     if isinstance(value, complex):

@@ -25,7 +25,7 @@ def emit(
     schema: str = "",
     texts: Mapping[str, str] | None = None,
 ) -> None:
-    """Write a result where and how the user wants it.
+    """Write a result to the place and in the format asked for.
 
     Parameters
     ----------
@@ -38,7 +38,7 @@ def emit(
     schema
         What the schema of that document is called, as ``enumerate`` for ``gsp.enumerate/1``.
     texts
-        Ready text for formats in which the command does not want tables.
+        Ready text for formats in which the command has no tables.
     """
     # Each format is imported when it is needed: start-up is most of the time of many commands.
     tables = [tables] if isinstance(tables, Table) else list(tables)

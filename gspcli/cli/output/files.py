@@ -40,7 +40,7 @@ def check_writable(path: Path) -> None:
 
 @contextmanager
 def _told(path: Path) -> Iterator[None]:
-    """Say which file cannot be written, but for a pipe that nobody reads any more."""
+    """Say which file cannot be written, except for a closed pipe."""
     try:
         yield
     except BrokenPipeError:
@@ -58,7 +58,7 @@ def _is_special(path: Path) -> bool:
 
 
 def write_whole(path: Path, content: str | bytes) -> None:
-    """Write a file so that it is never seen half-written; write to a device or a pipe as it is.
+    """Write a file so that it is never seen half-written; write to a device or a pipe directly.
 
     Raises
     ------

@@ -35,7 +35,7 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 @dataclass(frozen=True)
 class Output:
-    """Where the user wants a result and in which format.
+    """Where a result goes and in which format.
 
     Attributes
     ----------
@@ -44,7 +44,7 @@ class Output:
     path
         The file, or None for standard output.
     part
-        The one table that is wanted, None for all.
+        The one table that is asked for, None for all.
     """
 
     format: str

@@ -37,7 +37,7 @@ class Column:
         Whether the numbers of the column have the same number of decimals, so that the points
         stand under each other.
     decimals
-        So many decimals for each number, whatever the width; None for what `aligned` says.
+        So many decimals for each number, for any width; None for what `aligned` says.
     """
 
     key: str

@@ -1,4 +1,4 @@
-"""Tables for people at a terminal, as wide as it is."""
+"""Tables for people, of the width of the terminal."""
 
 from __future__ import annotations
 

@@ -72,7 +72,7 @@ def poses_by_count(
 
 def _by_geometry_or_type(problem: Problem, ledger: Ledger) -> PoseSet | None:
     """Return as many proved poses as the geometry or the type has; None if fewer are found soon."""
-    # From now on the ledger knows how many the geometry has.
+    # From now on the ledger has the count of the geometry.
     counted = problem.geometry_count
     if counted is not None and (poses := ledger.complete) is not None:
         return poses

@@ -1,8 +1,8 @@
 """Every pose of a system whose solutions have been counted, or an account of what is missing.
 
-Poses are proved until there are as many as the exact count says. If some are multiple, which no
-certificate covers, the counts decide: so many distinct solutions, with so many paths together, must
-be those that the paths of the endgame lead to, if these are as many.
+Poses are proved until there are as many as the exact count says. No certificate covers multiple
+poses; there the counts decide. If the paths of the endgame lead to as many distinct solutions as
+are counted, with as many paths together, these are the solutions.
 """
 
 from __future__ import annotations

@@ -95,10 +95,10 @@ def _explore(system: _System, pose: tuple[Field, Field]) -> Motion | None:
 class _System:
     """Polynomial equations of the constraints, in lengths of order one.
 
-    At a value that is the end of its range (lines that meet at zero degrees, points at distance
-    zero) the one polynomial of the paper is singular, though real poses may well form a smooth
-    set. At real poses such a constraint is therefore replaced by what it means: the directions
-    or the points are equal.
+    Some values are the end of their range: lines at an angle of zero, points at distance zero.
+    There the one polynomial of the paper is singular, though real poses may well form a smooth set.
+    At real poses such a constraint is therefore replaced by what it means: the directions or the
+    points are equal.
     """
 
     def __init__(self, arrangement: Arrangement) -> None:

@@ -1,9 +1,9 @@
 """Platforms whose solutions are infinitely many over the complex numbers and few over the reals.
 
 Points at distance zero, a point on a line, and parallel directions are one equation each in the
-paper (Section 4), a sum of squares or the end of the range of a cosine: over the complex numbers it
-takes away one degree of freedom, over the reals two or three. So a platform with a ball in a seat
-may have curves of complex solutions, and real poses on them that cannot move. Here such
+paper (Section 4): a sum of squares, or the end of the range of a cosine. Over the complex numbers
+it takes away one degree of freedom, over the reals two or three. So a platform with a ball in a
+seat may have curves of complex solutions, and real poses on them that cannot move. Here such
 constraints are stated by planes and right angles instead, six of these are solved, and the others
 are checked.
 """
@@ -46,8 +46,8 @@ def isolated_real_poses(
 ) -> tuple[Motion, ...] | None:
     """Return the real poses of a platform, each a motion of dimension zero.
 
-    That there are no others is proved, and so that none can move; that all constraints hold at each
-    of them is known to fifty decimals, or nine where poses meet and of the distance of
+    It is proved that there are no others, and so that none can move. That all constraints hold at
+    each of them is known to fifty decimals, or nine where poses meet and for the distance of
     parallel lines.
 
     Parameters
@@ -90,7 +90,7 @@ def _choices(instance: Instance) -> Iterator[Instance]:
 
 
 def _common(whole: Instance, chosen: Instance, poses: PoseSet) -> tuple[Motion, ...] | None:
-    """Return the real poses at which all constraints hold, None if some cannot be told."""
+    """Return the real poses at which all constraints hold, None if some are undecided."""
     real = poses.reordered(poses.real)
     arrangement = Arrangement.of(whole)
     sizes = relative_residuals(arrangement, real.R, real.T).max(axis=1, initial=0.0)
@@ -108,7 +108,7 @@ def _common(whole: Instance, chosen: Instance, poses: PoseSet) -> tuple[Motion, 
 
 
 def _real_statement(row: Constraint, unit: AngleUnit) -> list[Constraint]:
-    """Return what a constraint says of real poses, but for the sense of a direction."""
+    """Return the equations of a constraint for real poses, except the sense of a direction."""
     zero = row.value.fraction == 0
     if row.kind is DPP and zero:
         return [_of_zero(row, DPH, axis) for axis in _AXES]
