@@ -1,6 +1,7 @@
 #include "ends.hpp"
 
 #include "isolation.hpp"
+#include "shared_lanes.hpp"
 
 namespace gsp {
 namespace {
@@ -76,13 +77,6 @@ void place(const OpenGeometry& open, C* z, V& patch) {
   }
 }
 
-// hi + low -= change
-INLINE void subtract(V& hi, V& low, const V& change) {
-  const V t = low - change, s = hi + t, v = s - hi;
-  low = (hi - (s - v)) + (t - v);
-  hi = s;
-}
-
 // Which of the points are in order by their keys (Shell's method).
 void sort(int count, const double* key, double* index) {
   for (int i = 0; i < count; ++i) index[i] = i;
@@ -136,26 +130,6 @@ struct Decision {
   ProofSystem system;
   const double *high_coefficients, *low_coefficients;
   double *low, *high;  // ends of the intervals of the linear form
-};
-
-// Numbers of all lanes as other builds of code can read them.
-template <int count>
-struct Shared {
-  double re[count * W], im[count * W];
-
-  void store(const C* z) {
-    for (int i = 0; i < count; ++i) {
-      __builtin_memcpy(re + i * W, &z[i].re, sizeof z[i].re);
-      __builtin_memcpy(im + i * W, &z[i].im, sizeof z[i].im);
-    }
-  }
-  void load(C* z) const {
-    for (int i = 0; i < count; ++i) {
-      __builtin_memcpy(&z[i].re, re + i * W, sizeof z[i].re);
-      __builtin_memcpy(&z[i].im, im + i * W, sizeof z[i].im);
-    }
-  }
-  operator LaneNumbers() { return {re, im}; }
 };
 
 // A point of 32 digits with its monomials, and how it moves in a step of Newton's method.

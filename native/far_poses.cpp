@@ -1,4 +1,5 @@
 #include "far_equations.hpp"
+#include "shared_lanes.hpp"
 
 namespace gsp {
 namespace {
@@ -85,25 +86,6 @@ void isolate(const Block& b, const double* shift, const double* gap, const C* s,
   error_after = kOutward * ((a + bend * error) * error + left + 0x1p-100 * total);
 }
 
-// Numbers of all lanes as other builds of code can read them.
-template <int count>
-struct Shared {
-  double re[count * W], im[count * W];
-  void store(const C* z) {
-    for (int i = 0; i < count; ++i) {
-      __builtin_memcpy(re + i * W, &z[i].re, sizeof z[i].re);
-      __builtin_memcpy(im + i * W, &z[i].im, sizeof z[i].im);
-    }
-  }
-  void load(C* z) const {
-    for (int i = 0; i < count; ++i) {
-      __builtin_memcpy(&z[i].re, re + i * W, sizeof z[i].re);
-      __builtin_memcpy(&z[i].im, im + i * W, sizeof z[i].im);
-    }
-  }
-  operator LaneNumbers() { return {re, im}; }
-};
-
 struct Lanes {
   C entry[kNumbers];
   V deviation;
@@ -160,13 +142,6 @@ void follow(const Block& b, const double* shift, C* s) {
     done += part;
   }
   for (int i = 0; i < kRows; ++i) s[i] = select(found, s[i], reached[i]);
-}
-
-// hi + low -= change
-INLINE void subtract(V& hi, V& low, const V& change) {
-  const V t = low - change, s = hi + t, v = s - hi;
-  low = (hi - (s - v)) + (t - v);
-  hi = s;
 }
 
 // Newton's method in doubles, then with values of 32 digits until those are rounded.
