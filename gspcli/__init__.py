@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from gspcli.atlas.count_summary import atlas_summary
     from gspcli.calibration import calibrate
+    from gspcli.calibration.identifying import identify
     from gspcli.catalogue.bounds import family_bounds, type_bounds
     from gspcli.catalogue.coincidence import coincident_types
     from gspcli.catalogue.constraints import constraint_facts
@@ -105,6 +106,7 @@ _HOMES = {
     "fit_readings": "gspcli.sensing",
     "forward_dynamics": "gspcli.dynamics",
     "hexapod": "gspcli.geometry.building",
+    "identify": "gspcli.calibration.identifying",
     "import_machine": "gspcli.machines.api",
     "instance": "gspcli.geometry.building",
     "inverse_dynamics": "gspcli.dynamics",
@@ -182,6 +184,7 @@ __all__ = [
     "fit_readings",
     "forward_dynamics",
     "hexapod",
+    "identify",
     "import_machine",
     "instance",
     "inverse_dynamics",

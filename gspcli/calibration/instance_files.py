@@ -2,14 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from gspcli.calibration.results import Calibration
 from gspcli.spec import dumps
 
 
-def calibrated_text(result: Calibration) -> str:
-    """Return the file of what was found, with comments: ± the standard deviation of each number."""
+def calibrated_text(result: Calibration, remarks_of_log: Sequence[str] = ()) -> str:
+    """Return the file of what was found, with comments: ± the standard deviation of each number.
+
+    Parameters
+    ----------
+    result
+        What was found.
+    remarks_of_log
+        More comments for its head.
+    """
     head = [
         f"# calibrated by gsp calibrate from {len(result.seen)} rows: chi-squared "
         f"{result.chi_squared:.4g} of {result.freedom} degrees of freedom",
@@ -20,6 +28,7 @@ def calibrated_text(result: Calibration) -> str:
             f"# {result.unknowns.missing} directions that the data do not tell are as stated:"
         )
         head += [f"#   {sentence}" for sentence in result.unknowns.sentences]
+    head += [f"# {remark}" for remark in remarks_of_log]
     remarks = _remarks(result)
     lines, section = [], ""
     for line in dumps(result.instance).splitlines():

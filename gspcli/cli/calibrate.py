@@ -12,7 +12,13 @@ from gspcli.cli.mode_option import Mode, mode_option
 from gspcli.cli.names import load_instance
 from gspcli.cli.number_types import Positive, Whole, seed_option
 from gspcli.cli.output import DRAWINGS, FORMATS, Output, emit, output_options, write
-from gspcli.cli.pose_options import ignore_option, pose_format, pose_options, text_of
+from gspcli.cli.pose_options import (
+    ignore_option,
+    pose_form,
+    pose_format,
+    pose_options,
+    text_of,
+)
 from gspcli.cli.progress_bars import working
 from gspcli.cli.requirements import measured_quantities, require_option, required
 from gspcli.errors import CheckFailed, Problem, SpecError
@@ -34,8 +40,14 @@ _MOST_PLANNED = 300
 
 
 @click.command()
-@click.argument("spec", metavar="SPEC")
+@click.argument("spec", metavar="[SPEC]", required=False)
 @click.argument("data", metavar="[DATA]", required=False)
+@click.option(
+    "--from",
+    "log",
+    metavar="LOG",
+    help="Instead of SPEC and DATA: find a hexapod from a log with legs and poses as columns.",
+)
 @click.option(
     "--sigma",
     "sigmas",
@@ -93,8 +105,9 @@ _MOST_PLANNED = 300
 @ignore_option
 @output_options(formats=(*FORMATS, "yaml", *DRAWINGS))
 def command(
-    spec: str,
+    spec: str | None,
     data: str | None,
+    log: str | None,
     sigmas: tuple[str, ...],
     estimate: tuple[str, ...],
     hold: tuple[str, ...],
@@ -140,6 +153,12 @@ def command(
     will be known then.
     Where cranks drive the machine the plan has their angles.
 
+    With --from LOG there is no file to start from: LOG has the columns 1 ... 6 (lengths of legs
+    from joint to joint), x y z and a rotation, of at least 18 poses. The order, sense and unit of
+    angles and the units of lengths are found by trying, and it is said how well they fit, and which
+    others fit as well. --estimate offsets finds a constant that each leg lacks, too. The frame of
+    the platform begins at the point whose position LOG has, unless --pivot says where that is.
+
     \b
     Examples:
       gsp calibrate machine.yaml measured.csv --sigma value=0.002 \\
@@ -150,28 +169,21 @@ def command(
       gsp calibrate machine.yaml --plan 12 -o poses.csv
       gsp calibrate machine.yaml --plan 12 --require "condition<=50"
       gsp calibrate machine.yaml measured.csv --plan 6
+      gsp calibrate --from controller-log.csv -o machine.yaml
     """
-    if data is None and plan is None:
-        message = "give DATA, or --plan N for which poses to measure"
-        raise click.UsageError(message)
-    if spec == data == "-":
-        message = "SPEC and DATA cannot both be standard input"
-        raise click.UsageError(message)
-    if mode is not None and plan is None:
-        message = "--mode says about which pose to plan: give it with --plan"
-        raise click.UsageError(message)
-    if require is not None and plan is None:
-        message = "--require is for the poses of --plan only"
-        raise click.UsageError(message)
-    if plan is not None and output.format in ("yaml", *DRAWINGS):
-        message = f"a plan cannot be written as {output.format}: use one of {', '.join(FORMATS)}"
-        raise click.UsageError(message)
+    _check_usage(spec, data, log, plan, mode, require, targets, output)
     from gspcli.calibration import Options, calibrate_rows
     from gspcli.calibration.data_files import read_measurements, targets_of
 
+    noise, options = _numbers(sigmas), Options(estimate, hold, robust, prior, hold_unknown)
+    if log is not None:
+        from gspcli.cli.identification import identified
+
+        identified(log, pose_form(euler, pivot, ignore), noise, options, output, accept=accept)
+        return
+    assert spec is not None
     instance = load_instance(spec)
     form = pose_format(instance, euler, pivot, ignore)
-    noise, options = _numbers(sigmas), Options(estimate, hold, robust, prior, hold_unknown)
     places, seen = targets_of(targets), None
     if data is not None:
         seen = read_measurements(*text_of(data), instance, form, places)
@@ -182,6 +194,43 @@ def command(
     with working("fitting"):
         result = calibrate_rows(instance, seen, noise, options)
     _show(result, output, accept=accept)
+
+
+def _check_usage(
+    spec: str | None,
+    data: str | None,
+    log: str | None,
+    plan: int | None,
+    mode: Mode | None,
+    require: str | None,
+    targets: tuple[str, ...],
+    output: Output,
+) -> None:
+    """Raise if arguments and options do not go together.
+
+    Raises
+    ------
+    click.UsageError
+        With what to give instead.
+    """
+    message = ""
+    if log is not None:
+        if spec is not None or plan is not None or targets:
+            message = "--from LOG needs no SPEC and no DATA, and takes no --plan and no --target"
+    elif spec is None:
+        message = "give SPEC and DATA, or --from LOG without a file to start from"
+    elif data is None and plan is None:
+        message = "give DATA, or --plan N for which poses to measure"
+    elif spec == data == "-":
+        message = "SPEC and DATA cannot both be standard input"
+    if not message and mode is not None and plan is None:
+        message = "--mode says about which pose to plan: give it with --plan"
+    elif not message and require is not None and plan is None:
+        message = "--require is for the poses of --plan only"
+    elif not message and plan is not None and output.format in ("yaml", *DRAWINGS):
+        message = f"a plan cannot be written as {output.format}: use one of {', '.join(FORMATS)}"
+    if message:
+        raise click.UsageError(message)
 
 
 def _show(result: Calibration, output: Output, *, accept: bool) -> None:

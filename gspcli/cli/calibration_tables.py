@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from gspcli.cli.output import Column, Table
@@ -14,8 +15,8 @@ if TYPE_CHECKING:
 _POSE = ("x", "y", "z", "qw", "qx", "qy", "qz")
 
 
-def calibration_table(result: Calibration) -> Table:
-    """Return the numbers found, with what was stated."""
+def calibration_table(result: Calibration, remarks: Sequence[str] | None = None) -> Table:
+    """Return the numbers found, with what was stated; nothing was if there are remarks of a log."""
     rows = [
         {
             "number": name,
@@ -38,12 +39,15 @@ def calibration_table(result: Calibration) -> Table:
         Column("sigma", align="right", essential=True),
         Column("change/sigma", align="right"),
     ]
+    if remarks is not None:
+        columns = [one for one in columns if one.key not in ("stated", "change/sigma")]
+        rows = [{one.key: row[one.key] for one in columns} for row in rows]
     units = result.stated.units
     return Table(
         columns,
         rows,
         title=result.stated.title,
-        summary=_summary(result),
+        summary=[*(remarks or ()), *_summary(result)],
         notes=[
             f"lengths in {units.length}, angles in {units.angle.value}; scales and directions plain"
         ],

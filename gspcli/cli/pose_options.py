@@ -58,6 +58,19 @@ def pose_format(
     instance: Instance, euler: str | None, pivot: str | None, ignore: tuple[str, ...] = ()
 ) -> PoseFormat:
     """Return what the options and the instance say of a pose file."""
+    units = instance.units
+    return pose_form(euler, pivot, ignore, in_radians=units.angle.in_radians, length=units.length)
+
+
+def pose_form(
+    euler: str | None,
+    pivot: str | None,
+    ignore: tuple[str, ...] = (),
+    *,
+    in_radians: float = 1.0,
+    length: str = "",
+) -> PoseFormat:
+    """Return what the options say of a pose file."""
     from gspcli.geometry.euler import check_sequence
     from gspcli.motion import PoseFormat
     from gspcli.motion.files.pose_files import pivot_from_text
@@ -65,8 +78,8 @@ def pose_format(
     return PoseFormat(
         check_sequence(euler) if euler is not None else None,
         pivot_from_text(pivot) if pivot is not None else (0.0, 0.0, 0.0),
-        instance.units.angle.in_radians,
-        instance.units.length,
+        in_radians,
+        length,
         ignore,
     )
 

@@ -222,3 +222,67 @@ def test_coordinates_of_track_are_no_measured_points(gsp, tmp_path):
     run = gsp("calibrate", "@workspace-study-cones", path, "--target", "base.B1=0,0,0")
     assert run.code == 2
     assert "--target: found 'base.B1', expected a name that is no coordinate" in run.err
+
+
+LOG = ROOT / "docs" / "calibration" / "controller-log.csv"
+
+
+def test_a_machine_from_its_log(gsp, tmp_path):
+    path = tmp_path / "machine.yaml"
+    run = gsp("calibrate", "--from", LOG, "-o", path)
+    assert (run.code, run.out) == (0, "")
+    said = run.err.splitlines()
+    assert said[1].startswith("--euler XYZ, degrees, rz left-handed: the lengths fit to 0.0021 mm;")
+    text = path.read_text(encoding="utf-8")
+    assert text.startswith("# calibrated by gsp calibrate from 60 rows: ")
+    assert all(f"# {sentence}\n" in text for sentence in said)
+    assert text.count("# ± ") == 12
+    home = gsp("solve", path, "--format", "csv").out.splitlines()
+    stated = LOG.read_text(encoding="utf-8").splitlines()[2].split(",")[6:9]
+    tx = [row.split(",") for row in home]
+    column = tx[0].index("Tx")
+    assert any(abs(float(row[column]) - 1000 * float(stated[0])) < 0.05 for row in tx[1:])
+
+
+def test_the_table_and_the_document_of_a_log(gsp):
+    table = gsp("calibrate", "--from", LOG)
+    assert table.code == 0
+    assert re.split(r"\s{2,}", table.out.splitlines()[8].strip()) == ["number", "found", "sigma"]
+    document = json.loads(gsp("calibrate", "--from", LOG, "--format", "json").out)
+    assert document["log"]["euler"] == "XYZ"
+    assert document["log"]["senses"] == [1, 1, -1]
+    assert (document["log"]["leg_unit"], document["log"]["position_unit"]) == ("mm", "m")
+    assert document["log"]["ambiguous"] == document["doubts"] == []
+    held = json.loads(
+        gsp("calibrate", "--from", LOG, "--estimate", "offsets", "--format", "json").out
+    )
+    assert len(held["numbers"]) == 42
+    assert len(document["numbers"]) == 36
+
+
+def test_a_log_that_tells_no_machine(gsp, tmp_path):
+    """Nothing is written, and the page shows the message."""
+    lines = LOG.read_text(encoding="utf-8").splitlines()
+    rows = [line.split(",") for line in lines[2:]]
+    for row in rows[:5]:
+        row[0] = f"{float(row[0]) + 30:.3f}"
+    log, path = tmp_path / "wrong.csv", tmp_path / "machine.yaml"
+    log.write_text("\n".join([lines[1], *map(",".join, rows)]) + "\n", encoding="utf-8")
+    run = gsp("calibrate", "--from", log, "-o", path)
+    assert (run.code, run.out) == (4, "")
+    assert not path.exists()
+    page = (ROOT / "docs" / "identification.md").read_text(encoding="utf-8")
+    assert run.err.strip() in page
+    assert gsp("calibrate", "--from", log, "--robust", "-o", path).code == 0
+
+
+def test_wrong_use_of_from(gsp):
+    for words, message in (
+        (("calibrate", MACHINE, "--from", LOG), "--from LOG needs no SPEC"),
+        (("calibrate", "--from", LOG, "--plan", "3"), "--from LOG needs no SPEC"),
+        (("calibrate",), "give SPEC and DATA, or --from LOG"),
+        (("calibrate", "--from", LOG, "--mode", "1"), "--mode says about which pose to plan"),
+    ):
+        run = gsp(*words)
+        assert run.code == 2
+        assert message in run.err

@@ -126,6 +126,7 @@ SAMPLES: dict[str, tuple[str, ...]] = {
         "@workspace-study-cones MEASURED --sigma value=0.002 --sigma position=0.005",
         "@workspace-study-cones MEASURED --robust --hold offset.1",
         "@workspace-study-cones --plan 3",
+        "--from CONTROLLER",
     ),
 }
 #: Where a platform with masses stands, rows of poses and rows of forces.
@@ -188,6 +189,7 @@ def words(name: str, sample: str, folder: Path) -> list[str]:
     }
     paths = {word: folder / name for word, name in names.items()}
     paths["MEASURED"] = _MEASURED
+    paths["CONTROLLER"] = _MEASURED.with_name("controller-log.csv")
     if "POSES" in sample or "TWICE" in sample:
         text = output(["solve", "@figure-3", "--format", "json"])
         paths["POSES"].write_text(text, encoding="utf-8")

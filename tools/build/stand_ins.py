@@ -137,6 +137,7 @@ _FILES: dict[str, Callable[[Shown], str]] = {
     "measured.csv": _copied(_MEASURED),
     "tracker.csv": _copied(_MEASURED),
     "level.csv": _copied(_MEASURED.with_name("level.csv")),
+    "controller-log.csv": _copied(_MEASURED.with_name("controller-log.csv")),
 }
 
 

@@ -231,6 +231,10 @@ class NumberTable:
         rows = [self._texts(line) for _, line in self._lines]
         return [row[place].strip() if place < len(row) else "" for row in rows]
 
+    def unit(self, name: str) -> str:
+        """Return the unit that the heading names for a column; empty if it names none."""
+        return self._units.get(name) or ""
+
     def leave_out_empty(self, names: Collection[str]) -> None:
         """Remove the rows in which all columns of these names are empty."""
         columns = [self.texts(name) for name in self.heading if name in names]
