@@ -96,8 +96,8 @@ class Identification:
                 some.append(f"{len(self.ambiguous) - _SHOWN} others")
             fits = "fits" if len(some) == 1 else "fit"
             lines.append(
-                f"ambiguous: {listed(some, 'and')} {fits} as well: say which is right, or add poses "
-                "that turn more, about all axes"
+                f"ambiguous: {listed(some, 'and')} {fits} as well: say which is right, or add "
+                "poses that turn more, about all axes"
             )
         return lines
 
@@ -135,7 +135,9 @@ class Identification:
                 "unit_stated": self.stated_unit,
                 "scatter": self.scatter,
                 "offsets": self.offsets,
-                "others": [{"what": what, "scatter": left} for what, left in self.others],
-                "ambiguous": list(self.ambiguous),
+                "others": [
+                    {"what": what, "scatter": left, "as_good": what in self.ambiguous}
+                    for what, left in self.others
+                ],
             },
         }

@@ -24,9 +24,7 @@ from gspcli.calibration.joints import (
     UNKNOWNS,
     Joints,
     all_fitted,
-    fitted,
-    linear_starts,
-    residuals,
+    without_far,
 )
 from gspcli.calibration.logs import Log, read_log
 from gspcli.calibration.measurements import Measurements
@@ -56,8 +54,6 @@ _GAP, _BY_CHANCE = 5.0, 10.0
 _STILL = 1e-6
 #: A constant of each leg is proposed where the lengths fit so many times better with it.
 _BETTER = 5.0
-#: Of a robust start rows are left out with residuals of more than so many times the median.
-_FAR_OUT, _ROUNDS = 10.0, 8
 _NONE = (
     "no machine with six legs explains the log: look for wrong rows, or try --robust; legs are the "
     "distances from joint to joint"
@@ -130,7 +126,7 @@ def identify_log(
     R, T = readings[0].turns.rotations(log, some), log.positions[some] * readings[0].factor
     kept = np.ones(len(some), bool)
     if options.robust:
-        joints, kept = _without_far(R, T, log.lengths[some], joints, offsets=offsets)
+        joints, kept = without_far(R, T, log.lengths[some], joints, offsets=offsets)
         left = float(np.sqrt((joints.residual[kept] ** 2).mean()))
         readings[0] = readings[0]._replace(scatter=left)
     best = readings[0]
@@ -212,24 +208,6 @@ def _check_rows(log: Log, rows: NDArray[np.intp], *, offsets: bool) -> None:
             f"{wanted} to find a machine without a file to start from: add rows, or give SPEC"
         )
         raise IncompleteError(message)
-
-
-def _without_far(
-    R: Array, T: Array, lengths: Array, joints: Joints, *, offsets: bool
-) -> tuple[Joints, NDArray[np.bool_]]:
-    """Return the joints without rows whose residuals are far out, and which rows these are not."""
-    kept = np.ones(len(T), bool)
-    for _ in range(_ROUNDS):
-        left = np.abs(joints.residual).max(axis=1)
-        near = left <= _FAR_OUT * np.median(left)
-        if near.sum() < UNKNOWNS + offsets + _SPARE or (near == kept).all():
-            break
-        kept = near
-        starts = linear_starts(R[kept], T[kept], lengths[kept], offsets=offsets)
-        starts = np.concatenate((joints.numbers[None], starts))
-        found = fitted(R[kept], T[kept], lengths[kept], starts, offsets=offsets)
-        joints = Joints(found.numbers, residuals(R, T, lengths, found.numbers))
-    return joints, kept
 
 
 def _start(

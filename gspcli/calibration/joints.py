@@ -22,6 +22,9 @@ UNKNOWNS = 16
 _ROUNDING, _KEPT = 1e-10, (16, 13, 10, 7)
 _STEPS, _DECREASE = 40, 1e-6
 
+#: Of a robust fit rows are left out with residuals of more than so many times the median.
+_ROUNDS, _FAR_OUT = 40, 10.0
+
 
 class Joints(NamedTuple):
     """What explains the lengths of six legs best.
@@ -123,13 +126,22 @@ def fitted(R: Array, T: Array, lengths: Array, starts: Array, *, offsets: bool) 
 
 
 def all_fitted(
-    R: Array, T: Array, lengths: Array, starts: Array, *, offsets: bool
+    R: Array,
+    T: Array,
+    lengths: Array,
+    starts: Array,
+    *,
+    offsets: bool,
+    weights: Array | None = None,
 ) -> tuple[Array, Array]:
-    """Return where each start ends, (k, 6, 7), and what is left there, (k, 6, n)."""
+    """Return where each start ends, (k, 6, 7), and what is left there, (k, 6, n).
+
+    With weights of lengths, shape (6, n), what is left is multiplied by them.
+    """
     count = 7 if offsets else 6
     found = starts.copy()
     damping = np.full(found.shape[:2], 1e-3)
-    left, slopes = _equations(R, T, lengths, found)
+    left, slopes = _equations(R, T, lengths, found, weights)
     cost = (left**2).sum(axis=-1)
     for _ in range(_STEPS):
         J = slopes[..., :count]
@@ -140,7 +152,7 @@ def all_fitted(
         step = np.linalg.solve(normal + ridge[..., None] * np.eye(count), right)[..., 0]
         tried = found.copy()
         tried[..., :count] -= step
-        after, by = _equations(R, T, lengths, tried)
+        after, by = _equations(R, T, lengths, tried, weights)
         costs = (after**2).sum(axis=-1)
         better = costs <= cost
         small = better & (cost - costs <= _DECREASE * cost)
@@ -154,13 +166,34 @@ def all_fitted(
     return found, left
 
 
+def without_far(
+    R: Array, T: Array, lengths: Array, joints: Joints, *, offsets: bool
+) -> tuple[Joints, NDArray[np.bool_]]:
+    """Return joints for which wrong lengths count little, and which rows have none of these.
+
+    Repeated least squares with the weights of Cauchy's law, whose width is twice the median.
+    """
+    found = joints.numbers
+    left = residuals(R, T, lengths, found)
+    for _ in range(_ROUNDS):
+        width = 2 * np.median(np.abs(left), axis=0) + 1e-15 * lengths.mean()
+        weights = (1 + (left / width) ** 2).T ** -0.5
+        ends, _ = all_fitted(R, T, lengths, found[None], offsets=offsets, weights=weights)
+        found = ends[0]
+        left = residuals(R, T, lengths, found)
+    far = _FAR_OUT * np.median(np.abs(left), axis=0)
+    return Joints(found, left), np.asarray((np.abs(left) <= far).all(axis=1))
+
+
 def residuals(R: Array, T: Array, lengths: Array, joints: Array) -> Array:
     """Return what is left of lengths, shape (n, 6), with joints of shape (6, 7)."""
     left: Array = _equations(R, T, lengths, joints[None])[0][0].T
     return left
 
 
-def _equations(R: Array, T: Array, lengths: Array, joints: Array) -> tuple[Array, Array]:
+def _equations(
+    R: Array, T: Array, lengths: Array, joints: Array, weights: Array | None = None
+) -> tuple[Array, Array]:
     """Return what is left of lengths, (k, 6, n), and its derivatives, (k, 6, n, 7)."""
     along = np.einsum("nab,klb->klna", R, joints[..., :3]) + T - joints[..., None, 3:6]
     size = np.maximum(np.linalg.norm(along, axis=-1), 1e-300)
@@ -168,4 +201,6 @@ def _equations(R: Array, T: Array, lengths: Array, joints: Array) -> tuple[Array
     by_p = np.einsum("nab,klna->klnb", R, unit)
     left = size - lengths.T - joints[..., None, 6]
     slopes = np.concatenate((by_p, -unit, -np.ones((*size.shape, 1))), axis=-1)
+    if weights is not None:
+        left, slopes = left * weights, slopes * weights[..., None]
     return left, slopes

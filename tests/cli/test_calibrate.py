@@ -252,7 +252,8 @@ def test_the_table_and_the_document_of_a_log(gsp):
     assert document["log"]["euler"] == "XYZ"
     assert document["log"]["senses"] == [1, 1, -1]
     assert (document["log"]["leg_unit"], document["log"]["position_unit"]) == ("mm", "m")
-    assert document["log"]["ambiguous"] == document["doubts"] == []
+    assert document["doubts"] == []
+    assert not any(one["as_good"] for one in document["log"]["others"])
     held = json.loads(
         gsp("calibrate", "--from", LOG, "--estimate", "offsets", "--format", "json").out
     )

@@ -44,6 +44,8 @@ def test_a_block_runs(block: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     model = re.search(r"^```xml\n(.*?)^```$", IMPORTED, re.DOTALL | re.MULTILINE)
     assert model is not None
     Path("robot.xml").write_text(model[1], encoding="utf-8")
+    log = MEASURED.with_name("controller-log.csv")
+    Path(log.name).write_text(log.read_text("utf-8"), encoding="utf-8")
     exec(block, _measured() if "calibrate" in block else _found())
 
 

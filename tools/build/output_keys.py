@@ -522,7 +522,7 @@ KEYS: dict[str, str] = {
     "calibrate.log.others": "the next best conventions",
     "calibrate.log.others.what": "the convention in words",
     "calibrate.log.others.scatter": "how well it fits, in the unit of legs",
-    "calibrate.log.ambiguous": "the conventions that fit as well, in words",
+    "calibrate.log.others.as_good": "whether it fits as well: the log does not tell which is right",
     "calibrate.cause": "which mistake of the data it probably is; empty if none is likely",
     "repeated_rows": "how many rows have the same numbers as one before",
     "home_taken": "which pose was taken for home, with unknown frames and no stated home",
