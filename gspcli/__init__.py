@@ -36,9 +36,9 @@ if TYPE_CHECKING:
     from gspcli.geometry.building import angle, distance, hexapod, instance
     from gspcli.geometry.home_pose import HomePose
     from gspcli.geometry.instance import Constraint, Instance, Units
-    from gspcli.geometry.masses import Drives, Dynamics, Leg, LegBody, RigidBody
+    from gspcli.geometry.masses import Arm, Carriage, Drives, Dynamics, Leg, LegBody, RigidBody
     from gspcli.geometry.numbers import Number
-    from gspcli.geometry.primitives import Cone, Line, Plane, Point
+    from gspcli.geometry.primitives import Cone, Crank, Line, Plane, Point, Slide
     from gspcli.machines.api import import_machine
     from gspcli.motion import Follower, track
     from gspcli.motion.poses.measured_values import measure
@@ -63,9 +63,12 @@ __version__ = "1.0.0"
 
 #: Where each public name lives; nothing is imported before it is used.
 _HOMES = {
+    "Arm": "gspcli.geometry.masses",
     "ArgumentError": "gspcli.errors",
+    "Carriage": "gspcli.geometry.masses",
     "Cone": "gspcli.geometry.primitives",
     "Constraint": "gspcli.geometry.instance",
+    "Crank": "gspcli.geometry.primitives",
     "Drives": "gspcli.geometry.masses",
     "Dynamics": "gspcli.geometry.masses",
     "Family": "gspcli.catalogue.types",
@@ -81,6 +84,7 @@ _HOMES = {
     "Plane": "gspcli.geometry.primitives",
     "Point": "gspcli.geometry.primitives",
     "RigidBody": "gspcli.geometry.masses",
+    "Slide": "gspcli.geometry.primitives",
     "SpecError": "gspcli.errors",
     "TypeList": "gspcli.catalogue.listing",
     "Units": "gspcli.geometry.instance",
@@ -140,9 +144,12 @@ _HOMES = {
 }
 
 __all__ = [
+    "Arm",
     "ArgumentError",
+    "Carriage",
     "Cone",
     "Constraint",
+    "Crank",
     "Drives",
     "Dynamics",
     "Family",
@@ -158,6 +165,7 @@ __all__ = [
     "Plane",
     "Point",
     "RigidBody",
+    "Slide",
     "SpecError",
     "TypeList",
     "Units",

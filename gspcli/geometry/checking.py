@@ -83,10 +83,9 @@ def checked(instance: Instance) -> Instance:
 
 
 def _check_masses(instance: Instance) -> None:
-    from gspcli.geometry.masses import mistakes
+    from gspcli.geometry.mass_mistakes import mistakes
 
-    kinds = [row.kind for row in instance.constraints]
     assert instance.dynamics is not None
-    for place, message in mistakes(instance.dynamics, kinds, instance.units.length):
+    for place, message in mistakes(instance.dynamics, instance.constraints, instance.units.length):
         parts = [f"[{part}]" if isinstance(part, int) else f".{part}" for part in place]
         raise ArgumentError(message, "".join(parts)[1:])

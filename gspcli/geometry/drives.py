@@ -2,9 +2,9 @@
 
 A drive is the value of a constraint, or it moves a point of a distance: a crank turns the point, a
 slide shifts it along a rail. The numbers of the drives are q, in units of length and radians; zero
-is where the point is stated. With f the force part of the row J_k of the Jacobian matrix (the unit
-vector of the rod, from the base to the platform) and B'(q) the velocity of the point, the gain of
-the drive of constraint k is
+is where the point is stated. Let f be the force part of the row J_k of the Jacobian matrix: the
+unit vector of the rod, from the base to the platform. Let B'(q) be the velocity of the point. The
+gain of the drive of constraint k is
 
     g = f.B'(q)     for a point of the base
     g = -f.R p'(q)  for a point of the platform
@@ -125,6 +125,11 @@ class Drives:
         return np.array([self.sorts[k] == "crank" for k in self.index])
 
     @cached_property
+    def moved(self) -> NDArray[np.bool_]:
+        """Which drives are cranks or slides, shape (m,)."""
+        return np.array([sort != "value" for sort in self.sorts])
+
+    @cached_property
     def _arrangement(self) -> Arrangement:
         return Arrangement.of(self.instance)
 
@@ -151,6 +156,21 @@ class Drives:
         x = self._of_constraints(q)
         turned = -self.across * np.cos(x) - self.beside * np.sin(x)
         return np.where(self._cranked[:, None], turned, 0.0)
+
+    def turned(self, k: int, body: str, vector: Array, q: ArrayLike) -> Array:
+        """Return a vector of the joint of constraint k on a body after its arm has turned.
+
+        In the frame of the body, shape (..., 3); unchanged unless a crank moves the joint.
+        """
+        own = BODIES[0] if self.on_platform[k] else BODIES[1]
+        if body != own or not self._cranked[k]:
+            return vector
+        point = getattr(self.instance.constraints[k], body)
+        axis = point.crank.unit
+        along = (axis @ vector) * axis
+        x = np.asarray(q, float)[..., self.index[k], None]
+        turned: Array = along + np.cos(x) * (vector - along) + np.sin(x) * np.cross(axis, vector)
+        return turned
 
     def _of_constraints(self, q: ArrayLike) -> Array:
         return np.asarray(q, float)[..., self.index, None]

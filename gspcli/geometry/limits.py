@@ -6,7 +6,7 @@ Limits do not change the poses for six values; they restrict which of them the m
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,6 +17,9 @@ from gspcli.geometry.instance import Constraint, Instance, Side
 from gspcli.geometry.primitives import Cone, Point
 from gspcli.geometry.quaternions import apply
 from gspcli.records import dataclass
+
+if TYPE_CHECKING:
+    from gspcli.geometry.drives import Drives
 
 Array = NDArray[np.float64]
 
@@ -92,7 +95,7 @@ def has_limits(instance: Instance) -> bool:
     return ranges or bool(joint_cones(instance))
 
 
-def tilts(instance: Instance, R: ArrayLike, T: ArrayLike) -> Array:
+def tilts(instance: Instance, R: ArrayLike, T: ArrayLike, q: ArrayLike | None = None) -> Array:
     """Return how far legs are tilted from the axes of their cones.
 
     Parameters
@@ -101,6 +104,9 @@ def tilts(instance: Instance, R: ArrayLike, T: ArrayLike) -> Array:
         The platform.
     R, T
         Poses, shapes (..., 3, 3) and (..., 3).
+    q
+        The numbers of the drives there, shape (..., m): cones turn with the arms of cranks. All
+        points are where they are stated if None.
 
     Returns
     -------
@@ -110,16 +116,22 @@ def tilts(instance: Instance, R: ArrayLike, T: ArrayLike) -> Array:
     """
     R, T = np.asarray(R, float), np.asarray(T, float)
     arrangement = Arrangement.of(instance)
-    r = arrangement.placed(R, T).r
+    drives = None
+    if q is None:
+        r = arrangement.placed(R, T).r
+    else:
+        from gspcli.geometry.drives import Drives
+
+        drives = Drives.of(instance)
+        r = drives.ends(R, T, q)[2]
     cones = joint_cones(instance)
     found = np.empty((*T.shape[:-1], len(cones)))
     for k, joint in enumerate(cones):
         leg, axis = r[..., joint.constraint, :], joint.cone.unit
-        direction, axis = (
-            (leg, np.broadcast_to(axis, leg.shape))
-            if joint.body == "base"
-            else (-leg, apply(R, np.broadcast_to(axis, leg.shape)))
-        )
+        if drives is not None and q is not None:
+            axis = drives.turned(joint.constraint, joint.body, axis, q)
+        axis = np.broadcast_to(axis, leg.shape)
+        direction, axis = (leg, axis) if joint.body == "base" else (-leg, apply(R, axis))
         across = np.linalg.norm(np.cross(axis, direction), axis=-1)
         along = np.einsum("...i,...i->...", axis, direction)
         length = np.hypot(across, along)
@@ -176,14 +188,42 @@ def range_shares(instance: Instance, values: Array) -> Array:
     return shares
 
 
-def cone_shares(instance: Instance, R: ArrayLike, T: ArrayLike) -> Array:
+def out_of_motor_range(drives: Drives, q: Array) -> NDArray[np.bool_]:
+    """Return which numbers of cranks and slides are outside their ranges, shape (..., m).
+
+    By more than the rounding of doubles. A number that is NaN, out of reach, is outside; those of
+    driven values are not, since `out_of_range` compares them.
+    """
+    room = _ROUNDING * np.maximum(np.abs(drives.low), np.abs(drives.high))
+    room = np.where(np.isfinite(room), room, 0.0)
+    inside = (q >= drives.low - room) & (q <= drives.high + room)
+    return ~inside & drives.moved
+
+
+def motor_shares(drives: Drives, q: Array) -> Array:
+    """Return the position of each crank and slide in its range as a share, shape (..., m).
+
+    As `range_shares`; infinite where the drive does not reach, NaN without a range and for values.
+    """
+    half = (drives.high - drives.low) / 2
+    with np.errstate(all="ignore"):
+        off = np.abs(q - (drives.low + drives.high) / 2)
+        shares = np.where(half > 0, off / half, np.where(off > 0, np.inf, 1.0))
+    shares = _agreeing(shares, out_of_motor_range(drives, q))
+    shares = np.where(np.isfinite(half) & drives.moved, shares, np.nan)
+    return np.where(np.isnan(q) & drives.moved, np.inf, shares)
+
+
+def cone_shares(
+    instance: Instance, R: ArrayLike, T: ArrayLike, q: ArrayLike | None = None
+) -> Array:
     """Return tilts of legs by the half angles of their cones, shape (..., cones); 0 at length zero.
 
-    The share is above 1 where `out_of_cone` is true.
+    The share is above 1 where `out_of_cone` is true; arguments as for `tilts`.
     """
     angles = np.array([joint.cone.half_angle.value for joint in joint_cones(instance)])
-    shares = np.nan_to_num(tilts(instance, R, T) / angles, nan=0.0)
-    return _agreeing(shares, out_of_cone(instance, R, T))
+    shares = np.nan_to_num(tilts(instance, R, T, q) / angles, nan=0.0)
+    return _agreeing(shares, out_of_cone(instance, R, T, q))
 
 
 def _agreeing(shares: Array, outside: NDArray[np.bool_]) -> Array:
@@ -192,15 +232,17 @@ def _agreeing(shares: Array, outside: NDArray[np.bool_]) -> Array:
     return above
 
 
-def out_of_cone(instance: Instance, R: ArrayLike, T: ArrayLike) -> NDArray[np.bool_]:
+def out_of_cone(
+    instance: Instance, R: ArrayLike, T: ArrayLike, q: ArrayLike | None = None
+) -> NDArray[np.bool_]:
     """Return which cones are violated at poses, shape (..., cones), in the order of `joint_cones`.
 
     A violation exceeds the rounding of doubles. A leg of length zero has no direction and violates
-    none.
+    none. Arguments as for `tilts`.
     """
     angles = np.array([joint.cone.half_angle.value for joint in joint_cones(instance)])
     room = _ROUNDING / instance.units.angle.in_radians
-    outside: NDArray[np.bool_] = tilts(instance, R, T) > angles + room
+    outside: NDArray[np.bool_] = tilts(instance, R, T, q) > angles + room
     return outside
 
 

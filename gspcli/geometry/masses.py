@@ -6,26 +6,17 @@ are in kilogrammes, gravity in m/s^2, stiffnesses in N/m (distances) and N m/rad
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from typing import TypeAlias
+from collections.abc import Sequence
 
 import numpy as np
 
-from gspcli.catalogue.kinds import DPP, Kind
 from gspcli.errors import ArgumentError
-from gspcli.geometry.lengths import METRES
 from gspcli.geometry.numbers import Number, Real
 from gspcli.geometry.primitives import Components, Vector, exact_direction, exact_vector
 from gspcli.records import dataclass
-from gspcli.wording import counted, listed, shown, suggestion
 
-#: Rounding may break the triangle inequality of principal moments by this share: a plate has
-#: equality.
-_ROUNDING = 1e-9
 #: The entries of a matrix of inertia in the order of `RigidBody.inertia`.
-_ENTRIES = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
-#: The place of a mistake: keys and indices from the top of the file.
-Place: TypeAlias = "tuple[str | int, ...]"
+INERTIA_ENTRIES = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 #: The acceleration of gravity if none is stated.
 GRAVITY = (Number.of(0), Number.of(0), Number.of("-9.81"))
 
@@ -69,7 +60,7 @@ class RigidBody:
     def matrix(self) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
         """The matrix of inertia, shape (3, 3)."""
         matrix = np.zeros((3, 3))
-        for (i, j), entry in zip(_ENTRIES, self.inertia, strict=True):
+        for (i, j), entry in zip(INERTIA_ENTRIES, self.inertia, strict=True):
             matrix[i, j] = matrix[j, i] = entry.value
         return matrix
 
@@ -134,16 +125,49 @@ class Leg:
 
 
 @dataclass(frozen=True, init=False)
+class Arm:
+    """The arm of a crank.
+
+    Attributes
+    ----------
+    mass
+        Above zero.
+    centre
+        The distance of its centre of mass from the axis, along the arm; negative for a
+        counterweight.
+    inertia
+        About the line through its centre of mass that is parallel to the axis.
+    """
+
+    mass: Number
+    centre: Number
+    inertia: Number
+
+    def __init__(self, mass: Real, centre: Real, inertia: Real = 0) -> None:
+        for name, value in (("mass", mass), ("centre", centre), ("inertia", inertia)):
+            object.__setattr__(self, name, _exact(value, name))
+
+
+@dataclass(frozen=True, init=False)
+class Carriage:
+    """The carriage of a slide; its mass is above zero."""
+
+    mass: Number
+
+    def __init__(self, mass: Real) -> None:
+        object.__setattr__(self, "mass", _exact(mass, "mass"))
+
+
+@dataclass(frozen=True, init=False)
 class Drives:
-    """The drives of the six values. Each attribute is one number for all of them, or six.
+    """The drives: values, cranks and slides. Each attribute is one number for all, or one each.
 
     Attributes
     ----------
     inertia
-        The inertia that a drive adds to its value: kilogrammes for a distance, a moment of inertia
-        for an angle.
+        The inertia that a drive adds: kilogrammes for a length, a moment of inertia for an angle.
     stiffness
-        The stiffness with which a drive holds its value, or None if it is not stated.
+        The stiffness with which a drive holds its length or angle, or None if it is not stated.
     """
 
     inertia: tuple[Number, ...]
@@ -179,15 +203,21 @@ class Dynamics:
         One leg for all distances of two points, or one for each of them in their order; empty if
         the legs have no mass.
     drives
-        The drives of the six values.
+        The drives.
     gravity
         The acceleration of gravity, in the axes of the base, m/s^2.
+    arms
+        One arm for all cranks, or one for each in the order of the drives; empty without mass.
+    carriages
+        One carriage for all slides, or one for each, likewise.
     """
 
     platform: RigidBody
     legs: tuple[Leg, ...]
     drives: Drives
     gravity: Vector
+    arms: tuple[Arm, ...] = ()
+    carriages: tuple[Carriage, ...] = ()
 
     def __init__(
         self,
@@ -195,99 +225,13 @@ class Dynamics:
         legs: Leg | Sequence[Leg] = (),
         drives: Drives | None = None,
         gravity: Components = GRAVITY,
+        arms: Arm | Sequence[Arm] = (),
+        carriages: Carriage | Sequence[Carriage] = (),
     ) -> None:
         object.__setattr__(self, "platform", platform)
         object.__setattr__(self, "legs", (legs,) if isinstance(legs, Leg) else tuple(legs))
         object.__setattr__(self, "drives", drives or Drives())
         object.__setattr__(self, "gravity", exact_vector(gravity, "gravity"))
-
-
-def mistakes(dynamics: Dynamics, kinds: Sequence[Kind], length: str) -> Iterator[tuple[Place, str]]:
-    """Yield the mistakes: the place of each, and what was found and expected.
-
-    Parameters
-    ----------
-    dynamics
-        The stated masses and drives.
-    kinds
-        The kinds of the constraints.
-    length
-        The name of the unit of length.
-    """
-    if length not in METRES:
-        message = (
-            f"found {shown(length)}, expected {listed(METRES)}: with masses lengths are taken to "
-            f"metres{suggestion(length, METRES)}"
-        )
-        yield ("units", "length"), message
-    count = sum(kind is DPP for kind in kinds)
-    for part, found in (
-        ("platform", _of_platform(dynamics.platform)),
-        ("legs", _of_legs(dynamics.legs, count)),
-        ("drives", _of_drives(dynamics.drives)),
-    ):
-        for place, message in found:
-            yield ("dynamics", part, *place), message
-
-
-def _of_platform(body: RigidBody) -> Iterator[tuple[Place, str]]:
-    yield from _of_mass(body.mass)
-    if len(body.inertia) != len(_ENTRIES):
-        found = counted(len(body.inertia), "number")
-        yield ("inertia",), f"found {found}, expected six: xx, yy, zz, xy, xz, yz"
-        return
-    low, middle, high = np.linalg.eigvalsh(body.matrix).tolist()
-    found = f"found the principal moments {low:.6g}, {middle:.6g} and {high:.6g}, expected "
-    if not low > 0:
-        yield ("inertia",), f"{found}all above 0: give xx, yy, zz, xy, xz, yz about the centre"
-    elif high > (low + middle) * (1 + _ROUNDING):
-        yield (
-            ("inertia",),
-            f"{found}none above the sum of the others: no body is so "
-            "(xy, xz, yz are entries of the matrix, not integrals: perhaps change their signs)",
-        )
-
-
-def _of_mass(mass: Number) -> Iterator[tuple[Place, str]]:
-    if not mass.value > 0:
-        yield ("mass",), f"found {mass}, expected a mass above 0"
-
-
-def _of_legs(legs: Sequence[Leg], count: int) -> Iterator[tuple[Place, str]]:
-    if legs and not count:
-        yield (), "found legs, but no constraint is a distance of two points"
-    elif len(legs) > 1 and len(legs) != count:
-        expected = f"one for all, or {count}: one for each distance of two points"
-        yield (), f"found {len(legs)} legs, expected {expected}"
-    for index, leg in enumerate(legs):
-        where: Place = () if len(legs) == 1 else (index,)
-        if leg.cylinder is None and leg.rod is None:
-            yield where, "found no body, expected a cylinder, a rod or both"
-        for name, body in (("cylinder", leg.cylinder), ("rod", leg.rod)):
-            for place, message in () if body is None else _of_leg_body(body):
-                yield (*where, name, *place), message
-
-
-def _of_leg_body(body: LegBody) -> Iterator[tuple[Place, str]]:
-    yield from _of_mass(body.mass)
-    for name, moment in (("inertia", body.inertia), ("axial", body.axial)):
-        if moment.value < 0:
-            yield (name,), f"found {moment}, expected an inertia of at least 0"
-    most = 2 * body.inertia.value
-    if most >= 0 and body.axial.value > most * (1 + _ROUNDING):
-        expected = f"at most twice the inertia across the leg, {most:.6g}: no body has more"
-        yield ("axial",), f"found {body.axial}, expected {expected}"
-
-
-def _of_drives(drives: Drives) -> Iterator[tuple[Place, str]]:
-    for name, numbers in (("inertia", drives.inertia), ("stiffness", drives.stiffness)):
-        if numbers is None:
-            continue
-        if len(numbers) not in (1, 6):
-            yield (name,), f"found {len(numbers)} numbers, expected one for all, or six"
-        for index, number in enumerate(numbers):
-            stiff = name == "stiffness"
-            if number.value < 0 or (stiff and number.value == 0):
-                expected = "a stiffness above 0" if stiff else "an inertia of at least 0"
-                place: Place = (name,) if len(numbers) == 1 else (name, index)
-                yield place, f"found {number}, expected {expected}"
+        object.__setattr__(self, "arms", (arms,) if isinstance(arms, Arm) else tuple(arms))
+        carried = (carriages,) if isinstance(carriages, Carriage) else tuple(carriages)
+        object.__setattr__(self, "carriages", carried)

@@ -322,10 +322,10 @@ class FileChecker:
         from gspcli.spec.mass_checks import dynamics_of, problems_of_masses
 
         dynamics = dynamics_of(self.model.dynamics)
-        kinds = [row.kind for row in constraints if row is not None]
-        if dynamics is not None and len(kinds) == len(constraints) and self.model.units:
+        rows = [row for row in constraints if row is not None]
+        if dynamics is not None and len(rows) == len(constraints) and self.model.units:
             length = self.model.units.length
-            self.problems += problems_of_masses(self.root, dynamics, kinds, length)
+            self.problems += problems_of_masses(self.root, dynamics, rows, length)
         return dynamics
 
     def _home(self) -> HomePose | None:

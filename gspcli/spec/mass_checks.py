@@ -2,12 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Sequence as List
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
-from gspcli.catalogue.kinds import Kind
 from gspcli.errors import Problem
-from gspcli.geometry.masses import GRAVITY, Drives, Dynamics, Leg, LegBody, RigidBody, mistakes
+from gspcli.geometry.instance import Constraint
+from gspcli.geometry.mass_mistakes import mistakes
+from gspcli.geometry.masses import (
+    GRAVITY,
+    Arm,
+    Carriage,
+    Drives,
+    Dynamics,
+    Leg,
+    LegBody,
+    RigidBody,
+)
 from gspcli.spec.document import Mapping, Sequence
 from gspcli.spec.plain import DynamicsFields, LegBodyFields, LegFields
 
@@ -24,7 +34,9 @@ Given = TypeVar("Given")
 
 def dynamics_of(model: AnyDynamics | None) -> Dynamics | None:
     """Return the masses in a file; None if there are none, or they cannot be read."""
-    if model is None or None in (model.legs or ()):
+    if model is None:
+        return None
+    if any(None in (part or ()) for part in (model.legs, model.arms, model.carriages)):
         return None
     body, drives = model.platform, model.drives
     return Dynamics(
@@ -32,6 +44,8 @@ def dynamics_of(model: AnyDynamics | None) -> Dynamics | None:
         [_leg(leg) for leg in model.legs or () if leg is not None],
         None if drives is None else Drives(_or_zero(drives.inertia), drives.stiffness),
         GRAVITY if model.gravity is None else model.gravity,
+        [Arm(arm.mass, arm.centre, _or_zero(arm.inertia)) for arm in model.arms or () if arm],
+        [Carriage(one.mass) for one in model.carriages or () if one is not None],
     )
 
 
@@ -50,11 +64,11 @@ def _leg_body(model: AnyLegBody | None) -> LegBody | None:
 
 
 def problems_of_masses(
-    root: Mapping, dynamics: Dynamics, kinds: Iterable[Kind], length: str
+    root: Mapping, dynamics: Dynamics, rows: List[Constraint], length: str
 ) -> list[Problem]:
     """Return the mistakes in the masses of a file, each with its place."""
     problems = []
-    for place, message in mistakes(dynamics, list(kinds), length):
+    for place, message in mistakes(dynamics, rows, length):
         node: Any = root
         for part in place:
             if isinstance(node, Sequence) and isinstance(part, str):

@@ -68,17 +68,36 @@ class LegModel(Section):
     )
 
 
+class ArmModel(Section):
+    """The arm of a crank."""
+
+    mass: Real = Field(description="In kilogrammes.")
+    centre: Real = Field(
+        description="From the axis to the centre of mass, along the arm; negative for a "
+        "counterweight."
+    )
+    inertia: Real | SkipJsonSchema[None] = Field(
+        None, description="About its centre of mass, parallel to the axis. Default: 0."
+    )
+
+
+class CarriageModel(Section):
+    """The carriage of a slide."""
+
+    mass: Real = Field(description="In kilogrammes.")
+
+
 class DrivesModel(Section):
-    """What drives the values: one number for all, or six."""
+    """What drives the values, cranks and slides: one number for all, or one for each drive."""
 
     inertia: Numbers | SkipJsonSchema[None] = Field(
         None,
-        description="What each adds to the inertia of its value. Default: 0.",
+        description="What each adds to the inertia of what it moves. Default: 0.",
         json_schema_extra=_one_or_several,
     )
     stiffness: Numbers | SkipJsonSchema[None] = Field(
         None,
-        description="How stiff each holds its value, N/m or N m/rad.",
+        description="How stiff each holds its length or angle, N/m or N m/rad.",
         json_schema_extra=_one_or_several,
     )
 
@@ -101,3 +120,18 @@ class DynamicsModel(Section):
         )
     )
     drives: DrivesModel | SkipJsonSchema[None] = Field(None, description="The drives.")
+    arms: Annotated[list[Tolerant[ArmModel]], BeforeValidator(_several)] | SkipJsonSchema[None] = (
+        Field(
+            None,
+            description="The arms of cranks: one for all of them, or a list in the order of the "
+            "constraints.",
+            json_schema_extra=_one_or_several,
+        )
+    )
+    carriages: (
+        Annotated[list[Tolerant[CarriageModel]], BeforeValidator(_several)] | SkipJsonSchema[None]
+    ) = Field(
+        None,
+        description="The carriages of slides, likewise.",
+        json_schema_extra=_one_or_several,
+    )

@@ -6,8 +6,8 @@ there.
 
 from __future__ import annotations
 
-from collections.abc import Collection
-from typing import Any, NamedTuple
+from collections.abc import Callable, Collection
+from typing import Any, NamedTuple, TypeVar
 
 from gspcli.geometry.numbers import Number
 from gspcli.spec.document import Mapping, Scalar, Sequence, Value
@@ -26,6 +26,7 @@ from gspcli.spec.entries import (
 
 #: Optional texts about a platform.
 _SAID = ("name", "source", "type")
+Fields_ = TypeVar("Fields_")
 #: Entries by their keys.
 Fields = dict[str, Any]
 
@@ -136,6 +137,20 @@ class LegFields(NamedTuple):
     universal: list[Number] | None
 
 
+class ArmFields(NamedTuple):
+    """As `mass_models.ArmModel`."""
+
+    mass: Number
+    centre: Number
+    inertia: Number | None
+
+
+class CarriageFields(NamedTuple):
+    """As `mass_models.CarriageModel`."""
+
+    mass: Number
+
+
 class DrivesFields(NamedTuple):
     """As `mass_models.DrivesModel`."""
 
@@ -150,6 +165,8 @@ class DynamicsFields(NamedTuple):
     platform: RigidBodyFields
     legs: list[LegFields] | None
     drives: DrivesFields | None
+    arms: list[ArmFields] | None
+    carriages: list[CarriageFields] | None
 
 
 class HomeFields(NamedTuple):
@@ -317,28 +334,44 @@ def _choice(value: Value, *choices: str) -> str:
 
 
 def _dynamics(value: Value) -> DynamicsFields:
-    given = _section(value, ("platform",), ("gravity", "legs", "drives"))
+    given = _section(value, ("platform",), ("gravity", "legs", "drives", "arms", "carriages"))
     body = _section(given["platform"], RigidBodyFields._fields)
     drives = None
     if "drives" in given:
         stated = _section(given["drives"], (), DrivesFields._fields)
         drives = DrivesFields(*(_several(stated.get(key)) for key in DrivesFields._fields))
-    legs = given.get("legs")
     return DynamicsFields(
         _numbers(given["gravity"]) if "gravity" in given else None,
         RigidBodyFields(
             number(body["mass"]), _numbers(body["centre"]), _numbers(body["inertia"], 6)
         ),
-        None if legs is None else list(map(_leg, legs if isinstance(legs, Sequence) else [legs])),
+        _each(_leg, given.get("legs")),
         drives,
+        _each(_arm, given.get("arms")),
+        _each(_carriage, given.get("carriages")),
     )
+
+
+def _each(read: Callable[[Value], Fields_], value: Value | None) -> list[Fields_] | None:
+    """Return what is read of each entry of a list, or of one entry without brackets."""
+    if value is None:
+        return None
+    return [read(entry) for entry in (value if isinstance(value, Sequence) else [value])]
 
 
 def _several(value: Value | None) -> list[Number] | None:
     """Return a list of numbers, or one number as a list."""
-    if value is None:
-        return None
-    return [number(entry) for entry in (value if isinstance(value, Sequence) else [value])]
+    return _each(number, value)
+
+
+def _arm(value: Value) -> ArmFields:
+    given = _section(value, ("mass", "centre"), ("inertia",))
+    inertia = number(given["inertia"]) if "inertia" in given else None
+    return ArmFields(number(given["mass"]), number(given["centre"]), inertia)
+
+
+def _carriage(value: Value) -> CarriageFields:
+    return CarriageFields(number(_section(value, ("mass",))["mass"]))
 
 
 def _leg(value: Value) -> LegFields:

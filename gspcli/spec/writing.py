@@ -197,7 +197,14 @@ def _dynamics(dynamics: Dynamics) -> list[str]:
     said = [f"inertia: {_several(drives.inertia)}"]
     if drives.stiffness is not None:
         said.append(f"stiffness: {_several(drives.stiffness)}")
-    return [*lines, f"  drives: {{{', '.join(said)}}}"]
+    lines.append(f"  drives: {{{', '.join(said)}}}")
+    arms = [f"{{mass: {a.mass}, centre: {a.centre}, inertia: {a.inertia}}}" for a in dynamics.arms]
+    carriages = [f"{{mass: {one.mass}}}" for one in dynamics.carriages]
+    for key, entries in (("arms", arms), ("carriages", carriages)):
+        if entries:
+            one = len(entries) == 1
+            lines.append(f"  {key}: {entries[0] if one else '[' + ', '.join(entries) + ']'}")
+    return lines
 
 
 def _several(numbers: Sequence[Number]) -> str:

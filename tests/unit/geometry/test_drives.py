@@ -15,6 +15,7 @@ from gspcli.geometry.drives import Drives
 from gspcli.geometry.euler import rotation_from_euler
 from gspcli.geometry.home_pose import HomePose
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Units
+from gspcli.geometry.limits import motor_shares, out_of_motor_range, tilts
 from gspcli.geometry.measurement import jacobian, measured
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Cone, Crank, Line, Plane, Point, Slide
@@ -330,3 +331,31 @@ def test_platforms_without_cranks_and_slides_have_their_values_as_drives():
     arrangement = Arrangement.of(instance)
     np.testing.assert_array_equal(drives.inverse(R, T), measured(arrangement, R, T))
     assert (drives.gains(R, T, drives.inverse(R, T)) == 1).all()
+
+
+def test_tilts_at_drives_are_those_of_the_moved_platform():
+    base = [replace(row.base, cone=Cone([0.2, 0.1, 1], 40)) for row in mixed().constraints]
+    rows = mixed().constraints
+    platform = [replace(row.platform, cone=Cone([0.1, 0, -1], 40)) for row in rows]
+    rows = [
+        replace(row, base=b, platform=p) for row, b, p in zip(rows, base, platform, strict=True)
+    ]
+    instance = replace(mixed(), constraints=tuple(rows))
+    drives = Drives.of(instance)
+    R, T = poses(1, 0.004)
+    q = drives.inverse(R, T)[0]
+    assert np.abs(q).max() > 0.05
+    there = drives.instance_at(q)
+    np.testing.assert_allclose(tilts(instance, R, T, q), tilts(there, R, T), rtol=1e-12)
+    assert np.abs(tilts(instance, R, T, q) - tilts(instance, R, T)).max() > 1
+
+
+def test_shares_of_motors_are_above_one_outside_and_infinite_out_of_reach():
+    row = rod(Point([0, 0, 0]), Point([1, 0, 0], slide=Slide([0, 0, 1], [-0.2, 0.4])), 1)
+    drives = Drives.of(Instance((row, *mixed().constraints[1:]), UNITS))
+    q = np.zeros((6, 6))
+    q[:, 0] = [0.1, 0.4, 0.4 * (1 + 1e-14), 0.4001, -0.35, np.nan]
+    shares = motor_shares(drives, q)
+    np.testing.assert_allclose(shares[:, 0], [0, 1, 1, 1 + 0.0001 / 0.3, 1.5, np.inf])
+    assert out_of_motor_range(drives, q)[:, 0].tolist() == [False, False, False, True, True, True]
+    assert np.isnan(shares[:, 1:]).all()

@@ -174,3 +174,69 @@ def test_doubtful_drives_are_warned_of():
         "f:12:65: base.B2.slide.range: the stated point, at -200/101, is outside the range from 5 "
         "to 30",
     ]
+
+
+MASSES = """\
+dynamics:
+  platform: {mass: 1, centre: [0, 0, 0], inertia: [1, 1, 1, 0, 0, 0]}
+  arms: [{mass: 0.05, centre: 8, inertia: 2}, {mass: 0.04, centre: -3}]
+  carriages: {mass: 0.4}
+  drives: {inertia: 30, stiffness: [4e3, 1e5, 4e3, 1e5]}
+"""
+
+
+def test_masses_of_arms_and_carriages_are_read_and_written():
+    instance = loads(TEXT + MASSES)
+    dynamics = instance.dynamics
+    assert [arm.centre.value for arm in dynamics.arms] == [8, -3]
+    assert dynamics.arms[1].inertia.value == 0
+    assert dynamics.carriages[0].mass.value == 0.4
+    assert loads(dumps(instance)) == instance
+    assert read_plainly(read_ordinary(TEXT + MASSES, "f")) is not None
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        (", {mass: 0.04, centre: -3}]", "]*", ""),
+        (
+            "[{mass: 0.05",
+            "[{mass: 0.05, centre: 1}, {mass: 0.05",
+            "arms: found 3, expected one for all, or 2",
+        ),
+        ("mass: 0.04", "mass: 0", r"arms\[2\].mass: found 0, expected a mass above 0"),
+        ("inertia: 2}", "inertia: -2}", r"arms\[1\].inertia: found -2, expected an inertia of at"),
+        ("{mass: 0.4}", "{mass: -1}", "carriages.mass: found -1, expected a mass above 0"),
+        (
+            "[4e3, 1e5, 4e3, 1e5]",
+            "[4e3, 1e5, 4e3, 1e5, 1, 1]",
+            "found 6 numbers, expected one for all, or 4",
+        ),
+    ],
+)
+def test_mistakes_in_masses_of_drives(old, new, message):
+    text = (TEXT + MASSES).replace(old, new.rstrip("*"), 1)
+    if not message:
+        assert len(loads(text).dynamics.arms) == 1
+        return
+    with pytest.raises(SpecError, match=message):
+        loads(text)
+
+
+def test_arms_on_the_platform_have_no_mass_of_their_own():
+    text = TEXT.replace(
+        "P4: {point: [-60, 10, 0]}",
+        "P4: {point: [-60, 10, 0], crank: {centre: [0, 0, 0], axis: [0, 0, 1]}}",
+    )
+    text = text.replace(
+        "B4: {point: [-100, 0, 0], crank: {centre: [-80, 0, 0], axis: [0, -1, 0]}}",
+        "B4: {point: [-100, 0, 0]}",
+    ).replace(", with: B4", "")
+    assert loads(text)
+    masses = MASSES.replace(", {mass: 0.04, centre: -3}]", "]").replace(
+        "[4e3, 1e5, 4e3, 1e5]", "4e3"
+    )
+    with pytest.raises(
+        SpecError, match=r"found masses, but crank.P4 is on the platform: add"
+    ):
+        loads(text + masses)
