@@ -236,7 +236,5 @@ def test_arms_on_the_platform_have_no_mass_of_their_own():
     masses = MASSES.replace(", {mass: 0.04, centre: -3}]", "]").replace(
         "[4e3, 1e5, 4e3, 1e5]", "4e3"
     )
-    with pytest.raises(
-        SpecError, match=r"found masses, but crank.P4 is on the platform: add"
-    ):
+    with pytest.raises(SpecError, match=r"found masses, but crank.P4 is on the platform: add"):
         loads(text + masses)
