@@ -144,8 +144,8 @@ _HOMES = {
 }
 
 __all__ = [
-    "Arm",
     "ArgumentError",
+    "Arm",
     "Carriage",
     "Cone",
     "Constraint",
