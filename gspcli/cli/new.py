@@ -8,6 +8,7 @@ import click
 
 from gspcli.cli.number_types import decimals_option, one_sided_option, seed_option
 from gspcli.cli.output import Output, file_option, write
+from gspcli.wording import listed
 
 if TYPE_CHECKING:
     from gspcli.catalogue.kinds import Kind
@@ -32,6 +33,8 @@ _TEMPLATE_HEAD = """\
 
 @click.command()
 @click.argument("type_words", metavar="TYPE...", nargs=-1, required=True)
+@click.option("--rotary", is_flag=True, help="A hexapod whose motors turn arms, from KEY=NUMBER.")
+@click.option("--linear", is_flag=True, help="One whose motors move carriages along rails.")
 @click.option("--template", is_flag=True, help="Also write comments that say what to replace.")
 @seed_option("; the same seed gives the same file")
 @decimals_option(3, 1, 15, "")
@@ -40,6 +43,8 @@ _TEMPLATE_HEAD = """\
 @file_option("yaml")
 def command(
     type_words: tuple[str, ...],
+    rotary: bool,
+    linear: bool,
     template: bool,
     seed: int,
     decimals: int,
@@ -47,11 +52,21 @@ def command(
     one_sided: bool,
     output: Output,
 ) -> None:
-    """Write a random instance of a type, with at least one real pose, as YAML.
+    """Write a random instance of a type, or a machine from the numbers of a drawing, as YAML.
 
     TYPE is a name in any spelling, a number from 1 to 3850, or a pattern of shared
     primitives as `gsp enumerate --coincident` lists them: capitals on the platform,
-    small letters on the base, - for a distance and ^ for an angle.
+    small letters on the base, - for a distance and ^ for an angle. The instance has at
+    least one real pose.
+
+    With --rotary or --linear the words are numbers of a symmetric hexapod, KEY=NUMBER, whose
+    motors stand in three pairs: base=RADIUS,HALF_ANGLE (of the motors, of a pair in degrees),
+    platform=RADIUS,HALF_ANGLE (of its joints), rod or height at home, range=LOW:HIGH (of the
+    motors, from home) and unit=mm. With --rotary also horn (the length of the arms), axis-angle
+    (of the motors' axes with the direction of their pair: 0), horns=out or horns=in (away from
+    the other motor of the pair, or towards it), and both rod and height if the arms are not level
+    at home. With --linear also tilt (of the rails from the vertical: 0) and rails=3: the rods of a
+    pair ride on one carriage, as in a linear delta.
 
     \b
     Examples:
@@ -60,7 +75,14 @@ def command(
       gsp new 6PH --one-sided | gsp check -
       gsp new P1-p1 P1-p2 P2-p2 P2-p3 P3-p3 P3-p1
       gsp new 421 --template -o platform.yaml
+      gsp new --rotary base=80,12 platform=55,10 horn=24 rod=130
+      gsp new --linear base=200,0 platform=50,30 rod=250 rails=3
     """
+    if rotary or linear:
+        _write_machine(
+            "rotary" if rotary else "linear", rotary and linear, type_words, output, template
+        )
+        return
     from gspcli.solver.instances.new_instance import new
     from gspcli.spec import dumps
 
@@ -73,6 +95,27 @@ def command(
         head += _TEMPLATE_HEAD
         text = _commented(text, instance)
     write(output, head + text)
+
+
+def _write_machine(
+    sort: str, both: bool, words: tuple[str, ...], output: Output, template: bool
+) -> None:
+    """Write the file of a machine with arms or rails."""
+    given = click.get_current_context().get_parameter_source
+    random = [
+        f"--{name.replace('_', '-')}"
+        for name in ("seed", "decimals", "planar", "one_sided")
+        if given(name) is not click.core.ParameterSource.DEFAULT
+    ]
+    if both or random:
+        others = listed(["--linear"] if both else random, "and")
+        raise click.UsageError(f"--{sort} cannot be used with {others}")
+    from gspcli.spec import loads
+    from gspcli.spec.motor_files import motor_file
+
+    text = motor_file(sort, words, comments=template)
+    loads(text, name="the machine")
+    write(output, text)
 
 
 def _commented(text: str, instance: Instance) -> str:

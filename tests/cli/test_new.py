@@ -84,3 +84,16 @@ def test_a_file_that_cannot_be_written(gsp: Run, tmp_path: Path) -> None:
 @pytest.mark.parametrize("digits", ["0", "16", "x"])
 def test_digits_have_a_range(gsp: Run, digits: str) -> None:
     assert gsp("new", "6PP", "--decimals", digits).code == 2
+
+
+def test_a_machine_from_a_drawing_is_a_file_without_remarks(gsp: Run) -> None:
+    words = ("base=80,12", "platform=55,10", "horn=24", "rod=130")
+    made = gsp("new", "--rotary", *words, "--template")
+    assert made.code == 0
+    assert "an arm turns the point" in made.out
+    assert loads(made.out).name == "Rotary hexapod"
+    assert (
+        gsp("new", "--rotary", *words[1:]).err.strip().startswith("error: --rotary: base missing")
+    )
+    assert "cannot be used with --linear" in gsp("new", "--rotary", "--linear", *words).err
+    assert "cannot be used with --seed" in gsp("new", "--linear", *words, "--seed", "3").err
