@@ -22,7 +22,7 @@ BY_HEADING: dict[str, dict[str, str]] = {
         "atlas": "Show, verify or rebuild the generic counts of all types.",
     },
     "One platform": {
-        "new": "Write a random instance of a type, or a machine from the numbers of a drawing, as YAML.",
+        "new": "Write a random instance of a type, or a machine from its drawing, as YAML.",
         "import": "Read a machine from the file of another program and write its instance file.",
         "example": "List the instance files that come with gsp, or print one.",
         "check": "Check instance files and say which platforms they describe.",

@@ -52,7 +52,7 @@ def command(
     one_sided: bool,
     output: Output,
 ) -> None:
-    """Write a random instance of a type, or a machine from the numbers of a drawing, as YAML.
+    """Write a random instance of a type, or a machine from its drawing, as YAML.
 
     TYPE is a name in any spelling, a number from 1 to 3850, or a pattern of shared
     primitives as `gsp enumerate --coincident` lists them: capitals on the platform,
