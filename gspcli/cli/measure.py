@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from gspcli.cli.drive_rows import times_of
 from gspcli.cli.names import load_instance
 from gspcli.cli.output import Column, Output, Table, emit, output_options
 from gspcli.cli.pose_options import ignore_option, pose_format, pose_options, text_of, warn_of_range
@@ -18,7 +19,6 @@ from gspcli.cli.requirements import (
     verdict_entries,
     verdict_lines,
 )
-from gspcli.errors import GspError
 
 if TYPE_CHECKING:
     import numpy as np
@@ -35,9 +35,14 @@ if TYPE_CHECKING:
 @click.argument("poses", metavar="[POSES]", required=False)
 @pose_value_option("instead of POSES")
 @click.option(
+    "--drives",
+    is_flag=True,
+    help="What the motors are at: angles of cranks, places of slides, other values.",
+)
+@click.option(
     "--cranks",
     is_flag=True,
-    help="The angles of the cranks instead; the values of SPEC are kept.",
+    help="The angles of the cranks only; the values of SPEC are kept.",
 )
 @pose_options
 @ignore_option
@@ -47,6 +52,7 @@ def command(
     spec: str,
     poses: str | None,
     pose: GivenPose | None,
+    drives: bool,
     cranks: bool,
     euler: str | None,
     pivot: str | None,
@@ -67,14 +73,15 @@ def command(
     to planes (DPH, DHP) are signed: positive on the side to which the normal points. The values of
     SPEC itself are not used.
 
-    With --cranks the columns are the angles of the cranks that turn points of SPEC (rotary
-    hexapods), each from where the point is stated, in its angle unit; the values of SPEC are kept.
-    Of two angles the one is taken that is nearer to that of the pose before, first to zero.
-    `gsp track` takes these columns.
+    With --drives the columns are what the motors are at: the angle of a crank, the place of a
+    slide, each from where its point is stated, and the value of any other constraint; the rods of
+    SPEC keep their lengths. Of two angles or places the one on the side of home is taken, without
+    a home that nearer to zero at the first pose. transmission is the least part of a motor's motion
+    that acts along its rod. `gsp track` takes these columns. --cranks has the cranks only.
 
     With --require the worst row is named, and the exit code is 1 unless all rows keep it: range (as
-    the share that a value takes of its range, 1 at its ends), cone (likewise), condition, clearance
-    and pose-clearance, which become columns.
+    the share that a value or drive takes of its range, 1 at its ends), cone (likewise), condition,
+    transmission of cranks and slides, clearance and pose-clearance, which become columns.
 
     \b
     Examples:
@@ -84,7 +91,8 @@ def command(
       gsp measure platform.yaml --pose 0,0,1.5,1,0,0,0
       gsp measure platform.yaml path.csv --require "range, cone, condition<=50"
       gsp solve platform.yaml --format json | gsp measure platform.yaml -
-      gsp measure rotary.yaml poses.csv --cranks -o angles.csv
+      gsp measure rotary.yaml poses.csv --drives -o angles.csv
+      gsp measure rotary.yaml poses.csv --require "range, transmission>=0.3"
     """
     if (poses is None) == (pose is None):
         message = "give either POSES or --pose"
@@ -93,7 +101,7 @@ def command(
         message = "SPEC and POSES cannot both be standard input"
         raise click.UsageError(message)
     if cranks and require is not None:
-        message = "--require needs the values, not --cranks"
+        message = "--require needs the values or --drives, not --cranks"
         raise click.UsageError(message)
     from gspcli.motion import PoseTable, read_poses
     from gspcli.motion.poses.measured_values import measure
@@ -106,13 +114,18 @@ def command(
     else:
         R, T = pose.read(form)
         table = PoseTable(None, R[None], T[None])
-    if cranks:
-        _emit_cranks(instance, table, output)
+    if cranks or drives:
+        from gspcli.cli.drive_rows import emit_cranks, emit_drives
+
+        if cranks:
+            emit_cranks(instance, table, output)
+        else:
+            emit_drives(instance, table, requirements, output)
         return
     values = measure(instance, table.R, table.T)
     rows = _rows(instance, table, values.tolist())
     verdicts, more = judged(instance, requirements, table.R, table.T, rows)
-    times = _times(table)
+    times = times_of(table)
     document = None
     if output.format == "json":
         document = values.to_json(times)
@@ -128,56 +141,11 @@ def command(
     refuse(verdicts)
 
 
-def _emit_cranks(instance: Instance, table: PoseTable, output: Output) -> None:
-    """Write the angles of the cranks at poses.
-
-    Raises
-    ------
-    GspError
-        If a pose is out of reach.
-    """
-    import numpy as np
-
-    from gspcli.motion import crank_angles
-
-    cranks, angles = crank_angles(instance, table.R, table.T)
-    times = _times(table)
-    missing = [
-        f"the leg of {cranks[k].name} does not reach the pose at t = {times[row]:.10g}"
-        for row, k in np.argwhere(np.isnan(angles)).tolist()
-    ]
-    if missing:
-        raise GspError("\n".join(missing))
-    names = [one.name for one in cranks]
-    rows = [
-        {"t": t, **dict(zip(names, row, strict=True))}
-        for t, row in zip(times, angles.tolist(), strict=True)
-    ]
-    columns = [
-        Column(key, align="right", essential=True, aligned=key != "t") for key in ("t", *names)
-    ]
-    title = ": ".join(part for part in (instance.name, instance.type.id) if part)
-    note = f"angles in {instance.units.angle.value}, from where the points are stated"
-    document = {
-        "schema": "gsp.measure/1",
-        **instance.to_json(),
-        "cranks": names,
-        "poses": [{"t": t, "angles": row} for t, row in zip(times, angles.tolist(), strict=True)],
-    }
-    emit(output, Table(columns, rows, title=title, notes=[note]), document=document)
-
-
-def _times(table: PoseTable) -> list[float]:
-    """Return t of the poses, which are counted from 1 if the file has none."""
-    times: list[float] = list(range(1, len(table.R) + 1)) if table.t is None else table.t.tolist()
-    return times
-
-
 def _rows(instance: Instance, table: PoseTable, values: list[list[float]]) -> list[dict[str, Any]]:
     """Return a row for each pose."""
     sided = [k for k, row in enumerate(instance.constraints, 1) if row.kind.has_sides]
     rows = []
-    for t, row in zip(_times(table), values, strict=True):
+    for t, row in zip(times_of(table), values, strict=True):
         named = {str(k): value for k, value in enumerate(row, 1)}
         sides = {str(k): "negative" if row[k - 1] < 0 else "positive" for k in sided}
         rows.append({"t": t, **named, "sides": sides})

@@ -102,14 +102,18 @@ def text_of(path: str) -> tuple[str, str]:
 
 
 def warn_of_range(instance: Instance, t: Sequence[float], values: Array) -> None:
-    """Say on standard error which values are outside the ranges of the instance, if any."""
+    """Say on standard error which values are outside the ranges of the instance, if any.
+
+    The rods of cranks and slides are left out: their lengths do not change.
+    """
+    from gspcli.geometry.drive_numbers import driven_points
     from gspcli.geometry.readings import values_of
     from gspcli.motion import out_of_range
 
     outside = out_of_range(instance, values_of(instance, values))
     for k, constraint in enumerate(instance.constraints):
         rows = outside[:, k].nonzero()[0].tolist()
-        if rows and constraint.limits is not None:
+        if rows and constraint.limits is not None and not driven_points(constraint):
             low, high = map(constraint.reading_of, constraint.limits)
             more = f" (and at {len(rows) - 1} more rows)" if len(rows) > 1 else ""
             say(

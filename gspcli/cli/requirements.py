@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from gspcli.geometry.arrangement import Arrangement
+    from gspcli.geometry.drives import Drives
     from gspcli.geometry.instance import Instance
     from gspcli.motion.files.requirements import Parts, Requirement, Verdict
 
@@ -26,6 +28,7 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 _SOURCES = {
     "force": "gsp analyze with --load, or gsp dynamics",
     "moment": "gsp analyze with --load, of a type with angles",
+    "torque": "gsp analyze with --load, of a platform with cranks",
     "stiffness": "gsp analyze with --stiffness",
     "power": "gsp dynamics",
     "frequency": "gsp dynamics with --modes",
@@ -90,13 +93,12 @@ def _measured(instance: Instance, name: str, values: Array, R: Array, T: Array) 
     if name in _SOURCES:
         message = f"--require {name}: not known here, use {_SOURCES[name]}"
         raise GspError(message)
-    if name in ("range", "cone"):
+    if name in ("range", "cone", "transmission"):
         return _limits(instance, name, values, R, T)
     if name == "condition":
-        from gspcli.geometry.arrangement import Arrangement
         from gspcli.geometry.residuals import condition_numbers
 
-        return condition_numbers(Arrangement.of(instance), R, T)
+        return condition_numbers(_arrangement(instance, R, T), R, T)
     if name == "clearance":
         from gspcli.motion.singularities.clearances import clearances, range_weights
 
@@ -106,22 +108,78 @@ def _measured(instance: Instance, name: str, values: Array, R: Array, T: Array) 
     return pose_clearances(instance, R, T)
 
 
+def _arrangement(instance: Instance, R: Array, T: Array) -> Arrangement:
+    """Return the platform at poses, with the points that its drives move there."""
+    from gspcli.geometry.arrangement import Arrangement
+    from gspcli.geometry.drive_numbers import is_driven
+
+    if not is_driven(instance):
+        return Arrangement.of(instance)
+    from gspcli.motion.poses.cranks import drive_values
+
+    drives, q = drive_values(instance, R, T)
+    return drives.arrangement(q)
+
+
 def _limits(instance: Instance, name: str, values: Array, R: Array, T: Array) -> Parts:
+    from gspcli.geometry.drive_numbers import is_driven
     from gspcli.geometry.limits import cone_shares, joint_cones, range_shares
     from gspcli.motion.files.requirements import Parts
 
+    drives = q = None
+    if is_driven(instance):
+        from gspcli.motion.poses.cranks import drive_values
+
+        drives, q = drive_values(instance, R, T)
     if name == "cone":
         cones = joint_cones(instance)
         names = [f"leg {joint.constraint + 1} at the {joint.body}" for joint in cones]
-        parts = Parts(cone_shares(instance, R, T), names)
+        parts = Parts(cone_shares(instance, R, T, q), names)
+    elif name == "transmission":
+        names, parts = _transmissions(drives, q, R, T)
     else:
-        which = [k for k, row in enumerate(instance.constraints) if row.limits is not None]
+        rows = instance.constraints
+        moved = [False] * len(rows) if drives is None else drives.driven
+        which = [k for k, row in enumerate(rows) if row.limits is not None and not moved[k]]
         names = [f"constraint {k + 1}" for k in which]
         parts = Parts(range_shares(instance, values)[:, which], names)
+        if drives is not None and q is not None:
+            names, parts = _with_motors(drives, q, parts)
     if not names:
-        message = f"--require {name}: SPEC states no {name}"
+        what = "cranks and slides" if name == "transmission" else name
+        message = f"--require {name}: SPEC states no {what}"
         raise GspError(message)
     return parts
+
+
+def _with_motors(drives: Drives, q: Array, parts: Parts) -> tuple[list[str], Parts]:
+    """Return shares of ranges with those of cranks and slides; infinite out of reach."""
+    import numpy as np
+
+    from gspcli.geometry.limits import motor_shares
+    from gspcli.motion.files.requirements import Parts
+
+    shares = motor_shares(drives, q)
+    # A drive without a range can still be out of reach.
+    shares = np.where(np.isnan(shares) & np.isinf(shares).any(axis=0), 0.0, shares)
+    which = np.flatnonzero(~np.isnan(shares).all(axis=0)).tolist()
+    names = [*parts.names, *(drives.names[k] for k in which)]
+    return names, Parts(np.concatenate((parts.values, shares[:, which]), axis=1), names)
+
+
+def _transmissions(
+    drives: Drives | None, q: Array | None, R: Array, T: Array
+) -> tuple[list[str], Parts]:
+    import numpy as np
+
+    from gspcli.motion.files.requirements import Parts
+
+    if drives is None or q is None:
+        return [], Parts(np.empty((len(R), 0)), ())
+    which = np.flatnonzero(drives.driven).tolist()
+    names = [f"{drives.names[drives.index[k]]}, rod {k + 1}" for k in which]
+    numbers = drives.transmission(drives.gains(R, T, q))[:, which]
+    return names, Parts(numbers, names)
 
 
 def add_quantities(

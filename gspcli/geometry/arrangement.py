@@ -143,6 +143,24 @@ class Arrangement(Bodies):
             in_radians=instance.units.angle.in_radians,
         )
 
+    def with_points(self, y: Array, x: Array) -> Arrangement:
+        """Return the platform with its points elsewhere, for each pose of a batch.
+
+        Its centres and its typical length stay those of the stated points.
+
+        Parameters
+        ----------
+        y, x
+            Points of the primitives, shapes (..., n, 3), with the leading axes of poses.
+        """
+        moved = replace(self, y=y, x=x)
+        moved.__dict__["_centred"] = self._centred
+        return moved
+
+    def part(self, rows: slice) -> Arrangement:
+        """Return the platform of some rows of a batch; itself if all rows have the same points."""
+        return self if self.y.ndim == 2 else self.with_points(self.y[rows], self.x[rows])
+
     def with_values(self, values: Array) -> Arrangement:
         """Return the same geometry with other values, shape (n,)."""
         return replace(self, values=values)

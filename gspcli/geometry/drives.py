@@ -184,7 +184,7 @@ class Drives:
             np.where(moved[:, None], points, np.broadcast_to(own, shape))
             for moved, own in zip(moves, (stated.y, stated.x), strict=True)
         )
-        return replace(stated, y=y, x=x)
+        return stated.with_points(y, x)
 
     def ends(self, R: ArrayLike, T: ArrayLike, q: ArrayLike) -> tuple[Array, Array, Array]:
         """Return base points, the turned platform points R y and the vectors of the rods.
@@ -410,7 +410,16 @@ class Drives:
             NaN where a rod does not reach, and where constraints with one drive ask for different
             numbers: `wanted` has them.
         """
-        wanted = self.wanted(R, T, knees)
+        return self._shared(self.wanted(R, T, knees))
+
+    def nearest(self, R: ArrayLike, T: ArrayLike) -> Array:
+        """Return at each pose the numbers nearer to zero, on any knee, shape (..., m)."""
+        both = self.roots(R, T)
+        first = np.abs(both[..., 0]) <= np.abs(both[..., 1])
+        return self._shared(np.where(first, both[..., 0], both[..., 1]))
+
+    def _shared(self, wanted: Array) -> Array:
+        """Return what all constraints of each drive ask for, NaN where they differ, (..., m)."""
         if self.count == len(self.index):
             return wanted
         q = self._per_drive(wanted)

@@ -150,7 +150,7 @@ def condition_numbers(
     if R.ndim > 2 and len(R) > _TOGETHER:
         parts = [slice(first, first + _TOGETHER) for first in range(0, len(R), _TOGETHER)]
         return np.concatenate(
-            [condition_numbers(arrangement, R[k], T[k], lengths[k]) for k in parts]
+            [condition_numbers(arrangement.part(k), R[k], T[k], lengths[k]) for k in parts]
         )
     unit = lengths[..., None, None]
     # The row of a value without a derivative (parallel lines, distance or angle zero) is not

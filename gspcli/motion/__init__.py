@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 from gspcli.geometry.limits import out_of_range
 from gspcli.motion.files.pose_files import PoseFormat, PoseTable, read_pose, read_poses
 from gspcli.motion.files.value_files import ValueTable, read_values
-from gspcli.motion.poses.cranks import crank_angles
+from gspcli.motion.poses.cranks import crank_angles, drive_values
 from gspcli.motion.poses.inverse_kinematics import measure
 
 if TYPE_CHECKING:
@@ -52,6 +52,7 @@ __all__ = [
     "Workspace",
     "crank_angles",
     "departures",
+    "drive_values",
     "measure",
     "out_of_range",
     "read_pose",

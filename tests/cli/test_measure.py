@@ -121,6 +121,61 @@ def test_angles_of_cranks(gsp):
     assert "error: the leg of crank.B1 does not reach the pose at t = 1" in run.err
 
 
+def test_numbers_of_drives(gsp, tmp_path):
+    pose = "--pose", "0,0,0.17,1,0,0,0"
+    cranks = gsp("measure", "@t-top-head", *pose, "--cranks", "--format", "json")
+    run = gsp("measure", "@t-top-head", *pose, "--drives", "--format", "json")
+    found = json.loads(run.out)
+    assert found["drives"] == json.loads(cranks.out)["cranks"]
+    assert found["poses"][0]["numbers"] == json.loads(cranks.out)["poses"][0]["angles"]
+    assert 0.8 < found["poses"][0]["transmission"] < 1
+    # Without cranks and slides the drives are the values.
+    run = gsp("measure", HEXAPOD, "--pose", "0,0,1.5,1,0,0,0", "--drives", "--format", "csv")
+    same = gsp("measure", HEXAPOD, "--pose", "0,0,1.5,1,0,0,0", "--format", "csv")
+    assert run.out == same.out
+
+
+DELTA = ("base=200,0", "platform=50,30", "rod=250", "rails=3", "range=-50:50")
+
+
+def test_drives_of_shared_carriages_and_what_they_must_keep(gsp, tmp_path):
+    path = tmp_path / "delta.yaml"
+    path.write_text(gsp("new", "--linear", *DELTA).out, encoding="utf-8")
+    pose = "--pose", "10,0,-200,1,0,0,0"
+    require = "range, transmission>=0.5, condition<=100"
+    run = gsp("measure", path, *pose, "--drives", "--require", require, "--format", "csv")
+    assert run.code == 0
+    head, row = run.out.splitlines()
+    assert head == "t,slide.B1,slide.B2,slide.B4,transmission,range,condition"
+    numbers = [float(x) for x in row.split(",")]
+    assert numbers[2] == pytest.approx(numbers[3])
+    assert numbers[5] == pytest.approx(max(map(abs, numbers[1:4])) / 50)
+    low = "--pose", "0,0,-260,1,0,0,0", "--drives"
+    run = gsp("measure", path, *low, "--require", "range, transmission>=0.9")
+    assert run.code == 1
+    assert "range <= 1: NOT met; worst 1.3" in run.out
+    assert "slide.B" in run.out
+    assert "transmission >= 0.9: NOT met; worst 0.779" in run.out
+    run = gsp("measure", path, "--pose", "10,0,-200,1,0.02,0,0", "--drives")
+    assert run.code == 2
+    assert "rods 1 and 6 ask for 3.4335 and 1.4343 of slide.B1 at the pose at t = 1" in run.err
+
+
+def test_ranges_of_values_of_rods_are_not_those_of_the_drives(gsp):
+    pose = "--pose", "0,0,0.17,1,0,0,0"
+    run = gsp(
+        "measure",
+        "@reachy-mini-head",
+        "--pose",
+        "0,0,0.18,1,0,0,0",
+        "--require",
+        "transmission>=0.5",
+    )
+    assert (run.code, run.err) == (0, "")
+    run = gsp("measure", HEXAPOD, *pose, "--require", "transmission>=0.5")
+    assert "--require transmission: SPEC states no cranks and slides" in run.err
+
+
 def test_mistakes_of_a_pose_on_the_command_line_have_no_line(gsp):
     run = gsp("measure", HEXAPOD, "--pose", "0,0,0,0,0,0,0")
     assert (
@@ -156,7 +211,7 @@ def test_requirements(gsp, tmp_path):
         assert (run.code, run.out) == (2, "")
         assert message in run.err
     run = gsp("measure", "@t-top-head", path, "--cranks", "--require", "range")
-    assert "--require needs the values, not --cranks" in run.err
+    assert "--require needs the values or --drives, not --cranks" in run.err
 
 
 def test_an_unknown_column_is_an_error_unless_it_is_left_out(gsp, tmp_path):

@@ -72,6 +72,7 @@ SAMPLES: dict[str, tuple[str, ...]] = {
         "@rubin-m2 --pose 0,0,0,1,0,0,0 "
         "--require range,condition<=9,clearance>=2,pose-clearance>=0",
         "@t-top-head --pose 0,0,0.17,1,0,0,0 --cranks",
+        "@t-top-head --pose 0,0,0.17,1,0,0,0 --drives",
     ),
     "track": (
         "@rubin-m2 VALUES",

@@ -35,12 +35,14 @@ class Quantity(NamedTuple):
 
 QUANTITIES = {
     "range": Quantity(False, 1.0, "the share of its range that a value takes, 1 at the ends"),
+    "transmission": Quantity(True, None, "how much of a motor's motion acts along its rod, 0 to 1"),
     "cone": Quantity(False, 1.0, "the tilt of a leg by the half angle of its cone"),
     "clearance": Quantity(True, None, "proved, as gsp clearance"),
     "pose-clearance": Quantity(True, None, "proved, as gsp clearance --of pose"),
     "condition": Quantity(False, None, "the condition number"),
     "force": Quantity(False, None, "the largest force in a constraint under the load"),
     "moment": Quantity(False, None, "the largest moment in an angle under the load"),
+    "torque": Quantity(False, None, "the largest torque of a crank under the load"),
     "stiffness": Quantity(True, None, "the least stiffness of the point"),
     "power": Quantity(False, None, "what all drives do, as gsp dynamics"),
     "frequency": Quantity(True, None, "the lowest natural frequency, as gsp dynamics --modes"),
