@@ -34,7 +34,8 @@ if TYPE_CHECKING:
     from gspcli.errors import ArgumentError, GspError, SpecError
     from gspcli.export.exported import exported
     from gspcli.geometry.building import angle, distance, hexapod, instance
-    from gspcli.geometry.home_pose import HomePose
+    from gspcli.geometry.frames import PoseFrame
+    from gspcli.geometry.home_pose import Frame, Frames, HomePose
     from gspcli.geometry.instance import Constraint, Instance, Units
     from gspcli.geometry.masses import Arm, Carriage, Drives, Dynamics, Leg, LegBody, RigidBody
     from gspcli.geometry.numbers import Number
@@ -73,6 +74,8 @@ _HOMES = {
     "Dynamics": "gspcli.geometry.masses",
     "Family": "gspcli.catalogue.types",
     "Follower": "gspcli.motion",
+    "Frame": "gspcli.geometry.home_pose",
+    "Frames": "gspcli.geometry.home_pose",
     "GspError": "gspcli.errors",
     "GspType": "gspcli.catalogue.types",
     "HomePose": "gspcli.geometry.home_pose",
@@ -83,6 +86,7 @@ _HOMES = {
     "Number": "gspcli.geometry.numbers",
     "Plane": "gspcli.geometry.primitives",
     "Point": "gspcli.geometry.primitives",
+    "PoseFrame": "gspcli.geometry.frames",
     "RigidBody": "gspcli.geometry.masses",
     "Slide": "gspcli.geometry.primitives",
     "SpecError": "gspcli.errors",
@@ -154,6 +158,8 @@ __all__ = [
     "Dynamics",
     "Family",
     "Follower",
+    "Frame",
+    "Frames",
     "GspError",
     "GspType",
     "HomePose",
@@ -164,6 +170,7 @@ __all__ = [
     "Number",
     "Plane",
     "Point",
+    "PoseFrame",
     "RigidBody",
     "Slide",
     "SpecError",

@@ -23,6 +23,7 @@ from gspcli.motion.files.pose_files import (
     QUATERNION,
     TRANSLATION,
     PoseFormat,
+    refuse_own_pose,
     rotations_of,
 )
 from gspcli.motion.files.value_files import note_legs
@@ -77,13 +78,13 @@ def read_measurements(
     dotted = {one for one in table.heading if "." in one or one.isdecimal()}
     table.refuse_others({"t", *_NUMBERS, *COLUMNS, *dotted}, _EXPECTED)
     n = len(table)
-    pivot = np.array(form.pivot)
     readings = np.full((n, 6), np.nan)
     note_legs(table, instance)
     found = [number for number in _NUMBERS if number in table.heading]
     readings[:, [int(number) - 1 for number in found]] = table.numbers(found, blanks=True)
     cranks = _cranks(table, instance)
-    positions, rotations = _poses(table, form)
+    expressed, (positions, rotations) = form.pivot_frame, _poses(table, form)
+    positions, rotations = expressed.point_to_base(positions), expressed.turn_to_platform(rotations)
     seen = {one: table.numbers([f"{one}.{axis}" for axis in "xyz"], blanks=True) for one in groups}
     tilts = np.zeros((0, 2))
     if set(_INCLINATIONS) & set(table.heading):
@@ -100,8 +101,16 @@ def read_measurements(
         table.note_heading("found no readings, expected some of the columns 1 2 3 4 5 6")
     table.check()
     return Measurements(
-        readings, rotations, positions, pivot, seen, dict(targets), tilts, cranks, tuple(lines)
-    )
+        readings,
+        rotations,
+        positions,
+        expressed.of_platform.origin,
+        seen,
+        dict(targets),
+        tilts,
+        cranks,
+        tuple(lines),
+    )  # fmt: skip
 
 
 def _groups(table: NumberTable, instance: Instance, targets: Mapping[str, Array]) -> list[str]:
@@ -159,13 +168,13 @@ def _cranks(table: NumberTable, instance: Instance) -> Array | None:
 
 
 def _poses(table: NumberTable, form: PoseFormat) -> tuple[Array, Array]:
-    """Return positions of the pivot and rotations, NaN where there are none."""
+    """Return expressed positions and rotations, NaN where there are none."""
     n, heading = len(table), set(table.heading)
     positions, rotations = np.full((n, 3), np.nan), np.full((n, 3, 3), np.nan)
     if heading & {*POSITION, *TRANSLATION}:
         columns = table.choose(POSITION, TRANSLATION)
-        if columns == TRANSLATION and any(form.pivot):
-            table.note_heading("found Tx Ty Tz, the pose of the frame; expected x y z with a pivot")
+        if columns == TRANSLATION:
+            refuse_own_pose(table, form)
         if columns:
             positions = table.numbers(columns, blanks=True)
     if not heading & {*QUATERNION, *ANGLES, *ENTRIES}:

@@ -34,6 +34,7 @@ from gspcli.calibration.starts import started
 from gspcli.defaults import SEED
 from gspcli.errors import IncompleteError
 from gspcli.geometry.coordinates import coordinates
+from gspcli.geometry.frames import IDENTITY, PoseFrame
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.limits import has_limits
 from gspcli.geometry.quaternions import canonical_sign, quaternion_from_rotation
@@ -96,7 +97,12 @@ class Plan:
     @cached_property
     def pose_numbers(self) -> Array:
         """Positions and unit quaternions of the poses, shape (n, 7)."""
-        return np.hstack((self.T, canonical_sign(quaternion_from_rotation(self.R))))
+        return self.expressed(IDENTITY)
+
+    def expressed(self, frame: PoseFrame) -> Array:
+        """Return positions and unit quaternions of the poses in a frame, shape (n, 7)."""
+        R, T = frame.from_platform(self.R, self.T)
+        return np.hstack((T, canonical_sign(quaternion_from_rotation(R))))
 
     @cached_property
     def sentences(self) -> list[str]:

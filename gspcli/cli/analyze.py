@@ -14,7 +14,7 @@ from gspcli.cli.mode_option import HOME, Mode, mode_option
 from gspcli.cli.names import load_instance
 from gspcli.cli.number_types import Positive
 from gspcli.cli.output import Output, emit, output_options
-from gspcli.cli.pose_options import ignore_option, pose_format, pose_options
+from gspcli.cli.pose_options import ColumnOptions, PoseConventions, column_options, pose_options
 from gspcli.cli.pose_rows import asked_poses, check_sources
 from gspcli.cli.pose_type import GivenPose, near_option, pose_value_option
 from gspcli.cli.requirements import (
@@ -46,7 +46,7 @@ _ZERO = 1e-12
 @near_option("of a file of values only this one is followed")
 @value_options
 @pose_options
-@ignore_option
+@column_options
 @click.option(
     "--point",
     metavar="X,Y,Z",
@@ -86,9 +86,8 @@ def command(
     mode: Mode | None,
     pose: GivenPose | None,
     near: GivenPose | None,
-    euler: str | None,
-    pivot: str | None,
-    ignore: tuple[str, ...],
+    conventions: PoseConventions,
+    columns: ColumnOptions,
     point: str | None,
     length: float | None,
     load: str | None,
@@ -134,9 +133,7 @@ def command(
         mode = mode or HOME
     instance = load_instance(spec, changes)
     requirements = required(require)
-    asked = asked_poses(
-        instance, rows, mode, pose, near, pose_format(instance, euler, pivot, ignore)
-    )
+    asked = asked_poses(instance, rows, mode, pose, near, conventions.form(instance, columns))
     analysis = _analysis(
         instance, asked, load, stiffness, tolerance, geometry_tolerance, point, length
     )

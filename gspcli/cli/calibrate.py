@@ -13,9 +13,9 @@ from gspcli.cli.names import load_instance
 from gspcli.cli.number_types import Positive, Whole, seed_option
 from gspcli.cli.output import DRAWINGS, FORMATS, Output, emit, output_options, write
 from gspcli.cli.pose_options import (
-    ignore_option,
-    pose_form,
-    pose_format,
+    ColumnOptions,
+    PoseConventions,
+    column_options,
     pose_options,
     text_of,
 )
@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 
     from gspcli.calibration import Calibration, Options
     from gspcli.calibration.measurements import Measurements
+    from gspcli.geometry.frames import PoseFrame
     from gspcli.geometry.instance import Instance
     from gspcli.motion.files.requirements import Requirement
 
@@ -102,7 +103,7 @@ _MOST_PLANNED = 300
 @require_option("condition<=50, clearance>=0.5", "for rows of --plan")
 @seed_option(": of --plan")
 @pose_options
-@ignore_option
+@column_options
 @output_options(formats=(*FORMATS, "yaml", *DRAWINGS))
 def command(
     spec: str | None,
@@ -120,9 +121,8 @@ def command(
     mode: Mode | None,
     require: str | None,
     seed: int,
-    euler: str | None,
-    pivot: str | None,
-    ignore: tuple[str, ...],
+    conventions: PoseConventions,
+    columns: ColumnOptions,
     output: Output,
 ) -> None:
     """Find the true numbers of a platform from measured values and poses.
@@ -179,16 +179,17 @@ def command(
     if log is not None:
         from gspcli.cli.identification import identified
 
-        identified(log, pose_form(euler, pivot, ignore), noise, options, output, accept=accept)
+        identified(log, conventions.form(None, columns), noise, options, output, accept=accept)
         return
     assert spec is not None
     instance = load_instance(spec)
-    form = pose_format(instance, euler, pivot, ignore)
+    form = conventions.form(instance, columns)
     places, seen = targets_of(targets), None
     if data is not None:
         seen = read_measurements(*text_of(data), instance, form, places)
     if plan is not None:
-        _plan(instance, seen, noise, options, plan, mode, required(require), seed, output)
+        wanted = required(require)
+        _plan(instance, seen, noise, options, plan, mode, wanted, seed, form.frame, output)
         return
     assert seen is not None
     with working("fitting"):
@@ -274,6 +275,7 @@ def _plan(
     mode: Mode | None,
     requirements: list[Requirement],
     seed: int,
+    frame: PoseFrame,
     output: Output,
 ) -> None:
     """Write which poses to measure."""
@@ -304,7 +306,7 @@ def _plan(
             allowed=partial(_allowed, instance, requirements) if requirements else None,
         )
     document = plan_document(found) if output.format == "json" else None
-    emit(output, plan_table(found), document=document)
+    emit(output, plan_table(found, frame), document=document)
 
 
 def _allowed(

@@ -6,11 +6,13 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from gspcli.cli.output import Column, Table
+from gspcli.cli.pose_options import frame_note
 from gspcli.wording import counted, listed
 
 if TYPE_CHECKING:
     from gspcli.calibration import Calibration
     from gspcli.calibration.planning import Plan
+    from gspcli.geometry.frames import PoseFrame
 
 _POSE = ("x", "y", "z", "qw", "qx", "qy", "qz")
 
@@ -112,8 +114,8 @@ def calibration_document(result: Calibration) -> dict[str, Any]:
     return {"schema": "gsp.calibrate/1", **result.to_json()}
 
 
-def plan_table(plan: Plan) -> Table:
-    """Return poses to measure, with what the machine reads there."""
+def plan_table(plan: Plan, frame: PoseFrame) -> Table:
+    """Return poses to measure, as expressed in a frame, with what the machine reads there."""
     columns = [Column("t", align="right", essential=True)]
     columns += [Column(key, align="right", essential=True, aligned=True) for key in _POSE]
     columns += [
@@ -134,7 +136,7 @@ def plan_table(plan: Plan) -> Table:
             }
             for k, (pose, readings, angles) in enumerate(
                 zip(
-                    plan.pose_numbers.tolist(),
+                    plan.expressed(frame).tolist(),
                     plan.readings.tolist(),
                     plan.cranks.tolist(),
                     strict=True,
@@ -146,7 +148,8 @@ def plan_table(plan: Plan) -> Table:
         summary=plan.sentences,
         notes=[
             f"{listed(read, 'and')} are readings with the geometry as stated: replace them by what "
-            "is read"
+            "is read",
+            *frame_note(frame),
         ],
     )
 

@@ -9,7 +9,7 @@ import click
 from gspcli.cli.mode_option import HOME, Mode, mode_option
 from gspcli.cli.names import load_instance
 from gspcli.cli.output import Column, Output, Table, emit, output_options
-from gspcli.cli.pose_options import ignore_option, pose_format, pose_options
+from gspcli.cli.pose_options import ColumnOptions, PoseConventions, column_options, pose_options
 from gspcli.cli.pose_rows import asked_poses, check_sources
 from gspcli.cli.pose_type import GivenPose, near_option, pose_value_option
 from gspcli.cli.progress_bars import progress
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 @near_option("of a file of values only this one is followed")
 @value_options
 @pose_options
-@ignore_option
+@column_options
 @click.option(
     "--of",
     type=click.Choice(["values", "pose"]),
@@ -53,9 +53,8 @@ def command(
     all_modes: bool,
     pose: GivenPose | None,
     near: GivenPose | None,
-    euler: str | None,
-    pivot: str | None,
-    ignore: tuple[str, ...],
+    conventions: PoseConventions,
+    columns: ColumnOptions,
     of: str,
     points: str | None,
     refine: bool,
@@ -102,9 +101,7 @@ def command(
 
     instance = load_instance(spec, changes)
     chosen = None if points is None else _points(points)
-    asked = asked_poses(
-        instance, rows, mode, pose, near, pose_format(instance, euler, pivot, ignore)
-    )
+    asked = asked_poses(instance, rows, mode, pose, near, conventions.form(instance, columns))
     found = clearance(
         instance, asked.R, asked.T, of=of, points=chosen, refine=refine, progress=progress
     )

@@ -18,7 +18,13 @@ from gspcli.cli.dynamics_tables import (
 from gspcli.cli.mode_option import Mode, mode_option
 from gspcli.cli.names import load_instance
 from gspcli.cli.output import Column, Output, Table, emit, output_options
-from gspcli.cli.pose_options import ignore_option, pose_format, pose_options, text_of
+from gspcli.cli.pose_options import (
+    ColumnOptions,
+    PoseConventions,
+    column_options,
+    pose_options,
+    text_of,
+)
 from gspcli.cli.pose_rows import check_sources
 from gspcli.cli.pose_type import GivenPose, near_option, pose_value_option
 from gspcli.cli.progress_bars import working
@@ -43,6 +49,7 @@ if TYPE_CHECKING:
 
     from gspcli.dynamics import DriveForces, NaturalModes
     from gspcli.geometry.instance import Instance
+    from gspcli.motion import PoseFormat
     from gspcli.motion.files.requirements import Parts, Requirement, Verdict
 
     Array = NDArray[np.float64]
@@ -59,7 +66,7 @@ _MOST_NAMED = 5
 @near_option("of a file of values only this one is followed")
 @value_options
 @pose_options
-@ignore_option
+@column_options
 @click.option(
     "--forward",
     metavar="FORCES",
@@ -86,9 +93,8 @@ def command(
     mode: Mode | None,
     pose: GivenPose | None,
     near: GivenPose | None,
-    euler: str | None,
-    pivot: str | None,
-    ignore: tuple[str, ...],
+    conventions: PoseConventions,
+    columns: ColumnOptions,
     forward: str | None,
     twist: str | None,
     modal: bool,
@@ -144,10 +150,10 @@ def command(
         raise click.UsageError(message)
     check_sources(spec, rows, mode, pose, near)
     instance = load_instance(spec, changes)
-    form = pose_format(instance, euler, pivot, ignore)
+    form = conventions.form(instance, columns)
     if forward is not None:
         start = start_of(instance, mode, pose, form)
-        _forward(instance, forward, start, twist, ignore, output)
+        _forward(instance, forward, start, twist, form, output)
         return
     requirements = required(require)
     asked = asked_rows(instance, rows, mode, pose, near, form)
@@ -278,22 +284,27 @@ def _forward(
     forces: str,
     start: tuple[Array, Array],
     twist: str | None,
-    ignore: tuple[str, ...],
+    form: PoseFormat,
     output: Output,
 ) -> None:
     import numpy as np
 
     from gspcli.dynamics import simulate
     from gspcli.dynamics.motion_files import read_forces
+    from gspcli.dynamics.trajectories import Motion, motion_of_platform
     from gspcli.motion.files.number_tables import numbers_of
 
-    table = read_forces(*text_of(forces), ignore)
+    table = read_forces(*text_of(forces), form)
     angles = np.repeat([instance.units.angle.in_radians, 1.0], 3)
-    first = 0.0 if twist is None else angles * numbers_of(twist, (6,), "--twist")
+    first: Array | float = 0.0
+    if twist is not None:
+        first = angles * numbers_of(twist, (6,), "--twist")
+        rows = first[None]
+        first = motion_of_platform(form.frame, start[0], Motion(rows, rows)).twists[0]
     with working("simulating"):
         found = simulate(instance, *start, table.t, table.forces, twist=first)
-    document = found.to_json() if output.format == "json" else None
-    emit(output, motion_table(found), document=document)
+    document = found.to_json(form.frame) if output.format == "json" else None
+    emit(output, motion_table(found, form.frame), document=document)
     if not found.energy_error < 1e-6:
         message = (
             f"the energy is off by {found.energy_error:.1g} of its changes: "

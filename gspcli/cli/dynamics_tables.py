@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from gspcli.cli.output import Column, Table
+from gspcli.cli.pose_options import frame_note
 from gspcli.dynamics.arrays import plain
 from gspcli.dynamics.drive_forces import FORCES
 from gspcli.dynamics.forward import POSE
@@ -16,6 +17,7 @@ from gspcli.wording import listed
 if TYPE_CHECKING:
     from gspcli.cli.dynamics_rows import Asked
     from gspcli.dynamics import DriveForces, NaturalModes, SimulatedMotion
+    from gspcli.geometry.frames import PoseFrame
     from gspcli.geometry.instance import Instance
 
 _TWIST = ("rx", "ry", "rz", "x", "y", "z")
@@ -111,20 +113,21 @@ def _heading(key: str, instance: Instance) -> str:
     return f"{key} [{'rad' if key.startswith('r') else instance.units.length}]"
 
 
-def motion_table(found: SimulatedMotion) -> Table:
-    """Return a row for each time, whose columns `gsp dynamics` reads."""
+def motion_table(found: SimulatedMotion, frame: PoseFrame) -> Table:
+    """Return a row for each time, whose columns `gsp dynamics` reads, as expressed in a frame."""
     instance = found.instance
     columns = [Column("t", align="right", essential=True)]
     columns += [Column(key, align="right", essential=True, aligned=True) for key in POSE]
     columns += [Column(key, align="right", minor=1) for key in VELOCITY]
     columns += [Column(key, align="right", minor=3) for key in ACCELERATION]
     columns += [Column(key, f"{key} [J]", align="right", minor=2) for key in _ENERGIES]
-    table = {key: column.tolist() for key, column in found.table.items()}
+    table = {key: column.tolist() for key, column in found.expressed(frame).items()}
     rows = [dict(zip(table, row, strict=True)) for row in zip(*table.values(), strict=True)]
     units = instance.units
+    moving = "the platform's origin" if frame.is_identity else "the point x y z"
     notes = [
         f"lengths in {units.length}, angles in {units.angle.value}, seconds; w v: angular velocity "
-        "and velocity of the platform's origin; alpha a: their derivatives",
+        f"and velocity of {moving}; alpha a: their derivatives",
         f"the work of the drives is the change of the energy to {found.energy_error:.1g}",
     ]
-    return Table(columns, rows, title=instance.title, notes=notes)
+    return Table(columns, rows, title=instance.title, notes=[*notes, *frame_note(frame)])

@@ -9,7 +9,14 @@ import click
 from gspcli.cli.drive_rows import times_of
 from gspcli.cli.names import load_instance
 from gspcli.cli.output import Column, Output, Table, emit, output_options
-from gspcli.cli.pose_options import ignore_option, pose_format, pose_options, text_of, warn_of_range
+from gspcli.cli.pose_options import (
+    ColumnOptions,
+    PoseConventions,
+    column_options,
+    pose_options,
+    text_of,
+    warn_of_range,
+)
 from gspcli.cli.pose_type import GivenPose, pose_value_option
 from gspcli.cli.requirements import (
     judged,
@@ -45,7 +52,7 @@ if TYPE_CHECKING:
     help="The angles of the cranks only; the values of SPEC are kept.",
 )
 @pose_options
-@ignore_option
+@column_options
 @require_option("range, cone, clearance>=0.5, condition<=50")
 @output_options()
 def command(
@@ -54,9 +61,8 @@ def command(
     pose: GivenPose | None,
     drives: bool,
     cranks: bool,
-    euler: str | None,
-    pivot: str | None,
-    ignore: tuple[str, ...],
+    conventions: PoseConventions,
+    columns: ColumnOptions,
     require: str | None,
     output: Output,
 ) -> None:
@@ -108,7 +114,7 @@ def command(
 
     instance = load_instance(spec)
     requirements = required(require)
-    form = pose_format(instance, euler, pivot, ignore)
+    form = conventions.form(instance, columns)
     if pose is None:
         table = read_poses(*text_of(str(poses)), form)
     else:

@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
 from gspcli.cli.streams import say
-from gspcli.errors import GspError
+from gspcli.errors import ArgumentError, GspError
+from gspcli.records import dataclass
 from gspcli.wording import named
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from gspcli.geometry.frames import PoseFrame
     from gspcli.geometry.instance import Instance
     from gspcli.motion import PoseFormat
 
@@ -23,65 +27,156 @@ if TYPE_CHECKING:
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 
+#: What poses can be expressed relative to.
+HOME = "home"
+
+
+@dataclass(frozen=True)
+class PoseConventions:
+    """How poses are expressed, as the options say it.
+
+    Attributes
+    ----------
+    euler
+        The order of the axes of angles, or the name of a maker.
+    pivot
+        The point whose position is expressed, as text.
+    relative_to
+        ``home``, or None.
+    """
+
+    euler: str | None = None
+    pivot: str | None = None
+    relative_to: str | None = None
+
+    @property
+    def options(self) -> list[str]:
+        """The options that are given."""
+        given = (("--euler", self.euler), ("--pivot", self.pivot), (RELATIVE, self.relative_to))
+        return [name for name, value in given if value]
+
+    def form(self, instance: Instance | None, columns: ColumnOptions | None = None) -> PoseFormat:
+        """Return what the options and the instance say of poses.
+
+        Parameters
+        ----------
+        instance
+            The platform: its units, frames and home; None where there is none yet.
+        columns
+            What the options say of the columns of a file.
+
+        Raises
+        ------
+        GspError
+            If an option is wrong, or no home is stated and that is zero.
+        """
+        from gspcli.geometry.euler import check_sequence
+        from gspcli.motion import PoseFormat
+        from gspcli.motion.files.pose_files import pivot_from_text
+
+        form = PoseFormat(
+            None if self.euler is None else check_sequence(self.euler),
+            (0.0, 0.0, 0.0) if self.pivot is None else pivot_from_text(self.pivot),
+            ignore=() if columns is None else columns.ignore,
+        )
+        if instance is None:
+            if self.relative_to is not None:
+                message = f"{RELATIVE} {HOME}: there is no platform that states a home"
+                raise GspError(message)
+            return form
+        units = instance.units
+        return replace(
+            form,
+            in_radians=units.angle.in_radians,
+            length=units.length,
+            frame=self._frame(instance),
+        )
+
+    def _frame(self, instance: Instance) -> PoseFrame:
+        from gspcli.geometry.frames import PoseFrame
+
+        try:
+            return PoseFrame.of(instance, relative=self.relative_to is not None)
+        except ArgumentError as error:
+            message = f"{RELATIVE} {HOME}: {error}"
+            raise GspError(message) from None
+
+
+RELATIVE = "--relative-to"
+
+
+def frame_note(frame: PoseFrame) -> list[str]:
+    """Return the note below a table with poses in a frame; none for the platform's own."""
+    return [] if frame.is_identity else [f"x y z and the rotation: {frame.words}"]
+
+
 def pose_options(function: Function) -> Function:
-    """Add ``--euler`` and ``--pivot``."""
-    function = click.option(
-        "--pivot",
-        metavar="X,Y,Z",
-        help="The point of the platform, in its frame, that x, y, z are the position of.",
-    )(function)
-    return click.option(
+    """Add ``--euler``, ``--pivot``, ``--relative-to``; the command gets `PoseConventions`."""
+
+    @click.option(
         "--euler",
         metavar="AXES",
         help="Order of the axes of rx, ry, rz: capitals turn with the platform (ZYX), small "
         "letters about the axes of the base (xyz).",
-    )(function)
+    )
+    @click.option(
+        "--pivot",
+        metavar="X,Y,Z",
+        help="The point of the platform, in its frame (or that of the tool that SPEC states), that "
+        "x, y, z are the position of.",
+    )
+    @click.option(
+        RELATIVE,
+        "relative_to",
+        type=click.Choice([HOME]),
+        help="Poses are expressed from the home of SPEC: zero is home.",
+    )
+    @functools.wraps(function)
+    def command(
+        *, euler: str | None, pivot: str | None, relative_to: str | None, **others: Any
+    ) -> Any:
+        return function(conventions=PoseConventions(euler, pivot, relative_to), **others)
+
+    return command  # type: ignore[return-value]
 
 
-def ignore_option(function: Function) -> Function:
-    """Add ``--ignore``; the command gets ``ignore: tuple[str, ...]``."""
+@dataclass(frozen=True)
+class ColumnOptions:
+    """What the options say of the columns of a file.
+
+    Attributes
+    ----------
+    ignore
+        Those that are left out.
+    """
+
+    ignore: tuple[str, ...] = ()
+
+    @property
+    def options(self) -> list[str]:
+        """The options that are given."""
+        return ["--ignore"] if self.ignore else []
+
+
+def column_options(function: Function) -> Function:
+    """Add ``--ignore``; the command gets ``columns: ColumnOptions``."""
 
     def names(_: click.Context, __: click.Parameter, texts: tuple[str, ...]) -> tuple[str, ...]:
         return tuple(name.strip() for text in texts for name in text.split(","))
 
-    return click.option(
+    @click.option(
         "--ignore",
         metavar="COLUMN",
         multiple=True,
         callback=names,
         help="Leave out a column of the file, by its heading (* stands for any text); may be "
         "repeated, or several between commas.",
-    )(function)
-
-
-def pose_format(
-    instance: Instance, euler: str | None, pivot: str | None, ignore: tuple[str, ...] = ()
-) -> PoseFormat:
-    """Return what the options and the instance say of a pose file."""
-    units = instance.units
-    return pose_form(euler, pivot, ignore, in_radians=units.angle.in_radians, length=units.length)
-
-
-def pose_form(
-    euler: str | None,
-    pivot: str | None,
-    ignore: tuple[str, ...] = (),
-    *,
-    in_radians: float = 1.0,
-    length: str = "",
-) -> PoseFormat:
-    """Return what the options say of a pose file."""
-    from gspcli.geometry.euler import check_sequence
-    from gspcli.motion import PoseFormat
-    from gspcli.motion.files.pose_files import pivot_from_text
-
-    return PoseFormat(
-        check_sequence(euler) if euler is not None else None,
-        pivot_from_text(pivot) if pivot is not None else (0.0, 0.0, 0.0),
-        in_radians,
-        length,
-        ignore,
     )
+    @functools.wraps(function)
+    def command(*, ignore: tuple[str, ...], **others: Any) -> Any:
+        return function(columns=ColumnOptions(ignore), **others)
+
+    return command  # type: ignore[return-value]
 
 
 def text_of(path: str) -> tuple[str, str]:

@@ -13,9 +13,11 @@ from gspcli.catalogue.types import MAX_ANGLES
 from gspcli.cli.digits import DECIMALS
 from gspcli.cli.output import Column, Table
 from gspcli.cli.summary import proved
+from gspcli.geometry.frames import IDENTITY, PoseFrame
 from gspcli.geometry.printed_numbers import printed_residual
+from gspcli.geometry.quaternions import quaternion_from_rotation
 from gspcli.records import dataclass
-from gspcli.solver.results.columns import FACTS, TRANSLATION, PoseColumn
+from gspcli.solver.results.columns import FACTS, TRANSLATION, PoseColumn, expressed_columns
 
 if TYPE_CHECKING:
     from gspcli.solver import SolveResult
@@ -54,6 +56,8 @@ class Shown:
     fits
         For each real pose what readings are off by, and whether it fits them
         (`gspcli.sensing.ReadingFit.rows`); None if there are no readings.
+    frame
+        The frame in which poses are expressed.
     """
 
     indices: Sequence[int]
@@ -61,6 +65,17 @@ class Shown:
     decimals: int | None = None
     distances: Sequence[tuple[float, float]] | None = None
     fits: Sequence[Mapping[str, Any]] | None = None
+    frame: PoseFrame = IDENTITY
+
+    @property
+    def position(self) -> Sequence[PoseColumn]:
+        """The columns of positions."""
+        return expressed_columns(TRANSLATION, self.frame)
+
+    @property
+    def turns(self) -> Sequence[PoseColumn]:
+        """The columns of rotations, as they are expressed."""
+        return expressed_columns(self.rotation, self.frame)
 
     @property
     def numbers(self) -> list[int]:
@@ -77,7 +92,7 @@ def data_table(
     summary: Sequence[str],
 ) -> Table:
     """Return every column of the poses, for programs."""
-    columns = [_NUMBER, *TRANSLATION, *shown.rotation, *FACTS]
+    columns = [_NUMBER, *shown.position, *shown.turns, *FACTS]
     read = {column.key: column.read(result) for column in columns}
     rows: list[dict[str, Any]] = []
     for index in shown.indices:
@@ -106,6 +121,17 @@ def data_table(
     return Table([Column(key) for key in keys], rows, summary=summary, part="poses")
 
 
+def add_expressed(document: dict[str, Any], result: SolveResult, shown: Shown) -> None:
+    """Add to a document how its real poses are expressed; R and T stay as they are."""
+    document["frames"] = shown.frame.to_json()
+    entries = document["solutions"]
+    for k in shown.indices:
+        if result.real[k]:
+            R, T = shown.frame.from_platform(result.R[k].real, result.T[k].real)
+            expressed = {"position": T.tolist(), "quaternion": quaternion_from_rotation(R).tolist()}
+            entries[k]["expressed"] = expressed
+
+
 def pose_tables(
     result: SolveResult,
     shown: Shown,
@@ -120,8 +146,8 @@ def pose_tables(
         return [Table([], [], title, notes=notes, summary=summary)]
     rows = _rows(result, shown)
     number = Column("number", "no.", align="right", essential=True)
-    translation = [_column(result, column, shown) for column in TRANSLATION]
-    rotation = [_column(result, column, shown) for column in shown.rotation]
+    translation = [_column(result, column, shown) for column in shown.position]
+    rotation = [_column(result, column, shown) for column in shown.turns]
     units = instance.units
     last = [
         Column("distance", f"distance [{units.length}]", "right", minor=1, aligned=True),
@@ -178,8 +204,8 @@ def lone_tables(result: SolveResult, shown: Shown) -> list[Table]:
 
 
 def _rows(result: SolveResult, shown: Shown) -> list[dict[str, Any]]:
-    pose = {column.key: column.read(result) for column in (*TRANSLATION, *shown.rotation)}
-    smallest = {column.key: _ZERO * result.arrangement.length for column in TRANSLATION}
+    pose = {column.key: column.read(result) for column in (*shown.position, *shown.turns)}
+    smallest = {column.key: _ZERO * result.arrangement.length for column in shown.position}
     known = proved(result)
     constant = len({tuple(s.sides.items()) for s in result.solutions}) == 1
     rows = []

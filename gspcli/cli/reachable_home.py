@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from gspcli.cli.output.cells import vector_text
 from gspcli.cli.real_poses import one_mode
 from gspcli.errors import GspError
+from gspcli.geometry.frames import IDENTITY, PoseFrame
 from gspcli.records import dataclass
 from gspcli.wording import shown
 
@@ -39,6 +40,8 @@ class Home:
         Its number as a mode of the instance, or None.
     placed
         Whether its position means anything.
+    frame
+        The frame in which R and T are expressed; those of the platform itself without one.
     """
 
     R: Array
@@ -47,13 +50,17 @@ class Home:
     size: float
     mode: int | None = None
     placed: bool = True
+    frame: PoseFrame = IDENTITY
 
     def document(self, instance: Instance, sequence: str, *, connected: bool) -> dict[str, Any]:
         """Return what every document of `gsp workspace` begins with."""
+        R, T = self.frame.to_platform(self.R, self.T)
+        expressed = {} if self.frame.is_identity else {"frames": self.frame.to_json()}
         return {
             "schema": "gsp.workspace/1",
             **instance.to_json(),
-            "home": {"mode": self.mode, "R": self.R.tolist(), "T": self.T.tolist()},
+            "home": {"mode": self.mode, "R": R.tolist(), "T": T.tolist()},
+            **expressed,
             "pivot": list(self.pivot),
             "sequence": sequence,
             "connected": connected,
@@ -85,20 +92,26 @@ def home_pose(
     position: str | None,
     needed: bool,
 ) -> Home:
-    """Return the home pose; its position means nothing if that is not needed."""
+    """Return the home pose; its position means nothing if that is not needed.
+
+    It is expressed in the frame of `form`, if that has one: then with the pivot as its origin.
+    """
     import numpy as np
 
     from gspcli.geometry.arrangement import Arrangement
     from gspcli.motion import read_pose
 
-    size = Arrangement.of(instance).length
+    size, frame = Arrangement.of(instance).length, IDENTITY
+    if not form.frame.is_identity:
+        frame = form.pivot_frame
+        form = replace(form, pivot=(0.0, 0.0, 0.0), frame=IDENTITY)
     if pose is not None:
-        home = Home(*pose.read(form), form.pivot, size)
+        home = Home(*pose.read(form), form.pivot, size, frame=frame)
     elif mode is None and (not needed or (orientation is not None and position is not None)):
-        home = Home(np.eye(3), np.zeros(3), form.pivot, size, placed=needed)
+        home = Home(np.eye(3), np.zeros(3), form.pivot, size, placed=needed, frame=frame)
     else:
         number, R, T = one_mode(instance, mode)
-        home = Home(R[0], T[0], form.pivot, size, number)
+        home = Home(*frame.from_platform(R[0], T[0]), form.pivot, size, number, frame=frame)
     at = home.T + home.R @ form.pivot
     if orientation is not None:
         count = 3 if form.euler else 4

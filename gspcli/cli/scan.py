@@ -23,7 +23,7 @@ from gspcli.cli.output import (
     output_options,
     write,
 )
-from gspcli.cli.pose_options import pose_format, pose_options
+from gspcli.cli.pose_options import PoseConventions, pose_options
 from gspcli.cli.pose_type import GivenPose, pose_value_option
 from gspcli.cli.progress_bars import progress
 from gspcli.cli.scan_tables import scan_table
@@ -83,8 +83,7 @@ def command(
     texts: tuple[str, ...],
     pose: GivenPose | None,
     changes: Changes,
-    euler: str | None,
-    pivot: str | None,
+    conventions: PoseConventions,
     folds: bool,
     quantity: str,
     resume: Path | None,
@@ -118,17 +117,17 @@ def command(
         --pose 0,0,7,1,0,0,0 -o singular.svg
     """
     instance = load_instance(spec, changes)
+    form = conventions.form(instance)
     if pose is not None:
         from gspcli.cli.pose_scans import scan_poses
 
         shown = "determinant" if quantity == QUANTITIES[0] else quantity
-        form = pose_format(instance, euler, pivot)
         scan_poses(instance, texts, pose, form, folds, shown, output)
         return 0
     if any(text.strip()[:1] in "xyzr" for text in texts):
         message = "--vary: coordinates of a pose vary with --pose, which says what does not"
         raise click.UsageError(message)
-    if euler or pivot:
+    if conventions.euler or conventions.pivot:
         message = "--euler and --pivot say what the numbers of --pose are: give it, too"
         raise click.UsageError(message)
     from gspcli.motion.singularities.crossings import Boundary
@@ -159,7 +158,7 @@ def command(
 
         write(output, mode_map(found, limits, quantity, output.format))
     else:
-        emit(output, scan_table(result, output.format), document=result.to_json())
+        emit(output, scan_table(result, output.format, form.frame), document=result.to_json())
     if interrupted:
         return INTERRUPTED
     _refuse_gaps(found, limits)

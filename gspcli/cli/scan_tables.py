@@ -2,28 +2,33 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from gspcli.cli.output import Column, Table
+from gspcli.cli.pose_options import frame_note
 from gspcli.wording import counted
 
 if TYPE_CHECKING:
+    from gspcli.geometry.frames import PoseFrame
     from gspcli.geometry.instance import Instance
     from gspcli.motion.singularities.scan_results import ScanResult
     from gspcli.motion.singularities.value_scans import Scan
 
 
-_POSITION = ("Tx", "Ty", "Tz")
-_POSE = (*_POSITION, "qw", "qx", "qy", "qz")
+_OWN, _EXPRESSED = ("Tx", "Ty", "Tz"), ("x", "y", "z")
+_TURN = ("qw", "qx", "qy", "qz")
 
 
-def scan_table(result: ScanResult, form: str) -> Table:
-    """Return the table of the nodes, or that of the folds."""
+def scan_table(result: ScanResult, form: str, frame: PoseFrame) -> Table:
+    """Return the table of the nodes, or that of the folds with poses as expressed in a frame."""
     found, limits, instance = result.found, result.limits, result.found.instance
+    rows = result.rows()
     if result.folds:
+        position = _OWN if frame.is_identity else _EXPRESSED
+        rows = rows if frame.is_identity else _expressed(rows, result, frame)
         columns = [Column("change", align="right", essential=True)]
         # People tell mirror images apart by their positions.
-        shown = _POSE if form == "csv" else _POSITION
+        shown = (*position, *_TURN) if form == "csv" else position
         columns += [Column(key, align="right", minor=1, aligned=True) for key in shown]
     else:
         columns = [
@@ -37,15 +42,33 @@ def scan_table(result: ScanResult, form: str) -> Table:
         cusps = sum(len(curve.cusps) for curve in limits.curves)
         curves = counted(len(limits.curves), "curve")
         notes.append(f"discriminant: {curves}, {counted(cusps, 'cusp')}")
+    if result.folds:
+        notes += frame_note(frame)
     return Table(
         [
             *(Column(name, _heading(instance, name), "right", True) for name in result.names),
             *columns,
         ],
-        result.rows(),
+        rows,
         title=instance.title,
         notes=notes,
     )
+
+
+def _expressed(
+    rows: list[dict[str, Any]], result: ScanResult, frame: PoseFrame
+) -> list[dict[str, Any]]:
+    """Return the rows of folds with their poses as they are expressed."""
+    from gspcli.geometry.quaternions import quaternion_from_rotation
+
+    found = []
+    crossings = sorted(result.limits.crossings, key=lambda one: one.values)
+    for row, one in zip(rows, crossings, strict=True):
+        R, T = frame.from_platform(one.R, one.T)
+        pose = [*T.tolist(), *quaternion_from_rotation(R).tolist()]
+        left = {key: value for key, value in row.items() if key not in _OWN}
+        found.append(left | dict(zip((*_EXPRESSED, *_TURN), pose, strict=True)))
+    return found
 
 
 def _heading(instance: Instance, name: str) -> str:

@@ -9,12 +9,18 @@ import click
 from gspcli.cli.names import load_instance
 from gspcli.cli.number_types import Positive, seed_option
 from gspcli.cli.output import Output, emit, output_options
-from gspcli.cli.pose_options import ignore_option, pose_format, pose_options, text_of
+from gspcli.cli.pose_options import (
+    ColumnOptions,
+    PoseConventions,
+    column_options,
+    pose_options,
+    text_of,
+)
 from gspcli.cli.progress_bars import working
 from gspcli.cli.value_options import Changes, value_options
 from gspcli.cli.worker_options import jobs_option
 from gspcli.errors import GspError, IncompleteError
-from gspcli.wording import counted
+from gspcli.wording import counted, listed
 
 if TYPE_CHECKING:
     from gspcli.geometry.instance import Instance
@@ -30,7 +36,7 @@ _KINDS = ("leg", "coordinate", "joint", "inclinometer")
 @value_options
 @click.option("--relative", is_flag=True, help="The values in the file are added to those of SPEC.")
 @pose_options
-@ignore_option
+@column_options
 @click.option(
     "--random",
     "count",
@@ -88,9 +94,8 @@ def command(
     rows: str | None,
     changes: Changes,
     relative: bool,
-    euler: str | None,
-    pivot: str | None,
-    ignore: tuple[str, ...],
+    conventions: PoseConventions,
+    columns: ColumnOptions,
     count: int | None,
     intervals: tuple[str, ...],
     names: tuple[str, ...],
@@ -131,8 +136,9 @@ def command(
     if rows is not None and (count is not None or intervals):
         message = "give either ROWS, or --random and --within"
         raise click.UsageError(message)
-    if rows is None and (relative or euler or pivot or ignore):
-        message = "--relative, --euler, --pivot and --ignore need ROWS"
+    about_rows = [*(["--relative"] if relative else ()), *conventions.options, *columns.options]
+    if rows is None and about_rows:
+        message = f"{listed(about_rows, 'and')}: for ROWS only, and there are none"
         raise click.UsageError(message)
     if spec == rows == "-":
         message = "SPEC and ROWS cannot both be standard input"
@@ -142,7 +148,7 @@ def command(
 
     instance = load_instance(spec, changes)
     chosen = _chosen(names, instance)
-    table = _rows(rows, instance, pose_format(instance, euler, pivot, ignore), delta=relative)
+    table = _rows(rows, instance, conventions.form(instance, columns), delta=relative)
     within = dict(map(_interval, intervals)) or None
     with working("solving"):
         result = sensors(

@@ -13,7 +13,7 @@ from gspcli.cli.many_instances import LINES, are_many, solve_many
 from gspcli.cli.names import load_instance
 from gspcli.cli.number_types import decimals_option, seed_option
 from gspcli.cli.output import FORMATS, Output, Table, emit, output_options
-from gspcli.cli.pose_options import pose_format, pose_options
+from gspcli.cli.pose_options import RELATIVE, PoseConventions, frame_note, pose_options
 from gspcli.cli.pose_type import GivenPose, near_option
 from gspcli.cli.progress_bars import working
 from gspcli.cli.reading_options import add_fit, fitted, given_readings, refuse_misfit
@@ -26,6 +26,7 @@ from gspcli.wording import listed
 if TYPE_CHECKING:
     from gspcli.cli.pose_tables import Shown
     from gspcli.geometry.instance import Instance
+    from gspcli.motion import PoseFormat
     from gspcli.sensing import ReadingFit
     from gspcli.solver import SolveResult
 
@@ -91,8 +92,7 @@ def command(
     rotation: str,
     decimals: int | None,
     near: GivenPose | None,
-    euler: str | None,
-    pivot: str | None,
+    conventions: PoseConventions,
     readings: tuple[str, ...],
     legend: bool,
     digits: int | None,
@@ -142,23 +142,25 @@ def command(
     columns = rotation_columns(rotation)
     _refuse_angles(rotation, everything=everything)
     if are_many(specs, lines=by_line) or output.format == LINES:
-        _refuse_alone(near=near, euler=euler, pivot=pivot, reading=readings, legend=legend)
-        told = _Told(seed, prove, everything, digits, documented=output.format == LINES)
-        return solve_many(specs, partial(_solved, told), changes, jobs, output, lines=by_line)
+        _refuse_alone(conventions, near=near, reading=readings, legend=legend)
+        how = _How(seed, prove, everything, digits, conventions, documented=output.format == LINES)
+        return solve_many(specs, partial(_solved, how), changes, jobs, output, lines=by_line)
     instance = load_instance(specs[0], changes)
     given = given_readings(readings, instance)
-    goal = _goal(near, euler, pivot, instance)
+    form = conventions.form(instance)
+    goal = _goal(near, conventions, form)
     with working("solving"):
         result = solve(instance, seed=seed, jobs=jobs, prove=prove)
-        shown = Shown(_indices(result, everything=everything), columns, decimals)
+        chosen = _indices(result, everything=everything)
+        shown = Shown(chosen, columns, decimals, frame=form.frame)
         if goal is not None:
             shown = _sorted(result, shown, *goal)
         if (fit := fitted(result, given)) is not None:
             shown = replace(shown, fits=fit.rows())
         proved = _refined(result, shown, digits) if digits is not None else []
         contradicting = _contradicting(result)
-        said = [] if fit is None else [fit.sentence]
-        lines = [*summary(result, contradicting=contradicting), *said]
+        lines = summary(result, contradicting=contradicting)
+        lines += [] if fit is None else [fit.sentence]
     if output.format in _READABLE:
         notes = _notes(result, shown, everything=everything, legend=legend)
         tables = pose_tables(result, shown, summary=lines, notes=notes)
@@ -185,36 +187,39 @@ def _indices(result: SolveResult, *, everything: bool) -> range:
     return range(len(result.R) if everything else result.counts.real)
 
 
-def _refuse_alone(**options: object) -> None:
+def _refuse_alone(conventions: PoseConventions, **options: object) -> None:
     """Raise for options that are about the table of one instance."""
     given = [f"--{name}" for name, value in options.items() if value]
+    given += [name for name in conventions.options if name != RELATIVE]
     if given:
         message = f"{listed(given, 'and')}: for one SPEC and its table only"
         raise click.UsageError(message)
 
 
 @dataclass(frozen=True)
-class _Told:
+class _How:
     """How each of many instances is solved, and whether its document is asked for."""
 
     seed: int
     prove: bool | None
     everything: bool
     digits: int | None
+    conventions: PoseConventions
     documented: bool
 
 
-def _solved(told: _Told, instance: Instance) -> tuple[SolveResult, dict[str, Any], GspError | None]:
+def _solved(how: _How, instance: Instance) -> tuple[SolveResult, dict[str, Any], GspError | None]:
     """Return the result of one of many instances, its document, and what its exit code says."""
     from gspcli.cli.pose_tables import Shown
     from gspcli.solver import solve
 
-    result = solve(instance, seed=told.seed, jobs=1, prove=told.prove)
+    frame = how.conventions.form(instance).frame
+    result = solve(instance, seed=how.seed, jobs=1, prove=how.prove)
     document: dict[str, Any] = {}
-    if told.documented:
-        every = told.everything
-        shown = Shown(_indices(result, everything=every), (), None)
-        proved = _refined(result, shown, told.digits) if told.digits is not None else []
+    if how.documented:
+        every = how.everything
+        shown = Shown(_indices(result, everything=every), (), None, frame=frame)
+        proved = _refined(result, shown, how.digits) if how.digits is not None else []
         contradicting = _contradicting(result)
         document = _document(result, shown, proved, contradicting, None, everything=every)
     try:
@@ -251,12 +256,12 @@ def _refuse_angles(rotation: str, *, everything: bool) -> None:
 
 
 def _goal(
-    near: GivenPose | None, euler: str | None, pivot: str | None, instance: Instance
+    near: GivenPose | None, conventions: PoseConventions, form: PoseFormat
 ) -> tuple[Any, Any] | None:
     """Return the pose that others are compared with."""
     if near is not None:
-        return near.read(pose_format(instance, euler, pivot))
-    if euler or pivot:
+        return near.read(form)
+    if conventions.euler or conventions.pivot:
         message = "--euler and --pivot say what the numbers of --near are: give it, too"
         raise click.UsageError(message)
     return None
@@ -267,7 +272,7 @@ def _notes(result: SolveResult, shown: Shown, *, everything: bool, legend: bool)
     from gspcli.cli.pose_tables import LEGEND
     from gspcli.cli.summary import remarks
 
-    notes = remarks(result, shown.numbers)
+    notes = [*frame_note(shown.frame), *remarks(result, shown.numbers)]
     if not everything and (others := len(result.R) - len(shown.indices)):
         notes.append(f"{others} more are not real: --all shows them")
     if shown.distances is not None:
@@ -294,12 +299,16 @@ def _document(
     everything: bool,
 ) -> dict[str, Any]:
     """Return the result for JSON, with what was asked for besides."""
+    from gspcli.cli.pose_tables import add_expressed
+
     document = result.to_json(everything=everything)
     entries = [document["solutions"][k] for k in shown.indices]
     for entry, pose in zip(entries, proved, strict=False):
         entry["refined"] = pose
     for entry, (length, angle) in zip(entries, shown.distances or (), strict=False):
         entry["distance"] = {"translation": length, "turn": angle}
+    if not shown.frame.is_identity:
+        add_expressed(document, result, shown)
     document["solutions"] = entries
     if contradicting:
         document["contradicting"] = list(contradicting)

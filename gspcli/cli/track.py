@@ -12,7 +12,13 @@ from gspcli.cli.mode_option import Mode, mode_option
 from gspcli.cli.names import load_instance
 from gspcli.cli.number_types import Whole
 from gspcli.cli.output import Output, emit, output_options
-from gspcli.cli.pose_options import ignore_option, pose_format, pose_options, text_of
+from gspcli.cli.pose_options import (
+    ColumnOptions,
+    PoseConventions,
+    column_options,
+    pose_options,
+    text_of,
+)
 from gspcli.cli.pose_type import GivenPose, near_option
 from gspcli.cli.progress_bars import working
 from gspcli.cli.real_poses import mode_number
@@ -85,7 +91,7 @@ if TYPE_CHECKING:
 )
 @require_option("range, cone, clearance>=0.5, condition<=50")
 @pose_options
-@ignore_option
+@column_options
 @jobs_option
 @output_options()
 def command(
@@ -103,9 +109,8 @@ def command(
     pose_clear: bool,
     no_certify: bool,
     require: str | None,
-    euler: str | None,
-    pivot: str | None,
-    ignore: tuple[str, ...],
+    conventions: PoseConventions,
+    columns: ColumnOptions,
     jobs: int,
     output: Output,
 ) -> None:
@@ -158,7 +163,7 @@ def command(
 
     instance = load_instance(spec, changes)
     requirements = required(require)
-    form = pose_format(instance, euler, pivot, ignore)
+    form = conventions.form(instance, columns)
     table = read_values(*text_of(values), instance, form, delta=relative).subdivided(steps)
     start = table.start if near is None else near.read(form)
     if near is None and (mode is not None or all_modes or everything):
@@ -181,13 +186,13 @@ def command(
         limits = limit_events(result)
     with working("looking for singularities"):
         more = _clearances(result, requirements, clear=clear, pose_clear=pose_clear)
-    rows = result.rows(more)
-    verdicts, columns = judged_track(result, limits, requirements, rows)
-    shown = track_table(result, rows, limits, columns, track_lines(verdicts, rows, steps))
+    rows = result.rows(more, form.frame)
+    verdicts, added = judged_track(result, limits, requirements, rows)
+    shown = track_table(result, rows, limits, added, track_lines(verdicts, rows, steps), form.frame)
     left = [] if table.poses is None else departures(result, *table.poses)
-    told = {"limits": [*map(plain_limit, limits)], **track_entries(verdicts, rows, steps)}
-    told["departures"] = [one.to_json(form.in_radians) for one in left]
-    emit(output, shown, document=result.to_json(rows) | told)
+    said = {"limits": [*map(plain_limit, limits)], **track_entries(verdicts, rows, steps)}
+    said["departures"] = [one.to_json(form.in_radians) for one in left]
+    emit(output, shown, document=result.to_json(rows, form.frame) | said)
     _tell(result, limits, output)
     _refuse_losses(result, left, allowed=allow_loss)
     refuse(verdicts)

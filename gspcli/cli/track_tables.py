@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from gspcli.cli.limit_sentences import cones_notes
 from gspcli.cli.output import Column, Table
+from gspcli.cli.pose_options import frame_note
 from gspcli.wording import counted
 
 if TYPE_CHECKING:
@@ -14,6 +15,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from gspcli.geometry.frames import PoseFrame
     from gspcli.motion import Event, Track
     from gspcli.motion.following.limit_events import LimitEvent
 
@@ -26,6 +28,7 @@ def track_table(
     limits: list[LimitEvent],
     more: list[Column],
     summary: list[str],
+    frame: PoseFrame,
 ) -> Table:
     """Return the table of the rows, with what is proved of the track below it."""
     from gspcli.motion.following.tracks import POSE
@@ -56,7 +59,7 @@ def track_table(
     )
     if result.complete:
         note += "; every real pose at the last row is accounted for"
-    notes = [note, *cones_notes(result, limits)]
+    notes = [note, *cones_notes(result, limits), *frame_note(frame)]
     return Table(columns, rows, title=title, notes=notes, summary=summary)
 
 

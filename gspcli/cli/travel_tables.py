@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from gspcli.cli.grids import PARAMETERS, span_of
 from gspcli.cli.output import Column, Output, Table, emit
+from gspcli.cli.pose_options import frame_note
 from gspcli.cli.progress_bars import progress
 from gspcli.cli.reachable_home import Home
 from gspcli.errors import GspError
@@ -92,6 +93,7 @@ def show_travels(
         f"from home: {home.text}",
         f"x, y, z in {units.length}, rx, ry, rz in {units.angle.value}; proved: up to there {what}",
     ]
+    notes += frame_note(home.frame)
     if any(row["down"] is None for row in rows):
         notes.append("without numbers: the pose from which an axis would travel leaves the limits")
     prefix = "held_"

@@ -13,7 +13,13 @@ import click
 from gspcli.cli.mode_option import Mode, chosen, mode_option
 from gspcli.cli.names import load_instance
 from gspcli.cli.output import DRAWINGS, Output, check_writable, output_options, write
-from gspcli.cli.pose_options import ignore_option, pose_format, pose_options, text_of
+from gspcli.cli.pose_options import (
+    ColumnOptions,
+    PoseConventions,
+    column_options,
+    pose_options,
+    text_of,
+)
 from gspcli.cli.progress_bars import working
 from gspcli.cli.streams import say
 from gspcli.cli.value_options import Changes, value_options
@@ -42,7 +48,7 @@ _PAGE = "html"
     "standard input.",
 )
 @pose_options
-@ignore_option
+@column_options
 @click.option(
     "--live",
     is_flag=True,
@@ -67,9 +73,8 @@ def command(
     changes: Changes,
     mode: Mode | None,
     track: str | None,
-    euler: str | None,
-    pivot: str | None,
-    ignore: tuple[str, ...],
+    conventions: PoseConventions,
+    columns: ColumnOptions,
     live: bool,
     opened: bool,
     all_modes: bool,
@@ -114,7 +119,7 @@ def command(
 
     view = _view(seen_from)
     instance = load_instance(spec, changes)
-    form = pose_format(instance, euler, pivot, ignore)
+    form = conventions.form(instance, columns)
     tracks = read_tracks(*text_of(track), form) if track is not None else []
     if output.path is None and (opened or sys.stdout.isatty()):
         path = Path(f"{_stem(spec)}.{output.format}")
@@ -134,6 +139,7 @@ def command(
             live=live,
             tracks=tracks,
             summary=" ".join(f"{line}." for line in summary(result)) if paged else "",
+            frame=form.frame,
         )
     write(output, content)
     if output.path is not None:

@@ -21,7 +21,7 @@ from gspcli.cli.output import (
     output_options,
     write,
 )
-from gspcli.cli.pose_options import pose_format, pose_options
+from gspcli.cli.pose_options import PoseConventions, pose_options
 from gspcli.cli.pose_type import GivenPose, pose_value_option
 from gspcli.cli.progress_bars import progress
 from gspcli.cli.reachable_home import Home, home_pose
@@ -35,7 +35,7 @@ from gspcli.wording import shown
 
 if TYPE_CHECKING:
     from gspcli.geometry.instance import Instance
-    from gspcli.motion import Workspace
+    from gspcli.motion import PoseFormat, Workspace
 
 #: The tolerance without --gap, and where every box is shown.
 _TOLERANCE, _COARSE = 0.01, 0.1
@@ -107,8 +107,7 @@ def command(
     gap: float | None,
     most_boxes: int,
     listed: bool,
-    euler: str | None,
-    pivot: str | None,
+    conventions: PoseConventions,
     jobs: int,
     output: Output,
 ) -> None:
@@ -144,25 +143,26 @@ def command(
     free = _free(over, orientation, position)
     _check(free, intervals, held, listed, output)
     instance = load_instance(spec, changes)
-    form = pose_format(instance, euler, pivot)
+    form = conventions.form(instance)
     only = instance.home is not None if connected is None else connected
     home = home_pose(
         instance, form, mode=mode, pose=pose, orientation=orientation, position=position,
         needed=free is None or only or orientation is None or set(free) != set("xyz"),
     )  # fmt: skip
-    sequence = euler or "ZYX"
+    sequence = form.euler or "ZYX"
+    moving = _moving(instance, conventions, form)
     if free is None:
-        show_travels(instance, home, sequence, held, output, connected=only)
+        show_travels(moving, home, sequence, held, output, connected=only)
         return
     if connected is None and only:
-        only = _keeps_limits(instance, home)
+        only = _keeps_limits(moving, home)
     coarse = (listed or output.format in DRAWINGS) and len(free) >= 3
     wanted = gap or (_COARSE if coarse else _TOLERANCE)
     from gspcli.motion.workspace.box_division import workspace
 
     with _interruptible() as interrupted:
         found = workspace(
-            instance,
+            moving,
             home.R,
             home.T,
             free=free,
@@ -176,10 +176,21 @@ def command(
             progress=progress,
             stop=interrupted,
         )
-    _show(found, home, listed, output)
+    _show(found, home, instance, listed, output)
     if interrupted():
         raise KeyboardInterrupt
     _refuse_wide_bounds(found, wanted)
+
+
+def _moving(instance: Instance, conventions: PoseConventions, form: PoseFormat) -> Instance:
+    """Return the platform in the frames in which its poses are expressed."""
+    if form.frame.is_identity:
+        return instance
+    from gspcli.geometry.expressed_instances import expressed_instance
+
+    return expressed_instance(
+        instance, pivot=form.pivot, relative=conventions.relative_to is not None
+    )
 
 
 def _one_home(mode: object, pose: object) -> None:
@@ -269,7 +280,7 @@ def _interval(text: str) -> tuple[str, tuple[float, float]]:
     return name, (low, high)
 
 
-def _show(found: Workspace, home: Home, listed: bool, output: Output) -> None:
+def _show(found: Workspace, home: Home, instance: Instance, listed: bool, output: Output) -> None:
     if output.format in DRAWINGS:
         from gspcli.pictures.slices import workspace_slices
 
@@ -282,6 +293,6 @@ def _show(found: Workspace, home: Home, listed: bool, output: Output) -> None:
     boxes = box_rows(found) if listed else []
     document = None
     if output.format == "json":
-        document = workspace_document(found, home, boxes if listed else None)
-    table = box_table(found, boxes) if listed else volume_table(found, home)
+        document = workspace_document(found, home, instance, boxes if listed else None)
+    table = box_table(found, boxes) if listed else volume_table(found, home, instance)
     emit(output, table, document=document)

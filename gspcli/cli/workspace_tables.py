@@ -6,11 +6,13 @@ from typing import TYPE_CHECKING, Any
 
 from gspcli.cli.grids import PARAMETERS
 from gspcli.cli.output import Column, Table
+from gspcli.cli.pose_options import frame_note
 from gspcli.cli.reachable_home import Home
 from gspcli.errors import GspError
 from gspcli.wording import listed
 
 if TYPE_CHECKING:
+    from gspcli.geometry.instance import Instance
     from gspcli.motion import Workspace
 
 
@@ -18,22 +20,21 @@ _POSE = ("x", "y", "z", "qw", "qx", "qy", "qz")
 
 
 def workspace_document(
-    found: Workspace, home: Home, boxes: list[dict[str, Any]] | None
+    found: Workspace, home: Home, instance: Instance, boxes: list[dict[str, Any]] | None
 ) -> dict[str, Any]:
-    """Return a workspace for JSON, with its boxes if they are asked for."""
-    heading = home.document(found.instance, found.boxes.sequence, connected=found.connected)
+    """Return a workspace of an instance for JSON, with its boxes if they are asked for."""
+    heading = home.document(instance, found.boxes.sequence, connected=found.connected)
     document = {
         **heading,
         "travel": None,
         **found.to_json(),
-        "modes_inside": modes_inside(found),
+        "modes_inside": modes_inside(found, home, instance),
     }
     if boxes is not None:
         document["boxes"] = [
             {
                 "status": row["status"],
-                "T": [row[key] for key in _POSE[:3]],
-                "quaternion": [row[key] for key in _POSE[3:]],
+                **_own_pose(row, home),
                 "box": {name: [row[f"{name}_low"], row[f"{name}_high"]] for name in found.free},
             }
             for row in boxes
@@ -41,7 +42,20 @@ def workspace_document(
     return document
 
 
-def modes_inside(found: Workspace) -> list[int]:
+def _own_pose(row: dict[str, Any], home: Home) -> dict[str, list[float]]:
+    """Return the pose of the platform itself in the middle of a box."""
+    position, quaternion = ([row[key] for key in keys] for keys in (_POSE[:3], _POSE[3:]))
+    if not home.frame.is_identity:
+        import numpy as np
+
+        from gspcli.geometry.quaternions import quaternion_from_rotation, rotation_from_quaternion
+
+        R, T = home.frame.to_platform(rotation_from_quaternion(np.array(quaternion)), position)
+        position, quaternion = T.tolist(), quaternion_from_rotation(R).tolist()
+    return {"T": position, "quaternion": quaternion}
+
+
+def modes_inside(found: Workspace, home: Home, instance: Instance) -> list[int]:
     """Return the numbers of the modes of SPEC that are in the set, if all its parts are counted.
 
     Of two of them one is the mirror image of the other, for instance.
@@ -51,20 +65,20 @@ def modes_inside(found: Workspace) -> list[int]:
     if found.connected:
         return []
     try:
-        R, T = real_poses(found.instance)
+        R, T = home.frame.from_platform(*real_poses(instance))
     except GspError:
         # Without numbers there is nothing to name.
         return []
     return [k + 1 for k, judged in enumerate(found.judged_poses(R, T).tolist()) if judged >= 0]
 
 
-def _parts_note(found: Workspace) -> list[str]:
+def _parts_note(found: Workspace, home: Home, instance: Instance) -> list[str]:
     if found.connected:
         return [
             "connected with home; not counted: what lies beyond singular poses, such as a mirror "
             "image (--all-parts)"
         ]
-    inside = modes_inside(found)
+    inside = modes_inside(found, home, instance)
     if len(inside) < 2:
         return []
     names = listed([str(number) for number in inside], "and")
@@ -74,7 +88,7 @@ def _parts_note(found: Workspace) -> list[str]:
     ]
 
 
-def volume_table(found: Workspace, home: Home) -> Table:
+def volume_table(found: Workspace, home: Home, instance: Instance) -> Table:
     """Return the extents over each parameter, and the volume above them."""
     low, high = found.volume
     count = len(found.inner_keys)
@@ -86,7 +100,8 @@ def volume_table(found: Workspace, home: Home) -> Table:
         f"home: {home.text}",
         f"proved: {count} boxes inside, {len(found.open_keys)} between, {found.judged} judged; the "
         "set ends between least and lowest and between highest and most",
-        *_parts_note(found),
+        *_parts_note(found, home, instance),
+        *frame_note(home.frame),
     ]
     columns = [
         Column("name", essential=True),

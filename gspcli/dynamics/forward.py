@@ -17,8 +17,15 @@ from gspcli.dynamics.arrays import checked_array, checked_rows, make_read_only, 
 from gspcli.dynamics.drives import Drives
 from gspcli.dynamics.mass_model import MassModel
 from gspcli.dynamics.moving_bodies import MovingBodies, equation_of_motion
-from gspcli.dynamics.trajectories import ACCELERATION, VELOCITY, check_times
+from gspcli.dynamics.trajectories import (
+    ACCELERATION,
+    VELOCITY,
+    Motion,
+    check_times,
+    expressed_motion,
+)
 from gspcli.errors import ArgumentError, GspError, IncompleteError
+from gspcli.geometry.frames import IDENTITY, PoseFrame
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.quaternions import (
     apply,
@@ -97,9 +104,7 @@ class SimulatedMotion:
     @cached_property
     def quaternions(self) -> Array:
         """Unit quaternions of the rotations, scalar first, continuous along the motion (n, 4)."""
-        e = quaternion_from_rotation(self.R)
-        e[1:] *= np.where(dot(e[1:], e[:-1]) < 0, -1.0, 1.0).cumprod()[:, None]
-        return e
+        return _continuous(self.R)
 
     @cached_property
     def table(self) -> dict[str, Array]:
@@ -107,11 +112,17 @@ class SimulatedMotion:
 
         ``t``, the pose, VELOCITY and ACCELERATION: what `gsp dynamics` reads; then the energies.
         """
+        return self.expressed()
+
+    def expressed(self, frame: PoseFrame = IDENTITY) -> dict[str, Array]:
+        """Return `table` with poses and their motion as they are expressed in a frame."""
+        R, T = frame.from_platform(self.R, self.T)
+        motion = expressed_motion(frame, self.R, Motion(self.twists, self.accelerations))
         angle = np.repeat([1 / self.instance.units.angle.in_radians, 1.0], 3)
         columns = {"t": self.t}
-        columns |= zip(POSE, np.concatenate((self.T, self.quaternions), axis=1).T, strict=True)
-        columns |= zip(VELOCITY, (self.twists * angle).T, strict=True)
-        columns |= zip(ACCELERATION, (self.accelerations * angle).T, strict=True)
+        columns |= zip(POSE, np.concatenate((T, _continuous(R)), axis=1).T, strict=True)
+        columns |= zip(VELOCITY, (motion.twists * angle).T, strict=True)
+        columns |= zip(ACCELERATION, (motion.accelerations * angle).T, strict=True)
         energies = {"kinetic": self.kinetic, "potential": self.potential, "work": self.work}
         return columns | energies
 
@@ -121,16 +132,24 @@ class SimulatedMotion:
 
         return pd.DataFrame(self.table)
 
-    def to_json(self) -> dict[str, Any]:
-        """Return everything as plain data."""
-        columns = {name: plain(column) for name, column in self.table.items()}
+    def to_json(self, frame: PoseFrame = IDENTITY) -> dict[str, Any]:
+        """Return everything as plain data, with poses as they are expressed in a frame."""
+        columns = {name: plain(column) for name, column in self.expressed(frame).items()}
         rows = [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
         return {
             "schema": "gsp.dynamics-motion/1",
             **self.instance.to_json(),
             "energy_error": self.energy_error,
+            **({} if frame.is_identity else {"frames": frame.to_json()}),
             "rows": rows,
         }
+
+
+def _continuous(R: Array) -> Array:
+    """Return unit quaternions of rotations, with signs that do not change along them, (n, 4)."""
+    e = quaternion_from_rotation(R)
+    e[1:] *= np.where(dot(e[1:], e[:-1]) < 0, -1.0, 1.0).cumprod()[:, None]
+    return e
 
 
 def forward_dynamics(

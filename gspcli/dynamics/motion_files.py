@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
-
 import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.dynamics.drive_forces import FORCES
 from gspcli.dynamics.drives import Drives
 from gspcli.dynamics.mass_model import MassModel
-from gspcli.dynamics.trajectories import ACCELERATION, VELOCITY, Motion
+from gspcli.dynamics.trajectories import ACCELERATION, VELOCITY, Motion, motion_of_platform
 from gspcli.geometry.instance import Instance
-from gspcli.geometry.quaternions import apply, cross
 from gspcli.geometry.readings import factors
 from gspcli.motion import PoseFormat, read_poses, read_values
 from gspcli.motion.files.number_tables import NumberTable
@@ -26,6 +23,7 @@ RATES = tuple(f"v{k}" for k in range(1, 7))
 SECOND_RATES = tuple(f"a{k}" for k in range(1, 7))
 #: Those of forces, as headings are read.
 _FORCES = tuple(name.lower() for name in FORCES)
+_ANY = PoseFormat()
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,18 +119,8 @@ def _pose_rows(table: NumberTable, instance: Instance, form: PoseFormat) -> Pose
     if velocity is not None and acceleration is not None:
         angles = np.repeat([instance.units.angle.in_radians, 1.0], 3)
         at_pivot = Motion(velocity * angles, acceleration * angles)
-        motion = _of_origin(at_pivot, apply(poses.R, np.array(form.pivot)))
+        motion = motion_of_platform(form.pivot_frame, poses.R, at_pivot)
     return PoseRows(poses.t, poses.R, poses.T, motion)
-
-
-def _of_origin(motion: Motion, arm: Array) -> Motion:
-    """Return the motion of the origin of the platform from that of a point at an arm from it."""
-    omega, alpha = motion.twists[:, :3], motion.accelerations[:, :3]
-    twists, accelerations = motion.twists.copy(), motion.accelerations.copy()
-    turned = cross(omega, arm)
-    twists[:, 3:] -= turned
-    accelerations[:, 3:] -= cross(alpha, arm) + cross(omega, turned)
-    return Motion(twists, accelerations)
 
 
 def motion_of_values(
@@ -158,22 +146,22 @@ def motion_of_values(
     return Motion(twists / lengths, accelerations / lengths)
 
 
-def read_forces(text: str, name: str, ignore: Collection[str] = ()) -> ForceRows:
+def read_forces(text: str, name: str, form: PoseFormat = _ANY) -> ForceRows:
     """Read forces of the drives at times: columns t and F1 ... F6.
 
     Parameters
     ----------
     text, name
         The content, and how messages name it.
-    ignore
-        Columns that are left out.
+    form
+        What it does not say: columns that are left out.
 
     Raises
     ------
     SpecError
         With all mistakes, each with line and column.
     """
-    table = NumberTable(text, name, ignore=ignore)
+    table = NumberTable(text, name, ignore=form.ignore)
     columns = table.choose(("t", *_FORCES))
     table.refuse_others({"t", *_FORCES}, "t and F1 ... F6")
     numbers = table.numbers(columns or ())

@@ -9,7 +9,13 @@ from numpy.typing import NDArray
 
 from gspcli.dynamics.quintic_splines import FEWEST_ROWS, derivatives
 from gspcli.errors import ArgumentError
-from gspcli.geometry.quaternions import conjugate, quaternion_from_rotation, quaternion_product
+from gspcli.geometry.frames import PoseFrame
+from gspcli.geometry.quaternions import (
+    conjugate,
+    cross,
+    quaternion_from_rotation,
+    quaternion_product,
+)
 
 Array = NDArray[np.float64]
 
@@ -29,6 +35,48 @@ class Motion(NamedTuple):
 
     twists: Array
     accelerations: Array
+
+
+def motion_of_platform(frame: PoseFrame, R: Array, expressed: Motion) -> Motion:
+    """Return the motion of the platform's origin from an expressed motion.
+
+    Parameters
+    ----------
+    frame
+        The frame in which poses are expressed: an expressed motion is that of its point of the
+        platform, along its axes of the base.
+    R
+        Rotations of the platform at n poses, shape (n, 3, 3).
+    expressed
+        The expressed motion.
+    """
+    axes, arm = frame.of_base.R, frame.of_platform.T
+    if axes is not None:
+        expressed = Motion(*(_turned(part, axes.T) for part in expressed))
+    return expressed if arm is None else _at(expressed, R @ -arm)
+
+
+def expressed_motion(frame: PoseFrame, R: Array, motion: Motion) -> Motion:
+    """Return how the motion of the platform's origin is expressed."""
+    axes, arm = frame.of_base.R, frame.of_platform.T
+    if arm is not None:
+        motion = _at(motion, R @ arm)
+    return motion if axes is None else Motion(*(_turned(part, axes) for part in motion))
+
+
+def _turned(vectors: Array, axes: Array) -> Array:
+    """Return rows of two vectors each in other axes, shape (n, 6)."""
+    return (vectors.reshape(-1, 3) @ axes).reshape(vectors.shape)
+
+
+def _at(motion: Motion, arm: Array) -> Motion:
+    """Return the motion of a point at an arm from the one whose motion is given."""
+    omega, alpha = motion.twists[:, :3], motion.accelerations[:, :3]
+    twists, accelerations = motion.twists.copy(), motion.accelerations.copy()
+    turned = cross(omega, arm)
+    twists[:, 3:] += turned
+    accelerations[:, 3:] += cross(alpha, arm) + cross(omega, turned)
+    return Motion(twists, accelerations)
 
 
 def at_rest(poses: int) -> Motion:

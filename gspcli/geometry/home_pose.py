@@ -1,4 +1,4 @@
-"""The home pose that an instance file states."""
+"""The home pose and the frames that an instance file states."""
 
 from __future__ import annotations
 
@@ -72,3 +72,27 @@ class HomePose:
             return rotation_from_euler(self.euler, angles)
         quaternion = unit_quaternion(np.array([part.value for part in self.quaternion]))
         return np.asarray(rotation_from_quaternion(quaternion), float)
+
+
+@dataclass(frozen=True, init=False)
+class Frame(HomePose):
+    """A frame that is fixed in a body: as `HomePose`, of the frame in that body.
+
+    `position` is its origin, which files call ``point``; the rotation turns its axes.
+    """
+
+
+@dataclass(frozen=True)
+class Frames:
+    """The frames that an instance file states.
+
+    Attributes
+    ----------
+    tool
+        In the platform; None for the platform's own frame.
+    work
+        In the base; None for the base's own frame.
+    """
+
+    tool: Frame | None = None
+    work: Frame | None = None

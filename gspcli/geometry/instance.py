@@ -19,7 +19,7 @@ from gspcli.geometry.primitives import Geometry
 from gspcli.records import dataclass
 
 if TYPE_CHECKING:
-    from gspcli.geometry.home_pose import HomePose
+    from gspcli.geometry.home_pose import Frames, HomePose
     from gspcli.geometry.masses import Dynamics
 
 
@@ -161,6 +161,9 @@ class Instance:
         Masses, inertias and drives, or None if the file states none. They change no pose.
     home
         The stated home of the machine, or None. It selects one of the real poses and changes none.
+    frames
+        The frames in which commands read and print poses, or None (`gspcli.PoseFrame`). They
+        change no pose.
     """
 
     constraints: tuple[Constraint, ...]
@@ -170,6 +173,7 @@ class Instance:
     further: tuple[tuple[str, str, Geometry], ...] = ()
     dynamics: Dynamics | None = None
     home: HomePose | None = None
+    frames: Frames | None = None
 
     def __repr__(self) -> str:
         kinds = " ".join(row.kind.name for row in self.constraints)

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from gspcli.errors import ArgumentError
+from gspcli.geometry.frames import IDENTITY, PoseFrame
 from gspcli.geometry.instance import Instance
+from gspcli.geometry.quaternions import quaternion_from_rotation
 from gspcli.motion.poses.chosen_mode import chosen_mode
 from gspcli.pictures.line_drawings import drawing
-from gspcli.pictures.page import page
+from gspcli.pictures.page import number, page
 from gspcli.pictures.projection import View
 from gspcli.pictures.scene import Scene
 from gspcli.pictures.shown_poses import Poses
@@ -84,6 +87,7 @@ def viewed(
     live: bool = False,
     tracks: Sequence[Poses] = (),
     summary: str = "",
+    frame: PoseFrame = IDENTITY,
 ) -> tuple[Scene, bytes]:
     """Return the scene of a result and the content of a file that shows it.
 
@@ -97,9 +101,11 @@ def viewed(
         From where it is seen first; a usual one if None.
     tracks, summary
         Of a page, as for `scene_of`.
+    frame
+        Of a page, the frame in which poses are expressed beside the platform's own.
     """
     if fmt == _PAGE:
-        scene = scene_of(result, tracks, summary=summary)
+        scene = _expressed(scene_of(result, tracks, summary=summary), frame)
         if live:
             from gspcli.pictures.live_numbers import live_numbers
             from gspcli.pictures.live_page import live_page
@@ -113,6 +119,23 @@ def viewed(
     alone = not all_modes and result.drawn.counts.real > 0
     scene = scene_of(result, only=start if alone else None)
     return scene, drawing(scene, fmt, range(len(scene.series[0])), view, names=names)
+
+
+def _expressed(scene: Scene, frame: PoseFrame) -> Scene:
+    """Return a scene in which each pose has what it is expressed as among its facts."""
+    if frame.is_identity:
+        return scene
+    series = []
+    for one in scene.series:
+        R, T = frame.from_platform(one.R, one.T)
+        numbers = {"expressed x, y, z": T, "expressed qw, qx, qy, qz": quaternion_from_rotation(R)}
+        size = {"expressed x, y, z": scene.size}
+        facts = {
+            name: [", ".join(number(x, size.get(name, 1.0)) for x in row) for row in rows.tolist()]
+            for name, rows in numbers.items()
+        }
+        series.append(replace(one, facts={**one.facts, **facts}))
+    return replace(scene, series=tuple(series))
 
 
 def _first_series(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping as Table
 from dataclasses import replace
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from gspcli.catalogue.kinds import ANGLE_KINDS, DISTANCE_KINDS, DPP, KINDS_BY_NAME, Kind
 from gspcli.catalogue.names import parse_type
@@ -28,7 +28,7 @@ from gspcli.spec.plain import ConstraintFields, InstanceFields, PrimitiveFields
 from gspcli.wording import listed, shown, suggestion
 
 if TYPE_CHECKING:
-    from gspcli.geometry.home_pose import HomePose
+    from gspcli.geometry.home_pose import Frames, HomePose
     from gspcli.geometry.masses import Dynamics
     from gspcli.spec.models import ConstraintModel, InstanceModel, PrimitiveModel
 
@@ -127,6 +127,7 @@ class FileChecker:
             self._further(complete),
             dynamics,
             self._home(),
+            self._frames(),
         )
         self._check_type(instance)
         return instance
@@ -334,10 +335,19 @@ class FileChecker:
             return None
         from gspcli.geometry.home_pose import HomePose
 
-        if stated.euler is None:
-            return HomePose(stated.position, stated.quaternion)
-        angles = [angle or Number.of(0) for angle in (stated.rx, stated.ry, stated.rz)]
-        return HomePose(stated.position, euler=stated.euler, angles=angles)
+        return HomePose(stated.position, **_rotation(stated))
+
+    def _frames(self) -> Frames | None:
+        stated = self.model.frames
+        if stated is None or stated.tool is stated.work is None:
+            return None
+        from gspcli.geometry.home_pose import Frame, Frames
+
+        tool, work = (
+            None if one is None else Frame(one.point, **_rotation(one))
+            for one in (stated.tool, stated.work)
+        )
+        return Frames(tool, work)
 
     def _check_type(self, instance: Instance) -> None:
         if self.model.type is None:
@@ -381,3 +391,11 @@ class FileChecker:
 
                 found += doubts_of_drives(self.root[Scalar(where)], body)
         return found
+
+
+def _rotation(stated: Any) -> dict[str, Any]:
+    """Return the rotation of home or of a frame, as the arguments of `HomePose`."""
+    if stated.euler is None:
+        return {"quaternion": stated.quaternion}
+    angles = [angle or Number.of(0) for angle in (stated.rx, stated.ry, stated.rz)]
+    return {"euler": stated.euler, "angles": angles}

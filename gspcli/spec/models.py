@@ -199,30 +199,70 @@ class ConstraintModel(Section):
 Body = Annotated[dict[str, Tolerant[PrimitiveModel]], BeforeValidator(_body)]
 
 
+Quaternion = Annotated[
+    list[Real] | SkipJsonSchema[None],
+    Field(min_length=4, max_length=4),
+    list_of("four numbers [w, x, y, z]", 4),
+    AfterValidator(entries.turning),
+]
+Order = Annotated[
+    str | SkipJsonSchema[None],
+    BeforeValidator(entries.axes),
+    WithJsonSchema({"type": "string", "pattern": "^([xyz]{3}|[XYZ]{3})$"}),
+]
+#: Angles need the order of their axes, and are given instead of a quaternion.
+_ORDERED = {"rx": "euler", "ry": "euler", "rz": "euler"}
+_EITHER = (("quaternion", "euler"),)
+
+
 class HomeModel(Section):
     """The pose of the machine at home: x_base = R x_platform + position."""
 
-    needs: ClassVar[dict[str, str]] = {"rx": "euler", "ry": "euler", "rz": "euler"}
-    excludes = (("quaternion", "euler"),)
+    needs: ClassVar[dict[str, str]] = _ORDERED
+    excludes = _EITHER
 
     position: Vector = Field(description="Of the platform's origin in the base.")
-    quaternion: Annotated[
-        list[Real] | SkipJsonSchema[None],
-        Field(min_length=4, max_length=4),
-        list_of("four numbers [w, x, y, z]", 4),
-        AfterValidator(entries.turning),
-    ] = Field(None, description="The rotation R, of any length but zero. Default: no turn.")
+    quaternion: Quaternion = Field(
+        None, description="The rotation R, of any length but zero. Default: no turn."
+    )
     rx: Real | SkipJsonSchema[None] = _turn("x")
     ry: Real | SkipJsonSchema[None] = _turn("y")
     rz: Real | SkipJsonSchema[None] = _turn("z")
-    euler: Annotated[
-        str | SkipJsonSchema[None],
-        BeforeValidator(entries.axes),
-        WithJsonSchema({"type": "string", "pattern": "^([xyz]{3}|[XYZ]{3})$"}),
-    ] = Field(
+    euler: Order = Field(
         None,
         description="The order of the axes of rx, ry and rz: capitals turn with the platform, "
         "small letters about the axes of the base.",
+    )
+
+
+class FrameModel(Section):
+    """A frame that is fixed in a body: x_body = R x_frame + point."""
+
+    needs: ClassVar[dict[str, str]] = _ORDERED
+    excludes = _EITHER
+
+    point: Vector = Field(description="Its origin, in the frame of the body.")
+    quaternion: Quaternion = Field(
+        None, description="Its rotation R, of any length but zero. Default: no turn."
+    )
+    rx: Real | SkipJsonSchema[None] = _turn("x")
+    ry: Real | SkipJsonSchema[None] = _turn("y")
+    rz: Real | SkipJsonSchema[None] = _turn("z")
+    euler: Order = Field(
+        None,
+        description="The order of the axes of rx, ry and rz: capitals turn about the axes of the "
+        "frame, small letters about those of the body.",
+    )
+
+
+class FramesModel(Section):
+    """The frames in which commands read and print poses: the tool's in the work frame."""
+
+    tool: FrameModel | SkipJsonSchema[None] = Field(
+        None, description="A frame of the platform. Default: its own."
+    )
+    work: FrameModel | SkipJsonSchema[None] = Field(
+        None, description="A frame of the base. Default: its own."
     )
 
 
@@ -257,4 +297,7 @@ class InstanceModel(Section):
     )
     home: Tolerant[HomeModel] = Field(
         None, description="The pose at home: the real pose nearest to it is the home mode."
+    )
+    frames: Tolerant[FramesModel] = Field(
+        None, description="The frames in which commands read and print poses."
     )

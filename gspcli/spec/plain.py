@@ -180,6 +180,24 @@ class HomeFields(NamedTuple):
     euler: str | None = None
 
 
+class FrameFields(NamedTuple):
+    """As `models.FrameModel`."""
+
+    point: list[Number]
+    quaternion: list[Number] | None = None
+    rx: Number | None = None
+    ry: Number | None = None
+    rz: Number | None = None
+    euler: str | None = None
+
+
+class FramesFields(NamedTuple):
+    """As `models.FramesModel`."""
+
+    tool: FrameFields | None = None
+    work: FrameFields | None = None
+
+
 class InstanceFields(NamedTuple):
     """As `models.InstanceModel`."""
 
@@ -192,6 +210,7 @@ class InstanceFields(NamedTuple):
     constraints: list[ConstraintFields]
     dynamics: DynamicsFields | None = None
     home: HomeFields | None = None
+    frames: FramesFields | None = None
 
 
 def read_plainly(root: Value) -> InstanceFields | None:
@@ -232,7 +251,7 @@ def _direction(value: Value) -> list[Number]:
 
 def _instance(root: Value) -> InstanceFields:
     needed = ("gsp", "units", "platform", "base", "constraints")
-    given = _section(root, needed, (*_SAID, "dynamics", "home"))
+    given = _section(root, needed, (*_SAID, "dynamics", "home", "frames"))
     version(given["gsp"])
     units = _section(given["units"], ("length", "angle"))
     said = [optional_text(given[key]) if key in given else None for key in _SAID]
@@ -245,7 +264,8 @@ def _instance(root: Value) -> InstanceFields:
         _body(given["base"]),
         [_constraint(entry) for entry in _list(given["constraints"])],
         _dynamics(given["dynamics"]) if "dynamics" in given else None,
-        _home(given["home"]) if "home" in given else None,
+        HomeFields(*_placed(given["home"], "position")) if "home" in given else None,
+        _frames(given["frames"]) if "frames" in given else None,
     )
 
 
@@ -315,16 +335,24 @@ def _constraint(value: Value) -> ConstraintFields:
     )
 
 
-def _home(value: Value) -> HomeFields:
+def _placed(value: Value, origin: str) -> tuple[Any, ...]:
+    """Return an origin, a quaternion or None, three angles or None, and their order or None."""
     if "euler" not in _entries(value):
-        given = _section(value, ("position",), ("quaternion",))
+        given = _section(value, (origin,), ("quaternion",))
         quaternion = given.get("quaternion")
         turned = None if quaternion is None else turning(_numbers(quaternion, 4))
-        return HomeFields(_numbers(given["position"]), turned)
+        return _numbers(given[origin]), turned
     turns = ("rx", "ry", "rz")
-    given = _section(value, ("position", "euler"), turns)
-    rx, ry, rz = [number(given[key]) if key in given else None for key in turns]
-    return HomeFields(_numbers(given["position"]), None, rx, ry, rz, axes(given["euler"]))
+    given = _section(value, (origin, "euler"), turns)
+    angles = [number(given[key]) if key in given else None for key in turns]
+    return _numbers(given[origin]), None, *angles, axes(given["euler"])
+
+
+def _frames(value: Value) -> FramesFields:
+    given = _section(value, (), FramesFields._fields)
+    return FramesFields(
+        **{key: FrameFields(*_placed(entry, "point")) for key, entry in given.items()}
+    )
 
 
 def _choice(value: Value, *choices: str) -> str:

@@ -74,7 +74,12 @@ def dumps(instance: Instance) -> str:
     header.append(f"units: {{length: {scalar(units.length)}, angle: {units.angle.value}}}")
     lines = [*header, *platform.lines(), *base.lines(), "constraints:", *constraints]
     if instance.home is not None:
-        lines.append(f"home: {{{_home(instance.home)}}}")
+        lines.append(f"home: {{{_placed(instance.home, 'position')}}}")
+    frames = instance.frames
+    if frames is not None:
+        stated = {"tool": frames.tool, "work": frames.work}
+        given = [f"{key}: {{{_placed(f, 'point')}}}" for key, f in stated.items() if f is not None]
+        lines.append(f"frames: {{{', '.join(given)}}}")
     if instance.dynamics is not None:
         lines += ["dynamics:", *_dynamics(instance.dynamics)]
     return "\n".join(lines) + "\n"
@@ -174,8 +179,9 @@ def _constraint(constraint: Constraint, platform: str, base: str) -> str:
     return f"  - {{{quantity}: [{platform}, {base}], {value}}}"
 
 
-def _home(home: HomePose) -> str:
-    said = f"position: {_vector(home.position)}"
+def _placed(home: HomePose, origin: str) -> str:
+    """Return home, or a frame, whose origin has this key."""
+    said = f"{origin}: {_vector(home.position)}"
     if home.euler is not None:
         turns = zip(("rx", "ry", "rz"), home.angles, strict=True)
         return ", ".join((said, *(f"{key}: {x}" for key, x in turns), f"euler: {home.euler}"))

@@ -465,6 +465,16 @@ KEYS: dict[str, str] = {
     "off": "how far each reading is from that, in its standard deviations; in CSV the largest",
     "fits": "whether the mode fits all readings",
     "track.new": "numbers of modes at the first row that are not reached from the values of SPEC",
+    # Frames in which poses are expressed
+    "frames": "the frames in which poses are expressed, where they are not those of the platform "
+    "itself: the pose of the platform is A X B^-1 for an expressed pose X",
+    "relative_to": "home, if home is expressed as zero; else work",
+    "base_R": "rotation of A, the frame in the base",
+    "base_T": "origin of A in the base",
+    "platform_R": "rotation of B, the frame of the platform",
+    "platform_T": "origin of B in the platform",
+    "expressed": "how the pose is expressed, in frames of SPEC or relative to home",
+    "expressed.position": "x, y, z",
     # Workspaces
     "home": "the pose that travels begin at and that is kept but for what varies",
     "solve.home": "which real pose is home, meant where one is needed; null if none is real; of a "

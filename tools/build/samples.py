@@ -51,6 +51,7 @@ SAMPLES: dict[str, tuple[str, ...]] = {
         "@no-real-pose",
         "@griffis-duffy",
         "@singular-pose",
+        "@workspace-study-cones --relative-to home",
         "@rubin-m2 --reading 'leg P1 B2 = 2.913 ± 0.002' --reading 'inclinometer = 0, 0 ± 0.1'",
     ),
     "sensors": (
@@ -80,6 +81,7 @@ SAMPLES: dict[str, tuple[str, ...]] = {
         "REACH",
         "REACH --require range,cone",
         "@apo-tertiary FAR --euler xyz",
+        "@rubin-m2 VALUES --relative-to home",
     ),
     "analyze": (
         "@rubin-m2",
@@ -118,6 +120,7 @@ SAMPLES: dict[str, tuple[str, ...]] = {
     ),
     "workspace": (
         "@workspace-study",
+        "@workspace-study --relative-to home",
         "@workspace-study --shift z=0:200:2",
         "@workspace-study --over x,y --boxes --gap 0.5",
         "@workspace-study --position 0,0,400 --gap 0.5",

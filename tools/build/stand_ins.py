@@ -108,6 +108,13 @@ def _printed(line: str) -> Callable[[Shown], str]:
     return made
 
 
+def _framed(shown: Shown) -> str:
+    """Return a machine with the frames that the page about them adds to it."""
+    del shown
+    stated = _block(ROOT / "docs" / "frames.md", "yaml", 0)
+    return instance_files()["workspace-study"].read_text(encoding="utf-8") + stated
+
+
 def _copied(path: Path) -> Callable[[Shown], str]:
     return lambda shown: path.read_text(encoding="utf-8")
 
@@ -123,6 +130,7 @@ _MEASURED = ROOT / "docs" / "calibration" / "measured.csv"
 _FILES: dict[str, Callable[[Shown], str]] = {
     "platform.yaml": _platform,
     "machine.yaml": _copied(data_path("platforms", "workspace-study-cones.yaml")),
+    "framed.yaml": _framed,
     "rotary.yaml": _copied(data_path("platforms", "t-top-head.yaml")),
     "head.yaml": _copied(data_path("platforms", "t-top-head.yaml")),
     "path.csv": _path,

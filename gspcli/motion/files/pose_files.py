@@ -18,7 +18,8 @@ from numpy.typing import NDArray
 from gspcli.errors import Location, Problem, SpecError
 from gspcli.geometry.euler import euler_from_rotation, rotation_from_euler
 from gspcli.geometry.evaluation import LARGEST
-from gspcli.geometry.quaternions import apply, quaternion_from_rotation, rotation_from_quaternion
+from gspcli.geometry.frames import IDENTITY, PoseFrame
+from gspcli.geometry.quaternions import quaternion_from_rotation, rotation_from_quaternion
 from gspcli.motion.files.column_units import FileUnits
 from gspcli.motion.files.headings import ROLL_PITCH_YAW, SEQUENCE
 from gspcli.motion.files.number_tables import NumberTable, check, wrong_number
@@ -50,7 +51,8 @@ class PoseFormat:
         The order of the axes of rx, ry and rz, as `rotation_from_euler` takes it; None if there
         are none.
     pivot
-        The point of the platform, in its frame, whose position x, y and z are; length units.
+        The point whose position x, y and z are, in the platform's frame, or that of the tool;
+        length units.
     in_radians
         The unit of rx, ry and rz.
     length
@@ -58,6 +60,8 @@ class PoseFormat:
     ignore
         Columns that are left out; ``*`` in a name stands for any text
         (`gspcli.motion.files.known_columns`).
+    frame
+        The frame in which poses are expressed.
     """
 
     euler: str | None = None
@@ -65,6 +69,12 @@ class PoseFormat:
     in_radians: float = 1.0
     length: str = ""
     ignore: tuple[str, ...] = ()
+    frame: PoseFrame = IDENTITY
+
+    @property
+    def pivot_frame(self) -> PoseFrame:
+        """The frame in which poses are expressed, with its origin at the pivot."""
+        return self.frame.at(self.pivot)
 
     @property
     def units(self) -> FileUnits:
@@ -154,8 +164,8 @@ def poses_in(table: NumberTable, form: PoseFormat, more: Collection[str] = ()) -
     form = form.of(table)
     position = table.choose(POSITION, TRANSLATION)
     rotation = table.choose(QUATERNION, ANGLES, ENTRIES)
-    if position == TRANSLATION and any(form.pivot):
-        table.note_heading("found Tx Ty Tz, the pose of the frame; expected x y z with a pivot")
+    if position == TRANSLATION:
+        refuse_own_pose(table, form)
     if rotation is not None and rotation != ANGLES and form.euler:
         table.note_heading(f"found {' '.join(rotation)}, expected rx ry rz with an Euler sequence")
     if rotation == ANGLES and form.euler is None:
@@ -178,7 +188,17 @@ def poses_in(table: NumberTable, form: PoseFormat, more: Collection[str] = ()) -
     for row, axis in np.argwhere(np.abs(points) > LARGEST).tolist():
         message = f"found {points[row, axis]:g}, expected a magnitude up to {LARGEST:g}"
         table.note_cell(row, position[axis], message)
-    return PoseTable(times[:, 0] if timed else None, R, points - apply(R, np.array(form.pivot)))
+    return PoseTable(times[:, 0] if timed else None, *form.pivot_frame.to_platform(R, points))
+
+
+def refuse_own_pose(table: NumberTable, form: PoseFormat) -> None:
+    """Note columns Tx Ty Tz, the pose of the platform's own frame, where others are expressed."""
+    if form.frame.is_identity:
+        if any(form.pivot):
+            table.note_heading("found Tx Ty Tz, the pose of the frame; expected x y z with a pivot")
+        return
+    message = "found Tx Ty Tz, the pose of the platform's own frame; expected x y z: "
+    table.note_heading(message + form.frame.words)
 
 
 def read_pose(text: str, form: PoseFormat, name: str = "--pose") -> PoseTable:
@@ -245,7 +265,7 @@ def poses_of(numbers: Array, form: PoseFormat) -> tuple[Array, Array]:
         What they do not say.
     """
     R, _ = rotations_of(numbers[:, 3:], form)
-    return R, numbers[:, :3] - apply(R, np.array(form.pivot))
+    return form.pivot_frame.to_platform(R, numbers[:, :3])
 
 
 def numbers_of_pose(R: Array, T: Array, form: PoseFormat) -> list[float]:
@@ -258,7 +278,7 @@ def numbers_of_pose(R: Array, T: Array, form: PoseFormat) -> list[float]:
     form
         The pivot, and the order of the axes of angles; without one it is a quaternion.
     """
-    at = T + R @ np.array(form.pivot)
+    R, at = form.pivot_frame.from_platform(R, T)
     if form.euler is None:
         return [*at.tolist(), *quaternion_from_rotation(R).tolist()]
     return [*at.tolist(), *(euler_from_rotation(form.euler, R) / form.in_radians).tolist()]

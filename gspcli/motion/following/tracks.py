@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.coordinates import Coordinate, moved
+from gspcli.geometry.frames import IDENTITY, PoseFrame
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.printed_numbers import printed_conditions
 from gspcli.geometry.quaternions import quaternion_from_rotation
@@ -183,25 +184,25 @@ class Track:
 
         The first one of a mode has the sign of `quaternion_from_rotation`.
         """
-        quaternions = np.full((*self.T.shape[:2], 4), np.nan)
-        there = ~np.isnan(self.T[..., 0])
-        quaternions[there] = quaternion_from_rotation(self.R[there])
-        turns = np.einsum("mri,mri->mr", quaternions[:, 1:], quaternions[:, :-1])
-        signs = np.where(turns < 0, -1.0, 1.0).cumprod(axis=1)
-        quaternions[:, 1:] *= signs[..., None]
-        return quaternions
+        return _continuous(self.R)
 
-    def rows(self, more: Mapping[str, Array] = _NOTHING) -> list[dict[str, Any]]:
+    def rows(
+        self, more: Mapping[str, Array] = _NOTHING, frame: PoseFrame = IDENTITY
+    ) -> list[dict[str, Any]]:
         """Return a row for each pose, as plain data.
 
         Parameters
         ----------
         more
             Further columns, each of shape (m, r).
+        frame
+            The frame in which poses are expressed.
         """
         keys = ("t", "mode", *POSE, "condition", *more)
         conditions = printed_conditions(self.conditions)
-        numbers = np.dstack((self.T, self.quaternions, conditions, *more.values()))
+        R, T = frame.from_platform(self.R, self.T)
+        quaternions = self.quaternions if R is self.R else _continuous(R)
+        numbers = np.dstack((T, quaternions, conditions, *more.values()))
         there = ~np.isnan(self.T[..., 0])
         modes = self.modes.tolist()
         return [
@@ -219,13 +220,17 @@ class Track:
 
         return pd.DataFrame(self.rows())
 
-    def to_json(self, rows: list[dict[str, Any]] | None = None) -> dict[str, Any]:
+    def to_json(
+        self, rows: list[dict[str, Any]] | None = None, frame: PoseFrame = IDENTITY
+    ) -> dict[str, Any]:
         """Return everything as plain data of schema ``gsp.track/1``, but for ranges and cones.
 
         Parameters
         ----------
         rows
             Those of `rows`, perhaps with more columns.
+        frame
+            The frame in which their poses are expressed; R and T of events are the platform's.
         """
         return {
             "schema": "gsp.track/1",
@@ -238,7 +243,8 @@ class Track:
                 one.name: self.places[:, k].tolist() for k, one in enumerate(self.coordinates)
             },
             "parts": self.segments,
-            "poses": self.rows() if rows is None else rows,
+            **({} if frame.is_identity else {"frames": frame.to_json()}),
+            "poses": self.rows(frame=frame) if rows is None else rows,
             "events": [event.to_json() for event in self.events],
         }
 
@@ -252,6 +258,17 @@ class Track:
     def ends(self) -> tuple[Event, ...]:
         """The events at which a mode ends."""
         return tuple(event for event in self.events if not event.begins)
+
+
+def _continuous(R: Array) -> Array:
+    """Return unit quaternions of rotations, shape (m, r, 4), continuous along each mode."""
+    quaternions = np.full((*R.shape[:2], 4), np.nan)
+    there = ~np.isnan(R[..., 0, 0])
+    quaternions[there] = quaternion_from_rotation(R[there])
+    turns = np.einsum("mri,mri->mr", quaternions[:, 1:], quaternions[:, :-1])
+    signs = np.where(turns < 0, -1.0, 1.0).cumprod(axis=1)
+    quaternions[:, 1:] *= signs[..., None]
+    return quaternions
 
 
 def _finite(part: Array) -> Any:

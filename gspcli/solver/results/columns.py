@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any, Literal, Protocol
 
@@ -12,11 +13,12 @@ from numpy.typing import NDArray
 from gspcli.errors import GspError
 from gspcli.geometry.euler import check_sequence, euler_from_rotation
 from gspcli.geometry.printed_numbers import printed_conditions, printed_residuals
-from gspcli.geometry.quaternions import vector_from_rotation
+from gspcli.geometry.quaternions import quaternion_from_rotation, vector_from_rotation
 from gspcli.records import dataclass
 
 if TYPE_CHECKING:
     from gspcli.geometry.arrangement import Arrangement
+    from gspcli.geometry.frames import PoseFrame
     from gspcli.geometry.instance import Instance
     from gspcli.geometry.quaternions import Field
     from gspcli.solver.results.solution import Solution
@@ -138,6 +140,54 @@ FACTS = (
 )
 #: The order is that of the CSV, after the number, and of the frame.
 COLUMNS = (*TRANSLATION, *QUATERNION, *FACTS)
+
+
+@dataclass(frozen=True, eq=False)
+class _Expressed:
+    """Poses of a result as they are expressed in a frame, for the columns of poses."""
+
+    result: Poses
+    frame: PoseFrame
+
+    @property
+    def instance(self) -> Instance:
+        return self.result.instance
+
+    @property
+    def arrangement(self) -> Arrangement:
+        return self.result.arrangement
+
+    @property
+    def R(self) -> Field:
+        return self.frame.from_platform(self.result.R, self.result.T)[0]
+
+    @property
+    def T(self) -> Field:
+        return self.frame.from_platform(self.result.R, self.result.T)[1]
+
+    @property
+    def quaternions(self) -> Field:
+        return quaternion_from_rotation(self.R)
+
+    @property
+    def real(self) -> NDArray[np.bool_]:
+        return self.result.real
+
+
+def expressed_columns(columns: Sequence[PoseColumn], frame: PoseFrame) -> Sequence[PoseColumn]:
+    """Return columns of poses as they are expressed in a frame; positions are x, y and z then."""
+    if frame.is_identity:
+        return columns
+    return [
+        replace(
+            column, key=column.key.removeprefix("T"), read=partial(_expressed, column.read, frame)
+        )
+        for column in columns
+    ]
+
+
+def _expressed(read: Reader, frame: PoseFrame, result: Poses) -> Sequence[Any] | NDArray[Any]:
+    return read(_Expressed(result, frame))  # type: ignore[arg-type]
 
 
 def rotation_columns(form: str) -> tuple[PoseColumn, ...]:
