@@ -166,12 +166,22 @@ def decide(
     NDArray[np.uint8],
     NDArray[np.uint8],
 ]: ...
+def follow_far(
+    numbers: NDArray[np.complex128],
+    from_: NDArray[np.complex128],
+    to: NDArray[np.complex128],
+    local: NDArray[np.complex128],
+    *,
+    build: str = "",
+) -> tuple[NDArray[np.complex128], NDArray[np.uint8]]: ...
 def decide_far(
     numbers: NDArray[np.complex128],
     errors: NDArray[np.float64],
     real: NDArray[np.uint8],
+    paired: NDArray[np.uint8],
+    origin: NDArray[np.complex128],
+    starts: NDArray[np.complex128],
     shifts: NDArray[np.float64],
-    local: NDArray[np.complex128],
     units: NDArray[np.float64],
     *,
     scale: float,

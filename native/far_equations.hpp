@@ -62,17 +62,43 @@ INLINE void differentiate(const Block& b, int form, const C* s, C& value, C* gra
     }
 }
 
-void linearize(const Block& b, const double* shift, const C* s, Linear& at) {
+INLINE C product(const double& shift, const C& x) { return splat(shift) * x; }
+INLINE C product(const Complex& shift, const C& x) { return shift * x; }
+
+// The equations for values further by a shift; returns N.
+template <class Shift>
+C linearize(const Block& b, const Shift* shift, const C* s, Linear& at) {
   C norm, slope[kRows];
   differentiate(b, kOfNorm, s, norm, slope);
   for (int r = 0; r < kRows; ++r) {
     differentiate(b, r, s, at.value[r], at.jacobian[r]);
     if (r == 0) continue;
-    const V by = splat(shift[r - 1]);
-    at.value[r] = at.value[r] - by * norm;
-    for (int k = 0; k < kRows; ++k) at.jacobian[r][k] = at.jacobian[r][k] - by * slope[k];
+    const Shift& by = shift[r - 1];
+    at.value[r] = at.value[r] - product(by, norm);
+    for (int k = 0; k < kRows; ++k) at.jacobian[r][k] = at.jacobian[r][k] - product(by, slope[k]);
   }
   invert(at.jacobian, at.inverse);
+  return norm;
+}
+
+// Sums of the moduli of the terms of a form, of its derivatives, and of all second derivatives.
+struct Sizes {
+  V value, slope, curvature;
+};
+
+INLINE Sizes sizes_of(const Block& b, int form, const V* size) {
+  int at = form * kLocalMonomials;
+  Sizes sum{bound(b.number(at++)), splat(0.0), splat(0.0)};
+  for (int i = 0; i < kRows; ++i, ++at) {
+    const V a = bound(b.number(at));
+    sum.value += a * size[i], sum.slope += a;
+  }
+  for (int i = 0; i < kRows; ++i)
+    for (int j = i; j < kRows; ++j, ++at) {
+      const V a = bound(b.number(at));
+      sum.value += a * size[i] * size[j], sum.slope += a * (size[i] + size[j]), sum.curvature += 2.0 * a;
+    }
+  return sum;
 }
 
 INLINE void newton_step(const Linear& at, C* change) {

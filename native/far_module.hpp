@@ -9,6 +9,6 @@
 
 namespace gsp {
 
-void bind_far_poses(nanobind::module_& m, DecideFar* (*choose)(const std::string& build));
+void bind_far_poses(nanobind::module_& m, FarBuild (*choose)(const std::string& build));
 
 }  // namespace gsp

@@ -1,4 +1,4 @@
-#include "far_equations.hpp"
+#include "far_paths.hpp"
 #include "shared_lanes.hpp"
 
 namespace gsp {
@@ -15,26 +15,6 @@ constexpr double kShrinking = 0.5, kArrived = 1e-7, kNear = 1e-3;
 constexpr double kLeastPart = 0x1p-6;
 constexpr int kEntries = 12, kNumbers = 16;
 constexpr double kNothing = 5e-10;  // rounds to zero to nine digits
-
-// Sums of the moduli of the terms of a form, of its derivatives, and of all second derivatives.
-struct Sizes {
-  V value, slope, curvature;
-};
-
-INLINE Sizes sizes_of(const Block& b, int form, const V* size) {
-  int at = form * kLocalMonomials;
-  Sizes sum{bound(b.number(at++)), splat(0.0), splat(0.0)};
-  for (int i = 0; i < kRows; ++i, ++at) {
-    const V a = bound(b.number(at));
-    sum.value += a * size[i], sum.slope += a;
-  }
-  for (int i = 0; i < kRows; ++i)
-    for (int j = i; j < kRows; ++j, ++at) {
-      const V a = bound(b.number(at));
-      sum.value += a * size[i] * size[j], sum.slope += a * (size[i] + size[j]), sum.curvature += 2.0 * a;
-    }
-  return sum;
-}
 
 // Whether there is exactly one solution near local coordinates, and how far it is off after Newton's step.
 void isolate(const Block& b, const double* shift, const double* gap, const C* s, const Linear& at, Mask& isolated,
@@ -121,8 +101,8 @@ Mask converge(const Block& b, const double* shift, C* s) {
   return arrived & ~lost;
 }
 
-// Local coordinates of solutions for values further by the shift, as well as they are found: from
-// approximations, else from the poses that are known.
+// Local coordinates of solutions for values further by the shift, as well as they are found from the poses that
+// are known.
 void follow(const Block& b, const double* shift, C* s) {
   const Mask found = converge(b, shift, s);
   if (!any(~found)) return;
@@ -144,11 +124,34 @@ void follow(const Block& b, const double* shift, C* s) {
   for (int i = 0; i < kRows; ++i) s[i] = select(found, s[i], reached[i]);
 }
 
+// Coordinates beside which an imaginary part is rounding.
+constexpr double kImaginary = 1e-8;
+
+// Local coordinates of the poses to which paths lead, for values further by the shift.
+void follow_paths(const FarGeometry& g, const Block& b, const double* shift, C* s) {
+  Complex to[kEquations];
+  for (int r = 0; r < kEquations; ++r) to[r] = {shift[r], 0.0};
+  if (!follow_line(b, g.origin, to, s)) return;
+  converge(b, shift, s);
+  // A real solution is proved to be one from real coordinates.
+  V size = largest(s), height = splat(0.0);
+  for (int i = 0; i < kRows; ++i) height = maximum(height, maximum(s[i].im, -s[i].im));
+  for (int l = 0; l < W; ++l)
+    if (b.real[l] != 0.0 && height[l] <= kImaginary * size[l])
+      for (int i = 0; i < kRows; ++i) s[i].im[l] = 0.0;
+}
+
 // Newton's method in doubles, then with values of 32 digits until those are rounded.
 void prove(const FarGeometry& g, const Block& b, const double* shift, C* s, double unit, Lanes& out) {
   C low[kRows] = {}, change[kRows];
   Linear at;
-  follow(b, shift, s);
+  // Real numbers and real coordinates.
+  double is_real[W];
+  for (int l = 0; l < W; ++l) {
+    is_real[l] = b.real[l];
+    for (int i = 0; i < kRows; ++i)
+      if (s[i].im[l] != 0.0) is_real[l] = 0.0;
+  }
   Shared<kRows> local, rest, value, moved;
   Shared<kNumbers> entry;
   double errors[W], deviation[W], rounded[W];
@@ -162,7 +165,7 @@ void prove(const FarGeometry& g, const Block& b, const double* shift, C* s, doub
     V error;
     isolate(b, shift, shift + 2 * kEquations, s, at, out.isolated, error);
     __builtin_memcpy(errors, &error, sizeof error);
-    GSP_FINE_FAR.poses(b.numbers(), {local, rest}, moved, errors, b.doubt, b.real, unit,
+    GSP_FINE_FAR.poses(b.numbers(), {local, rest}, moved, errors, b.doubt, is_real, unit,
                        {entry, deviation, rounded});
     bool all = true;
     for (int l = 0; l < W; ++l) all = all && rounded[l] != 0.0 && out.isolated[l];
@@ -174,7 +177,7 @@ void prove(const FarGeometry& g, const Block& b, const double* shift, C* s, doub
   V largest = splat(1.0), height = splat(0.0);
   for (int l = 0; l < W; ++l) {
     out.deviation[l] = deviation[l];
-    out.rounded[l] = rounded[l] != 0.0 ? -1 : 0, out.real[l] = b.real[l] != 0.0 ? -1 : 0;
+    out.rounded[l] = rounded[l] != 0.0 ? -1 : 0, out.real[l] = is_real[l] != 0.0 ? -1 : 0;
   }
   for (int i = 0; i < kEntries; ++i) {
     largest = maximum(largest, root(square(out.entry[i])));
@@ -235,25 +238,41 @@ bool is_complete(int first, int count, double scale, const Poses& out) {
   return true;
 }
 
-void decide(const FarGeometry& g, const FarValues& given, double* work, const Poses& out) {
-  int total = g.count;
-  for (int p = 0; p < g.count; ++p) total += !g.real[p];
-  for (int first = 0, pairs = 0; first < g.count; first += W) {
-    const Block b = packed(g, first, work);
-    const int size = g.count - first < W ? g.count - first : W;
-    int partner[W];
-    for (int l = 0; l < size; ++l) partner[l] = g.real[first + l] ? -1 : g.count + pairs++;
-    for (int row = 0; row < given.count; ++row) {
-      Lanes s;
-      C local[kRows];
-      for (int l = 0; l < W; ++l)
-        for (int i = 0; i < kRows; ++i)
-          put(local[i], l, given.local[(row * g.count + first + (l < size ? l : 0)) * kRows + i]);
-      prove(g, b, given.shift + 3 * kEquations * row, local, given.unit[row], s);
-      for (int l = 0; l < size; ++l)
-        put_pose(s, l, g.scale, row * total + first + l, partner[l] < 0 ? -1 : row * total + partner[l], out);
-    }
+// Poses in lanes of one block for each set of values.
+void decide_block(const FarGeometry& g, const FarValues& given, int first, int size, int total, const int* partner,
+                  double* work, const Poses& out) {
+  const Block b = packed(g, first, work);
+  const int bent = first - (g.count - g.bent);
+  C start[kRows];
+  for (int i = 0; i < kRows; ++i) start[i] = {splat(0.0), splat(0.0)};
+  for (int l = 0; l < W && bent >= 0; ++l)
+    for (int i = 0; i < kRows; ++i) put(start[i], l, g.start[(bent + (l < size ? l : 0)) * kRows + i]);
+  for (int row = 0; row < given.count; ++row) {
+    Lanes s;
+    C local[kRows];
+    for (int i = 0; i < kRows; ++i) local[i] = start[i];
+    const double* shift = given.shift + 3 * kEquations * row;
+    if (bent < 0)
+      follow(b, shift, local);
+    else
+      follow_paths(g, b, shift, local);
+    prove(g, b, shift, local, given.unit[row], s);
+    for (int l = 0; l < size; ++l)
+      put_pose(s, l, g.scale, row * total + first + l, partner[l] < 0 ? -1 : row * total + partner[l], out);
   }
+}
+
+void decide(const FarGeometry& g, const FarValues& given, double* work, const Poses& out) {
+  int total = g.count, pairs = 0;
+  for (int p = 0; p < g.count; ++p) total += g.paired[p];
+  // No block has poses of both sorts.
+  for (int begin = 0, end = g.count - g.bent; begin < g.count; begin = end, end = g.count)
+    for (int first = begin; first < end; first += W) {
+      const int size = end - first < W ? end - first : W;
+      int partner[W];
+      for (int l = 0; l < size; ++l) partner[l] = g.paired[first + l] ? g.count + pairs++ : -1;
+      decide_block(g, given, first, size, total, partner, work, out);
+    }
   for (int row = 0; row < given.count; ++row) out.complete[row] = is_complete(row * total, total, g.scale, out);
 }
 
@@ -261,6 +280,23 @@ void decide(const FarGeometry& g, const FarValues& given, double* work, const Po
 
 void GSP_DECIDE_FAR(const FarGeometry& geometry, const FarValues& given, double* work, const Poses& poses) {
   decide(geometry, given, work, poses);
+}
+
+void GSP_FOLLOW_FAR(const FarGeometry& g, const Complex* from, const Complex* to, double* work, Complex* local,
+                    std::uint8_t* found) {
+  // One by one: what one pose loses is not lost for others.
+  for (int p = 0; p < g.count; ++p) {
+    FarGeometry one = g;
+    one.count = 1, one.number += p * kFarNumbers, one.low += p * kFarNumbers, one.error += p, one.real += p;
+    const Block b = packed(one, 0, work);
+    C s[kRows];
+    for (int i = 0; i < kRows; ++i) {
+      const Complex& x = local[p * kRows + i];
+      s[i] = {splat(x.re), splat(x.im)};
+    }
+    found[p] = follow_line(b, from, to, s);
+    for (int i = 0; i < kRows; ++i) local[p * kRows + i] = lane(s[i], 0);
+  }
 }
 
 }  // namespace gsp

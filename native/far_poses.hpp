@@ -30,8 +30,13 @@ struct FarGeometry {
   const Complex *number, *low;  // (count, kFarNumbers), and what double precision leaves of them
   // By how much the numbers err, besides 2^-104 of themselves, and F / N at z itself; (count).
   const double* error;
-  const std::uint8_t* real;  // (count): whether the pose that is known is real, and the numbers are
-  double scale, tolerance;   // see OpenGeometry
+  // (count): whether the numbers are real; whether the conjugate of the pose is not there by itself.
+  const std::uint8_t *real, *paired;
+  // The last poses, to which paths lead: those at complex values further by the origin (6), with their local
+  // coordinates there (bent, 7).
+  int bent;
+  const Complex *origin, *start;
+  double scale, tolerance;  // see OpenGeometry
 };
 
 // Sets of values.
@@ -40,15 +45,24 @@ struct FarValues {
   // (count, 3, 6): by how much the values are greater, what double precision leaves of that, and by how much
   // it errs.
   const double* shift;
-  const Complex* local;  // (count, poses, 7): approximations of local coordinates, zero where there are none
   const double* unit;  // (count), see OpenValues
 };
 
 // Decides about all poses for all sets of values, in the order of the sets: those of the geometry, then the
-// conjugates of those that are not real. Poses are complete if they are all rounded and different. `work` has
+// conjugates of those that are paired. Poses are complete if they are all rounded and different. `work` has
 // room for `kFarRoom` numbers.
 using DecideFar = void(const FarGeometry&, const FarValues&, double* work, const Poses&);
 DecideFar decide_far_portable, decide_far_avx2, decide_far_avx512;
+// Follows the poses of a geometry from local coordinates (count, 7) for one shift (6) to those for another; says
+// which were not lost. Of the geometry only the numbers are used.
+using FollowFar = void(const FarGeometry&, const Complex* from, const Complex* to, double* work, Complex* local,
+                       std::uint8_t* found);
+FollowFar follow_far_portable, follow_far_avx2, follow_far_avx512;
+// What one build has of both.
+struct FarBuild {
+  DecideFar* decide;
+  FollowFar* follow;
+};
 constexpr int kFarRoom = 4 * kFarNumbers * 8;  // for 8 lanes
 
 // The same with 32 digits, for as many poses as there are lanes.

@@ -288,10 +288,8 @@ def _put_far(numbers: _Numbers, geometry: Geometry) -> None:
     if far is None:
         numbers.put(0)
         return
-    given = geometry.given
     numbers.put(len(far.real), far.numbers, far.errors, far.real, far.values, far.powers)
-    numbers.put(far.scale, TOLERANCE, far.approached, far.centres, far.slopes)
-    numbers.put(given.base_centre, given.platform_centre)
+    numbers.put(far.scale, TOLERANCE, len(far.starts), far.origin, far.starts)
 
 
 def _put_clearance(numbers: _Numbers, instance: Instance) -> None:

@@ -21,7 +21,7 @@ def all_poses(problem: Problem) -> PoseSet:
         poses = poses_by_count(problem, ledger, all_poses)
     # What quick paths find at once is found as quickly the next time.
     if not ledger.is_quick:
-        problem.keep(poses)
+        problem.keep(poses, ledger.points)
     return poses
 
 

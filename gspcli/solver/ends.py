@@ -19,12 +19,10 @@ class Ends(NamedTuple):
     points, frames
         Study points of any norm for k choices of sides, shape (b, k, m, 8), and their frames; not
         a number where a path is lost.
-    far, local
-        Poses far away, to which no paths lead, and approximations of them (`FarPoses.local`), if
-        there is one choice of sides.
+    far
+        Poses far away, to which no paths lead, if there is one choice of sides.
     """
 
     points: ComplexArray
     frames: Frames
     far: FarPoses | None = None
-    local: ComplexArray | None = None

@@ -17,6 +17,7 @@ from gspcli.solver.results.pose_set import PoseSet, joined, on_sides
 from gspcli.solver.results.proof import CountKind, Proof
 
 if TYPE_CHECKING:
+    from gspcli.certification.poses.collection import StudyPoints
     from gspcli.solver.side_poses import SidePoses
 
 
@@ -62,6 +63,11 @@ class Ledger:
         return self._sides
 
     @property
+    def points(self) -> StudyPoints:
+        """Study points of the poses that were located in balls, by the bytes of T."""
+        return {T: point for side in self._sides for T, point in side.found.points()}
+
+    @property
     def open(self) -> Problem:
         """The platform with the sets of values that are not complete."""
         return self.problem if self.proved is None else self.problem.part(self.left)
@@ -76,7 +82,7 @@ class Ledger:
         found = proofs.decide(choices, ends.points, ends.frames, rows=rows, jobs=jobs)
         if ends.far is not None:
             values = proofs.values(choices, rows)[:, 0], proofs.units(rows), proofs.scale
-            found = ends.far.beside(found, *values, ends.local, jobs=jobs)
+            found = ends.far.beside(found, *values, jobs=jobs)
         number = found.certified.shape[1]
         if not self._sides and found.complete.any() and self._counted(number):
             self._keep(found)

@@ -26,6 +26,7 @@ from gspcli.solver.study_systems import coefficients_at, coefficients_of, side_c
 
 if TYPE_CHECKING:
     from gspcli.certification.counting import ExactCount
+    from gspcli.certification.poses.collection import StudyPoints
     from gspcli.certification.poses.locator import Locator
     from gspcli.continuation.tracked_paths import TrackedPaths
     from gspcli.solver.results.pose_set import PoseSet
@@ -198,14 +199,17 @@ class Problem:
 
         return list(track_all(self.systems, seed=self.seed, jobs=self.jobs))
 
-    def keep(self, poses: PoseSet) -> None:
-        """Keep poses for platforms of the same geometry, if they are all it has."""
+    def keep(self, poses: PoseSet, points: StudyPoints) -> None:
+        """Keep poses for platforms of the same geometry, if they are all it has.
+
+        The points are those of `SolvedPlatform`.
+        """
         if not self.is_kept:
             return
         number, count = int(poses.certified.sum()), self.known_geometry_count
         known = (self.expected, count.solutions if count else None)
         if number == len(poses.R) and number in known:
-            solved = SolvedPlatform(self.instance, self.arrangement, poses, count)
+            solved = SolvedPlatform(self.instance, self.arrangement, poses, count, points)
             self.starts.keep_platform(solved)
 
     @cached_property

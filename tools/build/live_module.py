@@ -50,7 +50,10 @@ PARTS: list[tuple[str, list[str]]] = [
     ("fine_points", [_EXACT, "-DGSP_FINE=fine_portable", "-DGSP_PARTS=2"]),
     (
         "far_poses",
-        [_FUSED, "-DGSP_DECIDE_FAR=decide_far_portable", "-DGSP_FINE_FAR=fine_far_portable"],
+        [
+            *(_FUSED, "-DGSP_DECIDE_FAR=decide_far_portable"),
+            *("-DGSP_FOLLOW_FAR=follow_far_portable", "-DGSP_FINE_FAR=fine_far_portable"),
+        ],
     ),
     ("fine_far_poses", [_EXACT, "-DGSP_FINE_FAR=fine_far_portable", "-DGSP_PARTS=2"]),
     ("homotopy", [_EXACT]),

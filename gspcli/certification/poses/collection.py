@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 import numpy as np
+from flint import acb
 from numpy.typing import NDArray
 
 from gspcli.certification.poses.distinct import places, same
@@ -17,6 +18,9 @@ from gspcli.geometry.quaternions import Field
 
 Complex = NDArray[np.complex128]
 Array = NDArray[np.float64]
+
+#: Study points by the bytes of T.
+StudyPoints = Mapping[bytes, Sequence[acb]]
 
 #: Bound of the relative error of a located pose that has been rounded to doubles.
 _ROUNDED = 2.0**-51
@@ -60,6 +64,12 @@ class Collection:
     def __len__(self) -> int:
         """Return the number of different solutions."""
         return len(self._located)
+
+    def points(self) -> Iterator[tuple[bytes, Sequence[acb]]]:
+        """Yield the bytes of T and the Study point of each pose that was located in balls."""
+        for T, located in zip(self.T, self._located, strict=True):
+            if located is not None:
+                yield T.tobytes(), located.isolation.centre
 
     def add_proved(
         self, R: Complex, T: Complex, quaternions: Complex, real: NDArray[np.bool_], off: Array

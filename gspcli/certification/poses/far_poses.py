@@ -11,18 +11,24 @@ correctly.
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
 import numpy as np
+from flint import acb
 from numpy.typing import NDArray
 
 from gspcli import _kernel
-from gspcli.certification.equations.frames import Frames
 from gspcli.certification.numbers.doubled import two_sum
 from gspcli.certification.numbers.rounding import OUTWARD
-from gspcli.certification.poses.local_coordinates import local_coordinates
+from gspcli.certification.poses.local_coordinates import (
+    LocalCoordinates,
+    combined,
+    local_coordinates,
+)
 from gspcli.certification.poses.locator import Locator
 from gspcli.certification.poses.many_values import ProvedPoses, ValueProofs, proved_bits
 from gspcli.defaults import TOLERANCE
-from gspcli.geometry.quaternions import pose_from_study, quaternion_product
 from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
@@ -30,6 +36,15 @@ Complex = NDArray[np.complex128]
 
 #: Relative error of a difference of two values with 32 digits.
 _DIFFERENCE = 2.0**-100
+#: Local coordinates of a pose.
+LOCAL = 7
+#: How far the values where paths begin are from real ones, in typical lengths, their squares, or
+#: cosines.
+_SPREAD = (0.2, 0.4)
+#: Coordinates are chosen by solutions for so many sets of values, with this standard deviation as
+#: a part of that; the shortest axis of those is at least such a part of the longest.
+_SAMPLES, _SAMPLED = 24, 0.25
+_THINNEST = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,20 +59,18 @@ class FarPoses:
     errors
         Bounds of their errors, shape (n,).
     real
-        Which of the poses are real, shape (n,); a pair of conjugates is stored as one pose.
+        Of which poses these numbers are real, shape (n,); with a pose that is not real its
+        conjugate is meant, too.
     values
         The values in the form of the kernel (`ValueProofs.values`), shape (6, 6).
     powers
         The power of a length that each value is in its equation, shape (6,).
     scale
         The unit of length.
-    approached
-        The number of poses, the last ones, that need approximations for the same values.
-    centres
-        Study points of the poses in that unit, with one as the largest coordinate of e, (n, 8).
-    slopes
-        The matrices that convert differences from the centres to local coordinates, shape (n, 7,
-        8).
+    origin
+        Complex values, as differences from `values`, from which paths lead to other values, (6,).
+    starts
+        The local coordinates there of the last k poses, which need paths, shape (k, 7).
     """
 
     numbers: Complex
@@ -66,9 +79,8 @@ class FarPoses:
     values: Array
     powers: NDArray[np.int64]
     scale: float
-    approached: int
-    centres: Complex
-    slopes: Complex
+    origin: Complex
+    starts: Complex
 
     @classmethod
     def of(
@@ -79,6 +91,8 @@ class FarPoses:
         sides: tuple[int, ...],
         R: Complex,
         T: Complex,
+        points: Mapping[bytes, Sequence[acb]],
+        length: float,
     ) -> FarPoses | None:
         """Return the known poses of a platform; None if some are not accurate enough.
 
@@ -90,74 +104,71 @@ class FarPoses:
             The sides of its values, and the indices of its equations (`Problem`).
         R, T
             The poses, rounded correctly, shapes (n, 3, 3) and (n, 3).
+        points
+            Study points with more digits of some of them, by the bytes of their T.
+        length
+            The typical length.
         """
         chosen = _one_of_each_pair(R, T)
         if chosen is None:
             return None
-        found = [local_coordinates(locator, sides, R[k], T[k]) for k in chosen]
+        powers = np.array([2 * k.is_distance - k.has_sides for k in proofs.kinds])
+        origin = _origin(powers, length / locator.scale)
+        found = [
+            _coordinates(locator, sides, R[k], T[k], points.get(T[k].tobytes()), origin)
+            for k in chosen
+        ]
         known = [each for each in found if each is not None]
         if len(known) < len(found) or not known:
             return None
-        # Poses that need approximations are the last.
+        # Poses that need paths are the last.
         known.sort(key=lambda each: each.is_bent)
-        kinds = proofs.kinds
         return cls(
             numbers=np.ascontiguousarray(np.stack([each.numbers for each in known], axis=1)),
             errors=np.array([each.error for each in known]),
             real=np.array([each.real for each in known], np.uint8),
             values=proofs.values(choice[None])[0, 0],
-            powers=np.array([2 * k.is_distance - k.has_sides for k in kinds]),
+            powers=powers,
             scale=locator.scale,
-            approached=sum(each.is_bent for each in known),
-            centres=np.array([each.centre for each in known]),
-            slopes=np.array([each.slope for each in known]),
+            origin=origin,
+            starts=np.zeros((sum(each.is_bent for each in known), LOCAL), complex),
         )
+
+    def about(self, values: Complex, known: Array, length: float) -> FarPoses | None:
+        """Return the same with paths that begin at some complex values; None if one is lost.
+
+        Parameters
+        ----------
+        values
+            What the equations are linear in, in a unit of length, shape (6,).
+        known
+            The same of the platform whose poses these are, to which they were found.
+        length
+            The unit.
+        """
+        factors = (length / self.scale) ** self.powers.astype(float)
+        own = self.values[0]
+        if not np.allclose(known * factors, own, rtol=1e-9, atol=1e-9):
+            return None
+        origin = values * factors - own
+        number = len(self.starts)
+        starts, found = _kernel.follow_far(
+            np.ascontiguousarray(self.numbers[:, len(self.real) - number :]),
+            np.zeros_like(origin),
+            origin,
+            np.zeros_like(self.starts),
+        )
+        return replace(self, origin=origin, starts=starts) if found.all() else None
 
     def __len__(self) -> int:
         """Return the number of poses, conjugates included."""
         return 2 * len(self.real) - int(self.real.sum())
-
-    @property
-    def points(self) -> tuple[Complex, Complex]:
-        """R (k, 3, 3) and T (k, 3) of the poses, in the frames of the instance.
-
-        They are not finite where doubles do not tell a pose from a point with N = 0.
-        """
-        chosen = self.centres[len(self.centres) - self.approached :]
-        with np.errstate(all="ignore"):
-            R, T = pose_from_study(chosen[:, :4], chosen[:, 4:])
-        return np.asarray(R, np.complex128), np.asarray(T * self.scale, np.complex128)
-
-    def local(self, points: Complex, frames: Frames) -> Complex:
-        """Return local coordinates, (b, n, 7), with those of approximations of the last k poses.
-
-        Parameters
-        ----------
-        points, frames
-            Study points of any norm, shape (b, k, 8), and their frames.
-        """
-        found = np.zeros((len(points), len(self.real), 7), complex)
-        if not points.shape[1]:
-            return found
-        e = points[..., :4]
-        base, platform = (np.array([0, *x], complex) for x in (frames.base, frames.platform))
-        across = quaternion_product(base, e) - quaternion_product(e, platform)
-        f = (frames.length * points[..., 4:] + across / 2) / self.scale
-        place = slice(len(self.real) - points.shape[1], None)
-        centres, slopes = self.centres[place], self.slopes[place]
-        patches = np.abs(centres[:, :4]).argmax(axis=1)
-        with np.errstate(all="ignore"):
-            whole = np.concatenate((e, f), axis=-1)
-            whole /= whole[:, np.arange(len(patches)), patches][..., None]
-            found[:, place] = (slopes @ (whole - centres)[..., None])[..., 0]
-        return found
 
     def decide(
         self,
         values: Array,
         units: Array,
         scale: float,
-        local: Complex | None = None,
         *,
         jobs: int = 1,
     ) -> ProvedPoses:
@@ -172,18 +183,17 @@ class FarPoses:
             The units of the last digits of translations, in `scale`, shape (b,).
         scale
             The unit of length of these values.
-        local
-            Approximations (`local`); by default the poses that are known.
         jobs
             Threads.
         """
-        blank = np.zeros((len(values), len(self.real), 7), complex)
         R, T, quaternions, off, bits, complete = _kernel.decide_far(
             self.numbers,
             self.errors,
             self.real,
+            1 - self.real,
+            self.origin,
+            self.starts,
             self._shifts(values, scale / self.scale),
-            blank if local is None else local,
             units * (scale / self.scale),
             scale=self.scale,
             tolerance=TOLERANCE,
@@ -208,17 +218,18 @@ class FarPoses:
         values: Array,
         units: Array,
         scale: float,
-        local: Complex | None,
         *,
         jobs: int = 1,
     ) -> ProvedPoses:
         """Return near poses and the far ones for the same values; parameters as for `decide`."""
-        far = self.decide(values, units, scale, local, jobs=jobs)
+        far = self.decide(values, units, scale, jobs=jobs)
+        complete = near.complete & far.complete
         # Two poses are different if their error bounds do not overlap.
         with np.errstate(invalid="ignore"):
             least = (_largest(far.R, far.T / scale) - far.deviation).min(axis=1)
             largest = (_largest(near.R, near.T / scale) + near.deviation).max(axis=1, initial=0)
-        complete = near.complete & far.complete & (largest * OUTWARD < least)
+        for row in np.flatnonzero(complete & ~(largest * OUTWARD < least)).tolist():
+            complete[row] = _are_apart(near, far, row, scale)
         parts = (np.concatenate(both, axis=1) for both in zip(near[:-1], far[:-1], strict=True))
         return ProvedPoses._make([*parts, complete])
 
@@ -232,6 +243,71 @@ class FarPoses:
         size = np.abs(high) + np.abs(own)
         gaps = OUTWARD * (gap + own_gap + _DIFFERENCE * size)
         return np.ascontiguousarray(np.stack((difference, rest + (low - own_low), gaps), axis=1))
+
+
+def _origin(powers: NDArray[np.int64], length: float) -> Complex:
+    """Return complex values in general position, as differences from real ones."""
+    rng = np.random.default_rng(len(powers))
+    turns = rng.choice([-1.0, 1.0], len(powers)) * rng.uniform(*_SPREAD, len(powers))
+    return np.asarray(1j * turns * length ** powers.astype(float), np.complex128)
+
+
+def _coordinates(
+    locator: Locator,
+    sides: tuple[int, ...],
+    R: Complex,
+    T: Complex,
+    point: Sequence[acb] | None,
+    origin: Complex,
+) -> LocalCoordinates | None:
+    """Return local coordinates at a pose; None if it is not known well enough.
+
+    Where equations are bent, each coordinate is a multiple of others at most places. There they are
+    replaced by those in which solutions for other values are of order one in all directions.
+    """
+    found = local_coordinates(locator, sides, R, T, point)
+    if found is None or not found.is_bent:
+        return found
+    products = _products(found, origin)
+    better = None if products is None else combined(locator, sides, found, products)
+    return better and better._replace(is_bent=True)
+
+
+def _products(given: LocalCoordinates, origin: Complex) -> Complex | None:
+    """Return a matrix (7, 7): its products with vectors of order one are solutions for others."""
+    numbers = np.ascontiguousarray(given.numbers[:, None])
+    rng = np.random.default_rng(0)
+
+    def followed(begin: Complex, end: Complex, at: Complex) -> Complex | None:
+        reached, found = _kernel.follow_far(numbers, begin, end, at)
+        return reached if found[0] else None
+
+    start = followed(np.zeros_like(origin), origin, np.zeros((1, LOCAL), complex))
+    if start is None:
+        return None
+    values = np.abs(origin) * rng.normal(0, _SAMPLED, (_SAMPLES, len(origin)))
+    found = [followed(origin, each.astype(complex), start) for each in values]
+    there = np.array([each[0] for each in found if each is not None])
+    if len(there) < _SAMPLES // 2:
+        return None
+    # Some may be near values for which the pose is at infinity.
+    there = there[np.abs(there).max(axis=1).argsort()[: _SAMPLES * 3 // 4]]
+    square = there.T @ there.conj() / len(there)
+    sizes, axes = np.linalg.eigh(square.real if given.real else square)
+    sizes = np.sqrt(np.maximum(sizes, 0))
+    products: Complex = (axes * np.maximum(sizes, _THINNEST * sizes[-1])).astype(complex)
+    return products
+
+
+def _are_apart(near: ProvedPoses, far: ProvedPoses, row: int, scale: float) -> bool:
+    """Whether all near poses for a set of values are proved to be none of the far ones."""
+    flat = [
+        np.concatenate((x.R[row].reshape(-1, 9), x.T[row] / scale), axis=1).view(np.float64)
+        for x in (near, far)
+    ]
+    gaps = np.abs(flat[0][:, None] - flat[1]).max(axis=2)
+    off = near.deviation[row][:, None] + far.deviation[row]
+    return bool((gaps > OUTWARD * off).all())
 
 
 def _largest(R: Complex, T: Complex) -> Array:

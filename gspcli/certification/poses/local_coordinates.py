@@ -37,19 +37,23 @@ class LocalCoordinates(NamedTuple):
 
     numbers: Complex
     error: float
-    real: bool
-    centre: Complex
-    slope: Complex
+    located: Located
+    bits: int
+    is_bent: bool
+    """Whether paths are needed to solutions for other values."""
 
     @property
-    def is_bent(self) -> bool:
-        """Whether Newton's method needs to begin nearby."""
-        squares = self.numbers[0, : 7 * 36].reshape(7, 36)[:, 8:]
-        return bool(np.abs(squares).max() > _BENT)
+    def real(self) -> bool:
+        """Whether the numbers are real."""
+        return self.located.real
 
 
 def local_coordinates(
-    locator: Locator, sides: tuple[int, ...], R: Complex, T: Complex
+    locator: Locator,
+    sides: tuple[int, ...],
+    R: Complex,
+    T: Complex,
+    point: Sequence[acb] | None = None,
 ) -> LocalCoordinates | None:
     """Return local coordinates at a pose; None if it is not known well enough.
 
@@ -59,33 +63,64 @@ def local_coordinates(
         The equations, and the index of that of each constraint.
     R, T
         The pose, shapes (3, 3) and (3,), rounded.
+    point
+        Its Study point with more digits, if it is known: doubles do not suffice 1e30 lengths away.
     """
     for bits in _BITS:
-        located = locator.near(R, T, sides, bits)
+        if point is None:
+            located = locator.near(R, T, sides, bits)
+        else:
+            located = locator.locate_exactly(point, sides, bits)
         if not isinstance(located, Located):
             return None
-        with ctx.workprec(bits):
-            balls = _coefficients(locator, sides, located)
-            if balls is None:
-                continue
-            doubles, error = _in_doubles(balls[0], real=located.real)
-            centre, slope = (np.array([complex(x.mid()) for x in part]) for part in balls[1:])
-        if error < _KNOWN:
-            numbers = np.array(doubles).view(np.complex128)[..., 0]
-            fits = np.isfinite(numbers).all() and np.abs(numbers).max() < _LARGEST
-            if not fits:
-                return None
-            real = located.real
-            return LocalCoordinates(
-                numbers.T, max(error, _LEAST), real, centre, slope.reshape(7, 8)
-            )
+        found = _in_bits(locator, sides, located, bits, None)
+        if found is not None:
+            return found if _fits(found.numbers) else None
     return None
 
 
+def combined(
+    locator: Locator, sides: tuple[int, ...], given: LocalCoordinates, products: Complex
+) -> LocalCoordinates | None:
+    """Return other local coordinates at a pose; None if they are not accurate enough.
+
+    Parameters
+    ----------
+    locator, sides
+        As for `local_coordinates`.
+    given
+        The coordinates s at the pose.
+    products
+        A matrix (7, 7), real at a real pose: s is its product with the other ones.
+    """
+    found = _in_bits(locator, sides, given.located, given.bits, products)
+    return found if found is not None and _fits(found.numbers) else None
+
+
+def _fits(numbers: Complex) -> bool:
+    return bool(np.isfinite(numbers).all() and np.abs(numbers).max() < _LARGEST)
+
+
+def _in_bits(
+    locator: Locator, sides: tuple[int, ...], located: Located, bits: int, products: Complex | None
+) -> LocalCoordinates | None:
+    with ctx.workprec(bits):
+        balls = _coefficients(locator, sides, located, products)
+        if balls is None:
+            return None
+        doubles, error = _in_doubles(balls, real=located.real)
+    if not error < _KNOWN:
+        return None
+    numbers = np.array(doubles).view(np.complex128)[..., 0]
+    squares = numbers[: 7 * 36, 0].reshape(7, 36)[:, 8:]
+    is_bent = bool(np.abs(squares).max() > _BENT)
+    return LocalCoordinates(numbers.T, max(error, _LEAST), located, bits, is_bent)
+
+
 def _coefficients(
-    locator: Locator, sides: tuple[int, ...], located: Located
-) -> tuple[list[acb], ...] | None:
-    """Return balls of the numbers of one pose in the order of the kernel, its centre and slope."""
+    locator: Locator, sides: tuple[int, ...], located: Located, products: Complex | None
+) -> list[acb] | None:
+    """Return balls of the numbers of one pose in the order of the kernel."""
     system, patch = locator.system(ctx.prec), located.isolation.patch
     equations = system.open_quadrics(sides)
     if equations is None:
@@ -104,6 +139,9 @@ def _coefficients(
             # Any exact numbers will do.
             x = inverse[i, j].mid()
             directions[k, j] = acb(x.real) if located.real else x
+    if products is not None:
+        across = acb_mat(7, 7, [acb(x) for x in products.ravel().tolist()])
+        directions = acb_mat(8, 7, [x.mid() for x in (directions * across).entries()])
     norm = sum((x * x for x in point[:4]), acb(0))
     found: list[acb] = []
     for hessian in (*equations, *_pose_forms()):
@@ -113,7 +151,7 @@ def _coefficients(
     for k in range(4):
         found.append(point[k] / root)
         found += [directions[k, j] * root for j in range(7)]
-    return found, point, [x / norm for x in gradients.entries()]
+    return found
 
 
 def _form(hessian: acb_mat, column: acb_mat, directions: acb_mat, norm: acb) -> list[acb]:

@@ -119,7 +119,7 @@ def geometry_about(
     solved
         A platform of the geometry for `StartMethod.SOLVED`, in that unit.
     far
-        The poses far away that such a platform has besides; those to be approached are its last.
+        The poses far away that such a platform has besides.
     """
     inner, choices = given.in_units_of(length), side_choices(given)
     geometry = np.array([inner.y, inner.x, inner.u, inner.v]).tobytes()
@@ -130,7 +130,7 @@ def geometry_about(
         if start is None:
             continue
         expected = path_count(start.system.structure) * len(choices)
-        found = len(start.points) * len(choices) + _besides(far)
+        found = len(start.points) * len(choices) + (0 if far is None else len(far))
         proof: Proof | None = Proof(CountKind.TYPE)
         if found < expected:
             counted = count()
@@ -144,19 +144,20 @@ def geometry_about(
     return None
 
 
-def _besides(far: FarPoses | None) -> int:
-    """Return how many poses there are besides the ends of paths, which lead to some of these."""
-    return 0 if far is None else len(far) - far.approached
-
-
 def solved_system(given: Arrangement, length: float, poses: PoseSet) -> tuple[Array, ComplexArray]:
     """Return a solved platform in a unit of length, of several choices of sides the first."""
     choices = side_choices(given)
-    values = _inner_values(given, given.values[None], length, choices)[0, 0]
     chosen = slice(None) if poses.signs is None else (poses.signs == choices[0]).all(axis=1)
     R = poses.R[chosen]
     T = (poses.T[chosen] - given.base_centre + apply(R, given.platform_centre)) / length
-    return _squared(given, values), np.concatenate(study_from_pose(R, T), axis=-1)
+    return parameters_in(given, length), np.concatenate(study_from_pose(R, T), axis=-1)
+
+
+def parameters_in(given: Arrangement, length: float) -> Array:
+    """Return what the equations are linear in, in a unit of length, for the first sides."""
+    values = _inner_values(given, given.values[None], length, side_choices(given))
+    found: Array = _squared(given, values)[0, 0]
+    return found
 
 
 def _inner_values(given: Arrangement, rows: Array, length: float, choices: Array) -> Array:
@@ -208,7 +209,8 @@ class Geometry:
     @property
     def found(self) -> int:
         """How many poses there are for values in general position."""
-        return len(self.start.points) * len(self.choices) + _besides(self.far)
+        near = len(self.start.points) * len(self.choices)
+        return near if self.far is None else near + len(self.far)
 
     @property
     def batch(self) -> int:
@@ -249,11 +251,7 @@ class Geometry:
         choices, given = len(self.choices), self.given
         frames = Frames(length=unit, platform=given.platform_centre, base=given.base_centre)
         points = points.reshape(-1, choices, len(self.start.points), 8)
-        if self.far is None:
-            return Ends(points, frames)
-        near = points.shape[2] - self.far.approached
-        local = self.far.local(points[:, 0, near:], frames)
-        return Ends(points[:, :, :near], frames, self.far, local)
+        return Ends(points, frames, self.far)
 
     def _parameters(self, rows: Array) -> Array:
         values = _inner_values(self.given, rows, self.length, self.choices).reshape(-1, 6)

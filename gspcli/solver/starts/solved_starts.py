@@ -10,6 +10,7 @@ from collections import OrderedDict
 from collections.abc import Callable, Hashable
 from enum import Enum
 from threading import Lock
+from types import MappingProxyType
 from typing import TYPE_CHECKING, NamedTuple, TypeVar, cast
 
 import numpy as np
@@ -20,6 +21,7 @@ from gspcli.geometry.numbers import Number
 
 if TYPE_CHECKING:
     from gspcli.certification.counting import ExactCount
+    from gspcli.certification.poses.collection import StudyPoints
     from gspcli.continuation.systems import Structure
     from gspcli.solver.results.pose_set import PoseSet
 
@@ -52,6 +54,8 @@ class SolvedPlatform(NamedTuple):
     poses: PoseSet
     geometry_count: ExactCount | None
     """The count of the geometry, if it is known."""
+    points: StudyPoints = MappingProxyType({})
+    """Study points with more digits of poses that were located in balls, by the bytes of T."""
 
     def has_geometry_of(self, instance: Instance) -> bool:
         """Whether an instance differs in its values only, exactly, or in cones and cranks."""

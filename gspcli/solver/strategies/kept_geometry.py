@@ -16,9 +16,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.geometry.arrangement import Arrangement
+from gspcli.solver.ledger import Ledger
 from gspcli.solver.problem import Problem
 from gspcli.solver.results.pose_set import PoseSet, are_far
-from gspcli.solver.starts.geometry_starts import Geometry, geometry_about, solved_system
+from gspcli.solver.starts.geometry_starts import (
+    Geometry,
+    geometry_about,
+    parameters_in,
+    solved_system,
+)
 from gspcli.solver.starts.solved_starts import SolvedPlatform, Sort, geometry_key
 from gspcli.solver.starts.start import StartMethod
 
@@ -100,27 +106,29 @@ def _with_far_poses(
 
     apart = known.poses.reordered(is_far)
     equations = solved.locator, solved.proofs
-    far = FarPoses.of(*equations, solved.choices[0], solved.sides[0], apart.R, apart.T)
+    sides, length = (solved.choices[0], solved.sides[0]), known.arrangement.length
+    far = FarPoses.of(*equations, *sides, apart.R, apart.T, known.points, length)
     if far is None:
         return None
-    near, rows = _beside(known.poses.reordered(~is_far), far), known.arrangement.values[None]
-    if not (np.isfinite(near.R).all() and np.isfinite(near.T).all()):
-        return None
+    near, rows = known.poses.reordered(~is_far), known.arrangement.values[None]
     for attempt in range(_ATTEMPTS):
         found = _about(problem, _flattened(known.arrangement), near, problem.seed + attempt, far)
         if found is None:
             continue
-        ends = found.quick_ends(rows)
-        proved = solved.proofs.decide(solved.choices, ends.points, ends.frames, rows=rows)
-        if proved.complete[0]:
+        # Near and far poses are followed from the same values on the same way: where values change,
+        # one may take the place of the other.
+        same = far.about(
+            found.start.parameters[0], parameters_in(known.arrangement, problem.unit), problem.unit
+        )
+        if same is None:
+            continue
+        found = replace(found, far=same)
+        ledger = Ledger(solved.with_rows(rows))
+        ledger.problem.known_geometry_count = problem.geometry_count
+        ledger.add(found.quick_ends(rows))
+        if ledger.is_at_once:
             return found
     return None
-
-
-def _beside(near: PoseSet, far: FarPoses) -> PoseSet:
-    """Return the poses from which paths lead: near ones, then far ones to be approached."""
-    R, T = (np.concatenate(x) for x in zip((near.R, near.T), far.points, strict=True))
-    return replace(near, R=R, T=T, signs=None)
 
 
 def _about(

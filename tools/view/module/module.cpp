@@ -63,13 +63,11 @@ class Platform {
   }
 
   Found decide(const double* values, const Ends& ends) const {
-    Found near = proofs_.decide(values_, values, ends, far_.approached());
+    Found near = proofs_.decide(values_, values, ends);
     if (far_.poses() == 0) return near;
     double given[kOfValue * kEquations];
     values_.proved(values, 0, proofs_.scale(), given);
-    const Complex* const last = ends.study.data() + ends.study.size() - far_.approached() * kVariables;
-    return far_.beside(std::move(near), given, last, ends.unit, proofs_.unit(values_.largest(values)),
-                       proofs_.scale());
+    return far_.beside(std::move(near), given, proofs_.unit(values_.largest(values)), proofs_.scale());
   }
 
   Values values_;

@@ -78,9 +78,8 @@ bool Proofs::are_skew(const Complex* rotation, double deviation) const {
   return true;
 }
 
-Found Proofs::decide(const Values& given, const double* values, const Ends& ends, int less) const {
-  const int choices = given.choices(), paths = static_cast<int>(ends.study.size()) / (choices * kVariables);
-  const int count = paths - less;
+Found Proofs::decide(const Values& given, const double* values, const Ends& ends) const {
+  const int choices = given.choices(), count = static_cast<int>(ends.study.size()) / (choices * kVariables);
   Found found(choices * count);
   if (count == 0) return found;
   const OpenGeometry open{{quadrics_, hessian_, moduli_, equation_},
@@ -104,7 +103,7 @@ Found Proofs::decide(const Values& given, const double* values, const Ends& ends
     const int first = c * count;
     decide_portable(open,
                     {v, v + 6, v + 12, v + 18, v + 24, v + 30, unit(given.largest(values))}, count,
-                    ends.study.data() + c * paths * kVariables, room.data(), found.at(first, &complete));
+                    ends.study.data() + first * kVariables, room.data(), found.at(first, &complete));
     for (int k = first; k < first + count; ++k)
       if (!are_skew(&found.rotation[9 * k], found.deviation[k])) found.proved[k] = 0;
   }
@@ -114,55 +113,22 @@ Found Proofs::decide(const Values& given, const double* values, const Ends& ends
 FarPart::FarPart(Numbers& numbers) {
   count_ = numbers.integer();
   if (count_ == 0) {
-    approached_ = 0;
+    bent_ = 0;
     return;
   }
   number_ = numbers.complexes(count_ * kFarNumbers);
   low_ = numbers.complexes(count_ * kFarNumbers);
   error_ = numbers.doubles(count_);
   real_ = numbers.integers<std::uint8_t>(count_);
+  for (const std::uint8_t real : real_) paired_.push_back(real == 0);
   real_count_ = static_cast<int>(std::count(real_.begin(), real_.end(), 1));
   values_ = numbers.doubles(kOfValue * kEquations);
   powers_ = numbers.doubles(kEquations);
   scale_ = numbers.number();
   tolerance_ = numbers.number();
-  approached_ = numbers.integer();
-  centre_ = numbers.complexes(count_ * kVariables);
-  slope_ = numbers.complexes(count_ * kLocal * kVariables);
-  base_ = numbers.doubles(3);
-  platform_ = numbers.doubles(3);
-}
-
-std::vector<Complex> FarPart::local(const Complex* study, double length) const {
-  using Number = std::complex<double>;
-  std::vector<Complex> found(count_ * kLocal, Complex{0.0, 0.0});
-  const double *b = base_, *p = platform_;
-  for (int k = count_ - approached_; k < count_; ++k, study += kVariables) {
-    Number z[kVariables];
-    for (int i = 0; i < kVariables; ++i) z[i] = {study[i].re, study[i].im};
-    const Number* const e = z;
-    // base e - e platform, of quaternions.
-    const Number across[4] = {
-        -(b[0] * e[1] + b[1] * e[2] + b[2] * e[3]) + (e[1] * p[0] + e[2] * p[1] + e[3] * p[2]),
-        b[0] * e[0] + b[1] * e[3] - b[2] * e[2] - (e[0] * p[0] + e[2] * p[2] - e[3] * p[1]),
-        b[1] * e[0] + b[2] * e[1] - b[0] * e[3] - (e[0] * p[1] + e[3] * p[0] - e[1] * p[2]),
-        b[2] * e[0] + b[0] * e[2] - b[1] * e[1] - (e[0] * p[2] + e[1] * p[1] - e[2] * p[0])};
-    for (int i = 0; i < 4; ++i) z[4 + i] = (length * z[4 + i] + 0.5 * across[i]) / scale_;
-    const Complex* const centre = centre_ + k * kVariables;
-    int patch = 0;
-    for (int i = 1; i < 4; ++i)
-      if (std::hypot(centre[i].re, centre[i].im) > std::hypot(centre[patch].re, centre[patch].im)) patch = i;
-    const Number unit = z[patch];
-    for (int j = 0; j < kLocal; ++j) {
-      Number sum = 0.0;
-      for (int i = 0; i < kVariables; ++i) {
-        const Complex& s = slope_[(k * kLocal + j) * kVariables + i];
-        sum += Number(s.re, s.im) * (z[i] / unit - Number(centre[i].re, centre[i].im));
-      }
-      found[k * kLocal + j] = {sum.real(), sum.imag()};
-    }
-  }
-  return found;
+  bent_ = numbers.integer();
+  origin_ = numbers.complexes(kEquations);
+  start_ = numbers.complexes(bent_ * kLocal);
 }
 
 // By how much values are greater than those of the platform that is known, (3, 6).
@@ -181,17 +147,16 @@ void FarPart::shift(const double* proved, double ratio, double* out) const {
   }
 }
 
-Found FarPart::beside(Found near, const double* proved_values, const Complex* study, double length,
-                      double unit, double scale) const {
+Found FarPart::beside(Found near, const double* proved_values, double unit, double scale) const {
   double shifts[3 * kEquations];
   shift(proved_values, scale / scale_, shifts);
-  const std::vector<Complex> approximations = local(study, length);
   const double units = unit * (scale / scale_);
   std::vector<double> room(kFarRoom);
   Found far(poses());
   std::uint8_t complete = 0;
-  decide_far_portable({count_, number_, low_, error_, real_.data(), scale_, tolerance_},
-                      {1, shifts, approximations.data(), &units}, room.data(), far.at(0, &complete));
+  decide_far_portable({count_, number_, low_, error_, real_.data(), paired_.data(), bent_, origin_, start_, scale_,
+                       tolerance_},
+                      {1, shifts, &units}, room.data(), far.at(0, &complete));
   // In units of the other equations.
   for (double& deviation : far.deviation) deviation *= std::max(scale_ / scale, 1.0);
   const auto join = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };

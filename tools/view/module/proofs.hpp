@@ -32,24 +32,20 @@ struct Found {
 class FarPart {
  public:
   explicit FarPart(Numbers& numbers);
-  int approached() const { return approached_; }
   int poses() const { return count_ == 0 ? 0 : 2 * count_ - real_count_; }
-  // These besides the poses that are near, from approximations (approached, 8) of the last ones in some frames.
-  Found beside(Found near, const double* proved_values, const Complex* study, double length, double unit,
-               double scale) const;
+  // These besides the poses that are near.
+  Found beside(Found near, const double* proved_values, double unit, double scale) const;
 
  private:
-  std::vector<Complex> local(const Complex* study, double length) const;
   void shift(const double* proved_values, double ratio, double* out) const;
 
-  int count_, real_count_ = 0, approached_;
+  int count_, real_count_ = 0, bent_;
   const Complex *number_, *low_;
   const double* error_;
-  std::vector<std::uint8_t> real_;
+  std::vector<std::uint8_t> real_, paired_;
   const double *values_, *powers_;
   double scale_, tolerance_;
-  const Complex *centre_, *slope_;  // (count, 8), (count, 7, 8)
-  const double *base_, *platform_;
+  const Complex *origin_, *start_;  // (6), (bent, 7)
 };
 
 class Proofs {
@@ -58,8 +54,8 @@ class Proofs {
   double scale() const { return scale_; }
   // Of digits of translations, in lengths of the equations.
   double unit(double largest) const;
-  // Decides about ends (choices, paths, 8), of which the last `less` of each choice are left out.
-  Found decide(const Values& given, const double* values, const Ends& ends, int less) const;
+  // Decides about ends (choices, paths, 8).
+  Found decide(const Values& given, const double* values, const Ends& ends) const;
 
  private:
   bool are_skew(const Complex* rotation, double deviation) const;

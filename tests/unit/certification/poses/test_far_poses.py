@@ -11,7 +11,7 @@ import pytest
 
 import gspcli
 from gspcli import _kernel
-from gspcli.certification.numbers.rounding import COMPLEX, ISOLATED
+from gspcli.certification.numbers.rounding import COMPLEX, ISOLATED, REAL
 from gspcli.certification.poses.far_poses import FarPoses
 from gspcli.certification.poses.locator import Located
 from gspcli.certification.poses.many_values import ProvedPoses
@@ -47,7 +47,8 @@ def known(request):
     far = poses.reordered(np.abs(poses.R).max(axis=(1, 2)) > 64)
     problem = Problem(instance, starts=SolvedStarts())
     sides = problem.choices[0], problem.sides[0]
-    return instance, FarPoses.of(problem.locator, problem.proofs, *sides, far.R, far.T)
+    length = problem.arrangement.length
+    return instance, FarPoses.of(problem.locator, problem.proofs, *sides, far.R, far.T, {}, length)
 
 
 def others(instance, count, spread, seed=1):
@@ -93,8 +94,8 @@ def test_many_sets_of_values_are_as_each_alone_with_each_build(known):
         np.testing.assert_array_equal(getattr(together, name), one)
     builds = ["portable", "avx2", "avx512"]
     shifts = far._shifts(values, scale / far.scale)
-    local = np.zeros((len(values), len(far.real), 7), complex)
-    given = far.numbers, far.errors, far.real, shifts, local, np.ones(len(values))
+    given = far.numbers, far.errors, far.real, 1 - far.real, far.origin, far.starts, shifts
+    given = *given, np.ones(len(values))
     for build in builds[: builds.index(_kernel.build())]:
         R, T, *_ = _kernel.decide_far(*given, scale=far.scale, tolerance=1e-9, build=build)
         np.testing.assert_array_equal(R, together.R[:])
@@ -145,7 +146,8 @@ def test_a_pose_without_its_conjugate_is_no_start():
     far = poses.reordered(np.abs(poses.R).max(axis=(1, 2)) > 64)
     problem = Problem(instance, starts=SolvedStarts())
     equations = problem.locator, problem.proofs, problem.choices[0], problem.sides[0]
-    assert FarPoses.of(*equations, far.R[:-1], far.T[:-1]) is None
+    length = problem.arrangement.length
+    assert FarPoses.of(*equations, far.R[:-1], far.T[:-1], {}, length) is None
 
 
 def test_poses_not_that_far_are_rounded_for_nearly_all_values():
@@ -171,16 +173,17 @@ def poses_at(size, deviation):
     [
         (2.0, 5.0, (1.0, 1.0), True),
         (5.0, 5.0, (1e-9, 1e-9), False),
-        (5.0, 2.0, (1e-9, 1e-9), False),
+        (5.0, 2.0, (1e-9, 1e-9), True),
+        (5.0, 2.0, (2.9, 0.2), False),
         (4.0, 5.0, (0.4, 0.7), False),
         (4.0, 5.0, (1.1, 1e-9), False),
         (4.0, 5.0, (1e-9, 1.1), False),
     ],
 )
-def test_far_poses_are_others_only_beyond_all_near_ones(near, far, deviations, complete):
-    """A far pose may be found by paths, too: only what is larger than all of those is another."""
+def test_far_poses_are_others_only_beyond_their_error_bounds(near, far, deviations, complete):
+    """A far pose may be found by paths, too: another one differs by more than both errors."""
     there = SimpleNamespace(decide=lambda *_, jobs: poses_at(far, deviations[1]))
-    found = FarPoses.beside(there, poses_at(near, deviations[0]), None, None, 1.0, None)
+    found = FarPoses.beside(there, poses_at(near, deviations[0]), None, None, 1.0)
     assert found.complete.tolist() == [complete]
     assert found.T.shape == (1, 2, 3)
 
@@ -201,15 +204,22 @@ def made_up(constant, square):
     return numbers
 
 
-def decide_made_up(numbers, *, error=0.0, shift=0.0, gap=0.0, real=1, entry=2):
+def decide_made_up(numbers, *, error=0.0, shift=0.0, gap=0.0, real=1, entry=2, start=None):
     shifts = np.zeros((1, 3, 6))
     shifts[0, 0, 0], shifts[0, 2, 0] = shift, gap
+    origin = np.full(6, 0.3j)
+    starts = np.zeros((0, 7), complex)
+    if start is not None:
+        starts, found = _kernel.follow_far(numbers, np.zeros(6, complex), origin, start)
+        assert found.all()
     *poses, deviation, bits, complete = _kernel.decide_far(
         numbers,
         np.array([error]),
         np.array([real], np.uint8),
+        np.array([1 - real], np.uint8),
+        origin,
+        starts,
         shifts,
-        np.zeros((1, 1, 7), complex),
         np.ones(1),
         scale=1.0,
         tolerance=1e9,
@@ -282,3 +292,28 @@ def test_a_height_that_may_be_rounding_does_not_make_a_pose_complex():
     numbers[0, 0, 8 * 36] += 1e-12j
     assert decide_made_up(numbers, error=1e-10, real=0)[2][0] == ISOLATED
     assert decide_made_up(numbers, error=1e-15, real=0)[2][0] & COMPLEX
+
+
+def test_a_real_pose_that_meets_another_becomes_complex_and_is_proved_not_real():
+    """s + s^2 = D has real roots above D = -1/4 only."""
+    start = np.zeros((1, 7), complex)
+    R, deviation, bits, _ = decide_made_up(of_a_value(), shift=-0.1, start=start, entry=0)
+    assert bits[0] & ISOLATED
+    assert bits[0] & REAL
+    assert not R.imag.any()
+    R, deviation, bits, _ = decide_made_up(of_a_value(), shift=-0.5, start=start, entry=0)
+    assert bits[0] & ISOLATED
+    assert bits[0] & COMPLEX
+    assert not bits[0] & REAL
+    assert abs(abs(R[0, 0, 0] - 1 - complex(-0.5, 0.5))) <= deviation[0] or (
+        abs(R[0, 0, 0] - 1 - complex(-0.5, -0.5)) <= deviation[0]
+    )
+
+
+@pytest.mark.parametrize("shift", [-0.2499, -0.24, 0.5, 3.0])
+def test_a_path_leads_to_a_root_for_values_beyond_where_two_meet(shift):
+    start = np.zeros((1, 7), complex)
+    R, deviation, bits, _ = decide_made_up(of_a_value(), shift=shift, start=start, entry=0)
+    assert bits[0] & REAL
+    roots = [(-1 + sign * np.sqrt(1 + 4 * shift)) / 2 for sign in (1, -1)]
+    assert min(abs(R[0, 0, 0] - 1 - root) for root in roots) <= deviation[0]

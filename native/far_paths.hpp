@@ -1,0 +1,119 @@
+// Paths of poses far away in their local coordinates, in lanes: along a line between two shifts of the values.
+//
+// Two such poses may be near each other, and come together where values change. From complex values in general
+// position no two do on the way to real ones.
+//
+// Included by far_poses.cpp in each of its builds: all in an anonymous namespace, so that the linker
+// cannot merge functions that were compiled for different processors.
+#pragma once
+
+#include "far_equations.hpp"
+
+namespace gsp {
+namespace {
+
+constexpr double kFirstStep = 0.125, kLeastStep = 0x1p-14;
+// The second step of Newton's method after a prediction is at most such a part of the first: then the other
+// solutions are many times as far away as the prediction is off. After a much smaller one steps grow.
+constexpr double kCertainly = 1.0 / 16, kEasily = 1.0 / 512;
+// Of values in doubles, as a part of the moduli of their terms.
+constexpr double kNoise = 0x1p-48;
+
+struct Tangent {
+  C at[kRows], along[kRows];
+};
+
+INLINE V largest(const C* x) {
+  V most = splat(0.0);
+  for (int i = 0; i < kRows; ++i) most = maximum(most, bound(x[i]));
+  return most;
+}
+
+INLINE double modulus(const Complex& z) { return (z.re < 0.0 ? -z.re : z.re) + (z.im < 0.0 ? -z.im : z.im); }
+
+// How long a step of Newton's method may be because of rounding.
+INLINE V noise(const Block& b, const Complex* shift, const C* s, const Linear& at) {
+  V size[kRows], terms[kRows], most = splat(0.0);
+  for (int i = 0; i < kRows; ++i) size[i] = bound(s[i]);
+  const Sizes norm = sizes_of(b, kOfNorm, size);
+  for (int r = 0; r < kRows; ++r) {
+    terms[r] = sizes_of(b, r, size).value;
+    if (r > 0) terms[r] += splat(modulus(shift[r - 1])) * norm.value;
+  }
+  for (int i = 0; i < kRows; ++i) {
+    V sum = splat(0.0);
+    for (int r = 0; r < kRows; ++r) sum += bound(at.inverse[i][r]) * terms[r];
+    most = maximum(most, sum);
+  }
+  return splat(kNoise) * most;
+}
+
+// How local coordinates change with a shift, from the equations there and N.
+INLINE void differentiate_by_shift(const Linear& at, const C& norm, const Complex* change, C* along) {
+  for (int i = 0; i < kRows; ++i) {
+    along[i] = C{};
+    for (int r = 1; r < kRows; ++r) add_product(along[i], change[r - 1], at.inverse[i][r]);
+    along[i] = norm * along[i];
+  }
+}
+
+// Follows local coordinates in all lanes; false if steps become too small for one of them.
+bool follow_line(const Block& b, const Complex* from, const Complex* to, C* s) {
+  Complex change[kEquations], here[kEquations];
+  for (int r = 0; r < kEquations; ++r) change[r] = {to[r].re - from[r].re, to[r].im - from[r].im};
+  Linear at;
+  Tangent now, last;
+  C norm = linearize(b, from, s, at), first[kRows], second[kRows];
+  differentiate_by_shift(at, norm, change, now.along);
+  for (int i = 0; i < kRows; ++i) now.at[i] = s[i];
+  double done = 0.0, step = kFirstStep, before = 0.0;
+  while (done < 1.0) {
+    // A last step that is hardly shorter goes to the end.
+    if (done + 1.125 * step > 1.0) step = 1.0 - done;
+    if (step < kLeastStep) return false;
+    for (int r = 0; r < kEquations; ++r) {
+      const double t = done + step;
+      here[r] = {from[r].re + t * change[r].re, from[r].im + t * change[r].im};
+      if (t >= 1.0) here[r] = to[r];
+    }
+    // By the cubic through the last two points with their tangents, else by the tangent.
+    C guess[kRows];
+    const double q = before > 0.0 ? step / before : 0.0;
+    for (int i = 0; i < kRows; ++i) {
+      guess[i] = now.at[i] + splat(step) * now.along[i];
+      if (before > 0.0) {
+        const C gap = now.at[i] - last.at[i];
+        const C bend = splat(before) * (splat(2.0) * now.along[i] + last.along[i]) - splat(3.0) * gap;
+        const C twist = splat(before) * (now.along[i] + last.along[i]) - splat(2.0) * gap;
+        guess[i] = guess[i] + splat(q * q) * (bend + splat(q) * twist);
+      }
+    }
+    linearize(b, here, guess, at);
+    newton_step(at, first);
+    for (int i = 0; i < kRows; ++i) guess[i] = guess[i] - first[i];
+    norm = linearize(b, here, guess, at);
+    newton_step(at, second);
+    for (int i = 0; i < kRows; ++i) guess[i] = guess[i] - second[i];
+    const V exact = noise(b, here, guess, at), one = largest(first), two = largest(second);
+    // Not a number is not below anything.
+    const Mask good = (two <= kCertainly * one) | (one + two <= exact);
+    const Mask easy = (two <= kEasily * one) | (one + two <= exact);
+    bool is_good = true, is_easy = true;
+    for (int l = 0; l < W; ++l) is_good = is_good && good[l], is_easy = is_easy && easy[l];
+    if (!is_good) {
+      step *= 0.5;
+      if (step < kLeastStep) return false;
+      continue;
+    }
+    last = now, before = step, done += step;
+    if (step >= 1.0 - done + step) done = 1.0;
+    for (int i = 0; i < kRows; ++i) now.at[i] = guess[i];
+    differentiate_by_shift(at, norm, change, now.along);
+    if (is_easy) step *= 2.0;
+  }
+  for (int i = 0; i < kRows; ++i) s[i] = now.at[i];
+  return true;
+}
+
+}  // namespace
+}  // namespace gsp
