@@ -70,7 +70,8 @@ _MOST_NAMED = 5
 @click.option(
     "--forward",
     metavar="FORCES",
-    help="How the platform moves under forces: a file with t and F1 ... F6, linear between rows.",
+    help="How the platform moves under forces: a file with t and F1 ... F6 (with cranks or slides "
+    "torque.crank.B1 ...), linear between rows.",
 )
 @click.option(
     "--twist",
@@ -81,7 +82,7 @@ _MOST_NAMED = 5
 @click.option(
     "--stiffness",
     metavar="K",
-    help="Stiffness of the constraints, one number or six: N/m and N m/rad, whatever the unit of "
+    help="Stiffness of the drives, one number or one each: N/m and N m/rad, whatever the unit of "
     "length of SPEC.  [default: that of the drives in SPEC]",
 )
 @require_option("force<=200, range, condition<=50")
@@ -114,7 +115,9 @@ def command(
 
     Each row has the forces of the six drives in N (moments in N m for angles), positive if the
     drive pushes towards a greater value, and the power of all in W. The worst row and drive are
-    named. At a singular pose there is no force; such rows are named, and the exit code is 4.
+    named. At a singular pose there is no force; such rows are named, and the exit code is 4. With
+    cranks or slides each row also has what these must do, torque.crank.B1 in N m or
+    torque.slide.B1 in N, with the weights of arms and carriages; F1 ... F6 act along the rods.
 
     With --forward the platform is let go at home (or --pose, --mode) under given forces. Each row
     is a pose with velocities and accelerations, as this command reads them, and energies in J. The
@@ -125,11 +128,13 @@ def command(
     platform moves in each mode.
 
     With --require the worst row is named, and the exit code is 1 unless all rows keep it: force,
-    moment, power; with --modes frequency; range, cone, condition, clearance as `gsp measure`.
+    moment, torque, power; with --modes frequency; range, cone, condition and clearance as `gsp
+    measure`.
 
     \b
     Examples:
       gsp dynamics platform.yaml
+      gsp dynamics rotary.yaml path.csv --require "torque<=2"
       gsp dynamics platform.yaml path.csv -o forces.csv
       gsp dynamics platform.yaml path.csv --require "force<=200, power<=50"
       gsp dynamics platform.yaml --mode home --modes --stiffness 2e6
@@ -179,6 +184,7 @@ def _forces(
         t=asked.t,
         twists=None if motion is None else motion.twists,
         accelerations=None if motion is None else motion.accelerations,
+        drives=asked.drives,
     )
     names = [f"drive {k}" for k in range(1, 7)]
     known: dict[str, Array | Parts] = {"power": np.abs(found.power)}
@@ -186,6 +192,10 @@ def _forces(
         which = [k for k, one in enumerate(found.units) if one == unit]
         if which:
             known[name] = Parts(np.abs(found.forces[:, which]), [names[k] for k in which])
+    if found.torques is not None and found.drives is not None:
+        moved = [k for k, sort in enumerate(found.drives.sorts) if sort != "value"]
+        called = [found.drives.names[k] for k in moved]
+        known["torque"] = Parts(np.abs(found.torques[:, moved]), called)
     rows = force_rows(found, asked)
     _tell(found, asked, requirements, known, rows, partial(force_table, found, asked, rows), output)
 
@@ -270,10 +280,13 @@ def _modes(
     output: Output,
 ) -> None:
     from gspcli.dynamics import natural_modes
+    from gspcli.geometry.drive_numbers import is_driven
+    from gspcli.geometry.drives import Drives
     from gspcli.motion.files.number_tables import numbers_of
 
-    given = None if stiffness is None else numbers_of(stiffness, (1, 6), "--stiffness")
-    found = natural_modes(instance, asked.R, asked.T, stiffness=given)
+    count = len(Drives.of(instance).names) if is_driven(instance) else 6
+    given = None if stiffness is None else numbers_of(stiffness, (1, count), "--stiffness")
+    found = natural_modes(instance, asked.R, asked.T, stiffness=given, drives=asked.drives)
     rows = mode_rows(found, asked)
     known = {"frequency": found.frequencies[:, 0]}
     _tell(found, asked, requirements, known, rows, partial(mode_tables, found, asked, rows), output)
@@ -282,7 +295,7 @@ def _modes(
 def _forward(
     instance: Instance,
     forces: str,
-    start: tuple[Array, Array],
+    start: Asked,
     twist: str | None,
     form: PoseFormat,
     output: Output,
@@ -294,7 +307,11 @@ def _forward(
     from gspcli.dynamics.trajectories import Motion, motion_of_platform
     from gspcli.motion.files.number_tables import numbers_of
 
+<<<<<<< HEAD
     table = read_forces(*text_of(forces), form)
+=======
+    table = read_forces(*text_of(forces), instance, ignore)
+>>>>>>> 4710553 (WIP dynamics and export)
     angles = np.repeat([instance.units.angle.in_radians, 1.0], 3)
     first: Array | float = 0.0
     if twist is not None:
@@ -302,9 +319,23 @@ def _forward(
         rows = first[None]
         first = motion_of_platform(form.frame, start[0], Motion(rows, rows)).twists[0]
     with working("simulating"):
+<<<<<<< HEAD
         found = simulate(instance, *start, table.t, table.forces, twist=first)
     document = found.to_json(form.frame) if output.format == "json" else None
     emit(output, motion_table(found, form.frame), document=document)
+=======
+        found = simulate(
+            instance,
+            start.R[0],
+            start.T[0],
+            table.t,
+            table.forces,
+            twist=first,
+            drives=start.drives,
+        )
+    document = found.to_json() if output.format == "json" else None
+    emit(output, motion_table(found), document=document)
+>>>>>>> 4710553 (WIP dynamics and export)
     if not found.energy_error < 1e-6:
         message = (
             f"the energy is off by {found.energy_error:.1g} of its changes: "

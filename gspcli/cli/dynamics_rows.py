@@ -39,6 +39,9 @@ class Asked:
         How it moves there, or None if that is not given.
     modes
         Whether the poses are the modes of the instance.
+    drives
+        Where the drives are, shape (n, m), of a platform with cranks or slides whose rows say so;
+        None for the knees of home.
     """
 
     R: Array
@@ -46,6 +49,7 @@ class Asked:
     t: Array | None = None
     motion: Motion | None = None
     modes: tuple[int, ...] = ()
+    drives: Array | None = None
 
     @property
     def how(self) -> str:
@@ -85,10 +89,9 @@ class Asked:
 
 def start_of(
     instance: Instance, mode: Mode | None, pose: GivenPose | None, form: PoseFormat
-) -> tuple[Array, Array]:
-    """Return the one pose that a motion begins at, shapes (3, 3) and (3,)."""
-    asked = _without_file(instance, mode or HOME, pose, form)
-    return asked.R[0], asked.T[0]
+) -> Asked:
+    """Return the one pose that a motion begins at."""
+    return _without_file(instance, mode or HOME, pose, form)
 
 
 def asked_rows(
@@ -124,9 +127,24 @@ def _without_file(
         return Asked(start[None], place[None])
     if mode is not None:
         number, R, T = one_mode(instance, mode)
-        return Asked(R, T, modes=(number,))
+        return Asked(R, T, modes=(number,), drives=_stated(instance, 1))
     R, T = real_poses(instance)
-    return Asked(R, T, modes=tuple(range(1, len(R) + 1)))
+    modes = tuple(range(1, len(R) + 1))
+    return Asked(R, T, modes=modes, drives=_stated(instance, len(R)))
+
+
+def _stated(instance: Instance, count: int) -> Array | None:
+    """Return where the drives are at modes: where the file states their points, at zero."""
+    import numpy as np
+
+    from gspcli.geometry.drive_numbers import is_driven
+    from gspcli.geometry.drives import Drives
+
+    if not is_driven(instance):
+        return None
+    drives = Drives.of(instance)
+    # The drives that are values have those of the modes, which nothing asks for.
+    return np.zeros((count, len(drives.names)))
 
 
 def _followed(
@@ -139,7 +157,8 @@ def _followed(
     start = None if near is None else near.read(form)
     modes = None if start is not None else [mode_number(instance, mode)]
     with working("following"):
-        found = track(instance, rows.values, t=rows.t, modes=modes, near=start)
+        moving = dict(rows.coordinates)
+        found = track(instance, rows.values, coordinates=moving, t=rows.t, modes=modes, near=start)
     if found.ends:
         (end,) = found.ends
         message = (
@@ -151,4 +170,4 @@ def _followed(
     motion = None
     if rows.rates is not None and rows.second_rates is not None:
         motion = motion_of_values(instance, R, T, rows.rates, rows.second_rates)
-    return Asked(R, T, rows.t, motion)
+    return Asked(R, T, rows.t, motion, drives=rows.drives(instance))

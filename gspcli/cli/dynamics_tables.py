@@ -11,8 +11,6 @@ from gspcli.dynamics.drive_forces import FORCES
 from gspcli.dynamics.forward import POSE
 from gspcli.dynamics.trajectories import ACCELERATION, VELOCITY
 from gspcli.dynamics.vibrations import FREQUENCIES
-from gspcli.geometry.coordinates import coordinates
-from gspcli.wording import listed
 
 if TYPE_CHECKING:
     from gspcli.cli.dynamics_rows import Asked
@@ -28,7 +26,9 @@ def force_rows(found: DriveForces, asked: Asked) -> list[dict[str, Any]]:
     """Return a row for each pose; cells are empty where no forces are known."""
     keys = (asked.first_column, *FORCES, "power")
     parts = zip(asked.labels, plain(found.forces), plain(found.power), strict=True)
-    return [dict(zip(keys, (label, *forces, power), strict=True)) for label, forces, power in parts]
+    rows = [dict(zip(keys, (label, *forces, power), strict=True)) for label, forces, power in parts]
+    torques = {name: plain(column) for name, column in found.torque_columns.items()}
+    return [row | {name: torques[name][k] for name in torques} for k, row in enumerate(rows)]
 
 
 def force_table(
@@ -42,18 +42,24 @@ def force_table(
     instance = found.instance
     kinds = [row.kind.name for row in instance.constraints]
     columns = [Column(asked.first_column, align="right", essential=True)]
+    torques = found.torque_columns
     columns += [
-        Column(key, f"{key} {kind} [{unit}]", align="right", essential=True, aligned=True)
+        Column(key, f"{key.removeprefix('torque.')} [{unit}]", "right", True, aligned=True)
+        for key, unit in zip(torques, found.torque_units, strict=False)
+    ]
+    columns += [
+        Column(key, f"{key} {kind} [{unit}]", align="right", essential=not torques, aligned=True)
         for key, kind, unit in zip(FORCES, kinds, found.units, strict=True)
     ]
     columns.append(Column("power", "power [W]", align="right"))
     notes = [f"{asked.how}; positive: the drive pushes towards a greater value"]
-    cranks = [one.name for one in coordinates(instance) if one.vector == "crank"]
-    if cranks:
-        notes.append(
-            f"forces act along the rods: what {listed(cranks, 'and')} must do is another moment"
-        )
-    worst = found.worst
+    if torques:
+        notes.append("F1 ... F6 act along the rods; before them: what the drives do")
+    most = found.worst_torque
+    if most is not None and found.drives is not None:
+        unit, name = found.torque_units[most.drive], found.drives.names[most.drive]
+        notes.append(f"worst: {most.force:.6g} {unit} by {name} {asked.place(most.row)}")
+    worst = None if torques else found.worst
     if worst is not None:
         unit = found.units[worst.drive]
         notes.append(
@@ -66,7 +72,7 @@ def mode_rows(found: NaturalModes, asked: Asked) -> list[dict[str, Any]]:
     """Return a row of frequencies for each pose."""
     keys = (asked.first_column, *FREQUENCIES)
     parts = zip(asked.labels, plain(found.frequencies), strict=True)
-    return [dict(zip(keys, (label, *numbers), strict=True)) for label, numbers in parts]
+    return [dict(zip(keys, (label, *numbers), strict=False)) for label, numbers in parts]
 
 
 def mode_tables(
@@ -83,7 +89,7 @@ def mode_tables(
         columns = [Column(asked.first_column, align="right", essential=True)]
         columns += [
             Column(key, f"{key} [Hz]", align="right", essential=True, aligned=True)
-            for key in FREQUENCIES
+            for key in FREQUENCIES[: found.squares.shape[1]]
         ]
         return [Table(columns + more, rows, title=instance.title, notes=notes, summary=lines)]
     shapes = [

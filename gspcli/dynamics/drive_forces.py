@@ -10,10 +10,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from gspcli.dynamics.arrays import by_chunks, checked_array, checked_rows, make_read_only, plain
 from gspcli.dynamics.drives import Drives, Flags
-from gspcli.dynamics.mass_model import MassModel
+from gspcli.dynamics.mass_model import MassModel, named_drives
+from gspcli.dynamics.moved_points import given_numbers
 from gspcli.dynamics.moving_bodies import MovingBodies
+from gspcli.dynamics.shared_drives import check_shared
 from gspcli.dynamics.trajectories import Motion, at_rest, spline_motion
 from gspcli.errors import ArgumentError
+from gspcli.geometry.drive_numbers import is_driven
+from gspcli.geometry.drives import Drives as MachineDrives
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.lengths import METRES
 from gspcli.geometry.quaternions import apply
@@ -43,7 +47,7 @@ class WorstForce(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class DriveForces:
-    """Forces of the six drives at n poses. All arrays are read-only.
+    """Forces of the drives at n poses. All arrays are read-only.
 
     Attributes
     ----------
@@ -57,14 +61,19 @@ class DriveForces:
         How the platform moves there (`Motion`), in radians and length units, shape (n, 6).
     forces
         Forces of distances, N, and torques of angles, N m, shape (n, 6): positive if the drive
-        pushes towards a greater value. NaN at singular poses.
+        pushes towards a greater value. NaN at singular poses. Where a crank or slide is the drive,
+        it is the force along its rod.
     powers
-        What each drive does, W, shape (n, 6).
+        What each of the m drives does, W, shape (n, m).
     singular
         Which poses are singular, shape (n,): no forces are known there.
     nearly_singular
         The condition numbers of those above 1e8, where as many digits of the forces are lost; else
         NaN, shape (n,).
+    torques
+        What the drives do if some are cranks or slides: torques of cranks, N m, forces of slides
+        and of distances, N, shape (n, m), with the weights and inertias of arms and carriages; None
+        if all drives are values.
     """
 
     instance: Instance
@@ -77,6 +86,7 @@ class DriveForces:
     powers: Array
     singular: Flags
     nearly_singular: Array
+    torques: Array | None = None
 
     def __post_init__(self) -> None:
         make_read_only(self)
@@ -96,6 +106,22 @@ class DriveForces:
         """The unit of each force: N for distances, N m for angles."""
         return tuple("N" if row.kind.is_distance else "N m" for row in self.instance.constraints)
 
+    @cached_property
+    def drives(self) -> MachineDrives | None:
+        """The cranks and slides; None if all drives are values."""
+        return MachineDrives.of(self.instance) if is_driven(self.instance) else None
+
+    @property
+    def torque_units(self) -> tuple[str, ...]:
+        """The unit of each torque: N m for cranks and angles, N for slides and distances."""
+        if self.drives is None:
+            return self.units
+        known = {"crank": "N m", "slide": "N"}
+        return tuple(
+            known.get(sort, self.units[self.drives.users(k)[0]])
+            for k, sort in enumerate(self.drives.sorts)
+        )
+
     @property
     def in_file_units(self) -> Array:
         """The forces with torques in N times the unit of length, shape (n, 6)."""
@@ -114,10 +140,42 @@ class DriveForces:
         return measure(self.instance, self.R, self.T)
 
     @property
+    def _torque_facts(self) -> dict[str, Any]:
+        """What JSON says of the torques of all rows."""
+        worst = self.worst_torque
+        if self.torques is None:
+            return {}
+        found = None
+        if worst is not None:
+            found = {"row": worst.row + 1, "drive": worst.drive + 1, "torque": worst.force}
+        return {"torque_units": list(self.torque_units), "worst_torque": found}
+
+    @property
+    def torque_columns(self) -> dict[str, Array]:
+        """What each drive does, by the names of its column; nothing if all drives are values."""
+        if self.drives is None or self.torques is None:
+            return {}
+        names = [f"torque.{name}" for name in self.drives.names]
+        return dict(zip(names, self.torques.T, strict=True))
+
+    @property
     def worst(self) -> WorstForce | None:
         """The largest force; torques count only where there is no distance. None if all are NaN."""
         distances = np.array([row.kind.is_distance for row in self.instance.constraints])
         return self.largest(distances if distances.any() else ~distances)
+
+    @property
+    def worst_torque(self) -> WorstForce | None:
+        """The largest torque of a crank, or force of a slide without cranks; None without both."""
+        if self.drives is None or self.torques is None:
+            return None
+        sorts = self.drives.sorts
+        chosen = np.array([sort == ("crank" if "crank" in sorts else "slide") for sort in sorts])
+        sizes = np.where(np.isnan(self.torques) | ~chosen, -1.0, np.abs(self.torques))
+        if sizes.max() < 0:
+            return None
+        row, drive = (int(k) for k in np.unravel_index(sizes.argmax(), sizes.shape))
+        return WorstForce(row, drive, float(self.torques[row, drive]))
 
     def largest(self, drives: Flags) -> WorstForce | None:
         """Return the largest force of some drives, shape (6,); None if there is none."""
@@ -128,10 +186,14 @@ class DriveForces:
         return WorstForce(row, drive, float(self.forces[row, drive]))
 
     def to_frame(self) -> pd.DataFrame:
-        """Return a table: t (numbers of rows without times), F1 ... F6 and power."""
+        """Return a table: t (numbers of rows without times), F1 ... F6 and power.
+
+        With cranks or slides there is a column for what each drive does, ``torque.crank.B1``.
+        """
         import pandas as pd
 
         columns = dict(zip(FORCES, self.forces.T, strict=True))
+        columns |= self.torque_columns
         times = np.arange(1.0, len(self.forces) + 1) if self.t is None else self.t
         return pd.DataFrame({"t": times, **columns, "power": self.power})
 
@@ -141,14 +203,19 @@ class DriveForces:
         times = [None] * count if self.t is None else self.t.tolist()
         parts = [self.forces, self.powers, self.power, self.nearly_singular]
         columns = [range(1, count + 1), times, *map(plain, parts), self.singular.tolist()]
-        keys = ("row", "t", "forces", "powers", "power", "nearly_singular", "singular")
+        keys = ["row", "t", "forces", "powers", "power", "nearly_singular", "singular"]
+        if self.torques is not None:
+            keys.append("torques")
+            columns.append(plain(self.torques))
         found = None
         if worst is not None:
             found = {"row": worst.row + 1, "drive": worst.drive + 1, "force": worst.force}
         return {
             "schema": "gsp.dynamics/1",
             **self.instance.to_json(),
+            **named_drives(self.instance),
             "force_units": list(self.units),
+            **self._torque_facts,
             "worst": found,
             "rows": [dict(zip(keys, row, strict=True)) for row in zip(*columns, strict=True)],
         }
@@ -163,6 +230,7 @@ def inverse_dynamics(
     twists: ArrayLike | None = None,
     accelerations: ArrayLike | None = None,
     load: ArrayLike = 0.0,
+    drives: ArrayLike | None = None,
 ) -> DriveForces:
     """Return the forces of the drives along poses.
 
@@ -181,19 +249,23 @@ def inverse_dynamics(
     load
         What else acts on the platform: moment about its origin (N m) and force (N) in the axes of
         the base, shape (n, 6) or (6,).
+    drives
+        Of a platform with cranks or slides: where its m drives are at the poses, shape (n, m) or
+        (m,), in units of the instance. By default on the knees of home (`gspcli.geometry.drives`).
 
     Raises
     ------
     ArgumentError
         If the instance has no masses, an array has a wrong shape or number, times do not increase,
-        or a value has no derivative at a pose (a distance of 0, parallel lines, an angle at the end
-        of its range).
+        a value has no derivative at a pose (a distance of 0, parallel lines, an angle at the end
+        of its range), or a drive does not reach a pose or is at a dead point there.
 
     Notes
     -----
     ``J^T F = M t' + h - G - load`` and, for drives with inertia, ``F += inertia value''``; see
     `gspcli.dynamics.moving_bodies`. Relative errors are about 1e-16 times the condition number of
-    the pose.
+    the pose. Torques of cranks and forces of slides are ``D^T F``, D the gains of the drives, and
+    what the joint on the arm or carriage, its weight and its inertia need beside.
 
     Examples
     --------
@@ -209,13 +281,15 @@ def inverse_dynamics(
     """
     model = MassModel.of(instance)
     R, T = checked_rows(R, T)
+    numbers = given_numbers(model, R, T * model.metre, drives)
     times = None if t is None else checked_array(t, (len(R),), "t")
     motion = _motion(R, T, times, twists, accelerations)
     wrench = checked_array(load, (len(R), 6), "load")
 
     def some(rows: slice) -> tuple[Any, ...]:
         moving = Motion(motion.twists[rows], motion.accelerations[rows])
-        return _forces(model, R[rows], T[rows], moving, wrench[rows])
+        own = None if numbers is None else numbers[rows]
+        return _forces(model, (R[rows], T[rows]), moving, wrench[rows], own)
 
     return DriveForces(instance, times, R, T, *motion, *by_chunks(len(R), _CHUNK, some))
 
@@ -236,18 +310,34 @@ def _motion(
 
 
 def _forces(
-    model: MassModel, R: Array, T: Array, motion: Motion, load: Array
-) -> tuple[Array, Array, Flags, Array]:
-    """Return forces and powers, both (m, 6), singular poses, and conditions of nearly singular."""
+    model: MassModel,
+    pose: tuple[Array, Array],
+    motion: Motion,
+    load: Array,
+    numbers: Array | None,
+) -> tuple[Any, ...]:
+    """Return forces, powers, singular poses, conditions of nearly singular, torques if any."""
+    R, T = pose
     twists, accelerations = model.in_metres(motion.twists), model.in_metres(motion.accelerations)
     T = T * model.metre
-    drives, bodies = Drives(model, R, T), MovingBodies(model, R, T)
-    wrench = bodies.wrench(twists, accelerations, model.gravity) - load
+    drives = Drives(model, R, T, numbers)
+    bodies = MovingBodies(model, R, T, drives.points)
+    needed = bodies.wrenches(twists, accelerations, model.gravity)
+    wrench = needed.on_platform - load
     singular, conditions = drives.conditions()
     columns = np.swapaxes(drives.rows, -1, -2)
     columns = np.where(singular[:, None, None], np.eye(6), columns)
     forces = np.asarray(np.linalg.solve(columns, wrench[..., None])[..., 0], float)
-    forces += drives.inertial(twists, accelerations)
-    forces[singular] = np.nan
-    powers: Array = forces * apply(drives.rows, twists)
-    return forces, powers, singular, conditions
+    if drives.points is None or needed.on_drives is None:
+        forces += drives.inertial(twists, accelerations)
+        forces[singular] = np.nan
+        powers: Array = forces * apply(drives.rows, twists)
+        return forces, powers, singular, conditions
+    check_shared(drives, twists)
+    torques = drives.points.gains * forces + needed.on_drives
+    torques += drives.inertial(twists, accelerations)
+    forces[singular], torques[singular] = np.nan, np.nan
+    values = ~drives.points.drives.driven
+    forces[:, values] = torques[:, values]
+    powers = model.of_drives(torques * apply(drives.pulls, twists))
+    return forces, powers, singular, conditions, model.of_drives(torques)

@@ -1,9 +1,12 @@
-"""The six values as coordinates of the drives: rates by the pose, and where they have none.
+"""The numbers of the drives as coordinates: rates by the pose, and where they have none.
 
-They are the values of `gsp measure`: a distance of two lines is not negative (`value_signs`).
+Values are those of `gsp measure`: a distance of two lines is not negative (`value_signs`). The
+number of a crank or slide follows from the pose (`gspcli.dynamics.moved_points`).
 """
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +14,7 @@ from numpy.typing import NDArray
 from gspcli.catalogue.kinds import DLL, DLP, DPL, DPP
 from gspcli.dynamics.arrays import RowError
 from gspcli.dynamics.mass_model import MassModel
+from gspcli.dynamics.moved_points import MovedPoints
 from gspcli.geometry.measurement import curvature, hessian, jacobian, measured
 from gspcli.geometry.quaternions import apply, cross, dot
 from gspcli.geometry.residuals import condition_numbers
@@ -26,6 +30,8 @@ _ZERO = 1e-12
 _GOOD = 1e8
 #: Beyond this one the forces are not known: as in `gspcli.motion.statics`.
 _SINGULAR = 1e14
+#: Sums of two unit twists, at which quadratic forms are evaluated.
+PAIRS = np.eye(6)[:, None] + np.eye(6)[None]
 
 
 class Drives:
@@ -34,8 +40,13 @@ class Drives:
     Attributes
     ----------
     rows
-        Their derivatives by a twist, shape (n, 6, 6): a force F of the drives is the wrench
-        ``rows^T F`` on the platform.
+        Their derivatives by a twist with cranks and slides still, shape (n, 6, 6): forces F along
+        the rods are the wrench ``rows^T F`` on the platform.
+    pulls
+        The derivatives of the numbers of the drives, by constraints, shape (n, 6, 6): what drives
+        push with, F, is the wrench ``pulls^T F``. The same where all drives are values.
+    points
+        What cranks and slides move; None if all drives are values.
 
     Raises
     ------
@@ -44,17 +55,27 @@ class Drives:
         at an end of its range.
     """
 
-    def __init__(self, model: MassModel, R: Array, T: Array) -> None:
+    def __init__(self, model: MassModel, R: Array, T: Array, numbers: Array | None = None) -> None:
         self.model, self.R, self.T = model, R, T
+        self.points = None if numbers is None else MovedPoints(model, R, T, numbers)
+        self._bodies = model.bodies if self.points is None else self.points.bodies
         self._check_derivatives()
         self._signs = value_signs(model.bodies, R, T)
-        self.rows = self._signs[..., None] * np.asarray(jacobian(model.bodies, R, T))
+        self.rows = self._signs[..., None] * np.asarray(jacobian(self._bodies, R, T))
+        self.pulls = self.rows
+        if self.points is not None:
+            self.pulls = self.rows / self.points.gains[..., None]
+
+    def some(self, rows: NDArray[np.bool_]) -> Drives:
+        """Return the drives at some of the poses."""
+        numbers = None if self.points is None else self.points.numbers[rows]
+        return Drives(self.model, self.R[rows], self.T[rows], numbers)
 
     def _check_derivatives(self) -> None:
         """Refuse values without a derivative."""
-        bodies = self.model.bodies
+        bodies = self._bodies
         values = np.asarray(measured(bodies, self.R, self.T))
-        small = np.abs(values) < _ZERO * bodies.length
+        small = np.abs(values) < _ZERO * self.model.bodies.length
         distances = [kind in (DPP, DPL, DLP, DLL) for kind in bodies.kinds]
         wrong = small & distances
         directed = [kind is DLL or not kind.is_distance for kind in bodies.kinds]
@@ -74,19 +95,29 @@ class Drives:
     @property
     def second(self) -> Array:
         """Second derivatives by a twist, shape (n, 6, 6, 6)."""
-        signed: Array = self._signs[..., None, None] * hessian(self.model.bodies, self.R, self.T)
-        return signed
+        signed: Array = self._signs[..., None, None] * hessian(self._bodies, self.R, self.T)
+        if self.points is None:
+            return signed
+        # Quadratic forms of a twist, from their values at sums of two unit twists.
+        numbers = self.points.numbers[:, None, None]
+        points = MovedPoints(self.model, self.R[:, None, None], self.T[:, None, None], numbers)
+        form = np.moveaxis(points.motion(PAIRS, np.zeros(6)).second_rates, -1, 1)
+        driven = self.points.drives.driven[:, None, None]
+        return np.where(driven, polarized(form), signed)
 
     def bends(self, twists: Array) -> Array:
         """Return the second derivatives of the values along constant twists, shape (n, 6)."""
-        signed: Array = self._signs * curvature(self.model.bodies, self.R, self.T, twists)
-        return signed
+        signed: Array = self._signs * curvature(self._bodies, self.R, self.T, twists)
+        if self.points is None:
+            return signed
+        own = self.points.motion(twists, np.zeros_like(twists)).second_rates
+        return np.where(self.points.drives.driven, own, signed)
 
     def inertial(self, twists: Array, accelerations: Array) -> Array:
         """Return what the rotors of the drives need by themselves, N and N m, shape (n, 6)."""
         if not self.model.rotors.any():
             return np.zeros(self.rows.shape[:-1])
-        rates = apply(self.rows, accelerations) + self.bends(twists)
+        rates = apply(self.pulls, accelerations) + self.bends(twists)
         return np.asarray(self.model.rotors * rates)
 
     def conditions(self) -> tuple[Flags, Array]:
@@ -97,9 +128,20 @@ class Drives:
         """
         found = np.full(len(self.T), np.nan)
         poor = ~(self._condition_bounds() < _GOOD)
-        if poor.any():
+        if poor.any() and self.points is None:
             found[poor] = condition_numbers(self.model.bodies, self.R[poor], self.T[poor])
+        elif poor.any():
+            found[poor] = self._moved_conditions()[poor]
         return poor & ~(found < _SINGULAR), np.where(found < _GOOD, np.nan, found)
+
+    def _moved_conditions(self) -> Array:
+        """Return the condition numbers, (n,), with the points where the drives have moved them."""
+        found = np.empty(len(self.T))
+        assert self.points is not None
+        for k, (x, y) in enumerate(zip(self.points.x, self.points.y, strict=True)):
+            bodies = replace(self.model.bodies, x=x, y=y)
+            found[k] = condition_numbers(bodies, self.R[k], self.T[k])
+        return found
 
     def _condition_bounds(self) -> Array:
         """Return bounds of the condition numbers, shape (n,), infinite if nothing is known.
@@ -119,5 +161,15 @@ class Drives:
         except np.linalg.LinAlgError:
             return np.full(len(scaled), np.inf)
         norms = [np.sqrt(np.einsum("nij,nij->n", a, a)) for a in (scaled, inverse)]
-        shear = 1 + float(np.linalg.norm(bodies.platform_centre)) / length
+        # The centre moves with cranks on the platform, by less than it is away from the farthest.
+        centre = np.linalg.norm(bodies.platform_centre)
+        if self.points is not None and self.points.drives.on_platform.any():
+            centre = np.linalg.norm(self.points.y, axis=-1).max()
+        shear = 1 + float(centre) / length
         return np.asarray(norms[0] * norms[1] * shear**4)
+
+
+def polarized(form: Array) -> Array:
+    """Return the matrices of quadratic forms of a twist from their values at PAIRS, (..., 6, 6)."""
+    own = np.einsum("...ii->...i", form) / 4
+    return np.asarray((form - own[..., :, None] - own[..., None, :]) / 2)

@@ -16,7 +16,9 @@ from numpy.typing import ArrayLike, NDArray
 from gspcli.dynamics.arrays import checked_array, checked_rows, make_read_only, plain
 from gspcli.dynamics.drives import Drives
 from gspcli.dynamics.mass_model import MassModel
+from gspcli.dynamics.moved_points import Knees, driven_numbers, given_numbers
 from gspcli.dynamics.moving_bodies import MovingBodies, equation_of_motion
+<<<<<<< HEAD
 from gspcli.dynamics.trajectories import (
     ACCELERATION,
     VELOCITY,
@@ -24,6 +26,10 @@ from gspcli.dynamics.trajectories import (
     check_times,
     expressed_motion,
 )
+=======
+from gspcli.dynamics.shared_drives import check_shared, closed
+from gspcli.dynamics.trajectories import ACCELERATION, VELOCITY, check_times
+>>>>>>> 4710553 (WIP dynamics and export)
 from gspcli.errors import ArgumentError, GspError, IncompleteError
 from gspcli.geometry.frames import IDENTITY, PoseFrame
 from gspcli.geometry.instance import Instance
@@ -67,7 +73,7 @@ class SimulatedMotion:
         Angular velocity (rad/s) and velocity of the platform's origin (length units/s) in the axes
         of the base, and their derivatives, shape (n, 6).
     forces
-        Of the drives, N and N m, shape (n, 6).
+        Of the drives, N and N m, shape (n, 6), or one column for each drive.
     kinetic, potential, work
         Energies of all bodies and the work of the drives since the first row, J, shape (n,).
     """
@@ -153,7 +159,13 @@ def _continuous(R: Array) -> Array:
 
 
 def forward_dynamics(
-    instance: Instance, R: ArrayLike, T: ArrayLike, twists: ArrayLike, forces: ArrayLike
+    instance: Instance,
+    R: ArrayLike,
+    T: ArrayLike,
+    twists: ArrayLike,
+    forces: ArrayLike,
+    *,
+    drives: ArrayLike | None = None,
 ) -> Array:
     """Return the accelerations of a platform under forces of its drives, shape (n, 6).
 
@@ -166,7 +178,10 @@ def forward_dynamics(
     twists
         Angular velocities (rad/s) and velocities of the platform's origin, shape (n, 6) or (6,).
     forces
-        Forces of the drives (N) and torques (N m for angles), shape (n, 6) or (6,).
+        Forces of the drives (N) and torques (N m for angles and cranks), shape (n, 6) or (6,); m
+        instead of six where rods share drives.
+    drives
+        Where the drives are, as `inverse_dynamics`.
 
     Raises
     ------
@@ -176,22 +191,32 @@ def forward_dynamics(
     model = MassModel.of(instance)
     R, T = checked_rows(R, T)
     t = model.in_metres(checked_array(twists, (len(R), 6), "twists"))
-    F = checked_array(forces, (len(R), 6), "forces")
-    found, _ = _accelerations(model, R, T * model.metre, t, F)
+    F = checked_array(forces, (len(R), model.drive_count), "forces")
+    numbers = given_numbers(model, R, T * model.metre, drives)
+    found, _ = _accelerations(model, R, T * model.metre, t, F, numbers)
     return np.asarray(found / np.repeat([1.0, model.metre], 3))
 
 
 def _accelerations(
-    model: MassModel, R: Array, T: Array, twists: Array, forces: Array
+    model: MassModel, R: Array, T: Array, twists: Array, forces: Array, numbers: Array | None
 ) -> tuple[Array, Array]:
     """Return accelerations and what the drives do (W), in metres, shapes (n, 6) and (n,)."""
-    drives = Drives(model, R, T)
-    columns = np.swapaxes(drives.rows, -1, -2)
-    mass, needed = equation_of_motion(model, R, T, twists)
-    mass = mass + columns * model.rotors @ drives.rows
+    drives = Drives(model, R, T, numbers)
+    forces = model.by_constraints(forces)
+    columns = np.swapaxes(drives.pulls, -1, -2)
+    mass, needed = equation_of_motion(model, R, T, twists, numbers)
+    mass = mass + columns * model.rotors @ drives.pulls
     pushed = apply(columns, forces - drives.inertial(twists, np.zeros_like(twists)))
-    power = dot(forces, apply(drives.rows, twists))
-    return np.linalg.solve(mass, (pushed - needed)[..., None])[..., 0], power
+    power = dot(forces, apply(drives.pulls, twists))
+    if model.sharing is None:
+        return np.linalg.solve(mass, (pushed - needed)[..., None])[..., 0], power
+    # The rods of one drive leave the motions of the drives: t' = J^-1 (E q'' - bend).
+    basis = np.linalg.solve(drives.pulls, model.sharing)
+    bent = np.linalg.solve(drives.pulls, drives.bends(twists)[..., None])[..., 0]
+    down = np.swapaxes(basis, -1, -2)
+    right = apply(down, pushed - needed + apply(mass, bent))
+    rates = np.linalg.solve(down @ mass @ basis, right[..., None])[..., 0]
+    return apply(basis, rates) - bent, power
 
 
 def simulate(
@@ -202,6 +227,7 @@ def simulate(
     forces: ArrayLike,
     *,
     twist: ArrayLike = 0.0,
+    drives: ArrayLike | None = None,
 ) -> SimulatedMotion:
     """Return how a platform moves from a pose under forces that are linear between times.
 
@@ -214,10 +240,13 @@ def simulate(
     t
         Times in seconds, increasing, shape (n,).
     forces
-        Of the drives at these times, N and N m, shape (n, 6) or (6,).
+        Of the drives at these times, N and N m, shape (n, 6) or (6,), of cranks their torques; m
+        instead of six where rods share drives.
     twist
         How the platform moves at first: angular velocity (rad/s) and velocity of its origin (length
         units/s), shape (6,). At rest by default.
+    drives
+        Where the drives are at first, as `inverse_dynamics`; their knees stay the same.
 
     Raises
     ------
@@ -244,14 +273,24 @@ def simulate(
         raise ArgumentError(message, "t")
     times = checked_array(times, times.shape, "t")
     check_times(times)
-    F = checked_array(forces, (len(times), 6), "forces")
+    F = checked_array(forces, (len(times), model.drive_count), "forces")
     first = model.in_metres(checked_array(twist, (6,), "twist"))
     e = quaternion_from_rotation(R)[0]
-    states = _integrate(model, np.concatenate((T[0] * model.metre, e, first, [0.0])), times, F)
-    return _described(model, times, states, F)
+    numbers = given_numbers(model, R, T * model.metre, drives)
+    knees: Knees | None = None
+    if numbers is not None:
+        moving = Drives(model, R, T * model.metre, numbers)
+        check_shared(moving, first[None])
+        assert moving.points is not None
+        knees = np.where(moving.points.gains[0] > 0, 1, -1)
+    start = np.concatenate((T[0] * model.metre, e, first, [0.0]))
+    states = _integrate(model, start, times, F, knees)
+    return _described(model, times, states, F, knees)
 
 
-def _integrate(model: MassModel, start: Array, times: Array, forces: Array) -> Array:
+def _integrate(
+    model: MassModel, start: Array, times: Array, forces: Array, knees: Knees | None
+) -> Array:
     """Return the states (T, quaternion, twist, work) in metres at times, shape (n, 14)."""
     try:
         from scipy.integrate import DOP853
@@ -263,7 +302,8 @@ def _integrate(model: MassModel, start: Array, times: Array, forces: Array) -> A
         span = times[low + 1] - times[low]
         F = forces[low] + (forces[low + 1] - forces[low]) * ((t - times[low]) / span)
         R, twist = rotation_from_quaternion(state[None, 3:7]), state[None, 7:13]
-        a, power = _accelerations(model, R, state[None, :3], twist, F[None])
+        numbers = driven_numbers(model, R, state[None, :3], knees)
+        a, power = _accelerations(model, R, state[None, :3], twist, F[None], numbers)
         turn = quaternion_product(np.concatenate(([0.0], twist[0, :3])), state[3:7]) / 2
         return np.concatenate((twist[0, 3:], turn, a[0], power))
 
@@ -300,17 +340,21 @@ def _integrate(model: MassModel, start: Array, times: Array, forces: Array) -> A
         # The norm of a quaternion means nothing, and is kept by the equations but for rounding.
         state = solver.y.copy()
         state[3:7] /= np.linalg.norm(state[3:7])
-        states.append(state)
+        states.append(state if model.sharing is None else closed(model, state, knees))
     return np.array(states)
 
 
-def _described(model: MassModel, times: Array, states: Array, F: Array) -> SimulatedMotion:
+def _described(
+    model: MassModel, times: Array, states: Array, F: Array, knees: Knees | None
+) -> SimulatedMotion:
     """Return the result of states in metres."""
     T, R, twists = states[:, :3], rotation_from_quaternion(states[:, 3:7]), states[:, 7:13]
-    accelerations, _ = _accelerations(model, R, T, twists, F)
-    bodies, drives = MovingBodies(model, R, T), Drives(model, R, T)
-    mass, _ = equation_of_motion(model, R, T, twists)
-    rates = apply(drives.rows, twists)
+    numbers = driven_numbers(model, R, T, knees)
+    accelerations, _ = _accelerations(model, R, T, twists, F, numbers)
+    drives = Drives(model, R, T, numbers)
+    bodies = MovingBodies(model, R, T, drives.points)
+    mass, _ = equation_of_motion(model, R, T, twists, numbers)
+    rates = apply(drives.pulls, twists)
     kinetic = (dot(twists, apply(mass, twists)) + rates**2 @ model.rotors) / 2
     unit = np.repeat([1.0, model.metre], 3)
     return SimulatedMotion(

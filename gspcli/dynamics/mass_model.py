@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
-from typing import NamedTuple
+from functools import cached_property
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,9 +14,11 @@ from gspcli.catalogue.kinds import DPP
 from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.checking import checked
+from gspcli.geometry.drive_numbers import is_driven
+from gspcli.geometry.drives import Drives
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.lengths import METRES
-from gspcli.geometry.masses import Leg
+from gspcli.geometry.masses import Arm, Carriage, Dynamics, Leg
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import as_array, unit_vectors
 from gspcli.records import dataclass
@@ -39,6 +43,19 @@ class LegMasses(NamedTuple):
     """First axes of the universal joints, unit vectors; zero where there is none, shape (m, 3)."""
 
 
+class CarrierMasses(NamedTuple):
+    """Arms of cranks and carriages in SI units, by constraints: zero but for a drive's first."""
+
+    mass: Array
+    """Shape (6,), as all."""
+    share: Array
+    """Where the centre of mass is, as a part of the way from the axis to the point; 1 of slides."""
+    inertia: Array
+    """Of arms about their centre of mass, parallel to the axis."""
+    moment: Array
+    """Of arms about the axis, kg m^2; of carriages the mass."""
+
+
 @dataclass(frozen=True, eq=False)
 class MassModel:
     """A platform with masses in SI units.
@@ -56,11 +73,16 @@ class MassModel:
     legs
         The legs that weigh something.
     rotors
-        Inertias of the drives by their values, kg and kg m^2, shape (6,).
+        Inertias of the drives, kg and kg m^2, shape (6,): by constraints, and zero but for the
+        first one of a drive that several share.
     stiffness
-        Of the drives, N/m and N m/rad, shape (6,); None if it is not stated.
+        Of the m drives, N/m and N m/rad, shape (m,); None if it is not stated.
     gravity
         The acceleration of what falls, shape (3,).
+    drives
+        What moves the points of distances, in length units; None if all drives are values.
+    carriers
+        What it moves beside the rods; None if that weighs nothing.
     """
 
     instance: Instance
@@ -73,6 +95,8 @@ class MassModel:
     rotors: Array
     stiffness: Array | None
     gravity: Array
+    drives: Drives | None = None
+    carriers: CarrierMasses | None = None
 
     @classmethod
     def of(cls, instance: Instance) -> MassModel:
@@ -95,6 +119,10 @@ class MassModel:
         distances = np.array([kind.is_distance for kind in numbers.kinds])
         values = np.where(distances, metre, 1.0) * numbers.values
         body, drives = stated.platform, stated.drives
+        moved = Drives.of(instance) if is_driven(instance) else None
+        turns = ~distances if moved is None else _turns(moved, distances)
+        if moved is not None:
+            _check_driven(instance, moved)
         return cls(
             instance,
             metre,
@@ -103,18 +131,113 @@ class MassModel:
             as_array(body.centre) * metre,
             body.matrix * metre**2,
             _leg_masses(instance, stated.legs, metre),
-            _six(drives.inertia) * np.where(distances, 1.0, metre**2),
-            None if drives.stiffness is None else _six(drives.stiffness),
+            _six(drives.inertia, moved) * np.where(turns, metre**2, 1.0),
+            None if drives.stiffness is None else _each(drives.stiffness, moved),
             as_array(stated.gravity),
+            moved,
+            None if moved is None else _carriers(stated, moved, metre),
         )
+
+    @cached_property
+    def turns(self) -> NDArray[np.bool_]:
+        """Which constraints are driven by a crank, shape (6,)."""
+        assert self.drives is not None
+        return np.array([self.drives.sorts[k] == "crank" for k in self.drives.index])
+
+    @cached_property
+    def drive_metres(self) -> Array:
+        """The units of the numbers of drives in SI units, by constraints: of slides the metre."""
+        assert self.drives is not None
+        return np.where(self.turns, 1.0, self.metre)
+
+    @cached_property
+    def sharing(self) -> Array | None:
+        """Which constraint, of six, each of m drives has, shape (6, m); None unless some share."""
+        if self.drives is None or len(self.drives.names) == len(self.drives.index):
+            return None
+        return np.asarray(np.eye(len(self.drives.names))[self.drives.index])
+
+    @property
+    def drive_count(self) -> int:
+        """How many drives there are."""
+        return len(self.bodies.kinds) if self.drives is None else len(self.drives.names)
+
+    def by_constraints(self, numbers: Array) -> Array:
+        """Return numbers of m drives by constraints, (..., m) -> (..., 6).
+
+        Those of a drive that several rods share stand at its first one; the others have zero.
+        """
+        if self.drives is None:
+            return numbers
+        return np.asarray(numbers[..., self.drives.index] * _first(self.drives))
+
+    def of_drives(self, numbers: Array) -> Array:
+        """Return sums over the constraints of each drive, (..., 6) -> (..., m)."""
+        return numbers if self.sharing is None else np.asarray(numbers @ self.sharing)
 
     def in_metres(self, twists: Array) -> Array:
         """Return twists, or their derivatives, with lengths in metres, shape (..., 6)."""
         return np.asarray(twists * np.repeat([1.0, self.metre], 3))
 
 
-def _six(numbers: tuple[Number, ...]) -> Array:
-    return np.array([number.value for number in numbers]) * np.ones(6)
+def named_drives(instance: Instance) -> dict[str, Any]:
+    """Return the names of the drives for JSON; nothing where all are values."""
+    return {"drives": list(Drives.of(instance).names)} if is_driven(instance) else {}
+
+
+def _six(numbers: tuple[Number, ...], drives: Drives | None) -> Array:
+    """Return numbers of drives by constraints: those of a shared drive at its first one."""
+    each = _each(numbers, drives)
+    return each if drives is None else np.asarray(each[drives.index] * _first(drives))
+
+
+def _each(numbers: tuple[Number, ...], drives: Drives | None) -> Array:
+    """Return numbers of the m drives, shape (m,)."""
+    count = 6 if drives is None else len(drives.names)
+    return np.array([number.value for number in numbers]) * np.ones(count)
+
+
+def _first(drives: Drives) -> NDArray[np.bool_]:
+    """Return which constraints are the first ones of their drives, shape (6,)."""
+    index = drives.index.tolist()
+    return np.array([index.index(drive) == k for k, drive in enumerate(index)])
+
+
+def _turns(drives: Drives, distances: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Return whose drive is an angle, shape (6,): of the value, or of a crank."""
+    sorts = [drives.sorts[drive] for drive in drives.index]
+    return np.array([sort == "crank" for sort in sorts]) | (~drives.driven & ~distances)
+
+
+def _check_driven(instance: Instance, drives: Drives) -> None:
+    for row, driven in zip(instance.constraints, drives.driven, strict=True):
+        if driven and row.kind is not DPP:
+            name = row.kind.name
+            message = f"found a {name} with a crank or slide, expected distances of two points"
+            raise ArgumentError(message, "dynamics")
+
+
+def _carriers(stated: Dynamics, drives: Drives, metre: float) -> CarrierMasses | None:
+    """Return the arms and carriages in the order of the drives."""
+    if not (stated.arms or stated.carriages):
+        return None
+    mass, share, inertia, moment = np.zeros((4, 6))
+    groups: tuple[tuple[str, Sequence[Arm | Carriage]], ...]
+    groups = ("crank", stated.arms), ("slide", stated.carriages)
+    for sort, bodies in groups:
+        which = [k for k in np.flatnonzero(_first(drives)) if drives.sorts[drives.index[k]] == sort]
+        each = [*bodies] * (len(which) if len(bodies) == 1 else 1)
+        for k, body in zip(which, each, strict=False):
+            mass[k], share[k] = body.mass.value, 1.0
+            moment[k] = mass[k]
+            if isinstance(body, Arm):
+                share[k] = body.centre.value / drives.arms[k]
+                inertia[k] = body.inertia.value * metre**2
+                moment[k] = inertia[k] + mass[k] * (body.centre.value * metre) ** 2
+    if (mass[drives.on_platform] > 0).any():
+        message = "found arms with mass on the platform, expected them on the base"
+        raise ArgumentError(message, "dynamics.arms")
+    return CarrierMasses(mass, share, inertia, moment)
 
 
 def _leg_masses(instance: Instance, legs: tuple[Leg, ...], metre: float) -> LegMasses:

@@ -2,13 +2,24 @@
 
 from __future__ import annotations
 
+<<<<<<< HEAD
+=======
+from collections.abc import Collection, Mapping
+
+>>>>>>> 4710553 (WIP dynamics and export)
 import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.dynamics.drive_forces import FORCES
 from gspcli.dynamics.drives import Drives
 from gspcli.dynamics.mass_model import MassModel
+<<<<<<< HEAD
 from gspcli.dynamics.trajectories import ACCELERATION, VELOCITY, Motion, motion_of_platform
+=======
+from gspcli.dynamics.trajectories import ACCELERATION, VELOCITY, Motion
+from gspcli.geometry.drive_numbers import is_driven
+from gspcli.geometry.drives import Drives as MachineDrives
+>>>>>>> 4710553 (WIP dynamics and export)
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.readings import factors
 from gspcli.motion import PoseFormat, read_poses, read_values
@@ -48,17 +59,28 @@ class ValueRows:
         DPH and DHP signed.
     rates, second_rates
         Their derivatives by time, shape (n, 6), or None.
+    coordinates
+        The numbers of cranks and slides by their names, each of shape (n,).
     """
 
     t: Array | None
     values: Array
     rates: Array | None
     second_rates: Array | None
+    coordinates: Mapping[str, Array]
+
+    def drives(self, instance: Instance) -> Array | None:
+        """Return where all drives are, shape (n, m), in units of the instance; None without any."""
+        if not is_driven(instance):
+            return None
+        still = np.zeros(len(self.values))
+        names = MachineDrives.of(instance).names
+        return np.stack([self.coordinates.get(name, still) for name in names], axis=1)
 
 
 @dataclass(frozen=True, eq=False)
 class ForceRows:
-    """Forces of the drives, N and N m, shape (n, 6), at times, shape (n,)."""
+    """Forces of the drives, N and N m, shape (n, m), at times, shape (n,)."""
 
     t: Array
     forces: Array
@@ -82,12 +104,18 @@ def read_rows(text: str, name: str, instance: Instance, form: PoseFormat) -> Pos
     if names_poses(table):
         return _pose_rows(table, instance, form)
     values = read_values(text, name, instance, form)
-    if values.coordinates:
-        moving = next(iter(values.coordinates))
-        table.note_heading(f"found {moving}, a coordinate that moves, expected only values")
+    names = MachineDrives.of(instance).names if is_driven(instance) else ()
+    other = [name for name in values.coordinates if name not in names]
+    if other:
+        expected = "only values and drives" if names else "only values"
+        table.note_heading(f"found {other[0]}, a coordinate that moves, expected {expected}")
     rates, second = _both(table, RATES, SECOND_RATES)
+    if rates is not None and names:
+        message = "found v1 ... a6, rates of rods, expected a column t: splines through the rows"
+        table.note_heading(message)
     table.check()
-    return ValueRows(values.t if "t" in table.heading else None, values.values, rates, second)
+    times = values.t if "t" in table.heading else None
+    return ValueRows(times, values.values, rates, second, values.coordinates)
 
 
 def _both(
@@ -146,24 +174,49 @@ def motion_of_values(
     return Motion(twists / lengths, accelerations / lengths)
 
 
+<<<<<<< HEAD
 def read_forces(text: str, name: str, form: PoseFormat = _ANY) -> ForceRows:
+=======
+def read_forces(
+    text: str, name: str, instance: Instance, ignore: Collection[str] = ()
+) -> ForceRows:
+>>>>>>> 4710553 (WIP dynamics and export)
     """Read forces of the drives at times: columns t and F1 ... F6.
+
+    With cranks or slides they are t and a column for each drive, ``torque.crank.B1``.
 
     Parameters
     ----------
     text, name
         The content, and how messages name it.
+<<<<<<< HEAD
     form
         What it does not say: columns that are left out.
+=======
+    instance
+        The platform.
+    ignore
+        Columns that are left out.
+>>>>>>> 4710553 (WIP dynamics and export)
 
     Raises
     ------
     SpecError
         With all mistakes, each with line and column.
     """
+<<<<<<< HEAD
     table = NumberTable(text, name, ignore=form.ignore)
     columns = table.choose(("t", *_FORCES))
     table.refuse_others({"t", *_FORCES}, "t and F1 ... F6")
+=======
+    table = NumberTable(text, name, ignore=ignore)
+    needed, said = _FORCES, "t and F1 ... F6"
+    if is_driven(instance):
+        drives = [f"torque.{drive}" for drive in MachineDrives.of(instance).names]
+        needed, said = tuple(one.lower() for one in drives), f"t and {drives[0]} ... {drives[-1]}"
+    columns = table.choose(("t", *needed))
+    table.refuse_others({"t", *needed}, said)
+>>>>>>> 4710553 (WIP dynamics and export)
     numbers = table.numbers(columns or ())
     if columns and len(numbers) < 2:
         table.note_heading("found one row, expected two at least: a motion needs an end")

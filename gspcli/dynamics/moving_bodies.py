@@ -14,6 +14,11 @@ cylinder moves with e alone, the centre of its rod is p - c e. Neither spins abo
 joint at the base is a universal joint with the first axis u: then the leg spins by
 c (u x e) . e' / (1 - c^2) with c = u . e. A wrench follows from forces on p and on e by virtual
 power: p' = omega x R y + v and e' = (1 - e e^T) p' / l.
+
+A crank or slide moves x, or R y: its number q follows from the pose, since the rod keeps its
+length (`gspcli.dynamics.moved_points`). Then e' = (1 - e e^T) (p' - x') / l, and forces on x, on
+the arm and on the carriage are a force by q as well: the torque of the drive is that, and the gain
+times the force along the rod. By the pose it counts with the derivative of q.
 """
 
 from __future__ import annotations
@@ -25,6 +30,7 @@ from numpy.typing import NDArray
 
 from gspcli.dynamics.arrays import RowError
 from gspcli.dynamics.mass_model import MassModel
+from gspcli.dynamics.moved_points import DriveMotion, MovedPoints
 from gspcli.geometry.quaternions import apply, cross, dot
 
 Array = NDArray[np.float64]
@@ -40,6 +46,17 @@ class LegMotion(NamedTuple):
     """Shape (..., m, 3), as all."""
     turning_rate: Array
     end_rate: Array
+    start_rate: Array | float
+    """Of the base's points: zero if they stand still."""
+
+
+class Wrenches(NamedTuple):
+    """What moves the bodies, beside what the drives do for themselves."""
+
+    on_platform: Array
+    """About the origin of the platform with the drives still: moment and force, (..., 6)."""
+    on_drives: Array | None
+    """By the numbers of the drives, by constraints, (..., 6); None if all are values."""
 
 
 class MovingBodies:
@@ -51,14 +68,21 @@ class MovingBodies:
         If a leg lies along the first axis of its universal joint, where that locks.
     """
 
-    def __init__(self, model: MassModel, R: Array, T: Array) -> None:
+    def __init__(
+        self, model: MassModel, R: Array, T: Array, points: MovedPoints | None = None
+    ) -> None:
         self.model = model
         self.R, self.T = R, T
         self.centre = apply(R, model.centre)
         self.inertia = R @ model.inertia @ np.swapaxes(R, -1, -2)
         rows = model.legs.rows
-        self.arm = model.bodies.y[rows] @ np.swapaxes(R, -1, -2)
-        along = self.arm + T[..., None, :] - model.bodies.x[rows]
+        self.points = points
+        if points is None:
+            self.arm = model.bodies.y[rows] @ np.swapaxes(R, -1, -2)
+            along = self.arm + T[..., None, :] - model.bodies.x[rows]
+        else:
+            self.arm = points.ends[..., rows, :]
+            along = points.along[..., rows, :]
         self.length = np.sqrt(dot(along, along))[..., None]
         self.e = along / self.length
         if model.legs.axial.any():
@@ -85,6 +109,19 @@ class MovingBodies:
     def wrench(self, twists: Array, accelerations: Array, gravity: Array) -> Array:
         """Return what moves the bodies so: (moment, force) about the platform's origin, (..., 6).
 
+        With the numbers of the drives as they follow from the pose. Parameters as `wrenches`.
+        """
+        found = self.wrenches(twists, accelerations, gravity)
+        if found.on_drives is None or self.points is None:
+            return found.on_platform
+        shares = (found.on_drives / self.points.gains)[..., None]
+        f, ends = self.points.f, self.points.ends
+        at_ends = np.concatenate((cross(ends, f), np.broadcast_to(f, ends.shape)), axis=-1)
+        return np.asarray(found.on_platform + (shares * at_ends).sum(axis=-2))
+
+    def wrenches(self, twists: Array, accelerations: Array, gravity: Array) -> Wrenches:
+        """Return what moves the bodies so.
+
         Parameters
         ----------
         twists, accelerations
@@ -96,31 +133,73 @@ class MovingBodies:
         force = self.model.mass * (self._centre_rate(twists, accelerations) - gravity)
         spin = apply(self.inertia, alpha) + cross(omega, apply(self.inertia, omega))
         moment = cross(self.centre, force) + spin
+        points, on_drives, driven = self.points, None, None
+        if points is not None:
+            driven = points.motion(twists, accelerations)
+            on_drives = self._on_carriers(driven.second_rates, gravity)
         if len(self.model.legs.rows):
-            at_end = self._on_ends(self._legs(twists, accelerations), gravity)
+            at_end, at_start = self._on_ends(self._legs(twists, accelerations, driven), gravity)
             force = force + at_end.sum(axis=-2)
             moment = moment + cross(self.arm, at_end).sum(axis=-2)
-        return np.concatenate((moment, force), axis=-1)
+            if points is not None and on_drives is not None:
+                rows = self.model.legs.rows
+                own = points.drives.on_platform[rows, None]
+                by_drive = dot(np.where(own, at_end, -at_start), points.ways[..., rows, :])
+                on_drives[..., rows] += by_drive
+        return Wrenches(np.concatenate((moment, force), axis=-1), on_drives)
+
+    def _on_carriers(self, second_rates: Array, gravity: Array) -> Array:
+        """Return what moves arms and carriages, by the numbers of their drives, (..., 6)."""
+        carriers, points = self.model.carriers, self.points
+        assert points is not None
+        if carriers is None:
+            shape = np.broadcast_shapes(second_rates.shape, (*gravity.shape[:-1], 1))
+            return np.zeros(shape)
+        # The ways are those of the rods: against the points of the base.
+        fall = (points.ways * gravity[..., None, :]).sum(axis=-1)
+        return np.asarray(carriers.moment * second_rates + carriers.mass * carriers.share * fall)
 
     def potential(self) -> Array:
         """Return the potential energy of the bodies in gravity, shape (...)."""
         legs, gravity = self.model.legs, self.model.gravity
         fall = self.model.mass * ((self.centre + self.T) @ gravity)
         ends = self.arm + self.T[..., None, :]
+        starts = self.model.bodies.x[legs.rows]
+        if self.points is not None:
+            starts = self.points.x[..., legs.rows, :]
+            if (carriers := self.model.carriers) is not None:
+                fall = fall + (self._carrier_centres() @ gravity) @ carriers.mass
         for (mass, place), start, way in (
-            (legs.cylinder, self.model.bodies.x[legs.rows], self.e),
+            (legs.cylinder, starts, self.e),
             (legs.rod, ends, -self.e),
         ):
             fall = fall + (mass * (start + place * way) @ gravity[:, None]).sum(axis=(-1, -2))
         return np.asarray(-fall)
 
+    def _carrier_centres(self) -> Array:
+        """Return the centres of mass of arms and carriages, by constraints, (..., 6, 3)."""
+        points, carriers = self.points, self.model.carriers
+        assert points is not None
+        assert carriers is not None
+        middles = points.drives.middle * self.model.metre
+        # A carriage has its point for a centre.
+        centres: Array = middles + carriers.share[:, None] * (points.x - middles)
+        return centres
+
     def potential_bend(self, twists: Array) -> Array:
         """Return the second derivative of the potential energy along constant twists, (...)."""
         legs, gravity, still = self.model.legs, self.model.gravity, np.zeros(6)
         fall = self.model.mass * (self._centre_rate(twists, still) @ gravity)
+        points, carriers = self.points, self.model.carriers
+        driven = None if points is None else points.motion(twists, still)
+        if points is not None and driven is not None and carriers is not None:
+            bent = points.ways * driven.second_rates[..., None]
+            bent = bent + points.bends * driven.rates[..., None] ** 2
+            fall = fall - (bent @ gravity) @ (carriers.mass * carriers.share)
         if len(legs.rows):
-            motion = self._legs(twists, still)
+            motion = self._legs(twists, still, driven)
             cylinder = legs.cylinder[0] * legs.cylinder[1] * motion.turning_rate
+            cylinder = cylinder + legs.cylinder[0] * motion.start_rate
             rod = legs.rod[0] * (motion.end_rate - legs.rod[1] * motion.turning_rate)
             fall = fall + ((cylinder + rod) @ gravity).sum(axis=-1)
         return np.asarray(-fall)
@@ -132,31 +211,68 @@ class MovingBodies:
         rate: Array = cross(accelerations[..., :3], self.centre) + accelerations[..., 3:] + bend
         return rate
 
-    def _legs(self, twists: Array, accelerations: Array) -> LegMotion:
+    def _legs(self, twists: Array, accelerations: Array, driven: DriveMotion | None) -> LegMotion:
         t, a = twists[..., None, :], accelerations[..., None, :]
         omega, e = t[..., :3], self.e
         turned = cross(omega, self.arm)
         end_rate = cross(a[..., :3], self.arm) + a[..., 3:] + cross(omega, turned)
         moving = turned + t[..., 3:]
+        apart, start_rate = end_rate, None
+        if driven is not None:
+            way, end_rate, start_rate = self._driven_rates(omega, driven, end_rate)
+            moving, apart = moving + way, end_rate - start_rate
         speed = dot(e, moving)[..., None]
         turning = (moving - speed * e) / self.length
-        # From p - x = l e: p'' = l'' e + 2 l' e' + l e'', and l'' = e . p'' + l |e'|^2.
-        across = end_rate - dot(e, end_rate)[..., None] * e - 2 * speed * turning
+        # From p - x = l e: p'' - x'' = l'' e + 2 l' e' + l e'', l'' = e . (p'' - x'') + l |e'|^2.
+        across = apart - dot(e, apart)[..., None] * e - 2 * speed * turning
         rate = across / self.length - dot(turning, turning)[..., None] * e
-        return LegMotion(turning, rate, end_rate)
+        return LegMotion(turning, rate, end_rate, 0.0 if start_rate is None else start_rate)
 
-    def _on_ends(self, motion: LegMotion, gravity: Array) -> Array:
-        """Return the forces at the ends of the legs that move them so, (..., m, 3)."""
+    def _driven_rates(
+        self, omega: Array, driven: DriveMotion, end_rate: Array
+    ) -> tuple[Array, Array, Array]:
+        """Return what the drives do to the legs, each (..., m, 3).
+
+        How they move the platform's points against the base's, and the accelerations of both.
+
+        Parameters
+        ----------
+        omega
+            The angular velocity of the platform, shape (..., 1, 3).
+        driven
+            How the numbers of the drives change.
+        end_rate
+            The acceleration of the platform's ends with the drives still, shape (..., m, 3).
+        """
+        points, rows = self.points, self.model.legs.rows
+        assert points is not None
+        q, second = driven.rates[..., rows, None], driven.second_rates[..., rows, None]
+        way = points.ways[..., rows, :] * q
+        change = points.ways[..., rows, :] * second + points.bends[..., rows, :] * q * q
+        own = points.drives.on_platform[rows, None]
+        if not own.any():
+            return way, end_rate, -change
+        with_arms = 2 * cross(omega, way) + change
+        return way, end_rate + np.where(own, with_arms, 0.0), np.where(own, 0.0, -change)
+
+    def _on_ends(self, motion: LegMotion, gravity: Array) -> tuple[Array, Array | float]:
+        """Return the forces at both ends of the legs that move them so, each (..., m, 3).
+
+        Those at the base are zero where its points stand still: nothing else needs them.
+        """
         legs, rate = self.model.legs, motion.turning_rate
         (mass, place), (rod, below) = legs.cylinder, legs.rod
         fall = gravity[..., None, :]
         on_rod = rod * (motion.end_rate - below * rate - fall)
-        on_direction = legs.across * rate + mass * place * (place * rate - fall)
+        on_cylinder = motion.start_rate + place * rate - fall
+        on_direction = legs.across * rate + mass * place * on_cylinder
         if legs.axial.any():
             on_direction = on_direction + legs.axial * self._spinning(motion)
         on_direction = on_direction - below * on_rod
         across = on_direction - dot(self.e, on_direction)[..., None] * self.e
-        return np.asarray(on_rod + across / self.length)
+        across = across / self.length
+        at_start = 0.0 if self.points is None else mass * on_cylinder - across
+        return np.asarray(on_rod + across), at_start
 
     def _spinning(self, motion: LegMotion) -> Array:
         """Return the forces on directions by unit inertias about legs that spin, (..., m, 3)."""
@@ -169,7 +285,9 @@ class MovingBodies:
         return np.asarray(rate * c / square * n + spin * cross(turning, self.e))
 
 
-def equation_of_motion(model: MassModel, R: Array, T: Array, twists: Array) -> tuple[Array, Array]:
+def equation_of_motion(
+    model: MassModel, R: Array, T: Array, twists: Array, numbers: Array | None = None
+) -> tuple[Array, Array]:
     """Return M and h - G without the drives, shapes (..., 6, 6) and (..., 6).
 
     Parameters
@@ -178,13 +296,18 @@ def equation_of_motion(model: MassModel, R: Array, T: Array, twists: Array) -> t
         The platform, and poses in metres.
     twists
         How it moves there, shape (..., 6).
+    numbers
+        Those of the drives (`driven_numbers`), shape (..., 6).
     """
     # One after the other: as it moves with gravity, then six unit accelerations at rest.
     moving = np.zeros((*twists.shape[:-1], 7, 6))
     moving[..., 0, :] = twists
     gravity = np.zeros((7, 3))
     gravity[0] = model.gravity
-    bodies = MovingBodies(model, R[..., None, :, :], T[..., None, :])
+    R, T, points = R[..., None, :, :], T[..., None, :], None
+    if numbers is not None:
+        points = MovedPoints(model, R, T, numbers[..., None, :])
+    bodies = MovingBodies(model, R, T, points)
     rows = bodies.wrench(moving, np.eye(7, 6, -1), gravity)
     columns = rows[..., 1:, :]
     return (columns + np.swapaxes(columns, -1, -2)) / 2, rows[..., 0, :]

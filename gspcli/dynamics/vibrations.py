@@ -14,8 +14,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gspcli.dynamics.arrays import by_chunks, checked_array, checked_rows, make_read_only, plain
-from gspcli.dynamics.drives import Drives, Flags
-from gspcli.dynamics.mass_model import MassModel
+from gspcli.dynamics.drives import PAIRS, Drives, Flags, polarized
+from gspcli.dynamics.mass_model import MassModel, named_drives
+from gspcli.dynamics.moved_points import MovedPoints, given_numbers
 from gspcli.dynamics.moving_bodies import MovingBodies, equation_of_motion
 from gspcli.errors import ArgumentError
 from gspcli.geometry.instance import Instance
@@ -31,13 +32,13 @@ FREQUENCIES = tuple(f"f{k}" for k in range(1, 7))
 _CHUNK = 200
 #: Numbers that differ by this part of their size are the same but for rounding errors.
 _ALIKE = 1e-9
-#: The corners between two unit twists, at which quadratic forms are evaluated.
-_PAIRS = np.eye(6)[:, None] + np.eye(6)[None]
 
 
 @dataclass(frozen=True, eq=False)
 class NaturalModes:
-    """The six natural modes at n poses, the slowest first. All arrays are read-only.
+    """The natural modes at n poses, the slowest first. All arrays are read-only.
+
+    There are six, or as many as there are drives where several rods share one.
 
     Attributes
     ----------
@@ -53,12 +54,16 @@ class NaturalModes:
         shape (n, 6, 6): ``shapes[p, k]`` is mode k at pose p. The largest component is one radian
         or the typical length of the platform, and positive.
     preload
-        The forces of the drives that hold the platform against gravity, N and N m, shape (n, 6).
+        The forces of the constraints that hold the platform against gravity, N and N m, shape
+        (n, 6): those along the rods where cranks and slides are the drives.
     singular
         Which poses are singular, shape (n,).
     nearly_singular
         The condition numbers of those above 1e8, where as many digits of the preload are lost; else
         NaN, shape (n,).
+    torques
+        What the drives hold against gravity where some are cranks or slides, N and N m, shape
+        (n, m); else None.
     """
 
     instance: Instance
@@ -69,6 +74,7 @@ class NaturalModes:
     preload: Array
     singular: Flags
     nearly_singular: Array
+    torques: Array | None = None
 
     def __post_init__(self) -> None:
         make_read_only(self)
@@ -94,23 +100,32 @@ class NaturalModes:
         """Return a table with a row for each pose: its number and f1 ... f6 in Hz."""
         import pandas as pd
 
-        columns = dict(zip(FREQUENCIES, self.frequencies.T, strict=True))
+        columns = dict(zip(FREQUENCIES, self.frequencies.T, strict=False))
         return pd.DataFrame({"row": np.arange(1, len(self.T) + 1), **columns})
 
     def to_json(self) -> dict[str, Any]:
         """Return everything as plain data; singular poses have null for their numbers."""
         parts = [self.frequencies, self.shapes, self.preload, self.nearly_singular]
         columns = [range(1, len(self.T) + 1), *map(plain, parts), self.singular.tolist()]
-        keys = ("row", "frequencies", "shapes", "preload", "nearly_singular", "singular")
+        keys = ["row", "frequencies", "shapes", "preload", "nearly_singular", "singular"]
+        if self.torques is not None:
+            keys.append("torques")
+            columns.append(plain(self.torques))
         return {
             "schema": "gsp.dynamics-modes/1",
             **self.instance.to_json(),
+            **named_drives(self.instance),
             "rows": [dict(zip(keys, row, strict=True)) for row in zip(*columns, strict=True)],
         }
 
 
 def natural_modes(
-    instance: Instance, R: ArrayLike, T: ArrayLike, *, stiffness: ArrayLike | None = None
+    instance: Instance,
+    R: ArrayLike,
+    T: ArrayLike,
+    *,
+    stiffness: ArrayLike | None = None,
+    drives: ArrayLike | None = None,
 ) -> NaturalModes:
     """Return the natural frequencies and mode shapes of a platform held at poses by its drives.
 
@@ -121,8 +136,9 @@ def natural_modes(
     R, T
         Poses, shapes (n, 3, 3) and (n, 3), in length units.
     stiffness
-        Of the drives, N/m and N m/rad, one number or shape (6,); by default what the instance
-        states.
+        Of the drives, N/m and N m/rad, one number or one each; by default what the instance states.
+    drives
+        Where the drives are, as `inverse_dynamics`.
 
     Raises
     ------
@@ -133,11 +149,15 @@ def natural_modes(
     -----
     ``det(K - w^2 M) = 0`` with ``K = J^T k J - sum F0 H + V''``: F0 are the forces that hold the
     weights, H the second derivatives of the values, V the potential energy of the weights. In
-    equilibrium K does not depend on how the pose is parametrized.
+    equilibrium K does not depend on how the pose is parametrized. With cranks and slides F0 are the
+    torques, and J and H the derivatives of their angles and ways. Where rods share a drive, K and M
+    are restricted to the motions that the drives leave: ``J^-1`` times which rod has which drive.
     """
     model = MassModel.of(instance)
     R, T = checked_rows(R, T)
-    given = model.stiffness if stiffness is None else checked_array(stiffness, (6,), "stiffness")
+    given = model.stiffness
+    if stiffness is not None:
+        given = checked_array(stiffness, (model.drive_count,), "stiffness")
     if given is None:
         message = (
             "found no stiffness: state drives: {stiffness: ...} under `dynamics` in the instance "
@@ -148,32 +168,42 @@ def natural_modes(
         message = f"found {given.min():g}, expected stiffnesses above 0"
         raise ArgumentError(message, "stiffness")
 
+    constants = model.by_constraints(given)
+    numbers = given_numbers(model, R, T * model.metre, drives)
+
     def some(rows: slice) -> tuple[Any, ...]:
-        return _modes(model, R[rows], T[rows] * model.metre, given)
+        own = None if numbers is None else numbers[rows]
+        return _modes(model, R[rows], T[rows] * model.metre, constants, own)
 
     return NaturalModes(instance, R, T, *by_chunks(len(R), _CHUNK, some))
 
 
 def _modes(
-    model: MassModel, R: Array, T: Array, stiffness: Array
-) -> tuple[Array, Array, Array, Flags, Array]:
-    """Return squares, shapes, preload and what is singular, as `NaturalModes` has them."""
-    drives = Drives(model, R, T)
+    model: MassModel, R: Array, T: Array, stiffness: Array, numbers: Array | None
+) -> tuple[Any, ...]:
+    """Return squares, shapes, preload, what is singular and torques, as `NaturalModes` has them."""
+    drives = Drives(model, R, T, numbers)
     singular, conditions = drives.conditions()
-    J, still = drives.rows, np.zeros((len(T), 6))
+    J, still = drives.pulls, np.zeros((len(T), 6))
     columns = np.where(singular[:, None, None], np.eye(6), np.swapaxes(J, -1, -2))
-    mass, weights = equation_of_motion(model, R, T, still)
-    preload = np.asarray(np.linalg.solve(columns, weights[..., None])[..., 0], float)
-    held = np.einsum("nki,k,nkj->nij", J, stiffness, J)
-    K = held - np.einsum("nk,nkij->nij", preload, drives.second) + _weight_stiffness(model, R, T)
+    mass, weights = equation_of_motion(model, R, T, still, numbers)
+    held = np.asarray(np.linalg.solve(columns, weights[..., None])[..., 0], float)
+    K = np.einsum("nki,k,nkj->nij", J, stiffness, J)
+    bend = _weight_stiffness(model, R, T, numbers)
+    K = K - np.einsum("nk,nkij->nij", held, drives.second) + bend
     M = mass + np.einsum("nki,k,nkj->nij", J, model.rotors, J)
+    basis = None
+    if model.sharing is not None:
+        basis = np.linalg.solve(np.swapaxes(columns, -1, -2), model.sharing)
+        K, M = (np.swapaxes(basis, -1, -2) @ matrix @ basis for matrix in (K, M))
     # M = C C^T turns K x = w^2 M x into a symmetric problem.
     C = np.linalg.cholesky(M)
     half = np.linalg.solve(C, np.swapaxes(np.linalg.solve(C, K), -1, -2))
     squares: Array
     squares, vectors = np.linalg.eigh((half + np.swapaxes(half, -1, -2)) / 2)
     vectors = _chosen_basis(squares, vectors)
-    shapes: Array = np.swapaxes(np.linalg.solve(np.swapaxes(C, -1, -2), vectors), -1, -2)
+    turned = np.linalg.solve(np.swapaxes(C, -1, -2), vectors)
+    shapes: Array = np.swapaxes(turned if basis is None else basis @ turned, -1, -2)
     weighted = shapes * np.repeat([model.bodies.length, 1.0], 3)
     sizes = np.abs(weighted)
     # The first of entries that differ by rounding errors; divided by itself it is exactly one.
@@ -182,8 +212,15 @@ def _modes(
     shapes = weighted * np.repeat([1.0, model.bodies.length / model.metre], 3)
     # Rounding errors of entries that are zero; and zero has one sign.
     shapes = np.where(np.abs(weighted) < _ALIKE, 0.0, shapes)
-    squares[singular], shapes[singular], preload[singular] = np.nan, np.nan, np.nan
-    return squares, shapes, preload, singular, conditions
+    squares[singular], shapes[singular], held[singular] = np.nan, np.nan, np.nan
+    if numbers is None:
+        return squares, shapes, held, singular, conditions
+    bodies = MovingBodies(model, R, T, drives.points)
+    at_rest = bodies.wrenches(still, still, model.gravity)
+    along = np.where(singular[:, None, None], np.eye(6), np.swapaxes(drives.rows, -1, -2))
+    preload = np.linalg.solve(along, at_rest.on_platform[..., None])[..., 0]
+    preload[singular] = np.nan
+    return squares, shapes, preload, singular, conditions, model.of_drives(held)
 
 
 def _chosen_basis(squares: Array, vectors: Array) -> Array:
@@ -197,7 +234,7 @@ def _chosen_basis(squares: Array, vectors: Array) -> Array:
     tolerance = _ALIKE * np.abs(squares).max(axis=-1)
     close = np.diff(squares, axis=-1) <= tolerance[:, None]
     for row in np.flatnonzero(close.any(axis=-1)).tolist():
-        groups = np.split(np.arange(6), np.flatnonzero(~close[row]) + 1)
+        groups = np.split(np.arange(squares.shape[-1]), np.flatnonzero(~close[row]) + 1)
         for group in groups:
             if len(group) > 1:
                 vectors[row][:, group] = _nearest_axes(vectors[row][:, group])
@@ -217,9 +254,9 @@ def _nearest_axes(basis: Array) -> Array:
     return np.stack(chosen, axis=1)
 
 
-def _weight_stiffness(model: MassModel, R: Array, T: Array) -> Array:
+def _weight_stiffness(model: MassModel, R: Array, T: Array, numbers: Array | None) -> Array:
     """Return the second derivatives of the potential energy of the weights, (n, 6, 6)."""
-    bodies = MovingBodies(model, R[:, None, None], T[:, None, None])
-    form = bodies.potential_bend(_PAIRS)
-    own = np.einsum("nii->ni", form) / 4
-    return np.asarray((form - own[:, :, None] - own[:, None, :]) / 2)
+    R, T, points = R[:, None, None], T[:, None, None], None
+    if numbers is not None:
+        points = MovedPoints(model, R, T, numbers[:, None, None])
+    return polarized(MovingBodies(model, R, T, points).potential_bend(PAIRS))

@@ -36,13 +36,16 @@ class Joint:
         A point of the axis, or the centre, shape (3,), in the base's frame.
     value
         What the constraint measures at the pose if this joint is its value, else None: lengths,
-        or radians. It grows with the joint's coordinate.
+        or radians. It grows with the joint's coordinate. Zero for a crank or slide at the pose.
+    range
+        The smallest and the largest value of a crank or slide; None if none is stated.
     """
 
     type: Literal["hinge", "slide", "ball"]
     axis: Vector
     point: Vector
     value: float | None = None
+    range: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,11 +116,14 @@ def driven_leg(x: Vector, y: Vector, axis: Vector | None) -> Chain:
         The first axis of the universal joint, a unit vector; any one across the leg if None.
     """
     e, distance = _direction(y - x, _AXES[2])
-    first = _across(e)[0] if axis is None else axis
-    second = np.cross(first, e)
-    second /= np.linalg.norm(second)
-    cylinder = Link(x, (Joint("hinge", first, x), Joint("hinge", second, x)))
+    cylinder = Link(x, socket(x, y, _across(e)[0] if axis is None else axis))
     return cylinder, Link(y, (Joint("slide", e, x, distance),))
+
+
+def socket(x: Vector, y: Vector, axis: Vector) -> tuple[Joint, ...]:
+    """Return the two hinges of a universal joint at x of a leg to y, with its first axis."""
+    second = np.cross(axis, _direction(y - x, _AXES[2])[0])
+    return Joint("hinge", axis, x), Joint("hinge", second / np.linalg.norm(second), x)
 
 
 def _above_base(x: Vector, v: Vector, y: Vector) -> Chain:
@@ -204,8 +210,13 @@ def feet(x: Vector, v: Vector, y: Vector, w: Vector) -> tuple[Vector, Vector]:
     return near, y + ((near - y) @ w) * w
 
 
+def ball(centre: Vector) -> tuple[Joint, ...]:
+    """Return a ball joint."""
+    return (Joint("ball", _AXES[2], centre),)
+
+
 def _ball(centre: Vector) -> Link:
-    return Link(centre, (Joint("ball", _AXES[2], centre),))
+    return Link(centre, ball(centre))
 
 
 def _direction(difference: Vector, spare: Vector) -> tuple[Vector, float]:

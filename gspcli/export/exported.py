@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 from gspcli.errors import ArgumentError
 from gspcli.export.format import ControllerFormat, PoseFormat, SystemFormat
 from gspcli.export.formats import FORMATS
-from gspcli.geometry.coordinates import refuse_cranks
 from gspcli.records import dataclass
 from gspcli.wording import counted, listed, shown
 
@@ -88,8 +87,7 @@ def exported(
     Raises
     ------
     GspError
-        If there is no such program, unknowns or mode, or the platform has cranks, which models
-        would not have.
+        If there is no such program, unknowns or mode.
     """
     if target not in FORMATS:
         message = f"found {shown(target)}, expected {listed(FORMATS)}"
@@ -97,10 +95,6 @@ def exported(
     form = FORMATS[target]
     if isinstance(form, SystemFormat):
         return _system(instance, target, form, coordinates, digits)
-    if isinstance(form, PoseFormat):
-        # The models have motors in the legs.
-        wrong = "a model would have motors in the legs; models with cranks are not written yet"
-        refuse_cranks(instance, wrong)
     pose, notes = _pose(instance, mode, needed=isinstance(form, PoseFormat))
     if isinstance(form, ControllerFormat):
         prefix = re.sub(r"\W", "_", name, flags=re.ASCII) if prefix is None else prefix

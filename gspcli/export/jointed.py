@@ -6,10 +6,15 @@ joint has two bodies. Frames of links have the axes of the base; lengths are met
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import TypeAlias
+
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.export.chains import Joint, chain, driven_leg
+from gspcli.errors import ArgumentError
+from gspcli.export.carriers import Carrier, carriers
+from gspcli.export.chains import Joint, ball, chain, driven_leg, socket
 from gspcli.export.simulated_masses import Inertial, SimulatedMasses
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
@@ -18,6 +23,8 @@ from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
 
+#: A rotation and a translation.
+Pose: TypeAlias = "tuple[Array, Array]"
 #: The bodies that all chains join.
 BASE, PLATFORM = "base", "platform"
 #: What a link between two joints of one place weighs of another link.
@@ -50,7 +57,8 @@ class LinkJoint:
     Attributes
     ----------
     name
-        Its name: ``value_k`` if it is the value of constraint k.
+        Its name: ``value_k`` if it is the value of constraint k, ``drive_k`` if it is the crank or
+        slide that moves its point.
     parent, child
         The bodies, from the base to the platform.
     joint
@@ -61,6 +69,9 @@ class LinkJoint:
     parent: str
     child: str
     joint: Joint
+
+
+Jointed: TypeAlias = "tuple[tuple[JointedLink, ...], tuple[LinkJoint, ...]]"
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,7 +97,7 @@ class JointedModel:
     T: Array
     platform: Inertial
     gravity: Array
-    chains: tuple[tuple[tuple[JointedLink, ...], tuple[LinkJoint, ...]], ...]
+    chains: tuple[Jointed, ...]
 
     @staticmethod
     def of(instance: Instance, R: Array, T: Array) -> JointedModel:
@@ -97,9 +108,13 @@ class JointedModel:
         masses = SimulatedMasses(instance, own.mean(axis=0), numbers.length * metre)
         T = T * metre
         ends = numbers.x * metre, numbers.v, own @ R.T + T, numbers.u @ R.T
+        moved = {k: one for one in carriers(instance, masses, metre) for k in one.constraints}
         chains = []
         for k, kind in enumerate(numbers.kinds):
             x, v, y, w = (end[k] for end in ends)
+            if k in moved:
+                chains.append(_driven(k, moved[k], (x, y), masses, (R, T)))
+                continue
             if masses.has_leg(k):
                 links = driven_leg(x, y, masses.leg_axis(k))
                 bodies = list(masses.leg_bodies(k, links[1].joints[0].axis))
@@ -119,19 +134,62 @@ class JointedModel:
         return f"1 {unit} = {METRES[unit]:g} m" if known else f"1 {unit} is taken for 1 m"
 
 
+def _driven(
+    k: int, carrier: Carrier, ends: tuple[Array, Array], masses: SimulatedMasses, at: Pose
+) -> Jointed:
+    """Return the links and joints of a rod (from 0) with the arm or carriage that moves it."""
+    x, y = ends
+    e = (y - x) / np.linalg.norm(y - x)
+    rod, drive = masses.rod(k, e), carrier.joint
+    first = k == carrier.constraints[0]
+    links: list[tuple[tuple[Joint, ...], Inertial]] = []
+    if not carrier.on_platform:
+        links += [((drive,), carrier.inertial)] if first else []
+        links += [(ball(x), rod), (ball(y), masses.link)]
+        return _chain(k + 1, links, carrier.name, BASE if first else carrier.name)
+    if not first:
+        names = " and ".join(str(one + 1) for one in carrier.constraints[:2])
+        message = f"rods {names} share a drive on the platform, which these models do not have"
+        raise ArgumentError(message)
+    axis = masses.leg_axis(k) if masses.has_leg(k) else None
+    # The platform turns against its arm.
+    R, T = at
+    turning = replace(drive, axis=-R @ drive.axis, point=R @ drive.point + T)
+    links += [(ball(x) if axis is None else socket(x, y, axis), rod), (ball(y), carrier.inertial)]
+    return _chain(k + 1, [*links, ((turning,), masses.link)], carrier.name)
+
+
 def _chain(
-    number: int, links: list[tuple[tuple[Joint, ...], Inertial]]
-) -> tuple[tuple[JointedLink, ...], tuple[LinkJoint, ...]]:
-    """Return the links and joints of a constraint: each joint of a link has a body of its own."""
+    number: int,
+    links: list[tuple[tuple[Joint, ...], Inertial]],
+    carrier: str = "",
+    parent: str = BASE,
+) -> Jointed:
+    """Return the links and joints of a constraint: each joint of a link has a body of its own.
+
+    Parameters
+    ----------
+    number
+        The number of the constraint, from 1.
+    links
+        The joints before each link, and what it weighs; the last one is the platform.
+    carrier
+        The name of the link that a crank or slide moves; empty if there is none.
+    parent
+        The link that the chain begins at.
+    """
     made: list[JointedLink] = []
     joints: list[LinkJoint] = []
-    parent = BASE
     for place, (own, inertial) in enumerate(links):
         for order, joint in enumerate(own):
             last = order + 1 == len(own)
             end = last and place + 1 == len(links)
             child = PLATFORM if end else f"chain_{number}_{place + 1}_{order + 1}"
-            name = f"value_{number}" if joint.value is not None else f"joint_{child}"
+            if carrier and joint.value is not None and not end:
+                child = carrier
+            name = f"joint_{child}"
+            if joint.value is not None:
+                name = f"{'drive' if carrier else 'value'}_{number}"
             if end and joint.value is None:
                 name = f"joint_{number}_platform"
             joints.append(LinkJoint(name, parent, child, joint))

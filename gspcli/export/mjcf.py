@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 
 from gspcli import __version__
 from gspcli.catalogue.kinds import Kind
-from gspcli.export.chains import Chain, Joint, Link, chain, driven_leg
+from gspcli.export.carriers import Carrier, carriers
+from gspcli.export.chains import Chain, Joint, Link, ball, chain, driven_leg, socket
 from gspcli.export.simulated_masses import Inertial, SimulatedMasses
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
@@ -36,6 +37,7 @@ _BELOW, _FLOOR, _FLAT, _PLATE = 0.1, 4.0, 2e-2, 0.012
 #: Corners of a hull that has an area.
 _TRIANGLE = 3
 _BASE, _PLATFORM, _CHAIN = "0.45 0.5 0.55 1", "0.2 0.45 0.8 1", "0.85 0.5 0.15 1"
+_CARRIER = "0.3 0.6 0.3 1"
 
 
 def mjcf(
@@ -78,6 +80,7 @@ class _Model:
         self.y, self.w = self.own @ R.T + self.T, numbers.u @ R.T
         self.kinds = numbers.kinds
         self.masses = SimulatedMasses(instance, self.own.mean(axis=0), self.size)
+        self.carriers = carriers(instance, self.masses, self.metre)
         self.root = ET.Element("mujoco", model=_name(instance))
         self._settings(self.masses.gravity(gravity), step)
         self.world = ET.SubElement(self.root, "worldbody")
@@ -174,31 +177,94 @@ class _Model:
         _inertia(platform, self.masses.platform)
         for geom in self._shapes(self.own, self.w @ self.R, platform=True):
             platform.append(geom)
-        equality = ET.SubElement(self.root, "equality")
-        actuator = ET.SubElement(self.root, "actuator")
-        for number, kind in enumerate(self.kinds, 1):
-            value = self._chain(number, kind, equality)
-            ET.SubElement(
-                equality,
-                "joint",
-                name=f"hold_{number}",
-                joint1=f"value_{number}",
-                polycoef="0 0 0 0 0",
-            )
-            stiffness = self.masses.stiffness(number - 1, angle=not kind.is_distance)
-            damping = self.masses.damping(stiffness)
-            # The control is the change of the value: stiffness (value + control - q).
-            ET.SubElement(
-                actuator,
-                "general",
-                name=f"drive_{number}",
-                joint=f"value_{number}",
-                gainprm=_numbers([stiffness]),
-                biastype="affine",
-                biasprm=_numbers([stiffness * value, -stiffness, -damping]),
-            )
+        self.equality = ET.SubElement(self.root, "equality")
+        self.actuator = ET.SubElement(self.root, "actuator")
+        moved = {k: one for one in self.carriers for k in one.constraints}
+        for k, kind in enumerate(self.kinds):
+            carrier = moved.get(k)
+            if carrier is None:
+                value = self._chain(k + 1, kind)
+                lever = 1.0 if kind.is_distance else self.size
+                stiffness = self.masses.stiffness(k, lever=lever)
+                damping = self.masses.damping(stiffness)
+                self._drive(k + 1, f"value_{k + 1}", value, stiffness, damping)
+            elif k == carrier.constraints[0]:
+                self._carrier(carrier, platform)
 
-    def _chain(self, number: int, kind: Kind, equality: ET.Element) -> float:
+    def _drive(
+        self, number: int, joint: str, value: float, stiffness: float, damping: float
+    ) -> None:
+        """Hold a joint by an equality, and add the actuator that moves it without."""
+        ET.SubElement(
+            self.equality, "joint", name=f"hold_{number}", joint1=joint, polycoef="0 0 0 0 0"
+        )
+        # The control is the change of the value: stiffness (value + control - q).
+        ET.SubElement(
+            self.actuator,
+            "general",
+            name=f"drive_{number}",
+            joint=joint,
+            gainprm=_numbers([stiffness]),
+            biastype="affine",
+            biasprm=_numbers([stiffness * value, -stiffness, -damping]),
+        )
+
+    def _carrier(self, made: Carrier, platform: ET.Element) -> None:
+        """Add an arm or a carriage with its drive and its rods."""
+        parent, first = platform if made.on_platform else self.world, made.constraints[0]
+        body = ET.SubElement(parent, "body", name=made.name, pos=_numbers(made.joint.point))
+        if not made.inertial.falls:
+            body.set("gravcomp", "1")
+        joint = {"name": f"drive_{made.number}", "type": made.joint.type}
+        joint["axis"] = _numbers(made.joint.axis)
+        joint["armature"] = _numbers([self.masses.armature(made.joint.type, first)])
+        if made.joint.range is not None:
+            joint["range"] = _numbers(made.joint.range)
+        ET.SubElement(body, "joint", joint)
+        _inertia(body, made.inertial)
+        for k in made.constraints:
+            self._driven_rod(k, made, body)
+        if made.lever is None:
+            stiffness = self.masses.stiffness(first)
+            damping = self.masses.damping(stiffness)
+        else:
+            stiffness = self.masses.stiffness(first, lever=made.lever)
+            damping = self.masses.arm_damping(stiffness, made.lever)
+        self._drive(made.number, f"drive_{made.number}", 0.0, stiffness, damping)
+
+    def _driven_rod(self, k: int, made: Carrier, carrier: ET.Element) -> None:
+        """Add the rod of a constraint (from 0) between two balls, one of which is closed."""
+        x, y = self.x[k], self.y[k]
+        length = float(np.linalg.norm(y - x))
+        e = (y - x) / length
+        inertial = self.masses.rod(k, e)
+        own = self.own[k] if made.on_platform else x
+        if np.linalg.norm(own - made.joint.point) > 1e-6 * self.size:
+            arm = self._rod(np.zeros(3), own - made.joint.point)
+            ET.SubElement(carrier, "geom", arm, rgba=_CARRIER)
+        parent, origin = (self.world, x) if made.on_platform else (carrier, x - made.joint.point)
+        rod = ET.SubElement(parent, "body", name=f"rod_{k + 1}", pos=_numbers(origin))
+        if not inertial.falls:
+            rod.set("gravcomp", "1")
+        axis = self.masses.leg_axis(k) if self.masses.has_leg(k) else None
+        for order, joint in enumerate(ball(x) if axis is None else socket(x, y, axis), 1):
+            own_joint = {"name": f"rod_{k + 1}_{order}", "type": joint.type}
+            own_joint["armature"] = _numbers([self.masses.armature(joint.type, None)])
+            if joint.type == "ball":
+                own_joint["damping"] = _numbers([self.masses.spin_damping(inertial, e)])
+            else:
+                own_joint["axis"] = _numbers(joint.axis)
+            ET.SubElement(rod, "joint", own_joint)
+        _inertia(rod, inertial)
+        ET.SubElement(rod, "geom", self._rod(np.zeros(3), y - x), rgba=_CHAIN)
+        loop = {"name": f"loop_{k + 1}", "body2": f"rod_{k + 1}"}
+        if made.on_platform:
+            loop |= {"body1": made.name, "anchor": _numbers(own - made.joint.point)}
+        else:
+            loop |= {"body1": "platform", "anchor": _numbers(self.own[k])}
+        ET.SubElement(self.equality, "connect", loop)
+
+    def _chain(self, number: int, kind: Kind) -> float:
         """Add the chain of a constraint, closed at the platform, and return its value."""
         vectors = [a[number - 1] for a in (self.x, self.v, self.y, self.w)]
         weighs = self.masses.has_leg(number - 1)
@@ -214,9 +280,10 @@ class _Model:
         end = f"chain_{number}_{len(links)}"
         if weighs:
             anchor = _numbers(self.own[number - 1])
-            ET.SubElement(equality, "connect", loop, body2=end, anchor=anchor)
+            ET.SubElement(self.equality, "connect", loop, body2=end, anchor=anchor)
         else:
-            ET.SubElement(equality, "weld", loop, body2=end, torquescale=_numbers([self.size]))
+            scale = _numbers([self.size])
+            ET.SubElement(self.equality, "weld", loop, body2=end, torquescale=scale)
         (value,) = (j.value for link in links for j in link.joints if j.value is not None)
         return value
 

@@ -79,3 +79,7 @@ def _joint(model: ET.Element, made: LinkJoint) -> None:
     if made.joint.type != "ball":
         axis = ET.SubElement(joint, "axis")
         ET.SubElement(axis, "xyz", expressed_in="__model__").text = numbers(made.joint.axis)
+        if made.joint.range is not None:
+            limit = ET.SubElement(axis, "limit")
+            for name, end in zip(("lower", "upper"), made.joint.range, strict=True):
+                ET.SubElement(limit, name).text = numbers(end)

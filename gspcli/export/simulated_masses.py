@@ -35,6 +35,8 @@ _ROTOR = 0.01
 _SLENDER = 1e-6
 #: Of each link, about its centre: its mass times the square of the size times this.
 _ROUND = 0.1
+#: The spin of a rod between two balls falls to 1/e in the inverse of this time, seconds.
+_SPIN = 3.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,17 +103,34 @@ class SimulatedMasses:
             return own
         return own + float(self.model.rotors[constraint])
 
-    def stiffness(self, constraint: int, *, angle: bool) -> float:
-        """Return how stiff the drive of a constraint (from 0) is, N/m or N m/rad."""
+    def stiffness(self, constraint: int, *, lever: float = 1.0) -> float:
+        """Return how stiff the drive of a constraint is, N/m or N m/rad.
+
+        Parameters
+        ----------
+        constraint
+            The constraint, from 0; the first one of a drive that several share.
+        lever
+            1 for a force; of a torque the length at which it pulls at the platform.
+        """
         if self.model is not None and self.model.stiffness is not None:
-            return float(self.model.stiffness[constraint])
+            return float(self.model.by_constraints(self.model.stiffness)[constraint])
         pull = float(np.linalg.norm(self.gravity(None)))
         of_a_kilogramme = min(max(_SOFT, pull / (_SAG * self.size)), _STIFF)
-        return of_a_kilogramme * self.platform.mass * (self.size**2 if angle else 1.0)
+        return of_a_kilogramme * self.platform.mass * lever**2
 
     def damping(self, stiffness: float) -> float:
         """Return the damping of a drive that lets the platform's mass come to rest at once."""
         return 2 * math.sqrt(stiffness * self.platform.mass)
+
+    def arm_damping(self, stiffness: float, lever: float) -> float:
+        """Return the damping of a crank of a stiffness: of the platform's mass at its arm's end."""
+        moment = self.platform.mass * lever**2 + float(self.link.matrix[0, 0])
+        return 2 * math.sqrt(stiffness * moment)
+
+    def spin_damping(self, inertial: Inertial, e: Array) -> float:
+        """Return the damping of a ball that stops the spin of a rod along e in about a second."""
+        return _SPIN * float(e @ inertial.matrix @ e)
 
     def has_leg(self, constraint: int) -> bool:
         """Return whether a constraint (from 0) is a leg whose bodies weigh something."""
@@ -127,6 +146,44 @@ class SimulatedMasses:
         """Return cylinder and rod of a leg in the direction e, each in a frame at its joint."""
         leg = self._leg(constraint)
         return self._leg_body(leg.cylinder, e), self._leg_body(leg.rod, -e)
+
+    def rod(self, constraint: int, e: Array) -> Inertial:
+        """Return the rod of a constraint (from 0) along e, in a frame at its joint on the base.
+
+        Its bodies are one: a rod does not change its length.
+        """
+        if not self.has_leg(constraint):
+            return self.link
+        cylinder, rod = self.leg_bodies(constraint, e)
+        assert self.model is not None
+        length = float(self.model.bodies.values[constraint])
+        parts = [(cylinder, cylinder.centre), (rod, length * e + rod.centre)]
+        parts = [(body, centre) for body, centre in parts if body.falls]
+        mass = sum(body.mass for body, _ in parts)
+        centre = sum((body.mass * at for body, at in parts), np.zeros(3)) / mass
+        matrix = np.zeros((3, 3))
+        for body, at in parts:
+            r = at - centre
+            matrix += body.matrix + body.mass * (r @ r * np.eye(3) - np.outer(r, r))
+        return Inertial(mass, centre, matrix)
+
+    def carrier(self, constraint: int, across: Array) -> Inertial:
+        """Return the arm or the carriage of a constraint, in a frame at its joint.
+
+        Parameters
+        ----------
+        constraint
+            The constraint, from 0; the first one of a drive that several share.
+        across
+            The arm of a crank in the frame of its body, in length units, shape (3,).
+        """
+        model = self.model
+        if model is None or model.carriers is None or not model.carriers.mass[constraint]:
+            return self.link
+        mass = float(model.carriers.mass[constraint])
+        moment = max(float(model.carriers.inertia[constraint]), _SLENDER * mass * self.size**2)
+        centre = float(model.carriers.share[constraint]) * across * model.metre
+        return Inertial(mass, centre, moment * np.eye(3))
 
     def _leg(self, constraint: int) -> Leg:
         assert self.model is not None

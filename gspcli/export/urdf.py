@@ -87,8 +87,17 @@ class _Robot:
             entries = {f"i{axes}": numbers(inertial.matrix[i, j]) for axes, i, j in _ENTRIES}
             ET.SubElement(body, "inertia", entries)
 
-    def _between(self, name: str, kind: str, ends: tuple[str, str], axis: Array | None) -> None:
+    def _between(
+        self,
+        name: str,
+        kind: str,
+        ends: tuple[str, str],
+        axis: Array | None,
+        limits: tuple[float, float] | None = None,
+    ) -> None:
         """Add a joint at the origin of the second of two links."""
+        if limits is not None and kind == "continuous":
+            kind = "revolute"
         joint = ET.SubElement(self.root, "joint", name=name, type=kind)
         offset = self.origins[ends[1]] - self.origins[ends[0]]
         ET.SubElement(joint, "origin", xyz=numbers(offset), rpy="0 0 0")
@@ -96,16 +105,18 @@ class _Robot:
         ET.SubElement(joint, "child", link=ends[1])
         if axis is not None:
             ET.SubElement(joint, "axis", xyz=numbers(axis))
-        if kind == "prismatic":
-            far = {"lower": f"-{_FAR}", "upper": _FAR, "effort": _FAR, "velocity": _FAR}
-            ET.SubElement(joint, "limit", far)
+        if kind in ("prismatic", "revolute"):
+            span = (f"-{_FAR}", _FAR) if limits is None else map(numbers, limits)
+            far = dict(zip(("lower", "upper"), span, strict=True))
+            ET.SubElement(joint, "limit", far | {"effort": _FAR, "velocity": _FAR})
 
     def _jointed(self, made: LinkJoint, child: str, inertial: Inertial | None) -> None:
         """Add a joint and its second link, in the place of the joint."""
         parent, joint = made.parent, made.joint
         if joint.type != "ball":
             self._link(child, joint.point, inertial)
-            self._between(made.name, _TYPES[joint.type], (parent, child), joint.axis)
+            ends = parent, child
+            self._between(made.name, _TYPES[joint.type], ends, joint.axis, joint.range)
             return
         for axis, letter in zip(np.eye(3), "xyz", strict=True):
             name = child if letter == "z" else f"{child}_{letter}"

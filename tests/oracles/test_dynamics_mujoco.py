@@ -121,7 +121,7 @@ MUTATIONS = [
     (bodies_module, "- dot(turning, turning)[..., None] * e", ""),
     (bodies_module, "+ spin * cross(turning, self.e)", ""),
     (bodies_module, "(1 + c * c) / square**2", "1 / square**2"),
-    (bodies_module, "place * (place * rate - fall)", "place * (rate - fall)"),
+    (bodies_module, "+ place * rate - fall", "+ rate - fall"),
     (bodies_module, "on_direction - below * on_rod", "on_direction"),
     (bodies_module, "legs.across * rate", "0 * rate"),
     (bodies_module, "+ cross(omega, turned)", ""),

@@ -7,6 +7,8 @@ import pytest
 
 from gspcli.catalogue.types import all_types
 from gspcli.dynamics import inverse_dynamics
+from tests.support.driven_machines import MADE_UP, SHIPPED, driven, rebased, some_pose, weighed
+from tests.support.driven_machines import random_motion as driven_motion
 from tests.support.masses import (
     MACHINES,
     in_metres,
@@ -38,6 +40,19 @@ def test_forces_of_shipped_machines(name):
     for universal in (False, True):
         weighed = with_masses(instance, rng, universal=universal)
         assert disagreement(weighed, R, T, rng) < 1e-9
+
+
+@pytest.mark.parametrize("name", [*SHIPPED, *MADE_UP])
+def test_torques_of_cranks_and_forces_of_slides(name):
+    for seed in range(3):
+        rng = np.random.default_rng(seed)
+        instance = weighed(driven(name), rng)
+        R, T, q = some_pose(instance, rng)
+        t, a = driven_motion(instance, rng)
+        found = inverse_dynamics(instance, R, T, twists=t, accelerations=a).torques[0]
+        tree = PinocchioTree(rebased(instance, q), R, T)
+        expected = tree.forces(in_metres(instance, t), in_metres(instance, a))
+        assert np.abs(found - expected).max() < 1e-9 * np.abs(expected).max()
 
 
 @pytest.mark.parametrize(

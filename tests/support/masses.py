@@ -19,7 +19,10 @@ from gspcli.solver import solve
 from gspcli.solver.instances.generate import random_instance
 from gspcli.spec import load
 
-MACHINES = sorted(path.stem for path in (data_directory() / "platforms").glob("*.yaml"))
+_FILES = {p.stem: p.read_text("utf-8") for p in (data_directory() / "platforms").glob("*.yaml")}
+#: Shipped machines with cranks or slides, and those that are driven by their values.
+DRIVEN = sorted(name for name, text in _FILES.items() if "crank: {" in text or "slide: {" in text)
+MACHINES = sorted({*_FILES} - {*DRIVEN})
 
 
 @cache

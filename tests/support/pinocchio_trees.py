@@ -11,6 +11,8 @@ import numpy as np
 
 from gspcli.export.chains import chain
 from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.drive_numbers import is_driven
+from gspcli.geometry.drives import Drives
 from gspcli.geometry.lengths import METRES
 
 
@@ -39,9 +41,16 @@ class PinocchioTree:
             ),
             pin.SE3.Identity(),
         )
-        self.ends, self.rigid, self.values, legs = [], [], [], list(stated.legs)
+        self.ends, self.others, self.rigid, self.values = [], [], [], []
+        self.spins, legs = [], list(stated.legs)
+        self.drives = Drives.of(instance) if is_driven(instance) else None
+        self.carriers, self.T = {}, T * self.metre
+        self.weights = {"crank": list(stated.arms), "slide": list(stated.carriages)}
         for k, kind in enumerate(numbers.kinds):
-            if kind.name == "DPP" and legs:
+            self.others.append(self.platform)
+            if self.drives is not None and self.drives.driven[k]:
+                self._driven_leg(k, legs.pop(0), y[k])
+            elif kind.name == "DPP" and legs:
                 self._leg(k, legs.pop(0), y[k])
             else:
                 self._links(chain(kind, self.x[k], numbers.v[k], y[k], w[k]), k)
@@ -71,11 +80,55 @@ class PinocchioTree:
         self.ends.append(last)
         self.rigid.append(False)
 
-    def _weigh(self, joint, body, way):
+    def _driven_leg(self, k, leg, end):
+        """Add a rod on a ball, and the arm or the carriage that moves one of its ends."""
+        pin, start, drives = self.pin, self.x[k], self.drives
+        e = (end - start) / np.linalg.norm(end - start)
+        carrier = self._carrier(k)
+        self.place = {} if drives.on_platform[k] else {carrier: self.middle}
+        last = self._add(
+            0 if drives.on_platform[k] else carrier, pin.JointModelSpherical(), start, f"rod{k}"
+        )
+        self._weigh(last, leg.cylinder, e)
+        self._weigh(last, leg.rod, -e, end - start)
+        if drives.on_platform[k]:
+            self.others[-1] = carrier
+        self.spins.append((last, e))
+        self.ends.append((last, end - start))
+        self.rigid.append(False)
+
+    def _carrier(self, k):
+        """Return the joint of the arm or carriage of a constraint; note where it is."""
+        pin, drives = self.pin, self.drives
+        drive = drives.index[k]
+        self.middle = drives.middle[drives.users(drive)[0]] * self.metre
+        if drive in self.carriers:
+            return self.carriers[drive]
+        across, beside = drives.across[k] * self.metre, drives.beside[k]
+        turns = drives.sorts[drive] == "crank"
+        axis = np.cross(across, beside) if turns else beside
+        axis /= np.linalg.norm(axis)
+        made = pin.JointModelRevoluteUnaligned if turns else pin.JointModelPrismaticUnaligned
+        parent = self.platform if drives.on_platform[k] else 0
+        at = pin.SE3(np.eye(3), self.middle)
+        joint = self.model.addJoint(parent, made(axis), at, f"drive{k}")
+        if self.weights[drives.sorts[drive]]:
+            body = self.weights[drives.sorts[drive]].pop(0)
+            centre, moment = np.zeros(3), 0.0
+            if turns:
+                centre = across / np.linalg.norm(across) * body.centre.value * self.metre
+                moment = body.inertia.value * self.metre**2
+            inertia = pin.Inertia(body.mass.value, centre, moment * np.eye(3))
+            self.model.appendBodyToJoint(joint, inertia, pin.SE3.Identity())
+        self.values.append(self.model.joints[joint].idx_v)
+        self.carriers[drive] = joint
+        return joint
+
+    def _weigh(self, joint, body, way, at=0.0):
         along = np.outer(way, way)
         matrix = body.inertia.value * (np.eye(3) - along) + body.axial.value * along
         inertia = self.pin.Inertia(
-            body.mass.value, body.centre.value * self.metre * way, matrix * self.metre**2
+            body.mass.value, at + body.centre.value * self.metre * way, matrix * self.metre**2
         )
         self.model.appendBodyToJoint(joint, inertia, self.pin.SE3.Identity())
 
@@ -113,12 +166,19 @@ class PinocchioTree:
             return J, np.concatenate((linear, a.angular))
 
         rows, bends = [], []
-        for end, rigid in zip(self.ends, self.rigid, strict=True):
-            point = data.oMi[end].translation
-            (J, a), (other, b) = at(end, point), at(self.platform, point)
+        for end, other, rigid in zip(self.ends, self.others, self.rigid, strict=True):
+            end, offset = end if isinstance(end, tuple) else (end, np.zeros(3))
+            # Frames have the axes of the base at the pose.
+            point = data.oMi[end].translation + offset
+            (J, a), (other, b) = at(end, point), at(other, point)
             count = 6 if rigid else 3
             rows.append((J - other)[:count])
             bends.append((a - b)[:count])
+        for joint, e in self.spins:
+            # Rods between balls do not turn about themselves.
+            J, a = at(joint, data.oMi[joint].translation)
+            rows.append(e[None] @ J[3:])
+            bends.append([e @ a[3:]])
         return np.vstack(rows), np.concatenate(bends)
 
     def forces(self, twist, acceleration):
@@ -144,14 +204,20 @@ class PinocchioTree:
         linear = R.T @ (acceleration[3:] - np.cross(omega, twist[3:]))
         a = completed(np.concatenate((linear, R.T @ acceleration[:3])), -bend)
         needed = pin.rnea(m, data, q, v, a)
-        S = np.zeros((6, m.nv))
-        S[range(6), self.values] = 1
-        matrix = np.hstack((S.T, J.T))
+        count = len(self.values)
+        S = np.zeros((count, m.nv))
+        S[range(count), self.values] = 1
+        # Nothing turns a rod about itself.
+        matrix = np.hstack((S.T, J[: len(J) - len(self.spins)].T))
         found = np.linalg.lstsq(matrix, needed, rcond=1e-14)[0]
         assert np.abs(matrix @ found - needed).max() < 1e-9 * np.abs(needed).max()
-        return found[:6] + self._rotors() * a[self.values]
+        return found[:count] + self._rotors() * a[self.values]
 
     def _rotors(self):
+        if self.drives is not None:
+            inertia = [one.value for one in self.instance.dynamics.drives.inertia]
+            cranked = np.array([sort == "crank" for sort in self.drives.sorts])
+            return np.array(inertia) * np.where(cranked, self.metre**2, 1.0)
         angles = [not row.kind.is_distance for row in self.instance.constraints]
         inertia = np.ones(6) * [one.value for one in self.instance.dynamics.drives.inertia]
         return inertia * np.where(angles, self.metre**2, 1.0)

@@ -34,24 +34,45 @@ class ClosedTree:
         mujoco.mj_forward(m, self.d)
         self.R = R
         self.loops = [m.equality(f"loop_{k}") for k in range(1, 7)]
-        self.S = np.zeros((6, m.nv))
-        for k in range(6):
-            self.S[k, m.joint(f"value_{k + 1}").dofadr[0]] = 1
+        # The joints of the drives: those of values, or cranks and slides, which rods can share.
+        joints = [m.joint(int(k)) for k in m.actuator_trnid[:, 0]]
+        self.S = np.zeros((len(joints), m.nv))
+        for row, joint in zip(self.S, joints, strict=True):
+            row[joint.dofadr[0]] = 1
         self.free = m.joint("platform").dofadr[0]
 
     def _rows(self, function):
         """Return the rows that keep the loops closed: of points, or of points and turns."""
         rows = []
         for loop in self.loops:
-            point = self.d.xpos[loop.obj2id[0]]
+            weld = loop.type[0] == self.mujoco.mjtEq.mjEQ_WELD
+            if weld:
+                point = self.d.xpos[loop.obj2id[0]]
+            else:
+                # The anchor is in the frame of the first body.
+                body = self.d.body(int(loop.obj1id[0]))
+                point = body.xpos + body.xmat.reshape(3, 3) @ loop.data[:3]
             parts = []
             for body in (loop.obj2id[0], loop.obj1id[0]):
                 p, r = np.zeros((2, 3, self.m.nv))
                 function(self.m, self.d, p, r, point, body)
-                weld = loop.type[0] == self.mujoco.mjtEq.mjEQ_WELD
                 parts.append(np.vstack((p, r)) if weld else p)
             rows.append(parts[0] - parts[1])
         return np.vstack(rows)
+
+    def _spins(self, function):
+        """Return rows of the turns of rods between balls about themselves: they do not turn so."""
+        rows = []
+        for k in range(self.m.nbody):
+            body = self.d.body(k)
+            if body.name.startswith("rod_"):
+                loop = self.loops[int(body.name.removeprefix("rod_")) - 1]
+                first = self.d.body(int(loop.obj1id[0]))
+                way = first.xpos + first.xmat.reshape(3, 3) @ loop.data[:3] - body.xpos
+                turns = np.zeros((3, self.m.nv))
+                function(self.m, self.d, None, turns, body.xpos, k)
+                rows.append(way @ turns / np.linalg.norm(way))
+        return np.reshape(rows, (len(rows), self.m.nv))
 
     def _complete(self, J, right, platform):
         """Return the rates of all joints with those of the platform given: J q = right."""
@@ -65,26 +86,37 @@ class ClosedTree:
 
     def _move(self, twist):
         """Give all joints their rates, and return the rows of loops and their change."""
-        J = self._rows(self.mujoco.mj_jac)
-        self.d.qvel[:] = self._complete(J, np.zeros(len(J)), twist)
+        J, spins = self._rows(self.mujoco.mj_jac), self._spins(self.mujoco.mj_jac)
+        both = np.vstack((J, spins))
+        self.d.qvel[:] = self._complete(both, np.zeros(len(both)), twist)
         self.mujoco.mj_forward(self.m, self.d)
-        return J, self._rows(self.mujoco.mj_jacDot) @ self.d.qvel
+        bend = [rows(self.mujoco.mj_jacDot) @ self.d.qvel for rows in (self._rows, self._spins)]
+        return J, spins, np.concatenate(bend)
 
     def forces(self, twist, acceleration):
         """Return the forces of the drives."""
-        J, bend = self._move(twist)
-        self.d.qacc[:] = self._complete(J, -bend, acceleration)
+        J, spins, bend = self._move(twist)
+        self.d.qacc[:] = self._complete(np.vstack((J, spins)), -bend, acceleration)
         self.mujoco.mj_inverse(self.m, self.d)
         matrix = np.hstack((self.S.T, J.T))
         needed = self.d.qfrc_inverse
         found = np.linalg.lstsq(matrix, needed, rcond=1e-14)[0]
         assert np.abs(matrix @ found - needed).max() < 1e-9 * np.abs(needed).max()
-        return found[:6]
+        return found[: len(self.S)]
+
+    def mass(self):
+        """Return the mass matrix of all bodies by the twist of the platform, (6, 6)."""
+        J = np.vstack((self._rows(self.mujoco.mj_jac), self._spins(self.mujoco.mj_jac)))
+        moves = np.array([self._complete(J, np.zeros(len(J)), unit) for unit in np.eye(6)])
+        M = np.zeros((self.m.nv, self.m.nv))
+        self.mujoco.mj_fullM(self.m, self.d, M)
+        return moves @ M @ moves.T
 
     def acceleration(self, twist, forces):
         """Return the acceleration of the platform under forces of the drives."""
         m, d = self.m, self.d
-        J, bend = self._move(twist)
+        J, _, bend = self._move(twist)
+        bend = bend[: len(J)]
         M = np.zeros((m.nv, m.nv))
         # The matrix was an argument of its own before MuJoCo 3.3.
         try:
@@ -102,7 +134,7 @@ class ClosedTree:
 def _without_placeholders(instance, R, T):
     """Return the exported model with links and joints that weigh nothing by themselves."""
     rotors = [number.value for number in instance.dynamics.drives.inertia]
-    rotors = np.ones(6) * rotors
+    rotors = np.ones(6) * rotors if len(rotors) == 1 else np.array(rotors)
     root = ET.fromstring(mjcf(instance, R, T))
     from gspcli.geometry.lengths import METRES
 
@@ -114,8 +146,12 @@ def _without_placeholders(instance, R, T):
             inertial.set("diaginertia", " ".join([repr(_NOTHING)] * 3))
         for joint in body.findall("joint"):
             name = joint.get("name")
+            joint.attrib.pop("damping", None)
             own = 0.0
-            if name.startswith("value_"):
+            if name.startswith("drive_"):
+                drive = [one.get("joint") for one in root.iter("general")].index(name)
+                own = rotors[drive] * (metre**2 if joint.get("type") == "hinge" else 1.0)
+            elif name.startswith("value_"):
                 k = int(name.removeprefix("value_")) - 1
                 angle = not instance.constraints[k].kind.is_distance
                 own = rotors[k] * (metre**2 if angle else 1.0)
