@@ -307,23 +307,14 @@ def _forward(
     from gspcli.dynamics.trajectories import Motion, motion_of_platform
     from gspcli.motion.files.number_tables import numbers_of
 
-<<<<<<< HEAD
-    table = read_forces(*text_of(forces), form)
-=======
-    table = read_forces(*text_of(forces), instance, ignore)
->>>>>>> 4710553 (WIP dynamics and export)
+    table = read_forces(*text_of(forces), instance, form)
     angles = np.repeat([instance.units.angle.in_radians, 1.0], 3)
     first: Array | float = 0.0
     if twist is not None:
         first = angles * numbers_of(twist, (6,), "--twist")
         rows = first[None]
-        first = motion_of_platform(form.frame, start[0], Motion(rows, rows)).twists[0]
+        first = motion_of_platform(form.frame, start.R, Motion(rows, rows)).twists[0]
     with working("simulating"):
-<<<<<<< HEAD
-        found = simulate(instance, *start, table.t, table.forces, twist=first)
-    document = found.to_json(form.frame) if output.format == "json" else None
-    emit(output, motion_table(found, form.frame), document=document)
-=======
         found = simulate(
             instance,
             start.R[0],
@@ -333,9 +324,8 @@ def _forward(
             twist=first,
             drives=start.drives,
         )
-    document = found.to_json() if output.format == "json" else None
-    emit(output, motion_table(found), document=document)
->>>>>>> 4710553 (WIP dynamics and export)
+    document = found.to_json(form.frame) if output.format == "json" else None
+    emit(output, motion_table(found, form.frame), document=document)
     if not found.energy_error < 1e-6:
         message = (
             f"the energy is off by {found.energy_error:.1g} of its changes: "

@@ -18,7 +18,7 @@ from gspcli.dynamics.drives import Drives
 from gspcli.dynamics.mass_model import MassModel
 from gspcli.dynamics.moved_points import Knees, driven_numbers, given_numbers
 from gspcli.dynamics.moving_bodies import MovingBodies, equation_of_motion
-<<<<<<< HEAD
+from gspcli.dynamics.shared_drives import check_shared, closed
 from gspcli.dynamics.trajectories import (
     ACCELERATION,
     VELOCITY,
@@ -26,10 +26,6 @@ from gspcli.dynamics.trajectories import (
     check_times,
     expressed_motion,
 )
-=======
-from gspcli.dynamics.shared_drives import check_shared, closed
-from gspcli.dynamics.trajectories import ACCELERATION, VELOCITY, check_times
->>>>>>> 4710553 (WIP dynamics and export)
 from gspcli.errors import ArgumentError, GspError, IncompleteError
 from gspcli.geometry.frames import IDENTITY, PoseFrame
 from gspcli.geometry.instance import Instance

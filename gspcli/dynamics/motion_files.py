@@ -2,24 +2,17 @@
 
 from __future__ import annotations
 
-<<<<<<< HEAD
-=======
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 
->>>>>>> 4710553 (WIP dynamics and export)
 import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.dynamics.drive_forces import FORCES
 from gspcli.dynamics.drives import Drives
 from gspcli.dynamics.mass_model import MassModel
-<<<<<<< HEAD
 from gspcli.dynamics.trajectories import ACCELERATION, VELOCITY, Motion, motion_of_platform
-=======
-from gspcli.dynamics.trajectories import ACCELERATION, VELOCITY, Motion
 from gspcli.geometry.drive_numbers import is_driven
 from gspcli.geometry.drives import Drives as MachineDrives
->>>>>>> 4710553 (WIP dynamics and export)
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.readings import factors
 from gspcli.motion import PoseFormat, read_poses, read_values
@@ -174,13 +167,9 @@ def motion_of_values(
     return Motion(twists / lengths, accelerations / lengths)
 
 
-<<<<<<< HEAD
-def read_forces(text: str, name: str, form: PoseFormat = _ANY) -> ForceRows:
-=======
 def read_forces(
-    text: str, name: str, instance: Instance, ignore: Collection[str] = ()
+    text: str, name: str, instance: Instance, form: PoseFormat = _ANY
 ) -> ForceRows:
->>>>>>> 4710553 (WIP dynamics and export)
     """Read forces of the drives at times: columns t and F1 ... F6.
 
     With cranks or slides they are t and a column for each drive, ``torque.crank.B1``.
@@ -189,34 +178,23 @@ def read_forces(
     ----------
     text, name
         The content, and how messages name it.
-<<<<<<< HEAD
-    form
-        What it does not say: columns that are left out.
-=======
     instance
         The platform.
-    ignore
-        Columns that are left out.
->>>>>>> 4710553 (WIP dynamics and export)
+    form
+        What it does not say: columns that are left out.
 
     Raises
     ------
     SpecError
         With all mistakes, each with line and column.
     """
-<<<<<<< HEAD
     table = NumberTable(text, name, ignore=form.ignore)
-    columns = table.choose(("t", *_FORCES))
-    table.refuse_others({"t", *_FORCES}, "t and F1 ... F6")
-=======
-    table = NumberTable(text, name, ignore=ignore)
     needed, said = _FORCES, "t and F1 ... F6"
     if is_driven(instance):
         drives = [f"torque.{drive}" for drive in MachineDrives.of(instance).names]
         needed, said = tuple(one.lower() for one in drives), f"t and {drives[0]} ... {drives[-1]}"
     columns = table.choose(("t", *needed))
     table.refuse_others({"t", *needed}, said)
->>>>>>> 4710553 (WIP dynamics and export)
     numbers = table.numbers(columns or ())
     if columns and len(numbers) < 2:
         table.note_heading("found one row, expected two at least: a motion needs an end")
