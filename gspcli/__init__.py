@@ -42,6 +42,7 @@ if TYPE_CHECKING:
     from gspcli.geometry.primitives import Cone, Crank, Line, Plane, Point, Slide
     from gspcli.machines.api import import_machine
     from gspcli.motion import Follower, track
+    from gspcli.motion.paths.api import path
     from gspcli.motion.poses.measured_values import measure
     from gspcli.motion.singularities.clearance_results import clearance
     from gspcli.motion.singularities.scan_results import scan
@@ -130,6 +131,7 @@ _HOMES = {
     "parse_kind": "gspcli.catalogue.names",
     "parse_kind_set": "gspcli.catalogue.names",
     "parse_type": "gspcli.catalogue.names",
+    "path": "gspcli.motion.paths.api",
     "read": "gspcli.spec",
     "sample": "gspcli.reality.sample_results",
     "scan": "gspcli.motion.singularities.scan_results",
@@ -215,6 +217,7 @@ __all__ = [
     "parse_kind",
     "parse_kind_set",
     "parse_type",
+    "path",
     "read",
     "sample",
     "scan",

@@ -6,6 +6,8 @@ from __future__ import annotations
 SEED = 20031
 #: How long `maximize_real` searches, in seconds.
 SEARCH_SECONDS = 60.0
+#: How long `path` searches, in seconds.
+PATH_SECONDS = 30.0
 #: Largest difference of a pose from its solution that `certify` accepts; lengths by the
 #: platform's size, relative for numbers above one.
 TOLERANCE = 1e-6

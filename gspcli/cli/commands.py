@@ -39,6 +39,7 @@ BY_HEADING: dict[str, dict[str, str]] = {
     "Platforms that move": {
         "measure": "Measure the values of constraints at given poses (inverse kinematics).",
         "track": "Follow assembly modes while the values change, and prove that none jumps.",
+        "path": "Plan a path from one pose to another that is proved safe on the whole way.",
         "analyze": "Analyze assembly modes: screws, Jacobian matrix, forces, stiffness "
         "and accuracy.",
         "dynamics": "Compute forces of the drives along a motion, motions under forces, natural "

@@ -15,6 +15,9 @@ if TYPE_CHECKING:
     from gspcli.motion.following.follower import Follower, FollowerReport, FollowerStatus
     from gspcli.motion.following.tracks import Event, Track
     from gspcli.motion.following.trajectories import track
+    from gspcli.motion.paths.api import mode_groups, path
+    from gspcli.motion.paths.mode_groups import ModeGroups
+    from gspcli.motion.paths.planned_paths import PlannedPath
     from gspcli.motion.workspace.travels import Travel, travels
     from gspcli.motion.workspace.workspaces import Workspace
 
@@ -27,11 +30,15 @@ _HOMES = {
     "Follower": "following.follower",
     "FollowerReport": "following.follower",
     "FollowerStatus": "following.follower",
+    "ModeGroups": "paths.mode_groups",
     "MovingPlatform": "following.branch_follower",
+    "PlannedPath": "paths.planned_paths",
     "Track": "following.tracks",
     "Travel": "workspace.travels",
     "Workspace": "workspace.workspaces",
     "departures": "following.departures",
+    "mode_groups": "paths.api",
+    "path": "paths.api",
     "track": "following.trajectories",
     "travels": "workspace.travels",
 }
@@ -43,7 +50,9 @@ __all__ = [
     "Follower",
     "FollowerReport",
     "FollowerStatus",
+    "ModeGroups",
     "MovingPlatform",
+    "PlannedPath",
     "PoseFormat",
     "PoseTable",
     "Track",
@@ -54,7 +63,9 @@ __all__ = [
     "departures",
     "drive_values",
     "measure",
+    "mode_groups",
     "out_of_range",
+    "path",
     "read_pose",
     "read_poses",
     "read_values",

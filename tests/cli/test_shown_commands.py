@@ -24,6 +24,7 @@ CODES = {
     "platform.yaml path.csv .*--require": (0, 1),
     r"leg P1 B2 = 2\.7 \+-": (1,),
     "leg P1 B7": (2,),
+    "gsp path .* --from home --to 2": (1,),
     # What it lists depends on its random numbers.
     r"certify .*\.phc": (0, 1),
 }

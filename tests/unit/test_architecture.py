@@ -57,7 +57,7 @@ ROOMS = {
 #: Rooms and files within rooms, the lowest first: each imports itself and those before it.
 INNER_ROOMS = {
     "certification": ("numbers", "equations", "counting", "poses", "branches"),
-    "motion": ("poses", "files", "following", "workspace", "singularities", "statics"),
+    "motion": ("poses", "files", "following", "workspace", "singularities", "paths", "statics"),
     "solver": (
         "study_systems",
         "arguments",

@@ -83,6 +83,14 @@ SAMPLES: dict[str, tuple[str, ...]] = {
         "@apo-tertiary FAR --euler xyz",
         "@rubin-m2 VALUES --relative-to home",
     ),
+    "path": (
+        "@rubin-m2 --from home --to 2",
+        "@rubin-m2 --from home --to 0,0,0.001,1,0,0,0",
+        "@surfaces-sss --from 1 --to 5",
+        "@surfaces-sss --all",
+        "@workspace-study --all --time 0.01",
+        "@workspace-study-cones --all",
+    ),
     "analyze": (
         "@rubin-m2",
         "@figure-3",

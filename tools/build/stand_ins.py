@@ -25,6 +25,7 @@ _MACHINES = {
     "certify": "figure-3",
     "export": "nano-hexapod",
     "maximize-real": "figure-3",
+    "path": "workspace-study",
     "realize": "figure-4",
     "sensors": "workspace-study",
     "workspace": "workspace-study-cones",

@@ -27,6 +27,8 @@ from gspcli.wording import shortened
 Array = NDArray[np.float64]
 
 _MOVING = (*BODIES, "crank")
+#: Values beside poses are what the poses measure, but for this part of the size: they are rounded.
+_ROUNDED = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,8 +81,8 @@ def read_values(
     The columns ``1`` to ``6`` are the values of the constraints; a constraint without a column
     keeps its value in the instance. Columns with names such as ``base.B1.x``,
     ``base.L1.direction.z`` or ``crank.B1`` are coordinates that move
-    (`gspcli.geometry.coordinates`). A file with columns x, y, z has poses (`read_poses`). Columns
-    that are not known are mistakes.
+    (`gspcli.geometry.coordinates`). A file with columns x, y, z has poses (`read_poses`); values
+    beside them must be what the poses measure. Columns that are not known are mistakes.
 
     Parameters
     ----------
@@ -111,15 +113,13 @@ def read_values(
                 table.written[table.heading.index(one)],
                 "found a coordinate that moves beside poses, expected values",
             )
-        for one in (one for one in numbers if one in table.heading):
-            column = table.written[table.heading.index(one)]
-            table.note_column(column, "found a value beside poses, expected either (see --ignore)")
         poses = poses_in(table, form, (*moving, *numbers))
         t = None if poses is None else poses.t
         values = np.zeros((len(table), len(numbers)))
         if poses is not None and not table.problems:
             values = measure(instance, poses.R, poses.T)
             of_file = poses.R, poses.T
+            _compare(table, instance, values)
     else:
         note_legs(table, instance)
         found = [name for name in numbers if name in table.heading]
@@ -148,6 +148,22 @@ def read_values(
         table.note_cell(int(row) + 1, "t", message)
     table.check()
     return ValueTable(t, values, coordinates, of_file)
+
+
+def _compare(table: NumberTable, instance: Instance, measured: Array) -> None:
+    """Note values beside poses that are not those that the poses measure."""
+    names = [str(k) for k in range(1, measured.shape[1] + 1)]
+    names = [name for name in names if name in table.heading]
+    size = Arrangement.of(instance).length
+    for name, column in zip(names, table.numbers(names).T, strict=True):
+        k = int(name) - 1
+        room = _ROUNDED * (size if instance.constraints[k].kind.is_distance else 1.0)
+        for row in np.flatnonzero(~(np.abs(column - measured[:, k]) <= room)).tolist():
+            message = (
+                f"found {column[row]:.12g} beside a pose that measures {measured[row, k]:.6g} "
+                "(see --ignore)"
+            )
+            table.note_cell(row, name, message)
 
 
 def note_legs(table: NumberTable, instance: Instance) -> None:

@@ -156,8 +156,9 @@ class MovingPlatform(StudyUnits):
     def __init__(self, instance: Instance, local_frames: LocalFrames | None = None) -> None:
         self.instance = instance
         local_frames = local_frames or LocalFrames.of(instance)
-        self._near = local_frames.applied(instance)
-        self.equations: MovingEquations = moving_equations(self._near)
+        #: The instance in frames near the bodies.
+        self.near = local_frames.applied(instance)
+        self.equations: MovingEquations = moving_equations(self.near)
         super().__init__(self.equations.scale, local_frames)
         self._angles = np.isin(self.equations.laws, (Law.COSINE, Law.SINE))
         radian = instance.units.angle.in_radians
@@ -166,7 +167,7 @@ class MovingPlatform(StudyUnits):
     @cached_property
     def system(self) -> MovingSystem:
         """The equations in ball arithmetic."""
-        return MovingSystem(self._near, ())
+        return MovingSystem(self.near, ())
 
     def instance_at(self, row: Array) -> Instance:
         """Return the instance; its values are not used."""

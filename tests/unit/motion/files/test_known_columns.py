@@ -110,7 +110,7 @@ def test_a_file_that_begins_with_numbers_has_no_heading(hexapod, first):
 def test_poses_beside_values_say_two_things(hexapod):
     text = f"{POSE},3\n0,0,1,1,0,0,0,50\n"
     assert mistakes(read_values, text, "v", hexapod, PLAIN) == [
-        "v:1:19: found a value beside poses, expected either (see --ignore)"
+        "v:2:15: found 50 beside a pose that measures 0.972814 (see --ignore)"
     ]
     # What measures poses does not need it: a plan of `gsp calibrate` has both.
     assert np.array_equal(read_poses(text, "v", PLAIN).T, [[0, 0, 1]])

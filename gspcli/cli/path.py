@@ -1,0 +1,198 @@
+"""`gsp path`: from one pose to another, proved on the whole way."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import click
+
+from gspcli.cli.mode_option import HOME
+from gspcli.cli.names import load_instance
+from gspcli.cli.number_types import Finite, Positive, seed_option
+from gspcli.cli.output import Output, emit, output_options
+from gspcli.cli.path_tables import groups_table, path_table
+from gspcli.cli.pose_options import PoseConventions, pose_options
+from gspcli.cli.pose_type import GivenPose
+from gspcli.cli.progress_bars import working
+from gspcli.cli.value_options import Changes, value_options
+from gspcli.defaults import PATH_SECONDS
+from gspcli.errors import CheckFailed, IncompleteError
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from typing import Any
+
+    from gspcli.motion import PoseFormat
+    from gspcli.motion.paths.ends import End
+    from gspcli.motion.paths.mode_groups import ModeGroups
+    from gspcli.motion.paths.planned_paths import PlannedPath
+
+
+class _EndType(click.ParamType):  # type: ignore[type-arg]
+    """The number of a mode, ``home``, or a POSE."""
+
+    name = "mode or pose"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Return a number, ``home``, or a `GivenPose`."""
+        del ctx
+        if not isinstance(value, str) or value == HOME:
+            return value
+        if value.isascii() and value.isdigit():
+            return int(value)
+        return GivenPose(value, max(param.opts, key=len) if param else "")
+
+
+@click.command()
+@click.argument("spec", metavar="SPEC")
+@click.option(
+    "--from",
+    "start",
+    type=_EndType(),
+    metavar="K|home|POSE",
+    help="Where the path begins: a mode by its number of `gsp solve`, home, or a pose "
+    "(x,y,z,qw,qx,qy,qz, or x,y,z,rx,ry,rz with --euler, or @FILE).",
+)
+@click.option(
+    "--to", "goal", type=_EndType(), metavar="K|home|POSE", help="Where it ends, likewise."
+)
+@click.option(
+    "--all",
+    "everything",
+    is_flag=True,
+    help="Instead of one path: which modes are joined by paths, and which are proved apart.",
+)
+@click.option(
+    "--along",
+    type=click.Choice(["values", "poses"]),
+    help="What changes linearly between corners: the values, or x, y, z and the angles.  "
+    "[default: what is proved first]",
+)
+@click.option(
+    "--clear",
+    type=Finite(0.0),
+    default=0.0,
+    metavar="D",
+    help="Every pose must have this clearance, proved, as gsp clearance measures it.",
+)
+@click.option(
+    "--time",
+    "seconds",
+    type=Positive(),
+    default=PATH_SECONDS,
+    show_default=True,
+    metavar="SECONDS",
+    help="How long to search. A path that is found does not depend on it.",
+)
+@seed_option("")
+@value_options
+@pose_options
+@output_options()
+def command(
+    spec: str,
+    start: int | str | GivenPose | None,
+    goal: int | str | GivenPose | None,
+    everything: bool,
+    along: str | None,
+    clear: float,
+    seconds: float,
+    seed: int,
+    changes: Changes,
+    conventions: PoseConventions,
+    output: Output,
+) -> None:
+    """Plan a path from one pose to another that is proved safe on the whole way.
+
+    It is proved for every pose of the path, between its rows, too, that it is not singular and
+    keeps the ranges and cones that SPEC states. The path has straight parts: on each the six values
+    change linearly, or position and angles do. CSV has a row for each step, with values and pose;
+    `gsp track` takes the file, and `gsp view --track` plays it.
+
+    First both straight ways are tried. If none is proved, a map of random values or poses is made,
+    and the path found on it is made shorter. The same seed gives the same path.
+
+    The exit code is 1 if it is proved that there is no path: an end is outside the limits; the sign
+    of det J, or of a factor of it, differs, which a regular path keeps; or the mode fills its whole
+    box of ranges. It is 4 if no path was found in the time given.
+
+    With --all the modes of SPEC are grouped: those of one group are joined by proved paths. The
+    exit code is 4 if it is not known of all groups that no path joins them.
+
+    \b
+    Examples:
+      gsp path @workspace-study --from home --to 3 -o path.csv
+      gsp path platform.yaml --from 10,0,420,1,0,0,0 --to home --clear 0.02
+      gsp path @rubin-camera --all
+    """
+    _check(start, goal, everything, spec)
+    from gspcli.motion.paths.api import mode_groups, path
+
+    instance = load_instance(spec, changes)
+    form = conventions.form(instance)
+    if everything:
+        with working("joining modes"):
+            groups = mode_groups(instance, along=along, time=seconds, seed=seed)
+        emit(output, groups_table(groups), document=groups.to_json())
+        _refuse_undecided(groups)
+        return
+    first, last = _end(start, form), _end(goal, form)
+    with working("planning"):
+        found = path(
+            instance, first, last, along=along, clear=clear, time=seconds, seed=seed,
+            pivot=_pivot(form), sequence=form.euler or "ZYX",
+        )  # fmt: skip
+    if found.verdict == "proved" or output.format == "json":
+        emit(output, path_table(found, form.frame), document=found.to_json(form.frame))
+    _refuse(found)
+
+
+def _check(start: object, goal: object, everything: bool, spec: str) -> None:
+    """Complain of options that do not go together."""
+    message = ""
+    if everything and (start is not None or goal is not None):
+        message = "--all is about all modes: leave out --from and --to"
+    elif not everything and (start is None or goal is None):
+        message = "give --from and --to, or --all"
+    read = [spec == "-", *(isinstance(e, GivenPose) and e.is_standard_input for e in (start, goal))]
+    if sum(read) > 1:
+        message = "only one of SPEC, --from and --to can be standard input"
+    if message:
+        raise click.UsageError(message)
+
+
+def _pivot(form: PoseFormat) -> Sequence[float] | None:
+    """Return the point of straight ways in the platform's frame; None for its centre."""
+    tool = form.frame.tool.shifted(form.pivot)
+    return None if tool.T is None else tool.T.tolist()
+
+
+def _end(given: int | str | GivenPose | None, form: PoseFormat) -> End:
+    """Return an end of the path as `gspcli.path` takes it."""
+    assert given is not None
+    return given.read(form) if isinstance(given, GivenPose) else given
+
+
+def _refuse(found: PlannedPath) -> None:
+    """Raise unless there is a path."""
+    if found.verdict == "impossible":
+        message = f"from {found.start} to {found.goal} there is no path, proved\n{found.reason}"
+        raise CheckFailed(message)
+    if found.verdict == "not found":
+        message = (
+            f"from {found.start} to {found.goal} no path was found in the time given\n"
+            "it is not proved that there is none: try --time or another --seed"
+        )
+        raise IncompleteError(message)
+
+
+def _refuse_undecided(groups: ModeGroups) -> None:
+    """Raise if some groups may belong together."""
+    if groups.undecided:
+        first, second = groups.undecided[0]
+        rest = len(groups.undecided) - 1
+        more = f" (and of {rest} more pairs)" if rest else ""
+        message = (
+            f"groups {first} and {second}{more}: no path was found, and it is not proved that "
+            "there is none\ntry --time or another --seed"
+        )
+        raise IncompleteError(message)

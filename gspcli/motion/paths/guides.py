@@ -1,0 +1,219 @@
+"""Polygons of values or of poses, each straight part proved: what planning and smoothing share."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gspcli.geometry.limits import within_limits
+from gspcli.motion.paths.between_rows import Rows, least_clearances
+from gspcli.motion.paths.pose_ways import PoseWays
+from gspcli.motion.paths.value_ways import ValueWays
+from gspcli.motion.poses.inverse_kinematics import values_at
+
+Array = NDArray[np.float64]
+
+#: Rows of each straight part while paths are searched for and made smoother.
+PROVED_ROWS = 12
+#: Corners keep this part of a range away from its ends, so that rounding does not leave it.
+_MARGIN = 1e-4
+#: Digits of corners, relative to the sizes: files are short, and do not depend on last digits.
+_DIGITS = 6
+
+
+class Trace(NamedTuple):
+    """Rows along a proved path."""
+
+    part: NDArray[np.int64]
+    """The straight part after each row, shape (r,); that of the last row is the last part."""
+    fraction: Array
+    """Where on its part each row is, shape (r,); the last row is at 1."""
+    values: Array
+    """Shape (r, 6)."""
+    R: Array
+    T: Array
+    """Poses, shapes (r, 3, 3) and (r, 3)."""
+    proofs: NDArray[np.int64]
+    """How many pieces the proof of each straight part has, shape (parts,)."""
+    rows: Rows
+    """The rows, for what holds between them."""
+
+    def keeps(self, clearance: float) -> bool:
+        """Whether it is proved that all poses have a clearance, between the rows, too."""
+        return not clearance or bool((least_clearances(self.rows, clearance)[1] >= clearance).all())
+
+
+class Guide(Protocol):
+    """Proves polygons between two poses, given by their corners."""
+
+    along: str
+    """``values`` or ``poses``."""
+    sizes: Array
+    """How far corners may be moved, shape (6,)."""
+    clear: float
+    """The clearance that every pose must have."""
+
+    def trace(self, corners: Array, rows: NDArray[np.int64]) -> Trace | None:
+        """Return rows along a polygon, or None if it is not proved.
+
+        Parameters
+        ----------
+        corners
+            Shape (k + 1, 6).
+        rows
+            In how many steps each straight part is divided, shape (k,).
+        """
+        ...
+
+    def placed(self, corner: Array) -> Array:
+        """Return a corner within the ranges, rounded."""
+        ...
+
+    def unproved(self, corners: Array, rows: NDArray[np.int64]) -> tuple[Array, Array] | None:
+        """Return poses along a polygon without a proof, if they are known before; else None."""
+        ...
+
+
+class ValueGuide:
+    """Polygons of values.
+
+    Parameters
+    ----------
+    ways
+        Straight ways of values.
+    first, last
+        The Study points of both ends; None for an end that is not asked for.
+    clear
+        The clearance that every pose must have.
+    """
+
+    along = "values"
+
+    def __init__(
+        self, ways: ValueWays, first: Array, last: Array | None, clear: float = 0.0
+    ) -> None:
+        self.ways, self.first, self.last, self.clear = ways, first, last, clear
+        self._low, self._high = ways.low.copy(), ways.high.copy()
+        width = self._high - self._low
+        finite = np.isfinite(width)
+        self._low[finite] += _MARGIN * width[finite]
+        self._high[finite] -= _MARGIN * width[finite]
+        self.sizes = np.where(finite, width, 0.0)
+        self._digits = _digits(self.sizes)
+
+    def widen(self, corners: Array) -> None:
+        """Set how far values without a range may be moved, by those of a path."""
+        span = np.ptp(corners, axis=0)
+        self.sizes = np.where(np.isfinite(self._high - self._low), self.sizes, span)
+        self._digits = _digits(self.sizes)
+
+    def trace(self, corners: Array, rows: NDArray[np.int64]) -> Trace | None:
+        """Return rows along a polygon, or None; see `Guide`."""
+        part, fraction = _places(rows)
+        values = _on_polygon(corners, part, fraction)
+        if not self.ways.kept(values).all():
+            return None
+        found = self.ways.follow(values[None], np.zeros(1, np.int64), self.first[None])
+        points = found.points[0]
+        if not found.there[0]:
+            return None
+        if self.last is not None and not self.ways.same(points[-1], self.last):
+            return None
+        if not self.ways.cones_kept(values, points):
+            return None
+        R, T = self.ways.poses(points)
+        proofs = _shared(int(found.parts[0]), rows)
+        trace = Trace(part, fraction, values, R, T, proofs, Rows(self.ways, values, R, T))
+        return trace if trace.keeps(self.clear) else None
+
+    def placed(self, corner: Array) -> Array:
+        """Return a corner within the ranges, rounded."""
+        inside = np.clip(corner, self._low, self._high)
+        return np.array([round(x, d) for x, d in zip(inside, self._digits, strict=True)])
+
+    def unproved(self, corners: Array, rows: NDArray[np.int64]) -> tuple[Array, Array] | None:
+        """Return nothing: poses for values are found by following them."""
+        del corners, rows
+        return None
+
+
+class PoseGuide:
+    """Polygons of positions and angles.
+
+    Parameters
+    ----------
+    ways
+        Straight ways in position and angles.
+    span
+        How far positions may be moved.
+    clear
+        The clearance that every pose must have.
+    """
+
+    along = "poses"
+
+    def __init__(self, ways: PoseWays, span: float, clear: float = 0.0) -> None:
+        self.ways, self.clear = ways, clear
+        self.sizes = np.array([span] * 3 + [1.0] * 3)
+        self._digits = _digits(self.sizes)
+        self._proved: dict[tuple[bytes, bytes], int] = {}
+
+    def trace(self, corners: Array, rows: NDArray[np.int64]) -> Trace | None:
+        """Return rows along a polygon, or None; see `Guide`."""
+        proofs = []
+        for first, last in pairwise(corners):
+            key = first.tobytes(), last.tobytes()
+            if key not in self._proved:
+                proof = self.ways.prove(first, last)
+                self._proved[key] = proof.cells if proof.sign else 0
+            if not self._proved[key]:
+                return None
+            proofs.append(self._proved[key])
+        part, fraction = _places(rows)
+        parameters = _on_polygon(corners, part, fraction)
+        R, T = self.ways.poses(parameters)
+        values = values_at(self.ways.instance, R, T)
+        between = Rows(self.ways, values, R, T, parameters)
+        trace = Trace(part, fraction, values, R, T, np.array(proofs), between)
+        return trace if trace.keeps(self.clear) else None
+
+    def placed(self, corner: Array) -> Array:
+        """Return a corner, rounded."""
+        return np.array([round(x, d) for x, d in zip(corner, self._digits, strict=True)])
+
+    def unproved(self, corners: Array, rows: NDArray[np.int64]) -> tuple[Array, Array] | None:
+        """Return poses along a polygon without a proof."""
+        return self.ways.poses(_on_polygon(corners, *_places(rows)))
+
+    def kept(self, R: Array, T: Array) -> NDArray[np.bool_]:
+        """Return whether poses keep the limits, shape (n,)."""
+        instance = self.ways.instance
+        return within_limits(instance, values_at(instance, R, T), R, T)
+
+
+def _digits(sizes: Array) -> list[int]:
+    positive = np.where(sizes > 0, sizes, 1.0)
+    return [_DIGITS - int(x) for x in np.floor(np.log10(positive)).tolist()]
+
+
+def _places(rows: NDArray[np.int64]) -> tuple[NDArray[np.int64], Array]:
+    """Return the part and the place on it of each row."""
+    part = np.repeat(np.arange(len(rows)), rows)
+    fraction = np.concatenate([np.arange(n) / n for n in rows.tolist()])
+    return np.append(part, len(rows) - 1), np.append(fraction, 1.0)
+
+
+def _on_polygon(corners: Array, part: NDArray[np.int64], fraction: Array) -> Array:
+    first, last = corners[part], corners[part + 1]
+    found = first + (last - first) * fraction[:, None]
+    found[-1] = corners[-1]
+    return found
+
+
+def _shared(count: int, rows: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Share the pieces of a proof among the parts of a path by their rows."""
+    ends = np.round(np.cumsum(rows) * (count / rows.sum())).astype(np.int64)
+    return np.maximum(np.diff(np.concatenate(([0], ends))), 1)

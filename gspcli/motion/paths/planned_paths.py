@@ -1,0 +1,194 @@
+"""What planning has found: a path with its proof, a proof that there is none, or neither."""
+
+from __future__ import annotations
+
+from dataclasses import field
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gspcli.geometry.frames import IDENTITY, PoseFrame
+from gspcli.geometry.instance import Instance
+from gspcli.geometry.printed_numbers import printed_conditions
+from gspcli.geometry.quaternions import quaternion_from_rotation
+from gspcli.geometry.readings import readings_of
+from gspcli.records import dataclass
+from gspcli.wording import counted
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+Array = NDArray[np.float64]
+
+Verdict = Literal["proved", "impossible", "not found"]
+#: Columns of a pose.
+POSE = ("x", "y", "z", "qw", "qx", "qy", "qz")
+_EMPTY = np.zeros((0, 6))
+
+
+@dataclass(frozen=True)
+class PathPart:
+    """A straight part of a path.
+
+    Attributes
+    ----------
+    first, last
+        Its rows, from 0.
+    pieces
+        How many pieces its proof has.
+    length
+        The way of the platform's points, as a root mean square, in the unit of length.
+    condition
+        The largest condition number at its rows.
+    clearance
+        A proved lower bound of the clearance of all its poses, between the rows, too; in the units
+        of `gsp clearance`. 0 if nothing is proved.
+    """
+
+    first: int
+    last: int
+    pieces: int
+    length: float
+    condition: float
+    clearance: float
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the part as plain data; rows are counted from 1."""
+        return {
+            "rows": [self.first + 1, self.last + 1],
+            "pieces": self.pieces,
+            "length": self.length,
+            "condition": self.condition if np.isfinite(self.condition) else None,
+            "clearance": self.clearance,
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class PlannedPath:
+    """The answer of `gspcli.path`.
+
+    Attributes
+    ----------
+    instance
+        The platform.
+    start, goal
+        The ends in words, such as ``mode 3`` or ``the pose``.
+    verdict
+        ``proved``: the path is proved to be regular and to keep ranges and cones on the whole way.
+        ``impossible``: it is proved that there is no such path. ``not found``: neither, in the time
+        that was given.
+    reason
+        Why there is no path; empty if there is one.
+    along
+        Whether the values or position and angles change linearly between the rows.
+    t
+        A number for each row: its part of the path, counted from 0, with the fraction; seconds if
+        a speed was asked for. Shape (r,).
+    values
+        The values at the rows, without offsets, shape (r, 6).
+    R, T
+        The poses, shapes (r, 3, 3) and (r, 3).
+    conditions, clearances
+        At the rows: condition numbers, and proved clearances, shapes (r,).
+    parts
+        The straight parts.
+    """
+
+    instance: Instance
+    start: str
+    goal: str
+    verdict: Verdict
+    reason: str = ""
+    along: str = ""
+    t: Array = field(default_factory=lambda: np.zeros(0))
+    values: Array = field(default_factory=lambda: _EMPTY)
+    R: Array = field(default_factory=lambda: np.zeros((0, 3, 3)))
+    T: Array = field(default_factory=lambda: np.zeros((0, 3)))
+    conditions: Array = field(default_factory=lambda: np.zeros(0))
+    clearances: Array = field(default_factory=lambda: np.zeros(0))
+    parts: tuple[PathPart, ...] = ()
+
+    def __repr__(self) -> str:
+        kinds = self.instance.name or self.instance.type.id
+        found: str = self.verdict
+        if self.parts:
+            found += f", {counted(len(self.parts), 'straight part')}"
+        return f"<PlannedPath of {kinds} from {self.start} to {self.goal}: {found}>"
+
+    @property
+    def length(self) -> float:
+        """The way of the platform's points, as a root mean square, in the unit of length."""
+        return sum(part.length for part in self.parts)
+
+    @cached_property
+    def straight_length(self) -> float:
+        """How far the ends are from each other, by the same measure."""
+        from gspcli.motion.paths.way_costs import steps
+
+        if not len(self.T):
+            return 0.0
+        ends = [0, -1]
+        return float(steps(self.instance, self.R[ends], self.T[ends])[0])
+
+    def rows(self, frame: PoseFrame = IDENTITY) -> list[dict[str, Any]]:
+        """Return the rows as plain data: t, readings, pose, condition, clearance.
+
+        Parameters
+        ----------
+        frame
+            The frame in which poses are expressed.
+        """
+        if not len(self.t):
+            return []
+        R, T = frame.from_platform(self.R, self.T)
+        keys = ("t", *"123456", *POSE, "condition", "clearance")
+        numbers = np.column_stack(
+            (
+                self.t,
+                readings_of(self.instance, self.values),
+                T,
+                _continuous(R),
+                printed_conditions(self.conditions),
+                self.clearances,
+            )
+        )
+        return [dict(zip(keys, row, strict=True)) for row in numbers.tolist()]
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return a row for each row of the path (pandas is imported now)."""
+        import pandas as pd
+
+        return pd.DataFrame(self.rows())
+
+    def to_json(self, frame: PoseFrame = IDENTITY) -> dict[str, Any]:
+        """Return everything as plain data of schema ``gsp.path/1``.
+
+        Parameters
+        ----------
+        frame
+            The frame in which poses are expressed.
+        """
+        return {
+            "schema": "gsp.path/1",
+            **self.instance.to_json(),
+            **({} if frame.is_identity else {"frames": frame.to_json()}),
+            "from": self.start,
+            "to": self.goal,
+            "verdict": self.verdict,
+            "reason": self.reason or None,
+            "along": self.along or None,
+            "length": self.length,
+            "straight_length": self.straight_length,
+            "parts": [part.to_json() for part in self.parts],
+            "rows": self.rows(frame),
+        }
+
+
+def _continuous(R: Array) -> Array:
+    """Return unit quaternions of rotations, continuous along a path, shape (r, 4)."""
+    found = quaternion_from_rotation(R)
+    signs = np.where(np.einsum("ri,ri->r", found[1:], found[:-1]) < 0, -1.0, 1.0)
+    found[1:] *= signs.cumprod()[:, None]
+    return np.asarray(found)

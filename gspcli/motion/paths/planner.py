@@ -1,0 +1,237 @@
+"""From one pose to another: a proved path, a proof that there is none, or neither.
+
+In the order of what it costs: the limits at the ends, the signs that a regular path cannot change
+(`classes`), the straight way of values, the straight way in position and angles, the proof that the
+mode fills its ranges (`sheets`), a map (`value_map`, `pose_map`), a smoother path, and one last
+proof of the rows that are returned.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from functools import cached_property
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from gspcli.defaults import PATH_SECONDS, SEED
+from gspcli.errors import ArgumentError
+from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.coordinates import refuse_cranks
+from gspcli.geometry.instance import Instance
+from gspcli.geometry.limits import has_limits
+from gspcli.geometry.readings import without_corrections
+from gspcli.motion.paths.classes import Classes
+from gspcli.motion.paths.ends import PathEnd
+from gspcli.motion.paths.finished_paths import finished
+from gspcli.motion.paths.guides import PROVED_ROWS, Guide, PoseGuide, ValueGuide
+from gspcli.motion.paths.planned_paths import PlannedPath
+from gspcli.motion.paths.pose_map import PoseMap
+from gspcli.motion.paths.pose_ways import PoseWays
+from gspcli.motion.paths.sheets import Sheet, whole_sheet
+from gspcli.motion.paths.smoothing import smoothed
+from gspcli.motion.paths.value_map import ValueMap
+from gspcli.motion.paths.value_ways import ValueWays
+from gspcli.motion.workspace.travels import violations
+
+Array = NDArray[np.float64]
+
+#: Why machines with cranks or slides are refused.
+CRANKS = "paths of machines that are driven so are not planned yet, only of those whose values move"
+
+
+class Planner:
+    """Plans paths of one platform.
+
+    Parameters
+    ----------
+    instance
+        The platform with its limits.
+    along
+        ``values``, ``poses``, or None for both.
+    clear
+        The clearance that every pose must have, in the units of `gsp clearance`.
+    seconds
+        After this time nothing more is tried.
+    seed
+        Of everything random.
+    pivot, sequence
+        The point of the platform and the order of angles of straight ways of poses.
+    """
+
+    def __init__(
+        self,
+        instance: Instance,
+        *,
+        along: str | None = None,
+        clear: float = 0.0,
+        seconds: float = PATH_SECONDS,
+        seed: int = SEED,
+        pivot: ArrayLike | None = None,
+        sequence: str = "ZYX",
+    ) -> None:
+        refuse_cranks(instance, CRANKS)
+        if along not in (None, "values", "poses"):
+            message = f"found {along!r}, expected values or poses"
+            raise ArgumentError(message, "along")
+        if not (clear >= 0 and np.isfinite(clear)):
+            message = f"found {clear}, expected a number that is not negative"
+            raise ArgumentError(message, "clear")
+        self.given = instance
+        self.instance = without_corrections(instance)
+        self.along, self.clear, self.seed = along, clear, seed
+        self.seconds = seconds
+        self._axes = {"pivot": pivot, "sequence": sequence}
+
+    @cached_property
+    def ways(self) -> PoseWays:
+        """Straight ways in position and angles that keep the limits."""
+        return PoseWays(self.instance, limits=True, **self._axes)  # type: ignore[arg-type]
+
+    @cached_property
+    def classes(self) -> Classes:
+        """The signs that regular paths keep."""
+        return Classes(self.instance, PoseWays(self.instance, limits=False))
+
+    def values(self, end: PathEnd) -> ValueWays:
+        """Return straight ways of values on the sides of a pose."""
+        return ValueWays(self.instance, np.sign(end.values))
+
+    def path(self, start: PathEnd, goal: PathEnd) -> PlannedPath:
+        """Plan a path from one pose to another."""
+        reason = self._impossible(start, goal)
+        if reason:
+            return PlannedPath(self.given, start.name, goal.name, "impossible", reason)
+        deadline = time.monotonic() + self.seconds
+        ways = self.values(start)
+        guide, corners = next(self._straight(ways, start, goal), (None, None))
+        if guide is None and (self._is_sheet(ways, start) or self._is_sheet(ways, goal)):
+            reason = "the mode fills its box of ranges, and the other pose is not on it"
+            return PlannedPath(self.given, start.name, goal.name, "impossible", reason)
+        if guide is None:
+            guide, corners = self._on_map(ways, start, goal, lambda: time.monotonic() < deadline)
+        if guide is None or corners is None:
+            reason = "no path was found in the time given, and none is proved to be impossible"
+            return PlannedPath(self.given, start.name, goal.name, "not found", reason)
+        if len(corners) > 2:
+            corners = smoothed(self.instance, guide, corners, self.seed)
+        return finished(self.given, guide, corners, start, goal)
+
+    def _impossible(self, start: PathEnd, goal: PathEnd) -> str:
+        """Return why there can be no path, or nothing."""
+        for end in (start, goal):
+            wrong = violations(self.instance, end.R, end.T)
+            if wrong:
+                return f"{end.name} is outside the limits: {wrong[0]}"
+        first, last = (self.classes.of(end.R, end.T) for end in (start, goal))
+        place = first.differs(last)
+        if place is not None:
+            return f"the sign of {self.classes.name(place)} differs, and a regular path keeps it"
+        return ""
+
+    def _straight(
+        self, ways: ValueWays, start: PathEnd, goal: PathEnd
+    ) -> Iterator[tuple[Guide, Array]]:
+        """Yield straight paths that are proved."""
+        rows = np.array([PROVED_ROWS])
+        if self.along != "poses" and not self._same_values(start, goal):
+            guide: Guide = self._value_guide(ways, start, goal)
+            corners = np.stack((start.values, goal.values))
+            if guide.trace(corners, rows) is not None:
+                yield guide, corners
+        if self.along != "values":
+            guide = self.pose_guide()
+            begin, end = self._parameters(start, goal)
+            if guide.trace(np.stack((begin, end)), rows) is not None:
+                yield guide, np.stack((begin, end))
+
+    def _same_values(self, start: PathEnd, goal: PathEnd) -> bool:
+        """Whether a straight way of values would stay where it is, and the goal is elsewhere."""
+        still = np.array_equal(start.values, goal.values)
+        return still and not (np.array_equal(start.R, goal.R) and np.array_equal(start.T, goal.T))
+
+    def _value_guide(self, ways: ValueWays, start: PathEnd, goal: PathEnd) -> ValueGuide:
+        first, last = (ways.points(end.R[None], end.T[None])[0] for end in (start, goal))
+        return ValueGuide(ways, first, last, self.clear)
+
+    def pose_guide(self) -> PoseGuide:
+        """Return what proves polygons of poses."""
+        return PoseGuide(self.ways, Arrangement.of(self.instance).length, self.clear)
+
+    def _parameters(self, start: PathEnd, goal: PathEnd) -> tuple[Array, Array]:
+        begin, end = (self.ways.parameters(one.R, one.T) for one in (start, goal))
+        return begin, self.ways.nearest(begin, end)
+
+    def _is_sheet(self, ways: ValueWays, end: PathEnd) -> bool:
+        """Whether a mode is proved to fill its box of ranges."""
+        if not ways.ranged or self.clear:
+            return False
+        point = ways.points(end.R[None], end.T[None])[0]
+        return whole_sheet(ways, end.values, point) is Sheet.WHOLE
+
+    def _on_map(
+        self, ways: ValueWays, start: PathEnd, goal: PathEnd, more: Callable[[], bool]
+    ) -> tuple[Guide | None, Array | None]:
+        """Return a path on a map of values or poses, if one is found while there is time."""
+        along = self.along or ("values" if ways.ranged else "poses")
+        if along == "values":
+            return self._on_values(ways, start, goal, more)
+        return self._on_poses(start, goal, more)
+
+    def _on_values(
+        self, ways: ValueWays, start: PathEnd, goal: PathEnd, more: Callable[[], bool]
+    ) -> tuple[Guide | None, Array | None]:
+        guide = self._value_guide(ways, start, goal)
+        values, R, T = (
+            np.stack([getattr(end, n) for end in (start, goal)]) for n in ("values", "R", "T")
+        )
+        found = ValueMap(ways, self.instance, values, R, T, seed=self.seed)
+        while True:
+            corners = found.way(0, 1)
+            if corners is None:
+                if not more():
+                    return None, None
+                found.grow()
+                continue
+            if guide.trace(corners, np.full(len(corners) - 1, PROVED_ROWS)) is not None:
+                guide.widen(corners)
+                return guide, corners
+            self._refuse(found, guide)
+
+    def _refuse(self, found: ValueMap, guide: ValueGuide) -> None:
+        """Take the first edge of a way away that does not keep cones or clearance."""
+        nodes = found.nodes(0, 1)
+        assert nodes is not None
+        for a, b in pairwise(nodes):
+            one = ValueGuide(guide.ways, found.points[a], found.points[b], self.clear)
+            corners = np.stack((found.values[a], found.values[b]))
+            if one.trace(corners, np.array([PROVED_ROWS])) is None:
+                found.refuse(a, b)
+                return
+        # Each part is proved alone, and all of them together are not: rounding at a corner.
+        found.refuse(nodes[0], nodes[1])
+
+    def _on_poses(
+        self, start: PathEnd, goal: PathEnd, more: Callable[[], bool]
+    ) -> tuple[Guide | None, Array | None]:
+        guide = self.pose_guide()
+        R, T = np.stack((start.R, goal.R)), np.stack((start.T, goal.T))
+        kept = guide.kept if has_limits(self.instance) else None
+        classes = [self.classes.of(end.R, end.T) for end in (start, goal)]
+        found = PoseMap(self.ways, R, T, classes, self.classes.of, seed=self.seed, kept=kept)
+        found.join_given()
+        while True:
+            corners = found.way(0, 1)
+            if corners is None:
+                if not more():
+                    return None, None
+                found.grow()
+                continue
+            way = np.array(corners)
+            if guide.trace(way, np.full(len(way) - 1, PROVED_ROWS)) is not None:
+                return guide, way
+            found.refuse_on_way(
+                0, 1, lambda one: guide.trace(one, np.array([PROVED_ROWS])) is not None
+            )

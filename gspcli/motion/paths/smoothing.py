@@ -1,0 +1,102 @@
+"""Shorter paths that keep away from singular poses: short cuts and moves of corners, each proved.
+
+The cost of a path is the integral of its condition number by its length, in lengths of the
+platform. The length is that of the way of the platform's points, as a root mean square. A change is
+kept if the new path is proved and costs less. The number of tries is fixed, so that the result does
+not depend on how quick the machine is; a change must be worth a thousandth, so that it does not
+depend on last digits either.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gspcli.geometry.instance import Instance
+from gspcli.motion.paths.guides import PROVED_ROWS, Guide
+from gspcli.motion.paths.way_costs import cost
+
+Array = NDArray[np.float64]
+
+#: Random tries.
+_TRIES = 400
+#: How far corners are moved, by their ranges, and what a change must be worth.
+_MOVES, _WORTH = (0.02, 0.08, 0.25), 1e-3
+
+
+def smoothed(instance: Instance, guide: Guide, corners: Array, seed: int) -> Array:
+    """Return the corners of a path that costs less, shape (k, 6).
+
+    Parameters
+    ----------
+    instance
+        The platform.
+    guide
+        Proves paths.
+    corners
+        Those of a proved path.
+    seed
+        Of the tries.
+    """
+    draw = np.random.default_rng(seed)
+
+    def value(tried: Array, below: float) -> float:
+        """Return the cost of a path if it is proved and costs less, else infinity."""
+        rows = np.full(len(tried) - 1, PROVED_ROWS)
+        poses = guide.unproved(tried, rows)
+        if poses is not None and not cost(instance, *poses) < below:
+            return np.inf
+        trace = guide.trace(tried, rows)
+        found = np.inf if trace is None else cost(instance, trace.R, trace.T)
+        return found if found < below else np.inf
+
+    best = value(corners, np.inf)
+    corners, best = _short_cuts(corners, best, value)
+    for _ in range(_TRIES):
+        tried = _changed(guide, corners, draw)
+        if tried is not None:
+            new = value(tried, best * (1 - _WORTH))
+            if new < np.inf:
+                corners, best = tried, new
+    return corners
+
+
+def _short_cuts(
+    corners: Array, best: float, value: Callable[[Array, float], float]
+) -> tuple[Array, float]:
+    """Leave out corners, the longest short cuts first, where that costs less."""
+    begin = 0
+    while begin + 2 < len(corners):
+        for end in range(len(corners) - 1, begin + 1, -1):
+            tried = np.concatenate((corners[: begin + 1], corners[end:]))
+            new = value(tried, best * (1 - _WORTH))
+            if new < np.inf:
+                corners, best = tried, new
+                break
+        begin += 1
+    return corners, best
+
+
+def _changed(guide: Guide, corners: Array, draw: np.random.Generator) -> Array | None:
+    """Return a random change of a path, or None if there is none of the sort drawn."""
+    count, sort = len(corners), draw.random()
+    noise = draw.normal(size=6) * guide.sizes
+    width = float(draw.choice(_MOVES))
+    if sort < 0.35:
+        if count < 3:
+            return None
+        first = int(draw.integers(0, count - 2))
+        last = int(draw.integers(first + 2, count))
+        return np.concatenate((corners[: first + 1], corners[last:]))
+    if sort < 0.8:
+        if count < 3:
+            return None
+        k = int(draw.integers(1, count - 1))
+        tried = corners.copy()
+        tried[k] = guide.placed(tried[k] + noise * width)
+        return tried
+    k = int(draw.integers(0, count - 1))
+    middle = (corners[k] + corners[k + 1]) / 2
+    return np.insert(corners, k + 1, guide.placed(middle + noise * 0.1), axis=0)

@@ -1,0 +1,160 @@
+"""Straight ways of values, followed with proof, within ranges and cones.
+
+On a straight way all values change linearly, as drives move them. Ranges are intervals, so the
+whole way keeps those that both its ends keep. A mode is followed along it by
+`MovingPlatform.follow`, which proves that it exists, is regular and is the only one near. A
+distance of two lines must not be zero on the way: there the value turns, and the mode could
+continue as one of two.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gspcli.catalogue.kinds import DHP, DLL, DPH
+from gspcli.certification.equations.local_frames import LocalFrames
+from gspcli.geometry.instance import Instance, Side
+from gspcli.geometry.limits import joint_cones
+from gspcli.motion.following.branch_follower import (
+    FollowOptions,
+    MovingPlatform,
+    Stop,
+    StudyUnits,
+    apart,
+)
+from gspcli.motion.following.branch_runs import SAME
+from gspcli.motion.following.cone_limits import ConeProofs
+from gspcli.motion.poses.inverse_kinematics import values_at
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+#: A mode that needs more halvings of a way is as good as singular.
+_HALVINGS = 14
+
+
+class Arrived(NamedTuple):
+    """What became of modes that were followed along ways with r rows each."""
+
+    there: NDArray[np.bool_]
+    """Which are proved on the whole way, shape (n,)."""
+    points: Array
+    """Their Study points of norm one at the rows, shape (n, r, 8); NaN after the end of a mode."""
+    parts: Index
+    """How many parts were proved, shape (n,)."""
+
+
+class ValueWays:
+    """Straight ways of the values of one platform.
+
+    Parameters
+    ----------
+    instance
+        The platform with its limits, without offsets of readings; its values are not used.
+    signs
+        The signs of the values, shape (6,), for constraints whose side is open.
+    """
+
+    def __init__(self, instance: Instance, signs: Array) -> None:
+        self.instance = instance
+        self.platform = MovingPlatform(apart(instance))
+        #: The range of each value, infinite if there is none, shape (6,).
+        self.low, self.high = _ranges(instance, signs)
+        self.cones = joint_cones(instance)
+        self._lines = np.array([row.kind is DLL for row in instance.constraints])
+
+    @property
+    def ranged(self) -> bool:
+        """Whether each value has a range."""
+        return bool(np.isfinite(self.low).all() and np.isfinite(self.high).all())
+
+    def points(self, R: Array, T: Array) -> Array:
+        """Return Study points of norm one of poses, ``(n, 3, 3), (n, 3) -> (n, 8)``."""
+        return self.platform.points(R, T)
+
+    def poses(self, points: Array) -> tuple[Array, Array]:
+        """Return the poses (R, T) of Study points."""
+        return self.platform.poses(points)
+
+    def values(self, R: Array, T: Array) -> Array:
+        """Return the values at poses, distances to planes signed, shape (n, 6)."""
+        return values_at(self.instance, R, T)
+
+    def kept(self, values: Array) -> NDArray[np.bool_]:
+        """Return which sets of values are in the ranges, ``(..., 6) -> (...)``."""
+        room = 1e-12 * np.maximum(np.abs(self.low), np.abs(self.high))
+        room = np.where(np.isfinite(room), room, 0.0)
+        inside = (values >= self.low - room) & (values <= self.high + room)
+        return np.asarray(inside.all(axis=-1) & (values[..., self._lines] > 0).all(axis=-1))
+
+    def follow(self, values: Array, which: Index, points: Array) -> Arrived:
+        """Follow modes along ways; all rows must be in the ranges.
+
+        Parameters
+        ----------
+        values
+            The rows of the ways, shape (w, r, 6).
+        which
+            The way of each mode, shape (n,).
+        points
+            Study points of the modes at the first rows, shape (n, 8).
+        """
+        if not len(points):
+            nothing = np.zeros((0, values.shape[1], 8))
+            return Arrived(np.zeros(0, bool), nothing, np.zeros(0, np.int64))
+        found = self.platform.follow(
+            self.platform.internal(values), which, points, FollowOptions(most_halvings=_HALVINGS)
+        )
+        kept = np.asarray(self.kept(values)).all(axis=1)
+        there = np.asarray(found.stop == Stop.END) & np.asarray(kept)[which]
+        return Arrived(there, found.points, found.segments)
+
+    def cones_kept(self, values: Array, points: Array) -> bool:
+        """Whether it is proved that a mode keeps all cones along a way of r rows.
+
+        Parameters
+        ----------
+        values, points
+            The rows, shape (r, 6), and the Study points of the mode there, shape (r, 8).
+        """
+        if not self.cones:
+            return True
+        proofs = ConeProofs(self.platform.instance, (), values)
+        # The proofs have frames of their own.
+        R, T = self.poses(points[None])
+        own = StudyUnits(proofs.system.scale, LocalFrames.none()).points(R, T)
+        end = 0.0
+        for stretch in proofs.stretches(own)[0]:
+            if stretch.begin > end or min(stretch.states) < 1:
+                return False
+            end = stretch.end
+        return end >= len(values) - 1
+
+    @staticmethod
+    def same(a: Array, b: Array) -> NDArray[np.bool_]:
+        """Return whether Study points are the same pose; each pose has two, ``(..., 8)``."""
+        away = np.minimum(
+            np.linalg.norm(a - b, axis=-1),
+            np.linalg.norm(a + b, axis=-1),
+        )
+        return np.asarray(away < SAME)
+
+
+def _ranges(instance: Instance, signs: Array) -> tuple[Array, Array]:
+    """Return the ends of the ranges of values; those of an open side by the signs."""
+    low, high = np.full(6, -np.inf), np.full(6, np.inf)
+    for k, row in enumerate(instance.constraints):
+        if row.limits is None:
+            continue
+        least, most = (limit.value for limit in row.limits)
+        if row.kind in (DPH, DHP) and row.side is Side.BOTH and least == 0.0:
+            least = -most
+        elif row.kind in (DPH, DHP) and (
+            row.side is Side.NEGATIVE or (row.side is Side.BOTH and signs[k] < 0)
+        ):
+            least, most = -most, -least
+        low[k], high[k] = least, most
+    return low, high
