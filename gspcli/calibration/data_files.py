@@ -69,7 +69,7 @@ def read_measurements(
     SpecError
         With all mistakes, each with line and column.
     """
-    table = NumberTable(text, name, form.units.of(instance), form.ignore)
+    table = NumberTable(text, name, form.units.of(instance), form.ignore, form.columns)
     targets = targets or {}
     form = form.of(table)
     # Cells cannot be told apart in rows that have too few.

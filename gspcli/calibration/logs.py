@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.motion.files.column_units import FileUnits
-from gspcli.motion.files.headings import ROLL_PITCH_YAW, SEQUENCE
+from gspcli.motion.files.headings import ORDERS, ROLL_PITCH_YAW
 from gspcli.motion.files.number_tables import NumberTable
 from gspcli.motion.files.pose_files import (
     ANGLES,
@@ -79,7 +79,9 @@ class Log:
         return np.asarray(np.isfinite(numbers).all(axis=1))
 
 
-def read_log(text: str, name: str, ignore: tuple[str, ...] = ()) -> Log:
+def read_log(
+    text: str, name: str, ignore: tuple[str, ...] = (), columns: tuple[str, ...] = ()
+) -> Log:
     """Read a log: CSV with the columns 1 to 6, x y z and a rotation; cells may be blank.
 
     Parameters
@@ -88,13 +90,15 @@ def read_log(text: str, name: str, ignore: tuple[str, ...] = ()) -> Log:
         The content, and how messages name it.
     ignore
         Columns that are left out.
+    columns
+        The names of the columns of a log without a heading.
 
     Raises
     ------
     SpecError
         With all mistakes, each with line and column.
     """
-    table = NumberTable(text, name, _AS_WRITTEN, ignore)
+    table = NumberTable(text, name, _AS_WRITTEN, ignore, columns)
     table.check()
     legs = table.choose(LEGS)
     places = table.choose(POSITION)
@@ -124,7 +128,7 @@ def read_log(text: str, name: str, ignore: tuple[str, ...] = ()) -> Log:
         units[0],
         units[1],
         bool(units[2]),
-        SEQUENCE if set(ROLL_PITCH_YAW) <= names else None,
+        ORDERS[0].sequence if set(ROLL_PITCH_YAW) <= names else None,
         tuple(lines),
     )
 

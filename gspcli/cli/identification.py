@@ -52,7 +52,7 @@ def identified(
     from gspcli.calibration.identifying import identify_log
     from gspcli.calibration.logs import read_log
 
-    log = read_log(*text_of(path), form.ignore)
+    log = read_log(*text_of(path), form.ignore, form.columns)
     with working("finding the machine"):
         found = identify_log(log, form.euler, np.array(form.pivot), noise, options)
     result, said = found.calibration, found.sentences

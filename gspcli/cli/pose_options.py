@@ -70,14 +70,16 @@ class PoseConventions:
         GspError
             If an option is wrong, or no home is stated and that is zero.
         """
-        from gspcli.geometry.euler import check_sequence
         from gspcli.motion import PoseFormat
         from gspcli.motion.files.pose_files import pivot_from_text
 
+        columns = columns or ColumnOptions()
         form = PoseFormat(
-            None if self.euler is None else check_sequence(self.euler),
+            self._order(),
             (0.0, 0.0, 0.0) if self.pivot is None else pivot_from_text(self.pivot),
-            ignore=() if columns is None else columns.ignore,
+            ignore=columns.ignore,
+            columns=columns.names,
+            note=say,
         )
         if instance is None:
             if self.relative_to is not None:
@@ -91,6 +93,17 @@ class PoseConventions:
             length=units.length,
             frame=self._frame(instance),
         )
+
+    def _order(self) -> str | None:
+        """Return the order of axes, and say which one a maker has."""
+        from gspcli.geometry.euler import named_order
+
+        if self.euler is None:
+            return None
+        order = named_order(self.euler)
+        if order != self.euler:
+            say(f"--euler {self.euler}: the order {order}, about the axes of the platform")
+        return order
 
     def _frame(self, instance: Instance) -> PoseFrame:
         from gspcli.geometry.frames import PoseFrame
@@ -117,7 +130,7 @@ def pose_options(function: Function) -> Function:
         "--euler",
         metavar="AXES",
         help="Order of the axes of rx, ry, rz: capitals turn with the platform (ZYX), small "
-        "letters about the axes of the base (xyz).",
+        "letters about the axes of the base (xyz); or PI, LinuxCNC.",
     )
     @click.option(
         "--pivot",
@@ -148,18 +161,22 @@ class ColumnOptions:
     ----------
     ignore
         Those that are left out.
+    names
+        Their names where the file has no heading.
     """
 
     ignore: tuple[str, ...] = ()
+    names: tuple[str, ...] = ()
 
     @property
     def options(self) -> list[str]:
         """The options that are given."""
-        return ["--ignore"] if self.ignore else []
+        given = (("--ignore", self.ignore), ("--columns", self.names))
+        return [name for name, value in given if value]
 
 
 def column_options(function: Function) -> Function:
-    """Add ``--ignore``; the command gets ``columns: ColumnOptions``."""
+    """Add ``--ignore`` and ``--columns``; the command gets ``columns: ColumnOptions``."""
 
     def names(_: click.Context, __: click.Parameter, texts: tuple[str, ...]) -> tuple[str, ...]:
         return tuple(name.strip() for text in texts for name in text.split(","))
@@ -172,9 +189,17 @@ def column_options(function: Function) -> Function:
         help="Leave out a column of the file, by its heading (* stands for any text); may be "
         "repeated, or several between commas.",
     )
+    @click.option(
+        "--columns",
+        "text",
+        metavar="NAMES",
+        help="The names of the columns of a file without a heading, between commas; - leaves a "
+        "column out.",
+    )
     @functools.wraps(function)
-    def command(*, ignore: tuple[str, ...], **others: Any) -> Any:
-        return function(columns=ColumnOptions(ignore), **others)
+    def command(*, ignore: tuple[str, ...], text: str | None, **others: Any) -> Any:
+        listed = () if text is None else tuple(name.strip() for name in text.split(","))
+        return function(columns=ColumnOptions(ignore, listed), **others)
 
     return command  # type: ignore[return-value]
 

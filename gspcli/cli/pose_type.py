@@ -66,7 +66,7 @@ class GivenPose:
 
         if self.text.startswith(_FILE):
             # Of one pose nothing can be dropped unseen: all its numbers are needed.
-            table = read_poses(*text_of(self.text[1:]), replace(form, ignore=("*",)))
+            table = read_poses(*text_of(self.text[1:]), replace(form, ignore=("*",), columns=()))
         else:
             table = read_pose(self.text, form, self.option)
         if len(table.R) != 1:

@@ -93,7 +93,7 @@ def read_rows(text: str, name: str, instance: Instance, form: PoseFormat) -> Pos
     if text.lstrip()[:1] in ("{", "["):
         found = read_poses(text, name, form)
         return PoseRows(None, found.R, found.T, None)
-    table = NumberTable(text, name, form.units.of(instance), form.ignore)
+    table = NumberTable(text, name, form.units.of(instance), form.ignore, form.columns)
     if names_poses(table):
         return _pose_rows(table, instance, form)
     values = read_values(text, name, instance, form)
@@ -188,7 +188,7 @@ def read_forces(
     SpecError
         With all mistakes, each with line and column.
     """
-    table = NumberTable(text, name, ignore=form.ignore)
+    table = NumberTable(text, name, ignore=form.ignore, columns=form.columns)
     needed, said = _FORCES, "t and F1 ... F6"
     if is_driven(instance):
         drives = [f"torque.{drive}" for drive in MachineDrives.of(instance).names]

@@ -18,6 +18,32 @@ _AXES = "xyz"
 _LOCKED = 1e-9
 
 
+#: The orders of makers that a public source states (`docs/orders.md`), by lower-case names.
+MAKERS = {"pi": "XYZ", "linuxcnc": "ZYX"}
+#: Those that were looked for and not found in one.
+NOT_FOUND = ("symetrie", "symétrie", "simhub")
+
+
+def named_order(text: str) -> str:
+    """Return the order of axes that a text names: a maker, or the axes themselves.
+
+    Raises
+    ------
+    GspError
+        If it names none.
+    """
+    name = text.strip().lower()
+    if name in MAKERS:
+        return MAKERS[name]
+    if name in NOT_FOUND:
+        message = (
+            f"the order of {shown(text)} was found in no public source: look in the manual of the "
+            "controller, and give the axes, such as ZYX"
+        )
+        raise GspError(message)
+    return check_sequence(text)
+
+
 def check_sequence(sequence: str) -> str:
     """Return a sequence of axes unchanged if it names three different axes in one case.
 

@@ -48,7 +48,7 @@ def read_tracks(text: str, name: str, form: PoseFormat) -> list[Poses]:
     SpecError
         With all mistakes, each with line and column.
     """
-    table = NumberTable(text, name, form.units, form.ignore)
+    table = NumberTable(text, name, form.units, form.ignore, form.columns)
     table.leave_out_empty(COLUMNS)
     if not len(table) and not table.problems:
         table.note_heading("found no row with a pose")

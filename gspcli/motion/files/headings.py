@@ -7,7 +7,9 @@ that differs between programs is not guessed: the message says what to write.
 from __future__ import annotations
 
 import re
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
+from dataclasses import replace
+from typing import NamedTuple
 
 from gspcli.records import dataclass
 from gspcli.wording import listed
@@ -25,10 +27,34 @@ _POSITION, _ANGLE, _QUATERNION = (
     )
 )
 _TIMES = ("time", "timestamp")
-#: Turns about x, y, z. Their default order is xyz about the axes of the base, which is ZYX about
-#: those of the platform.
 ROLL_PITCH_YAW = {"roll": "rx", "pitch": "ry", "yaw": "rz"}
-SEQUENCE = "ZYX"
+
+
+class Order(NamedTuple):
+    """Headings of turns about x, y and z, and the order that is taken if none is given."""
+
+    names: tuple[str, str, str]
+    sequence: str
+    """As `gspcli.geometry.euler` has it."""
+    source: str
+    """Who has it so, for messages."""
+
+    @property
+    def words(self) -> str:
+        """What is said of a file that has such headings."""
+        heads = " ".join(self.names if len(self.names[0]) > 1 else map(str.upper, self.names))
+        return (
+            f"{heads}: turns about x, y, z in the order {self.sequence}{self.source} "
+            "(--euler gives another)"
+        )
+
+
+#: Roll, pitch and yaw are xyz about the axes of the base, which is ZYX about those of the platform.
+ORDERS = (
+    Order(("roll", "pitch", "yaw"), "ZYX", ""),
+    Order(("u", "v", "w"), "XYZ", ", as controllers of PI have it"),
+    Order(("a", "b", "c"), "ZYX", ", as LinuxCNC has it"),
+)
 #: Words of other programs in full, from which suggestions for misspelt ones are taken.
 WORDS = (
     *_TIMES,
@@ -39,8 +65,7 @@ WORDS = (
 )
 #: Headings of other programs with more than one meaning, and what to write instead.
 _AMBIGUOUS = (
-    (("a", "b", "c"), "A B C are turns in another order in each program: write rx ry rz"),
-    (("u", "v", "w"), "U V W are turns in one program and axes in another: write rx ry rz"),
+    (("a", "b", "c", "u", "v", "w"), "A B C and U V W may both be turns: leave out one of them"),
     (("alpha", "beta", "gamma"), "alpha beta gamma do not say about which axes: write rx ry rz"),
     (("phi", "theta", "psi"), "phi theta psi do not say about which axes: write rx ry rz"),
     (("q0", "q1", "q2", "q3"), "q0 ... q3 do not say which is the scalar: write qw qx qy qz"),
@@ -86,6 +111,23 @@ class Heading:
         if plain in _TIMES:
             return cls("t", word, unit)
         return cls(ROLL_PITCH_YAW.get(plain, word.lower()), word, unit)
+
+
+def headings(texts: Sequence[str]) -> list[Heading]:
+    """Return what the cells of a heading mean; A B C or U V W beside X Y Z are turns."""
+    found = [Heading.of(text) for text in texts]
+    names = {one.name for one in found}
+    groups = [order.names for order in ORDERS[1:] if {*order.names} <= names]
+    if len(groups) != 1 or not {"x", "y", "z"} <= names or {"rx", "ry", "rz"} & names:
+        return found
+    turns = dict(zip(groups[0], ("rx", "ry", "rz"), strict=True))
+    return [replace(one, name=turns.get(one.name, one.name)) for one in found]
+
+
+def order_of(words: Collection[str]) -> Order | None:
+    """Return the order that the headings of a file say, without units; None if they say none."""
+    names = {word.lower().strip() for word in words}
+    return next((order for order in ORDERS if {*order.names} <= names), None)
 
 
 def hints(names: Collection[str]) -> str:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from gspcli.errors import Location, Problem, SpecError
 from gspcli.motion.files.column_units import FileUnits
-from gspcli.motion.files.headings import Heading, hints
+from gspcli.motion.files.headings import headings, hints
 from gspcli.motion.files.known_columns import BESIDE, left_out, unknown
 from gspcli.records import dataclass
 from gspcli.wording import listed, shown, suggestion
@@ -24,6 +24,9 @@ _CELL = r'[ ]*(?:"((?:[^"]|"")*)"|([^{d}]*?))[ ]*(?:[{d}]|$)'
 #: Decimals with a point or a comma, the line that names the delimiter, units that are kept.
 _POINT = re.compile(r"\d\.\d")
 _COMMA = re.compile(r"(?<![\w.,])([+-]?\d*),(\d+)(?![\d.,])")
+#: What names of columns say that they leave one out, and the message if there are no names.
+_NAMELESS = ("", "-")
+NO_HEADING = "the first line has numbers: give names with --columns x,y,z,..."
 _SEPARATOR = re.compile(r"sep=.")
 _ANY_UNITS = FileUnits()
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
@@ -56,6 +59,9 @@ class NumberTable:
         The units to which numbers are converted.
     ignore
         Columns that are left out (`gspcli.motion.files.known_columns`).
+    columns
+        The names of the columns, instead of the heading, if there is one; ``-`` and empty names
+        leave a column out.
     """
 
     def __init__(
@@ -64,6 +70,7 @@ class NumberTable:
         name: str,
         units: FileUnits = _ANY_UNITS,
         ignore: Collection[str] = (),
+        columns: Sequence[str] = (),
     ) -> None:
         self.name = name
         self.problems: list[Problem] = []
@@ -79,21 +86,17 @@ class NumberTable:
         if _SEPARATOR.fullmatch(lines[0][1]) and len(lines) > 1:
             # Spreadsheets write the delimiter in a first line of its own.
             del lines[0]
-        heading = lines[0][1]
-        self._delimiter = next((mark for mark in ",;\t" if mark in heading), "")
-        cells = self._cells(heading)
-        self._heading_line = lines[0][0]
-        if _are_numbers([cell.text for cell in cells if cell.text]):
-            message = f"found {shown(heading)}, expected a heading before the rows: t,1,2,3,4,5,6"
-            raise SpecError([Problem(Location(name, self._heading_line, 1), "", message)])
+        self._heading_line, self._named = lines[0][0], bool(columns)
+        cells, lines = self._first_cells(lines, columns)
         self._columns = [cell.column for cell in cells]
         self._ignore, self._lacks = ignore, False
         #: Places of the columns that are left out: here they have no name.
         self.left_out = left_out([cell.text for cell in cells], ignore, name)
+        self.left_out |= {k for k, one in enumerate(columns) if one in _NAMELESS}
         cells = [
             Cell("", cell.column) if k in self.left_out else cell for k, cell in enumerate(cells)
         ]
-        meant = [Heading.of(cell.text) for cell in cells]
+        meant = headings([cell.text for cell in cells])
         #: The names in the heading as they are called here (`Heading.name`).
         self.heading = tuple(one.name for one in meant)
         #: The names as written, without units.
@@ -106,8 +109,8 @@ class NumberTable:
         self.written = tuple(cell.text for cell in cells)
         for k, cell in enumerate(cells):
             if cell.text and self.heading.index(self.heading[k]) < k:
-                self._note(lines[0][0], cell, f"found the column {shown(cell.text)} twice")
-        self._lines = lines[1:]
+                self._note(self._heading_line, cell, f"found the column {shown(cell.text)} twice")
+        self._lines = lines
         if self._delimiter in (";", "\t"):
             self._read_decimal_commas()
         if not self._lines:
@@ -115,8 +118,32 @@ class NumberTable:
         for number, line in self._lines:
             found = line.count(self._delimiter) + 1 if self._delimiter else len(line.split())
             if found != len(cells) and (row := self._cells(line)) and len(row) != len(cells):
-                message = f"found {len(row)} cells, expected {len(cells)} as in the heading"
+                where = "in --columns" if self._named else "in the heading"
+                message = f"found {len(row)} cells, expected {len(cells)} as {where}"
                 self.problems.append(Problem(Location(name, number, 1), "", message))
+
+    def _first_cells(
+        self, lines: list[tuple[int, str]], columns: Sequence[str]
+    ) -> tuple[list[Cell], list[tuple[int, str]]]:
+        """Return the cells of the heading, or of the names that stand for it, and the rows.
+
+        Raises
+        ------
+        SpecError
+            If the first line has numbers, and there are no names.
+        """
+        (number, first), *rest = lines
+        self._delimiter = next((mark for mark in ",;\t" if mark in first), "")
+        heading = self._cells(first)
+        rows = _are_numbers(first, any_numbers=bool(columns))
+        if not columns:
+            if rows:
+                raise SpecError([Problem(Location(self.name, number, 1), "", NO_HEADING)])
+            return heading, rest
+        if rows:
+            # A comma between other delimiters is that of decimals.
+            self._delimiter = next((mark for mark in ";\t," if mark in first), "")
+        return [Cell(one, 1) for one in columns], lines if rows else rest
 
     def _read_decimal_commas(self) -> None:
         """Replace decimal commas by points if all decimals have commas; columns stay the same."""
@@ -306,12 +333,20 @@ class NumberTable:
         check(self.problems)
 
 
-def _are_numbers(cells: Sequence[str]) -> bool:
-    """Return whether the first line of a file is a row of numbers, not a heading."""
+def _are_numbers(line: str, *, any_numbers: bool) -> bool:
+    """Return whether the first line of a file is a row of numbers, not a heading.
+
+    Parameters
+    ----------
+    line
+        The line.
+    any_numbers
+        Whether numbers of constraints are a row, too, and not their heading.
+    """
+    cells = [cell for cell in re.split(r"[,;\s]+", line.replace('"', " ")) if cell]
     if not cells or not all(map(_NUMBER.fullmatch, cells)):
         return False
-    # A heading can be of these: the numbers of constraints.
-    return not {*cells} <= {*"123456"} or len({*cells}) < len(cells)
+    return any_numbers or not {*cells} <= {*"123456"} or len({*cells}) < len(cells)
 
 
 def wrong_number(text: str) -> str:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -21,7 +21,7 @@ from gspcli.geometry.evaluation import LARGEST
 from gspcli.geometry.frames import IDENTITY, PoseFrame
 from gspcli.geometry.quaternions import quaternion_from_rotation, rotation_from_quaternion
 from gspcli.motion.files.column_units import FileUnits
-from gspcli.motion.files.headings import ROLL_PITCH_YAW, SEQUENCE
+from gspcli.motion.files.headings import order_of
 from gspcli.motion.files.number_tables import NumberTable, check, wrong_number
 from gspcli.records import dataclass
 from gspcli.wording import shown
@@ -39,6 +39,10 @@ COLUMNS = (*POSITION, *TRANSLATION, *QUATERNION, *ANGLES, *ENTRIES)
 #: Largest difference of the entries of R from those of a rotation, since they are often rounded to
 #: three decimals. The nearest rotation is taken.
 _ROUNDED = 1e-3
+
+
+def _nothing(_: str) -> None:
+    """Say nothing of a file."""
 
 
 @dataclass(frozen=True)
@@ -62,6 +66,10 @@ class PoseFormat:
         (`gspcli.motion.files.known_columns`).
     frame
         The frame in which poses are expressed.
+    columns
+        The names of the columns of a file without a heading.
+    note
+        Takes what is to be said of a file: the order of axes that its heading says.
     """
 
     euler: str | None = None
@@ -70,6 +78,8 @@ class PoseFormat:
     length: str = ""
     ignore: tuple[str, ...] = ()
     frame: PoseFrame = IDENTITY
+    columns: tuple[str, ...] = ()
+    note: Callable[[str], None] = _nothing
 
     @property
     def pivot_frame(self) -> PoseFrame:
@@ -83,10 +93,11 @@ class PoseFormat:
 
     def of(self, table: NumberTable) -> PoseFormat:
         """Return the format with the order of axes that a heading says: roll, pitch, yaw."""
-        names = {name.lower().strip() for name in table.names}
-        if self.euler is None and set(ROLL_PITCH_YAW) <= names:
-            return replace(self, euler=SEQUENCE)
-        return self
+        order = order_of(table.names) if {*ANGLES} <= {*table.heading} else None
+        if self.euler is not None or order is None:
+            return self
+        self.note(order.words)
+        return replace(self, euler=order.sequence)
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,7 +140,7 @@ def read_poses(text: str, name: str, form: PoseFormat) -> PoseTable:
     """
     if text.lstrip()[:1] in ("{", "["):
         return _read_json(text, name, form)
-    table = NumberTable(text, name, form.units, form.ignore)
+    table = NumberTable(text, name, form.units, form.ignore, form.columns)
     # Values are what poses measure: a plan of `gsp calibrate` has both.
     poses = poses_in(table, form, "123456")
     table.check()
@@ -141,7 +152,7 @@ def has_poses(text: str, name: str, form: PoseFormat) -> bool:
     """Return whether the heading of a file is that of poses; else it is that of values."""
     if text.lstrip()[:1] in ("{", "["):
         return True
-    return names_poses(NumberTable(text, name, ignore=form.ignore))
+    return names_poses(NumberTable(text, name, ignore=form.ignore, columns=form.columns))
 
 
 def names_poses(table: NumberTable) -> bool:

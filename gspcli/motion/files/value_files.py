@@ -100,7 +100,7 @@ def read_values(
     SpecError
         With all mistakes, each with line and column.
     """
-    table = NumberTable(text, name, form.units.of(instance), form.ignore)
+    table = NumberTable(text, name, form.units.of(instance), form.ignore, form.columns)
     moving = _moving(table, instance)
     numbers = [str(k) for k in range(1, len(instance.constraints) + 1)]
     coordinates: dict[str, Array] = {}

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.errors import GspError
-from gspcli.geometry.euler import check_sequence, euler_from_rotation
+from gspcli.geometry.euler import euler_from_rotation, named_order
 from gspcli.geometry.printed_numbers import printed_conditions, printed_residuals
 from gspcli.geometry.quaternions import quaternion_from_rotation, vector_from_rotation
 from gspcli.records import dataclass
@@ -197,7 +197,8 @@ def rotation_columns(form: str) -> tuple[PoseColumn, ...]:
     ----------
     form
         One of `ROTATIONS`, or three axes as `gspcli.geometry.euler` takes them: ``ZYX`` for
-        turns about the axes of the platform, ``xyz`` about those of the base. Vectors and
+        turns about the axes of the platform, ``xyz`` about those of the base; or the name of a
+        maker, ``PI``, ``LinuxCNC``. Vectors and
         angles are in the angle unit of the instance, and say nothing of poses that are not real.
 
     Raises
@@ -214,7 +215,7 @@ def rotation_columns(form: str) -> tuple[PoseColumn, ...]:
             for k, axis in enumerate("xyz")
         )
     try:
-        sequence = check_sequence(form)
+        sequence = named_order(form)
     except GspError as error:
         message = f"{error}\nor one of {', '.join(ROTATIONS)}"
         raise GspError(message) from error

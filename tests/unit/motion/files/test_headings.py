@@ -80,8 +80,7 @@ def test_legs_in_another_unit_and_times():
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        (table("x,y,z,A,B,C"), "A B C are turns in another order in each program: write rx ry rz"),
-        (table("x,y,z,u,v,w"), "U V W are turns in one program and axes in another"),
+        ("x,y,z,A,B,C,U,V,W\n0,0,0,0,0,0,0,0,0\n", "A B C and U V W may both be turns"),
         ("x,y,z,q0,q1,q2,q3\n0,0,0,1,0,0,0\n", "do not say which is the scalar: write qw qx qy qz"),
         (table("x,y,z,alpha,beta,gamma"), "do not say about which axes: write rx ry rz"),
         (table("x,y,z,rx,ry,rz"), "found rx ry rz without the order of the axes"),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -102,9 +103,44 @@ def test_columns_without_a_name(hexapod):
 @pytest.mark.parametrize("first", ["0,0.5,3", "0 12 13 14", "1,1,2", "-1;2;3"])
 def test_a_file_that_begins_with_numbers_has_no_heading(hexapod, first):
     (line,) = mistakes(read_values, f"{first}\n{first}\n", "log", hexapod, PLAIN)
-    assert line.startswith("log:1:1: found ")
-    assert "expected a heading before the rows" in line
+    assert line == "log:1:1: the first line has numbers: give names with --columns x,y,z,..."
     assert read_values("2,1\n50,51\n", "v", hexapod, PLAIN).values[0, :2].tolist() == [51, 50]
+
+
+@pytest.mark.parametrize("mark", [",", " ", ";", "\t"])
+def test_names_stand_for_the_heading(hexapod, mark):
+    named = replace(PLAIN, columns=("t", "2", "-", "1"))
+    rows = [["0", "51.5", "seven", "50"], ["1", "52", "8", "49.5"]]
+    text = "\n".join(mark.join(row) for row in rows)
+    if mark == ",":
+        # A heading is replaced: here the first line is one, since it is not of numbers.
+        table = read_values(text, "log", hexapod, named)
+        assert table.values[:, :2].tolist() == [[49.5, 52]]
+    text = text.replace("seven", "7")
+    table = read_values(text, "log", hexapod, named)
+    assert table.values[:, :2].tolist() == [[50, 51.5], [49.5, 52]]
+    assert table.t.tolist() == [0, 1]
+
+
+def test_names_with_decimal_commas_units_and_numbers_of_constraints(hexapod):
+    named = replace(PLAIN, columns=("Time [ms]", "Leg 1", "", "2"))
+    table = read_values("0;50,25;0,1;51\n2000;50;0,1;51,5\n", "log", hexapod, named)
+    assert table.values[:, :2].tolist() == [[50.25, 51], [50, 51.5]]
+    assert table.t.tolist() == [0, 2]
+    # Numbers from 1 to 6 alone could be a heading; with names they are a row.
+    six = replace(PLAIN, columns=tuple("123456"))
+    assert read_values("1 2 3 4 5 6\n", "log", hexapod, six).values.tolist() == [[1, 2, 3, 4, 5, 6]]
+
+
+def test_mistakes_of_names(hexapod):
+    few = replace(PLAIN, columns=("1", "2"))
+    assert mistakes(read_values, "50,51,52\n", "log", hexapod, few) == [
+        "log:1:1: found 3 cells, expected 2 as in --columns"
+    ]
+    twice = replace(PLAIN, columns=("1", "1"))
+    assert "found the column '1' twice" in mistakes(read_values, "5,6\n", "log", hexapod, twice)[0]
+    wrong = replace(PLAIN, columns=("1", "pitch"))
+    assert "unknown column 'pitch'" in mistakes(read_values, "5,6\n", "log", hexapod, wrong)[0]
 
 
 def test_poses_beside_values_say_two_things(hexapod):
