@@ -167,9 +167,7 @@ def motion_of_values(
     return Motion(twists / lengths, accelerations / lengths)
 
 
-def read_forces(
-    text: str, name: str, instance: Instance, form: PoseFormat = _ANY
-) -> ForceRows:
+def read_forces(text: str, name: str, instance: Instance, form: PoseFormat = _ANY) -> ForceRows:
     """Read forces of the drives at times: columns t and F1 ... F6.
 
     With cranks or slides they are t and a column for each drive, ``torque.crank.B1``.
