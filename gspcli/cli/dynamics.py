@@ -134,7 +134,7 @@ def command(
     \b
     Examples:
       gsp dynamics platform.yaml
-      gsp dynamics rotary.yaml path.csv --require "torque<=2"
+      gsp dynamics rotary.yaml --mode home --require "torque<=2"
       gsp dynamics platform.yaml path.csv -o forces.csv
       gsp dynamics platform.yaml path.csv --require "force<=200, power<=50"
       gsp dynamics platform.yaml --mode home --modes --stiffness 2e6

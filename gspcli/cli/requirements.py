@@ -28,7 +28,7 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 _SOURCES = {
     "force": "gsp analyze with --load, or gsp dynamics",
     "moment": "gsp analyze with --load, of a type with angles",
-    "torque": "gsp analyze with --load, of a platform with cranks",
+    "torque": "gsp analyze with --load, or gsp dynamics, of a platform with cranks",
     "stiffness": "gsp analyze with --stiffness",
     "power": "gsp dynamics",
     "frequency": "gsp dynamics with --modes",

@@ -190,7 +190,7 @@ def read_forces(text: str, name: str, instance: Instance, form: PoseFormat = _AN
     needed, said = _FORCES, "t and F1 ... F6"
     if is_driven(instance):
         drives = [f"torque.{drive}" for drive in MachineDrives.of(instance).names]
-        needed, said = tuple(one.lower() for one in drives), f"t and {drives[0]} ... {drives[-1]}"
+        needed, said = tuple(drives), f"t and {drives[0]} ... {drives[-1]}"
     columns = table.choose(("t", *needed))
     table.refuse_others({"t", *needed}, said)
     numbers = table.numbers(columns or ())

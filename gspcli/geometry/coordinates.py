@@ -157,6 +157,8 @@ def nominal_coordinates(instance: Instance, chosen: Sequence[Coordinate]) -> Arr
 def moved(instance: Instance, chosen: Sequence[Coordinate], numbers: Array) -> Instance:
     """Return an instance with other coordinates, rounded to floats.
 
+    A point that a drive has moved has no drive any more, and the instance then no masses.
+
     Parameters
     ----------
     instance
@@ -192,7 +194,9 @@ def moved(instance: Instance, chosen: Sequence[Coordinate], numbers: Array) -> I
         )
         for row in instance.constraints
     )
-    return replace(instance, constraints=constraints)
+    # The masses are those of the machine with all its drives.
+    kept = None if any(one.is_drive for one in chosen) else instance.dynamics
+    return replace(instance, constraints=constraints, dynamics=kept)
 
 
 def _primitives(instance: Instance, body: Body) -> dict[str, Geometry]:

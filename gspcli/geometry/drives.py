@@ -431,7 +431,7 @@ class Drives:
     def instance_at(self, q: ArrayLike) -> Instance:
         """Return the platform with its points, and driven values, at q of shape (m,).
 
-        Its numbers there are doubles; it has no cranks and slides.
+        Its numbers there are doubles; it has no cranks, no slides and no masses.
         """
         numbers = np.asarray(q, float).tolist()
         rows = []
@@ -444,7 +444,7 @@ class Drives:
                 value = number / self.units[self.index[k]]
                 row = replace(row, value=Number.of(abs(value) if row.kind.has_sides else value))
             rows.append(row)
-        return replace(self.instance, constraints=tuple(rows))
+        return replace(self.instance, constraints=tuple(rows), dynamics=None)
 
     def readings(self, q: ArrayLike) -> Array:
         """Return readings of q, shape (..., m), in the units of the instance."""

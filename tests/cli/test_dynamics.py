@@ -148,8 +148,8 @@ def test_forces_of_a_rotary_machine_are_those_of_rods(gsp, tmp_path):
     )
     run = gsp("dynamics", path, "--mode", "home")
     assert run.code == 0
-    assert "forces act along the rods: what " in run.out
-    assert "must do is another moment" in run.out
+    assert "F1 ... F6 act along the rods" in run.out
+    assert "crank.B6 [N m]" in run.out
 
 
 def test_values_beside_poses_are_an_error(gsp, spec, rows):
@@ -291,3 +291,46 @@ def test_analyze_adds_the_weights(gsp, spec):
     assert exerted == pytest.approx([0, 0, 100], abs=1e-9)
     assert "reactions hold the weights under dynamics" in gsp("analyze", spec).out
     assert gsp("analyze", spec, "--pose", POSE, "--require", "force<=1").code == 1
+
+
+ROTARY = re.findall(r"```yaml\n(.*?)```", PAGE, re.DOTALL)[1]
+
+
+def test_torques_of_a_rotary_machine(gsp, rows):
+    """Rows of poses and rows of angles have the same torques; a limit on them is judged."""
+    spec = rows(ROTARY, "rotary.yaml")
+    poses = rows(
+        "t,x,y,z,qw,qx,qy,qz\n"
+        + "".join(f"{0.1 * k!r},{0.5 * k!r},0,{120 + k!r},1,{0.004 * k!r},0,0\n" for k in range(7)),
+        "poses.csv",
+    )
+    found = numbers(gsp("dynamics", spec, poses, "--format", "csv").out)
+    assert list(found)[:2] == ["t", "torque.crank.B1"]
+    angles = gsp("measure", spec, poses, "--cranks", "--format", "csv").out
+    again = numbers(gsp("dynamics", spec, rows(angles, "a.csv"), "--format", "csv").out)
+    for key, column in found.items():
+        assert again[key] == pytest.approx(column, rel=1e-6, abs=1e-8)
+    most = max(abs(x) for key, column in found.items() if "torque" in key for x in column)
+    assert gsp("dynamics", spec, poses, "--require", f"torque<={1.01 * most}").code == 0
+    refused = gsp("dynamics", spec, poses, "--require", f"torque<={0.99 * most}")
+    assert (refused.code, "not met: torque" in refused.err) == (1, True)
+
+
+def test_a_rotary_machine_is_held_by_its_torques(gsp, rows, tmp_path):
+    spec = rows(ROTARY, "rotary.yaml")
+    at_rest = numbers(gsp("dynamics", spec, "--mode", "home", "--format", "csv").out)
+    torques = {key: column for key, column in at_rest.items() if key.startswith("torque")}
+    text = ",".join(["t", *torques])
+    for t in (0, 0.1):
+        text += "\n" + ",".join(map(repr, [t, *(column[0] for column in torques.values())]))
+    run = gsp(
+        "dynamics", spec, "--mode", "home", "--forward", rows(text, "f.csv"), "--format", "csv"
+    )
+    motion = numbers(run.out)
+    assert motion["z"] == pytest.approx([120, 120], abs=1e-6)
+    wrong = rows(text.replace("torque.crank.B6", "F6"), "g.csv")
+    refused = gsp("dynamics", spec, "--forward", wrong)
+    assert refused.code == 2
+    assert "expected t torque.crank.B1" in refused.err
+    rates = rows("t,crank.B1,v1,v2,v3,v4,v5,v6,a1,a2,a3,a4,a5,a6\n0," + ",".join("0" * 13), "r.csv")
+    assert "expected a column t: splines" in gsp("dynamics", spec, rates).err

@@ -408,6 +408,16 @@ KEYS: dict[str, str] = {
     "analyze.shift": "upper bound of the distance of the point, to first order",
     # Dynamics
     "force_units": "the unit of each force: N for distances, N m for angles",
+    "dynamics.drives": "the names of the drives, of a machine with cranks or slides",
+    "torque_units": "the unit of each: N m for cranks and angles, N for slides and distances",
+    "worst_torque": "the largest torque of a crank, of a machine without cranks the largest force "
+    "of a slide; null if none is known",
+    "worst_torque.row": "the row, from 1",
+    "worst_torque.torque": "its torque, or force",
+    "torques": "what cranks, slides and other drives do; null where singular",
+    "torque": "the largest torque of a crank, or force of a slide",
+    **{f"dynamics.torque.crank.B{k}": f"torque of the crank of B{k}, N m" for k in range(1, 7)},
+    "torque_in": "the drive that exerts it",
     "dynamics.worst": "the largest force, or torque where there are angles only; null if none is "
     "known",
     "dynamics.worst.row": "the row, from 1",

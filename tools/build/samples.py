@@ -18,7 +18,7 @@ from gspcli.spec import load
 from tools.recording import ROOT
 
 #: Runs that together print all keys of a command, where the examples of its help do not; POSES,
-#: TWICE, VALUES, REACH, LOOP, STATE, MASSES, PATH and FORCES are files made here.
+#: TWICE, VALUES, REACH, LOOP, STATE, MASSES, PATH, FORCES and ROTARY are files made here.
 SAMPLES: dict[str, tuple[str, ...]] = {
     "enumerate": (
         "--class 6D --only PP,PH",
@@ -108,6 +108,8 @@ SAMPLES: dict[str, tuple[str, ...]] = {
         "MASSES --pose 0,0,1e-7,1,0,0,0 --modes",
         "MASSES --pose 0,0,0,1,0,0,0 --modes",
         "MASSES --pose 5,0,190,1,0,0,0 --forward FORCES",
+        "ROTARY --mode home --require torque<=2",
+        "ROTARY --mode home --modes",
     ),
     "clearance": (
         "@octahedral-3-3 --mode 1",
@@ -222,10 +224,11 @@ def words(name: str, sample: str, folder: Path) -> list[str]:
     if "FAR" in sample:
         # Two poses so far apart that the way of the values leads to another pose.
         paths["FAR"].write_text(_FAR, encoding="utf-8")
-    if "MASSES" in sample:
+    if "MASSES" in sample or "ROTARY" in sample:
         page = _PAGE.read_text(encoding="utf-8")
         blocks = re.findall(r"```(?:yaml|csv)\n(.*?)```", page, re.DOTALL)
         files = {"MASSES": "masses.yaml", "PATH": "path.csv", "FORCES": "forces.csv"}
+        files["ROTARY"] = "rotary.yaml"
         for (word, file), content in zip(files.items(), blocks, strict=True):
             paths[word] = folder / file
             paths[word].write_text(content, encoding="utf-8")

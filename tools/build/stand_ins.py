@@ -40,6 +40,8 @@ _DYNAMICS = ROOT / "docs" / "dynamics.md"
 #: Which block of which page a file is.
 _BLOCKS = {
     ("docs/dynamics.md", "hexapod.yaml"): (_DYNAMICS, "yaml", 0),
+    ("docs/dynamics.md", "rotary.yaml"): (_DYNAMICS, "yaml", 1),
+    ("gsp dynamics --help", "rotary.yaml"): (_DYNAMICS, "yaml", 1),
     ("docs/dynamics.md", "path.csv"): (_DYNAMICS, "csv", 0),
     ("docs/dynamics.md", "forces.csv"): (_DYNAMICS, "csv", 1),
     ("gsp dynamics --help", "path.csv"): (_DYNAMICS, "csv", 0),

@@ -23,5 +23,5 @@ FORMAT = PoseFormat(
     "mjcf is a model for MuJoCo: the platform as a free body in one assembly mode, held by six "
     "chains of joints. The joint value_k is what constraint k measures, in metres or radians; the "
     "equality hold_k keeps it (its first coefficient is the change), and without it the actuator "
-    "drive_k moves it.",
+    "drive_k moves it. A crank or slide is the joint drive_k of an arm or a carriage.",
 )

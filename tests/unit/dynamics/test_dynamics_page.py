@@ -20,9 +20,8 @@ def _blocks(kind: str) -> list[str]:
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
     """A folder with the files of the page."""
-    for name, content in zip(
-        ("hexapod.yaml", "path.csv", "forces.csv"), _blocks("yaml") + _blocks("csv"), strict=True
-    ):
+    names = ("hexapod.yaml", "rotary.yaml", "path.csv", "forces.csv")
+    for name, content in zip(names, _blocks("yaml") + _blocks("csv"), strict=True):
         (tmp_path / name).write_text(content, encoding="utf-8")
     monkeypatch.chdir(tmp_path)
 

@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import gspcli
+from gspcli.errors import ArgumentError
+from gspcli.export.mjcf import mjcf
+from gspcli.geometry.primitives import Point, Slide
 from gspcli.machines.api import import_machine
+from tests.support.driven_machines import driven
 
 FORMS = {"mjcf": ".xml", "sdf": ".sdf", "urdf": ".urdf"}
 
@@ -88,3 +93,38 @@ def test_sdf_names_each_joint_once_and_closes_its_loops(written) -> None:
     assert len(set(names)) == len(names)
     assert len(re.findall("<child>platform</child>", text)) == 6
     assert text.count("JointPositionController") == 6
+
+
+@pytest.mark.parametrize("form", FORMS)
+@pytest.mark.parametrize("name", ["reachy-mini-head", "t-top-head", "6-PUS", "delta"])
+def test_arms_and_carriages_are_joints_and_lead_back_exactly(form, name, tmp_path) -> None:
+    """The text that is stored leads back exactly; without it the joints say the same machine."""
+    instance = driven(name)
+    for suffix, text in gspcli.exported(instance, form).files.items():
+        (tmp_path / f"m{suffix or FORMS[form]}").write_text(text, encoding="utf-8")
+    path = tmp_path / f"m{FORMS[form]}"
+    assert import_machine(path).instance == gspcli.loads(gspcli.dumps(instance))
+    text = path.read_text(encoding="utf-8")
+    assert '"drive_1"' in text
+    stored = re.compile(r"<custom>.*?</custom>|<gsp:instance.*?</gsp:instance>", re.DOTALL)
+    path.write_text(stored.sub("", text), encoding="utf-8")
+    found = import_machine(path).instance
+    for own, row in zip(found.constraints, instance.constraints, strict=True):
+        assert own.kind is row.kind
+        assert own.value.value == pytest.approx(row.value.value, abs=1e-9)
+        assert own.base.point == pytest.approx(row.base.point, abs=1e-9)
+        assert (own.base.crank is None) == (row.base.crank is None)
+
+
+def test_a_drive_of_another_constraint_than_a_rod_is_refused() -> None:
+    instance = gspcli.example("three-vee-18.5mm")
+    rows = [
+        replace(row, platform=Point(row.platform.point, slide=Slide([0, 0, 1])))
+        if k == 0 and isinstance(row.platform, Point)
+        else row
+        for k, row in enumerate(instance.constraints)
+    ]
+    moved = replace(instance, constraints=tuple(rows))
+    pose = gspcli.solve(instance).home
+    with pytest.raises(ArgumentError, match="expected distances of two points"):
+        mjcf(moved, pose.R.real, pose.T.real)

@@ -1,0 +1,186 @@
+"""Torques of cranks and slides by hand, laws that they keep, and what is refused."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import gspcli
+from gspcli.dynamics import forward_dynamics, inverse_dynamics, natural_modes, simulate
+from gspcli.dynamics.arrays import RowError
+from gspcli.errors import ArgumentError
+from gspcli.geometry.drives import Drives
+from gspcli.geometry.masses import Carriage
+from tests.support.driven_machines import (
+    MADE_UP,
+    SHIPPED,
+    driven,
+    random_motion,
+    some_pose,
+    weighed,
+)
+
+
+@pytest.fixture(params=[*SHIPPED, *MADE_UP])
+def case(request):
+    """Return a machine with masses, a pose, the numbers of its drives and a generator."""
+    rng = np.random.default_rng(2)
+    instance = weighed(driven(request.param), rng)
+    return instance, *some_pose(instance, rng), rng
+
+
+def test_forces_of_rods_without_mass_give_the_torques(case):
+    """With the platform alone the torques are D^T F: of rods, arms and rotors nothing is added."""
+    instance, R, T, q, _ = case
+    bare = replace(instance.dynamics, legs=(), arms=(), carriages=(), drives=gspcli.Drives())
+    found = inverse_dynamics(replace(instance, dynamics=bare), R, T)
+    drives = Drives.of(instance)
+    D = drives.matrix(drives.gains(R, T, q))
+    assert np.allclose(found.torques[0], found.forces[0] @ D, rtol=1e-12)
+    J = drives.jacobian(R, T, q)
+    weight = np.array([g.value for g in bare.gravity]) * bare.platform.mass.value
+    at = R @ [c.value for c in bare.platform.centre]
+    held = J.T @ found.forces[0] + np.concatenate((np.cross(at, weight), weight))
+    assert np.abs(held).max() < 1e-12 * np.abs(weight).max()
+
+
+def test_the_power_of_the_drives_changes_the_energy(case):
+    instance, R, T, _, rng = case
+    twist, _ = random_motion(instance, rng)
+    torques = inverse_dynamics(instance, R, T).torques[0] * 1.2
+    motion = simulate(instance, R, T, [0, 0.004, 0.008], torques, twist=0.02 * twist)
+    assert motion.energy_error < 1e-9
+    found = inverse_dynamics(
+        instance,
+        motion.R,
+        motion.T,
+        twists=motion.twists,
+        accelerations=motion.accelerations,
+    )
+    assert np.abs(found.torques - torques).max() < 1e-8 * np.abs(torques).max()
+
+
+def test_drives_at_given_numbers_are_those_of_the_pose(case):
+    instance, R, T, q, _ = case
+    drives = Drives.of(instance)
+    given = inverse_dynamics(instance, R, T, drives=q / drives.units)
+    assert np.allclose(given.torques, inverse_dynamics(instance, R, T).torques, rtol=1e-9)
+    other = (
+        q + 0.1 * drives.driven[[drives.users(k)[0] for k in range(drives.count)]]
+    ) / drives.units
+    with pytest.raises(RowError, match="another length"):
+        inverse_dynamics(instance, R, T, drives=other)
+
+
+def test_a_weight_on_one_carriage_is_lifted_by_its_drive_alone():
+    instance = driven("6-PUS")
+    rng = np.random.default_rng(3)
+    R, T, _ = some_pose(instance, rng)
+    weighs = weighed(instance, rng).dynamics
+    light, heavy = (
+        replace(weighs, carriages=tuple(Carriage(1 + 2.5 * (k == 3 and more)) for k in range(6)))
+        for more in (0, 1)
+    )
+    a, b = (
+        inverse_dynamics(replace(instance, dynamics=d), R, T).torques[0] for d in (light, heavy)
+    )
+    rail = instance.constraints[3].base.slide.unit
+    gravity = np.array([g.value for g in weighs.gravity])
+    assert np.allclose(b - a, -2.5 * np.eye(6)[3] * (rail @ gravity), atol=1e-12 * np.abs(a).max())
+
+
+def test_a_hand_computed_crank():
+    """A mass of 1 kg on an arm of 0.1 m that stands out level: the motor holds m g c."""
+    instance = driven(SHIPPED[0])
+    weighs = weighed(instance, np.random.default_rng(1)).dynamics
+    drives = Drives.of(instance)
+    home = instance.home
+    T = np.array([x.value for x in home.position])
+    with_arm, without = (
+        inverse_dynamics(replace(instance, dynamics=replace(weighs, arms=arms)), np.eye(3), T)
+        for arms in ((gspcli.Arm(0.5, 0.02),), ())
+    )
+    gravity = np.array([g.value for g in weighs.gravity])
+    q = drives.inverse(np.eye(3), T)
+    way = drives.velocities(q) / drives.arms[:, None] * 0.02
+    assert np.allclose(with_arm.torques[0] - without.torques[0], -0.5 * way @ gravity, atol=1e-14)
+    # The forces in the rods are the same.
+    assert np.allclose(with_arm.forces, without.forces, rtol=1e-12)
+
+
+def test_a_pose_out_of_reach_and_a_dead_point_name_the_drive():
+    instance = weighed(driven("6-PUS"), np.random.default_rng(1))
+    far = np.array([[0, 0, 0.6], [0, 0, 3.0]])
+    with pytest.raises(RowError, match=r"row 2: slide\.B1 does not reach this pose"):
+        inverse_dynamics(instance, np.tile(np.eye(3), (2, 1, 1)), far)
+    # Where the rod is across its rail the carriage cannot push.
+    drives = Drives.of(instance)
+    rod = drives.rods[0]
+    rail = drives.beside[0]
+    across = np.cross(rail, [1.0, 0.3, 0.2])
+    T = (
+        drives.middle[0]
+        + rod * across / np.linalg.norm(across)
+        - instance.constraints[0].platform.point
+    )
+    long = [replace(row, value=gspcli.Number.of(10.0)) for row in instance.constraints[1:]]
+    alone = replace(instance, constraints=(instance.constraints[0], *long), home=None)
+    with pytest.raises(RowError, match=r"slide\.B1 is at a dead point"):
+        inverse_dynamics(alone, np.eye(3), T)
+
+
+def test_rods_of_one_carriage_must_ask_for_one_speed():
+    instance = weighed(driven("delta"), np.random.default_rng(1))
+    T = [0, 0, -0.25]
+    turning = [1.0, 0, 0, 0, 0, 0]
+    with pytest.raises(RowError, match=r"rods 3 and 4 ask for different speeds of slide\.B3"):
+        inverse_dynamics(instance, np.eye(3), T, twists=turning, accelerations=0)
+    with pytest.raises(ArgumentError, match="rods 3 and 4 ask"):
+        simulate(instance, np.eye(3), T, [0, 0.01], 0.0, twist=turning)
+    found = inverse_dynamics(instance, np.eye(3), T)
+    assert found.torques.shape == found.powers.shape == (1, 3)
+    assert found.forces.shape == (1, 6)
+    assert natural_modes(instance, np.eye(3), T, stiffness=1e5).frequencies.shape == (1, 3)
+    assert forward_dynamics(instance, np.eye(3), T, 0.0, found.torques[0]) == pytest.approx(
+        np.zeros((1, 6)), abs=1e-9
+    )
+
+
+def test_modes_of_the_file_have_their_drives_at_zero():
+    """On the knees of home most modes have other angles: those would not hold the same rods."""
+    instance = weighed(driven(SHIPPED[0]), np.random.default_rng(1))
+    result = gspcli.solve(instance)
+    R, T = result.R[result.real].real, result.T[result.real].real
+    stated = inverse_dynamics(instance, R, T, drives=0.0)
+    assert np.isfinite(stated.torques).all()
+    on_home = inverse_dynamics(instance, R, T)
+    assert not np.allclose(stated.torques, on_home.torques)
+    home = result.home.number - 1
+    assert np.allclose(stated.torques[home], on_home.torques[home], rtol=1e-6)
+
+
+def test_what_is_told_of_torques():
+    instance = weighed(driven("mixed"), np.random.default_rng(1))
+    found = inverse_dynamics(instance, np.eye(3), [0, 0, 0.6])
+    names = Drives.of(instance).names
+    assert found.torque_units == ("N m", "N m", "N m", "N m", "N", "N")
+    assert list(found.to_frame().columns) == [
+        *("t", "F1", "F2", "F3", "F4", "F5", "F6"),
+        *(f"torque.{name}" for name in names),
+        "power",
+    ]
+    document = found.to_json()
+    assert document["drives"] == list(names)
+    assert document["rows"][0]["torques"] == found.torques[0].tolist()
+    assert document["worst_torque"]["torque"] == found.worst_torque.force
+    # A driven distance has the same number in both.
+    assert found.torques[0, 5] == found.forces[0, 5]
+    legs = gspcli.example("rubin-m2")
+    bare = replace(
+        legs, dynamics=gspcli.Dynamics(gspcli.RigidBody(1, [0, 0, 0], [1, 1, 1, 0, 0, 0]))
+    )
+    told = inverse_dynamics(bare, np.eye(3), [0, 0, 0])
+    assert told.torques is None
+    assert not {"drives", "torque_units", "worst_torque"} & set(told.to_json())
