@@ -68,7 +68,9 @@ def test_every_reader_refuses_them(hexapod):
         mistakes(read_values, values, "f", hexapod, PLAIN),
         mistakes(read_values, pose, "f", hexapod, PLAIN),
         mistakes(read_measurements, values, "f", hexapod, PLAIN),
-        mistakes(read_forces, "t,F1,F2,F3,F4,F5,F6,speeed\n" + "0,1,1,1,1,1,1,1\n" * 2, "f", hexapod),
+        mistakes(
+            read_forces, "t,F1,F2,F3,F4,F5,F6,speeed\n" + "0,1,1,1,1,1,1,1\n" * 2, "f", hexapod
+        ),
     ):
         assert "found the unknown column 'speeed'" in "\n".join(lines)
 
