@@ -9,6 +9,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from gspcli.ties import first_largest
+
 Array = NDArray[np.float64]
 
 #: So often each measurement is exchanged for a better one.
@@ -31,7 +33,7 @@ def d_optimal(slopes: Array, count: int, before: Array) -> NDArray[np.intp]:
     inverse, chosen = np.linalg.inv(before), []
     for _ in range(count):
         told = eye + slopes @ inverse @ np.swapaxes(slopes, 1, 2)
-        best = int(np.linalg.slogdet(told)[1].argmax())
+        best = int(first_largest(np.linalg.slogdet(told)[1]))
         chosen.append(best)
         # Woodbury's formula.
         moved = inverse @ slopes[best].T
@@ -63,7 +65,7 @@ def exchanged(
             told = eye + slopes @ inverse @ np.swapaxes(slopes, 1, 2)
             less = slopes @ (inverse @ errors @ inverse) @ np.swapaxes(slopes, 1, 2)
             gain = np.trace(np.linalg.solve(told, less), axis1=1, axis2=2)
-            pose = int(gain.argmax())
+            pose = int(first_largest(gain))
             if gain[pose] > gain[best[k]] * (1 + 1e-9):
                 best[k], changed = pose, True
         if not changed:

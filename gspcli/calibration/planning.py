@@ -41,6 +41,7 @@ from gspcli.geometry.quaternions import canonical_sign, quaternion_from_rotation
 from gspcli.geometry.readings import readings_of
 from gspcli.motion.poses.inverse_kinematics import values_at
 from gspcli.records import dataclass
+from gspcli.ties import first_largest
 
 Array = NDArray[np.float64]
 
@@ -118,7 +119,7 @@ class Plan:
         ]
         if lengths:
             sigma = self.sigma[lengths]
-            worst = lengths[int(sigma.argmax())]
+            worst = lengths[int(first_largest(sigma))]
             lines.append(
                 f"then known: lengths to {np.median(sigma):.2g} {units.length} (median), "
                 f"{self.names[worst]} to {sigma.max():.2g} (worst; {self.before[worst]:.2g} before)"

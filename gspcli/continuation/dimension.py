@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from gspcli.continuation.quadrics import ComplexArray, FloatArray
 from gspcli.continuation.systems import System
 from gspcli.records import dataclass
+from gspcli.ties import definite_basis, definite_sign
 
 #: Below this e.e of a point of norm one is zero up to rounding.
 _INFINITE = 1e-14
@@ -80,7 +81,8 @@ def kernel(
     rows = _scaled_jacobians(target, point[None], options)[0]
     # A real basis if there is one.
     _, values, basis = np.linalg.svd(rows if rows.imag.any() else rows.real)
-    return np.asarray(basis[values < options.rank].conj().T, dtype=np.complex128)
+    inside = definite_basis(basis[values < options.rank].conj().T)
+    return np.asarray(inside, dtype=np.complex128)
 
 
 def correct(
@@ -178,7 +180,8 @@ def tangents(
     shifts = shifts[near] / distance[near, None]
     _, values, spanned = np.linalg.svd(shifts if shifts.imag.any() else shifts.real)
     dimension = int((values > options.spread * values[0]).sum())
-    return np.asarray(spanned[:dimension].conj().T, dtype=np.complex128)
+    along = definite_sign(spanned[:dimension].conj())
+    return np.asarray(along.T, dtype=np.complex128)
 
 
 def _in_kernel(

@@ -23,6 +23,7 @@ from gspcli.geometry.lengths import METRES
 from gspcli.geometry.quaternions import apply
 from gspcli.motion import measure
 from gspcli.records import dataclass
+from gspcli.ties import first_largest
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -178,11 +179,11 @@ class DriveForces:
         return WorstForce(row, drive, float(self.torques[row, drive]))
 
     def largest(self, drives: Flags) -> WorstForce | None:
-        """Return the largest force of some drives, shape (6,); None if there is none."""
+        """Return the first largest force of some drives, shape (6,); None if there is none."""
         sizes = np.where(np.isnan(self.forces) | ~drives, -1.0, np.abs(self.forces))
         if not sizes.size or sizes.max() < 0:
             return None
-        row, drive = (int(k) for k in np.unravel_index(sizes.argmax(), sizes.shape))
+        row, drive = (int(k) for k in np.unravel_index(first_largest(sizes.ravel()), sizes.shape))
         return WorstForce(row, drive, float(self.forces[row, drive]))
 
     def to_frame(self) -> pd.DataFrame:

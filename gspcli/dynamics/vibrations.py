@@ -21,6 +21,7 @@ from gspcli.dynamics.moving_bodies import MovingBodies, equation_of_motion
 from gspcli.errors import ArgumentError
 from gspcli.geometry.instance import Instance
 from gspcli.records import dataclass
+from gspcli.ties import ALIKE, definite_vectors, first_largest
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -30,8 +31,6 @@ Array = NDArray[np.float64]
 FREQUENCIES = tuple(f"f{k}" for k in range(1, 7))
 #: Poses computed at a time: their intermediate arrays stay in the cache of a core.
 _CHUNK = 200
-#: Numbers that differ by this part of their size are the same but for rounding errors.
-_ALIKE = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -207,11 +206,11 @@ def _modes(
     weighted = shapes * np.repeat([model.bodies.length, 1.0], 3)
     sizes = np.abs(weighted)
     # The first of entries that differ by rounding errors; divided by itself it is exactly one.
-    first = (sizes >= sizes.max(-1, keepdims=True) * (1 - _ALIKE)).argmax(-1)
+    first = first_largest(sizes)
     weighted = weighted / np.take_along_axis(weighted, first[..., None], axis=-1)
     shapes = weighted * np.repeat([1.0, model.bodies.length / model.metre], 3)
     # Rounding errors of entries that are zero; and zero has one sign.
-    shapes = np.where(np.abs(weighted) < _ALIKE, 0.0, shapes)
+    shapes = np.where(np.abs(weighted) < ALIKE, 0.0, shapes)
     squares[singular], shapes[singular], held[singular] = np.nan, np.nan, np.nan
     if numbers is None:
         return squares, shapes, held, singular, conditions
@@ -227,31 +226,14 @@ def _chosen_basis(squares: Array, vectors: Array) -> Array:
     """Return eigenvectors that do not depend on rounding errors where eigenvalues are equal.
 
     Symmetric platforms have pairs of equal frequencies, and any orthonormal basis of their modes is
-    right. The one is chosen that begins with the projection of the coordinate axis that is nearest
-    to these modes. Shapes (n, 6) and (n, 6, 6), eigenvectors are columns.
+    right (`definite_vectors`). Shapes (n, 6) and (n, 6, 6), eigenvectors are columns.
     """
     vectors = vectors.copy()
-    tolerance = _ALIKE * np.abs(squares).max(axis=-1)
+    tolerance = ALIKE * np.abs(squares).max(axis=-1)
     close = np.diff(squares, axis=-1) <= tolerance[:, None]
     for row in np.flatnonzero(close.any(axis=-1)).tolist():
-        groups = np.split(np.arange(squares.shape[-1]), np.flatnonzero(~close[row]) + 1)
-        for group in groups:
-            if len(group) > 1:
-                vectors[row][:, group] = _nearest_axes(vectors[row][:, group])
+        vectors[row] = definite_vectors(squares[row], vectors[row])
     return vectors
-
-
-def _nearest_axes(basis: Array) -> Array:
-    """Return an orthonormal basis of the same space (6, k) that begins near coordinate axes."""
-    projector = basis @ basis.T
-    chosen = []
-    for _ in range(basis.shape[1]):
-        sizes = np.diagonal(projector)
-        axis = int((sizes >= sizes.max() * (1 - _ALIKE)).argmax())
-        vector = projector[axis] / np.sqrt(sizes[axis])
-        chosen.append(vector)
-        projector = projector - np.outer(vector, vector)
-    return np.stack(chosen, axis=1)
 
 
 def _weight_stiffness(model: MassModel, R: Array, T: Array, numbers: Array | None) -> Array:

@@ -25,6 +25,7 @@ from gspcli.geometry.instance import Instance
 from gspcli.geometry.lengths import METRES
 from gspcli.geometry.primitives import Line, Plane
 from gspcli.machines.stored import store_custom
+from gspcli.ties import definite_sign
 
 Array = NDArray[np.float64]
 
@@ -154,7 +155,7 @@ class _Model:
             return None
         if extents[2] >= _FLAT * self.size:
             return corners
-        thick = _PLATE * self.size * axes[2]
+        thick = _PLATE * self.size * definite_sign(axes[2])
         return np.concatenate((corners - thick, corners + thick))
 
     def _bodies(self) -> None:

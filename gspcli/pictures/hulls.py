@@ -7,6 +7,8 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
+from gspcli.ties import definite_sign
+
 Array = NDArray[np.float64]
 
 #: Points nearer to a plane or line than this fraction of the extent are drawn in it: measured
@@ -32,10 +34,10 @@ def convex_hull(points: Array) -> tuple[Array, ...]:
         return ()
     dimension = int((singular > _FLAT * singular[0]).sum())
     if dimension == 1:
-        along = offsets @ axes[0]
+        along = offsets @ definite_sign(axes[0])
         return (points[[along.argmin(), along.argmax()]],)
     if dimension == 2:
-        return (_polygon(points, axes[2]),)
+        return (_polygon(points, definite_sign(axes[2])),)
     faces: dict[frozenset[int], Array] = {}
     for triple in combinations(range(len(points)), 3):
         a, b, c = points[list(triple)]

@@ -20,6 +20,7 @@ from gspcli.pictures.shown_poses import Poses
 from gspcli.pictures.staging import scene_of
 from gspcli.solver import SolveResult, solve
 from gspcli.solver.home_mode import distances
+from gspcli.ties import first_smallest
 from gspcli.wording import listed, shown
 
 _PAGE, _DRAWINGS = "html", ("svg", "png", "pdf")
@@ -149,5 +150,5 @@ def _first_series(
     if drawn.counts.real:
         R, T = (np.stack([getattr(one, part)[0] for one in tracks]) for part in "RT")
         moved, turned = distances(R, T, drawn.R[start].real, drawn.T[start].real)
-        nearest = int(np.hypot(moved / drawn.arrangement.length, turned).argmin())
+        nearest = int(first_smallest(np.hypot(moved / drawn.arrangement.length, turned)))
     return before + nearest

@@ -23,6 +23,7 @@ from gspcli.sensing.sensor_kinds import (
     Place,
     Sensor,
 )
+from gspcli.ties import definite_sign
 
 Array = NDArray[np.float64]
 
@@ -97,8 +98,7 @@ def normal_of(points: Array) -> Array | None:
     _, sizes, axes = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)
     if sizes[1] <= _FLAT * sizes[0]:
         return None
-    normal: Array = axes[2]
-    return np.asarray(normal * np.sign(normal[np.abs(normal).argmax()]))
+    return definite_sign(axes[2])
 
 
 def body_normal(instance: Instance, body: Body) -> Array | None:

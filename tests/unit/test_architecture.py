@@ -40,6 +40,7 @@ LAYERS = {
     "errors": 0.2,
     "progress": 0,
     "records": 0,
+    "ties": 0,
     "wording": 0,
     "__init__": 8,
 }

@@ -108,7 +108,7 @@ def multiple_poses(
             root = dot4(limit[:4], limit[:4]).sqrt()
             yield MultiplePose(
                 _middles(list(chain(*R)), real).reshape(3, 3),
-                _middles([x * system.scale for x in T], real),
+                _middles([x * system.scale for x in T], real, float(system.scale)),
                 _middles([x / root for x in limit[:4]], real),
                 real,
                 number,
@@ -177,6 +177,9 @@ def _gap(a: Sequence[acb], b: Sequence[acb]) -> float:
     return float(largest([x - y for x, y in zip(a, b, strict=True)]))
 
 
-def _middles(numbers: Sequence[acb], real: bool) -> Complex:
+def _middles(numbers: Sequence[acb], real: bool, scale: float = 1.0) -> Complex:
+    """Return numbers of about a scale as doubles; what is only the error of a limit is zero."""
     values = np.array([complex(number.mid()) for number in numbers])
+    parts = values.view(np.float64)
+    parts[np.abs(parts) < _SAME * max(scale, float(np.abs(parts).max()))] = 0.0
     return values.real.astype(complex) if real else values

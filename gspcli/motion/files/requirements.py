@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from gspcli.errors import GspError
 from gspcli.motion.files.number_tables import wrong_number
 from gspcli.records import dataclass
+from gspcli.ties import first_largest
 from gspcli.wording import listed, shown, suggestion
 
 Array = NDArray[np.float64]
@@ -173,7 +174,7 @@ def keeping(
 def judge(
     requirements: Sequence[Requirement], quantities: Mapping[str, Array | Parts]
 ) -> list[Verdict]:
-    """Return for each requirement whether all rows keep it, and the worst row.
+    """Return for each requirement whether all rows keep it, and the first worst row.
 
     Parameters
     ----------
@@ -201,7 +202,7 @@ def judge(
         if unknown.any() and bad.max() <= one.limit * (-1 if least else 1):
             # No number violates it, and of some it is not known.
             bad = np.where(unknown, 1.0, 0.0)
-        row, part = np.unravel_index(int(bad.argmax()), bad.shape)
+        row, part = np.unravel_index(int(first_largest(bad.ravel())), bad.shape)
         worst = float(parts.values[row, part])
         met = worst >= one.limit if least else worst <= one.limit
         verdicts.append(Verdict(one, met, worst, int(row), parts.names[int(part)]))

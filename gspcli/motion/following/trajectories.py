@@ -22,6 +22,7 @@ from gspcli.motion.following.parallel_lines import along_parallel_lines
 from gspcli.motion.following.row_instances import at_values, over_rows
 from gspcli.motion.following.tracks import Track
 from gspcli.solver.home_mode import distances
+from gspcli.ties import first_smallest
 
 Array = NDArray[np.float64]
 
@@ -185,7 +186,7 @@ def _nearest(instance: Instance, first: RowModes, pose: tuple[ArrayLike, ArrayLi
         raise ArgumentError(message)
     goal = np.asarray(pose[0], float), np.asarray(pose[1], float)
     moved, turned = distances(first.R, first.T, *goal)
-    return int(np.hypot(moved / Arrangement.of(instance).length, turned).argmin())
+    return int(first_smallest(np.hypot(moved / Arrangement.of(instance).length, turned)))
 
 
 def _with_births(run: Run, forward: Track, last: RowModes) -> Track:

@@ -28,6 +28,7 @@ from gspcli.motion.poses.inverse_kinematics import value_slopes, values_at
 from gspcli.motion.singularities.enclosures import Neighbourhood
 from gspcli.progress import Progress, silent
 from gspcli.records import dataclass
+from gspcli.ties import definite_vectors, first_smallest
 
 Array = NDArray[np.float64]
 
@@ -309,7 +310,8 @@ def _directions(
     arrangement = Arrangement.of(instance)
     rows = value_slopes(arrangement, R, T) / units[:, None]
     rows[:, :3] /= arrangement.length
-    left = np.linalg.svd(rows)[0]
+    left, sizes, _ = np.linalg.svd(rows)
+    left = definite_vectors(sizes, left)
     rng = np.random.default_rng(seed)
     for k in range(starts):
         vector = left[:, -1 - k // 2] if k < 6 else rng.normal(size=6)
@@ -321,7 +323,7 @@ def _range_end(instance: Instance, values: Array, units: Array, lower: float) ->
     ranges = [value_range(row.kind, instance.units.angle) for row in instance.constraints]
     ends = np.array(ranges)
     rooms = np.abs(ends - values[:, None]) / units[:, None]
-    k, which = np.unravel_index(int(rooms.argmin()), rooms.shape)
+    k, which = np.unravel_index(int(first_smallest(rooms.ravel())), rooms.shape)
     size = float(rooms[k, which])
     if np.isinf(size):
         return Clearance(lower, np.inf, None, None)

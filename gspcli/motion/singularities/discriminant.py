@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from gspcli.motion.following.branch_follower import MovingPlatform
 from gspcli.motion.singularities.enclosures import Neighbourhood
 from gspcli.records import dataclass
+from gspcli.ties import definite_sign
 
 Array = NDArray[np.float64]
 
@@ -26,6 +27,8 @@ _FIRST, _LONGEST, _SHORTEST = 5e-3, 2.5e-2, 1e-7
 _MOST_POINTS = 20_000
 #: Newton's method: the most steps, and the size of a step after which it has converged.
 _STEPS, _CONVERGED = 5, 1e-9
+#: Points nearer than this to the border of the ranges are on it.
+_BORDER = 1e-9
 #: The cosine of the largest turn of a curve in one step.
 _STRAIGHT = 0.98
 #: At a cusp the part of the unit tangent in the values is below this.
@@ -110,7 +113,7 @@ class Discriminant:
         """
         w = (values - self._low) / self._span
         rows = self.platform.jacobian(point, self._internal(w))
-        direction = np.linalg.svd(np.vstack((rows, point)))[2][-1]
+        direction = definite_sign(np.linalg.svd(np.vstack((rows, point)))[2][-1])
         x = np.concatenate((point / np.linalg.norm(point), direction, w))
         return self._corrected(x, x, None)
 
@@ -182,10 +185,12 @@ class Discriminant:
         return None
 
     def _tangent(self, x: Array, like: Array | None) -> Array:
-        """Return the unit tangent of the curve, in the direction of another one."""
+        """Return the unit tangent of the curve, in the direction of another one if there is one."""
         _, matrix = self._equations(x, *_units(x))
         tangent: Array = np.linalg.svd(matrix)[2][-1]
-        return tangent if like is None or tangent @ like > 0 else -tangent
+        if like is None:
+            return definite_sign(tangent)
+        return tangent if tangent @ like > 0 else -tangent
 
     def follow(self, start: Array) -> Curve:
         """Return the curve through a singular pose, up to the ends of the ranges."""
@@ -205,7 +210,8 @@ class Discriminant:
 
     def _one_way(self, start: Array, tangent: Array) -> tuple[list[Array], list[Array], bool]:
         """Follow the curve in one direction: its points, its cusps, and whether it closes."""
-        points, cusps = [start], []
+        points: list[Array] = [start]
+        cusps: list[Array] = []
         x, size = start, _FIRST
         while len(points) < _MOST_POINTS and size > _SHORTEST:
             step = self._step(x, tangent, size)
@@ -218,7 +224,10 @@ class Discriminant:
                 cusps += [] if cusp is None else [cusp]
             if ((new[16:] < 0) | (new[16:] > 1)).any():
                 end = self._cut(x, new)
-                return ([*points, end] if end is not None else points), cusps, False
+                # A curve that begins on the border ends there, up to rounding errors.
+                if end is not None and np.abs(end - x).max() > _BORDER:
+                    points.append(end)
+                return points, cusps, False
             points.append(new)
             if len(points) > 4 and _passes(x, new, start):
                 return [*points, start], cusps, True
@@ -255,7 +264,7 @@ class Discriminant:
             for bound in (0.0, 1.0):
                 if (x[k] - bound) * (new[k] - bound) < 0:
                     end = self.at_line(x, new, k - 16, bound)
-                    if end is not None and ((end[16:] > -1e-9) & (end[16:] < 1 + 1e-9)).all():
+                    if end is not None and ((end[16:] > -_BORDER) & (end[16:] < 1 + _BORDER)).all():
                         return end
         return None
 

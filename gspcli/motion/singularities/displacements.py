@@ -29,6 +29,7 @@ from gspcli.geometry.quaternions import (
     quaternion_from_rotation,
     rotation_from_quaternion,
 )
+from gspcli.ties import definite_vectors
 
 Array = NDArray[np.float64]
 
@@ -67,6 +68,7 @@ class Displacements:
         offsets = self.points - self.centre
         square = offsets.T @ offsets / len(self.points)
         moments, axes = np.linalg.eigh(np.trace(square) * np.eye(3) - square)
+        axes = definite_vectors(moments, axes)
         if not moments[0] > _LINE * moments[2]:
             message = "the points of the platform lie on a line, expected three that do not"
             raise ArgumentError(message, "points")

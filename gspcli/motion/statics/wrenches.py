@@ -19,6 +19,7 @@ from gspcli.geometry.quaternions import apply, cross
 from gspcli.geometry.residuals import condition_numbers, without_derivative
 from gspcli.motion.poses.inverse_kinematics import value_slopes
 from gspcli.records import dataclass
+from gspcli.ties import first_largest
 
 Array = NDArray[np.float64]
 
@@ -149,8 +150,10 @@ class Wrenches:
         return held
 
     @cached_property
-    def worst_force(self) -> tuple[Array, Array, Array]:
+    def worst_force(self) -> tuple[NDArray[np.int64], Array, Array]:
         """The direction of a unit force at the point that loads one constraint most.
+
+        Of constraints that are loaded equally the first is taken.
 
         Returns
         -------
@@ -160,7 +163,7 @@ class Wrenches:
         """
         columns = -self.inverse[..., 3:, :]
         sizes = np.linalg.norm(columns, axis=-2)
-        constraint = np.asarray(np.nan_to_num(sizes, nan=-1.0).argmax(axis=-1))
+        constraint = first_largest(np.nan_to_num(sizes, nan=-1.0))
         chosen = np.take_along_axis(columns, constraint[..., None, None], axis=-1)[..., 0]
         reaction = np.take_along_axis(sizes, constraint[..., None], axis=-1)[..., 0]
         return constraint, chosen / reaction[..., None], reaction

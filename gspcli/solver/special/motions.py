@@ -22,6 +22,7 @@ from gspcli.geometry.quaternions import (
 )
 from gspcli.geometry.tolerances import MEASURED_PARALLEL_SINE
 from gspcli.solver.results.pose_set import Motion
+from gspcli.ties import definite_basis
 
 Array = NDArray[np.float64]
 
@@ -159,8 +160,7 @@ class _System:
         """Return an orthonormal basis of the twists that change nothing, shape (k, 6)."""
         _, values, right = np.linalg.svd(self.equations(R, T)[1])
         values = np.concatenate((values, np.zeros(6)))[:6]
-        twists: Field = right[values < _KERNEL * values[0]].conj()
-        return twists
+        return definite_basis(right[values < _KERNEL * values[0]].conj().T).T
 
     def correct(self, R: Field, T: Field, kernel: int) -> tuple[Field, Field] | None:
         """Return the pose after shortest corrections, or None if they do not converge.
