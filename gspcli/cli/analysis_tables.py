@@ -46,6 +46,8 @@ def overview(entries: list[dict[str, Any]], given: Wrenches, more: Sequence[Colu
 
 def _line(entry: dict[str, Any], given: Wrenches) -> dict[str, Any]:
     """Return the most important numbers of a pose."""
+    from gspcli.ties import first_largest
+
     values = entry["singular_values"]
     plain = {key: value for key, value in entry.items() if not isinstance(value, list | dict)}
     if plain.get("mode") is None:
@@ -60,7 +62,7 @@ def _line(entry: dict[str, Any], given: Wrenches) -> dict[str, Any]:
                 if given.angles[k] == angles
             }
             if loads and None not in entry["reactions"]:
-                most = max(loads, key=loads.__getitem__)
+                most = list(loads)[int(first_largest(list(loads.values())))]
                 row |= {name: loads[most], f"{name}_in": most + 1}
     if "accuracy" in entry:
         row |= {key: entry["accuracy"][key] for key in ("worst_shift", "bound_shift")}
@@ -118,16 +120,18 @@ def _screws(entry: dict[str, Any], given: Wrenches, kinds: list[str]) -> Table:
         if "reactions" in entry:
             row["reaction"] = entry["reactions"][k]
         screws.append(row)
-    keys = ("fx", "fy", "fz", "mx", "my", "mz")
+    forces, moments = ("fx", "fy", "fz"), ("mx", "my", "mz")
     columns = [
         Column("number", "no.", align="right", essential=True),
         Column("kind", essential=True),
     ]
     if "reactions" in entry:
         columns.append(Column("reaction", align="right", essential=True))
-    columns += [Column(key, align="right", essential=True, aligned=True) for key in keys]
-    columns += [Column("pitch", align="right")]
-    columns += [Column(key, align="right") for key in ("px", "py", "pz")]
+    for keys, size in ((forces, 1.0), (moments, given.length)):
+        columns += [Column(key, "", "right", True, aligned=True, size=size) for key in keys]
+    columns += [
+        Column(key, align="right", size=given.length) for key in ("pitch", "px", "py", "pz")
+    ]
     notes = _notes(entry, given)
     return Table(columns, screws, title=given.instance.title, notes=notes, part="wrenches")
 

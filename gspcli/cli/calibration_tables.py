@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from gspcli.cli.output import Column, Table
+from gspcli.cli.output.tables import pose_columns
 from gspcli.cli.pose_options import frame_note
 from gspcli.wording import counted, listed
 
@@ -116,8 +117,10 @@ def calibration_document(result: Calibration) -> dict[str, Any]:
 
 def plan_table(plan: Plan, frame: PoseFrame) -> Table:
     """Return poses to measure, as expressed in a frame, with what the machine reads there."""
+    from gspcli.geometry.arrangement import Arrangement
+
     columns = [Column("t", align="right", essential=True)]
-    columns += [Column(key, align="right", essential=True, aligned=True) for key in _POSE]
+    columns += pose_columns(_POSE, Arrangement.of(plan.instance).length)
     columns += [
         Column(str(k), f"{k} {row.kind.name}", align="right", aligned=True, minor=1)
         for k, row in enumerate(plan.instance.constraints, 1)

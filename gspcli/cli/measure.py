@@ -158,14 +158,22 @@ def _rows(instance: Instance, table: PoseTable, values: list[list[float]]) -> li
     return rows
 
 
+def _sizes(instance: Instance) -> list[float]:
+    """Return typical sizes of the values: lengths of the platform, and a radian."""
+    from gspcli.geometry.arrangement import Arrangement
+
+    length, angle = Arrangement.of(instance).length, 1 / instance.units.angle.in_radians
+    return [length if row.kind.is_distance else angle for row in instance.constraints]
+
+
 def _table(
     instance: Instance, rows: list[dict[str, Any]], more: list[Column], summary: list[str]
 ) -> Table:
     kinds = [constraint.kind.name for constraint in instance.constraints]
     columns = [Column("t", align="right", essential=True)]
     columns += [
-        Column(str(k), f"{k} {name}", align="right", essential=True, aligned=True)
-        for k, name in enumerate(kinds, 1)
+        Column(str(k), f"{k} {name}", align="right", essential=True, aligned=True, size=size)
+        for k, (name, size) in enumerate(zip(kinds, _sizes(instance), strict=True), 1)
     ]
     columns += more
     units = instance.units

@@ -21,6 +21,8 @@ _TURN = ("qw", "qx", "qy", "qz")
 
 def scan_table(result: ScanResult, form: str, frame: PoseFrame) -> Table:
     """Return the table of the nodes, or that of the folds with poses as expressed in a frame."""
+    from gspcli.geometry.arrangement import Arrangement
+
     found, limits, instance = result.found, result.limits, result.found.instance
     rows = result.rows()
     if result.folds:
@@ -29,7 +31,8 @@ def scan_table(result: ScanResult, form: str, frame: PoseFrame) -> Table:
         columns = [Column("change", align="right", essential=True)]
         # People tell mirror images apart by their positions.
         shown = (*position, *_TURN) if form == "csv" else position
-        columns += [Column(key, align="right", minor=1, aligned=True) for key in shown]
+        size = Arrangement.of(instance).length
+        columns += [Column(key, align="right", minor=1, aligned=True, size=size) for key in shown]
     else:
         columns = [
             Column("modes", align="right", essential=True),

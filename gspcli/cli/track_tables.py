@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from gspcli.cli.limit_sentences import cones_notes
 from gspcli.cli.output import Column, Table
+from gspcli.cli.output.tables import pose_columns
 from gspcli.cli.pose_options import frame_note
 from gspcli.wording import counted
 
@@ -31,12 +32,11 @@ def track_table(
     frame: PoseFrame,
 ) -> Table:
     """Return the table of the rows, with what is proved of the track below it."""
+    from gspcli.geometry.arrangement import Arrangement
     from gspcli.motion.following.tracks import POSE
 
-    columns = [
-        Column(key, align="right", essential=True, aligned=key in POSE)
-        for key in ("t", "mode", *POSE)
-    ]
+    columns = [Column(key, align="right", essential=True) for key in ("t", "mode")]
+    columns += pose_columns(POSE, Arrangement.of(result.instance).length)
     columns.append(Column("condition", align="right"))
     columns += [
         Column(key, key.replace("_", " "), align="right", essential=True)
@@ -54,8 +54,8 @@ def track_table(
     kept = len(result.modes) - len(result.events)
     how = "proved" if result.certified else "not proved"
     note = (
-        f"{counted(len(result.modes), 'mode')}, {kept} of them from the first row to the last; "
-        f"{counted(result.segments, 'part')}, {how}"
+        f"{counted(len(result.modes), 'mode')}, {kept} of them from the first row to the last, "
+        f"{how}"
     )
     if result.complete:
         note += "; every real pose at the last row is accounted for"

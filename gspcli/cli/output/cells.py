@@ -14,6 +14,8 @@ _SMALLEST, _LARGEST = 1e-3, 1e5
 _FEWEST_DECIMALS = 2
 #: Components of a vector below this part of its size are rounding errors.
 _NOTHING = 1e-9
+#: Numbers of a column below this part of its size are rounding errors.
+_ROUNDING = 1e-12
 #: What a terminal would obey instead of showing: control characters, changes of direction.
 _OBEYED = re.compile("[\x00-\x1f\x7f-\x9f\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069]")
 
@@ -71,13 +73,18 @@ def vector_text(numbers: Sequence[float], digits: int = DIGITS, *, size: float =
 
 def column_texts(table: Table, column: Column, digits: int = DIGITS) -> list[str]:
     """Return the cells of a column as text, numbers with so many digits."""
-    values = [row.get(column.key) for row in table.rows]
+    values = [_cleared(row.get(column.key), column.size) for row in table.rows]
     decimals = column.decimals
     if decimals is None and column.aligned:
         decimals = _decimals([v for v in values if isinstance(v, float)], digits)
     if decimals is None:
         return [cell_text(value, digits) for value in values]
     return [_fixed(value, decimals, digits) for value in values]
+
+
+def _cleared(value: object, size: float) -> object:
+    """Return zero for a rounding error of numbers of a size, and everything else as it is."""
+    return 0.0 if isinstance(value, float) and abs(value) < _ROUNDING * size else value
 
 
 def _fixed(value: object, decimals: int, digits: int) -> str:

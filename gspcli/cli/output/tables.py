@@ -38,6 +38,9 @@ class Column:
         stand under each other.
     decimals
         So many decimals for each number, for any width; None for what `aligned` says.
+    size
+        Of a typical number: in tables for people what is far below it is a rounding error, and
+        zero. Otherwise one processor would show zero and another one 1e-17.
     """
 
     key: str
@@ -48,6 +51,7 @@ class Column:
     fold: str = ""
     aligned: bool = False
     decimals: int | None = None
+    size: float = 0.0
 
     @property
     def heading(self) -> str:
@@ -99,3 +103,20 @@ class Table:
             notes=list(map(convert, self.notes)),
             summary=list(map(convert, self.summary)),
         )
+
+
+def pose_columns(keys: Sequence[str], length: float) -> list[Column]:
+    """Return the columns of poses.
+
+    Parameters
+    ----------
+    keys
+        Three of the position, then four of the quaternion.
+    length
+        A typical length of the platform.
+    """
+    sizes = [length] * 3 + [1.0] * 4
+    return [
+        Column(key, align="right", essential=True, aligned=True, size=size)
+        for key, size in zip(keys, sizes, strict=True)
+    ]
