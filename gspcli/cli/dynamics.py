@@ -328,7 +328,7 @@ def _forward(
     emit(output, motion_table(found, form.frame), document=document)
     if not found.energy_error < 1e-6:
         message = (
-            f"the energy is off by {found.energy_error:.1g} of its changes: "
+            f"the energy is off by {found.shown_error:.0e} of its changes: "
             "the motion is not to be trusted"
         )
         raise GspError(message)

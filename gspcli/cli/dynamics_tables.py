@@ -2,21 +2,30 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from gspcli.cli.output import Column, Table
+from gspcli.cli.output.tables import pose_columns
 from gspcli.cli.pose_options import frame_note
 from gspcli.dynamics.arrays import plain
 from gspcli.dynamics.drive_forces import FORCES
 from gspcli.dynamics.forward import POSE
 from gspcli.dynamics.trajectories import ACCELERATION, VELOCITY
 from gspcli.dynamics.vibrations import FREQUENCIES
+from gspcli.geometry.arrangement import Arrangement
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from gspcli.cli.dynamics_rows import Asked
     from gspcli.dynamics import DriveForces, NaturalModes, SimulatedMotion
     from gspcli.geometry.frames import PoseFrame
     from gspcli.geometry.instance import Instance
+
+    Array = NDArray[np.float64]
 
 _TWIST = ("rx", "ry", "rz", "x", "y", "z")
 _ENERGIES = ("kinetic", "potential", "work")
@@ -48,10 +57,12 @@ def force_table(
         for key, unit in zip(torques, found.torque_units, strict=False)
     ]
     columns += [
-        Column(key, f"{key} {kind} [{unit}]", align="right", essential=not torques, aligned=True)
-        for key, kind, unit in zip(FORCES, kinds, found.units, strict=True)
+        Column(key, f"{key} {kind} [{unit}]", "right", not torques, aligned=True, size=size)
+        for key, kind, unit, size in zip(
+            FORCES, kinds, found.units, _sizes(found.forces, found.units), strict=True
+        )
     ]
-    columns.append(Column("power", "power [W]", align="right"))
+    columns.append(Column("power", "power [W]", "right", size=_size(found.powers)))
     notes = [f"{asked.how}; positive: the drive pushes towards a greater value"]
     if torques:
         notes.append("F1 ... F6 act along the rods; before them: what the drives do")
@@ -123,17 +134,31 @@ def motion_table(found: SimulatedMotion, frame: PoseFrame) -> Table:
     """Return a row for each time, whose columns `gsp dynamics` reads, as expressed in a frame."""
     instance = found.instance
     columns = [Column("t", align="right", essential=True)]
-    columns += [Column(key, align="right", essential=True, aligned=True) for key in POSE]
-    columns += [Column(key, align="right", minor=1) for key in VELOCITY]
-    columns += [Column(key, align="right", minor=3) for key in ACCELERATION]
-    columns += [Column(key, f"{key} [J]", align="right", minor=2) for key in _ENERGIES]
-    table = {key: column.tolist() for key, column in found.expressed(frame).items()}
+    numbers = found.expressed(frame)
+    columns += pose_columns(POSE, Arrangement.of(instance).length)
+    for keys, minor in ((VELOCITY, 1), (ACCELERATION, 3)):
+        for three in (keys[:3], keys[3:]):
+            size = max(_size(numbers[key]) for key in three)
+            columns += [Column(key, align="right", minor=minor, size=size) for key in three]
+    size = max(_size(numbers[key]) for key in _ENERGIES)
+    columns += [Column(key, f"{key} [J]", "right", minor=2, size=size) for key in _ENERGIES]
+    table = {key: column.tolist() for key, column in numbers.items()}
     rows = [dict(zip(table, row, strict=True)) for row in zip(*table.values(), strict=True)]
     units = instance.units
     moving = "the platform's origin" if frame.is_identity else "the point x y z"
     notes = [
         f"lengths in {units.length}, angles in {units.angle.value}, seconds; w v: angular velocity "
         f"and velocity of {moving}; alpha a: their derivatives",
-        f"the work of the drives is the change of the energy to {found.energy_error:.1g}",
+        f"the work of the drives is the change of the energy to {found.shown_error:.0e}",
     ]
     return Table(columns, rows, title=instance.title, notes=[*notes, *frame_note(frame)])
+
+
+def _size(numbers: Array) -> float:
+    """Return the largest modulus of numbers that are known, or zero."""
+    return float(np.nan_to_num(np.abs(numbers)).max(initial=0.0))
+
+
+def _sizes(numbers: Array, units: Sequence[str]) -> list[float]:
+    """Return for each column, shape (n, k), the largest modulus of those of the same unit."""
+    return [_size(numbers[:, [unit == other for other in units]]) for unit in units]

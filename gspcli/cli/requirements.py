@@ -96,9 +96,10 @@ def _measured(instance: Instance, name: str, values: Array, R: Array, T: Array) 
     if name in ("range", "cone", "transmission"):
         return _limits(instance, name, values, R, T)
     if name == "condition":
+        from gspcli.geometry.printed_numbers import printed_conditions
         from gspcli.geometry.residuals import condition_numbers
 
-        return condition_numbers(_arrangement(instance, R, T), R, T)
+        return printed_conditions(condition_numbers(_arrangement(instance, R, T), R, T))
     if name == "clearance":
         from gspcli.motion.singularities.clearances import clearances, range_weights
 

@@ -13,7 +13,7 @@ from gspcli.dynamics.drive_forces import inverse_dynamics
 from gspcli.errors import ArgumentError
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.lengths import METRES
-from gspcli.geometry.printed_numbers import printed_condition
+from gspcli.geometry.printed_numbers import printed_condition, printed_conditions
 from gspcli.motion.files.requirements import Parts
 from gspcli.motion.statics.accuracy import Accuracy, accuracy
 from gspcli.motion.statics.geometry_errors import GeometryAccuracy, geometry_accuracy
@@ -116,7 +116,7 @@ class Analysis:
 
     def quantities(self) -> dict[str, Array | Parts]:
         """Return the numbers that may be required (`gspcli.motion.files.requirements`)."""
-        found: dict[str, Array | Parts] = {"condition": self.given.conditions}
+        found: dict[str, Array | Parts] = {"condition": printed_conditions(self.given.conditions)}
         if self.reactions is not None:
             for name, chosen in (("force", ~self.given.angles), ("moment", self.given.angles)):
                 if chosen.any():

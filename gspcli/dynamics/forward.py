@@ -29,6 +29,7 @@ from gspcli.dynamics.trajectories import (
 from gspcli.errors import ArgumentError, GspError, IncompleteError
 from gspcli.geometry.frames import IDENTITY, PoseFrame
 from gspcli.geometry.instance import Instance
+from gspcli.geometry.printed_numbers import one_digit
 from gspcli.geometry.quaternions import (
     apply,
     dot,
@@ -45,6 +46,8 @@ Array = NDArray[np.float64]
 
 #: Relative accuracy of a step, and the absolute one in metres, radians and seconds.
 _RELATIVE, _ABSOLUTE = 1e-11, 1e-14
+#: Of the energy's changes: errors below this are those of rounding.
+_ROUNDING = 1e-12
 #: Calls of the equations of motion before a simulation is given up.
 _MOST_CALLS = 200_000
 #: After so many evaluations a motion ends that at this rate would need this many times the most.
@@ -92,7 +95,7 @@ class SimulatedMotion:
         name = self.instance.name or self.instance.type.id
         return (
             f"<SimulatedMotion of {name}: {self.t[-1] - self.t[0]:g} s in {len(self.t)} rows, "
-            f"energy off by {self.energy_error:.1g} of its changes>"
+            f"energy off by {self.shown_error:.0e} of its changes>"
         )
 
     @cached_property
@@ -102,6 +105,11 @@ class SimulatedMotion:
         parts = (self.kinetic, self.potential - self.potential[0], self.work)
         size = max(float(np.abs(part).max()) for part in parts)
         return float(np.abs(energy - energy[0] - self.work).max()) / (size or 1.0)
+
+    @property
+    def shown_error(self) -> float:
+        """An upper bound of `energy_error` with one digit, which rounding errors do not change."""
+        return one_digit(max(self.energy_error, _ROUNDING))
 
     @cached_property
     def quaternions(self) -> Array:
@@ -141,7 +149,7 @@ class SimulatedMotion:
         return {
             "schema": "gsp.dynamics-motion/1",
             **self.instance.to_json(),
-            "energy_error": self.energy_error,
+            "energy_error": self.shown_error,
             **({} if frame.is_identity else {"frames": frame.to_json()}),
             "rows": rows,
         }

@@ -44,8 +44,11 @@ def printed_residual(residual: float, length: float) -> float:
     """
     if not math.isfinite(residual):
         return residual
-    bound = max(residual, _ROUNDING * length)
-    # The next number of one digit: 1.4e-14 is written 2e-14.
+    return one_digit(max(residual, _ROUNDING * length))
+
+
+def one_digit(bound: float) -> float:
+    """Return the next number of one digit that is not less: 1.4e-14 becomes 2e-14."""
     power = math.floor(math.log10(bound)) if bound else 0
     digit = math.ceil(bound / 10.0**power) if bound else 0
     return float(f"{digit}e{power}")

@@ -84,7 +84,8 @@ class Stage:
             v = np.broadcast_to(arrangement.v[i], (n, 3))
             ends = connection(kind, p, w, x, v) if kind.is_distance else Ends(p, x, w, v)
             self.placed.append(_Placed(kind, ends, *names[i]))
-        self.size = self._size(arrangement) if size is None else size
+        #: Six digits, so that pages do not depend on rounding errors of poses.
+        self.size = float(f"{self._size(arrangement):.6g}") if size is None else size
         self.sizes = Sizes(_SQUARE * self.size, _RAY * self.size, _ARC * self.size)
 
     def _size(self, arrangement: Arrangement) -> float:
