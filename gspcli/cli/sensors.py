@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from gspcli.motion import PoseFormat, ValueTable
     from gspcli.sensing import Sensor
 
-_KINDS = ("leg", "coordinate", "joint", "inclinometer")
+_KINDS = ("leg", "coordinate", "joint", "inclinometer", "distance", "angle")
 
 
 @click.command()

@@ -88,8 +88,8 @@ def sensors(
         `gspcli.sensing.candidates` if None.
     sigma
         Standard deviations by the kind of sensor (``leg``, ``coordinate``, ``joint``,
-        ``inclinometer``), in the units of the instance. Without one, lengths have a thousandth of
-        the platform's size, and angles a tenth of a degree.
+        ``inclinometer``, ``distance``, ``angle``), in the units of the instance. Without one,
+        lengths have a thousandth of the platform's size, and angles a tenth of a degree.
     need
         The difference in standard deviations from which on modes count as distinguished.
     known_side
@@ -167,7 +167,8 @@ def default_sigmas(instance: Instance) -> dict[str, float]:
     length = float(f"{SIGMA_PART * size:.{_DIGITS}g}")
     angle = math.radians(SIGMA_DEGREES) / instance.units.angle.in_radians
     angle = float(f"{angle:.{_DIGITS}g}")
-    return {"leg": length, "coordinate": length, "joint": angle, "inclinometer": angle}
+    lengths = ("leg", "coordinate", "distance")
+    return {kind: length if kind in lengths else angle for kind in KINDS}
 
 
 def _sigmas(instance: Instance, given: Mapping[str, float]) -> dict[str, float]:

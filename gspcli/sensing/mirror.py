@@ -34,6 +34,7 @@ from gspcli.sensing.sensor_kinds import (
     JointSensor,
     LegSensor,
     Sensor,
+    ValueSensor,
 )
 
 Array = NDArray[np.float64]
@@ -116,7 +117,7 @@ class Mirror:
                 # Both directions in which the angle is measured must be kept.
                 plane = self.platform if sensor.body == "platform" else self.base
                 return plane.parity(sensor.axis) == -1
-            case Inclinometer():
+            case Inclinometer() | ValueSensor():
                 return False
 
     def image(self, R: Array, T: Array) -> tuple[Array, Array]:

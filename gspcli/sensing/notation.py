@@ -7,13 +7,15 @@ The grammar, with blanks between words::
                | "coordinate" direction place
                | "joint" leg ( "platform" | "base" ) "about" direction [ "from" direction ]
                | "inclinometer" [ direction ]
+               | ( "distance" | "angle" ) part part
+    part       = name | "(" number "," number "," number ")"
     place      = name | "(" number "," number "," number ")"
     direction  = "x" | "y" | "z" | "(" number "," number "," number ")"
 
-A place is a point of the instance file, or coordinates in the frame of its body. The first place of
-a leg, and the place of a coordinate, is on the platform. Numbers are written as in an instance
-file. The angle of a joint is measured from the z axis by default, or from the x axis if its axis is
-along z.
+A place is a point of the instance file, or coordinates in the frame of its body; a part is a point,
+a line or a plane. The first place of a leg, the first part of a distance or angle, and the place of
+a coordinate are on the platform. Numbers are written as in an instance file. The angle of a joint
+is measured from the z axis by default, or from the x axis if its axis is along z.
 """
 
 from __future__ import annotations
@@ -21,12 +23,13 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
-from gspcli.catalogue.kinds import DPP
+from gspcli.catalogue.kinds import DPP, KINDS_BY_NAME
 from gspcli.errors import ArgumentError
 from gspcli.geometry.coordinates import Body
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.numbers import Number, parse_number
-from gspcli.geometry.primitives import Point, Vector
+from gspcli.geometry.primitives import Geometry, Point, Vector
+from gspcli.geometry.ranges import wrong_value
 from gspcli.records import dataclass
 from gspcli.sensing.sensor_kinds import (
     AXES,
@@ -37,6 +40,7 @@ from gspcli.sensing.sensor_kinds import (
     LegSensor,
     Place,
     Sensor,
+    ValueSensor,
     checked_joint,
     usual_zero,
 )
@@ -48,6 +52,8 @@ _FORMS = {
     "coordinate": "coordinate z P1",
     "joint": "joint 1 base about x",
     "inclinometer": "inclinometer",
+    "distance": "distance P1 L2",
+    "angle": "angle L1 H2",
 }
 _EXAMPLE = "leg P7 B7 = 212.4 ± 0.1"
 _COUNTS = {1: "one number", 2: "two numbers, rx and ry"}
@@ -124,8 +130,8 @@ def parse_reading(text: str, instance: Instance) -> SensorReading:
     if len(values) != count:
         message = f"found {counted(len(values), 'number')}, expected {_COUNTS[count]}"
         raise ArgumentError(message, place)
-    if isinstance(sensor, LegSensor) and values[0] < 0:
-        message = f"found {values[0]:g}, expected a length of at least 0"
+    if wrong := _wrong(sensor, values[0], instance):
+        message = f"found {values[0]:g}, {wrong}"
         raise ArgumentError(message, place)
     word = _Word(sigma.strip(), start + len(given) + len(sign) + len(sigma) - len(sigma.lstrip()))
     deviation = _number(word)
@@ -135,17 +141,35 @@ def parse_reading(text: str, instance: Instance) -> SensorReading:
     return SensorReading(sensor, tuple(values), deviation)
 
 
+def _wrong(sensor: Sensor, value: float, instance: Instance) -> str:
+    """Return what is wrong with the value of a leg, a distance or an angle, or nothing."""
+    if isinstance(sensor, LegSensor):
+        return "" if value >= 0 else "expected a length of at least 0"
+    if not isinstance(sensor, ValueSensor) or sensor.measured.has_sides:
+        return ""
+    return wrong_value(sensor.measured, Number.of(value), instance.units.angle)
+
+
 def _check_new(sensor: Sensor, instance: Instance) -> None:
-    """Raise an error if a leg is one of the constraints: all modes have its value."""
-    if not isinstance(sensor, LegSensor):
+    """Raise an error if a sensor measures one of the constraints: all modes have its value."""
+    if not isinstance(sensor, LegSensor | ValueSensor):
         return
+    kind = DPP if isinstance(sensor, LegSensor) else sensor.measured
+    ends = sensor.platform.primitive(instance), sensor.base.primitive(instance)
     for number, row in enumerate(instance.constraints, 1):
-        if row.kind is DPP and (sensor.platform.exact(instance), sensor.base.exact(instance)) == (
-            row.platform.position,
-            row.base.position,
-        ):
-            message = f"found constraint {number}, expected another leg: all modes have its value"
+        if row.kind is kind and all(map(_same_place, ends, (row.platform, row.base))):
+            message = (
+                f"found constraint {number}, expected another {sensor.kind}: all modes have its "
+                "value"
+            )
             raise ArgumentError(message, "column 1")
+
+
+def _same_place(one: Geometry, other: Geometry) -> bool:
+    """Return whether two primitives of one body are at the same place, as stated."""
+    if isinstance(one, Point) or isinstance(other, Point):
+        return one.position == other.position
+    return one == other
 
 
 def _parts(text: str, start: int) -> Iterator[_Word]:
@@ -208,11 +232,32 @@ class _Words:
             return CoordinateSensor(self.direction(), self.place("platform"))
         if kind == "joint":
             return self.joint()
+        if kind in ("distance", "angle"):
+            return self.value(word, kind)
         if kind == "inclinometer":
             more = self.next < len(self.words)
             return Inclinometer(self.direction() if more else AXES["z"])
         forms = "; ".join(_FORMS.values())
         raise self.wrong(word, f"one of {forms}{suggestion(kind, KINDS)}")
+
+    def value(self, first: _Word, quantity: str) -> Sensor:
+        """Return the sensor of a distance or an angle of two primitives."""
+        here, there = self.part("platform"), self.part("base")
+        kinds = [place.primitive(self.instance).primitive for place in (here, there)]
+        name = quantity[0].upper() + "".join(kind.value for kind in kinds)
+        measured = KINDS_BY_NAME.get(name)
+        if measured is None:
+            what = " and ".join(f"a {kind.name.lower()}" for kind in kinds)
+            message = f"found {what}, which have no {quantity}"
+            raise ArgumentError(message, f"column {first.column}")
+        return LegSensor(here, there) if measured is DPP else ValueSensor(measured, here, there)
+
+    def part(self, body: Body) -> Place:
+        """Return a point, a line or a plane of a body."""
+        named = self.instance.named(body)
+        if self.next < len(self.words) and self.words[self.next].text in named:
+            return Place(body, self.take("").text)
+        return self.place(body, "point, line or plane")
 
     def joint(self) -> JointSensor:
         """Return the sensor of a joint's angle."""
@@ -251,22 +296,26 @@ class _Words:
             raise self.wrong(word, "a direction: any nonzero vector")
         return found
 
-    def place(self, body: Body) -> Place:
-        """Return a point of a body."""
-        word = self.take(f"a point of the {body}, or (x, y, z)")
+    def place(self, body: Body, what: str = "point") -> Place:
+        """Return a point of a body; `what` is expected, in words."""
+        word = self.take(f"a {what} of the {body}, or (x, y, z)")
         if word.text.startswith("("):
             return Place(body, position=self.vector(word))
         named = self.instance.named(body)
-        points = [name for name, geometry in named.items() if isinstance(geometry, Point)]
+        points = [
+            name
+            for name, geometry in named.items()
+            if isinstance(geometry, Point) or what != "point"
+        ]
         if word.text in points:
             return Place(body, word.text)
         other = self.instance.named("base" if body == "platform" else "platform")
         hint = suggestion(word.text, points) or (f": {listed(points)}" if len(points) > 1 else "")
         if word.text in other:
-            hint = ": of a leg the platform's point comes first, the base's second"
+            hint = ": the platform's comes first, the base's second"
         elif word.text in named:
             hint = f": {word.text} is no point"
-        raise self.wrong(word, f"a point of the {body}, or (x, y, z)" + hint)
+        raise self.wrong(word, f"a {what} of the {body}, or (x, y, z)" + hint)
 
     def vector(self, word: _Word) -> Vector:
         """Return the vector that is written between parentheses."""

@@ -12,11 +12,13 @@ from typing import ClassVar, Literal, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.catalogue.kinds import DPP
+from gspcli.catalogue.kinds import DLL, DPP, Kind
 from gspcli.errors import ArgumentError
+from gspcli.geometry.arrangement import Bodies
 from gspcli.geometry.coordinates import Body
 from gspcli.geometry.instance import Instance
-from gspcli.geometry.primitives import Point, Vector, as_array, unit_vectors, vector
+from gspcli.geometry.measurement import measured
+from gspcli.geometry.primitives import Geometry, Point, Vector, as_array, unit_vectors, vector
 from gspcli.geometry.quaternions import apply, cross, dot
 from gspcli.geometry.tolerances import MEASURED_PARALLEL_SINE
 from gspcli.records import dataclass
@@ -61,6 +63,12 @@ class Place:
     def at(self, instance: Instance) -> Array:
         """Return the coordinates in floating point, shape (3,)."""
         return as_array(self.exact(instance))
+
+    def primitive(self, instance: Instance) -> Geometry:
+        """Return what has the name, which may be a line or a plane, or else the point."""
+        if self.position is not None:
+            return Point(self.position)
+        return instance.named(self.body)[self.name]
 
 
 def vector_text(numbers: Vector) -> str:
@@ -233,10 +241,64 @@ class Inclinometer:
         return np.asarray(angle / unit)
 
 
-Sensor: TypeAlias = LegSensor | CoordinateSensor | JointSensor | Inclinometer
-KINDS = ("leg", "coordinate", "joint", "inclinometer")
+@dataclass(frozen=True)
+class ValueSensor:
+    """What a seventh constraint would measure: a distance or an angle of any of the ten kinds.
+
+    Distances to planes are signed: positive on the side to which the normal points.
+
+    Attributes
+    ----------
+    measured
+        The kind of constraint.
+    platform, base
+        Its primitives.
+    """
+
+    measured: Kind
+    platform: Place
+    base: Place
+
+    @property
+    def kind(self) -> str:
+        """``distance`` or ``angle``."""
+        return "distance" if self.measured.is_distance else "angle"
+
+    @property
+    def group(self) -> str:
+        """The group of the sensor."""
+        return self.kind
+
+    @property
+    def unit(self) -> Unit:
+        """The unit of its readings."""
+        return "length" if self.measured.is_distance else "angle"
+
+    def __str__(self) -> str:
+        return f"{self.kind} {self.platform} {self.base}"
+
+    def read(self, instance: Instance, R: Array, T: Array) -> Array:
+        """Return the value at poses, ``(..., 3, 3), (..., 3) -> (..., 1)``."""
+        (y, u), (x, v) = (
+            _point_and_direction(place.primitive(instance)) for place in (self.platform, self.base)
+        )
+        bodies = Bodies((self.measured,), y[None], x[None], u[None], v[None])
+        values = measured(bodies, R, T)
+        if self.measured is DLL:
+            values = np.abs(values)
+        unit = 1.0 if self.measured.is_distance else instance.units.angle.in_radians
+        return np.asarray(values / unit)
+
+    def apart(self, instance: Instance, a: Array, b: Array) -> Array:
+        """Return the difference of readings, ``(..., 1), (..., 1) -> (...)``."""
+        del instance
+        return np.abs(a - b)[..., 0]
+
+
+Sensor: TypeAlias = LegSensor | CoordinateSensor | JointSensor | Inclinometer | ValueSensor
+KINDS = ("leg", "coordinate", "joint", "inclinometer", "distance", "angle")
 #: The groups in tables: legs between named points are separate from those to other points.
-GROUPS = ("leg", "leg to a point", "coordinate", "joint", "inclinometer")
+GROUPS = ("leg", "leg to a point", "coordinate", "joint", "inclinometer", "distance", "angle")
 
 
 def checked_joint(instance: Instance, sensor: JointSensor) -> JointSensor:
@@ -257,6 +319,12 @@ def checked_joint(instance: Instance, sensor: JointSensor) -> JointSensor:
         message = "found an axis along the direction of zero: give another after from"
         raise ArgumentError(message)
     return sensor
+
+
+def _point_and_direction(geometry: Geometry) -> tuple[Array, Array]:
+    """Return a point of a primitive, and its unit direction or normal, zero of a point."""
+    direction = np.zeros(3) if isinstance(geometry, Point) else geometry.unit
+    return as_array(geometry.position), direction
 
 
 def _verticals(angles: Array) -> Array:

@@ -281,3 +281,91 @@ def test_the_side_of_a_plane_is_that_of_the_instance():
 def test_infinitely_many_poses_are_no_modes():
     with pytest.raises(NotFiniteError):
         gspcli.sensors(shipped("three-vee-250mm"))
+
+
+SPARE = """\
+gsp: 1
+units: {length: mm, angle: deg}
+platform:
+  P1: {point: [0, 0, 0]}
+  L1: {line: {point: [3, 1, 0], direction: [1, 2, 2]}}
+  H1: {plane: {point: [1, 1, 4], normal: [2, -1, 2]}}
+base:
+  B1: {point: [10, 0, 0]}
+  M1: {line: {point: [0, 9, 1], direction: [4, 0, 3]}}
+  G1: {plane: {point: [0, 0, -7], normal: [0, 3, 4]}}
+constraints:
+"""
+PAIRS = {
+    "distance P1 M1": "DPL",
+    "distance L1 B1": "DLP",
+    "distance P1 G1": "DPH",
+    "distance H1 B1": "DHP",
+    "distance L1 M1": "DLL",
+    "angle L1 M1": "ALL",
+    "angle L1 G1": "ALH",
+    "angle H1 M1": "AHL",
+    "angle H1 G1": "AHH",
+}
+
+
+def spare(*rows):
+    lines = [f"  - {{{what}: [{a}, {b}], value: 5}}\n" for what, a, b in map(str.split, rows)]
+    return gspcli.loads(SPARE + "".join(lines))
+
+
+@pytest.mark.parametrize("text", PAIRS)
+def test_a_distance_or_an_angle_reads_what_a_constraint_would(text):
+    others = [row for row in ("distance P1 B1", *PAIRS) if row != text]
+    without, within = spare(*others[:6]), spare(text, *others[:5])
+    sensor = parse_sensor(text, without)
+    assert str(sensor) == text
+    assert sensor.measured.name == PAIRS[text]
+    rng = np.random.default_rng(1)
+    R, T = rotation_from_vector(rng.normal(size=(9, 3))), rng.normal(size=(9, 3)) * 20
+    found, expected = sensor.read(without, R, T)[:, 0], measure(within, R, T)[:, 0]
+    np.testing.assert_allclose(found, expected, rtol=1e-13)
+    assert sensor.apart(without, np.array([3.0]), np.array([5.0])) == 2
+    with pytest.raises(ArgumentError, match="found constraint 1, expected another"):
+        parse_sensor(text, within)
+
+
+def test_a_distance_of_two_points_is_a_leg():
+    platform = spare(*list(PAIRS)[:6])
+    assert str(parse_sensor("distance P1 B1", platform)) == "leg P1 B1"
+    assert str(parse_sensor("distance P1 (1, 2, 3)", platform)) == "leg P1 (1, 2, 3)"
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("distance H1 M1 = 1 +- 1", "column 1: found a plane and a line, which have no distance"),
+        ("angle P1 M1 = 1 +- 1", "column 1: found a point and a line, which have no angle"),
+        ("distance M1 B1 = 1 +- 1", "column 10: found 'M1', expected a point, line or plane of"),
+        ("distance L1 B1 = -1 +- 1", "column 18: found -1, expected a distance of at least 0"),
+        ("angle L1 M1 = 181 +- 1", "column 15: found 181, expected an angle of LL from 0 to 180"),
+        ("angle H1 = 1 +- 1", "column 9: found no more words, expected a point, line or plane"),
+    ],
+)
+def test_mistakes_of_distances_and_angles(text, message):
+    with pytest.raises(ArgumentError, match=message):
+        parse_reading(text, spare(*list(PAIRS)[2:5], *list(PAIRS)[6:9]))
+
+
+def test_a_distance_to_a_plane_has_a_sign():
+    platform = spare("distance P1 B1", *list(PAIRS)[:2], *list(PAIRS)[3:6])
+    assert parse_reading("distance P1 G1 = -2 +- 1", platform).values == (-2.0,)
+
+
+def test_a_point_and_a_line_tell_modes_apart():
+    given = spare("distance P1 B1", *list(PAIRS)[1:3], *list(PAIRS)[6:9])
+    R, T = rotation_from_vector(np.array([0.3, -0.2, 0.5])), np.array([4.0, 3.0, 25.0])
+    values = measure(given, R, T)
+    at = gspcli.set_values(given, {k + 1: abs(x) for k, x in enumerate(values)})
+    result = gspcli.solve(at)
+    near = [np.abs(one.T - T).max() < 1e-9 for one in result.real_solutions]
+    assert sum(near) == 1
+    reading = parse_sensor("distance P1 M1", at).read(at, R, T)[0]
+    fit = gspcli.fit_readings(result, [f"distance P1 M1 = {float(reading)!r} +- 0.001"])
+    assert len(near) > 1
+    assert fit.mode == near.index(True) + 1
