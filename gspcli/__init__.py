@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from gspcli.atlas.count_summary import atlas_summary
+    from gspcli.atlas.platform_counts import count
     from gspcli.calibration import calibrate
     from gspcli.calibration.identifying import identify
     from gspcli.catalogue.bounds import family_bounds, type_bounds
@@ -28,7 +29,6 @@ if TYPE_CHECKING:
     from gspcli.catalogue.mechanism import mechanism
     from gspcli.catalogue.names import parse_class, parse_kind, parse_kind_set, parse_type
     from gspcli.catalogue.types import Family, GspType, all_types
-    from gspcli.certification.counting.count_results import count
     from gspcli.dynamics import forward_dynamics, inverse_dynamics, natural_modes, simulate
     from gspcli.dynamics.analyses import analyze
     from gspcli.errors import ArgumentError, GspError, SpecError
@@ -104,7 +104,7 @@ _HOMES = {
     "clearance": "gspcli.motion.singularities.clearance_results",
     "coincident_types": "gspcli.catalogue.coincidence",
     "constraint_facts": "gspcli.catalogue.constraints",
-    "count": "gspcli.certification.counting.count_results",
+    "count": "gspcli.atlas.platform_counts",
     "derive": "gspcli.symbolic.derivation",
     "distance": "gspcli.geometry.building",
     "dump": "gspcli.spec",

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from gspcli import __version__
 from gspcli.cli.names import load_instance, read_type
 from gspcli.cli.number_types import Positive, seed_option
 from gspcli.cli.output import Column, Output, Table, emit, output_options
@@ -140,39 +140,27 @@ def _count_specs(
 def _row(
     spec: str, instance: Instance, exact: ExactCount | None, geometry: ExactCount | None
 ) -> dict[str, Any]:
+    from gspcli.certification.counting.count_results import proof_text
+
     row: dict[str, Any] = {"spec": spec, "type_count": instance.expected}
     if geometry is not None:
-        row |= {"geometry_count": geometry.solutions, "geometry_proof": _words(geometry.error)}
+        row |= {"geometry_count": geometry.solutions, "geometry_proof": proof_text(geometry.error)}
     if exact is not None:
         row |= {
             "exact_count": exact.solutions,
             "distinct": exact.distinct,
             "finite": exact.finite,
-            "proof": _words(exact.error),
+            "proof": proof_text(exact.error),
         }
     return row
-
-
-def _words(error: float) -> str:
-    return "proved" if error == 0 else f"random prime, error below {_rounded_up(error)}"
-
-
-def _rounded_up(error: float) -> str:
-    """Return a power of ten that is not less."""
-    power = next(k for k in range(-17, 1) if error <= float(f"1e{k}"))
-    return f"1e{power}"
 
 
 def _count_geometries(
     gsp_type: GspType, names: str, limit: float, seed: int, output: Output
 ) -> None:
-    from gspcli.atlas.geometries import CLASSES, random_geometry
-    from gspcli.catalogue.counts import generic_counts
-    from gspcli.catalogue.kinds import DPP
-    from gspcli.certification.counting import NotCountedError, count_geometry
+    from gspcli.atlas.platform_counts import count_type, possible_geometries
 
-    six_legs = set(gsp_type.kinds) == {DPP}
-    possible = [name for name, c in CLASSES.items() if c.points is None or six_legs]
+    possible = possible_geometries(gsp_type)
     chosen = possible if names == "all" else [name.strip() for name in names.split(",")]
     for name in chosen:
         if name not in possible:
@@ -180,27 +168,10 @@ def _count_geometries(
                 f"found --geometry {shown(name)}, expected of {gsp_type.id}: {', '.join(possible)}"
             )
             raise click.BadParameter(message)
-    rows = []
-    for name in progress(chosen, total=len(chosen), label="counting solutions"):
-        row: dict[str, Any] = {"geometry": name, "meaning": CLASSES[name].meaning}
-        instance = random_geometry(gsp_type, CLASSES[name], seed)
-        try:
-            count = count_geometry(instance, seed=seed, limit=limit)
-        except NotCountedError:
-            if name != "generic":
-                raise
-            # What almost every platform has is proved for the type, however large.
-            number = generic_counts(gsp_type).two_sided
-            row |= {"count": number, "distinct": number, "proof": "proved for the type"}
-            rows.append(row | {"modulo_random_prime": False})
-            continue
-        row |= {"count": count.solutions, "distinct": count.distinct, "proof": _words(count.error)}
-        rows.append(row | {"modulo_random_prime": count.error or False})
-    document = {
-        "schema": "gsp.count-geometries/1",
-        "type": gsp_type.to_json(),
-        "geometries": rows,
-        "seed": seed,
-        "version": __version__,
-    }
-    emit(output, Table(_GEOMETRY_COLUMNS, rows, title=gsp_type.id), document=document)
+
+    def shown_progress(these: Sequence[str]) -> Iterable[str]:
+        return progress(these, total=len(these), label="counting solutions")
+
+    found = count_type(gsp_type, chosen, limit, seed, shown_progress)
+    table = Table(_GEOMETRY_COLUMNS, found.rows(), title=gsp_type.id)
+    emit(output, table, document=found.to_json())

@@ -118,3 +118,11 @@ def count(instance: Instance, *, effort: float = LONG_COUNT, seed: int = SEED) -
 
 def _proof(error: float | None) -> dict[str, Any] | None:
     return None if error is None else {"modulo_random_prime": error or False}
+
+
+def proof_text(error: float) -> str:
+    """Return in words how sure a count is; the error is rounded up to a power of ten."""
+    if error == 0:
+        return "proved"
+    power = next(k for k in range(-17, 1) if error <= float(f"1e{k}"))
+    return f"random prime, error below 1e{power}"
