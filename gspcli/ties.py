@@ -30,6 +30,11 @@ def first_smallest(values: ArrayLike, axis: int = -1) -> NDArray[np.int64]:
     return first_largest(-np.asarray(values, float), axis)
 
 
+def definite_signs(vector: Field) -> NDArray[np.float64]:
+    """Return 1 or -1 for each entry of a real vector; rounding errors about zero have 1."""
+    return np.where(vector < -ALIKE * np.abs(vector).max(initial=0.0), -1.0, 1.0)
+
+
 def definite_sign(vectors: Field) -> Field:
     """Return vectors, shape (..., n), times what makes the first largest entry positive.
 

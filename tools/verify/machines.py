@@ -18,6 +18,7 @@ import csv
 import io
 import json
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -48,6 +49,11 @@ ROUNDED = ("condition", "residual")
 EFFORT = ("parts",)
 #: Other numbers of JSON and CSV agree to this part of the largest beside them.
 _AGREE = 1e-9
+
+#: What a page shows, as data in one line of it.
+_SCENE = re.compile(r'(<script type="application/json" id="\w+">)(.*)</script>')
+#: So much of a line is named before a difference, and after it.
+_SHOWN = 60
 
 Outputs = dict[str, str]
 
@@ -84,9 +90,20 @@ def differences(first: str, second: str) -> list[str]:
         one, other = parsed(first), parsed(second)
         if one is not None and other is not None:
             return list(_apart(one, other, "", 0.0))
-    lines = zip(first.splitlines(), second.splitlines(), strict=False)
-    differing = next(((a, b) for a, b in lines if a != b), ("", "another number of lines"))
-    return [f"{differing[0]!r} is not {differing[1]!r}"]
+    lines = first.splitlines(), second.splitlines()
+    if len(lines[0]) != len(lines[1]):
+        return ["another number of lines"]
+    return [remark for a, b in zip(*lines, strict=True) if a != b for remark in _of_line(a, b)]
+
+
+def _of_line(one: str, other: str) -> list[str]:
+    """Return how two lines differ; in a page the data of a scene are compared as JSON."""
+    parts, others = _SCENE.fullmatch(one), _SCENE.fullmatch(other)
+    if parts and others and parts[1] == others[1]:
+        return differences(parts[2], others[2])
+    k = next((k for k, (a, b) in enumerate(zip(one, other, strict=False)) if a != b), 0)
+    near = slice(max(0, k - _SHOWN), k + _SHOWN)
+    return [f"{one[near]!r} is not {other[near]!r}"]
 
 
 def _json(text: str) -> object | None:

@@ -28,7 +28,7 @@ from gspcli.motion.poses.inverse_kinematics import value_slopes, values_at
 from gspcli.motion.singularities.enclosures import Neighbourhood
 from gspcli.progress import Progress, silent
 from gspcli.records import dataclass
-from gspcli.ties import definite_vectors, first_smallest
+from gspcli.ties import definite_signs, definite_vectors, first_smallest
 
 Array = NDArray[np.float64]
 
@@ -315,7 +315,10 @@ def _directions(
     rng = np.random.default_rng(seed)
     for k in range(starts):
         vector = left[:, -1 - k // 2] if k < 6 else rng.normal(size=6)
-        yield np.where(vector < 0, -1.0, 1.0) * (1 if k % 2 else -1)
+        sense = 1 if k % 2 else -1
+        yield definite_signs(vector) * sense
+        # Where an entry is zero, as for symmetric platforms, the other sign is tried, too.
+        yield -definite_signs(-vector) * sense
 
 
 def _range_end(instance: Instance, values: Array, units: Array, lower: float) -> Clearance:
@@ -356,4 +359,4 @@ def _along(
     rows = value_slopes(Arrangement.of(instance), event.R, event.T)
     normal = np.linalg.svd(rows)[0][:, -1]
     outward = normal * np.sign(normal @ step)
-    return (event.high - 1) * reach, event, np.where(outward < 0, -1.0, 1.0)
+    return (event.high - 1) * reach, event, definite_signs(outward)
