@@ -90,6 +90,7 @@ STANDARD_LIBRARY_ONLY |= {"records"}
 #: that a notebook shows of a result.
 EXCEPTIONS = {
     "gspcli.__version__": {
+        "atlas",
         "certification",
         "cli",
         "export",

@@ -42,6 +42,18 @@ def test_the_same_holds_for_csv() -> None:
     assert differences(CSV, CSV.replace("2.5", "2.6"))
 
 
+def test_numbers_of_steps_may_differ() -> None:
+    assert differences('{"parts": 753, "modes": [1]}', '{"parts": 755, "modes": [1]}') == []
+    assert differences('{"parts": 753, "modes": [1]}', '{"parts": 755, "modes": [2]}')
+
+
+def test_the_scene_of_a_page_is_compared_as_data() -> None:
+    page = '<p>8 modes</p>\n<script type="application/json" id="scene">{"T": [1.5]}</script>\n'
+    assert differences(page, page.replace("1.5", "1.5000000000001")) == []
+    assert differences(page, page.replace("1.5", "1.6")) == ["T: 1.5 is not 1.6"]
+    assert differences(page, page.replace("8", "7")) == ["'<p>8 modes</p>' is not '<p>7 modes</p>'"]
+
+
 @pytest.mark.parametrize("machine", BY_NAME)
 def test_the_kernel_has_the_build_of_its_machine(machine: str) -> None:
     code = "from gspcli import _kernel; print(_kernel.build())"
