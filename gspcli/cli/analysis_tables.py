@@ -9,8 +9,10 @@ from gspcli.cli.output import Column, Table
 from gspcli.cli.output.cells import vector_text
 
 if TYPE_CHECKING:
+    from gspcli.geometry.drives import Drives
     from gspcli.motion.statics.wrenches import Wrenches
 
+_TRANSMISSION = "transmission: the part of a motor's motion along its rod, 0 at a dead point"
 _TWIST = ("rx", "ry", "rz", "x", "y", "z")
 _WRENCH = ("mx", "my", "mz", "fx", "fy", "fz")
 
@@ -22,6 +24,9 @@ def overview(entries: list[dict[str, Any]], given: Wrenches, more: Sequence[Colu
         Column("t", align="right"),
         Column("mode", align="right", essential=True),
         Column("condition", align="right", essential=True),
+        Column("transmission", align="right", essential=True),
+        Column("torque", "largest torque", align="right", essential=True),
+        Column("torque_of", "of", essential=True),
         Column("manipulability", align="right", minor=2),
         Column("largest", "largest σ", align="right", minor=3),
         Column("smallest", "smallest σ", align="right", minor=3),
@@ -64,6 +69,10 @@ def _line(entry: dict[str, Any], given: Wrenches) -> dict[str, Any]:
             if loads and None not in entry["reactions"]:
                 most = list(loads)[int(first_largest(list(loads.values())))]
                 row |= {name: loads[most], f"{name}_in": most + 1}
+    if given.drives is not None and "torques" in entry and None not in entry["torques"]:
+        sizes = list(map(abs, entry["torques"]))
+        most = sizes.index(max(sizes))
+        row |= {"torque": sizes[most], "torque_of": given.drives.names[most]}
     if "accuracy" in entry:
         row |= {key: entry["accuracy"][key] for key in ("worst_shift", "bound_shift")}
     if "geometry" in entry:
@@ -79,6 +88,10 @@ def _explained(row: dict[str, Any], given: Wrenches) -> list[str]:
     ]
     if "force" in row or "moment" in row:
         notes.append("largest force, moment: in a constraint under the load, and in which")
+    if "transmission" in row:
+        notes.append(_TRANSMISSION)
+    if "torque" in row:
+        notes.append(f"largest torque: of cranks force times {unit}, of slides a force")
     if "least_stiffness" in row:
         notes.append("least stiffness: a force at the point by the shift that it causes")
     if "worst_shift" in row or "geometry_shift" in row:
@@ -86,6 +99,35 @@ def _explained(row: dict[str, Any], given: Wrenches) -> list[str]:
             f"errors in {unit}: the largest of the point, from the values and the geometry"
         )
     return notes + _weights(given)
+
+
+def drives_table(entry: dict[str, Any], drives: Drives) -> Table:
+    """Return a line for each drive of one pose."""
+    rows = []
+    for k, name in enumerate(drives.names):
+        users = drives.users(k)
+        shares = [entry["transmissions"][user] for user in users]
+        row = {
+            "drive": name,
+            "rods": " ".join(str(user + 1) for user in users),
+            "at": entry["drives"][k],
+            "transmission": None if None in shares else min(shares),
+        }
+        if "torques" in entry:
+            row["torque"] = entry["torques"][k]
+        rows.append(row)
+    columns = [
+        Column("drive", essential=True),
+        Column("rods", essential=True),
+        Column("at", align="right", essential=True, aligned=True),
+        Column("transmission", align="right", essential=True, aligned=True),
+    ]
+    units = drives.instance.units
+    notes = [f"at: in {units.angle.value} or {units.length} from where it is stated", _TRANSMISSION]
+    if "torques" in entry:
+        columns.append(Column("torque", align="right", essential=True, aligned=True))
+        notes.append(f"torque: of cranks force times {units.length}, of slides a force")
+    return Table(columns, rows, title="Drives", notes=notes, part="drives")
 
 
 def details(entry: dict[str, Any], given: Wrenches) -> list[Table]:

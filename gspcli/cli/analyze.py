@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from gspcli.cli.analysis_tables import details, overview
+from gspcli.cli.analysis_tables import details, drives_table, overview
 from gspcli.cli.mode_option import HOME, Mode, mode_option
 from gspcli.cli.names import load_instance
 from gspcli.cli.number_types import Positive
@@ -105,19 +105,22 @@ def command(
     constraint, a force along an axis with a pitch, or a couple for angles; the derivatives of the
     values by a twist (rotation in radians about the axes through the point, velocity of the point)
     and their inverse; singular values and manipulability of the matrix with lengths divided by the
-    stated length, and the condition number that `gsp solve` gives.
+    stated length, and the condition number that `gsp solve` gives. With cranks or slides in SPEC
+    also where they are, and their transmission: how much of their motion acts along their rods.
 
     With --load the forces in the constraints (positive: it pushes towards a greater value) and
-    moments for angles; with --stiffness that of the platform; with --tolerance (or tolerance: in
-    SPEC) the largest errors of the pose: exact to first order, with a proved bound that includes
-    second order, and root mean squares for independent errors. With --geometry-tolerance those
-    when the points, lines and planes are not quite where SPEC says: largest ones and root mean
-    squares, exact to first order. Of many poses there is a column for each: the largest force, the
-    least stiffness of the point, the largest errors of the point.
+    moments for angles, and the torques of cranks and forces of slides that hold it; with
+    --stiffness that of the platform; with --tolerance (or tolerance: in SPEC) the largest errors
+    of the pose: exact to first order, with a proved bound that includes second order, and root
+    mean squares for independent errors. With --geometry-tolerance those when the points, lines and
+    planes are not quite where SPEC says: largest ones and root mean squares, exact to first order.
+    Of many poses there is a column for each: the largest force, the least stiffness of the point,
+    the largest errors of the point.
 
     With --require, as 'range, cone, condition<=50, force<=200', the worst row of each is named and
     the exit code is 1 unless all keep it; range, cone, condition, clearance and pose-clearance are
-    always known, force and moment with --load, stiffness with --stiffness, error with --tolerance.
+    always known, transmission with cranks or slides, force, moment and torque with --load,
+    stiffness with --stiffness, error with --tolerance.
 
     \b
     Examples:
@@ -149,8 +152,12 @@ def command(
         wanted = analysis.entry if detailed else analysis.brief
         entries = [{**name, **wanted(k)} for k, name in enumerate(names)]
     known = analysis.quantities() if requirements else None
+    statics = analysis.statics
     verdicts, more = judged(instance, requirements, given.R, given.T, entries, known)
+    more = [column for column in more if column.key != "transmission"]
     tables = details(entries[0], given) if detailed else [overview(entries, given, more)]
+    if statics is not None and detailed:
+        tables.insert(1, drives_table(entries[0], statics.drives))
     if output.format in _READABLE:
         tables = [replace(table, rows=[_tidy(row) for row in table.rows]) for table in tables]
     if verdicts:
@@ -174,8 +181,16 @@ def _analysis(
 ) -> Analysis:
     """Return what the options ask for."""
     from gspcli.dynamics.analyses import analyze
+    from gspcli.geometry.drive_numbers import is_driven
 
     force, at = (None, None) if load is None else _load(load)
+    drives = None
+    if is_driven(instance) and asked.modes and asked.modes[0] is not None:
+        from gspcli.geometry.drives import Drives
+
+        # Modes are poses of the values of SPEC, with all points where they are stated.
+        machine = Drives.of(instance)
+        drives = machine.readings([0.0] * machine.count)
     return analyze(
         instance,
         asked.R,
@@ -187,6 +202,7 @@ def _analysis(
         geometry_tolerance=_geometry(geometry_tolerance),
         point=_given(point, (3,), "--point"),
         length=length,
+        drives=drives,
     )
 
 

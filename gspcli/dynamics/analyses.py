@@ -11,11 +11,15 @@ from numpy.typing import ArrayLike, NDArray
 from gspcli.dynamics.arrays import make_read_only
 from gspcli.dynamics.drive_forces import inverse_dynamics
 from gspcli.errors import ArgumentError
+from gspcli.geometry.drive_numbers import is_driven
+from gspcli.geometry.drives import Drives
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.lengths import METRES
 from gspcli.geometry.printed_numbers import printed_condition, printed_conditions
 from gspcli.motion.files.requirements import Parts
+from gspcli.motion.poses.cranks import drive_values
 from gspcli.motion.statics.accuracy import Accuracy, accuracy
+from gspcli.motion.statics.driven_statics import DrivenStatics
 from gspcli.motion.statics.geometry_errors import GeometryAccuracy, geometry_accuracy
 from gspcli.motion.statics.wrenches import Wrenches, wrenches
 from gspcli.records import dataclass
@@ -55,6 +59,11 @@ class Analysis:
         The matrices, shape (n, 6, 6), and the least of the point, shape (n,).
     errors, shape
         From tolerances of the values, and from those of the geometry.
+    statics
+        The cranks and slides, their gains and transmissions; None if all drives are values.
+    torques
+        What the drives do to hold a load, shape (n, m): of cranks force times length, of slides and
+        distances forces.
     """
 
     given: Wrenches
@@ -63,9 +72,11 @@ class Analysis:
     least_stiffness: Array | None = None
     errors: Accuracy | None = None
     shape: GeometryAccuracy | None = None
+    statics: DrivenStatics | None = None
+    torques: Array | None = None
 
     def __post_init__(self) -> None:
-        for part in (self, self.given, self.errors, self.shape):
+        for part in (self, self.given, self.errors, self.shape, self.statics):
             if part is not None:
                 make_read_only(part)
 
@@ -86,6 +97,11 @@ class Analysis:
         columns = {"condition": given.conditions, "manipulability": given.manipulability}
         if self.reactions is not None:
             columns |= {str(k): column for k, column in enumerate(self.reactions.T, 1)}
+        if self.statics is not None:
+            columns["transmission"] = self.transmissions
+            if self.torques is not None:
+                motors = [f"torque.{name}" for name in self.statics.drives.names]
+                columns |= dict(zip(motors, self.torques.T, strict=True))
         if self.least_stiffness is not None:
             columns["least_stiffness"] = self.least_stiffness
         for part, names in (
@@ -110,6 +126,7 @@ class Analysis:
         return {
             "schema": "gsp.analyze/1",
             **self.given.instance.to_json(),
+            **({} if self.statics is None else {"drives": list(self.statics.drives.names)}),
             "length": self.given.length,
             "poses": [{**called[k], **self.entry(k)} for k in range(count)],
         }
@@ -118,13 +135,35 @@ class Analysis:
         """Return the numbers that may be required (`gspcli.motion.files.requirements`)."""
         found: dict[str, Array | Parts] = {"condition": printed_conditions(self.given.conditions)}
         if self.reactions is not None:
-            for name, chosen in (("force", ~self.given.angles), ("moment", self.given.angles)):
+            for load, chosen in (("force", ~self.given.angles), ("moment", self.given.angles)):
                 if chosen.any():
-                    found[name] = self._loads(chosen)
+                    found[load] = self._loads(chosen)
+        if self.statics is not None:
+            found |= self._of_motors(self.statics)
         if self.least_stiffness is not None:
             found["stiffness"] = self.least_stiffness
         if self.errors is not None:
             found["error"] = self.errors.bound_shift
+        return found
+
+    @property
+    def transmissions(self) -> Array:
+        """The least transmission of cranks and slides at each pose, shape (n,)."""
+        assert self.statics is not None
+        return np.asarray(np.nanmin(self.statics.transmissions, axis=1))
+
+    def _of_motors(self, statics: DrivenStatics) -> dict[str, Array | Parts]:
+        """Return the transmissions of cranks and slides, and the torques of cranks."""
+        drives = statics.drives
+        moved = np.flatnonzero(drives.driven)
+        names = [f"{drives.names[drives.index[k]]}, rod {k + 1}" for k in moved]
+        found: dict[str, Array | Parts] = {
+            "transmission": Parts(statics.transmissions[:, moved], names)
+        }
+        cranks = [k for k, sort in enumerate(drives.sorts) if sort == "crank"]
+        if self.torques is not None and cranks:
+            turned = [drives.names[k] for k in cranks]
+            found["torque"] = Parts(np.abs(self.torques[:, cranks]), turned)
         return found
 
     def _loads(self, chosen: NDArray[np.bool_]) -> Parts:
@@ -164,6 +203,13 @@ class Analysis:
     def _asked(self, k: int) -> dict[str, Any]:
         """Return what was asked for."""
         entry: dict[str, Any] = {}
+        if self.statics is not None:
+            drives = self.statics.drives
+            entry["drives"] = drives.readings(self.statics.q[k]).tolist()
+            entry["transmissions"] = [finite(x) for x in self.statics.transmissions[k]]
+            entry["transmission"] = float(self.transmissions[k])
+        if self.torques is not None:
+            entry["torques"] = [finite(x) for x in self.torques[k]]
         if self.reactions is not None:
             entry["reactions"] = [finite(x) for x in self.reactions[k]]
         if self.stiffness is not None and self.least_stiffness is not None:
@@ -206,6 +252,7 @@ def analyze(
     geometry_tolerance: ArrayLike | None = None,
     point: ArrayLike | None = None,
     length: float | None = None,
+    drives: ArrayLike | None = None,
 ) -> Analysis:
     """Analyze poses: screws, Jacobian matrices, forces, stiffness and accuracy.
 
@@ -231,6 +278,9 @@ def analyze(
         points at each pose.
     length
         What makes angles and lengths comparable; by default the typical length.
+    drives
+        Of an instance with cranks or slides: where its m drives are at the poses, shape (n, m) or
+        (m,), as readings; by default where the poses ask them to be, on the knees of home.
 
     Raises
     ------
@@ -238,17 +288,99 @@ def analyze(
         Naming what is wrong.
     """
     R, T = np.asarray(R, float), np.asarray(T, float)
-    given = wrenches(instance, R.reshape(-1, 3, 3), T.reshape(-1, 3), point=point, length=length)
-    constants = _drives(instance) if stiffness is None else _six(stiffness, "stiffness")
+    R, T = R.reshape(-1, 3, 3), T.reshape(-1, 3)
+    motors, q = _places(instance, R, T, drives)
+    given = wrenches(instance, R, T, point=point, length=length, drives=motors, q=q)
     limits = _stated(instance) if tolerance is None else _six(tolerance, "tolerance")
+    shape = None if geometry_tolerance is None else _shape(given, geometry_tolerance)
+    statics = DrivenStatics.of(given)
+    if statics is None:
+        constants = _drives(instance) if stiffness is None else _six(stiffness, "stiffness")
+        return Analysis(
+            given,
+            _reactions(given, load, at),
+            None if constants is None else given.stiffness(constants),
+            None if constants is None else given.least_stiffness(constants),
+            None if limits is None else accuracy(given, limits),
+            shape,
+        )
+    return _driven(statics, load, at, stiffness, limits, shape)
+
+
+def _places(
+    instance: Instance, R: Array, T: Array, given: ArrayLike | None
+) -> tuple[Drives | None, Array | None]:
+    """Return cranks and slides and where they are at poses, shape (n, m); None without any.
+
+    Raises
+    ------
+    ArgumentError
+        If a pose is out of reach.
+    """
+    if not is_driven(instance):
+        return None, None
+    if given is None:
+        drives, q = drive_values(instance, R, T, along=False)
+        if np.isnan(q).any():
+            row, k = np.argwhere(np.isnan(q))[0].tolist()
+            message = f"pose {row + 1} of {len(T)} is out of reach"
+            raise ArgumentError(message, drives.names[k])
+        return drives, q
+    drives = Drives.of(instance)
+    q = drives.from_readings(np.asarray(given, float))
+    return drives, np.array(np.broadcast_to(q, (len(T), drives.count)))
+
+
+def _driven(
+    statics: DrivenStatics,
+    load: ArrayLike | None,
+    at: ArrayLike | None,
+    rods: ArrayLike | None,
+    limits: list[float] | None,
+    shape: GeometryAccuracy | None,
+) -> Analysis:
+    """Return the analysis of a platform with cranks or slides."""
+    instance, drives = statics.given.instance, statics.drives
+    reactions = _held(statics.given, load, at)
+    torques = None if reactions is None else statics.torques(reactions)
+    if instance.dynamics is not None:
+        places = statics.q / drives.units
+        weights = inverse_dynamics(instance, statics.given.R, statics.given.T, drives=places)
+        assert weights.torques is not None
+        turns = np.array([unit == "N m" for unit in weights.torque_units])
+        moved = weights.torques / np.where(turns, METRES[instance.units.length], 1.0)
+        reactions = weights.in_file_units + (0.0 if reactions is None else reactions)
+        torques = moved + (0.0 if torques is None else torques)
+    held = _motor_stiffness(instance, drives)
+    given = None if rods is None else _six(rods, "stiffness")
+    compliance = None if held is None and given is None else statics.compliance(held, given)
+    off = np.where(drives.moved & np.isfinite(drives.tolerances), drives.tolerances, 0.0)
+    if limits is None and off.any():
+        limits = [0.0] * 6
     return Analysis(
-        given,
-        _reactions(given, load, at),
-        None if constants is None else given.stiffness(constants),
-        None if constants is None else given.least_stiffness(constants),
-        None if limits is None else accuracy(given, limits),
-        None if geometry_tolerance is None else _shape(given, geometry_tolerance),
+        statics.given,
+        reactions,
+        None if compliance is None else statics.stiffness(compliance),
+        None if compliance is None else statics.least_stiffness(compliance),
+        None if limits is None else accuracy(statics.given, limits, off),
+        shape,
+        statics,
+        torques,
     )
+
+
+def _motor_stiffness(instance: Instance, drives: Drives) -> Array | None:
+    """Return the stiffness of m drives if an instance states it: in N and its unit of length."""
+    if instance.dynamics is None or instance.dynamics.drives.stiffness is None:
+        return None
+    metre = METRES[instance.units.length]
+    numbers = [number.value for number in instance.dynamics.drives.stiffness]
+    rows = instance.constraints
+    turns = [
+        sort == "crank" or (sort == "value" and not rows[drives.users(k)[0]].kind.is_distance)
+        for k, sort in enumerate(drives.sorts)
+    ]
+    return np.resize(numbers, drives.count) * np.where(turns, 1 / metre, metre)
 
 
 def _numbers(given: ArrayLike, counts: Sequence[int], name: str) -> Array:
@@ -289,15 +421,20 @@ def _stated(instance: Instance) -> list[float] | None:
 
 def _reactions(given: Wrenches, load: ArrayLike | None, at: ArrayLike | None) -> Array | None:
     """Return what holds a load and the weights that are stated, shape (n, 6); None for neither."""
-    held = None
-    if load is not None:
-        numbers = np.resize(np.append(_numbers(load, (3, 6), "load"), np.zeros(3)), 6)
-        place = given.point if at is None else _numbers(at, (3,), "at")
-        held = given.reactions(numbers[:3], numbers[3:], place)
+    held = _held(given, load, at)
     if given.instance.dynamics is None:
         return held
     weights = inverse_dynamics(given.instance, given.R, given.T).in_file_units
     return weights if held is None else held + weights
+
+
+def _held(given: Wrenches, load: ArrayLike | None, at: ArrayLike | None) -> Array | None:
+    """Return what holds a load, shape (n, 6); None without a load."""
+    if load is None:
+        return None
+    numbers = np.resize(np.append(_numbers(load, (3, 6), "load"), np.zeros(3)), 6)
+    place = given.point if at is None else _numbers(at, (3,), "at")
+    return given.reactions(numbers[:3], numbers[3:], place)
 
 
 def _shape(given: Wrenches, tolerance: ArrayLike) -> GeometryAccuracy:

@@ -241,3 +241,32 @@ def test_a_table_of_poses_has_no_matrices_of_them(gsp, monkeypatch):
     run = gsp("analyze", "@dietmaier", "--format", "csv")
     assert run.code == 0
     assert len(run.out.splitlines()) == 41
+
+
+def test_drives_of_a_pose_and_of_many(gsp, tmp_path):
+    path = tmp_path / "rotary.yaml"
+    words = ("base=80,12", "platform=55,10", "horn=24", "rod=130")
+    path.write_text(gsp("new", "--rotary", *words).out, encoding="utf-8")
+    run = gsp("analyze", path, "--pose", "0,0,122.7088874892,1,0,0,0", "--load", "0,0,-10",
+              "--format", "json")  # fmt: skip
+    found = json.loads(run.out)
+    assert found["drives"] == [f"crank.B{k}" for k in range(1, 7)]
+    (pose,) = found["poses"]
+    assert pose["drives"] == pytest.approx([0] * 6, abs=1e-9)
+    # Each arm lifts a sixth of 10 N with a lever of 24 mm.
+    assert pose["torques"] == pytest.approx([40] * 6)
+    assert pose["transmission"] == pytest.approx(0.943915, abs=1e-6)
+    assert pose["reactions"] == pytest.approx([10 / 6 / 0.943915] * 6, rel=1e-5)
+    require = "range, transmission>=0.5, torque<=30"
+    run = gsp(
+        "analyze", path, "--pose", "0,0,125,1,0.05,0,0", "--load", "0,0,-10", "--require", require
+    )
+    assert run.code == 1
+    assert "torque <= 30: NOT met; worst 41.5926" in run.out
+    assert "crank.B6" in run.out
+    assert "Drives" in run.out
+    # Modes are poses with all drives at zero.
+    run = gsp("analyze", path, "--format", "json")
+    assert all(pose["drives"] == [0] * 6 for pose in json.loads(run.out)["poses"])
+    run = gsp("analyze", HEXAPOD, "--pose", "0,0,1.5,1,0,0,0", "--require", "transmission>=0.1")
+    assert run.code == 2

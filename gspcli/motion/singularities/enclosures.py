@@ -40,8 +40,19 @@ _ROUNDING = 2.0**-45
 _OUTWARD = 1 + 2.0**-30
 #: Relative error of computed singular vectors and of products with them.
 _BASIS = 2.0**-46
-#: All combinations of signs up to a common one: the corners of a box, shape (32, 6).
-SIGNS = np.array([(1, *rest) for rest in product((1, -1), repeat=5)], float)
+
+
+def corners(count: int) -> Array:
+    """Return all combinations of signs up to a common one: corners of a box, (2^(count-1), count).
+
+    There is one, without columns, if the count is zero.
+    """
+    return np.array(
+        [(1, *rest)[:count] for rest in product((1, -1), repeat=max(count - 1, 0))], float
+    )
+
+
+SIGNS = corners(6)
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -17,11 +19,15 @@ from gspcli.geometry.quaternions import (
 )
 from gspcli.motion.following.branch_follower import MovingPlatform, apart
 from gspcli.motion.poses.inverse_kinematics import values_at
-from gspcli.motion.singularities.enclosures import SIGNS, Neighbourhood
+from gspcli.motion.singularities.enclosures import SIGNS, Neighbourhood, corners
+from gspcli.motion.statics.driven_statics import DrivenStatics
 from gspcli.motion.statics.wrenches import Wrenches
 from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
+
+#: Errors of the coordinates of moved points, by the length of the platform.
+_ROUNDED = 2.0**-46
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,7 +58,7 @@ class Accuracy:
     rms: Array
 
 
-def accuracy(given: Wrenches, tolerances: ArrayLike) -> Accuracy:
+def accuracy(given: Wrenches, tolerances: ArrayLike, motors: ArrayLike | None = None) -> Accuracy:
     """Return the errors of poses from tolerances of their values.
 
     Parameters
@@ -61,6 +67,9 @@ def accuracy(given: Wrenches, tolerances: ArrayLike) -> Accuracy:
         The poses, shape (n, ...), and the point whose position has errors.
     tolerances
         The largest error of each value, in the units of the instance, shape (6,).
+    motors
+        The largest error of each drive of an instance with cranks or slides, in lengths and
+        radians, shape (m,); zero for driven values, whose errors are among those of the values.
 
     Raises
     ------
@@ -73,12 +82,20 @@ def accuracy(given: Wrenches, tolerances: ArrayLike) -> Accuracy:
         message = f"found {limits.tolist()}, expected six numbers of at least zero"
         raise ArgumentError(message, "tolerances")
     errors = np.where(given.angles, limits * instance.units.angle.in_radians, limits)
-    columns = given.inverse * errors
+    columns = squares = given.inverse * errors
+    statics, signs = DrivenStatics.of(given), SIGNS
+    if statics is None:
+        bounds = _bounds(instance, given, limits)
+    else:
+        off = np.zeros(statics.drives.count) if motors is None else np.asarray(motors, float)
+        columns, squares = _driven_columns(statics, errors, off)
+        signs = corners(columns.shape[-1])
+        bounds = _driven_bounds(statics, limits, off)
     turned, shifted = (
-        np.linalg.norm(np.einsum("nik,sk->nsi", part, SIGNS), axis=2).max(axis=1)
+        np.linalg.norm(np.einsum("nik,sk->nsi", part, signs), axis=2).max(axis=1)
         for part in (columns[:, :3], columns[:, 3:])
     )
-    bound, bound_turn, bound_shift = _bounds(instance, given, limits)
+    bound, bound_turn, bound_shift = bounds
     return Accuracy(
         np.abs(columns).sum(axis=2),
         turned,
@@ -86,8 +103,54 @@ def accuracy(given: Wrenches, tolerances: ArrayLike) -> Accuracy:
         bound,
         bound_turn,
         bound_shift,
-        np.sqrt((columns**2).sum(axis=2)),
+        np.sqrt((squares**2).sum(axis=2)),
     )
+
+
+def _driven_columns(statics: DrivenStatics, errors: Array, off: Array) -> tuple[Array, Array]:
+    """Return twists for the largest errors, each with either sign, and for independent errors.
+
+    Errors of a rod and of its own drive have one direction and are added in the first. Shapes
+    (n, 6, sources).
+    """
+    inverse, drives = statics.given.inverse, statics.drives
+    moved = inverse @ statics.matrix * off
+    shared = [k for k in range(drives.count) if len(drives.users(k)) > 1 and off[k]]
+    alone = np.isin(drives.index, shared, invert=True)
+    own = np.abs(statics.gains) * off[drives.index] * alone
+    columns = inverse * (errors + own)[:, None, :]
+    if shared:
+        columns = columns[:, :, np.any(columns != 0, axis=(0, 1))]
+    columns = np.concatenate((columns, moved[:, :, shared]), axis=2)
+    return columns, np.concatenate((inverse * errors, moved), axis=2)
+
+
+def _driven_bounds(statics: DrivenStatics, limits: Array, off: Array) -> tuple[Array, Array, Array]:
+    """Return proved bounds as `_bounds`, where drives have errors.
+
+    A rod's length to the stated place of its joint changes by at most the way of the joint, which
+    is the arm times the error of a crank, or the error of a slide.
+    """
+    given, drives = statics.given, statics.drives
+    ways = np.where(drives.driven, drives.arms * off[drives.index], 0.0)
+    # Moved points are rounded.
+    ways += np.where(drives.driven, _ROUNDED * given.arrangement.length, 0.0)
+    n = len(given.T)
+    found = np.empty((n, 6)), np.empty(n), np.empty(n)
+    places, index = np.unique(statics.q, axis=0, return_inverse=True)
+    for k, q in enumerate(places):
+        rows = np.flatnonzero(index.ravel() == k)
+        there = drives.instance_at(q)
+        part = replace(
+            given,
+            R=given.R[rows],
+            T=given.T[rows],
+            point=given.point[rows],
+            jacobian=given.jacobian[rows],
+        )
+        for whole, bound in zip(found, _bounds(there, part, limits + ways), strict=True):
+            whole[rows] = bound
+    return found
 
 
 def _bounds(instance: Instance, given: Wrenches, limits: Array) -> tuple[Array, Array, Array]:

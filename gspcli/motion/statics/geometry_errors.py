@@ -40,7 +40,9 @@ class GeometrySlopes:
     slopes: Array
 
 
-def geometry_slopes(instance: Instance, R: Array, T: Array) -> GeometrySlopes:
+def geometry_slopes(
+    instance: Instance, R: Array, T: Array, arrangement: Arrangement | None = None
+) -> GeometrySlopes:
     """Return the exact derivatives of the values by the geometry at poses.
 
     Parameters
@@ -49,9 +51,11 @@ def geometry_slopes(instance: Instance, R: Array, T: Array) -> GeometrySlopes:
         The platform.
     R, T
         Poses, shapes (..., 3, 3) and (..., 3).
+    arrangement
+        The platform with its points where drives have them; as it is stated if None.
     """
     R, T = np.asarray(R, float), np.asarray(T, float)
-    arrangement = Arrangement.of(instance)
+    arrangement = arrangement or Arrangement.of(instance)
     by = gradients(arrangement, arrangement.placed(R, T))
     signs = value_signs(arrangement, R, T)
     columns: dict[tuple[str, str], list[tuple[str, Array]]] = {}
@@ -141,7 +145,7 @@ def geometry_accuracy(given: Wrenches, coordinates: float, tilts: float = 0.0) -
         if not (np.isfinite(value) and value >= 0):
             message = f"found {value}, expected a number of at least zero"
             raise ArgumentError(message, name)
-    found = geometry_slopes(given.instance, given.R, given.T)
+    found = geometry_slopes(given.instance, given.R, given.T, given.arrangement)
     radian = given.instance.units.angle.in_radians
     sizes = np.where(found.tilts, tilts * radian, coordinates)
     # The values stay constant: the change by the geometry and the change by the pose cancel.

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.drives import Drives
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.quaternions import apply, cross
 from gspcli.geometry.residuals import condition_numbers, without_derivative
@@ -47,6 +48,11 @@ class Wrenches:
         Derivatives of the values, as `measure` gives them, with respect to the twist (omega, v),
         shape (..., 6, 6): lengths and radians. Row k is the wrench (moment, force) of constraint k
         at unit strength.
+    arrangement
+        The platform in floating point, with its points where the drives have them.
+    drives, q
+        The drives and their numbers, lengths and radians, shape (..., m); None if all drives are
+        values.
     """
 
     instance: Instance
@@ -55,6 +61,9 @@ class Wrenches:
     point: Array
     length: float
     jacobian: Array
+    arrangement: Arrangement
+    drives: Drives | None = None
+    q: Array | None = None
 
     @cached_property
     def angles(self) -> NDArray[np.bool_]:
@@ -113,7 +122,7 @@ class Wrenches:
         They are those of `gsp solve` (`condition_numbers`): for the matrix about the centre of the
         platform with rows of norm one. They do not depend on the point.
         """
-        return condition_numbers(Arrangement.of(self.instance), self.R, self.T, self.length)
+        return condition_numbers(self.arrangement, self.R, self.T, self.length)
 
     @cached_property
     def manipulability(self) -> Array:
@@ -217,6 +226,8 @@ def wrenches(
     *,
     point: ArrayLike | None = None,
     length: float | None = None,
+    drives: Drives | None = None,
+    q: Array | None = None,
 ) -> Wrenches:
     """Return the constraints at poses as wrenches.
 
@@ -232,6 +243,9 @@ def wrenches(
     length
         The unit in which lengths and angles are compared; by default the typical length of the
         instance (`Arrangement.length`).
+    drives, q
+        The drives of an instance with cranks or slides, and their numbers at the poses, lengths and
+        radians, shape (..., m): its points are moved there. They are where they are stated if None.
 
     Raises
     ------
@@ -241,6 +255,8 @@ def wrenches(
         range.
     """
     arrangement = Arrangement.of(instance)
+    if drives is not None and q is not None:
+        arrangement = drives.arrangement(q)
     R, T = np.asarray(R, float), np.asarray(T, float)
     if length is None:
         length = arrangement.length
@@ -264,4 +280,4 @@ def wrenches(
     arm = np.broadcast_to((at - T)[..., None, :], rows[..., 3:].shape)
     moments = rows[..., :3] - cross(arm, rows[..., 3:])
     matrix = np.concatenate((moments, rows[..., 3:]), axis=-1)
-    return Wrenches(instance, R, T, at, float(length), matrix)
+    return Wrenches(instance, R, T, at, float(length), matrix, arrangement, drives, q)
