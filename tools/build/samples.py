@@ -98,6 +98,7 @@ SAMPLES: dict[str, tuple[str, ...]] = {
         "@example-6.8 --load 0,0,-1 --stiffness 1 --tolerance 0.001",
         "@rubin-m2 VALUES --require range,condition<=9,clearance>=0.1,pose-clearance>=0",
         "@workspace-study-cones --require cone",
+        "@t-top-head --load 0,0,-9 --require transmission>=0.1,torque<=9",
     ),
     "dynamics": (
         "MASSES",

@@ -103,7 +103,7 @@ class DrivenStatics:
         scaled = compliance / np.where(scales > 0, scales, 1.0)[:, :, None]
         scaled = scaled / np.where(scales > 0, scales, 1.0)[:, None, :]
         ranks = np.array([np.linalg.matrix_rank(one, tol=1e-9, hermitian=True) for one in scaled])
-        regular = ranks == self.gains.shape[1]
+        regular = np.equal(ranks, self.gains.shape[1])
         safe = np.where(regular[:, None, None], compliance, np.eye(6))
         J = self.given.jacobian
         found: Array = np.swapaxes(J, -1, -2) @ np.linalg.solve(safe, J)
@@ -117,7 +117,7 @@ class DrivenStatics:
         """
         part = self.given.inverse[:, 3:, :]
         gives = part @ compliance @ np.swapaxes(part, -1, -2)
-        known = np.isfinite(gives).all(axis=(-1, -2))
+        known = np.asarray(np.isfinite(gives).all(axis=(-1, -2)))
         largest = np.linalg.eigvalsh(np.where(known[:, None, None], gives, np.eye(3)))[:, -1]
         with np.errstate(divide="ignore"):
             return np.where(known, 1 / np.maximum(largest, 0.0), np.nan)
