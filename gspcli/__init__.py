@@ -52,7 +52,7 @@ if TYPE_CHECKING:
     from gspcli.pictures.whole_views import view
     from gspcli.reality.real_search import maximize_real
     from gspcli.reality.sample_results import sample
-    from gspcli.sensing import fit_readings, sensors
+    from gspcli.sensing import fit_poses, fit_readings, sensors
     from gspcli.solver import solve, solve_batch, solve_values
     from gspcli.solver.instances.new_instance import new
     from gspcli.solver.parallel_certificates import certify
@@ -112,6 +112,7 @@ _HOMES = {
     "example": "gspcli.spec.shipped",
     "exported": "gspcli.export.exported",
     "family_bounds": "gspcli.catalogue.bounds",
+    "fit_poses": "gspcli.sensing",
     "fit_readings": "gspcli.sensing",
     "forward_dynamics": "gspcli.dynamics",
     "hexapod": "gspcli.geometry.building",
@@ -198,6 +199,7 @@ __all__ = [
     "example",
     "exported",
     "family_bounds",
+    "fit_poses",
     "fit_readings",
     "forward_dynamics",
     "hexapod",

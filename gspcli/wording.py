@@ -59,9 +59,9 @@ def listed(words: Iterable[str], last: str = "or") -> str:
     return f"{', '.join(first)} {last} {end}" if first else end
 
 
-def counted(count: int, noun: str) -> str:
-    """Return ``1 part``, ``2 parts``."""
-    return f"{count} {noun}{'' if count == 1 else 's'}"
+def counted(count: int, noun: str, several: str = "") -> str:
+    """Return ``1 part``, ``2 parts``; `several` is the plural if it does not end with s."""
+    return f"{count} {noun if count == 1 else several or f'{noun}s'}"
 
 
 def suggestion(word: str, known: Iterable[str]) -> str:

@@ -164,6 +164,8 @@ class Instance:
     frames
         The frames in which commands read and print poses, or None (`gspcli.PoseFrame`). They
         change no pose.
+    readings
+        What further sensors read at the pose of the values, as `gspcli.sensing.notation` has it.
     """
 
     constraints: tuple[Constraint, ...]
@@ -174,6 +176,7 @@ class Instance:
     dynamics: Dynamics | None = None
     home: HomePose | None = None
     frames: Frames | None = None
+    readings: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
         kinds = " ".join(row.kind.name for row in self.constraints)

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.errors import ArgumentError
+from gspcli.geometry.instance import Instance
 from gspcli.records import dataclass
 from gspcli.sensing.notation import SensorReading, parse_reading
 from gspcli.solver import SolveResult
@@ -128,6 +129,42 @@ class ReadingFit:
         }
 
 
+def parsed_readings(
+    instance: Instance, readings: Sequence[str | SensorReading], *, repeated: bool = False
+) -> list[SensorReading]:
+    """Return readings that are given as texts or as such.
+
+    Parameters
+    ----------
+    instance
+        The platform of their names.
+    readings
+        One, or several.
+    repeated
+        Whether they may be those of constraints, too.
+
+    Raises
+    ------
+    ArgumentError
+        If there is none, or one is wrong.
+    """
+    given = [readings] if isinstance(readings, str | SensorReading) else list(readings)
+    if not given:
+        message = "found none, expected at least one"
+        raise ArgumentError(message, "readings")
+    parsed: list[SensorReading] = []
+    for k, one in enumerate(given):
+        if isinstance(one, SensorReading):
+            parsed.append(one)
+            continue
+        try:
+            parsed.append(parse_reading(one, instance, repeated=repeated))
+        except ArgumentError as error:
+            message = f"readings[{k}], {error.where}" if error.where else f"readings[{k}]"
+            raise ArgumentError(error.message, message) from None
+    return parsed
+
+
 def fit_readings(result: SolveResult, readings: Sequence[str | SensorReading]) -> ReadingFit:
     """Return the differences of readings from the expected ones at each real mode.
 
@@ -152,18 +189,8 @@ def fit_readings(result: SolveResult, readings: Sequence[str | SensorReading]) -
     >>> gspcli.fit_readings(gspcli.solve(m2), ["leg P1 B2 = 2.913 ± 0.002"]).mode
     2
     """
-    given = [readings] if isinstance(readings, str | SensorReading) else list(readings)
-    if not given:
-        message = "found none, expected at least one"
-        raise ArgumentError(message, "readings")
     instance, shown = result.instance, result.drawn
-    parsed = []
-    for k, one in enumerate(given):
-        try:
-            parsed.append(parse_reading(one, instance) if isinstance(one, str) else one)
-        except ArgumentError as error:
-            message = f"readings[{k}], {error.where}" if error.where else f"readings[{k}]"
-            raise ArgumentError(error.message, message) from None
+    parsed = parsed_readings(instance, readings)
     R, T = shown.R[shown.real].real, shown.T[shown.real].real
     expected = tuple(one.sensor.read(instance, R, T) for one in parsed)
     off = np.stack(

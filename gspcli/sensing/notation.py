@@ -90,8 +90,15 @@ class _Word:
     column: int
 
 
-def parse_sensor(text: str, instance: Instance) -> Sensor:
+def parse_sensor(text: str, instance: Instance, *, repeated: bool = False) -> Sensor:
     """Return the sensor that a text names.
+
+    Parameters
+    ----------
+    text, instance
+        The text, and the platform of its names.
+    repeated
+        Whether a leg may be that of a constraint, which is measured once more.
 
     Raises
     ------
@@ -101,12 +108,13 @@ def parse_sensor(text: str, instance: Instance) -> Sensor:
     words = _Words(text, instance)
     sensor = words.sensor()
     words.end()
-    _check_new(sensor, instance)
+    if not repeated:
+        _check_new(sensor, instance)
     return sensor
 
 
-def parse_reading(text: str, instance: Instance) -> SensorReading:
-    """Return the reading that a text states.
+def parse_reading(text: str, instance: Instance, *, repeated: bool = False) -> SensorReading:
+    """Return the reading that a text states; parameters are those of `parse_sensor`.
 
     Raises
     ------
@@ -117,7 +125,7 @@ def parse_reading(text: str, instance: Instance) -> SensorReading:
     if not equals:
         message = f"found no =, expected a reading such as {_EXAMPLE}"
         raise ArgumentError(message, f"column {len(text.rstrip()) + 1}")
-    sensor = parse_sensor(name, instance)
+    sensor = parse_sensor(name, instance, repeated=repeated)
     sign = next((sign for sign in _SIGNS if sign in rest), None)
     start = len(name) + 2
     if sign is None:

@@ -235,7 +235,7 @@ class Inclinometer:
     def apart(self, instance: Instance, a: Array, b: Array) -> Array:
         """Return the angle between the verticals of readings, ``(..., 2), (..., 2) -> (...)``."""
         unit = instance.units.angle.in_radians
-        first, second = _verticals(a * unit), _verticals(b * unit)
+        first, second = verticals(a * unit), verticals(b * unit)
         normal = cross(first, second)
         angle = np.arctan2(np.sqrt(dot(normal, normal)), dot(first, second))
         return np.asarray(angle / unit)
@@ -327,7 +327,7 @@ def _point_and_direction(geometry: Geometry) -> tuple[Array, Array]:
     return as_array(geometry.position), direction
 
 
-def _verticals(angles: Array) -> Array:
+def verticals(angles: Array) -> Array:
     """Return the direction of up in the platform from rx and ry in radians, (..., 2)."""
     rx, ry = angles[..., 0], angles[..., 1]
     return np.stack((-np.sin(ry), np.cos(ry) * np.sin(rx), np.cos(ry) * np.cos(rx)), axis=-1)

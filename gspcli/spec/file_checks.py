@@ -128,6 +128,7 @@ class FileChecker:
             dynamics,
             self._home(),
             self._frames(),
+            tuple(one for one in self.model.readings or () if one is not None),
         )
         self._check_type(instance)
         return instance

@@ -211,6 +211,7 @@ class InstanceFields(NamedTuple):
     dynamics: DynamicsFields | None = None
     home: HomeFields | None = None
     frames: FramesFields | None = None
+    readings: list[str] | None = None
 
 
 def read_plainly(root: Value) -> InstanceFields | None:
@@ -251,7 +252,7 @@ def _direction(value: Value) -> list[Number]:
 
 def _instance(root: Value) -> InstanceFields:
     needed = ("gsp", "units", "platform", "base", "constraints")
-    given = _section(root, needed, (*_SAID, "dynamics", "home", "frames"))
+    given = _section(root, needed, (*_SAID, "dynamics", "home", "frames", "readings"))
     version(given["gsp"])
     units = _section(given["units"], ("length", "angle"))
     said = [optional_text(given[key]) if key in given else None for key in _SAID]
@@ -266,6 +267,7 @@ def _instance(root: Value) -> InstanceFields:
         _dynamics(given["dynamics"]) if "dynamics" in given else None,
         HomeFields(*_placed(given["home"], "position")) if "home" in given else None,
         _frames(given["frames"]) if "frames" in given else None,
+        [text(entry) for entry in _list(given["readings"])] if "readings" in given else None,
     )
 
 

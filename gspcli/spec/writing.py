@@ -80,6 +80,8 @@ def dumps(instance: Instance) -> str:
         stated = {"tool": frames.tool, "work": frames.work}
         given = [f"{key}: {{{_placed(f, 'point')}}}" for key, f in stated.items() if f is not None]
         lines.append(f"frames: {{{', '.join(given)}}}")
+    if instance.readings:
+        lines += ["readings:", *(f"  - {scalar(one)}" for one in instance.readings)]
     if instance.dynamics is not None:
         lines += ["dynamics:", *_dynamics(instance.dynamics)]
     return "\n".join(lines) + "\n"
