@@ -16,8 +16,10 @@ if TYPE_CHECKING:
     from gspcli.solver import SolveResult
 
 
-def given_readings(texts: Sequence[str], instance: Instance) -> list[SensorReading]:
-    """Return the readings that are given."""
+def given_readings(
+    texts: Sequence[str], instance: Instance, *, repeated: bool = False
+) -> list[SensorReading]:
+    """Return the readings that are given; if `repeated` they may be those of constraints, too."""
     if not texts:
         return []
     from gspcli.sensing.notation import parse_reading
@@ -25,7 +27,7 @@ def given_readings(texts: Sequence[str], instance: Instance) -> list[SensorReadi
     found = []
     for text in texts:
         try:
-            found.append(parse_reading(text, instance))
+            found.append(parse_reading(text, instance, repeated=repeated))
         except GspError as error:
             message = f"--reading {quoted(text)}, {error}"
             raise GspError(message) from None

@@ -13,6 +13,7 @@ from gspcli.cli.many_instances import LINES, are_many, solve_many
 from gspcli.cli.names import load_instance
 from gspcli.cli.number_types import decimals_option, seed_option
 from gspcli.cli.output import FORMATS, Output, Table, emit, output_options
+from gspcli.cli.pose_fit import refuse_options, show_fit
 from gspcli.cli.pose_options import RELATIVE, PoseConventions, frame_note, pose_options
 from gspcli.cli.pose_type import GivenPose, near_option
 from gspcli.cli.progress_bars import working
@@ -77,6 +78,21 @@ _READABLE = ("table", "markdown", "latex")
     help="What one more sensor reads, as 'leg P1 B3 = 212.4 ± 0.1' (or +-) with its standard "
     "deviation, in the units of SPEC: marks the mode that fits; may be repeated.",
 )
+@click.option(
+    "--fit",
+    "fitting",
+    is_flag=True,
+    help="Take the values and all readings as measurements with errors: the least-squares pose of "
+    "each mode, whether it fits, and which measurement is the outlier.",
+)
+@click.option(
+    "--sigma",
+    "sigmas",
+    metavar="WHAT=NUMBER",
+    multiple=True,
+    help="With --fit: standard deviation of the values, by value (distances), angle or the number "
+    "of a constraint; else `tolerance` in SPEC. May be repeated.",
+)
 @click.option("--legend", is_flag=True, help="Explain the columns.")
 @digits_option
 @output_options(formats=(*FORMATS, LINES))
@@ -94,6 +110,8 @@ def command(
     near: GivenPose | None,
     conventions: PoseConventions,
     readings: tuple[str, ...],
+    fitting: bool,
+    sigmas: tuple[str, ...],
     legend: bool,
     digits: int | None,
     output: Output,
@@ -112,6 +130,12 @@ def command(
     standard deviations: gsp sensors says which sensor tells modes apart, and how readings are
     written.
 
+    With --fit more than six measurements are fitted: six values and readings (or those that SPEC
+    has as a list `readings`), all with errors. Each
+    minimum of the sum of squares that is found has its pose, chi-squared with its probability, and
+    covariance (JSON). If none fits the outlier is named, with the fit without it. The fits start
+    from all poses of several choices of six measurements; that these are all minima is not proved.
+
     Of several SPEC, or with --lines, each instance has one line of the answer, in their order, and
     what is wrong with one stops no other; --format jsonl has everything of each, one document a
     line. --jobs counts processes then. The exit code is the largest of any instance.
@@ -126,6 +150,7 @@ def command(
       gsp solve @dietmaier --digits 50 -o poses.json
       gsp solve platform.yaml --rotation ZYX --near 0,0,250,0,0,0 --euler ZYX
       gsp solve @rubin-m2 --reading "leg P1 B2 = 2.913 ± 0.002"
+      gsp solve @rubin-m2 --reading "leg P1 B2 = 2.913 ± 0.002" --fit --sigma value=1e-5
       gsp solve @dietmaier @figure-3 --format jsonl -o answers.jsonl
       gsp solve instances.jsonl --jobs 2
       gsp new "DPL DPL DLP ALL ALL ALH" | gsp solve - --all -o poses.json
@@ -142,11 +167,18 @@ def command(
     columns = rotation_columns(rotation)
     _refuse_angles(rotation, everything=everything)
     if are_many(specs, lines=by_line) or output.format == LINES:
-        _refuse_alone(conventions, near=near, reading=readings, legend=legend)
+        _refuse_alone(conventions, near=near, reading=readings, fit=fitting, legend=legend)
         how = _How(seed, prove, everything, digits, conventions, documented=output.format == LINES)
         return solve_many(specs, partial(_solved, how), changes, jobs, output, lines=by_line)
     instance = load_instance(specs[0], changes)
-    given = given_readings(readings, instance)
+    given = given_readings(readings, instance, repeated=fitting)
+    if fitting:
+        others = {"all": everything, "near": near, "digits": digits, "legend": legend}
+        refuse_options(**others, prove=prove is not None)
+        return show_fit(instance, given, sigmas, columns, decimals, output)
+    if sigmas:
+        message = "--sigma says how exact the values are: give it with --fit"
+        raise click.UsageError(message)
     form = conventions.form(instance)
     goal = _goal(near, conventions, form)
     with working("solving"):

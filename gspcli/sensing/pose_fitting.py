@@ -25,8 +25,9 @@ Array = NDArray[np.float64]
 
 #: At most so many choices of six measurements are solved.
 CHOICES = 8
-#: Levenberg and Marquardt's method: its steps, and where it ends (of the size of the platform).
-_STEPS, _SHORT, _SMALL = 100, 10, 1e-12
+#: Levenberg and Marquardt's method: its steps; it ends where the sum of squares would fall by less
+#: than this part with little damping, or where steps are rounding.
+_STEPS, _SHORT, _SMALL, _FREE, _ROUNDING = 100, 10, 1e-14, 1e-6, 1e-13
 #: Minima nearer than this, in radians and typical lengths, are one.
 _SAME = 1e-5
 #: Of the outlier the studentised residual is at least this part of the largest; the fit without it
@@ -196,10 +197,10 @@ def _descended(
         after = numbers.residuals(*tried)
         costs = (after**2).sum(axis=1)
         better = costs <= cost
-        small = np.abs(step).max(axis=1) <= _SMALL
-        # Rounding alone keeps the sum from falling.
-        level = np.abs(costs - cost) <= 1e-13 * cost + 1e-20
-        ended |= small | (level & (np.abs(step).max(axis=1) <= 1e-6))
+        # The square of the step in standard deviations, unless damping has made it short.
+        gain = np.abs((right * step).sum(axis=1))
+        ended |= (damping <= _FREE) & (gain <= _SMALL * (1 + cost))
+        ended |= np.abs(step).max(axis=1) <= _ROUNDING
         R = np.where(better[:, None, None], tried[0], R)
         T = np.where(better[:, None], tried[1], T)
         residual = np.where(better[:, None], after, residual)

@@ -93,8 +93,11 @@ class PoseNumbers:
         signs = np.ones((*T.shape[:-1], len(rows)))
         for k, row in enumerate(rows):
             if row.kind.has_sides and row.side is not Side.POSITIVE:
-                both = row.side is Side.BOTH
-                signs[..., k] = np.sign(values_at(self.instance, R, T)[..., k]) if both else -1.0
+                if row.side is Side.NEGATIVE:
+                    signs[..., k] = -1.0
+                elif row.value.value != 0:
+                    away = values_at(self.instance, R, T)[..., k] < 0
+                    signs[..., k] = np.where(away, -1.0, 1.0)
         return signs
 
     def _of_sensors(self, R: Array, T: Array) -> list[Array]:

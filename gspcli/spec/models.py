@@ -304,5 +304,5 @@ class InstanceModel(Section):
     readings: Tolerant[Annotated[list[Tolerant[Text]], list_of("a list of readings")]] = Field(
         None,
         description="What further sensors read at the pose of the values, such as "
-        "'leg P7 B7 = 212.4 ± 0.1': for gsp solve --reading and --fit.",
+        "'leg P7 B7 = 212.4 ± 0.1': for gsp solve --fit.",
     )

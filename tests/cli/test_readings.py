@@ -107,3 +107,39 @@ def test_sensors_at_rows_of_readings():
     assert found[0].separations.modes.tolist() == found[1].separations.modes.tolist()
     assert found[0].separations.least == pytest.approx(found[1].separations.least, rel=1e-6)
     assert found[1].separations.modes.min() > 1
+
+
+FIT = ("solve", "@rubin-m2", "--fit", "--sigma", "value=0.001", "--reading")
+
+
+def test_a_fit_of_more_than_six(gsp):
+    run = gsp(*FIT, "leg P1 B2 = 2.913 ± 0.002")
+    assert run.code == 0
+    assert run.out.splitlines()[2].startswith("one pose fits the 7 numbers: chi-squared 0.0")
+    assert "it is not proved that there are no others" in run.out
+    assert "leg P1 B2" in run.out
+    document = json.loads(gsp(*FIT, "leg P1 B2 = 2.913 ± 0.002", "--format", "json").out)
+    assert document["fit"]["fitting"] == [1]
+    assert np.shape(document["fit"]["poses"][0]["covariance"]) == (6, 6)
+    rows = gsp(*FIT, "leg P1 B2 = 2.913 ± 0.002", "--format", "csv").out.splitlines()
+    assert rows[0].startswith("number,Tx,Ty,Tz,qw,qx,qy,qz,chi_squared,probability,")
+
+
+def test_a_fit_that_fails(gsp):
+    run = gsp(*FIT, "leg P1 B2 = 2.953 ± 0.002")
+    assert run.code == 1
+    assert "it cannot be told which" in run.err
+
+
+def test_wrong_use_of_fit(gsp):
+    for words, message in (
+        (("solve", "@rubin-m2", "--fit"), "--fit needs readings besides the six values"),
+        (("solve", "@rubin-m2", "--sigma", "value=1"), "give it with --fit"),
+        ((*FIT, "leg P1 B2 = 3 ± 1", "--all"), "--all: not with --fit"),
+        ((*FIT, "leg P1 B2 = 3 ± 1", "@dietmaier"), "for one SPEC"),
+        ((*FIT, "leg P1 B2 = 3 ± 1", "--sigma", "value"), "expected WHAT=NUMBER"),
+        (("solve", "@rubin-m2", "--fit", "--reading", "leg P1 B2 = 3 ± 1"), "give --sigma value="),
+    ):
+        run = gsp(*words)
+        assert run.code == 2, words
+        assert message in run.err

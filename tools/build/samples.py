@@ -53,6 +53,7 @@ SAMPLES: dict[str, tuple[str, ...]] = {
         "@singular-pose",
         "@workspace-study-cones --relative-to home",
         "@rubin-m2 --reading 'leg P1 B2 = 2.913 ± 0.002' --reading 'inclinometer = 0, 0 ± 0.1'",
+        "@rubin-m2 --reading 'leg P1 B2 = 2.953 ± 0.002' --fit --sigma value=0.001",
     ),
     "sensors": (
         "@rubin-m2",

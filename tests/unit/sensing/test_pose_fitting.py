@@ -1,0 +1,236 @@
+"""Poses of more than six measurements: their law, all modes, and the outlier."""
+
+from __future__ import annotations
+
+import json
+import math
+import pickle
+
+import numpy as np
+import pytest
+
+import gspcli
+from gspcli.errors import ArgumentError, GspError
+from gspcli.geometry.quaternions import rotation_from_vector
+from gspcli.sensing.choices import candidates_of, next_choice, platform_of
+from gspcli.sensing.fitted_poses import chance
+from gspcli.sensing.identification import parsed_readings
+from gspcli.sensing.notation import parse_sensor
+from gspcli.sensing.pose_fitting import _minima, _pose, fit_poses
+from gspcli.sensing.pose_numbers import PoseNumbers, value_sigmas
+
+SENSORS = ("leg P1 B2", "leg P3 B6", "coordinate z P1", "inclinometer", "joint 1 base about x")
+SIGMA = 1e-3
+
+
+def measured(name, sensors=SENSORS, *, noise=SIGMA, seed=0, wrong=None, by=0.2, mode=0):
+    """Return a machine with noisy values, noisy readings, and the true pose."""
+    rng, machine = np.random.default_rng(seed), gspcli.example(name)
+    found = gspcli.solve(machine)
+    R, T = found.R[found.real].real[mode], found.T[found.real].real[mode]
+    values = np.abs(gspcli.measure(machine, R, T)) + noise * rng.normal(size=6)
+    if wrong is not None and wrong < 6:
+        values[wrong] += by
+    texts = []
+    for k, text in enumerate(sensors):
+        sensor = parse_sensor(text, machine, repeated=True)
+        count = 2 if sensor.kind == "inclinometer" else 1
+        read = sensor.read(machine, R, T) + noise * rng.normal(size=count)
+        read = read + (by if wrong == 6 + k else 0)
+        texts.append(f"{text} = {', '.join(f'{x:.12g}' for x in read)} ± {SIGMA}")
+    settings = {k: abs(round(float(x), 9)) for k, x in enumerate(values, 1)}
+    return gspcli.set_values(machine, settings), texts, R, T
+
+
+@pytest.mark.parametrize("name", ["workspace-study", "three-rps", "sdss-primary"])
+def test_the_true_pose_fits(name):
+    """Of legs, and of machines with planes; noise of the size that is stated."""
+    sensors = ["coordinate z (0, 0, 10)", "inclinometer", "coordinate x (9, 5, 0)"]
+    noise = 0 if name == "three-rps" else SIGMA / 2
+    machine, texts, R, T = measured(name, sensors, noise=noise)
+    fit = fit_poses(machine, texts, sigma={"value": SIGMA, "angle": SIGMA})
+    best = fit.poses[0]
+    assert best.fits
+    assert best.freedom == 4
+    assert np.abs((best.T - T) / best.sigma[3:]).max() < 4
+    assert np.abs(best.R - R).max() < 5 * best.sigma[:3].max() + 1e-12
+    costs = [pose.chi_squared for pose in fit.poses]
+    assert costs == sorted(costs)
+
+
+def test_chi_squared_and_deviations_have_their_law():
+    """Mean and variance of 40 fits, and the scatter of the pose in its deviations."""
+    exact, _, R, T = measured("workspace-study", noise=0)
+    chi, z = [], []
+    for seed in range(40):
+        machine, texts, _, _ = measured_about(exact, R, T, seed)
+        numbers = PoseNumbers(
+            machine,
+            tuple(parsed_readings(machine, texts)),
+            value_sigmas(machine, {"value": SIGMA}),
+        )
+        found = _minima(numbers, R[None], T[None])
+        pose = _pose(numbers, found.R[0], found.T[0], float(found.cost[0]))
+        chi.append(pose.chi_squared)
+        z.append((pose.T - T) / pose.sigma[3:])
+    assert np.mean(chi) == pytest.approx(6, abs=4 * math.sqrt(12 / 40))
+    assert np.var(chi) == pytest.approx(12, rel=0.6)
+    assert np.std(z, axis=0) == pytest.approx(1, abs=0.25)
+
+
+def measured_about(exact, R, T, seed):
+    """Return noisy measurements of a platform at a pose that is known."""
+    rng = np.random.default_rng(seed)
+    texts = []
+    values = {
+        k: float(row.value.value + SIGMA * rng.normal())
+        for k, row in enumerate(exact.constraints, 1)
+    }
+    for text in SENSORS:
+        sensor = parse_sensor(text, exact)
+        count = 2 if sensor.kind == "inclinometer" else 1
+        read = sensor.read(exact, R, T) + SIGMA * rng.normal(size=count)
+        texts.append(f"{text} = {', '.join(f'{x:.12g}' for x in read)} ± {SIGMA}")
+    return gspcli.set_values(exact, values), texts, R, T
+
+
+def test_slopes_are_the_derivatives_of_residuals():
+    machine, texts, R, T = measured("sdss-primary", ("coordinate z (9, 0, 0)", "inclinometer"))
+    numbers = PoseNumbers(
+        machine, tuple(parsed_readings(machine, texts)), value_sigmas(machine, {"value": 1.0})
+    )
+    slopes, h = numbers.slopes(R[None], T[None])[0], 1e-6
+    for k in range(6):
+        step = np.eye(6)[k] * h
+        ends = [
+            numbers.residuals(rotation_from_vector(s * step[:3]) @ R, T + s * step[3:])
+            for s in (1, -1)
+        ]
+        assert slopes[:, k] == pytest.approx(
+            (ends[1] - ends[0]) / (2 * h), abs=1e-6 * np.abs(slopes).max()
+        )
+
+
+@pytest.mark.parametrize("wrong", [1, 6, 8])
+def test_the_outlier_is_named(wrong):
+    """A value, a leg or a coordinate that is off by 200 deviations; the fit without it is right."""
+    machine, texts, _, T = measured("rubin-camera", wrong=wrong, noise=SIGMA / 2)
+    fit = fit_poses(machine, texts, sigma={"value": SIGMA})
+    assert fit.fitting == []
+    assert fit.without is not None
+    assert (fit.without.measurement, fit.without.alike) == (wrong, ())
+    pose = fit.without.pose
+    assert pose.fits
+    assert pose.freedom == fit.poses[0].freedom - 1
+    assert np.abs((pose.T - T) / pose.sigma[3:]).max() < 4
+    # The pose with it is off by much more.
+    assert np.abs(fit.poses[0].T - T).max() > 10 * np.abs(pose.T - T).max()
+    assert "the outlier is " in fit.sentences[2]
+
+
+def test_one_number_too_many_tells_no_outlier():
+    machine, texts, _, _ = measured("rubin-camera", ("leg P1 B2",), wrong=6)
+    fit = fit_poses(machine, texts, sigma={"value": SIGMA})
+    assert fit.fitting == []
+    assert fit.without is not None
+    assert fit.without.alike
+    assert "it cannot be told which" in fit.sentences[2]
+    sizes = fit.poses[0].measurement_sizes
+    assert np.nanmax(sizes) == pytest.approx(np.nanmin(sizes), rel=0.05)
+
+
+def test_two_modes_that_fit():
+    """A leg with a coarse scale tells none of the modes apart."""
+    machine = gspcli.example("rubin-m2")
+    fit = fit_poses(machine, ["leg P1 B2 = 2.913 ± 5"], sigma={"value": 1e-5})
+    assert len(fit.fitting) >= 2
+    assert fit.sentences[0].startswith("2 poses fit the 7 numbers: 1 and 2")
+    # These are the modes of the six values, with exact values nearly.
+    modes = gspcli.solve(machine)
+    for T in modes.T[modes.real].real:
+        assert min(np.abs(pose.T - T).max() for pose in fit.poses) < 1e-4
+
+
+def test_choices_of_six():
+    """Each measurement is missing in some choice, and each choice determines the pose."""
+    machine, texts, R, T = measured("rubin-camera")
+    readings = parsed_readings(machine, texts)
+    candidates = candidates_of(machine, readings)
+    # An inclinometer is two constraints, an angle of a joint none.
+    assert [one.owner for one in candidates] == [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 9]
+    for one in candidates[6:]:
+        platform = platform_of(machine, [*candidates[:5], one])
+        assert platform is not None
+        value = gspcli.measure(platform, R, T)[5]
+        assert abs(abs(value) - one.constraint.value.value) < 0.01
+    numbers = PoseNumbers(machine, tuple(readings), value_sigmas(machine, {"value": SIGMA}))
+    slopes = numbers.slopes(R[None], T[None])[0]
+    used = np.zeros(len(candidates), int)
+    missing = set()
+    for _ in range(4):
+        chosen = next_choice(candidates, slopes, used)
+        assert chosen is not None
+        assert len(chosen) == 6
+        assert np.linalg.matrix_rank(slopes[[one.number for one in chosen]]) == 6
+        for k, one in enumerate(candidates):
+            used[k] += one in chosen
+        missing |= set(range(11)) - {one.owner for one in chosen}
+    assert missing >= set(range(9))
+    fit = fit_poses(machine, texts, sigma={"value": SIGMA})
+    assert len(fit.choices) >= 3
+    assert not set.intersection(*map(set, fit.choices))
+
+
+def test_chance_is_that_of_chi_squared():
+    """Tables of the law: quantiles of 5 % and 0.1 %."""
+    for freedom, five, thousandth in (
+        (1, 3.841459, 10.827566),
+        (2, 5.991465, 13.815511),
+        (3, 7.814728, 16.266236),
+        (6, 12.591587, 22.457744),
+        (9, 16.918978, 27.877165),
+    ):
+        assert chance(five, freedom) == pytest.approx(0.05, rel=1e-5)
+        assert chance(thousandth, freedom) == pytest.approx(0.001, rel=1e-5)
+    assert chance(3.0, 0) == 1
+    assert chance(1e5, 3) == 0
+    assert chance(0.0, 3) == 1
+
+
+def test_deviations_of_values():
+    machine = gspcli.example("example-6.8")
+    found = value_sigmas(machine, {"angle": 0.1, "value": 0.2, "2": 0.3})
+    assert found.tolist() == [0.1, 0.3, 0.1, 0.2, 0.2, 0.2]
+    for sigma, message in (
+        ({}, r"--sigma angle=NUMBER and value=NUMBER, or `tolerance`"),
+        ({"value": 1.0}, "the values 1, 2 and 3"),
+        ({"leg": 1.0}, "found 'leg', expected value, angle"),
+        ({"value": 0.0, "angle": 1.0}, r"sigma\['value'\]: found 0"),
+        ({"value": math.nan, "angle": 1.0}, "found nan"),
+    ):
+        with pytest.raises(ArgumentError, match=message):
+            value_sigmas(machine, sigma)
+
+
+def test_readings_of_a_file(tmp_path):
+    text = gspcli.dumps(gspcli.example("rubin-m2")) + "readings:\n  - leg P1 B2 = 2.913 ± 0.002\n"
+    machine = gspcli.loads(text)
+    assert machine.readings == ("leg P1 B2 = 2.913 ± 0.002",)
+    assert gspcli.loads(gspcli.dumps(machine)) == machine
+    fit = fit_poses(machine, sigma={"value": 1e-5})
+    assert fit.fitting == [1]
+    assert pickle.loads(pickle.dumps(fit)).sentences == fit.sentences
+    json.dumps(fit.to_json())
+    assert list(fit.to_frame()["fits"]) == [True, *[False] * (len(fit.poses) - 1)]
+
+
+def test_wrong_readings():
+    machine = gspcli.example("rubin-m2")
+    with pytest.raises(ArgumentError, match="found none, expected at least one"):
+        fit_poses(machine, sigma={"value": 1.0})
+    with pytest.raises(ArgumentError, match=r"readings\[0\], column 5"):
+        fit_poses(machine, ["leg P9 B1 = 1 ± 1"], sigma={"value": 1.0})
+    # A leg of a constraint is a second measurement here, and no new sensor.
+    assert fit_poses(machine, ["leg P1 B1 = 0.6 ± 9"], sigma={"value": 1e-3}).poses
+    with pytest.raises(GspError, match="expected another leg"):
+        gspcli.fit_readings(gspcli.solve(machine), ["leg P1 B1 = 0.6 ± 9"])
