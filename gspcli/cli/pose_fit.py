@@ -14,6 +14,7 @@ from gspcli.errors import CheckFailed, GspError, Problem, SpecError
 from gspcli.wording import listed, shown
 
 if TYPE_CHECKING:
+    from gspcli.geometry.frames import PoseFrame
     from gspcli.geometry.instance import Instance
     from gspcli.sensing import PoseFit
     from gspcli.sensing.notation import SensorReading
@@ -31,6 +32,7 @@ def show_fit(
     sigmas: Sequence[str],
     rotation: Sequence[PoseColumn],
     decimals: int | None,
+    frame: PoseFrame,
     output: Output,
 ) -> int:
     """Fit poses to all measurements, and write them with residuals.
@@ -41,8 +43,8 @@ def show_fit(
         The platform and what further sensors read; those of its file if there are none.
     sigmas
         Standard deviations of the values, as they are written.
-    rotation, decimals
-        How poses are written.
+    rotation, decimals, frame
+        How poses are written, and in which frame; JSON has those of the platform in the base.
     output
         Where to.
 
@@ -62,7 +64,7 @@ def show_fit(
     with working("fitting"):
         fit = fit_poses(instance, readings or None, sigma=_numbers(sigmas))
     document = {"schema": "gsp.solve/1", **instance.to_json(), "fit": fit.to_json()}
-    tables = [_poses(fit, rotation, decimals), *_residuals(fit)]
+    tables = [_poses(fit, rotation, decimals, frame), *_residuals(fit)]
     if output.format == "csv":
         tables = tables[:1]
     emit(output, tables, document=document if output.format == "json" else None)
@@ -75,7 +77,9 @@ def show_fit(
     raise CheckFailed(f"no pose fits what was measured: {message}")
 
 
-def _poses(fit: PoseFit, rotation: Sequence[PoseColumn], decimals: int | None) -> Table:
+def _poses(
+    fit: PoseFit, rotation: Sequence[PoseColumn], decimals: int | None, frame: PoseFrame
+) -> Table:
     """Return a row for each pose."""
     import numpy as np
 
@@ -84,15 +88,18 @@ def _poses(fit: PoseFit, rotation: Sequence[PoseColumn], decimals: int | None) -
 
     instance = fit.numbers.instance
     R = np.array([pose.R for pose in fit.poses]).reshape(-1, 3, 3)
+    R, T = frame.from_platform(R, np.array([pose.T for pose in fit.poses]).reshape(-1, 3))
     poses = SimpleNamespace(
         instance=instance,
         arrangement=Arrangement.of(instance),
         R=R,
         real=np.ones(len(R), bool),
-        T=np.array([pose.T for pose in fit.poses]).reshape(-1, 3),
+        T=T,
         quaternions=quaternion_from_rotation(R),
     )
     rows = fit.rows()
+    for row, place in zip(rows, T.tolist(), strict=True):
+        row |= dict(zip(("Tx", "Ty", "Tz"), place, strict=True))
     units = {"": "", "length": instance.units.length, "angle": instance.units.angle.value}
     columns = [Column("number", "no.", "right", essential=True)]
     columns += [
@@ -118,7 +125,9 @@ def _poses(fit: PoseFit, rotation: Sequence[PoseColumn], decimals: int | None) -
         row["sigma_turn"] = float(f"{row['sigma_turn']:.2g}")
     keys = [column.key for column in columns]
     rows = [{key: row[key] for key in keys} for row in rows]
-    notes = ["± of one axis, the largest of three; poses that are not marked do not fit"]
+    notes = ["± of one axis, the largest of three; of the platform's origin"]
+    if not frame.is_identity:
+        notes.append(f"poses are {frame.words}")
     return Table(columns, rows, instance.title, notes=notes, summary=fit.sentences, part="poses")
 
 
@@ -152,8 +161,11 @@ def _residuals(fit: PoseFit) -> list[Table]:
     return [Table(columns, rows, notes=notes, part="residuals")]
 
 
-def refuse_options(**given: object) -> None:
-    """Raise for options of the table of modes, which has not been made with --fit."""
+def check_options(*, fitting: bool, **given: object) -> None:
+    """Raise for --sigma without --fit, and for options of the table of modes with it."""
+    if not fitting:
+        message = "--sigma says how exact the values are: give it with --fit"
+        raise click.UsageError(message)
     wrong = [f"--{name.replace('_', '-')}" for name, value in given.items() if value]
     if wrong:
         message = f"{listed(wrong, 'and')}: not with --fit"

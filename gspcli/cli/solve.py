@@ -13,7 +13,7 @@ from gspcli.cli.many_instances import LINES, are_many, solve_many
 from gspcli.cli.names import load_instance
 from gspcli.cli.number_types import decimals_option, seed_option
 from gspcli.cli.output import FORMATS, Output, Table, emit, output_options
-from gspcli.cli.pose_fit import refuse_options, show_fit
+from gspcli.cli.pose_fit import check_options, show_fit
 from gspcli.cli.pose_options import RELATIVE, PoseConventions, frame_note, pose_options
 from gspcli.cli.pose_type import GivenPose, near_option
 from gspcli.cli.progress_bars import working
@@ -90,8 +90,8 @@ _READABLE = ("table", "markdown", "latex")
     "sigmas",
     metavar="WHAT=NUMBER",
     multiple=True,
-    help="With --fit: standard deviation of the values, by value (distances), angle or the number "
-    "of a constraint; else `tolerance` in SPEC. May be repeated.",
+    help="Standard deviation of what is measured: value (distances), angle, or the number of a "
+    "constraint; else `tolerance` in SPEC. With --fit; may be repeated.",
 )
 @click.option("--legend", is_flag=True, help="Explain the columns.")
 @digits_option
@@ -150,36 +150,31 @@ def command(
       gsp solve @dietmaier --digits 50 -o poses.json
       gsp solve platform.yaml --rotation ZYX --near 0,0,250,0,0,0 --euler ZYX
       gsp solve @rubin-m2 --reading "leg P1 B2 = 2.913 ± 0.002"
-      gsp solve @rubin-m2 --reading "leg P1 B2 = 2.913 ± 0.002" --fit --sigma value=1e-5
+      gsp solve @rubin-m2 --reading "leg P1 B2 = 2.913 ± 0.002" \\
+        --fit --sigma value=1e-5
       gsp solve @dietmaier @figure-3 --format jsonl -o answers.jsonl
       gsp solve instances.jsonl --jobs 2
       gsp new "DPL DPL DLP ALL ALL ALH" | gsp solve - --all -o poses.json
     """
     from dataclasses import replace
 
-    from gspcli.cli.pose_tables import Shown, data_table, lone_tables, pose_tables
-    from gspcli.cli.summary import summary
+    from gspcli.cli.pose_tables import Shown
     from gspcli.solver import solve
     from gspcli.solver.results.columns import rotation_columns
 
-    if no_certify:
-        click.echo("--no-certify is ignored: every pose is proved", err=True)
     columns = rotation_columns(rotation)
-    _refuse_angles(rotation, everything=everything)
+    _check_usage(rotation, everything=everything, no_certify=no_certify)
     if are_many(specs, lines=by_line) or output.format == LINES:
         _refuse_alone(conventions, near=near, reading=readings, fit=fitting, legend=legend)
         how = _How(seed, prove, everything, digits, conventions, documented=output.format == LINES)
         return solve_many(specs, partial(_solved, how), changes, jobs, output, lines=by_line)
     instance = load_instance(specs[0], changes)
     given = given_readings(readings, instance, repeated=fitting)
-    if fitting:
-        others = {"all": everything, "near": near, "digits": digits, "legend": legend}
-        refuse_options(**others, prove=prove is not None)
-        return show_fit(instance, given, sigmas, columns, decimals, output)
-    if sigmas:
-        message = "--sigma says how exact the values are: give it with --fit"
-        raise click.UsageError(message)
     form = conventions.form(instance)
+    if fitting or sigmas:
+        others = {"all": everything, "near": near, "digits": digits, "legend": legend}
+        check_options(**others, prove=prove is not None, fitting=fitting)
+        return show_fit(instance, given, sigmas, columns, decimals, form.frame, output)
     goal = _goal(near, conventions, form)
     with working("solving"):
         result = solve(instance, seed=seed, jobs=jobs, prove=prove)
@@ -190,9 +185,28 @@ def command(
         if (fit := fitted(result, given)) is not None:
             shown = replace(shown, fits=fit.rows())
         proved = _refined(result, shown, digits) if digits is not None else []
+    _show(result, shown, proved, fit, output, everything=everything, legend=legend)
+    return _complained(result, fit)
+
+
+def _show(
+    result: SolveResult,
+    shown: Shown,
+    proved: Sequence[dict[str, Any] | None],
+    fit: ReadingFit | None,
+    output: Output,
+    *,
+    everything: bool,
+    legend: bool,
+) -> None:
+    """Write the poses, with what was asked for besides."""
+    from gspcli.cli.pose_tables import data_table, lone_tables, pose_tables
+    from gspcli.cli.summary import summary
+
+    with working("solving"):
         contradicting = _contradicting(result)
         lines = summary(result, contradicting=contradicting)
-        lines += [] if fit is None else [fit.sentence]
+    lines += [] if fit is None else [fit.sentence]
     if output.format in _READABLE:
         notes = _notes(result, shown, everything=everything, legend=legend)
         tables = pose_tables(result, shown, summary=lines, notes=notes)
@@ -203,7 +217,6 @@ def command(
         found = result, shown, proved, contradicting, fit
         document = _document(*found, everything=everything) if output.format == "json" else None
         emit(output, table, document=document)
-    return _complained(result, fit)
 
 
 def _complained(result: SolveResult, fit: ReadingFit | None) -> int:
@@ -280,8 +293,10 @@ def _sorted(result: SolveResult, shown: Shown, R: Any, T: Any) -> Shown:
     )
 
 
-def _refuse_angles(rotation: str, *, everything: bool) -> None:
+def _check_usage(rotation: str, *, everything: bool, no_certify: bool) -> None:
     """Raise if rotations that are not real are shown and cannot be written so."""
+    if no_certify:
+        click.echo("--no-certify is ignored: every pose is proved", err=True)
     if everything and rotation not in ("quaternion", "matrix"):
         message = f"--rotation {rotation} says nothing of poses that are not real: leave out --all"
         raise click.UsageError(message)

@@ -247,7 +247,7 @@ def _without(numbers: PoseNumbers, starts: Minima, best: FittedPose) -> Without 
 
     Measurements with large studentised residuals are left out in turn, and the one is named
     without which chi-squared is least. Others of which the data are not a thousand times less
-    likely cannot be told from it: with one number more than six none can.
+    likely cannot be distinguished from it: with one number more than six none can.
     """
     sizes = best.measurement_sizes
     if best.freedom < 1 or not np.isfinite(sizes).any():

@@ -1,4 +1,4 @@
-"""What values and readings together say of a pose: residuals in standard deviations."""
+"""Six values and further readings of one pose: residuals in standard deviations."""
 
 from __future__ import annotations
 
