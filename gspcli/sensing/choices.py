@@ -15,7 +15,13 @@ from gspcli.geometry.instance import Constraint, Instance
 from gspcli.geometry.primitives import Line, Plane, Point, unit_vectors
 from gspcli.records import dataclass
 from gspcli.sensing.notation import SensorReading
-from gspcli.sensing.sensor_kinds import CoordinateSensor, Inclinometer, LegSensor, verticals
+from gspcli.sensing.sensor_kinds import (
+    CoordinateSensor,
+    Inclinometer,
+    LegSensor,
+    ValueSensor,
+    verticals,
+)
 
 Array = NDArray[np.float64]
 
@@ -56,6 +62,14 @@ def _constraints(instance: Instance, one: SensorReading) -> list[Constraint]:
         side = "negative" if one.values[0] < 0 else "positive"
         point = Point(sensor.platform.exact(instance))
         return [distance(point, plane, abs(one.values[0]), side=side)]
+    if isinstance(sensor, ValueSensor):
+        parts = sensor.platform.primitive(instance), sensor.base.primitive(instance)
+        if not sensor.measured.is_distance:
+            return [angle(*parts, one.values[0])]
+        side = "both"
+        if sensor.measured.has_sides:
+            side = "negative" if one.values[0] < 0 else "positive"
+        return [distance(*parts, abs(one.values[0]), side=side)]
     if isinstance(sensor, Inclinometer):
         unit = instance.units.angle.in_radians
         seen = verticals(np.array(one.values) * unit)

@@ -181,6 +181,23 @@ def test_choices_of_six():
     assert not set.intersection(*map(set, fit.choices))
 
 
+def test_values_of_further_kinds_are_constraints():
+    """A signed distance to a plane and an angle of lines take part in choices of six."""
+    machine = gspcli.example("sdss-primary")
+    found = gspcli.solve(machine)
+    R, T = found.R[found.real].real[0], found.T[found.real].real[0]
+    body = machine.named("base")
+    plane = next(name for name, one in body.items() if isinstance(one, gspcli.Plane))
+    text = f"distance (1, 2, 3) {plane}"
+    value = float(parse_sensor(text, machine).read(machine, R, T)[0])
+    readings = parsed_readings(machine, [f"{text} = {value:.12g} ± 0.01"])
+    (*_, last) = candidates_of(machine, readings)
+    assert (last.constraint.side.value == "negative") == (value < 0)
+    assert last.constraint.value.value == pytest.approx(abs(value))
+    fit = fit_poses(machine, readings, sigma={"value": 0.01})
+    assert fit.poses[0].chi_squared < 1e-6
+
+
 def test_chance_is_that_of_chi_squared():
     """Tables of the law: quantiles of 5 % and 0.1 %."""
     for freedom, five, thousandth in (
