@@ -10,11 +10,12 @@ from gspcli.wording import listed
 
 if TYPE_CHECKING:
     from gspcli.motion import Track
-    from gspcli.motion.following.limit_events import LimitEvent
+    from gspcli.motion.following.limit_event import LimitEvent
 
 
 def plain_limit(event: LimitEvent) -> dict[str, Any]:
     """Return an event as plain data."""
+    drive = {"drive": event.drive} if event.drive else {}
     return {
         "kind": event.kind,
         "leaves": event.leaves,
@@ -23,6 +24,7 @@ def plain_limit(event: LimitEvent) -> dict[str, Any]:
         "mode": event.mode,
         "t": [event.low, event.high],
         "proved": event.proved,
+        **drive,
     }
 
 
@@ -32,7 +34,7 @@ def cones_notes(result: Track, events: list[LimitEvent]) -> list[str]:
 
     if not joint_cones(result.instance) or not cones_proved(result):
         return []
-    leaving = {event.mode for event in events}
+    leaving = {event.mode for event in events if event.kind != "dead point"}
     modes = [mode for mode in result.modes.tolist() if mode not in leaving]
     if not modes:
         return ["no mode keeps all cones from beginning to end"] if leaving else []
@@ -77,6 +79,8 @@ def _undecided(events: list[LimitEvent]) -> str:
 def _sentence(result: Track, event: LimitEvent) -> str:
     at_first = event.high == result.t[0]
     what = "is outside" if at_first else "leaves" if event.leaves else "comes back into"
+    if event.drive:
+        return _of_drive(result, event, what)
     if event.kind == "range":
         row = result.instance.constraints[event.constraint]
         low, high = map(row.reading_of, row.limits or ())
@@ -88,3 +92,17 @@ def _sentence(result: Track, event: LimitEvent) -> str:
     proved = ", proved" if event.proved else ""
     subject = f"mode {event.mode}: leg {event.constraint + 1} {what} its cone"
     return f"{subject} at the {event.body} {when}{proved}"
+
+
+def _of_drive(result: Track, event: LimitEvent, what: str) -> str:
+    """Return what a crank or slide does."""
+    if event.kind == "dead point":
+        when = f"between t = {event.low:.10g} and {event.high:.10g}"
+        subject = f"mode {event.mode}: rod {event.constraint + 1} passes a dead point"
+        return f"{subject} of {event.drive} {when}"
+    from gspcli.geometry.drives import Drives
+
+    drives = Drives.of(result.instance)
+    k = drives.names.index(event.drive)
+    low, high = (f"{drives.readings(end)[k]:.10g}" for end in (drives.low, drives.high))
+    return f"{event.drive} {what} its range from {low} to {high} at t = {event.low:.10g}"

@@ -94,7 +94,7 @@ def _measured(instance: Instance, name: str, values: Array, R: Array, T: Array) 
         message = f"--require {name}: not known here, use {_SOURCES[name]}"
         raise GspError(message)
     if name in ("range", "cone", "transmission"):
-        return _limits(instance, name, values, R, T)
+        return limits_of(instance, name, values, R, T)
     if name == "condition":
         from gspcli.geometry.printed_numbers import printed_conditions
         from gspcli.geometry.residuals import condition_numbers
@@ -122,13 +122,37 @@ def _arrangement(instance: Instance, R: Array, T: Array) -> Arrangement:
     return drives.arrangement(q)
 
 
-def _limits(instance: Instance, name: str, values: Array, R: Array, T: Array) -> Parts:
+def limits_of(
+    instance: Instance,
+    name: str,
+    values: Array,
+    R: Array,
+    T: Array,
+    at: tuple[Drives, Array] | None = None,
+) -> Parts:
+    """Return shares of ranges or cones, or transmissions, of n poses.
+
+    Parameters
+    ----------
+    instance, values, R, T
+        As for `measured_quantities`.
+    name
+        ``range``, ``cone`` or ``transmission``.
+    at
+        The drives of an instance with cranks or slides, and their numbers at the poses, shape
+        (n, m); where the poses ask them to be if None.
+
+    Raises
+    ------
+    GspError
+        If the instance states no such limit.
+    """
     from gspcli.geometry.drive_numbers import is_driven
     from gspcli.geometry.limits import cone_shares, joint_cones, range_shares
     from gspcli.motion.files.requirements import Parts
 
-    drives = q = None
-    if is_driven(instance):
+    drives, q = (None, None) if at is None else at
+    if at is None and is_driven(instance):
         from gspcli.motion.poses.cranks import drive_values
 
         drives, q = drive_values(instance, R, T)

@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     from gspcli.motion import Track
     from gspcli.motion.files.requirements import Requirement
     from gspcli.motion.following.departures import Departure
-    from gspcli.motion.following.limit_events import LimitEvent
+    from gspcli.motion.following.limit_event import LimitEvent
 
     Array = NDArray[np.float64]
 
@@ -122,9 +122,11 @@ def command(
     distances to planes (DPH, DHP) are signed.
 
     Not only values move: columns base.NAME.x, platform.NAME.y, base.NAME.direction.z and
-    base.NAME.normal.x are coordinates of a point, line or plane, and crank.NAME is the angle of
-    the crank that turns a point, if SPEC states one. They are linear between rows, too: the point
-    of a crank moves on its circle.
+    base.NAME.normal.x are coordinates of a point, line or plane; crank.NAME is the angle of a
+    crank and slide.NAME the place of a slide, if SPEC states them. They are linear between rows,
+    too: the point of a crank moves on its circle. Of a file of poses cranks and slides are at what
+    `gsp measure --drives` gives, and the rods keep their lengths. It is told where they leave their
+    ranges, and between which rows a mode passes a dead point.
 
     All real poses at the first row are followed; of a file of poses the mode of these poses, unless
     with --all-modes or --complete. Modes have the numbers of `gsp solve SPEC`. If the first row is

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from gspcli.cli.output import Column
     from gspcli.motion import Track
     from gspcli.motion.files.requirements import Parts, Requirement, Verdict
-    from gspcli.motion.following.limit_events import LimitEvent
+    from gspcli.motion.following.limit_event import LimitEvent
 
     Array = NDArray[np.float64]
 
@@ -69,9 +69,12 @@ def _at_all_rows(result: Track, requirement: Requirement) -> Array | Parts:
     """Return a quantity of each pose, in the order of the rows; the geometry may move."""
     import numpy as np
 
+    from gspcli.geometry.drive_numbers import is_driven
     from gspcli.motion.files.requirements import Parts
 
     name = requirement.quantity
+    if name in ("range", "transmission") and is_driven(result.instance):
+        return _of_drives(result, name)
     found: list[Array | Parts] = []
     for part, moved in result.instances():
         # What is followed has one side of each plane; ranges are those of the sides asked for.
@@ -87,6 +90,21 @@ def _at_all_rows(result: Track, requirement: Requirement) -> Array | Parts:
     return np.concatenate([part for part in found if not isinstance(part, Parts)])
 
 
+def _of_drives(result: Track, name: str) -> Parts:
+    """Return shares of ranges or transmissions of each pose where the drives are known."""
+    import numpy as np
+
+    from gspcli.cli.requirements import limits_of
+    from gspcli.geometry.drives import Drives
+    from gspcli.motion.following.drive_events import drive_rows
+
+    drives = Drives.of(result.instance)
+    rows, modes = np.nonzero(~np.isnan(result.T[..., 0].T))
+    R, T = (array[modes, rows] for array in (result.R, result.T))
+    at = drives, drive_rows(result, drives)[rows]
+    return limits_of(result.instance, name, result.values[rows], R, T, at)
+
+
 def _between(verdict: Verdict, limits: Sequence[LimitEvent]) -> Verdict:
     """Return a verdict on a limit that also holds between the rows."""
     left = [one for one in limits if one.kind == verdict.requirement.quantity]
@@ -94,7 +112,8 @@ def _between(verdict: Verdict, limits: Sequence[LimitEvent]) -> Verdict:
         return verdict
     event = left[0]
     how = "left" if event.proved else "perhaps left"
-    where = f"constraint {event.constraint + 1} {how} between rows at t = {event.low:.9g}"
+    what = event.drive or f"constraint {event.constraint + 1}"
+    where = f"{what} {how} between rows at t = {event.low:.9g}"
     return replace(verdict, met=False, part=where)
 
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from gspcli.geometry.frames import PoseFrame
     from gspcli.motion import Event, Track
-    from gspcli.motion.following.limit_events import LimitEvent
+    from gspcli.motion.following.limit_event import LimitEvent
 
     Array = NDArray[np.float64]
 

@@ -154,6 +154,25 @@ def nominal_coordinates(instance: Instance, chosen: Sequence[Coordinate]) -> Arr
     )
 
 
+def drive_corrections(instance: Instance, chosen: Sequence[Coordinate]) -> tuple[Array, Array]:
+    """Return offsets and factors of the readings of coordinates, each of shape (n,).
+
+    A number is its reading times the factor, plus the offset; 0 and 1 unless a crank or slide
+    states others.
+    """
+    added, times = np.zeros(len(chosen)), np.ones(len(chosen))
+    for k, one in enumerate(chosen):
+        if not one.is_drive:
+            continue
+        (_, name), *_ = carried_by(instance, one)
+        point = _primitives(instance, one.body)[name]
+        assert isinstance(point, Point)
+        assert point.drive is not None
+        added[k] = 0.0 if point.drive.offset is None else point.drive.offset.value
+        times[k] = 1.0 if point.drive.scale is None else 1 + point.drive.scale.value
+    return added, times
+
+
 def moved(instance: Instance, chosen: Sequence[Coordinate], numbers: Array) -> Instance:
     """Return an instance with other coordinates, rounded to floats.
 

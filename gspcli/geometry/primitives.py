@@ -217,7 +217,11 @@ class Crank(Motor):
         centre = as_array(self.centre)
         return self._turned(point - centre, angle, centre)
 
-    def turned(self, vector: Array, angle: float) -> Array:
+    def turned(self, point: Array, angle: float) -> Array:
+        """Return a point, as `moved`."""
+        return self.moved(point, angle)
+
+    def turned_vector(self, vector: Array, angle: float) -> Array:
         """Return a vector, shape (3,), turned by an angle in radians."""
         return self._turned(vector, angle, np.zeros(3))
 
@@ -340,7 +344,7 @@ class Point:
             return self
         cone = self.cone
         if cone is not None and isinstance(drive, Crank):
-            cone = Cone(drive.turned(cone.unit, value), cone.half_angle)
+            cone = Cone(drive.turned_vector(cone.unit, value), cone.half_angle)
         return Point(drive.moved(self.point, value), cone)
 
 

@@ -271,3 +271,84 @@ def test_a_mode_that_keeps_to_the_poses_is_not_told(gsp, values):
     text = FAR.format(between=rows).rsplit("\n", 2)[0] + "\n"
     run = gsp("track", "@apo-tertiary", values(text), "--euler", "xyz", "--format", "json")
     assert (run.code, json.loads(run.out)["departures"]) == (0, [])
+
+
+ROTARY = ("base=80,12", "platform=55,10", "horn=24", "rod=130")
+
+
+@pytest.fixture
+def rotary(gsp, tmp_path):
+    path = tmp_path / "rotary.yaml"
+    path.write_text(gsp("new", "--rotary", *ROTARY).out, encoding="utf-8")
+    return path
+
+
+POSES = "x,y,z,qw,qx,qy,qz\n0,0,122.7088874892,1,0,0,0\n5,0,120,1,0.05,0,0\n0,0,125,1,0,0,0.1\n"
+
+
+def test_drives_of_poses_lead_through_the_poses(gsp, rotary, tmp_path):
+    path = tmp_path / "poses.csv"
+    path.write_text(POSES, encoding="utf-8")
+    run = gsp("track", rotary, path, "--format", "json", "--require", "range, transmission>=0.5")
+    assert run.code == 0
+    found = json.loads(run.out)
+    assert found["certified"]
+    assert found["departures"] == []
+    assert list(found["coordinates"]) == [f"crank.B{k}" for k in range(1, 7)]
+    motors = tmp_path / "motors.csv"
+    motors.write_text(gsp("measure", rotary, path, "--drives", "--format", "csv").out, "utf-8")
+    again = json.loads(gsp("track", rotary, motors, "--mode", "home", "--format", "json").out)
+    assert again["poses"][-1]["z"] == pytest.approx(125, abs=1e-9)
+    assert again["coordinates"] == found["coordinates"]
+
+
+def test_dead_points_and_ranges_of_drives_are_told(gsp, rotary, tmp_path):
+    path = tmp_path / "angles.csv"
+    path.write_text("crank.B1,crank.B2\n0,0\n70,-65\n", encoding="utf-8")
+    run = gsp("track", rotary, path, "--mode", "home", "--steps", "4", "--require", "range")
+    assert run.code == 1
+    assert "rod 1 passes a dead point of crank.B1 between t = 1.75 and 2" in run.err
+    # 60 of 70 and of 65 degrees.
+    assert f"crank.B1 leaves its range from -60 to 60 at t = {1 + 60 / 70:.10g}" in run.err
+    assert f"crank.B2 leaves its range from -60 to 60 at t = {1 + 60 / 65:.10g}" in run.err
+    run = gsp("track", rotary, path, "--mode", "home", "--steps", "4", "--format", "json")
+    kinds = [(one["kind"], one["drive"]) for one in json.loads(run.out)["limits"]]
+    assert kinds == [("dead point", "crank.B1"), ("range", "crank.B1"), ("range", "crank.B2")]
+
+
+def test_columns_of_drives_are_readings(gsp, rotary, tmp_path):
+    """A gear of one half and an offset: other readings of the same motion."""
+    text = rotary.read_text(encoding="utf-8")
+    geared = tmp_path / "geared.yaml"
+    geared.write_text(text.replace("range: [-60, 60]", "scale: -0.5, offset: 5"), encoding="utf-8")
+    path, other = tmp_path / "a.csv", tmp_path / "b.csv"
+    names = ",".join(f"crank.B{k}" for k in range(1, 7))
+    path.write_text(f"{names}\n0,0,0,0,0,0\n20,10,-5,15,0,5\n", encoding="utf-8")
+    other.write_text(f"{names}\n-10,-10,-10,-10,-10,-10\n30,10,-20,20,-10,0\n", encoding="utf-8")
+    first, second = (
+        json.loads(gsp("track", spec, table, "--mode", "home", "--format", "json").out)
+        for spec, table in ((rotary, path), (geared, other))
+    )
+    assert second["coordinates"]["crank.B1"] == pytest.approx([-10, 30])
+    for a, b in zip(first["poses"], second["poses"], strict=True):
+        assert {k: pytest.approx(v, abs=1e-9) for k, v in a.items()} == b
+
+
+def test_cones_turn_with_their_arms_also_between_rows(gsp, rotary, tmp_path):
+    cone = "cone: {axis: [0, 0, 1], half_angle: 30}, crank"
+    rotary.write_text(rotary.read_text("utf-8").replace("crank", cone), encoding="utf-8")
+    path = tmp_path / "angles.csv"
+    names = ",".join(f"crank.B{k}" for k in range(1, 7))
+    path.write_text(f"{names}\n0,0,0,0,0,0\n45,45,45,45,45,45\n", encoding="utf-8")
+    # The rods stay nearly upright, and the cones turn by 45 degrees.
+    run = gsp("track", rotary, path, "--mode", "home", "--format", "json")
+    events = [one for one in json.loads(run.out)["limits"] if one["kind"] == "cone"]
+    assert len(events) == 6
+    assert all(one["leaves"] and one["proved"] for one in events)
+    rows = gsp("track", rotary, path, "--mode", "home", "--no-certify", "--steps", "20",
+               "--format", "json")  # fmt: skip
+    seen = [one for one in json.loads(rows.out)["limits"] if one["kind"] == "cone"]
+    assert len(seen) == 6
+    for one in seen:
+        assert one["t"][0] <= events[0]["t"][1] + 1e-6
+        assert one["t"][1] >= events[0]["t"][0] - 1e-6

@@ -377,7 +377,7 @@ KEYS: dict[str, str] = {
     "transmissions": "of each rod of a crank or slide, 0 to 1; null for other constraints",
     "analyze.torque": "the largest torque of a drive",
     "analyze.torque_of": "the drive with it",
-    "torques": "what each drive does to hold the load: cranks force times length, others force",
+    "analyze.torques": "what each drive does to hold the load; of cranks force times length",
     "reactions": "what each constraint exerts to hold the load: forces, moments for angles",
     "force": "the largest of the forces under the load",
     "force_in": "the constraint that exerts it",

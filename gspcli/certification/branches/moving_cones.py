@@ -49,6 +49,10 @@ class MovingCones(MovingSystem):
         b, _ = self._placed("base", row.base_name, row.base, moving)
         given = [ball(number) for number in joint.cone.axis]
         axis = [entry / norm(given) for entry in given]
+        end, name = (
+            (row.base, row.base_name) if joint.body == "base" else (row.platform, row.platform_name)
+        )
+        axis = self._with_arm(joint.body, name, end, axis, moving)
         # The direction of the leg is away from the joint.
         height = (
             base_height(a, b, axis)

@@ -209,6 +209,21 @@ class MovingSystem:
         size = square.sqrt() if isinstance(square, arb_series) else norm(given)
         return position, [entry / size for entry in given]
 
+    def _with_arm(
+        self, body: Body, name: str, point: Any, axis: list[Element], moving: dict[Any, Element]
+    ) -> list[Element]:
+        """Return a vector of a joint after its arm has turned; unchanged unless a crank moves."""
+        if not isinstance(point, Point) or point.crank is None:
+            return axis
+        owner = point.partner or name
+        for one, angle in moving.items():
+            if (one.body, one.primitive, one.vector) == (body, owner, "crank"):
+                centre = [ball(x) for x in point.crank.centre]
+                ends = [c + x for c, x in zip(centre, axis, strict=True)]
+                turned = _turned(ends, point.crank, angle * self._unit)
+                return [x - c for x, c in zip(turned, centre, strict=True)]
+        return axis
+
     def on_part(self, rows: tuple[Array, Array], begin: float, end: float) -> MovingQuadrics:
         """Return the equations on a part of the way between two rows.
 

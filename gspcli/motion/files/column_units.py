@@ -71,6 +71,7 @@ _COLUMNS: tuple[tuple[str, tuple[Quantity, ...], int], ...] = (
     ("alpha[xyz]", (_ANGLE,), 2),
     ("f[1-6]", (_FORCE, _TORQUE), 0),
     (r"incl\.[xy]|crank\..+", (_ANGLE,), 0),
+    (r"slide\..+", (_LENGTH,), 0),
     (r"(platform|base)\..+\.(direction|normal|axis)\.[xyz]", (_NUMBER,), 0),
     (r".+\.[xyz]", (_LENGTH,), 0),
 )

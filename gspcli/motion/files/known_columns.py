@@ -22,6 +22,7 @@ BESIDE = frozenset(
         *("number", "row", "mode", "real", "sides", "multiplicity", "residual", "certified"),
         *("condition", "home", "distance", "turn", "off", "fits", "status", "orientation"),
         *("range", "cone", "clearance", "pose_clearance", "force", "moment", "stiffness"),
+        *("transmission", "torque", "torque_of"),
         *("power", "frequency", "error", "kinetic", "potential", "work"),
         *(f"{name}{k}" for name in "fva" for k in _NUMBERS),
         *(f"{name}{axis}" for name in ("w", "v", "alpha", "a") for axis in "xyz"),

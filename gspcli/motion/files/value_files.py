@@ -12,21 +12,29 @@ from numpy.typing import NDArray
 from gspcli.catalogue.kinds import DLP, DPL, DPP
 from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.coordinates import BODIES, Coordinate, choose, nominal_coordinates
+from gspcli.geometry.coordinates import (
+    BODIES,
+    Coordinate,
+    choose,
+    drive_corrections,
+    nominal_coordinates,
+)
 from gspcli.geometry.coordinates import coordinates as all_coordinates
+from gspcli.geometry.drive_numbers import is_driven
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.ranges import value_range, wrong_value
 from gspcli.geometry.readings import readings_of, values_of
 from gspcli.motion.files.number_tables import NumberTable
 from gspcli.motion.files.pose_files import PoseFormat, names_poses, poses_in
+from gspcli.motion.poses.cranks import drive_values
 from gspcli.motion.poses.inverse_kinematics import measure
 from gspcli.records import dataclass
 from gspcli.wording import shortened
 
 Array = NDArray[np.float64]
 
-_MOVING = (*BODIES, "crank")
+_MOVING = (*BODIES, "crank", "slide")
 #: Values beside poses are what the poses measure, but for this part of the size: they are rounded.
 _ROUNDED = 1e-3
 
@@ -79,7 +87,8 @@ def read_values(
     """Read a trajectory of values; for a file of poses, return the values that they measure.
 
     The columns ``1`` to ``6`` are the values of the constraints; a constraint without a column
-    keeps its value in the instance. Columns with names such as ``base.B1.x``,
+    keeps its value in the instance. Poses of an instance with cranks or slides are those that its
+    drives reach, with the rods of the instance. Columns with names such as ``base.B1.x``,
     ``base.L1.direction.z`` or ``crank.B1`` are coordinates that move
     (`gspcli.geometry.coordinates`). A file with columns x, y, z has poses (`read_poses`); values
     beside them must be what the poses measure. Columns that are not known are mistakes.
@@ -117,7 +126,7 @@ def read_values(
         t = None if poses is None else poses.t
         values = np.zeros((len(table), len(numbers)))
         if poses is not None and not table.problems:
-            values = measure(instance, poses.R, poses.T)
+            values, coordinates = _of_poses(instance, poses.R, poses.T)
             of_file = poses.R, poses.T
             _compare(table, instance, values)
     else:
@@ -134,12 +143,14 @@ def read_values(
         values[:, columns] = given + (base[columns] if delta else 0)
         _check_meaning(table, instance, values, columns)
         if delta and len(moving):
-            places += nominal_coordinates(instance, list(moving.values()))
+            chosen = list(moving.values())
+            added, scales = drive_corrections(instance, chosen)
+            places += (nominal_coordinates(instance, chosen) - added) / scales
         coordinates = {
             one.name: column for one, column in zip(moving.values(), places.T, strict=True)
         }
         known = {"t", *numbers, *(one.name for one in all_coordinates(instance))}
-        expected = "t, 1 ... 6, base.NAME.x, platform.NAME.x or crank.NAME"
+        expected = "t, 1 ... 6, base.NAME.x, platform.NAME.x, crank.NAME or slide.NAME"
         table.refuse_others({*known, *filter(_is_judged, table.heading)}, expected)
     if t is None:
         t = np.arange(1.0, len(values) + 1)
@@ -164,6 +175,29 @@ def _compare(table: NumberTable, instance: Instance, measured: Array) -> None:
                 "(see --ignore)"
             )
             table.note_cell(row, name, message)
+
+
+def _of_poses(instance: Instance, R: Array, T: Array) -> tuple[Array, dict[str, Array]]:
+    """Return values and the readings of cranks and slides at poses.
+
+    Raises
+    ------
+    ArgumentError
+        If a crank or slide does not reach a pose.
+    """
+    values = measure(instance, R, T)
+    if not is_driven(instance):
+        return values, {}
+    drives, q = drive_values(instance, R, T)
+    missing = np.argwhere(np.isnan(q))
+    if len(missing):
+        row, k = missing[0].tolist()
+        message = f"pose {row + 1} of {len(T)} is out of reach"
+        raise ArgumentError(message, drives.names[k])
+    values[:, drives.driven] = nominal_values(instance)[drives.driven]
+    readings = drives.readings(q)
+    moved = np.flatnonzero(drives.moved).tolist()
+    return values, {drives.names[k]: readings[:, k] for k in moved}
 
 
 def note_legs(table: NumberTable, instance: Instance) -> None:

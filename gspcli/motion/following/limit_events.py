@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,8 +13,9 @@ from gspcli.geometry.instance import Instance, Side
 from gspcli.geometry.limits import joint_cones, out_of_cone, out_of_range
 from gspcli.motion.following.branch_follower import StudyUnits
 from gspcli.motion.following.cone_limits import ConeProofs, Stretch
+from gspcli.motion.following.drive_events import drive_events
+from gspcli.motion.following.limit_event import LimitEvent
 from gspcli.motion.following.tracks import Track
-from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
 
@@ -23,45 +23,9 @@ Array = NDArray[np.float64]
 _BESIDE = 1e-7
 
 
-@dataclass(frozen=True)
-class LimitEvent:
-    """A time at which a limit is violated for the first time or kept again.
-
-    Attributes
-    ----------
-    kind
-        ``range`` for a value (the same for all modes) or ``cone`` for a joint.
-    leaves
-        Whether the limit is violated from here on; at the first row: whether it is so from the
-        start.
-    constraint
-        The index of the constraint.
-    body
-        The body of the joint of the cone.
-    mode
-        The mode whose leg leaves the cone.
-    low, high
-        An interval that contains t. Values are linear between rows, so they leave a range at one t.
-    proved
-        Whether it is proved that the limit is kept before and violated after, or the reverse. An
-        unproved event of a certified track says that a cone may be violated between: the leg comes
-        to its edge, or the mode is nearly singular. Without certification cones are checked at
-        rows.
-    """
-
-    kind: Literal["range", "cone"]
-    leaves: bool
-    constraint: int
-    body: Literal["", "platform", "base"]
-    mode: int | None
-    low: float
-    high: float
-    proved: bool
-
-
 def limit_events(track: Track) -> list[LimitEvent]:
     """Return the events at which a trajectory leaves limits or keeps them again, by t."""
-    found = [*_ranges(track), *_cones(track)]
+    found = [*_ranges(track), *drive_events(track), *_cones(track)]
     return sorted(found, key=lambda event: (event.low, event.high, event.constraint))
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.coordinates import Coordinate, moved
+from gspcli.geometry.coordinates import Coordinate, drive_corrections, moved
 from gspcli.geometry.frames import IDENTITY, PoseFrame
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.printed_numbers import printed_conditions
@@ -162,6 +162,14 @@ class Track:
             yield slice(k, k + 1), moved(self.followed, self.coordinates, place)
 
     @cached_property
+    def readings(self) -> Array:
+        """What files and tables have for `places`: cranks and slides as readings, shape (r, c)."""
+        added, times = drive_corrections(self.instance, self.coordinates)
+        if not added.any() and (times == 1).all():
+            return self.places
+        return (self.places - added) / times
+
+    @cached_property
     def conditions(self) -> Array:
         """Condition numbers of the poses, shape (m, r); NaN where there is none.
 
@@ -240,7 +248,7 @@ class Track:
             "modes": self.modes.tolist(),
             "new": self.new,
             "coordinates": {
-                one.name: self.places[:, k].tolist() for k, one in enumerate(self.coordinates)
+                one.name: self.readings[:, k].tolist() for k, one in enumerate(self.coordinates)
             },
             "parts": self.segments,
             **({} if frame.is_identity else {"frames": frame.to_json()}),

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from gspcli.defaults import SEED
 from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.coordinates import choose
+from gspcli.geometry.coordinates import choose, drive_corrections
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.readings import values_of
 from gspcli.motion.following.branch_follower import FollowOptions, MovingPlatform
@@ -51,7 +51,8 @@ def track(
         Offsets are added to them.
     coordinates
         Of primitives that move, by their names (`gspcli.geometry.coordinates`), such as
-        ``base.B1.x`` in length units or ``crank.B1`` in angle units; each of shape (r,).
+        ``base.B1.x`` or ``slide.B1`` in length units or ``crank.B1`` in angle units; each of shape
+        (r,). Those of cranks and slides are readings.
     t
         Increasing, shape (r,); the numbers of the rows from 1 if None.
     modes
@@ -89,6 +90,8 @@ def track(
     moving = coordinates or {}
     chosen = choose(instance, list(moving))
     columns = [_checked(column, name, (len(rows),)) for name, column in moving.items()]
+    added, scales = drive_corrections(instance, chosen)
+    columns = [column * scales[k] + added[k] for k, column in enumerate(columns)]
     rows = np.column_stack((rows, *columns))
     times = np.arange(1.0, len(rows) + 1) if t is None else _checked(t, "t", (len(rows),))
     if not (np.diff(times) > 0).all():

@@ -31,7 +31,7 @@ def test_columns_that_are_nearly_ones_are_mistakes():
         "out)",
         "v:1:11: found 7, expected a constraint from 1 to 6",
         "v:1:13: found the unknown column 'no.', expected t, 1 ... 6, base.NAME.x, "
-        "platform.NAME.x or crank.NAME (--ignore leaves it out)",
+        "platform.NAME.x, crank.NAME or slide.NAME (--ignore leaves it out)",
     ]
 
 
