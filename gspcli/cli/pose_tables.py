@@ -58,6 +58,8 @@ class Shown:
         (`gspcli.sensing.ReadingFit.rows`); None if there are no readings.
     frame
         The frame in which poses are expressed.
+    left
+        The numbers of the real poses that are left out, by reasons; None if all are shown.
     """
 
     indices: Sequence[int]
@@ -66,6 +68,15 @@ class Shown:
     distances: Sequence[tuple[float, float]] | None = None
     fits: Sequence[Mapping[str, Any]] | None = None
     frame: PoseFrame = IDENTITY
+    left: Mapping[str, list[int]] | None = None
+
+    def left_sentences(self, result: SolveResult) -> list[str]:
+        """Return what is said of real poses that are left out, if any were to be."""
+        if self.left is None:
+            return []
+        from gspcli.solver.results.mode_filters import left_out_sentence
+
+        return [left_out_sentence(self.left, result.counts.real)]
 
     @property
     def position(self) -> Sequence[PoseColumn]:

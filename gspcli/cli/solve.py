@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from gspcli.cli.digits import digit_cells, digit_table, digits_option, refined
+from gspcli.cli.filter_options import FilterOptions, filter_options
 from gspcli.cli.many_instances import LINES, are_many, solve_many
 from gspcli.cli.names import load_instance
 from gspcli.cli.number_types import decimals_option, seed_option
@@ -70,6 +71,7 @@ _READABLE = ("table", "markdown", "latex")
 @decimals_option(None, 0, 17, ": positions and rotations, whatever the width")
 @near_option("poses are sorted by their distance from it")
 @pose_options
+@filter_options
 @click.option(
     "--reading",
     "readings",
@@ -109,6 +111,7 @@ def command(
     decimals: int | None,
     near: GivenPose | None,
     conventions: PoseConventions,
+    filters: FilterOptions,
     readings: tuple[str, ...],
     fitting: bool,
     sigmas: tuple[str, ...],
@@ -125,6 +128,10 @@ def command(
     the orientation: then the orientations are listed, and the positions in each. If no pose is
     real, the constraints that contradict each other are named. JSON has all of this in full
     precision, R and quaternion whatever --rotation says.
+
+    With --where, --within-limits or --above the other real poses are counted and not listed, and
+    home is chosen among what is left. Numbers of modes, and what is said of completeness, do not
+    change.
 
     With --reading the mode is marked at which one more sensor reads what it does, within three
     standard deviations: gsp sensors says which sensor tells modes apart, and how readings are
@@ -149,6 +156,7 @@ def command(
       gsp solve platform.yaml --set 1=5.2 --set 4=60 --format csv
       gsp solve @dietmaier --digits 50 -o poses.json
       gsp solve platform.yaml --rotation ZYX --near 0,0,250,0,0,0 --euler ZYX
+      gsp solve @workspace-study --above --where "rz>-45, rz<45"
       gsp solve @rubin-m2 --reading "leg P1 B2 = 2.913 ± 0.002"
       gsp solve @rubin-m2 --reading "leg P1 B2 = 2.913 ± 0.002" \\
         --fit --sigma value=1e-5
@@ -166,20 +174,21 @@ def command(
     _check_usage(rotation, everything=everything, no_certify=no_certify)
     if are_many(specs, lines=by_line) or output.format == LINES:
         _refuse_alone(conventions, near=near, reading=readings, fit=fitting, legend=legend)
-        how = _How(seed, prove, everything, digits, conventions, documented=output.format == LINES)
+        documented = output.format == LINES
+        how = _How(seed, prove, everything, digits, conventions, filters, documented)
         return solve_many(specs, partial(_solved, how), changes, jobs, output, lines=by_line)
     instance = load_instance(specs[0], changes)
     given = given_readings(readings, instance, repeated=fitting)
     form = conventions.form(instance)
     if fitting or sigmas:
         others = {"all": everything, "near": near, "digits": digits, "legend": legend}
-        check_options(**others, prove=prove is not None, fitting=fitting)
+        check_options(**others, **filters.options, prove=prove is not None, fitting=fitting)
         return show_fit(instance, given, sigmas, columns, decimals, form.frame, output)
-    goal = _goal(near, conventions, form)
+    goal = _goal(near, conventions, form, filtered=bool(filters.where))
     with working("solving"):
-        result = solve(instance, seed=seed, jobs=jobs, prove=prove)
+        result, left = filters.applied(solve(instance, seed=seed, jobs=jobs, prove=prove), form)
         chosen = _indices(result, everything=everything)
-        shown = Shown(chosen, columns, decimals, frame=form.frame)
+        shown = Shown(chosen, columns, decimals, frame=form.frame, left=left)
         if goal is not None:
             shown = _sorted(result, shown, *goal)
         if (fit := fitted(result, given)) is not None:
@@ -205,7 +214,7 @@ def _show(
 
     with working("solving"):
         contradicting = _contradicting(result)
-        lines = summary(result, contradicting=contradicting)
+        lines = [*summary(result, contradicting=contradicting), *shown.left_sentences(result)]
     lines += [] if fit is None else [fit.sentence]
     if output.format in _READABLE:
         notes = _notes(result, shown, everything=everything, legend=legend)
@@ -227,9 +236,10 @@ def _complained(result: SolveResult, fit: ReadingFit | None) -> int:
     return 0
 
 
-def _indices(result: SolveResult, *, everything: bool) -> range:
+def _indices(result: SolveResult, *, everything: bool) -> Sequence[int]:
     """Return which poses are shown: the real ones are the first."""
-    return range(len(result.R) if everything else result.counts.real)
+    poses = range(len(result.R) if everything else result.counts.real)
+    return [k for k in poses if k not in result.left_out] if result.left_out else poses
 
 
 def _refuse_alone(conventions: PoseConventions, **options: object) -> None:
@@ -250,6 +260,7 @@ class _How:
     everything: bool
     digits: int | None
     conventions: PoseConventions
+    filters: FilterOptions
     documented: bool
 
 
@@ -258,12 +269,14 @@ def _solved(how: _How, instance: Instance) -> tuple[SolveResult, dict[str, Any],
     from gspcli.cli.pose_tables import Shown
     from gspcli.solver import solve
 
-    frame = how.conventions.form(instance).frame
-    result = solve(instance, seed=how.seed, jobs=1, prove=how.prove)
+    form = how.conventions.form(instance)
+    found = solve(instance, seed=how.seed, jobs=1, prove=how.prove)
+    result, left = how.filters.applied(found, form)
     document: dict[str, Any] = {}
     if how.documented:
         every = how.everything
-        shown = Shown(_indices(result, everything=every), (), None, frame=frame)
+        chosen = _indices(result, everything=every)
+        shown = Shown(chosen, (), None, frame=form.frame, left=left)
         proved = _refined(result, shown, how.digits) if how.digits is not None else []
         contradicting = _contradicting(result)
         document = _document(result, shown, proved, contradicting, None, everything=every)
@@ -303,13 +316,15 @@ def _check_usage(rotation: str, *, everything: bool, no_certify: bool) -> None:
 
 
 def _goal(
-    near: GivenPose | None, conventions: PoseConventions, form: PoseFormat
+    near: GivenPose | None, conventions: PoseConventions, form: PoseFormat, *, filtered: bool
 ) -> tuple[Any, Any] | None:
     """Return the pose that others are compared with."""
     if near is not None:
         return near.read(form)
-    if conventions.euler or conventions.pivot:
-        message = "--euler and --pivot say what the numbers of --near are: give it, too"
+    if (conventions.euler or conventions.pivot) and not filtered:
+        message = (
+            "--euler and --pivot say what the numbers of --near and --where are: give one, too"
+        )
         raise click.UsageError(message)
     return None
 
@@ -320,7 +335,7 @@ def _notes(result: SolveResult, shown: Shown, *, everything: bool, legend: bool)
     from gspcli.cli.summary import remarks
 
     notes = [*frame_note(shown.frame), *remarks(result, shown.numbers)]
-    if not everything and (others := len(result.R) - len(shown.indices)):
+    if not everything and (others := len(result.R) - result.counts.real):
         notes.append(f"{others} more are not real: --all shows them")
     if shown.distances is not None:
         notes.append("nearest: by the translation and the turn times the platform's size")
@@ -356,6 +371,10 @@ def _document(
         entry["distance"] = {"translation": length, "turn": angle}
     if not shown.frame.is_identity:
         add_expressed(document, result, shown)
+    if shown.left is not None:
+        from gspcli.solver.results.mode_filters import left_out_json
+
+        document["left_out"] = left_out_json(shown.left)
     document["solutions"] = entries
     if contradicting:
         document["contradicting"] = list(contradicting)

@@ -6,6 +6,8 @@ turn times the platform's size, the root of the sum of their squares.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -40,6 +42,8 @@ class HomeMode:
         How many are equally near: of those it is the highest.
     away
         How far it is from the stated home, in words; empty if that is where it is.
+    kept
+        Whether only some of the real poses were kept, of which there are `count`.
     """
 
     number: int
@@ -49,15 +53,17 @@ class HomeMode:
     stated: bool
     equal: int
     away: str
+    kept: bool = False
 
     @property
     def reason(self) -> str:
         """Why it is this one, in words."""
         if self.count == 1:
-            return "the only real pose"
+            return "the only real pose" + (" that is kept" if self.kept else "")
         what = "nearest to the stated home"
         if not self.stated:
-            what = f"the least turned of {self.count} real poses (no home is stated)"
+            which = "kept" if self.kept else "real"
+            what = f"the least turned of {self.count} {which} poses (no home is stated)"
         if self.away:
             what += f", {self.away} from it"
         return what + (f", the highest of {self.equal} alike" if self.equal > 1 else "")
@@ -70,6 +76,15 @@ class HomeMode:
     def text(self) -> str:
         """Which mode it is and why, in words."""
         return f"home is mode {self.number}: {self.reason}"
+
+
+def home_among(instance: Instance, R: Array, T: Array, kept: Sequence[int]) -> HomeMode | None:
+    """Return which of some real poses is home, as `home_mode`; `kept` has their indices."""
+    chosen = list(kept)
+    found = home_mode(instance, R[chosen], T[chosen])
+    if found is None:
+        return None
+    return replace(found, number=chosen[found.number - 1] + 1, kept=len(chosen) < len(R))
 
 
 def home_mode(instance: Instance, R: Array, T: Array) -> HomeMode | None:

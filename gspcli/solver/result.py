@@ -24,7 +24,7 @@ from gspcli.geometry.residuals import (
     residuals,
 )
 from gspcli.records import dataclass
-from gspcli.solver.home_mode import HomeMode, home_mode
+from gspcli.solver.home_mode import HomeMode, home_among, home_mode
 from gspcli.solver.results.pose_set import Motion, PoseSet
 from gspcli.solver.results.proof import CountKind, Proof
 from gspcli.solver.results.solution import Counts, Solution
@@ -51,12 +51,15 @@ class SolveResult:
         Everything found, in this order.
     seed
         The source of random choices.
+    left_out
+        Indices of real poses of which none can be home.
     """
 
     instance: Instance
     arrangement: Arrangement
     poses: PoseSet
     seed: int
+    left_out: tuple[int, ...] = ()
 
     def __post_init__(self) -> None:
         for part in vars(self.poses).values():
@@ -121,7 +124,10 @@ class SolveResult:
     def home(self) -> HomeMode | None:
         """Which of the real poses of `drawn` is home (`home_mode`); None if there are none."""
         real = self.drawn.real
-        return home_mode(self.instance, self.drawn.R[real].real, self.drawn.T[real].real)
+        R, T = self.drawn.R[real].real, self.drawn.T[real].real
+        if not self.left_out or not self.counts.real:
+            return home_mode(self.instance, R, T)
+        return home_among(self.instance, R, T, [k for k in range(len(R)) if k not in self.left_out])
 
     @property
     def account(self) -> PathAccount:

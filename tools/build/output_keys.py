@@ -553,6 +553,11 @@ KEYS: dict[str, str] = {
     "platform_T": "origin of B in the platform",
     "expressed": "how the pose is expressed, in frames of SPEC or relative to home",
     "expressed.position": "x, y, z",
+    "left_out": "real poses that are not listed, with --where, --within-limits or --above",
+    "left_out.modes": "their numbers",
+    "left_out.reasons": "what leaves them out, in this order",
+    "reasons.reason": "a condition, within limits, or above",
+    "reasons.modes": "numbers of those that it leaves out and none before it does",
     # Workspaces
     "home": "the pose that travels begin at and that is kept but for what varies",
     "solve.home": "which real pose is home, meant where one is needed; null if none is real; of a "

@@ -52,6 +52,7 @@ SAMPLES: dict[str, tuple[str, ...]] = {
         "@griffis-duffy",
         "@singular-pose",
         "@workspace-study-cones --relative-to home",
+        "@workspace-study-cones --within-limits --where z<0",
         "@rubin-m2 --reading 'leg P1 B2 = 2.913 ± 0.002' --reading 'inclinometer = 0, 0 ± 0.1'",
         "@rubin-m2 --reading 'leg P1 B2 = 2.953 ± 0.002' --fit --sigma value=0.001",
     ),

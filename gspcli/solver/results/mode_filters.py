@@ -1,0 +1,219 @@
+"""Which real poses a machine can mean: those in a half space, within its limits, above its base.
+
+The other real poses are poses, too: they are counted, and what is said of completeness is about
+all. Their numbers stay as they are.
+"""
+
+from __future__ import annotations
+
+import operator
+import re
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gspcli.errors import ArgumentError
+from gspcli.geometry.euler import euler_from_rotation
+from gspcli.geometry.frames import IDENTITY, PoseFrame
+from gspcli.geometry.limits import has_limits
+from gspcli.geometry.primitives import Point
+from gspcli.records import dataclass
+from gspcli.wording import counted, listed, shown
+
+if TYPE_CHECKING:
+    from gspcli.solver.results.columns import Poses
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+#: The coordinates of a pose that conditions are about.
+COORDINATES = ("x", "y", "z", "rx", "ry", "rz")
+_OPERATORS: dict[str, Callable[[Array, float], Mask]] = {
+    "<=": operator.le,
+    ">=": operator.ge,
+    "<": operator.lt,
+    ">": operator.gt,
+}
+_TURNED = {"<": ">", ">": "<", "<=": ">=", ">=": "<="}
+_NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
+_CONDITION = re.compile(
+    rf"\s*(?:(r?[xyz])\s*([<>]=?)\s*({_NUMBER})|({_NUMBER})\s*([<>]=?)\s*(r?[xyz]))\s*"
+)
+#: Coordinates that are this near to a bound, next to the size of the platform, are equal to it.
+_EQUAL = 1e-12
+#: Points are near no plane if their least extent is more than this of the second one.
+_ROUND = 0.9
+
+
+@dataclass(frozen=True)
+class Condition:
+    """A bound for a coordinate of poses: ``z > 0``.
+
+    Attributes
+    ----------
+    name
+        One of `COORDINATES`.
+    sign
+        ``<``, ``>``, ``<=`` or ``>=``.
+    bound
+        In the units of the instance.
+    """
+
+    name: str
+    sign: str
+    bound: float
+
+    @property
+    def text(self) -> str:
+        """The condition as it can be written."""
+        return f"{self.name}{self.sign}{self.bound:g}"
+
+
+def parse_conditions(text: str) -> list[Condition]:
+    """Return the conditions of a text such as ``z>0, -45<=rx and rx<45``.
+
+    Raises
+    ------
+    ArgumentError
+        If a part of it is none.
+    """
+    found = []
+    for part in re.split(r",|&|\band\b", text):
+        match = _CONDITION.fullmatch(part)
+        if match is None:
+            message = (
+                f"found {shown(part.strip())}, expected a condition such as z>0: one of "
+                f"{listed(COORDINATES)}, one of < <= > >=, and a number"
+            )
+            raise ArgumentError(message)
+        name, sign, bound, other, reversed_sign, last = match.groups()
+        if name is None:
+            name, sign, bound = last, _TURNED[reversed_sign], other
+        found.append(Condition(name, sign, float(bound)))
+    return found
+
+
+@dataclass(frozen=True, eq=False)
+class ModeFilter:
+    """What is asked of real poses; each part leaves out those that do not keep it.
+
+    Attributes
+    ----------
+    where
+        Bounds for coordinates, all of which are to be kept.
+    within_limits
+        Whether ranges and cones are to be kept.
+    above
+        Whether the platform is to be above its base (`heights`).
+    frame, sequence
+        How coordinates are expressed: the frame, and the order of the axes of rx, ry, rz.
+    """
+
+    where: Sequence[Condition] = ()
+    within_limits: bool = False
+    above: bool = False
+    frame: PoseFrame = IDENTITY
+    sequence: str = "ZYX"
+
+    def __bool__(self) -> bool:
+        return bool(self.where) or self.within_limits or self.above
+
+    def left_out(self, result: Poses) -> dict[str, list[int]]:
+        """Return the numbers of the real poses that are left out, from 1, by the first reason.
+
+        Parameters
+        ----------
+        result
+            The poses of a platform.
+
+        Raises
+        ------
+        ArgumentError
+            If the platform has no limits, or its base no plane.
+        """
+        real = np.flatnonzero(result.real)
+        R, T = result.R[real].real, result.T[real].real
+        size, masks = result.arrangement.length, {}
+        numbers = self._coordinates(result, R, T)
+        for one in self.where:
+            column, scale = numbers[:, COORDINATES.index(one.name)], 1.0
+            if one.name in "xyz":
+                scale = size
+            near = np.abs(column - one.bound) <= _EQUAL * scale
+            kept = _OPERATORS[one.sign](np.where(near, one.bound, column), one.bound)
+            masks[one.text] = np.asarray(kept, bool)
+        if self.within_limits:
+            if not has_limits(result.instance):
+                message = "the platform states no range and no cone"
+                raise ArgumentError(message, "within_limits")
+            masks["within limits"] = np.array([not result.solutions[k].limits for k in real], bool)
+        if self.above:
+            masks["above"] = heights(result, R, T) > _EQUAL * size
+        left, seen = {}, np.zeros(len(real), bool)
+        for reason, kept in masks.items():
+            out = ~kept & ~seen
+            seen |= out
+            left[reason] = (real[out] + 1).tolist()
+        return {reason: those for reason, those in left.items() if those}
+
+    def _coordinates(self, result: Poses, R: Array, T: Array) -> Array:
+        """Return x, y, z, rx, ry, rz of poses, shape (n, 6)."""
+        turned, at = self.frame.from_platform(R, T)
+        angles = euler_from_rotation(self.sequence, turned) / result.arrangement.in_radians
+        return np.hstack((at, angles))
+
+
+def heights(result: Poses, R: Array, T: Array) -> Array:
+    """Return how far the platform's centre is above that of the base, along its normal, (n,).
+
+    Centres are the means of the points of distances. The normal is that of the plane that fits the
+    points of the base best. It points to where the platform is at the stated home; without one it
+    points along the base's z axis.
+
+    Raises
+    ------
+    ArgumentError
+        If there is no such plane or direction.
+    """
+    arrangement, instance = result.arrangement, result.instance
+    points = {
+        row.base.position: row.base.point
+        for row in instance.constraints
+        if isinstance(row.base, Point) and row.kind.is_distance
+    }
+    sizes, axes = np.zeros(3), np.eye(3)
+    if len(points) >= 3:
+        places = np.array(list(points.values()))
+        _, sizes, axes = np.linalg.svd(places - places.mean(axis=0), full_matrices=True)
+    if sizes[1] <= _EQUAL * max(sizes[0], 1e-300) or sizes[2] > _ROUND * sizes[1]:
+        message = "the points of the base are in no one plane"
+        raise ArgumentError(message, "above")
+    normal, home = axes[2], instance.home
+    up = np.array([0, 0, arrangement.length])
+    if home is not None:
+        turn = home.R(arrangement.in_radians)
+        up = turn @ arrangement.platform_centre + home.T - arrangement.base_centre
+    along = float(normal @ up)
+    if abs(along) <= 1e-9 * arrangement.length:
+        where = "home" if home is not None else "the z axis of the base"
+        message = f"{where} is on neither side of the plane of the base's points"
+        raise ArgumentError(message, "above")
+    middles = R @ arrangement.platform_centre + T - arrangement.base_centre
+    return np.asarray(middles @ normal * np.sign(along))
+
+
+def left_out_sentence(left: Mapping[str, list[int]], real: int) -> str:
+    """Return how many real poses are left out, and by what, in words."""
+    parts = ", ".join(f"{len(those)} by {reason}" for reason, those in left.items())
+    count = sum(map(len, left.values()))
+    kept = real - count
+    return f"{kept} of {counted(real, 'real pose')} kept; left out: {parts or 'none'}"
+
+
+def left_out_json(left: Mapping[str, list[int]]) -> dict[str, Any]:
+    """Return the numbers of the real poses that are left out as plain data, with the reasons."""
+    modes = sorted(number for those in left.values() for number in those)
+    reasons = [{"reason": reason, "modes": those} for reason, those in left.items()]
+    return {"modes": modes, "reasons": reasons}
