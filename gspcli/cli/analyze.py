@@ -78,7 +78,9 @@ _ZERO = 1e-12
     help="How far each coordinate of each primitive may be off, and each direction be turned.",
 )
 @require_option("range, cone, condition<=50, clearance>=0.5, force<=200")
-@output_options(parts=("wrenches", "jacobian", "inverse", "stiffness", "errors", "geometry"))
+@output_options(
+    parts=("wrenches", "drives", "jacobian", "inverse", "stiffness", "errors", "geometry")
+)
 def command(
     spec: str,
     changes: Changes,

@@ -98,7 +98,7 @@ def command(
       gsp measure platform.yaml path.csv --require "range, cone, condition<=50"
       gsp solve platform.yaml --format json | gsp measure platform.yaml -
       gsp measure rotary.yaml poses.csv --drives -o angles.csv
-      gsp measure rotary.yaml poses.csv --require "range, transmission>=0.3"
+      gsp measure rotary.yaml poses.csv --drives --require "transmission>=0.3"
     """
     if (poses is None) == (pose is None):
         message = "give either POSES or --pose"

@@ -50,6 +50,7 @@ _BLOCKS = {
     ("docs/import.md", "joints.csv"): (ROOT / "docs" / "import.md", "csv", 0),
     ("gsp import --help", "joints.csv"): (ROOT / "docs" / "import.md", "csv", 0),
     ("gsp import --help", "robot.xml"): (ROOT / "docs" / "import.md", "xml", 0),
+    ("docs/rotary.md", "moves.csv"): (ROOT / "docs" / "rotary.md", "csv", 0),
     ("docs/mount.md", "path.csv"): (ROOT / "docs" / "mount.md", "text", 0),
 }
 
