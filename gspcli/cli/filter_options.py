@@ -13,7 +13,7 @@ from gspcli.errors import ArgumentError, GspError
 from gspcli.records import dataclass
 
 if TYPE_CHECKING:
-    from gspcli.motion import PoseFormat
+    from gspcli.cli.pose_options import PoseConventions
     from gspcli.solver import SolveResult
     from gspcli.solver.results.mode_filters import Condition
 
@@ -42,7 +42,7 @@ class FilterOptions:
         return {"where": self.where, "within-limits": self.within_limits, "above": self.above}
 
     def applied(
-        self, result: SolveResult, form: PoseFormat
+        self, result: SolveResult, conventions: PoseConventions
     ) -> tuple[SolveResult, dict[str, list[int]] | None]:
         """Return the result without the poses that are left out as home, and their numbers.
 
@@ -55,6 +55,7 @@ class FilterOptions:
             return result, None
         from gspcli.solver.results.mode_filters import ModeFilter
 
+        form = conventions.form(result.instance)
         sequence = form.euler or "ZYX"
         asked = ModeFilter(self.where, self.within_limits, self.above, form.pivot_frame, sequence)
         try:

@@ -91,7 +91,7 @@ class PoseConventions:
             form,
             in_radians=units.angle.in_radians,
             length=units.length,
-            frame=self._frame(instance),
+            frame=self.frame(instance),
         )
 
     def _order(self) -> str | None:
@@ -105,7 +105,14 @@ class PoseConventions:
             say(f"--euler {self.euler}: the order {order}, about the axes of the platform")
         return order
 
-    def _frame(self, instance: Instance) -> PoseFrame:
+    def frame(self, instance: Instance) -> PoseFrame:
+        """Return the frame in which poses are printed; quicker than `form`, which has it, too.
+
+        Raises
+        ------
+        GspError
+            If the instance states no home and that is zero.
+        """
         from gspcli.geometry.frames import PoseFrame
 
         try:

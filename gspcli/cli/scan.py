@@ -117,11 +117,12 @@ def command(
         --pose 0,0,7,1,0,0,0 -o singular.svg
     """
     instance = load_instance(spec, changes)
-    form = conventions.form(instance)
+    frame = conventions.frame(instance)
     if pose is not None:
         from gspcli.cli.pose_scans import scan_poses
 
         shown = "determinant" if quantity == QUANTITIES[0] else quantity
+        form = conventions.form(instance)
         scan_poses(instance, texts, pose, form, folds, shown, output)
         return 0
     if any(text.strip()[:1] in "xyzr" for text in texts):
@@ -158,7 +159,11 @@ def command(
 
         write(output, mode_map(found, limits, quantity, output.format))
     else:
-        emit(output, scan_table(result, output.format, form.frame), document=result.to_json())
+        emit(
+            output,
+            scan_table(result, output.format, frame),
+            document=result.to_json(),
+        )
     if interrupted:
         return INTERRUPTED
     _refuse_gaps(found, limits)

@@ -28,7 +28,6 @@ from gspcli.wording import listed
 if TYPE_CHECKING:
     from gspcli.cli.pose_tables import Shown
     from gspcli.geometry.instance import Instance
-    from gspcli.motion import PoseFormat
     from gspcli.sensing import ReadingFit
     from gspcli.solver import SolveResult
 
@@ -179,16 +178,17 @@ def command(
         return solve_many(specs, partial(_solved, how), changes, jobs, output, lines=by_line)
     instance = load_instance(specs[0], changes)
     given = given_readings(readings, instance, repeated=fitting)
-    form = conventions.form(instance)
+    frame = conventions.frame(instance)
     if fitting or sigmas:
         others = {"all": everything, "near": near, "digits": digits, "legend": legend}
         check_options(**others, **filters.options, prove=prove is not None, fitting=fitting)
-        return show_fit(instance, given, sigmas, columns, decimals, form.frame, output)
-    goal = _goal(near, conventions, form, filtered=bool(filters.where))
+        return show_fit(instance, given, sigmas, columns, decimals, frame, output)
+    goal = _goal(near, conventions, instance, filtered=bool(filters.where))
     with working("solving"):
-        result, left = filters.applied(solve(instance, seed=seed, jobs=jobs, prove=prove), form)
+        result = solve(instance, seed=seed, jobs=jobs, prove=prove)
+        result, left = filters.applied(result, conventions)
         chosen = _indices(result, everything=everything)
-        shown = Shown(chosen, columns, decimals, frame=form.frame, left=left)
+        shown = Shown(chosen, columns, decimals, frame=frame, left=left)
         if goal is not None:
             shown = _sorted(result, shown, *goal)
         if (fit := fitted(result, given)) is not None:
@@ -269,14 +269,14 @@ def _solved(how: _How, instance: Instance) -> tuple[SolveResult, dict[str, Any],
     from gspcli.cli.pose_tables import Shown
     from gspcli.solver import solve
 
-    form = how.conventions.form(instance)
+    frame = how.conventions.frame(instance)
     found = solve(instance, seed=how.seed, jobs=1, prove=how.prove)
-    result, left = how.filters.applied(found, form)
+    result, left = how.filters.applied(found, how.conventions)
     document: dict[str, Any] = {}
     if how.documented:
         every = how.everything
         chosen = _indices(result, everything=every)
-        shown = Shown(chosen, (), None, frame=form.frame, left=left)
+        shown = Shown(chosen, (), None, frame=frame, left=left)
         proved = _refined(result, shown, how.digits) if how.digits is not None else []
         contradicting = _contradicting(result)
         document = _document(result, shown, proved, contradicting, None, everything=every)
@@ -316,11 +316,11 @@ def _check_usage(rotation: str, *, everything: bool, no_certify: bool) -> None:
 
 
 def _goal(
-    near: GivenPose | None, conventions: PoseConventions, form: PoseFormat, *, filtered: bool
+    near: GivenPose | None, conventions: PoseConventions, instance: Instance, *, filtered: bool
 ) -> tuple[Any, Any] | None:
     """Return the pose that others are compared with."""
     if near is not None:
-        return near.read(form)
+        return near.read(conventions.form(instance))
     if (conventions.euler or conventions.pivot) and not filtered:
         message = (
             "--euler and --pivot say what the numbers of --near and --where are: give one, too"
