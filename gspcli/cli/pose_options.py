@@ -75,7 +75,7 @@ class PoseConventions:
 
         columns = columns or ColumnOptions()
         form = PoseFormat(
-            self._order(),
+            None if self.euler is None else order_named("--euler", self.euler),
             (0.0, 0.0, 0.0) if self.pivot is None else pivot_from_text(self.pivot),
             ignore=columns.ignore,
             columns=columns.names,
@@ -93,17 +93,6 @@ class PoseConventions:
             length=units.length,
             frame=self.frame(instance),
         )
-
-    def _order(self) -> str | None:
-        """Return the order of axes, and say which one a maker has."""
-        from gspcli.geometry.euler import named_order
-
-        if self.euler is None:
-            return None
-        order = named_order(self.euler)
-        if order != self.euler:
-            say(f"--euler {self.euler}: the order {order}, about the axes of the platform")
-        return order
 
     def frame(self, instance: Instance) -> PoseFrame:
         """Return the frame in which poses are printed; quicker than `form`, which has it, too.
@@ -123,6 +112,16 @@ class PoseConventions:
 
 
 RELATIVE = "--relative-to"
+
+
+def order_named(option: str, text: str) -> str:
+    """Return the order of axes that an option names; which one a maker has is said."""
+    from gspcli.geometry.euler import MAKERS, named_order
+
+    order = named_order(text)
+    if text.strip().lower() in MAKERS:
+        say(f"{option} {text}: the order {order}, about the axes of the platform")
+    return order
 
 
 def frame_note(frame: PoseFrame) -> list[str]:

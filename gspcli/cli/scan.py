@@ -122,15 +122,9 @@ def command(
         from gspcli.cli.pose_scans import scan_poses
 
         shown = "determinant" if quantity == QUANTITIES[0] else quantity
-        form = conventions.form(instance)
-        scan_poses(instance, texts, pose, form, folds, shown, output)
+        scan_poses(instance, texts, pose, conventions.form(instance), folds, shown, output)
         return 0
-    if any(text.strip()[:1] in "xyzr" for text in texts):
-        message = "--vary: coordinates of a pose vary with --pose, which says what does not"
-        raise click.UsageError(message)
-    if conventions.euler or conventions.pivot:
-        message = "--euler and --pivot say what the numbers of --pose are: give it, too"
-        raise click.UsageError(message)
+    _refuse_coordinates(texts, conventions)
     from gspcli.motion.singularities.crossings import Boundary
     from gspcli.motion.singularities.scan_results import as_read, check_values, corrected
     from gspcli.motion.singularities.value_scans import MISSING, Axis, Scan
@@ -168,6 +162,16 @@ def command(
         return INTERRUPTED
     _refuse_gaps(found, limits)
     return 0
+
+
+def _refuse_coordinates(texts: tuple[str, ...], conventions: PoseConventions) -> None:
+    """Raise for what is about poses where values vary."""
+    if any(text.strip()[:1] in "xyzr" for text in texts):
+        message = "--vary: coordinates of a pose vary with --pose, which says what does not"
+        raise click.UsageError(message)
+    if conventions.euler or conventions.pivot:
+        message = "--euler and --pivot say what the numbers of --pose are: give it, too"
+        raise click.UsageError(message)
 
 
 def _refuse_gaps(found: Scan, limits: Boundary) -> None:

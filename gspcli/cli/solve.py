@@ -15,7 +15,13 @@ from gspcli.cli.names import load_instance
 from gspcli.cli.number_types import decimals_option, seed_option
 from gspcli.cli.output import FORMATS, Output, Table, emit, output_options
 from gspcli.cli.pose_fit import check_options, show_fit
-from gspcli.cli.pose_options import RELATIVE, PoseConventions, frame_note, pose_options
+from gspcli.cli.pose_options import (
+    RELATIVE,
+    PoseConventions,
+    frame_note,
+    order_named,
+    pose_options,
+)
 from gspcli.cli.pose_type import GivenPose, near_option
 from gspcli.cli.progress_bars import working
 from gspcli.cli.reading_options import add_fit, fitted, given_readings, refuse_misfit
@@ -308,6 +314,10 @@ def _sorted(result: SolveResult, shown: Shown, R: Any, T: Any) -> Shown:
 
 def _check_usage(rotation: str, *, everything: bool, no_certify: bool) -> None:
     """Raise if rotations that are not real are shown and cannot be written so."""
+    from gspcli.geometry.euler import MAKERS
+
+    if rotation.strip().lower() in MAKERS:
+        order_named("--rotation", rotation)
     if no_certify:
         click.echo("--no-certify is ignored: every pose is proved", err=True)
     if everything and rotation not in ("quaternion", "matrix"):

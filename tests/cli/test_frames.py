@@ -165,6 +165,20 @@ def test_zero_is_home_for_every_way_to_give_a_pose(gsp, spec):
             assert found == pytest.approx(wanted, abs=1e-9)
 
 
+def test_a_maker_in_an_option_says_its_order(gsp):
+    for words in (("--rotation", "PI"), ("--near", "0,0,400,0,0,0", "--euler", "PI")):
+        run = gsp("solve", "@workspace-study", *words)
+        assert run.code == 0
+        assert f"{words[-2]} PI: the order XYZ, about the axes of the platform" in run.err
+    one, other = (
+        gsp("solve", "@workspace-study", "--rotation", order, "--format", "csv").out
+        for order in ("linuxcnc", "ZYX")
+    )
+    assert one == other
+    run = gsp("solve", "@workspace-study", "--rotation", "SimHub")
+    assert (run.code, run.out) == (2, "")
+
+
 def test_without_home_nothing_is_relative_to_it(gsp, spec):
     run = gsp("solve", spec(replace(MACHINE, home=None)), "--relative-to", "home")
     assert (run.code, run.out) == (2, "")
