@@ -57,8 +57,10 @@ def limit_sentences(result: Track, events: list[LimitEvent]) -> list[str]:
     certain = cones_proved(result)
     for _, same in groupby(events, lambda event: (event.proved, event.mode, event.low, event.high)):
         together = list(same)
-        if certain and not together[0].proved:
-            found.append(_undecided(together))
+        cones = [one for one in together if one.kind == "cone"]
+        if certain and cones and not cones[0].proved:
+            found += [_sentence(result, one) for one in together if one.kind != "cone"]
+            found.append(_undecided(cones))
         else:
             found += [_sentence(result, event) for event in together]
     return found
@@ -84,8 +86,12 @@ def _sentence(result: Track, event: LimitEvent) -> str:
     if event.kind == "range":
         row = result.instance.constraints[event.constraint]
         low, high = map(row.reading_of, row.limits or ())
+        when = f"at t = {event.low:.10g}"
+        if not event.proved and event.low < event.high:
+            what = "may leave"
+            when = f"between t = {event.low:.10g} and {event.high:.10g}"
         subject = f"the value of constraint {event.constraint + 1} {what} its range"
-        return f"{subject} from {low} to {high} at t = {event.low:.10g}"
+        return f"{subject} from {low} to {high} {when}"
     when = f"between t = {event.low:.10g} and {event.high:.10g}"
     if event.proved or event.low == event.high:
         when = f"at t = {event.low:.9g}"

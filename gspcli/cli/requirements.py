@@ -265,7 +265,9 @@ def verdict_lines(verdicts: Sequence[Verdict], places: Callable[[int], str]) -> 
     """Return each verdict in a line; `places` names a row."""
     lines = []
     for one in verdicts:
-        met = "met" if one.met else "NOT met"
+        met = "NOT met"
+        if one.met:
+            met = "met, between rows too" if one.between else "met"
         of = f", {one.part}" if one.part else ""
         worst = f"worst {one.worst:.6g}" if one.worst == one.worst else "not known"
         lines.append(f"{one.requirement}: {met}; {worst} {places(one.row)}{of}")

@@ -26,9 +26,10 @@ from gspcli.cli.requirements import refuse, require_option, required
 from gspcli.cli.streams import say
 from gspcli.cli.track_requirements import judged_track, track_entries, track_lines
 from gspcli.cli.track_tables import event_sentence, track_table
+from gspcli.cli.track_ways import along_poses, along_values
 from gspcli.cli.value_options import Changes, value_options
 from gspcli.cli.worker_options import jobs_option
-from gspcli.errors import GspError, IncompleteError
+from gspcli.errors import IncompleteError
 from gspcli.wording import counted
 
 if TYPE_CHECKING:
@@ -38,7 +39,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from gspcli.geometry.instance import Instance
-    from gspcli.motion import Track
+    from gspcli.motion import Track, ValueTable
     from gspcli.motion.files.requirements import Requirement
     from gspcli.motion.following.departures import Departure
     from gspcli.motion.following.limit_event import LimitEvent
@@ -59,6 +60,13 @@ if TYPE_CHECKING:
     show_default=True,
     metavar="N",
     help="Write N rows for each row of VALUES, evenly between it and the next one.",
+)
+@click.option(
+    "--along",
+    type=click.Choice(["values", "poses"]),
+    default="values",
+    show_default=True,
+    help="What changes linearly between rows; of a file of poses it can be x, y, z and the angles.",
 )
 @click.option("--relative", is_flag=True, help="The values in the file are added to those of SPEC.")
 @click.option(
@@ -101,6 +109,7 @@ def command(
     near: GivenPose | None,
     changes: Changes,
     steps: int,
+    along: str,
     relative: bool,
     all_modes: bool,
     everything: bool,
@@ -142,8 +151,13 @@ def command(
     told, too. It is proved for all that is between rows; without proof (--no-certify) cones are
     only looked at where the rows are.
 
-    With --require the worst row of each is named, and the exit code is 1 unless all rows keep it;
-    range and cone must be kept between the rows, too.
+    With --require the worst row of each is named, and the exit code is 1 unless all rows keep it.
+    range, cone, condition and clearance must be kept between the rows, too, proved, unless
+    coordinates move.
+
+    With --along poses x, y, z and the angles change linearly between the rows of a file of poses,
+    as a controller with six axes moves them: rx, ry, rz in the order of --euler, ZYX without it,
+    each the shorter way round. It is proved that no pose on the way is singular.
 
     The exit code is 4 if a mode ends before the last row, unless with --allow-loss. It is also 4 if
     a mode that is followed along a file of poses is not at the pose of a row.
@@ -160,44 +174,57 @@ def command(
         gsp view platform.yaml --track -
     """
     _check(mode, near, spec, values)
-    from gspcli.motion import departures, read_values, track
-    from gspcli.motion.following.limit_events import limit_events
+    from gspcli.motion import read_values
 
     instance = load_instance(spec, changes)
     requirements = required(require)
     form = conventions.form(instance, columns)
-    table = read_values(*text_of(values), instance, form, delta=relative).subdivided(steps)
-    start = table.start if near is None else near.read(form)
-    if near is None and (mode is not None or all_modes or everything):
-        start = None
-    modes = None if mode is None else [mode_number(instance, mode)]
-    with working("following"):
-        result = track(
+    table = read_values(*text_of(values), instance, form, delta=relative)
+    if along == "poses":
+        _check_poses(table, mode, near, all_modes or everything or no_certify)
+        done = along_poses(instance, table, form, conventions, steps)
+    else:
+        table = table.subdivided(steps)
+        start = table.start if near is None else near.read(form)
+        if near is None and (mode is not None or all_modes or everything):
+            start = None
+        done = along_values(
             instance,
-            table.values,
-            coordinates=table.coordinates,
-            t=table.t,
-            modes=modes,
+            table,
+            modes=None if mode is None else [mode_number(instance, mode)],
             near=start,
             everything=everything,
             certify=not no_certify,
             jobs=jobs,
         )
-    _refuse_none(result, unless=everything)
-    with working("looking at limits"):
-        limits = limit_events(result)
+    result, limits, left = done.track, done.limits, done.left
     with working("looking for singularities"):
         more = _clearances(result, requirements, clear=clear, pose_clear=pose_clear)
     rows = result.rows(more, form.frame)
-    verdicts, added = judged_track(result, limits, requirements, rows)
+    verdicts, added = judged_track(done, requirements, rows)
     shown = track_table(result, rows, limits, added, track_lines(verdicts, rows, steps), form.frame)
-    left = [] if table.poses is None else departures(result, *table.poses)
     said = {"limits": [*map(plain_limit, limits)], **track_entries(verdicts, rows, steps)}
     said["departures"] = [one.to_json(form.in_radians) for one in left]
     emit(output, shown, document=result.to_json(rows, form.frame) | said)
     _tell(result, limits, output)
     _refuse_losses(result, left, allowed=allow_loss)
     refuse(verdicts)
+
+
+def _check_poses(
+    table: ValueTable, mode: Mode | None, near: GivenPose | None, others: bool
+) -> None:
+    """Complain of what does not go with straight ways of poses."""
+    message = ""
+    if table.poses is None:
+        message = "--along poses is about a file of poses: found values"
+    elif mode is not None or near is not None or others:
+        message = (
+            "--along poses follows the poses of the file: leave out --mode, --near, --all-modes, "
+            "--complete and --no-certify"
+        )
+    if message:
+        raise click.UsageError(message)
 
 
 def _check(mode: Mode | None, near: GivenPose | None, spec: str, values: str) -> None:
@@ -208,16 +235,6 @@ def _check(mode: Mode | None, near: GivenPose | None, spec: str, values: str) ->
     if spec == values == "-":
         message = "SPEC and VALUES cannot both be standard input"
         raise click.UsageError(message)
-
-
-def _refuse_none(result: Track, *, unless: bool) -> None:
-    """Raise if there is no mode to follow, unless modes that are born on the way are."""
-    if not unless and not len(result.modes):
-        message = (
-            "there is no real pose at the first row\n"
-            "begin with other values, or use --complete for modes that are born on the way"
-        )
-        raise GspError(message)
 
 
 def _tell(result: Track, limits: list[LimitEvent], output: Output) -> None:

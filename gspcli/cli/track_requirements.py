@@ -18,9 +18,9 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from gspcli.cli.output import Column
+    from gspcli.cli.track_ways import Followed
     from gspcli.motion import Track
     from gspcli.motion.files.requirements import Parts, Requirement, Verdict
-    from gspcli.motion.following.limit_event import LimitEvent
 
     Array = NDArray[np.float64]
 
@@ -29,8 +29,7 @@ _KNOWN = ("condition", "clearance", "pose_clearance")
 
 
 def judged_track(
-    result: Track,
-    limits: Sequence[LimitEvent],
+    done: Followed,
     requirements: Sequence[Requirement],
     rows: list[dict[str, Any]],
 ) -> tuple[list[Verdict], list[Column]]:
@@ -38,7 +37,7 @@ def judged_track(
 
     Parameters
     ----------
-    result, limits
+    done
         The track, and where it leaves limits.
     requirements
         What is required.
@@ -51,6 +50,8 @@ def judged_track(
 
     from gspcli.motion.files.requirements import judge
 
+    result = done.track
+
     known = {
         key.replace("_", "-"): np.array([row[key] for row in rows])
         for key in _KNOWN
@@ -60,7 +61,7 @@ def judged_track(
     for one in requirements:
         if one.quantity not in quantities:
             quantities[one.quantity] = _at_all_rows(result, one)
-    verdicts = [_between(one, limits) for one in judge(requirements, quantities)]
+    verdicts = [_between(one, done) for one in judge(requirements, quantities)]
     more = {name: numbers for name, numbers in quantities.items() if name not in known}
     return verdicts, add_quantities(rows, more)
 
@@ -105,16 +106,44 @@ def _of_drives(result: Track, name: str) -> Parts:
     return limits_of(result.instance, name, result.values[rows], R, T, at)
 
 
-def _between(verdict: Verdict, limits: Sequence[LimitEvent]) -> Verdict:
-    """Return a verdict on a limit that also holds between the rows."""
-    left = [one for one in limits if one.kind == verdict.requirement.quantity]
-    if not verdict.met or not left:
+def _between(verdict: Verdict, done: Followed) -> Verdict:
+    """Return a verdict that also holds between the rows, where that can be proved."""
+    from gspcli.geometry.drive_numbers import is_driven
+    from gspcli.motion.following.limit_events import cones_proved
+    from gspcli.motion.paths.track_bounds import BOUNDED, can_be_bounded
+
+    quantity = verdict.requirement.quantity
+    proved = can_be_bounded(done.track)
+    if quantity in BOUNDED:
+        return _bounded(verdict, done) if proved and verdict.met else verdict
+    if quantity not in ("range", "cone"):
         return verdict
+    left = [one for one in done.limits if one.kind == quantity]
+    known = cones_proved(done.track) or done.ways is not None
+    if quantity == "range":
+        known = not is_driven(done.track.instance)
+    if not verdict.met or not left:
+        return replace(verdict, between=known)
     event = left[0]
     how = "left" if event.proved else "perhaps left"
     what = event.drive or f"constraint {event.constraint + 1}"
     where = f"{what} {how} between rows at t = {event.low:.9g}"
-    return replace(verdict, met=False, part=where)
+    return replace(verdict, met=False, part=where, between=known)
+
+
+def _bounded(verdict: Verdict, done: Followed) -> Verdict:
+    """Return a verdict on a condition number or a clearance that also holds between the rows."""
+    from gspcli.motion.paths.track_bounds import worst_between
+
+    quantity, wanted = verdict.requirement.quantity, verdict.requirement.limit
+    found = worst_between(done.track, quantity, wanted, done.ways)
+    if found is None:
+        return replace(verdict, between=True)
+    t = done.track.t[[found.row, found.row + 1]].tolist()
+    word = "at most" if quantity == "condition" else "at least"
+    bound = f"{word} {found.bound:.4g} is proved"
+    where = f"between t = {t[0]:.6g} and {t[1]:.6g} {bound}"
+    return replace(verdict, met=False, part=where, between=True)
 
 
 def track_lines(verdicts: Sequence[Verdict], rows: list[dict[str, Any]], steps: int) -> list[str]:
@@ -133,7 +162,9 @@ def track_entries(
     """Return the verdicts for JSON, under their key; nothing if nothing was required."""
     if not verdicts:
         return {}
-    return {"requirements": verdict_entries(verdicts, lambda k: _place(rows, k, steps))}
+    entries = verdict_entries(verdicts, lambda k: _place(rows, k, steps))
+    judged = [{**one, "between": v.between} for one, v in zip(entries, verdicts, strict=True)]
+    return {"requirements": judged}
 
 
 def _place(rows: Sequence[Mapping[str, Any]], k: int, steps: int) -> dict[str, Any]:

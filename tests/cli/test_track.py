@@ -174,7 +174,7 @@ def test_requirements_hold_at_all_rows(gsp, tmp_path):
     run = gsp("track", "@workspace-study-cones", path, *near, *require)
     assert run.code == 0
     for name in ("range <= 1", "cone <= 1", "clearance >= 0.01", "condition <= 100"):
-        assert f"\n{name}: met; worst " in run.out
+        assert f"\n{name}: met, between rows too; worst " in run.out
     assert "(t = 3), mode 8, leg " in run.out
     require = ("--require", "cone<=0.1, condition<=1")
     run = gsp("track", "@workspace-study-cones", path, *near, *require, "--format", "json")

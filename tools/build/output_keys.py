@@ -291,6 +291,7 @@ KEYS: dict[str, str] = {
     "partner_R": "rotation of the partner there",
     "partner_T": "translation of the partner there",
     "track.kind": "fold or undecided",
+    "track.between": "whether it is judged between the rows, too",
     "clearance": "how far all values may change with proof that nothing is singular",
     "of": "what changes: values or pose",
     "path.from": "where the path begins",

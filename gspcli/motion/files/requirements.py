@@ -148,6 +148,8 @@ class Verdict:
         The index of that row.
     part
         The part with this number, such as ``constraint 2``; empty if there are no parts.
+    between
+        Whether it is also judged between the rows.
     """
 
     requirement: Requirement
@@ -155,6 +157,7 @@ class Verdict:
     worst: float
     row: int
     part: str = ""
+    between: bool = False
 
 
 def keeping(

@@ -17,7 +17,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.catalogue.kinds import DLL
+from gspcli.catalogue.kinds import DLL, Primitive
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.residuals import condition_numbers
@@ -53,6 +53,8 @@ class Rows:
     parameters
         Position and angles, shape (r, 6), for ways of poses: each row is continued from the one
         before; None for ways of values.
+    weights
+        The unit of each value's changes in clearances, shape (6,); None for those of the instance.
     """
 
     ways: ValueWays | PoseWays
@@ -60,6 +62,18 @@ class Rows:
     R: Array
     T: Array
     parameters: Array | None = None
+    weights: Array | None = None
+
+    @staticmethod
+    def weights_of(instance: Instance) -> Array:
+        """Return the units of changes of values in the clearances of a platform, shape (6,)."""
+        weights = range_weights(instance)
+        return np.ones(6) if weights is None else weights
+
+    @property
+    def units(self) -> Array:
+        """The unit of each value's changes in clearances, shape (6,)."""
+        return self.weights_of(self.instance) if self.weights is None else self.weights
 
     @property
     def instance(self) -> Instance:
@@ -105,7 +119,7 @@ class Rows:
 
     def clearances(self) -> Array:
         """Return proved clearances of the rows, shape (r,)."""
-        return clearances(self.instance, self.R, self.T, weights=range_weights(self.instance))
+        return clearances(self.instance, self.R, self.T, weights=self.units)
 
     def condition_bounds(self) -> Array:
         """Bound the condition numbers on the ways between the rows, shape (r - 1,)."""
@@ -163,10 +177,9 @@ class Rows:
 
         Infinite where there is no bound.
         """
-        weights = range_weights(self.instance)
-        weights = np.ones(6) if weights is None else weights
         if isinstance(self.ways, ValueWays):
-            return np.asarray((np.abs(np.diff(self.values, axis=0)) / weights).max(axis=1))
+            change = np.abs(np.diff(self.values, axis=0)) * _OUTWARD
+            return np.asarray((change / self.units).max(axis=1))
         assert self.parameters is not None
         a = Arrangement.of(self.instance)
         change = np.abs(np.diff(self.parameters, axis=0))
@@ -174,12 +187,12 @@ class Rows:
         own = np.linalg.norm(a.y - self.ways.pivot, axis=1)
         places = self.parameters[:-1, :3]
         base = np.linalg.norm(places[:, None] - a.x, axis=2) + move[:, None]
-        seen = np.array([kind.platform.name == "POINT" for kind in a.kinds])
+        seen = np.array([kind.platform is Primitive.POINT for kind in a.kinds])
         arms = np.where(seen, own, base)
         found = move[:, None] + turn[:, None] * arms
         found[:, a.angles] = turn[:, None] / a.in_radians
         found[:, [k for k, kind in enumerate(a.kinds) if kind is DLL]] = np.inf
-        return np.asarray((found / weights).max(axis=1) * _OUTWARD)
+        return np.asarray((found / self.units).max(axis=1) * _OUTWARD)
 
 
 def least_clearances(rows: Rows, wanted: float, halvings: int = HALVINGS) -> tuple[Array, Array]:

@@ -43,12 +43,15 @@ class WayProof:
         Why the way is not proved, in words; empty if it is.
     violated
         Whether it is proved that some pose of the way is singular or violates a limit.
+    left
+        The conditions that are not proved on some part of the way, as bits of `PoseBoxes`.
     """
 
     sign: int
     cells: int
     reason: str = ""
     violated: bool = False
+    left: int = 0
 
 
 class PoseWays:
@@ -117,6 +120,13 @@ class PoseWays:
         far = [np.abs(one - parameters)[..., 3:].sum(axis=-1) for one in found]
         return np.where((far[0] <= far[1])[..., None], found[0], found[1])
 
+    def continued(self, R: Array, T: Array) -> Array:
+        """Return the parameters of rows of poses, each continued from the one before, (r, 6)."""
+        found = self.parameters(R, T)
+        for k in range(1, len(found)):
+            found[k] = self.nearest(found[k - 1], found[k])
+        return found
+
     def prove(self, begin: Array, end: Array) -> WayProof:
         """Prove the straight way between two sets of parameters, shape (6,) each."""
         steps = max(1, int(np.ceil(np.abs(end - begin)[3:].max() / _TURN)))
@@ -173,7 +183,8 @@ class PoseWays:
                 index = last - index
             left = found.open_left & ~NEGATIVE
             index, left = np.concatenate((2 * index, 2 * index + 1)), np.concatenate((left, left))
-        return WayProof(0, cells, ", ".join(self.boxes.names(int(left[0] & ~NEGATIVE))))
+        open_ = int(left[0] & ~NEGATIVE)
+        return WayProof(0, cells, ", ".join(self.boxes.names(open_)), left=open_)
 
     def at(self, parameters: Array) -> WayProof:
         """Prove that a pose is regular and within the limits, with poses very near to it."""

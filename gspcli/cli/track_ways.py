@@ -1,0 +1,121 @@
+"""What `gsp track` follows: values or poses that change linearly between rows."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from gspcli.cli.progress_bars import working
+from gspcli.errors import GspError
+from gspcli.records import dataclass
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from gspcli.cli.pose_options import PoseConventions
+    from gspcli.geometry.instance import Instance
+    from gspcli.motion import PoseFormat, Track, ValueTable
+    from gspcli.motion.following.departures import Departure
+    from gspcli.motion.following.limit_event import LimitEvent
+    from gspcli.motion.paths.pose_ways import PoseWays
+
+    Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Followed:
+    """A track with what is said of it.
+
+    Attributes
+    ----------
+    track
+        What was followed.
+    limits
+        Where ranges and cones are left.
+    left
+        Where it is not at the poses of the file.
+    ways
+        The straight ways in position and angles from row to row; None for ways of values.
+    """
+
+    track: Track
+    limits: list[LimitEvent]
+    left: list[Departure]
+    ways: PoseWays | None = None
+
+
+def along_values(
+    instance: Instance,
+    table: ValueTable,
+    *,
+    modes: Sequence[int] | None,
+    near: tuple[Array, Array] | None,
+    everything: bool,
+    certify: bool,
+    jobs: int,
+) -> Followed:
+    """Follow modes while the values change linearly; arguments as for `gspcli.track`."""
+    from gspcli.motion import departures, track
+    from gspcli.motion.following.limit_events import limit_events
+
+    with working("following"):
+        result = track(
+            instance,
+            table.values,
+            coordinates=table.coordinates,
+            t=table.t,
+            modes=modes,
+            near=near,
+            everything=everything,
+            certify=certify,
+            jobs=jobs,
+        )
+    if not everything and not len(result.modes):
+        message = (
+            "there is no real pose at the first row\n"
+            "begin with other values, or use --complete for modes that are born on the way"
+        )
+        raise GspError(message)
+    with working("looking at limits"):
+        limits = limit_events(result)
+    left = [] if table.poses is None else departures(result, *table.poses)
+    return Followed(result, limits, left)
+
+
+def along_poses(
+    instance: Instance,
+    table: ValueTable,
+    form: PoseFormat,
+    conventions: PoseConventions,
+    steps: int,
+) -> Followed:
+    """Prove the straight ways in position and angles between the poses of a file."""
+    from gspcli.geometry.coordinates import refuse_cranks
+    from gspcli.geometry.expressed_instances import expressed_instance
+    from gspcli.geometry.readings import without_corrections
+    from gspcli.motion import track
+    from gspcli.motion.paths.pose_tracks import pose_track
+
+    assert table.poses is not None
+    refuse_cranks(instance, "--along poses is about legs only, not about what moves them so")
+    with working("proving"):
+        # Its only row says which mode the file begins at.
+        first = track(instance, table.values[:1], near=table.start)
+        given, frame = without_corrections(instance), form.pivot_frame
+        expressed = given
+        if not frame.is_identity:
+            expressed = expressed_instance(
+                given, pivot=form.pivot, relative=conventions.relative_to is not None
+            )
+        found = pose_track(
+            given,
+            expressed,
+            frame,
+            table.t,
+            *table.poses,
+            sequence=form.euler or "ZYX",
+            mode=int(first.modes[0]),
+            steps=steps,
+        )
+    return Followed(found.track, list(found.limits), [], found.ways)

@@ -1,0 +1,169 @@
+"""A file of poses followed straight in position and angles, each way between rows proved."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gspcli.geometry.frames import PoseFrame
+from gspcli.geometry.instance import Instance
+from gspcli.geometry.limits import joint_cones, out_of_cone, out_of_range
+from gspcli.motion.following.limit_event import LimitEvent
+from gspcli.motion.following.tracks import Event, Track
+from gspcli.motion.paths.pose_ways import PoseWays, WayProof
+from gspcli.motion.poses.inverse_kinematics import values_at
+from gspcli.records import dataclass
+
+Array = NDArray[np.float64]
+
+#: Poses of a way that are looked at for the limit that it leaves.
+_LOOKS = 64
+
+
+@dataclass(frozen=True, eq=False)
+class PoseTrack:
+    """A file of poses as a track.
+
+    Attributes
+    ----------
+    track
+        The poses as the only mode; it ends with an undecided event before the first way that is
+        not proved to be regular.
+    ways
+        The straight ways in position and angles, in the frames of the poses.
+    limits
+        Where ranges and cones are left, or not proved to be kept.
+    """
+
+    track: Track
+    ways: PoseWays
+    limits: tuple[LimitEvent, ...]
+
+
+def pose_track(
+    instance: Instance,
+    expressed: Instance,
+    frame: PoseFrame,
+    t: Array,
+    R: Array,
+    T: Array,
+    *,
+    sequence: str,
+    mode: int,
+    steps: int = 1,
+) -> PoseTrack:
+    """Prove the straight ways between the rows of a file of poses.
+
+    Parameters
+    ----------
+    instance
+        The platform, without offsets of readings.
+    expressed
+        The same in the frames in which poses are expressed.
+    frame
+        These frames; the position that changes linearly is that of their origin on the platform.
+    t, R, T
+        The n rows, poses of the platform.
+    sequence
+        The order of the axes of the angles that change linearly.
+    mode
+        The number of the mode.
+    steps
+        So many rows are made of each.
+    """
+    origin = np.zeros(3)
+    regular = PoseWays(expressed, pivot=origin, sequence=sequence, limits=False)
+    inside = PoseWays(expressed, pivot=origin, sequence=sequence, limits=True)
+    parameters = regular.continued(*frame.from_platform(R, T))
+    if steps > 1:
+        rows = np.arange(len(t))
+        places = np.linspace(0, len(t) - 1, steps * (len(t) - 1) + 1)
+        parameters = np.stack([np.interp(places, rows, one) for one in parameters.T], axis=1)
+        t = np.interp(places, rows, t)
+        R, T = frame.to_platform(*regular.poses(parameters))
+    events: tuple[Event, ...] = ()
+    cells, end = 0, len(t)
+    for k in range(len(t) - 1):
+        proof = regular.prove(parameters[k], parameters[k + 1])
+        cells += proof.cells
+        if not proof.sign:
+            reason = "a pose on the straight way may be singular"
+            low, high = float(t[k]), float(t[k + 1])
+            events = (Event("undecided", reason, False, mode, k, low, high, R[k], T[k]),)
+            end = k + 1
+            break
+    if len(t) == 1 and not regular.at(parameters[0]).sign:
+        reason = "the pose is nearly singular"
+        here = float(t[0])
+        events = (Event("undecided", reason, False, mode, 0, here, here, R[0], T[0]),)
+    there = np.arange(len(t)) < end
+    track = Track(
+        instance,
+        instance,
+        t,
+        values_at(instance, R, T),
+        np.array([mode]),
+        np.where(there[:, None, None], R, np.nan)[None],
+        np.where(there[:, None], T, np.nan)[None],
+        True,
+        events,
+        None,
+        cells,
+        known=mode,
+    )
+    limits = tuple(_limits(inside, expressed, parameters[:end], t, mode))
+    return PoseTrack(track, regular, limits)
+
+
+def _limits(
+    ways: PoseWays, instance: Instance, parameters: Array, t: Array, mode: int
+) -> Iterator[LimitEvent]:
+    """Yield each limit where it is first left on a way, or first not proved to be kept."""
+    seen: set[tuple[str, int, str]] = set()
+    for k in range(len(parameters) - 1):
+        proof = ways.prove(parameters[k], parameters[k + 1])
+        if not proof.sign:
+            parts = np.linspace(0, 1, _LOOKS + 1)[:, None]
+            way = parameters[k] + (parameters[k + 1] - parameters[k]) * parts
+            times = t[k] + (t[k + 1] - t[k]) * parts[:, 0]
+            for event in _on_way(instance, *ways.poses(way), times, mode, proof):
+                name = event.kind, event.constraint, event.body
+                if name not in seen:
+                    seen.add(name)
+                    yield event
+
+
+def _on_way(
+    instance: Instance, R: Array, T: Array, t: Array, mode: int, proof: WayProof
+) -> Iterator[LimitEvent]:
+    """Yield the limits that samples of a way violate; if there are none, those not proved."""
+    cones = joint_cones(instance)
+    ranges = out_of_range(instance, values_at(instance, R, T))
+    seen = False
+    for k in np.flatnonzero(ranges.any(axis=0)).tolist():
+        seen = True
+        yield LimitEvent("range", True, k, "", None, *_interval(ranges[:, k], t), False)
+    tilted = out_of_cone(instance, R, T)
+    for k in np.flatnonzero(tilted.any(axis=0)).tolist():
+        seen = True
+        one = cones[k]
+        low, high = _interval(tilted[:, k], t)
+        yield LimitEvent("cone", True, one.constraint, one.body, mode, low, high, False)
+    if seen:
+        return
+    count = len(instance.constraints)
+    for k in range(count):
+        if proof.left >> k & 1 and instance.constraints[k].limits is not None:
+            yield LimitEvent("range", True, k, "", None, float(t[0]), float(t[-1]), False)
+    for k, one in enumerate(cones):
+        if proof.left >> (count + k) & 1:
+            low, high = float(t[0]), float(t[-1])
+            yield LimitEvent("cone", True, one.constraint, one.body, mode, low, high, False)
+
+
+def _interval(violated: NDArray[np.bool_], t: Array) -> tuple[float, float]:
+    """Return the times between which a limit is first seen to be left."""
+    first = int(violated.argmax())
+    return float(t[max(first - 1, 0)]), float(t[first])

@@ -1,0 +1,90 @@
+"""What a proved track keeps between its rows: condition numbers and clearances."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gspcli.geometry.readings import without_corrections
+from gspcli.motion.following.tracks import Track
+from gspcli.motion.paths.between_rows import Rows, largest_conditions, least_clearances
+from gspcli.motion.paths.pose_ways import PoseWays
+from gspcli.motion.paths.value_ways import ValueWays
+from gspcli.records import dataclass
+
+Array = NDArray[np.float64]
+
+#: What is judged between rows, and how.
+BOUNDED = {"condition": largest_conditions, "clearance": least_clearances}
+
+
+@dataclass(frozen=True)
+class Between:
+    """A way between two rows on which a bound is worse than what is wanted.
+
+    Attributes
+    ----------
+    mode
+        The number of the mode.
+    row
+        The row before it, from 0.
+    bound
+        What is proved there: at most this condition number, or at least this clearance.
+    """
+
+    mode: int
+    row: int
+    bound: float
+
+
+def can_be_bounded(track: Track) -> bool:
+    """Whether bounds between the rows of a track are known: its ways are proved, no point moves."""
+    return track.certified and not track.coordinates and len(track.t) > 1
+
+
+def worst_between(
+    track: Track, quantity: str, wanted: float, ways: PoseWays | None = None
+) -> Between | None:
+    """Return the way between two rows on which a quantity is worst; None if all are as wanted.
+
+    Parameters
+    ----------
+    track
+        A track for which `can_be_bounded` holds.
+    quantity
+        ``condition`` or ``clearance``.
+    wanted
+        The largest condition number, or the least clearance.
+    ways
+        Straight ways in position and angles, if they lead from row to row; None for values.
+    """
+    worst: Between | None = None
+    for k, mode in enumerate(track.modes.tolist()):
+        there = np.flatnonzero(~np.isnan(track.T[k, :, 0]))
+        if len(there) < 2:
+            continue
+        _, bounds = BOUNDED[quantity](_rows(track, k, there, ways), wanted)
+        bad = bounds if quantity == "condition" else -bounds
+        row = int(bad.argmax())
+        kept = bounds[row] <= wanted if quantity == "condition" else bounds[row] >= wanted
+        if not kept and (worst is None or bad[row] > _badness(worst, quantity)):
+            worst = Between(mode, int(there[row]), float(bounds[row]))
+    return worst
+
+
+def _badness(one: Between, quantity: str) -> float:
+    return one.bound if quantity == "condition" else -one.bound
+
+
+def _rows(track: Track, k: int, there: NDArray[np.int64], ways: PoseWays | None) -> Rows:
+    """Return the rows of one mode."""
+    R, T, values = track.R[k, there], track.T[k, there], track.values[there]
+    if ways is not None:
+        return Rows(ways, values, R, T, ways.continued(R, T))
+    # Limits are judged apart: a way that leaves them has its condition numbers all the same.
+    instance = without_corrections(track.followed)
+    rows = tuple(replace(row, limits=None) for row in instance.constraints)
+    free = ValueWays(replace(instance, constraints=rows), np.sign(values[0]))
+    return Rows(free, values, R, T, weights=Rows.weights_of(track.instance))

@@ -1,0 +1,238 @@
+"""Check proved paths against samples, and which modes they join; record it.
+
+    python -m tools.verify.paths [--segments 20000] [--samples 1000] [--jobs 2] [--check]
+
+What must hold:
+
+- Segments: of random straight ways in position and angles on machines of all kinds, each that is
+  proved regular keeps the sign of the determinant at all samples. The determinant is that of
+  `gspcli.geometry.measurement`, which the proof does not use.
+- Groups: without ranges all modes of one class are joined on all shipped hexapods with legs, on ten
+  random ones and on types whose determinant factors; with ranges the groups are those known.
+- Homes: from 200 random poses within the limits on four machines most ways home are straight, and
+  all others are found on a map.
+
+The record is ``data/verification/paths.csv``. Times are said, not recorded.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from dataclasses import asdict, dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+import gspcli
+from gspcli.catalogue.names import parse_type
+from gspcli.defaults import SEED
+from gspcli.geometry.instance import Instance
+from gspcli.geometry.limits import has_limits, within_limits
+from gspcli.motion import mode_groups
+from gspcli.motion.paths.classes import Classes
+from gspcli.motion.paths.pose_map import PoseMap
+from gspcli.motion.paths.pose_ways import PoseWays
+from gspcli.motion.poses.inverse_kinematics import values_at
+from gspcli.solver.instances.generate import random_instance
+from tools.recording import ROOT, add_workers, csv_text, parser, workers_of
+from tools.verify.campaigns import conclude
+
+RECORD = ROOT / "data" / "verification" / "paths.csv"
+Array = NDArray[np.float64]
+
+#: Hexapods with legs, without their ranges.
+LEGS = (
+    *("platform-6-6", "dietmaier", "platform-5-5", "platform-6-3", "platform-6-4", "planar-6-6"),
+    *("octahedral-3-3", "nano-hexapod", "rubin-camera", "rubin-m2", "apo-tertiary"),
+    *("linuxcnc-hexapod", "simscape-hexapod", "simmechanics-hexapod", "workspace-study"),
+    *("workspace-study-cones", "modified-paradex"),
+)
+#: Types whose determinant factors.
+FACTORS = (
+    *("surfaces-sss", "surfaces-ssc", "surfaces-psc", "surfaces-scc", "surfaces-ccc"),
+    *("surfaces-ppc", "surfaces-pps", "surfaces-pss", "surfaces-pcc", "sdss-primary"),
+)
+#: With ranges: how many groups there are.
+RANGED = {
+    "workspace-study": 2,
+    "rubin-camera": 4,
+    "rubin-m2": 2,
+    "apo-tertiary": 8,
+    "sdss-primary": 8,
+}
+RANDOM = 10
+#: Machines for segments: all ten kinds.
+SEGMENTS = (*LEGS, *FACTORS, "six-planes", "fixture-3-2-1", "figure-2", "example-6.8", "figure-4")
+HOMES = ("workspace-study", "workspace-study-cones", "rubin-camera", "rubin-m2")
+#: Segments and homes that one worker does.
+_CHUNK, _HOMES = 250, 25
+#: Seconds that are given to groups.
+_SECONDS = 120.0
+
+
+@dataclass(frozen=True)
+class Row:
+    """What was found of one machine."""
+
+    what: str
+    machine: str
+    tried: int
+    found: int
+    wrong: int
+
+
+def machine(name: str, *, limits: bool) -> Instance:
+    """Return a machine, random if its name is a number, perhaps without ranges and cones."""
+    if name.isdecimal():
+        draw = np.random.default_rng((SEED, int(name)))
+        return random_instance(parse_type("6PP"), draw)[0]
+    instance = gspcli.example(name)
+    if limits or not has_limits(instance):
+        return instance
+    rows = []
+    for row in instance.constraints:
+        points = {
+            body: replace(point, cone=None)
+            for body in ("platform", "base")
+            if getattr(point := getattr(row, body), "cone", None) is not None
+        }
+        rows.append(replace(row, limits=None, **points))
+    return replace(instance, constraints=tuple(rows))
+
+
+def groups(name: str, *, limits: bool) -> tuple[Row, float]:
+    """Group the modes of a machine; `wrong` counts the pairs of groups that are undecided."""
+    begin = time.process_time()
+    instance = machine(name, limits=limits)
+    found = mode_groups(instance, time=_SECONDS)
+    what = "groups with ranges" if limits else "groups"
+    row = Row(what, name, len(found.modes), len(found.groups), len(found.undecided))
+    return row, time.process_time() - begin
+
+
+def segments(name: str, chunk: int, count: int, samples: int) -> tuple[int, int]:
+    """Return how many random ways are proved, and how many of them are wrong."""
+    instance = machine(name, limits=False)
+    ways = PoseWays(instance, limits=False)
+    solved = gspcli.solve(instance)
+    R, T = (part[solved.real].real for part in (solved.R, solved.T))
+    modes = ways.parameters(R, T)
+    judge = PoseMap(ways, R, T, [None] * len(R), Classes(instance, ways).of, seed=0)
+    draw = np.random.default_rng((SEED, chunk, sum(map(ord, name))))
+    parts = np.linspace(0, 1, samples)[:, None]
+    proved = wrong = 0
+    for _ in range(count):
+        begin = modes[draw.integers(len(modes))]
+        begin = begin + draw.normal(size=6) * ways.sizes * 10.0 ** -draw.integers(0, 4)
+        end = begin + draw.normal(size=6) * ways.sizes * 10.0 ** -draw.integers(0, 3)
+        if ways.prove(begin, end).sign:
+            proved += 1
+            found = np.sign(judge.determinants(begin + (end - begin) * parts))
+            wrong += bool((found != found[0]).any())
+    return proved, wrong
+
+
+def homes(name: str, chunk: int) -> tuple[int, int]:
+    """Return from how many random poses the way home is straight, and how many have no way."""
+    instance = gspcli.example(name)
+    ways = PoseWays(instance, limits=False)
+    solved = gspcli.solve(instance)
+    assert solved.home is not None
+    home = ways.parameters(solved.home.R, solved.home.T)
+    classes = Classes(instance, ways)
+    signs = classes.of(solved.home.R, solved.home.T)
+    draw = np.random.default_rng((SEED, chunk))
+    straight = missing = done = 0
+    while done < _HOMES:
+        one = home + draw.uniform(-1, 1, size=6) * ways.sizes * [0.4, 0.4, 0.4, 0.6, 0.6, 0.6]
+        R, T = ways.poses(one)
+        kept = within_limits(instance, values_at(instance, R, T), R, T)
+        if not kept or classes.of(R, T).signs != signs.signs:
+            continue
+        done += 1
+        found = gspcli.path(instance, (R, T), "home")
+        straight += len(found.parts) == 1
+        missing += found.verdict != "proved"
+    return straight, missing
+
+
+def _work(job: tuple[str, str, int, int, int]) -> tuple[Row, float]:
+    what, name, chunk, count, samples = job
+    begin = time.process_time()
+    if what == "segments":
+        proved, wrong = segments(name, chunk, count, samples)
+        return Row(what, name, count, proved, wrong), time.process_time() - begin
+    if what == "homes":
+        straight, missing = homes(name, chunk)
+        return Row(what, name, _HOMES, straight, missing), time.process_time() - begin
+    return groups(name, limits=what == "groups with ranges")
+
+
+def _together(rows: list[tuple[Row, float]]) -> list[tuple[Row, float]]:
+    """Add the rows of one machine."""
+    found: dict[tuple[str, str], tuple[Row, float]] = {}
+    for row, seconds in rows:
+        key = row.what, row.machine
+        if key in found:
+            before, more = found[key]
+            row = Row(
+                *key,
+                before.tried + row.tried,
+                before.found + row.found,
+                before.wrong + row.wrong,
+            )
+            seconds += more
+        found[key] = row, seconds
+    return list(found.values())
+
+
+def _wrong(row: Row) -> str:
+    """Return what does not hold, or nothing."""
+    if row.wrong:
+        return f"{row.what} of {row.machine}: {row.wrong} wrong"
+    if row.what == "groups with ranges" and row.found != RANGED[row.machine]:
+        return f"{row.machine}: found {row.found} groups, expected {RANGED[row.machine]}"
+    if row.what == "homes" and row.found < 0.5 * row.tried:
+        return f"{row.machine}: {row.found} of {row.tried} ways home are straight"
+    return ""
+
+
+def main() -> int:
+    """Measure, compare or write; return the exit code."""
+    options = parser(__doc__)
+    options.add_argument("--segments", type=int, default=20_000, help="how many random ways")
+    options.add_argument("--samples", type=int, default=1000, help="samples of each proved way")
+    options.add_argument("--only", help="segments, groups, groups with ranges, or homes")
+    add_workers(options)
+    arguments = options.parse_args()
+    jobs = [("groups", name, 0, 0, 0) for name in (*LEGS, *FACTORS)]
+    jobs += [("groups", str(k), 0, 0, 0) for k in range(RANDOM)]
+    jobs += [("groups with ranges", name, 0, 0, 0) for name in RANGED]
+    jobs += [("homes", name, k, 0, 0) for name in HOMES for k in range(200 // _HOMES // 4)]
+    each = -(-arguments.segments // len(SEGMENTS))
+    for name in SEGMENTS:
+        for chunk in range(-(-each // _CHUNK)):
+            count = min(_CHUNK, each - chunk * _CHUNK)
+            jobs.append(("segments", name, chunk, count, arguments.samples))
+    jobs = [job for job in jobs if arguments.only in (None, job[0])]
+    done = _together(list(workers_of(arguments).in_order(_work, jobs)))
+    for row, seconds in done:
+        print(f"{row.what} {row.machine}: {row.found} of {row.tried}, {seconds:.2f} s")
+    rows = [row for row, _ in done]
+    wrong = list(filter(None, map(_wrong, rows)))
+    parts = []
+    for what in dict.fromkeys(row.what for row in rows):
+        these = [row for row in rows if row.what == what]
+        sums = [sum(getattr(row, key) for row in these) for key in ("tried", "found", "wrong")]
+        parts.append(f"{what}: {sums[0]} tried, {sums[1]} found, {sums[2]} wrong")
+    recorded = [asdict(row) for row in rows]
+    for one in recorded:
+        if one["what"] == "segments":
+            # Which ways are proved can depend on last digits.
+            one["found"] = round(one["found"], -2)
+    return conclude(RECORD, csv_text(recorded), wrong, "; ".join(parts), check=arguments.check)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
