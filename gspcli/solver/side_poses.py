@@ -27,6 +27,9 @@ Index = NDArray[np.intp]
 _KNOWN = 1e-13
 #: Bits for poses that 32 digits do not round correctly.
 _MANY_BITS = 128
+#: Ends of paths that agree to this part, as conjugates, are conjugates if all others are so many
+#: times as far apart: such an end is not located by itself.
+_ALIKE, _APART = 1e-3, 1e-3
 #: Points with smaller imaginary parts may be real.
 _NEARLY_REAL = 1e-6
 
@@ -147,7 +150,7 @@ class SidePoses:
         new = ~self._is_known(ends.points)
         index = np.flatnonzero(new)
         # One of each pair of conjugates is enough.
-        source = index[conjugate_sources(ends.points[index])]
+        source = index[conjugate_sources(ends.points[index], _ALIKE)]
         sought = index[source == index]
         bits = DOUBLE * ends.digits // 16
         near = ends.take(sought)
@@ -214,10 +217,17 @@ def is_nearly_real(point: Field) -> bool:
     return bool(np.abs(unit.imag / size).max() < _NEARLY_REAL)
 
 
-def conjugate_sources(points: Field) -> Index:
+def conjugate_sources(points: Field, alike: float = _KNOWN) -> Index:
     """Return for each Study point the index of an earlier conjugate, else its own, shape (k,).
 
     NaN end points have no conjugate.
+
+    Parameters
+    ----------
+    points
+        Shape (k, 8).
+    alike
+        By which part two points may differ as conjugates, if all others differ by much more.
     """
     source = np.arange(len(points))
     for i, point in enumerate(points):
@@ -228,9 +238,13 @@ def conjugate_sources(points: Field) -> Index:
         with np.errstate(divide="ignore", invalid="ignore"):
             unit, size = _in_patch(point)
             gaps = np.abs((others / others[:, k : k + 1] - unit) / size).max(axis=1, initial=0.0)
-        alike = np.flatnonzero(gaps < _KNOWN)
-        if len(alike):
-            source[i] = source[alike[0]]
+        near = np.flatnonzero(gaps < _KNOWN)
+        if not len(near) and len(gaps):
+            # Ends far away have few digits: a conjugate is the only one near.
+            others_gap = np.partition(gaps, 1)[1] if len(gaps) > 1 else np.inf
+            near = np.flatnonzero((gaps < alike) & (gaps < _APART * others_gap))
+        if len(near):
+            source[i] = source[near[0]]
     return source
 
 

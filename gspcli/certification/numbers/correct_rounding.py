@@ -50,6 +50,12 @@ def rounded(
 
 def _rounded(number: arb, unit: int) -> float | None:
     """Return the rounded number of a ball, in a unit; None if not all its numbers agree."""
+    near = float(number.mid())
+    if abs(near) > 2.0 ** (unit + _SMALL + 1):
+        # Not at a power of two, where doubles are nearer below.
+        half = math.ulp(near) / 2 if math.frexp(near)[0] not in (0.5, -0.5) else 0.0
+        if abs(number - arb(near)) < arb(half):
+            return near
     mantissa, exponent = map(int, number.mid().man_exp())
     radius, place = map(int, number.rad().man_exp())
     if not radius:

@@ -19,12 +19,17 @@ _ELIMINABLE, _MOST = 130, 200
 _PATHS = 8, 1 / 8000
 
 
-def early_elimination(side: SidePoses) -> Iterator[None]:
-    """Eliminate where that is quicker than to follow many paths with 64 digits."""
+def is_eliminable(side: SidePoses) -> bool:
+    """Whether it is quicker to eliminate than to follow the paths without a pose."""
     paths, (few, of_cube) = side.paths.count, _PATHS
     # Where nothing is found at all, paths with more digits hardly find more.
     many = len(side.unresolved) > (max(few, of_cube * paths**3) if len(side.found) else few)
-    if side.all_simple and paths <= _MOST and many:
+    return side.all_simple and paths <= _MOST and many
+
+
+def early_elimination(side: SidePoses) -> Iterator[None]:
+    """Eliminate where that is quicker than to follow many paths with 64 digits."""
+    if is_eliminable(side):
         side.eliminated = 1
         yield from _eliminated(side, _BITS[0])
 

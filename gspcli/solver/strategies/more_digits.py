@@ -8,7 +8,10 @@ import numpy as np
 
 from gspcli.continuation.tracked_paths import joined_ends
 from gspcli.solver.side_poses import Index, SidePoses
+from gspcli.solver.strategies.elimination import is_eliminable
 
+#: A platform that is special up to less than one in so many has poses where N is below 1e-32.
+_DECIMALS = 10**9
 #: Sets of random paths that are tried, and at most if each of them leads to more poses.
 _ATTEMPTS, _MOST_ATTEMPTS = 3, 8
 
@@ -21,7 +24,21 @@ def with_32_digits(side: SidePoses) -> Iterator[None]:
     """
     count = side.paths.count
     reached = side.reached if len(side.reached) == count else np.zeros(count, np.bool_)
-    side.unresolved = yield from _followed(side, np.flatnonzero(~reached), 0)
+    side.unresolved = np.flatnonzero(~reached)
+    if is_eliminable(side) and _has_many_decimals(side):
+        # It is special up to less than these digits tell, if it is special: paths take a quarter of
+        # the time of a first solution then, and lead nowhere.
+        return
+    side.unresolved = yield from _followed(side, side.unresolved, 0)
+
+
+def _has_many_decimals(side: SidePoses) -> bool:
+    """Whether coordinates are written with more decimals than paths with 32 digits tell."""
+    for primitive in side.problem.instance.primitives:
+        for number in (*primitive.position, *getattr(primitive, "vector", ())):
+            if (known := number.fraction) is not None and known.denominator > _DECIMALS:
+                return True
+    return False
 
 
 def with_64_digits(side: SidePoses) -> Iterator[None]:
