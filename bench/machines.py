@@ -1,14 +1,15 @@
-"""Platforms that are special but for rounding, against fkSGP: machines and hexagons.
+"""Platforms that are special but for rounding, against fkSGP: shipped machines, and sampled ones.
 
 Each is solved first, with nothing kept of its geometry; then with other values; then in a batch.
-fkSGP solves the same ones in turns, planar ones by its solver for these.
+fkSGP solves the same ones in turns, planar ones by its solver for these. The sampled ones are the
+machines of six legs of `tools.special.realistic`, drawn at random as people write them.
 """
 
 from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
@@ -17,7 +18,7 @@ from statistics import median
 import numpy as np
 
 from bench import fksgp
-from gspcli.geometry.building import hexapod
+from gspcli.catalogue.kinds import DPP
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.numbers import Number
 from gspcli.resources import data_path
@@ -25,14 +26,18 @@ from gspcli.solver import solve, solve_values
 from gspcli.solver.result import SolveResult
 from gspcli.solver.starts.solved_starts import SolvedStarts
 from gspcli.spec import load
+from tools.special.realistic import machines
 
 #: Shipped machines of six legs with poses far away, or of planar and symmetric bodies.
 _MACHINES = ("t-top-head", "reachy-mini-head", "rubin-camera", "modified-paradex", "nano-hexapod")
+#: So many machines are drawn, and in a quick run.
+_DRAWN, _FEW = 60, 6
 #: Values change by up to this part of them.
 _SPREAD = 0.02
 #: So many of them fkSGP solves.
 _ASKED = 10
-FLOATS, DECIMALS = "hexagons of cos and sin", "hexagons of 3 decimals"
+#: What the names of sampled machines begin with.
+SAMPLED = "sampled"
 
 
 @dataclass(frozen=True)
@@ -51,22 +56,26 @@ class MachineResult:
         return 0.0 if self.peer is None else self.peer / seconds
 
 
-def hexagons(decimals: int | None) -> Instance:
-    """Return regular hexagons, as NumPy computes them or rounded."""
-    angles = np.radians([0, 20, 120, 140, 240, 260])
-    ring = np.stack((np.cos(angles), np.sin(angles), 0 * angles), axis=1)
-    base, top = 300 * ring, 200 * ring[[5, 0, 1, 2, 3, 4]]
-    if decimals is not None:
-        base, top = base.round(decimals), top.round(decimals)
-    return hexapod(base, top, [250, 255] * 3)
-
-
 def measure(seed: int, folder: Path | None, *, quick: bool) -> Iterator[MachineResult]:
     """Yield what is measured of each; `folder` is that of fkSGP, if there is a copy."""
     for name in _MACHINES:
         yield _machine(name, load(data_path("platforms", f"{name}.yaml")), seed, folder, quick)
-    yield _machine(FLOATS, hexagons(None), seed, folder, quick)
-    yield _machine(DECIMALS, hexagons(3), seed, folder, quick)
+    for machine in machines(_FEW if quick else _DRAWN, seed, rows=1):
+        if {row.kind for row in machine.instance.constraints} == {DPP}:
+            yield _machine(f"{SAMPLED} {machine.name}", machine.instance, seed, folder, quick=True)
+
+
+def quantiles(results: Sequence[MachineResult]) -> Iterator[tuple[str, MachineResult]]:
+    """Yield the median and the worst of sampled machines, with what they are called."""
+    sampled = [x for x in results if x.name.startswith(SAMPLED)]
+    peers = sorted(x.peer for x in sampled if x.peer is not None)
+    for name, chosen in (("median", median), ("worst", max)) if sampled else ():
+        first, others, batch = (
+            chosen(getattr(x, part) for x in sampled) for part in ("first", "others", "batch")
+        )
+        peer = median(peers) if peers else None
+        title = f"{len(sampled)} {SAMPLED} machines, {name}"
+        yield name, MachineResult(title, first, others, batch, peer)
 
 
 def _machine(

@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from bench import fksgp, macaulay2, msolve, phc
-from bench.__main__ import bars, main
+from bench import fksgp, macaulay2, machines, msolve, phc
+from bench.__main__ import _machine_bars, bars, main
 from bench.cases import CASES, Case
 from bench.homotopy import (
     NAMES,
@@ -241,3 +241,27 @@ def test_libraries_are_loaded_with_one_thread() -> None:
         [sys.executable, "-c", code], env=given, capture_output=True, text=True, check=True
     )
     assert found.stdout.split() == ["1", "1"]
+
+
+def test_of_sampled_machines_the_median_and_the_worst_are_shown() -> None:
+    one = machines.MachineResult("t-top-head", 9.0, 9.0, 9.0, 9.0)
+    drawn = [
+        machines.MachineResult(f"sampled 6-6/{k}", 0.01 * k, 0.001, 1e-4 * k, 0.006)
+        for k in (1, 2, 6)
+    ]
+    rows = dict(machines.quantiles([one, *drawn]))
+    assert (rows["median"].first, rows["worst"].first) == (0.02, 0.06)
+    assert rows["worst"].batch == pytest.approx(6e-4)
+    assert rows["median"].name == "3 sampled machines, median"
+    assert not dict(machines.quantiles([one]))
+
+
+def test_the_bars_of_first_solutions_are_those_of_sampled_machines() -> None:
+    report = Report(seed=1, limit=1.0, quick=True, versions={})
+    report.machines = [
+        machines.MachineResult(f"sampled 6-6/{k}", 0.01 * k, 0.001, 1e-4, 0.006) for k in (1, 2, 6)
+    ]
+    bars = {bar.name: bar.measured for bar in _machine_bars(report)}
+    assert bars["sampled machines, first, median, fkSGP over gsp"] == pytest.approx(0.3)
+    assert bars["sampled machines, first, least, fkSGP over gsp"] == pytest.approx(0.1)
+    assert "3 sampled machines, worst" in report.markdown()

@@ -22,7 +22,7 @@ import time
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass
-from functools import partial
+from functools import cache, partial
 from itertools import islice
 from pathlib import Path
 from statistics import median
@@ -52,6 +52,8 @@ COUNT = 500
 #: Solved one by one with other values; sets of values of a batch, and of one that is slow.
 _OTHERS, _ROWS, _FEW = 7, 64, 4
 _SLOW = 0.01
+#: A machine of which all strategies are used.
+_EVERYTHING = 15
 #: After a first solution of so many seconds only one other set of values is solved.
 _LONG = 2.0
 #: No time is above so many times the median of its structure.
@@ -96,8 +98,15 @@ class Row:
 
 def measured(number: int, seed: int = SEED) -> Row:
     """Return what is found of one machine."""
+    _warm_up()
     machine = next(islice(machines(number + 1, seed, _ROWS + _OTHERS, begin=number), 1))
     return measure(machine)
+
+
+@cache
+def _warm_up() -> None:
+    """Import what solutions of machines with poses far away import."""
+    solve(next(machines(_EVERYTHING + 1, rows=1, begin=_EVERYTHING)).instance)
 
 
 def measure(machine: Machine) -> Row:

@@ -60,7 +60,7 @@ def largest_eigenvectors(
     """Return some entries of each right eigenvector of the largest eigenvalues.
 
     This saves a third of the time of a first solution if poses are far away because of rounding
-    (`bench/machines.py`, hexagons of cos and sin).
+    (`tools.verify.realistic`, hexapods in floating point).
 
     Parameters
     ----------

@@ -12,7 +12,7 @@ from gspcli.solver.side_poses import SidePoses
 
 #: Bits in which all poses are computed. The largest numbers of paths for which that is done (some
 #: seconds): with all of these bits, and with the fewest where most paths lead to no pose.
-_BITS = (512, 1024, 2048)
+_BITS = (704, 1408, 2048)
 _ELIMINABLE, _MOST = 130, 200
 #: The first elimination takes as long as so many paths with 64 digits, or as this part of the cube
 #: of all paths.
