@@ -10,10 +10,10 @@ from gspcli.certification.counting import ApproximatePose, poses_by_elimination
 from gspcli.solver.results.pose_set import are_far
 from gspcli.solver.side_poses import SidePoses
 
-#: Bits in which all poses are computed. The largest numbers of paths for which that is done (some
-#: seconds): with all of these bits, and with the fewest where most paths lead to no pose.
+#: Bits in which all poses are computed. 1e33 lengths away, where poses of machines in floating point
+#: are, 512 do not suffice. The largest number of paths for which that is done (some seconds).
 _BITS = (704, 1408, 2048)
-_ELIMINABLE, _MOST = 130, 200
+_MOST = 200
 #: The first elimination takes as long as so many paths with 64 digits, or as this part of the cube
 #: of all paths.
 _PATHS = 8, 1 / 8000
@@ -36,7 +36,7 @@ def early_elimination(side: SidePoses) -> Iterator[None]:
 
 def by_elimination(side: SidePoses) -> Iterator[None]:
     """Eliminate with more and more bits."""
-    for bits in _BITS[side.eliminated :] if side.paths.count <= _ELIMINABLE else ():
+    for bits in _BITS[side.eliminated :] if side.paths.count <= _MOST else ():
         yield from _eliminated(side, bits)
 
 

@@ -120,7 +120,6 @@ def test_poses_nearly_at_infinity_are_not_followed_with_the_most_digits(monkeypa
 
 def test_what_no_path_comes_near_is_not_tried_again(monkeypatch):
     instance, rows = case()
-    monkeypatch.setattr(elimination, "_ELIMINABLE", 0)
     monkeypatch.setattr(elimination, "_MOST", 0)
     digits = watched(monkeypatch)
     result = solve(given(instance, rows[0] * 1e8))

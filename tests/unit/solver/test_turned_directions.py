@@ -15,7 +15,7 @@ from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Line
 from gspcli.solver import solve
 from gspcli.solver.instances.generate import random_instance
-from gspcli.solver.strategies import turned_directions
+from gspcli.solver.strategies import elimination, turned_directions
 
 
 def _nearly_parallel(names: str, eps: Fraction, sign: int = 1) -> Instance:
@@ -56,6 +56,7 @@ def test_they_are_found_from_the_other_side(monkeypatch: pytest.MonkeyPatch) -> 
 
 def test_without_them_poses_are_missing_and_that_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(turned_directions, "_APART", ())
+    monkeypatch.setattr(elimination, "_MOST", 0)
     result = solve(_nearly_parallel("DPL DPL DPP DPP DPP DPP", Fraction(1, 10**20)))
     assert (result.verdict, result.counts.certified) == ("incomplete", 128)
 
