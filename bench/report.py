@@ -297,8 +297,8 @@ _MACHINES = """\
 Platforms of six legs that are special but for the rounding of their numbers; processor time,
 certified and proved complete. *First*: nothing is kept of the geometry; *other values*: a platform
 of it has been solved, values change by 2 %; *in a batch*: each of 512 sets of values. In brackets
-how many times quicker than fkSGP, in turns. The sampled machines are drawn at random as people write
-them (`tools/special/realistic.py`); of these the batches have 64 sets of values.
+how many times quicker than fkSGP, in turns. The sampled machines are drawn at random as people
+write them (`tools/special/realistic.py`); of these the batches have 64 sets of values.
 """
 
 _BATCHES = """\

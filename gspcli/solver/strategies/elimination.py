@@ -10,8 +10,8 @@ from gspcli.certification.counting import ApproximatePose, poses_by_elimination
 from gspcli.solver.results.pose_set import are_far
 from gspcli.solver.side_poses import SidePoses
 
-#: Bits in which all poses are computed. 1e33 lengths away, where poses of machines in floating point
-#: are, 512 do not suffice. The largest number of paths for which that is done (some seconds).
+#: Bits in which all poses are computed: 512 do not suffice 1e33 lengths away, where machines in
+#: floating point have poses. The largest number of paths for which that is done (some seconds).
 _BITS = (704, 1408, 2048)
 _MOST = 200
 #: The first elimination takes as long as so many paths with 64 digits, or as this part of the cube
