@@ -20,6 +20,8 @@ Array = NDArray[np.float64]
 _CHANGED = 1e-9
 #: A value is the coordinate of its drive if the slope is 1 to this.
 _SLOPE = 1e-6
+#: The widest range of a crank, in degrees.
+_TURN = 360.0
 #: Points of a range at which a value is computed.
 _SAMPLES = 17
 
@@ -34,11 +36,31 @@ class ArmOfCrank:
         A point of the axis and the unit axis in the frame of the base, shape (3,).
     radius
         The distance of the point from it.
+    limits
+        The least and the greatest angle from where the point is, in degrees; None if they are not
+        known, or more than a turn apart.
     """
 
     centre: Array
     axis: Array
     radius: float
+    limits: tuple[float, float] | None
+
+
+@dataclass(frozen=True, eq=False)
+class RailOfCarriage:
+    """What moves the base's point of a constraint along a line.
+
+    Attributes
+    ----------
+    axis
+        The unit direction of the rail in the frame of the base, shape (3,).
+    limits
+        The least and the greatest way from where the point is, if they are known.
+    """
+
+    axis: Array
+    limits: tuple[float, float] | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,8 +82,8 @@ class Found:
     negative
         Of a distance to a plane: whether the point lies where the normal does not point. The
         limits are then those of the modulus.
-    crank
-        What turns the base's point, if a hinge does.
+    crank, rail
+        What moves the base's point of a distance of two points: a hinge or a slide.
     remarks
         What an instance file has no place for.
     """
@@ -73,6 +95,7 @@ class Found:
     driven: bool
     negative: bool
     crank: ArmOfCrank | None
+    rail: RailOfCarriage | None
     remarks: tuple[str, ...]
 
     @property
@@ -112,7 +135,7 @@ def with_drives(held: Held, chain: Chain, length: str) -> Found:
     negative = held.value < 0 or (held.value == 0 and limits is not None and limits[1] <= 0)
     if held.kind in ("DPH", "DHP") and limits is not None and negative:
         limits = -limits[1], -limits[0]
-    crank = _crank(held, [p for _, p in driven if p.where == "base"], remarks, length)
+    moved = _moved(held, [p for _, p in driven if p.where == "base"], remarks, length)
     if above := [p for _, p in driven if p.where == "platform"]:
         names = ", ".join(map(_named, above))
         remarks.append(f"the platform's {_sort(held, 1)} is moved by {names}")
@@ -120,9 +143,10 @@ def with_drives(held: Held, chain: Chain, length: str) -> Found:
         low, high = limits
         remarks.append(f"range [{low:.6g}, {high:.6g}], which passes zero")
         limits = None
-    return Found(
-        held, chain.name, chain.letters, limits, bool(inside), negative, crank, tuple(remarks)
-    )
+    crank = moved if isinstance(moved, ArmOfCrank) else None
+    rail = moved if isinstance(moved, RailOfCarriage) else None
+    said = tuple(remarks)
+    return Found(held, chain.name, chain.letters, limits, bool(inside), negative, crank, rail, said)
 
 
 def _named(drive: ChainPart) -> str:
@@ -198,10 +222,10 @@ def _limits(held: Held, chain: Chain, drive: int, remarks: list[str]) -> tuple[f
     return None
 
 
-def _crank(
+def _moved(
     held: Held, outer: list[ChainPart], remarks: list[str], length: str
-) -> ArmOfCrank | None:
-    """Return the crank that turns the base's point; say of other drives what they move."""
+) -> ArmOfCrank | RailOfCarriage | None:
+    """Return what turns or slides the base's point; say of other drives what they move."""
     if not outer:
         return None
     drive = outer[0]
@@ -216,10 +240,16 @@ def _crank(
     if part.letter == "R" and held.kind == "DPP":
         point = held.base.points[0]
         centre = part.point + part.axis * ((point - part.point) @ part.axis)
+        limits = None
         if bounded:
-            low, high = np.degrees([low, high])
-            remarks.append(f"the crank {_named(drive)} turns from {low:.6g} to {high:.6g} deg")
-        return ArmOfCrank(centre, part.axis, float(np.linalg.norm(point - centre)))
+            low, high = np.degrees([low, high]).tolist()
+            if high - low <= _TURN:
+                limits = low, high
+            else:
+                remarks.append(f"the crank {_named(drive)} turns from {low:.6g} to {high:.6g} deg")
+        return ArmOfCrank(centre, part.axis, float(np.linalg.norm(point - centre)), limits)
+    if part.letter == "P" and held.kind == "DPP":
+        return RailOfCarriage(part.axis, (low, high) if bounded else None)
     moves = "slides" if part.letter == "P" else "turns"
     axis = ", ".join(f"{x:.12g}" for x in part.axis)
     said = f"{primitive} {moves} with {_named(drive)} along [{axis}]"

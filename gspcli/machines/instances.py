@@ -18,7 +18,7 @@ from gspcli.geometry.instance import Constraint, Instance, Side
 from gspcli.geometry.lengths import METRES
 from gspcli.geometry.masses import Dynamics, RigidBody
 from gspcli.geometry.numbers import Number
-from gspcli.geometry.primitives import Crank, Geometry, Line, Plane, Point, Vector
+from gspcli.geometry.primitives import Crank, Geometry, Line, Plane, Point, Slide, Vector
 from gspcli.geometry.quaternions import quaternion_from_rotation
 from gspcli.machines.driven_values import Found
 from gspcli.machines.frames import place
@@ -125,7 +125,13 @@ def _constraint(found: Found, rounding: _Rounding) -> Constraint:
     if found.crank is not None:
         assert isinstance(ends[1], Point)
         centre, axis = rounding.point(found.crank.centre), rounding.direction(found.crank.axis)
-        ends[1] = Point(ends[1].position, crank=Crank(centre, axis))
+        span = found.crank.limits and [rounding.share(x) for x in found.crank.limits]
+        ends[1] = Point(ends[1].position, crank=Crank(centre, axis, span))
+    if found.rail is not None:
+        assert isinstance(ends[1], Point)
+        span = found.rail.limits and [rounding.length(x) for x in found.rail.limits]
+        slide = Slide(rounding.direction(found.rail.axis), span)
+        ends[1] = Point(ends[1].position, slide=slide)
     side = Side.BOTH
     if kind.has_sides and (held.value != 0 or found.driven):
         side = Side.NEGATIVE if found.negative else Side.POSITIVE
@@ -189,6 +195,14 @@ def sentences(machine: Machine) -> list[str]:
             parts.append("fixed" if low == high else f"range {low:.6g} to {high:.6g}")
         if found.crank is not None:
             parts.append(f"base point on a crank of {found.crank.radius:.6g}")
+            if found.crank.limits is not None:
+                low, high = found.crank.limits
+                parts.append(f"which turns by {low:.6g} to {high:.6g} deg")
+        if found.rail is not None:
+            parts.append("base point on a rail")
+            if found.rail.limits is not None:
+                low, high = found.rail.limits
+                parts.append(f"which slides by {low:.6g} to {high:.6g} {machine.graph.length}")
         parts += remarks(machine, found)
         lines.append(f"{number} {plain(found.chain)}: {found.letters}: {', '.join(parts)}")
     return lines

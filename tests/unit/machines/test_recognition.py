@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import machine_models as models
@@ -96,8 +97,9 @@ def test_driven_arms_are_cranks(imported) -> None:
         assert row.base.crank is not None
         centre = np.array([number.value for number in row.base.crank.centre])
         assert np.linalg.norm(row.base.point - centre) <= 0.3 + 1e-10
-        assert f"the crank m{i} turns from -57.2958 to 57.2958 deg" in found.chains[i]
-        assert f"the crank m{i} turns" in found.text
+        assert "which turns by -57.2958 to 57.2958 deg" in found.chains[i]
+        low, high = (x.value for x in row.base.crank.limits)
+        assert (low, high) == pytest.approx((-np.degrees(1), np.degrees(1)))
     assert gspcli.solve(found.instance).verdict == "complete"
 
 
@@ -197,3 +199,16 @@ def test_hinges_that_are_nearly_parallel_are_said_to_be(imported, digits: int) -
     if digits <= 6:
         with pytest.raises(NoPlatform):
             imported(guided(10.0 ** (1 - digits)), meet=0)
+
+
+def test_driven_carriages_are_slides(imported) -> None:
+    text = models.rotary().replace('type="hinge"', 'type="slide"').replace('"-1 1"', '"-.2 .4"')
+    found = imported(text)
+    assert kinds(found) == ["DPP"] * 6
+    given = re.findall(r'type="slide" axis="([^"]*)"', text)
+    for i, (row, axis) in enumerate(zip(found.instance.constraints, given, strict=True)):
+        slide = row.base.slide
+        along = np.array([float(x) for x in axis.split()])
+        assert abs(slide.unit @ along) == pytest.approx(np.linalg.norm(along))
+        assert [x.value for x in slide.limits] == pytest.approx([-0.2, 0.4])
+        assert "base point on a rail, which slides by -0.2 to 0.4 m" in found.chains[i]
