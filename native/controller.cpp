@@ -18,6 +18,8 @@
 #define HAS_AHH 1
 #define HAS_BASE_CRANK 1
 #define HAS_PLATFORM_CRANK 1
+#define HAS_BASE_SLIDE 1
+#define HAS_PLATFORM_SLIDE 1
 
 namespace gsp {
 namespace {

@@ -37,6 +37,9 @@
 #define NEVER 1e30 /* a bound that proves nothing */
 
 enum { DPP, DPL, DLP, DPH, DHP, DLL, ALL, ALH, AHL, AHH, BASE_CRANK, PLATFORM_CRANK };
+#if HAS_BASE_SLIDE || HAS_PLATFORM_SLIDE
+enum { BASE_SLIDE = PLATFORM_CRANK + 1, PLATFORM_SLIDE };
+#endif
 
 /* Points are in frames whose origins are the middles of the bodies, in units of reach. */
 typedef struct {
@@ -48,9 +51,9 @@ typedef struct {
 #if HAS_DPL || HAS_DPH || HAS_DLL || HAS_ALL || HAS_ALH || HAS_AHL || HAS_AHH
   double V[6][3]; /* and of the base */
 #endif
-#if HAS_BASE_CRANK || HAS_PLATFORM_CRANK
-  double A[6][3], B[6][3]; /* points on circles: X (or Y) + A cos + B sin */
-  double crank[6], rod[6]; /* the radii, and the lengths of the rods */
+#if HAS_BASE_CRANK || HAS_PLATFORM_CRANK || HAS_BASE_SLIDE || HAS_PLATFORM_SLIDE
+  double A[6][3], B[6][3]; /* points on circles: X (or Y) + A cos + B sin; on rails: X (or Y) + B c */
+  double crank[6], rod[6]; /* the radii, of rails 1, and the lengths of the rods */
 #endif
   double norm_y[6];          /* not below |Y|, with the crank */
   double moduli[6];          /* not below the sum of the moduli of all that Y and X are sums of */
@@ -170,12 +173,22 @@ static void place(const geometry *g, const frame *f, int k, const double *c, pla
     turn(f, y, p->arm);
   }
 #endif
+#if HAS_PLATFORM_SLIDE
+  if (g->kind[k] == PLATFORM_SLIDE) {
+    double y[3] = {g->Y[k][0], g->Y[k][1], g->Y[k][2]};
+    add(y, c[k], g->B[k]);
+    turn(f, y, p->arm);
+  }
+#endif
   for (i = 0; i < 3; ++i) p->r[i] = p->arm[i] + f->T[i] - g->X[k][i];
 #if HAS_BASE_CRANK
   if (g->kind[k] == BASE_CRANK) {
     add(p->r, -cos(c[k]), g->A[k]);
     add(p->r, -sin(c[k]), g->B[k]);
   }
+#endif
+#if HAS_BASE_SLIDE
+  if (g->kind[k] == BASE_SLIDE) add(p->r, -c[k], g->B[k]);
 #endif
 #if HAS_DLP || HAS_DHP || HAS_DLL || HAS_ALL || HAS_ALH || HAS_AHL || HAS_AHH
   turn(f, g->U[k], p->w);
@@ -200,10 +213,10 @@ static void equations(const geometry *g, const frame *f, const double *c, double
     double force[3] = {0.0, 0.0, 0.0}, moment[3] = {0.0, 0.0, 0.0};
     place(g, f, k, c, &p);
     switch (g->kind[k]) {
-#if HAS_DPP || HAS_DPL || HAS_DLP || HAS_BASE_CRANK || HAS_PLATFORM_CRANK
+#if HAS_DPP || HAS_DPL || HAS_DLP || HAS_BASE_CRANK || HAS_PLATFORM_CRANK || HAS_BASE_SLIDE || HAS_PLATFORM_SLIDE
       default: {
         double d = c[k];
-#if HAS_BASE_CRANK || HAS_PLATFORM_CRANK
+#if HAS_BASE_CRANK || HAS_PLATFORM_CRANK || HAS_BASE_SLIDE || HAS_PLATFORM_SLIDE
         if (g->kind[k] >= BASE_CRANK) d = g->rod[k];
 #endif
         F[k] = dot(p.r, p.r) - d * d;
@@ -281,6 +294,17 @@ static double slope(const geometry *g, const frame *f, int k, const double *c) {
       return 2.0 * (cos(c[k]) * dot(p.r, b) - sin(c[k]) * dot(p.r, a));
     }
 #endif
+#if HAS_BASE_SLIDE
+    case BASE_SLIDE:
+      return -2.0 * dot(p.r, g->B[k]);
+#endif
+#if HAS_PLATFORM_SLIDE
+    case PLATFORM_SLIDE: {
+      double b[3];
+      turn(f, g->B[k], b);
+      return 2.0 * dot(p.r, b);
+    }
+#endif
 #if HAS_DPH || HAS_DHP
     case DPH:
     case DHP:
@@ -325,7 +349,7 @@ typedef struct {
   double size, radius; /* of the chord, and of all that is within the tube */
 } part;
 
-#if HAS_DPP || HAS_DPL || HAS_DLP || HAS_DLL || HAS_BASE_CRANK || HAS_PLATFORM_CRANK
+#if HAS_DPP || HAS_DPL || HAS_DLP || HAS_DLL || HAS_BASE_CRANK || HAS_PLATFORM_CRANK || HAS_BASE_SLIDE || HAS_PLATFORM_SLIDE
 /* The jet of a product. */
 static void times(const double *a, const double *b, double *out) {
   out[0] = a[0] * b[0];
@@ -353,18 +377,26 @@ static void seen(const geometry *g, const frame *f, int k, double radius, double
 }
 #endif
 
-#if HAS_DPP || HAS_DPL || HAS_DLP || HAS_BASE_CRANK || HAS_PLATFORM_CRANK
+#if HAS_DPP || HAS_DPL || HAS_DLP || HAS_BASE_CRANK || HAS_PLATFORM_CRANK || HAS_BASE_SLIDE || HAS_PLATFORM_SLIDE
 /* Of |r|^2, with the orders e of r by a unit twist. */
 static void bound_square(const geometry *g, int k, const placed *p, const part *b, double *e,
                          double moduli, bounds *out) {
   double size = b->size, x = 0.0, d[4], along[4], d_along[4], constant = larger(fabs(b->from[k]), fabs(b->to[k]));
-#if HAS_BASE_CRANK || HAS_PLATFORM_CRANK
-  double change = 0.0, both = 0.0;
+#if HAS_BASE_CRANK || HAS_PLATFORM_CRANK || HAS_BASE_SLIDE || HAS_PLATFORM_SLIDE
+  double bent = 0.0;
+  int own = 0; /* the arm, or the rail, turns with the platform */
   if (g->kind[k] >= BASE_CRANK) {
-    change = fabs(b->to[k] - b->from[k]);
+    double change = fabs(b->to[k] - b->from[k]);
     x = g->crank[k] * change;
     constant = g->rod[k];
+    if (g->kind[k] <= PLATFORM_CRANK) bent = change; /* a rail is straight */
   }
+#if HAS_PLATFORM_CRANK
+  own |= g->kind[k] == PLATFORM_CRANK;
+#endif
+#if HAS_PLATFORM_SLIDE
+  own |= g->kind[k] == PLATFORM_SLIDE;
+#endif
 #endif
   (void)g;
   e[0] = length(p->r) + e[1] * b->radius + x;
@@ -373,20 +405,15 @@ static void bound_square(const geometry *g, int k, const placed *p, const part *
   along[2] = e[2] * size * size;
   along[3] = e[3] * size * size * size;
   out->cross[k] = 2.0 * x * e[1];
-#if HAS_BASE_CRANK || HAS_PLATFORM_CRANK
-  along[2] += x * change;
-  along[3] += x * change * change;
-#endif
-#if HAS_PLATFORM_CRANK
-  if (g->kind[k] == PLATFORM_CRANK) { /* the arm turns with the platform */
-    both = x * size;
+#if HAS_BASE_CRANK || HAS_PLATFORM_CRANK || HAS_BASE_SLIDE || HAS_PLATFORM_SLIDE
+  along[2] += x * bent;
+  along[3] += x * bent * bent;
+  if (own) {
+    double both = x * size;
     along[2] += 2.0 * both;
-    along[3] += 3.0 * both * (size + change);
+    along[3] += 3.0 * both * (size + bent);
     out->cross[k] += 2.0 * e[0] * x;
   }
-#endif
-#if HAS_BASE_CRANK || HAS_PLATFORM_CRANK
-  (void)both;
 #endif
   times(e, e, d);
   times(along, along, d_along);
@@ -455,10 +482,14 @@ static void bound(const geometry *g, const frame *f, const part *b, bounds *out)
         bound_square(g, k, &p, b, e, moduli, out);
         break;
 #endif
-#if HAS_DPP || HAS_DPL || HAS_BASE_CRANK || HAS_PLATFORM_CRANK
+#if HAS_DPP || HAS_DPL || HAS_BASE_CRANK || HAS_PLATFORM_CRANK || HAS_BASE_SLIDE || HAS_PLATFORM_SLIDE
       default:
-#if HAS_BASE_CRANK || HAS_PLATFORM_CRANK
+#if HAS_BASE_CRANK || HAS_PLATFORM_CRANK || HAS_BASE_SLIDE || HAS_PLATFORM_SLIDE
         if (g->kind[k] >= BASE_CRANK) moduli += g->crank[k] * larger(fabs(b->from[k]), fabs(b->to[k]));
+#endif
+#if HAS_PLATFORM_SLIDE
+        if (g->kind[k] == PLATFORM_SLIDE)
+          moved(g->norm_y[k] + larger(fabs(b->from[k]), fabs(b->to[k])), e);
 #endif
         bound_square(g, k, &p, b, e, moduli, out);
         break;
@@ -868,18 +899,26 @@ static int follow(const geometry *g, const double *values, platform_state *state
   return status;
 }
 
+#if HAS_BASE_CRANK || HAS_PLATFORM_CRANK || HAS_BASE_SLIDE || HAS_PLATFORM_SLIDE
+/* From the centre of a crank, or the stated point of a slide, to the other end of its rod, in the axes
+ * of the drive's body. */
+static void other_end(const geometry *g, const frame *f, int k, int on_base, double *r) {
+  double apart[3], y[3];
+  int i;
+  turn(f, g->Y[k], y);
+  for (i = 0; i < 3; ++i) apart[i] = g->X[k][i] - f->T[i] - y[i];
+  for (i = 0; i < 3; ++i)
+    r[i] = on_base ? -apart[i] : f->R[0][i] * apart[0] + f->R[1][i] * apart[1] + f->R[2][i] * apart[2];
+}
+#endif
+
 #if HAS_BASE_CRANK || HAS_PLATFORM_CRANK
 /* The angle at which a rod reaches its crank, the nearer one to c: |r - A cos - B sin| = rod with r
  * from the centre; zero if there is none. */
 static int crank_angle(const geometry *g, const frame *f, int k, double *c) {
   const double turn_size = 6.283185307179586;
-  double r[3], apart[3], y[3], a, b, h, right, half, sum;
-  int i;
-  turn(f, g->Y[k], y);
-  for (i = 0; i < 3; ++i) apart[i] = g->X[k][i] - f->T[i] - y[i];
-  for (i = 0; i < 3; ++i) /* in the axes of the crank's body, towards the other end */
-    r[i] = g->kind[k] == BASE_CRANK ? -apart[i]
-                                    : f->R[0][i] * apart[0] + f->R[1][i] * apart[1] + f->R[2][i] * apart[2];
+  double r[3], a, b, h, right, half, sum;
+  other_end(g, f, k, g->kind[k] == BASE_CRANK, r);
   a = dot(r, g->A[k]), b = dot(r, g->B[k]), h = sqrt(a * a + b * b);
   right = 0.5 * (dot(r, r) + dot(g->A[k], g->A[k]) - g->rod[k] * g->rod[k]);
   if (!(fabs(right) <= h)) return 0;
@@ -889,6 +928,22 @@ static int crank_angle(const geometry *g, const frame *f, int k, double *c) {
   a -= floor(a / turn_size + 0.5) * turn_size;
   b -= floor(b / turn_size + 0.5) * turn_size;
   *c += fabs(a) < fabs(b) ? a : b;
+  return 1;
+}
+#endif
+
+#if HAS_BASE_SLIDE || HAS_PLATFORM_SLIDE
+/* How far a slide goes to where its rod reaches, the nearer one to c: |r - B c| = rod with r from the
+ * stated point; zero if it does not reach. */
+static int slide_way(const geometry *g, const frame *f, int k, double *c) {
+  double r[3], along, half;
+  other_end(g, f, k, g->kind[k] == BASE_SLIDE, r);
+  along = dot(r, g->B[k]);
+  add(r, -along, g->B[k]);
+  half = g->rod[k] * g->rod[k] - dot(r, r);
+  if (!(half >= 0.0)) return 0;
+  half = sqrt(half);
+  *c = fabs(along - half - *c) < fabs(along + half - *c) ? along - half : along + half;
   return 1;
 }
 #endif
@@ -919,6 +974,14 @@ static int measure(const geometry *g, const platform_pose *pose, double *values)
         c[k] = (values[k] + g->offset[k]) * g->unit[k];
         if (!(c[k] - c[k] == 0.0)) c[k] = 0.0;
         if (!crank_angle(g, &f, k, c + k)) return PLATFORM_RANGE;
+        break;
+#endif
+#if HAS_BASE_SLIDE || HAS_PLATFORM_SLIDE
+      case BASE_SLIDE:
+      case PLATFORM_SLIDE:
+        c[k] = (values[k] + g->offset[k]) * g->unit[k];
+        if (!(c[k] - c[k] == 0.0)) c[k] = 0.0;
+        if (!slide_way(g, &f, k, c + k)) return PLATFORM_RANGE;
         break;
 #endif
 #if HAS_DPH

@@ -55,7 +55,7 @@ def controller(
     Parameters
     ----------
     instance
-        The platform; its values are used for the rods of cranks only.
+        The platform; its values are used for the rods of cranks and slides only.
     prefix
         What all public names begin with.
     tries
@@ -70,8 +70,8 @@ def controller(
     Raises
     ------
     ArgumentError
-        If the prefix is no name in C, the margin is not from 0 to 1, or a crank is not at the end
-        of exactly one leg.
+        If the prefix is no name in C, the margin is not from 0 to 1, or a crank or slide is not at
+        the end of exactly one leg.
     """
     checked_prefix(prefix)
     numbers = platform_numbers(instance, margin)
@@ -83,10 +83,11 @@ def controller(
         text = _resolved(template, have)
         words["DATA"] = _data(numbers, text)
         text = _WORD.sub(lambda match: words[match[1]], text)
+        text = text.replace("or a crank does not", f"or a {_drive_word(numbers.kinds)} does not")
         text = text.replace("PLATFORM_TRIES 48", f"PLATFORM_TRIES {tries}")
         text = text.replace("platform.h", f"{name or prefix}.h")
         text = re.sub(r"\bplatform_(?=\w)", f"{prefix}_", text)
-        texts.append(re.sub(r"\bPLATFORM_(?!CRANK)", f"{prefix.upper()}_", text))
+        texts.append(re.sub(r"\bPLATFORM_(?!CRANK|SLIDE)", f"{prefix.upper()}_", text))
     return texts[0], texts[1]
 
 
@@ -115,6 +116,12 @@ def _resolved(template: str, have: set[str]) -> str:
 def _words(instance: Instance, numbers: PlatformNumbers, home: Solution | None) -> dict[str, str]:
     """Return what stands for the words in the templates."""
     cranked = any(kind.endswith("CRANK") for kind in numbers.kinds)
+    slides = any(kind.endswith("SLIDE") for kind in numbers.kinds)
+    of_two = ""
+    if cranked or slides:
+        what = "two angles of a crank" if cranked else "two places of a slide"
+        what = "two numbers of a crank or slide" if cranked and slides else what
+        of_two = f"; of the {what} the one nearer to "
     sided = any(row.kind.has_sides for row in instance.constraints)
     return {
         "NAME": _comment(instance.name or instance.type.id),
@@ -122,18 +129,29 @@ def _words(instance: Instance, numbers: PlatformNumbers, home: Solution | None) 
         "ANGLE": instance.units.angle.value,
         "VALUES": _values(instance, numbers),
         "SIGNED": "\n * Distances to planes are signed." if sided else "",
-        "CRANKED": "\n * The value of a crank is its angle from where the file states its joint."
-        if cranked
-        else "",
+        "CRANKED": (
+            "\n * The value of a crank is its angle from where the file states its joint."
+            if cranked
+            else ""
+        )
+        + (
+            "\n * The value of a slide is its way from where the file states its joint."
+            if slides
+            else ""
+        ),
         "DIGEST": "sha256 " + hashlib.sha256(dumps(instance).encode()).hexdigest()[:16],
         "REACH": _number(numbers.reach),
         "MIDDLE": f"{{{', '.join(map(_number, numbers.middle))}}}",
         "HOME": _home(home),
-        "HINT": "; of the two angles of a crank the one nearer to what `values` holds"
-        if cranked
-        else "",
-        "ZERO": "; of the two angles of a crank the one nearer to zero" if cranked else "",
+        "HINT": of_two and f"{of_two}what `values` holds",
+        "ZERO": of_two and f"{of_two}zero",
     }
+
+
+def _drive_word(kinds: tuple[str, ...]) -> str:
+    """Return what does not reach, in messages."""
+    cranked, slides = (any(kind.endswith(end) for kind in kinds) for end in ("CRANK", "SLIDE"))
+    return "crank or slide" if cranked and slides else "slide" if slides else "crank"
 
 
 def _comment(text: str) -> str:
@@ -148,6 +166,8 @@ def _values(instance: Instance, numbers: PlatformNumbers) -> str:
         what = {
             "BASE_CRANK": f"crank {row.base_name}",
             "PLATFORM_CRANK": f"crank {row.platform_name}",
+            "BASE_SLIDE": f"slide {row.base_name}",
+            "PLATFORM_SLIDE": f"slide {row.platform_name}",
         }
         names = "-".join(name for name in (row.platform_name, row.base_name) if name)
         parts.append(_comment(f"{k + 1} {what.get(kind, kind)} {names}".strip()))

@@ -31,5 +31,6 @@ FORMAT = ControllerFormat(
     "c is a header and a source in C99 for the controller of this platform: inverse kinematics, "
     "Jacobian matrix, and the next pose from six new values with a proof that it is the "
     "continuation of the last one, or a refusal. No allocation, bounded time. -o NAME.c writes "
-    "NAME.h beside it; the pose of --mode is a constant in it. Values of cranks are their angles.",
+    "NAME.h beside it; the pose of --mode is a constant in it. Values of cranks and slides are "
+    "their angles and ways.",
 )

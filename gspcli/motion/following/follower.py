@@ -74,16 +74,16 @@ class Follower:
     Parameters
     ----------
     instance
-        The platform. Its values are used for the rods of cranks only.
+        The platform. Its values are used for the rods of cranks and slides only.
     R, T
         Its pose, shapes (3, 3) and (3,), ``x_base = R x_platform + T``; its values are those that
-        it measures, angles of cranks near zero.
+        it measures; of cranks and slides their numbers near zero.
 
     Raises
     ------
     ArgumentError
-        If the pose is none or a crank does not reach it, or a crank is not at the end of exactly
-        one leg.
+        If the pose is none or a crank or slide does not reach it, or one is not at the end of
+        exactly one leg.
 
     Examples
     --------
@@ -110,7 +110,7 @@ class Follower:
         status = self._controller.start(np.concatenate((translation, quaternion)))
         if status:
             message = {
-                FollowerStatus.RANGE: "a crank does not reach this pose",
+                FollowerStatus.RANGE: "a crank or slide does not reach this pose",
                 FollowerStatus.SINGULAR: "lines are parallel there",
             }.get(FollowerStatus(status), "found no pose: a rotation and a translation")
             raise ArgumentError(message)
@@ -124,7 +124,8 @@ class Follower:
         Parameters
         ----------
         values
-            Shape (6,), in the units of the instance, planes signed, of cranks their angles.
+            Shape (6,), in the units of the instance, planes signed; of cranks and slides their
+            angles and ways.
 
         Returns
         -------

@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import DPP, Primitive
 from gspcli.errors import ArgumentError
+from gspcli.geometry.drive_numbers import driven_points
 from gspcli.geometry.instance import Constraint, Instance, Side
 from gspcli.geometry.numbers import Number
-from gspcli.geometry.primitives import Crank, Geometry, Line, Point
+from gspcli.geometry.primitives import Crank, Geometry, Line, Point, Slide
 from gspcli.geometry.ranges import value_range
 from gspcli.geometry.readings import factors, offsets
 from gspcli.records import dataclass
@@ -21,12 +22,13 @@ from gspcli.records import dataclass
 Array = NDArray[np.float64]
 Exact = list[Fraction]
 
-#: The kinds of ``platform.c``, in its order: a leg whose joint a crank turns is one of its own,
-#: because its value is the angle of the crank.
+#: The kinds of ``platform.c``, in its order: a leg whose joint a crank or slide moves is one of its
+#: own, because its value is the angle or the way of that.
 CONTROLLER_KINDS = (
     *("DPP", "DPL", "DLP", "DPH", "DHP", "DLL", "ALL", "ALH", "AHL", "AHH"),
-    *("BASE_CRANK", "PLATFORM_CRANK"),
+    *("BASE_CRANK", "PLATFORM_CRANK", "BASE_SLIDE", "PLATFORM_SLIDE"),
 )
+_DRIVES = CONTROLLER_KINDS[-4:]
 BODIES = ("platform", "base")
 #: Norms are rounded up.
 _UP = 1 + 2.0**-40
@@ -93,8 +95,8 @@ def platform_numbers(instance: Instance, margin: float = 0.0) -> PlatformNumbers
     Raises
     ------
     ArgumentError
-        If the margin is not from 0 to 1, a crank is not at the end of exactly one leg, or a leg
-        has two.
+        If the margin is not from 0 to 1, a crank or slide is not at the end of exactly one leg, or
+        a leg has two.
     """
     if not 0 <= margin <= 1:
         raise ArgumentError(f"found {margin!r}, expected a part from 0 to 1", "margin")
@@ -105,23 +107,28 @@ def platform_numbers(instance: Instance, margin: float = 0.0) -> PlatformNumbers
         [_Place(getattr(row, body), row.kind.is_distance, middle) for row in rows]
         for body, middle in zip(BODIES, middles, strict=True)
     )
+    driven = [kind in _DRIVES for kind in kinds]
     turned = [kind.endswith("CRANK") for kind in kinds]
     angles = [turns or kind[0] == "A" for turns, kind in zip(turned, kinds, strict=True)]
     levers = [_lever(row, p.size, b.size) for row, p, b in zip(rows, platform, base, strict=True)]
     lever = sum(levers) / max(sum(row.kind.is_distance for row in rows), 1)
     reach = 2.0 ** round(math.log2(lever)) if lever > 0 else 1.0
     arms = [
-        p if k == "PLATFORM_CRANK" else b for p, b, k in zip(platform, base, kinds, strict=True)
+        p if k.startswith("PLATFORM") else b for p, b, k in zip(platform, base, kinds, strict=True)
     ]
-    cranks = np.array([arm.radius for arm in arms]) / reach
+    # The number of a slide is in units of reach, as places are: its direction is a unit vector.
+    by_number = np.where([kind.endswith("SLIDE") for kind in kinds], 1.0, 1 / reach)
+    cranks = np.array([arm.radius for arm in arms]) * by_number
     on_platform = np.array([kind == "PLATFORM_CRANK" for kind in kinds])
     Y, X = (np.array([place.nearest for place in body]) / reach for body in (platform, base))
     shift = 2 * sum(math.hypot(*map(float, middle)) for middle in middles) / reach
     moduli = np.array([p.moduli + b.moduli for p, b in zip(platform, base, strict=True)]) / reach
     unit = np.where(angles, instance.units.angle.in_radians, 1 / reach)
     # The value of a reading x is x scale + offset = (x + offset / scale) scale.
-    scale = np.where(turned, 1.0, factors(instance))
-    limits = _limits(instance, kinds, _LARGEST / unit, margin)
+    motors = [_motor(row) for row in rows]
+    scale = np.where(driven, [1.0 + _stated(m, "scale") for m in motors], factors(instance))
+    added = np.where(driven, [_stated(m, "offset") for m in motors], offsets(instance))
+    limits = _limits(instance, _LARGEST / unit, margin)
     least, most = (limit / scale for limit in limits)
     sided = [row.kind.has_sides and row.side is Side.BOTH and bool(row.limits) for row in rows]
     return PlatformNumbers(
@@ -131,9 +138,9 @@ def platform_numbers(instance: Instance, margin: float = 0.0) -> PlatformNumbers
         U=np.array([place.direction for place in platform]),
         V=np.array([place.direction for place in base]),
         A=np.array([arm.A for arm in arms]) / reach,
-        B=np.array([arm.B for arm in arms]) / reach,
+        B=np.array([arm.B for arm in arms]) * by_number[:, None],
         crank=cranks * _UP,
-        rod=np.where(turned, [row.value.value for row in rows], 0.0) / reach,
+        rod=np.where(driven, [row.value.value for row in rows], 0.0) / reach,
         norm_y=(np.linalg.norm(Y, axis=1) + np.where(on_platform, cranks, 0)) * _UP,
         moduli=moduli * _UP,
         middle=np.array([float(x) for x in middles[0]]),
@@ -141,7 +148,7 @@ def platform_numbers(instance: Instance, margin: float = 0.0) -> PlatformNumbers
         reach=reach,
         shift=shift,
         unit=unit * scale,
-        offset=np.where(turned, 0.0, offsets(instance) / scale),
+        offset=added / scale,
         least=least,
         most=most,
         either=np.array(sided, np.uint8),
@@ -150,20 +157,40 @@ def platform_numbers(instance: Instance, margin: float = 0.0) -> PlatformNumbers
 
 def _kind(instance: Instance, row: Constraint) -> str:
     """Return the kind of a constraint by its name in the step."""
-    cranked = [body for body in BODIES if getattr(getattr(row, body), "crank", None) is not None]
-    if not cranked:
+    found = driven_points(row)
+    if not found:
         return row.kind.name
-    if len(cranked) == 2:
-        message = f"a leg has cranks at both ends ({row.platform_name} and {row.base_name})"
-        raise ArgumentError(f"{message}, expected one: its angle is the value")
-    body = cranked[0]
-    name = getattr(row, f"{body}_name")
-    legs = [other for other in instance.constraints if getattr(other, f"{body}_name") == name]
-    if (len(legs) != 1 and name) or row.kind is not DPP:
-        found = ", ".join(leg.kind.name for leg in legs)
-        message = f"the constraints of its point are {found}, expected one DPP"
-        raise ArgumentError(message, f"crank.{name}")
-    return f"{body.upper()}_CRANK"
+    if len(found) == 2:
+        message = f"a leg has drives at both ends ({row.platform_name} and {row.base_name})"
+        raise ArgumentError(f"{message}, expected one: its number is the value")
+    ((body, point, name, drive),) = found
+    legs = [other for other in instance.constraints if _rides(other, body, name)]
+    if point.partner or (len(legs) != 1 and name) or row.kind is not DPP:
+        kinds = ", ".join(leg.kind.name for leg in legs)
+        message = f"the constraints of its point are {kinds}, expected one DPP"
+        if point.partner or len({getattr(leg, f"{body}_name") for leg in legs}) > 1:
+            message = "several rods share it, expected one: a step has six values"
+        raise ArgumentError(message, f"{drive.sort}.{point.partner or name}")
+    return f"{body.upper()}_{drive.sort.upper()}"
+
+
+def _rides(row: Constraint, body: str, name: str) -> bool:
+    """Return whether a point of a constraint is that of a name, or rides with it."""
+    point = getattr(row, body)
+    return getattr(row, f"{body}_name") == name or (
+        isinstance(point, Point) and bool(name) and point.partner == name
+    )
+
+
+def _motor(row: Constraint) -> Crank | Slide | None:
+    """Return what moves a point of a constraint."""
+    return next((one.drive for one in driven_points(row)), None)
+
+
+def _stated(motor: Crank | Slide | None, name: str) -> float:
+    """Return the offset or scale of a drive; zero if it has none."""
+    number = getattr(motor, name, None)
+    return 0.0 if number is None else float(number.value)
 
 
 def _lever(row: Constraint, platform: float, base: float) -> float:
@@ -193,24 +220,29 @@ class _Place:
     """The place of a primitive relative to the middle of its body, in length units."""
 
     def __init__(self, geometry: Geometry, is_distance: bool, middle: Exact) -> None:
-        crank = geometry.crank if isinstance(geometry, Point) else None
+        drive = geometry.drive if isinstance(geometry, Point) else None
         self.direction = np.zeros(3) if isinstance(geometry, Point) else geometry.unit
         self.A, self.B, self.nearest = np.zeros((3, 3))
         self.radius = self.size = self.moduli = 0.0
+        slides = False
         if not is_distance:
             return
         place = _exact([_apart(x, m) for x, m in zip(geometry.position, middle, strict=True)])
         stated = place
         numbers: tuple[Number, ...] = geometry.position
         if isinstance(geometry, Point):
-            if crank is not None:
-                place = self._turn(crank, place, middle)
+            if isinstance(drive, Crank):
+                place = self._turn(drive, place, middle)
+            elif drive is not None:
+                self.B, slides = drive.unit, True
         else:
             numbers += geometry.vector
             height = _along(place, _exact(geometry.vector))
             place = _less(place, height) if isinstance(geometry, Line) else height
         self.nearest = np.array([float(x) for x in place])
         self.size = float(np.linalg.norm(self.nearest)) + self.radius
+        if slides:
+            self.radius = 1.0
         self.moduli = self.size
         if any(x.fraction is None for x in numbers):
             self.moduli += 2 * math.hypot(*map(float, stated))
@@ -272,18 +304,17 @@ def _middle(instance: Instance, body: str) -> Exact:
     return [Fraction(float(x)) for x in np.round(centre / grid) * grid]
 
 
-def _limits(
-    instance: Instance, kinds: list[str], largest: Array, margin: float
-) -> tuple[Array, Array]:
+def _limits(instance: Instance, largest: Array, margin: float) -> tuple[Array, Array]:
     """Return the least and the greatest value of each constraint, planes signed unless either."""
     least, most = np.zeros((2, 6))
-    for k, (row, kind) in enumerate(zip(instance.constraints, kinds, strict=True)):
+    for k, row in enumerate(instance.constraints):
         lowest, highest = value_range(row.kind, instance.units.angle)
-        if kind.endswith("CRANK"):
-            lowest, highest = -math.inf, math.inf
+        motor, limits = _motor(row), row.limits
+        if motor is not None:
+            lowest, highest, limits = -math.inf, math.inf, motor.limits
         low, high = lowest, highest
-        if row.limits is not None and not kind.endswith("CRANK"):
-            low, high = (limit.value for limit in row.limits)
+        if limits is not None:
+            low, high = (limit.value for limit in limits)
             if row.side is Side.NEGATIVE:
                 low, high = -high, -low
             more = margin * (high - low)
@@ -291,7 +322,8 @@ def _limits(
                 low, high = max(low - more, min(low, lowest)), min(high + more, max(high, highest))
         room = _ROUNDING * max(abs(x) for x in (low, high) if math.isfinite(x) or x == low)
         room = room if math.isfinite(room) else 0.0
-        floor = 0.0 if row.kind.is_distance and not row.kind.has_sides and low >= 0 else -math.inf
+        distance = motor is None and row.kind.is_distance and not row.kind.has_sides
+        floor = 0.0 if distance and low >= 0 else -math.inf
         least[k] = max(low - room, floor, -largest[k])
         most[k] = min(high + room, largest[k])
     return least, most

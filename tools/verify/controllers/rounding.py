@@ -30,6 +30,7 @@ from numpy.typing import NDArray
 from gspcli.certification.numbers.balls import ball, cross, dot
 from gspcli.defaults import SEED
 from gspcli.errors import INTERRUPTED
+from gspcli.geometry.drive_numbers import driven_points
 from gspcli.geometry.instance import AngleUnit, Instance
 from gspcli.motion.following.platform_numbers import PlatformNumbers, platform_numbers
 from tools.recording import ROOT, csv_text, sampled
@@ -80,10 +81,13 @@ class ExactEquations:
         for row, kind in zip(instance.constraints, numbers.kinds, strict=True):
             bodies = [_Body(body) for body in (row.platform, row.base)]
             is_angle = kind[0] == "A" or kind.endswith("CRANK")
-            offset = arb(0) if row.offset is None else ball(row.offset)
+            drive = next((one.drive for one in driven_points(row)), None)
+            corrected = row if drive is None else drive
+            offset = arb(0) if corrected.offset is None else ball(corrected.offset)
+            factor = arb(1) if corrected.scale is None else 1 + ball(corrected.scale)
             unit = radian if is_angle else 1 / self._reach
             rod = ball(row.value) / self._reach
-            self._rows.append((kind, *bodies, unit, offset, rod))
+            self._rows.append((kind, *bodies, (unit, factor, offset), rod))
 
     def translation(self, frame: Array, pose: Array) -> Vector:
         """Return by how much the translation of a frame is off from that of a pose."""
@@ -98,22 +102,26 @@ class ExactEquations:
         q = [arb(float(x)) for x in frame[3:]]
         R, T = _rotation(q), [arb(float(x)) for x in frame[:3]]
         F, J = [], []
-        for (kind, one, other, unit, offset, rod), value in zip(self._rows, values, strict=True):
-            c = arb(float(value))
-            c = c * unit if kind.endswith("CRANK") else (c + offset) * unit
-            y, x = one.at(c, kind == "PLATFORM_CRANK"), other.at(c, kind == "BASE_CRANK")
+        for (kind, one, other, reading, rod), value in zip(self._rows, values, strict=True):
+            unit, factor, offset = reading
+            c = (arb(float(value)) * factor + offset) * unit
+            # The way of a slide in the file's unit.
+            q = c * self._reach if kind.endswith("SLIDE") else c
+            driven = "CRANK" in kind or "SLIDE" in kind
+            y = one.at(q, driven and kind.startswith("PLATFORM"))
+            x = other.at(q, driven and kind.startswith("BASE"))
             arm = [z / self._reach for z in _times(R, _minus(y, self._middle))]
             x = [z / self._reach for z in _minus(x, self._origin)]
             r = [a + t - b for a, t, b in zip(arm, T, x, strict=True)]
             w = _times(R, one.direction) if one.direction else []
-            f, row = _equation(kind, r, arm, w, other.direction, rod if "CRANK" in kind else c)
+            f, row = _equation(kind, r, arm, w, other.direction, rod if driven else c)
             F.append(f)
             J.append(row)
         return F, J
 
 
 class _Body:
-    """A primitive in balls: a point, a unit direction, and the circle of a crank."""
+    """A primitive in balls: a point, a unit direction, and the circle or rail of a drive."""
 
     def __init__(self, geometry: Any) -> None:
         self.place = [ball(x) for x in geometry.position]
@@ -122,11 +130,15 @@ class _Body:
         crank = getattr(geometry, "crank", None)
         self._axis = _unit([ball(x) for x in crank.axis]) if crank else []
         self._centre = [ball(x) for x in crank.centre] if crank else []
+        slide = getattr(geometry, "slide", None)
+        self._rail = _unit([ball(x) for x in slide.direction]) if slide else []
 
-    def at(self, angle: arb, turned: bool) -> Vector:
-        """Return the point, turned by its crank."""
-        if not turned:
+    def at(self, angle: arb, moved: bool) -> Vector:
+        """Return the point, moved by its drive."""
+        if not moved:
             return self.place
+        if self._rail:
+            return [a + angle * x for a, x in zip(self.place, self._rail, strict=True)]
         arm = _minus(self.place, self._centre)
         along = [dot(arm, self._axis) * x for x in self._axis]
         across, flat = cross(self._axis, arm), _minus(arm, along)

@@ -10,8 +10,11 @@ direction of values, where most branches end in a fold. A step counts if the pro
 What must hold:
 
 - the branch that the kernel follows with proof along the same rows (as `gsp track` does; of
-  machines with cranks as it follows moving coordinates, on fewer walks) has the same pose at each
-  row;
+  machines with cranks and slides as it follows moving coordinates, on fewer walks) has the same
+  pose at each row;
+- of machines with cranks and slides, at all rows of all walks: Newton's method in steps an eighth
+  as long, without proofs and from the same pose, comes to the same pose wherever it converges
+  quickly;
 - at the last proved row of some walks the pose is one of all real poses that `gsp solve` finds.
 
 ``different`` and ``unsolved`` count what does not hold, and the exit code is then 1. ``beyond`` are
@@ -39,6 +42,7 @@ from gspcli.defaults import SEED
 from gspcli.errors import INTERRUPTED
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.coordinates import coordinates
+from gspcli.geometry.drives import Drives
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.quaternions import rotation_from_quaternion, rotation_from_vector
 from gspcli.geometry.readings import values_of
@@ -61,6 +65,8 @@ FAR = 0.3
 SAME = 1e-6
 #: Of how many walks the last row is solved completely, and of how many a crank's are judged.
 SOLVED, CRANKED = 3, 4
+#: Into how many parts a row is divided where Newton's method judges.
+SHORT = 8
 
 
 @dataclass
@@ -134,16 +140,18 @@ def examine(steps: int, name: str) -> Row:
         return row
     found = program.follow(start, values)
     _count(row, found)
-    if _cranks(instance):
-        _judge_cranks(row, instance, values, found)
+    if _motors(instance):
+        _judge_motors(row, instance, values, found)
+        _judge_closely(row, instance, values, found)
     else:
         _judge(row, instance, values, found)
         _solve(row, instance, values, found)
     return row
 
 
-def _cranks(instance: Instance) -> list[str]:
-    return [one.name for one in coordinates(instance) if one.vector == "crank"]
+def _motors(instance: Instance) -> list[str]:
+    """Return the names of the cranks and slides."""
+    return [one.name for one in coordinates(instance) if one.is_drive]
 
 
 def walk_values(
@@ -185,9 +193,9 @@ def walk_values(
 def _in_ranges(instance: Instance, values: Array) -> Array:
     """Return walks that go at most twice as far as ranges; struts of one length keep it.
 
-    Values of cranks are angles, which have none.
+    Values of cranks and slides are no values of constraints.
     """
-    if _cranks(instance):
+    if _motors(instance):
         return values
     changes = values - values[:, :1]
     for k, row in enumerate(instance.constraints):
@@ -238,14 +246,48 @@ def _compare(row: Row, size: float, poses: Array, R: Array, T: Array) -> None:
     row.different += int(((turned > SAME) | (moved > SAME * size)).sum())
 
 
-def _judge_cranks(row: Row, instance: Instance, values: Array, found: Walks) -> None:
-    """Compare some walks with branches along which the cranks move."""
+def _judge_closely(row: Row, instance: Instance, values: Array, found: Walks) -> None:
+    """Compare all walks with Newton's method in short steps, where it is certain of itself."""
+    drives, size = Drives.of(instance), Arrangement.of(instance).length
+    q = drives.from_readings(values)
+    rods = np.where(drives.driven, drives.rods, np.nan)
+    R = rotation_from_quaternion(found.poses[:, 0, 3:])
+    T = found.poses[:, 0, :3].copy()
+    alive = np.ones(len(values), bool)
+    for k in range(1, ROWS):
+        alive &= found.status[:, k] == 0
+        for part in np.arange(1, SHORT + 1) / SHORT:
+            here = np.flatnonzero(alive)
+            now = q[here, k - 1] + part * (q[here, k] - q[here, k - 1])
+            length = np.where(drives.driven, rods, now[:, drives.index])
+            first = None
+            for _ in range(6):
+                _, _, r = drives.ends(R[here], T[here], now)
+                off = np.linalg.norm(r, axis=-1) - length
+                J = drives.jacobian(R[here], T[here], now)
+                twist = np.linalg.solve(J, -off[..., None])[..., 0]
+                R[here] = rotation_from_vector(twist[:, :3]) @ R[here]
+                T[here] += twist[:, 3:]
+                moved = np.abs(twist * np.repeat([1, 1 / size], 3)).max(axis=1)
+                first = moved if first is None else first
+            # A long first step, or one that does not converge, is not certain of its branch.
+            alive[here[~((first < 0.02) & (moved < 1e-12))]] = False
+        here = np.flatnonzero(alive)
+        poses = found.poses[here, k]
+        turned = np.abs(rotation_from_quaternion(poses[:, 3:]) - R[here]).max(axis=(1, 2))
+        away = np.linalg.norm(poses[:, :3] - T[here], axis=1)
+        row.judged += len(here)
+        row.different += int(((turned > SAME) | (away > SAME * size)).sum())
+
+
+def _judge_motors(row: Row, instance: Instance, values: Array, found: Walks) -> None:
+    """Compare some walks with branches along which the cranks and slides move."""
     rods = np.array([one.value.value for one in instance.constraints])
     for walk in range(0, min(2 * CRANKED, len(values))):
         proved = int((found.status[walk, 1:] == 0).sum())
         if not proved:
             continue
-        moving = dict(zip(_cranks(instance), values[walk, : proved + 1].T, strict=True))
+        moving = dict(zip(_motors(instance), values[walk, : proved + 1].T, strict=True))
         start = found.poses[walk, 0]
         rows = np.tile(rods, (proved + 1, 1))
         near = rotation_from_quaternion(start[3:]), start[:3]
