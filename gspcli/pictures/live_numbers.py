@@ -30,6 +30,7 @@ from gspcli.continuation.tracker_options import (
 )
 from gspcli.defaults import SEED, TOLERANCE
 from gspcli.errors import ArgumentError, GspError
+from gspcli.geometry.drive_numbers import driven_points
 from gspcli.geometry.instance import AngleUnit, Instance
 from gspcli.geometry.primitives import Line, Point
 from gspcli.geometry.ranges import value_range
@@ -151,19 +152,15 @@ def _cannot(why: str) -> GspError:
 
 
 def standing(instance: Instance) -> Instance:
-    """Return the platform of a live page: cranks stand still, and rods change."""
+    """Return the platform of a live page: cranks and slides stand still, and rods change."""
     given = instance.constraints
     rows = [
         replace(
-            row, limits=None, **{name: replace(getattr(row, name), crank=None) for name in turned}
+            row,
+            limits=None,
+            **{one.body: Point(one.point.position, one.point.cone) for one in driven},
         )
-        if (
-            turned := [
-                name
-                for name in ("platform", "base")
-                if isinstance(getattr(row, name), Point) and getattr(row, name).crank is not None
-            ]
-        )
+        if (driven := driven_points(row))
         else row
         for row in given
     ]

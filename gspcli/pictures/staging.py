@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from gspcli.geometry.printed_numbers import printed_residual
+from gspcli.pictures.arms import arm_strokes, joined, with_drives
 from gspcli.pictures.scene import DrawnConstraint, Scene, Stroke
 from gspcli.pictures.shown_poses import Poses, moving_series, names_of, series_of
 from gspcli.pictures.stage import Stage
@@ -41,7 +43,7 @@ def scene_of(
     instance, arrangement = result.instance, result.arrangement
     shown = [_modes(result.drawn, only)]
     if only is None:
-        shown += [*_motions(result), *tracks]
+        shown += [*_motions(result), *(with_drives(instance, poses) for poses in tracks)]
     still = [poses for poses in shown if not poses.coordinates]
     R = np.concatenate([poses.R for poses in still])
     T = np.concatenate([poses.T for poses in still])
@@ -52,11 +54,14 @@ def scene_of(
     strokes, labels = staged.drawn(platform, base)
     series, first = [], 0
     for poses in shown:
+        arms = arm_strokes(instance, poses, staged.size)
         if poses.coordinates:
-            series.append(moving_series(instance, poses, staged.size))
+            moving = moving_series(instance, poses, staged.size)
+            series.append(replace(moving, strokes=joined(moving.strokes, arms)))
             continue
         chosen = slice(first, first + len(poses.R))
         here = [tuple(Stroke(s.style, s.points[chosen]) for s in each) for each in strokes]
+        here = [*joined(here, arms)]
         series.append(series_of(arrangement, poses, here, labels[chosen]))
         first = chosen.stop
     units, kind = instance.units, instance.type
