@@ -154,16 +154,12 @@ def _cannot(why: str) -> GspError:
 def standing(instance: Instance) -> Instance:
     """Return the platform of a live page: cranks and slides stand still, and rods change."""
     given = instance.constraints
-    rows = [
-        replace(
-            row,
-            limits=None,
-            **{one.body: Point(one.point.position, one.point.cone) for one in driven},
-        )
-        if (driven := driven_points(row))
-        else row
-        for row in given
-    ]
+    rows = []
+    for row in given:
+        still: dict[str, Any] = {
+            one.body: Point(one.point.position, one.point.cone) for one in driven_points(row)
+        }
+        rows.append(replace(row, limits=None, **still) if still else row)
     return instance if rows == list(given) else replace(instance, constraints=tuple(rows))
 
 
