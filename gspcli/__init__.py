@@ -46,6 +46,7 @@ if TYPE_CHECKING:
     from gspcli.motion.poses.measured_values import measure
     from gspcli.motion.singularities.clearance_results import clearance
     from gspcli.motion.singularities.scan_results import scan
+    from gspcli.motion.statics.freedoms import freedoms
     from gspcli.motion.workspace.box_division import workspace
     from gspcli.paper.comparison import table
     from gspcli.pictures.notebook import notebook_view
@@ -115,6 +116,7 @@ _HOMES = {
     "fit_poses": "gspcli.sensing",
     "fit_readings": "gspcli.sensing",
     "forward_dynamics": "gspcli.dynamics",
+    "freedoms": "gspcli.motion.statics.freedoms",
     "hexapod": "gspcli.geometry.building",
     "identify": "gspcli.calibration.identifying",
     "import_machine": "gspcli.machines.api",
@@ -202,6 +204,7 @@ __all__ = [
     "fit_poses",
     "fit_readings",
     "forward_dynamics",
+    "freedoms",
     "hexapod",
     "identify",
     "import_machine",

@@ -40,6 +40,7 @@ BY_HEADING: dict[str, dict[str, str]] = {
         "measure": "Measure the values of constraints at given poses (inverse kinematics).",
         "track": "Follow assembly modes while the values change, and prove that none jumps.",
         "path": "Plan a path from one pose to another that is proved safe on the whole way.",
+        "freedoms": "Say which freedoms any number of constraints leave, and which are redundant.",
         "analyze": "Analyze assembly modes: screws, Jacobian matrix, forces, stiffness "
         "and accuracy.",
         "dynamics": "Compute forces of the drives along a motion, motions under forces, natural "

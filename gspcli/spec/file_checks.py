@@ -76,11 +76,24 @@ def _has_drives(body: Body, nodes: Mapping) -> bool:
     )
 
 
+#: Where files with another number are of use.
+_ANY_NUMBER = "; gsp freedoms takes any number"
+
+
 class FileChecker:
     """Checks beyond the structure of a file: names, kinds, ranges, sums."""
 
-    def __init__(self, root: Mapping, model: AnyInstance, problems: list[Problem]) -> None:
+    def __init__(
+        self,
+        root: Mapping,
+        model: AnyInstance,
+        problems: list[Problem],
+        *,
+        any_number: bool = False,
+    ) -> None:
         self.root = root
+        #: Whether there may be fewer constraints than six, or more.
+        self.any_number = any_number
         self.model = model
         self.problems = problems
         self.platform = self._body(model.platform)
@@ -117,7 +130,7 @@ class FileChecker:
         complete = tuple(constraint for constraint in constraints if constraint is not None)
         units = self.model.units
         dynamics = self._dynamics(constraints)
-        if self.problems or units is None or len(complete) != CONSTRAINTS:
+        if self.problems or units is None or not self._enough(len(complete)):
             return None
         instance = Instance(
             complete,
@@ -130,8 +143,13 @@ class FileChecker:
             self._frames(),
             tuple(one for one in self.model.readings or () if one is not None),
         )
-        self._check_type(instance)
+        if not self.any_number:
+            self._check_type(instance)
         return instance
+
+    def _enough(self, count: int) -> bool:
+        """Whether there can be so many constraints."""
+        return count > 0 if self.any_number else count == CONSTRAINTS
 
     def _further(
         self, constraints: tuple[Constraint, ...]
@@ -276,10 +294,13 @@ class FileChecker:
             first.setdefault(key, f"{node.path} ({key[1]}, {key[2]})")
 
     def _check_numbers(self, nodes: Sequence) -> None:
-        if len(nodes) != CONSTRAINTS:
+        if not self._enough(len(nodes)):
             plural = "" if len(nodes) == 1 else "s"
-            message = f"found {len(nodes)} constraint{plural}, expected exactly six"
+            expected = "one at least" if self.any_number else f"exactly six{_ANY_NUMBER}"
+            message = f"found {len(nodes)} constraint{plural}, expected {expected}"
             self._note(nodes, message)
+        if self.any_number:
+            return
         angles = [node for node in nodes if isinstance(node, Mapping) and "angle" in node]
         for node in angles[MAX_ANGLES:]:
             message = (

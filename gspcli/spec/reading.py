@@ -65,7 +65,9 @@ class Reading:
         return tuple(found)
 
 
-def read(source: str | Path | TextIO | BinaryIO, *, name: str | None = None) -> Reading:
+def read(
+    source: str | Path | TextIO | BinaryIO, *, name: str | None = None, any_number: bool = False
+) -> Reading:
     """Read an instance file, with warnings about unusual content.
 
     Parameters
@@ -74,6 +76,8 @@ def read(source: str | Path | TextIO | BinaryIO, *, name: str | None = None) -> 
         A path, ``-`` for standard input, or an open file.
     name
         The name of the source in error messages; by default its path.
+    any_number
+        Whether there may be fewer or more constraints than six (`gspcli.freedoms`).
 
     Raises
     ------
@@ -104,10 +108,11 @@ def read(source: str | Path | TextIO | BinaryIO, *, name: str | None = None) -> 
         except OSError as error:
             message = f"{name}: cannot be read: {error.strerror or error}"
             raise SpecError([Problem(None, "", message)]) from error
-    return read_text(decode(content, name) if isinstance(content, bytes) else content, name=name)
+    text = decode(content, name) if isinstance(content, bytes) else content
+    return read_text(text, name=name, any_number=any_number)
 
 
-def read_text(text: str, *, name: str = "instance") -> Reading:
+def read_text(text: str, *, name: str = "instance", any_number: bool = False) -> Reading:
     """Read the text of an instance file; as `read`."""
     if not isinstance(text, str):
         message = f"found a {type(text).__name__}, expected the text of an instance file"
@@ -115,17 +120,17 @@ def read_text(text: str, *, name: str = "instance") -> Reading:
     root = read_ordinary(text, name)
     if root is not None:
         try:
-            return _reading(root, [])
+            return _reading(root, [], any_number=any_number)
         except SpecError:
             # The full reading reports mistakes.
             pass
     from gspcli.spec.any_yaml import parse
 
     problems: list[Problem] = []
-    return _reading(parse(text, name, problems), problems)
+    return _reading(parse(text, name, problems), problems, any_number=any_number)
 
 
-def _reading(root: Value, problems: list[Problem]) -> Reading:
+def _reading(root: Value, problems: list[Problem], *, any_number: bool) -> Reading:
     """Return the content of a document.
 
     Raises
@@ -136,7 +141,9 @@ def _reading(root: Value, problems: list[Problem]) -> Reading:
     if not isinstance(root, Mapping):
         message = "found no keys, expected an instance: gsp, units, platform, base, constraints"
         raise SpecError([*problems, Problem(root.location, "", message)])
-    reader = FileChecker(root, read_plainly(root) or _model(root, problems), problems)
+    reader = FileChecker(
+        root, read_plainly(root) or _model(root, problems), problems, any_number=any_number
+    )
     instance = reader.instance()
     if instance is None or problems:
         raise SpecError(sorted(problems, key=_place))

@@ -139,6 +139,10 @@ SAMPLES: dict[str, tuple[str, ...]] = {
         "@workspace-study --position 0,0,400 --gap 0.5",
         "@workspace-study --over z --within z=0:100",
     ),
+    "freedoms": (
+        "@workspace-study",
+        "@singular-pose",
+    ),
     "calibrate": (
         "@workspace-study-cones MEASURED --sigma value=0.002 --sigma position=0.005",
         "@workspace-study-cones MEASURED --robust --hold offset.1",

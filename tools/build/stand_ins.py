@@ -134,6 +134,7 @@ _MEASURED = ROOT / "docs" / "calibration" / "measured.csv"
 #: How each file is made, if the page does not have it.
 _FILES: dict[str, Callable[[Shown], str]] = {
     "platform.yaml": _platform,
+    "sketch.yaml": _platform,
     "machine.yaml": _copied(data_path("platforms", "workspace-study-cones.yaml")),
     "framed.yaml": _framed,
     "rotary.yaml": _copied(data_path("platforms", "t-top-head.yaml")),

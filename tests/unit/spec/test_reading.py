@@ -109,7 +109,8 @@ def test_several_repetitions_and_missing_parts_do_not_hide_others():
     assert problems_of("gsp: 1\nbase: {P1: {point: [0, 0]}}\nconstraints: []") == [
         "f:1:1: the keys units and platform are missing",
         "f:2:20: base.P1.point: found 2 entries, expected three numbers [x, y, z]",
-        "f:3:14: constraints: found 0 constraints, expected exactly six",
+        "f:3:14: constraints: found 0 constraints, expected exactly six; gsp freedoms takes any "
+        "number",
     ]
 
 

@@ -1,0 +1,135 @@
+"""`gsp freedoms`: which twists constraints leave, and which constraints are redundant."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from gspcli.cli.names import refuse_to_replace, spec_source
+from gspcli.cli.output import Column, Output, Table, emit, output_options
+from gspcli.cli.pose_options import PoseConventions, pose_options
+from gspcli.cli.pose_type import GivenPose, pose_value_option
+from gspcli.errors import GspError
+
+if TYPE_CHECKING:
+    from gspcli.geometry.instance import Instance
+    from gspcli.motion.statics.freedoms import Freedoms
+
+#: So many candidates are shown; with --all every one.
+_SHOWN = 12
+#: A stated value may differ by this part of the largest before it is said.
+_OFF = 1e-6
+
+
+@click.command()
+@click.argument("spec", metavar="SPEC")
+@pose_value_option(".  [default: home]")
+@pose_options
+@click.option(
+    "--all", "everything", is_flag=True, help="Show every constraint that could be added."
+)
+@output_options()
+def command(
+    spec: str,
+    pose: GivenPose | None,
+    conventions: PoseConventions,
+    everything: bool,
+    output: Output,
+) -> None:
+    """Say which freedoms any number of constraints leave, and which are redundant.
+
+    SPEC is an instance file, in which this command takes fewer than six constraints, and more, too.
+    At the pose (home if none is given) each twist that is left is a screw: an axis, and by how much
+    the platform moves along it in a turn; or a translation. Of several a basis is shown. Coincident
+    points, points on lines and parallel directions (values of 0 or 180) take all the freedoms that
+    they do.
+
+    A second table has the constraints that could be added between primitives of the file: how many
+    freedoms each would take, and which of the screws it restrains. All of it holds at this pose and
+    to first order; ranks are numerical.
+
+    \b
+    Examples:
+      gsp freedoms @workspace-study
+      gsp freedoms sketch.yaml --pose 0,0,0,1,0,0,0
+    """
+    from gspcli.motion.statics.freedoms import freedoms
+    from gspcli.spec import read
+
+    refuse_to_replace(spec)
+    instance = read(spec_source(spec), name=spec, any_number=True).instance
+    if pose is not None:
+        R, T = pose.read(conventions.form(instance))
+    elif conventions.options:
+        message = f"{conventions.options[0]} says what the numbers of --pose are: give it, too"
+        raise click.UsageError(message)
+    else:
+        R, T = _home(instance)
+    found = freedoms(instance, R, T)
+    document = {"schema": "gsp.freedoms/1", **found.to_json()}
+    emit(
+        output,
+        _tables(found, everything=everything, readable=output.format not in ("csv", "json")),
+        document=document if output.format == "json" else None,
+    )
+
+
+def _home(instance: Instance) -> tuple[Any, Any]:
+    """Return the home pose: of six constraints the home mode, else as it is stated."""
+    if len(instance.constraints) == 6:
+        from gspcli.solver import solve
+
+        home = solve(instance).home
+        if home is not None:
+            return home.R, home.T
+    if instance.home is None:
+        message = "SPEC states no home: give --pose x,y,z,qw,qx,qy,qz, or `home` in SPEC"
+        raise GspError(message)
+    return None, None
+
+
+def _tables(found: Freedoms, *, everything: bool, readable: bool) -> list[Table]:
+    """Return the screws that are left, and the constraints that would take them."""
+    unit = found.instance.units.length
+    lines = list(found.sentences)
+    size = max((abs(row.value.value) for row in found.instance.constraints), default=0.0)
+    wrong = [k for k, off in enumerate(found.off.tolist(), 1) if abs(off) > _OFF * (size or 1)]
+    if wrong:
+        names = ", ".join(map(str, wrong))
+        lines.append(f"this pose does not meet the stated value of {names}: it counts as movable")
+    rows = [
+        {"number": number, "freedom": screw.words(unit)}
+        for number, screw in enumerate(found.screws, 1)
+    ]
+    columns = [
+        Column("number", "no.", "right", essential=True),
+        Column("freedom", essential=True, fold=" "),
+    ]
+    kinds = " ".join(row.kind.name for row in found.instance.constraints)
+    title = f"{found.instance.name}: {kinds}" if found.instance.name else kinds
+    tables = [
+        Table(columns if rows or not readable else [], rows, title, summary=lines, part="freedoms")
+    ]
+    shown = found.candidates if everything else found.candidates[:_SHOWN]
+    if not shown or not readable:
+        return tables
+    notes = []
+    if len(shown) < len(found.candidates):
+        notes = [f"{len(found.candidates) - len(shown)} more: --all shows them"]
+    more = [
+        {
+            "constraint": one.name,
+            "kind": one.kind.name,
+            "removes": one.removes,
+            "restrains": " ".join(map(str, one.touches)),
+        }
+        for one in shown
+    ]
+    more_columns = [
+        Column("constraint", "could be added", essential=True),
+        Column("kind"),
+        Column("removes", align="right", essential=True),
+        Column("restrains", essential=True),
+    ]
+    return [*tables, Table(more_columns, more, notes=notes, part="candidates")]
