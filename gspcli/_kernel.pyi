@@ -199,6 +199,7 @@ def decide_far(
 
 REGULAR: int
 NEGATIVE: int
+REACH: int
 
 def judge_boxes(
     measures: NDArray[np.int32],
@@ -218,6 +219,14 @@ def judge_boxes(
     left: NDArray[np.uint32],
     split: bool,
     jobs: int,
+    drives: tuple[
+        NDArray[np.int32],
+        NDArray[np.bool_],
+        NDArray[np.float64],
+        NDArray[np.float64],
+        NDArray[np.float64],
+    ]
+    | None = None,
 ) -> tuple[NDArray[np.uint64], NDArray[np.uint32], NDArray[np.uint64], NDArray[np.uint32]]: ...
 def connected_boxes(
     keys: NDArray[np.uint64],

@@ -5,8 +5,6 @@
 namespace gsp {
 namespace {
 
-constexpr double kTrigonometry = 0x1p-50;
-
 void rotate(Vector& a, int axis, const Ball& c, const Ball& s) {
   const int i = (axis + 1) % 3, j = (axis + 2) % 3;
   const Ball x = c * a[i] - s * a[j], y = s * a[i] + c * a[j];

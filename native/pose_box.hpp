@@ -12,6 +12,9 @@
 
 namespace gsp {
 
+// Of the cosine and sine of the C library.
+constexpr double kTrigonometry = 0x1p-50;
+
 // The centre of a box, and how far the box reaches from it.
 struct Place {
   Vector p;
@@ -42,13 +45,11 @@ struct Placed {
   double bend;   // how far it is off its linear part
 };
 
-inline Placed placed(const Limit& limit, const Place& at) {
+inline Placed placed_points(const Vector& y, const Vector& x, const Place& at) {
   Placed b;
-  b.y = at.turned(vector(limit.y));
-  b.s = at.p - vector(limit.x);
+  b.y = y;
+  b.s = at.p - x;
   b.r = b.s + b.y;
-  b.v = vector(limit.v);
-  b.w = limit.measure == Measure::kPointPoint ? Vector{} : at.turned(vector(limit.u));
   b.y_size = length(b.y);
   b.r_size = length(b.r);
   b.s_size = length(b.s);
@@ -57,7 +58,21 @@ inline Placed placed(const Limit& limit, const Place& at) {
   return b;
 }
 
+inline Placed placed(const Limit& limit, const Place& at) {
+  Placed b = placed_points(at.turned(vector(limit.y)), vector(limit.x), at);
+  b.v = vector(limit.v);
+  b.w = limit.measure == Measure::kPointPoint ? Vector{} : at.turned(vector(limit.u));
+  return b;
+}
+
+// How the point of a motor moves in the box: by at most `delta` times its rate at the centre, and `bend`.
+struct Swing {
+  const Drive* drive = nullptr;  // none: the point stands still
+  double q, delta, bend;
+  Vector rate;  // turned as at the centre
+};
+
 // The sign of the determinant of the Jacobian matrix if no pose of the box is singular, else 0.
-int regular(const Reach& reach, const Placed* b, const Place& at);
+int regular(const Reach& reach, const Placed* b, const Swing* swing, const Place& at);
 
 }  // namespace gsp

@@ -1,75 +1,19 @@
 // Proves that all poses of a box keep the limits, or that all violate one.
 //
-// Over a box each function f of the pose that a limit is about is enclosed by its Taylor form: its value
-// at the centre, the sum of the moduli of its derivatives times the half widths, and a bound of the
-// rest (pose_box.hpp), so that the enclosure differs from the range by terms of second order only.
-//
-// A function is given by its wrench, the derivatives by the position (force) and by a rotation about
-// the pivot (moment). For the square of a distance without rotation the enclosure is the range itself.
+// Each function of the pose that a limit is about is enclosed over the box (box_forms.hpp).
 #include <algorithm>
 #include <cmath>
 
-#include "pose_box.hpp"
+#include "box_forms.hpp"
+#include "drives.hpp"
 
 namespace gsp {
 namespace {
-
-struct Range {
-  double low, high;
-};
-
-// A function at the centre, its wrench, and bounds of the rest.
-struct Form {
-  Ball value;
-  Vector force, moment;
-  double below, above;
-};
-
-Range range(const Form& f, const Place& at) {
-  double slope = 0.0;
-  for (int i = 0; i < 3; ++i) {
-    if (at.h[i] != 0.0) slope += size(f.force[i]) * at.h[i];
-    if (at.d[i] != 0.0) slope += size(dot(at.axis[i], f.moment)) * at.d[i];
-  }
-  const double least = slope + f.below + f.value.r, most = slope + f.above + f.value.r;
-  return {f.value.m - least * kOutward - std::abs(f.value.m) * kUnit * 4,
-          f.value.m + most * kOutward + std::abs(f.value.m) * kUnit * 4};
-}
-
-// The square of the distance of points over the box in which r lies.
-Range square_over_box(const Placed& b, const Place& at) {
-  Range sum{0.0, 0.0};
-  for (int i = 0; i < 3; ++i) {
-    double half = at.h[i] + b.r[i].r;
-    if (at.rho != 0.0) {
-      double turns = b.bend;
-      for (int k = 0; k < 3; ++k)
-        if (at.d[k] != 0.0) turns += size(cross(at.axis[k], b.y)[i]) * at.d[k];
-      half += turns;
-    }
-    half *= kOutward;
-    const double near = std::max(std::abs(b.r[i].m) - half, 0.0), far = std::abs(b.r[i].m) + half;
-    sum.low += near * near;
-    sum.high += far * far;
-  }
-  return {sum.low * (1.0 - 0x1p-40), sum.high * kOutward};
-}
-
-Form point_point(const Placed& b) {
-  return {dot(b.r, b.r), twice(b.r), twice(cross(b.y, b.s)), 2.0 * b.r_size * b.bend,
-          2.0 * b.r_size * b.bend + b.reach * b.reach};
-}
 
 Form point_line(const Placed& b) {
   const Vector q = across(b.r, b.v);
   const double rough = 2.0 * length(q) * b.bend;
   return {dot(q, q), twice(q), twice(cross(b.y, q)), rough, rough + b.reach * b.reach};
-}
-
-// The distance along a turning direction, w . r.
-Form along(const Vector& w, const Placed& b, const Place& at) {
-  const double rough = at.shift * at.rho + b.s_size * at.bend;
-  return {dot(w, b.r), w, cross(w, b.s), rough, rough};
 }
 
 Form line_point(const Placed& b, const Place& at) {
@@ -81,8 +25,6 @@ Form line_point(const Placed& b, const Place& at) {
   return {dot(q, q), twice(b.r) - factor * b.w, twice(cross(b.y, b.s)) - factor * g.moment,
           rough + moves * moves, rough + b.reach * b.reach};
 }
-
-Form point_plane(const Placed& b) { return {dot(b.v, b.r), b.v, cross(b.y, b.v), b.bend, b.bend}; }
 
 Form directions(const Placed& b, const Place& at) {
   return {dot(b.w, b.v), Vector{}, cross(b.w, b.v), at.bend, at.bend};
@@ -157,19 +99,61 @@ Verdict judge_range(const Limit& limit, const Placed& b, const Place& at) {
   return compare(found, limit.low, limit.high);
 }
 
+// Whether the axis of a cone turns with an arm.
+bool turns(const Cone& cone, const Swing& swing) {
+  return swing.drive && !swing.drive->slide && swing.drive->of_platform != cone.of_base;
+}
+
+// The axis of a cone in the frame of its body when the motor is where it is at the centre.
+Vector axis_at(const Cone& cone, const Swing& swing) {
+  const Vector axis = vector(cone.axis);
+  if (!turns(cone, swing)) return axis;
+  const Vector n = vector(swing.drive->axis), along = dot(n, axis) * n;
+  const Ball c{std::cos(swing.q), kTrigonometry}, s{std::sin(swing.q), kTrigonometry};
+  return along + c * (axis - along) + s * cross(n, axis);
+}
+
+// How much f of judge_cone changes when the motor moves from where it is at the centre, at any pose of
+// the box: its derivative by q is a' . r + a . r' less the cosine times r' . r / |r|, with the axis a.
+double change_by_motor(const Cone& cone, const Placed& b, const Swing& swing, const Place& at,
+                       const Vector& axis, const Vector& direction) {
+  const Drive& drive = *swing.drive;
+  const bool turning = turns(cone, swing);
+  const Vector a = cone.of_base ? axis : at.turned(axis);
+  const Vector v = drive.of_platform ? swing.rate : -swing.rate;
+  const double fast = length(v), cosine = size(cone.cosine);
+  Ball slope = dot(a, v);
+  double turn_of_axis = cone.of_base ? 0.0 : at.rho;
+  const double moves = b.reach + fast * swing.delta + swing.bend;
+  double varies = 0.0;
+  if (turning) {
+    const Vector n = vector(drive.axis);
+    const Vector rate = cross(cone.of_base ? n : at.turned(n), a);
+    slope = slope + dot(rate, b.r);
+    turn_of_axis += swing.delta;
+    varies += moves + (b.r_size + moves) * turn_of_axis;
+  }
+  // Of a platform's motor r' turns, too.
+  const double bends = (drive.slide ? 0.0 : fast * swing.delta) + (drive.of_platform ? at.rho * fast : 0.0);
+  const double far = length(b.r);
+  varies += (fast + bends) * turn_of_axis + bends;
+  varies += cosine * (bends + (fast + bends) * 2.0 * moves / (far * (1.0 - 0x1p-30)));
+  const Ball whole = cone.of_base ? slope : -slope;
+  return (size(whole - cone.cosine * dot(direction, v)) + varies) * swing.delta * kOutward;
+}
+
 // The axis times the leg, less the cosine times its length, is at least zero.
-Verdict judge_cone(const Cone& cone, const Placed& b, const Place& at) {
+Verdict judge_cone(const Cone& cone, const Placed& b, const Swing& swing, const Place& at) {
   const Ball far = root(dot(b.r, b.r));
   const double least = far.m - far.r;
   if (!(least > 0.0)) return Verdict::kOpen;
   const Vector direction = {{b.r[0] / far, b.r[1] / far, b.r[2] / far}};
+  const Vector axis = axis_at(cone, swing);
   Form f;
-  if (cone.of_base) {
-    const Vector axis = vector(cone.axis);
+  if (cone.of_base)
     f = {dot(axis, b.r), axis, cross(b.y, axis), b.bend, b.bend};
-  } else {
-    f = negative(along(at.turned(vector(cone.axis)), b, at));
-  }
+  else
+    f = negative(along(at.turned(axis), b, at));
   // |r| is at least its linear part, and exceeds it by at most d^2 / 2 |r0| for a motion d.
   const double linear = size(cone.cosine) * b.bend;
   const double curved = size(cone.cosine) * b.reach * b.reach / (2.0 * least);
@@ -178,6 +162,11 @@ Verdict judge_cone(const Cone& cone, const Placed& b, const Place& at) {
   f.moment = f.moment - cone.cosine * cross(b.y, direction);
   f.below += linear + (cone.cosine.m + cone.cosine.r > 0.0 ? curved : 0.0);
   f.above += linear + (cone.cosine.m - cone.cosine.r < 0.0 ? curved : 0.0);
+  if (swing.drive) {
+    const double moves = change_by_motor(cone, b, swing, at, axis, direction);
+    f.below += moves;
+    f.above += moves;
+  }
   return at_least_zero(range(f, at));
 }
 
@@ -188,22 +177,37 @@ Verdict judge(const Reach& reach, const double* centre, const double* half, Cond
   Placed legs[32];
   const int count = static_cast<int>(reach.limit.size());
   const int cones = static_cast<int>(reach.cone.size());
-  Conditions needed = open;
+  for (const Drive& drive : reach.drive)
+    if (judge_drive(drive, reach.limit[drive.row], at, open) == Verdict::kOutside)
+      return Verdict::kOutside;
+  Swing swing[6];
+  Conditions driven = 0, unknown = 0;
+  for (const Drive& drive : reach.drive) driven |= Conditions{1} << drive.row;
+  Conditions needed = open & ~driven;
   for (int j = 0; j < cones; ++j)
     if (open >> (count + j) & 1) needed |= Conditions{1} << reach.cone[j].leg;
+  for (const Drive& drive : reach.drive) {
+    const int k = drive.row;
+    if (((needed >> k & 1) || (open & kRegular)) &&
+        !locate(drive, reach.limit[k], at, legs[k], swing[k]))
+      unknown |= Conditions{1} << k;
+  }
   for (int k = 0; k < count; ++k)
-    if ((needed >> k & 1) || (open & kRegular)) legs[k] = placed(reach.limit[k], at);
+    if (((needed >> k & 1) || (open & kRegular)) && !(driven >> k & 1))
+      legs[k] = placed(reach.limit[k], at);
   for (int k = 0; k < count + cones; ++k) {
     const Conditions bit = Conditions{1} << k;
-    if (!(open & bit)) continue;
+    if (!(open & bit) || (driven & bit)) continue;
+    if (k >= count && (unknown >> reach.cone[k - count].leg & 1)) continue;
     const Verdict found = k < count
                               ? judge_range(reach.limit[k], legs[k], at)
-                              : judge_cone(reach.cone[k - count], legs[reach.cone[k - count].leg], at);
+                              : judge_cone(reach.cone[k - count], legs[reach.cone[k - count].leg],
+                                          swing[reach.cone[k - count].leg], at);
     if (found == Verdict::kOutside) return found;
     if (found == Verdict::kInside) open &= ~bit;
   }
-  if (open & kRegular)
-    if (const int sign = regular(reach, legs, at)) {
+  if ((open & kRegular) && !unknown)
+    if (const int sign = regular(reach, legs, swing, at)) {
       open &= ~kRegular;
       if (sign < 0) open |= kNegative;
     }

@@ -41,15 +41,31 @@ struct Cone {
   Ball cosine;
 };
 
+// A motor that moves one of the two points of a limit: a crank on a circle, middle + along cos q + beside
+// sin q, or a slide on a line, middle + along q, in the frame of the point's body as it is at home.
+struct Drive {
+  int row;                // the limit, of points
+  bool slide, of_platform;
+  double knee;            // the sign of the derivative of the distance by q, the gain: 1 or -1
+  Ball middle[3], along[3], beside[3], axis[3];
+  Ball first[3], last[3];  // the point at the ends of the range,
+  Ball low, high;          // and the range, if the condition of the limit is open
+  double at_low[2], at_high[2];  // cosine and sine of both
+  Ball square;             // of the distance, which is constant
+};
+
 struct Reach {
   std::vector<Limit> limit;
   std::vector<Cone> cone;
+  std::vector<Drive> drive;
   int turn[3];  // the axes (0 to 2) of A1, A2, A3
 };
 
-// Conditions by bits: ranges, then cones, then regularity. Beside them the sign of the determinant of
-// the Jacobian matrix, once all of it are proved to be regular.
+// Conditions by bits: ranges (of the motor where a limit has one), then cones, then for each motor that
+// the rod reaches its point, then regularity. Beside them the sign of the determinant of the Jacobian
+// matrix, once all of it are proved to be regular.
 using Conditions = std::uint32_t;
+constexpr Conditions kReach = Conditions{1} << 18;
 constexpr Conditions kRegular = Conditions{1} << 31;
 constexpr Conditions kNegative = Conditions{1} << 30;
 

@@ -1,13 +1,17 @@
 // Python bindings of reach.hpp.
 #include "reach_module.hpp"
 
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
+#include <nanobind/stl/tuple.h>
 
 #include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <thread>
+#include <tuple>
 #include <vector>
 
 #include "reach.hpp"
@@ -69,6 +73,43 @@ Reach system(const Array<std::int32_t, 1>& measures, const Array<bool, 1>& modul
   return reach;
 }
 
+// Rows, whether each is a slide and on the platform, knees, vectors and numbers.
+using Drives = std::tuple<Array<std::int32_t, 1>, Array<bool, 2>, Array<double, 1>, Array<double, 4>,
+                          Array<double, 3>>;
+
+void add_drives(const Drives& given, Reach& reach) {
+  const auto& [rows, sorts, knees, vectors, numbers] = given;
+  const std::size_t count = rows.shape(0);
+  require(count <= 6 && sorts.shape(0) == count && sorts.shape(1) == 2 && knees.shape(0) == count,
+          "drives must have shapes (m,), sorts (m, 2), knees (m,)");
+  require(vectors.shape(0) == count && vectors.shape(1) == 6 && vectors.shape(2) == 3 &&
+              vectors.shape(3) == 2 && numbers.shape(0) == count && numbers.shape(1) == 3 &&
+              numbers.shape(2) == 2,
+          "drives must have vectors (m, 6, 3, 2), numbers (m, 3, 2)");
+  for (std::size_t k = 0; k < count; ++k) {
+    Drive drive;
+    drive.row = rows.data()[k];
+    require(drive.row >= 0 && drive.row < 6 &&
+                reach.limit[static_cast<std::size_t>(drive.row)].measure == Measure::kPointPoint,
+            "a drive moves a point of a distance of two points");
+    drive.slide = sorts.data()[2 * k];
+    drive.of_platform = sorts.data()[2 * k + 1];
+    drive.knee = knees.data()[k];
+    require(drive.knee == 1.0 || drive.knee == -1.0, "a knee is 1 or -1");
+    Ball* parts[6] = {drive.middle, drive.along, drive.beside, drive.axis, drive.first, drive.last};
+    for (int j = 0; j < 6; ++j)
+      for (int i = 0; i < 3; ++i)
+        parts[j][i] = ball(vectors.data() + ((6 * k + static_cast<std::size_t>(j)) * 3 +
+                                             static_cast<std::size_t>(i)) * 2);
+    drive.low = ball(numbers.data() + 6 * k);
+    drive.high = ball(numbers.data() + 6 * k + 2);
+    drive.square = ball(numbers.data() + 6 * k + 4);
+    drive.at_low[0] = std::cos(drive.low.m), drive.at_low[1] = std::sin(drive.low.m);
+    drive.at_high[0] = std::cos(drive.high.m), drive.at_high[1] = std::sin(drive.high.m);
+    reach.drive.push_back(drive);
+  }
+}
+
 // Boxes of the grid of a level that were judged.
 struct Judged {
   std::vector<std::uint64_t> inside, open;
@@ -88,9 +129,9 @@ nb::tuple judge_boxes(Array<std::int32_t, 1> measures, Array<bool, 1> moduli,
                       Array<double, 2> cosines, Array<std::int32_t, 1> turn,
                       Array<double, 2> bounds, Array<std::int32_t, 1> free, int level,
                       Array<std::uint64_t, 1> keys, Array<std::uint32_t, 1> left, bool split,
-                      int jobs) {
-  const Reach reach =
-      system(measures, moduli, vectors, ranges, legs, of_base, axes, cosines, turn);
+                      int jobs, std::optional<Drives> drives) {
+  Reach reach = system(measures, moduli, vectors, ranges, legs, of_base, axes, cosines, turn);
+  if (drives) add_drives(*drives, reach);
   const int dimensions = static_cast<int>(free.shape(0));
   const std::size_t count = keys.shape(0);
   require(bounds.shape(0) == kParameters && bounds.shape(1) == 2,
@@ -198,9 +239,11 @@ nb::object connected_boxes(Array<std::uint64_t, 1> keys, Array<std::int32_t, 1> 
 void bind_reach(nb::module_& m) {
   m.attr("REGULAR") = kRegular;
   m.attr("NEGATIVE") = kNegative;
+  m.attr("REACH") = kReach;
   m.def("judge_boxes", &judge_boxes, "measures"_a, "moduli"_a, "vectors"_a, "ranges"_a, "legs"_a,
         "of_base"_a, "axes"_a, "cosines"_a, "turn"_a, nb::kw_only(), "bounds"_a,
         "free"_a, "level"_a, "keys"_a, "left"_a, "split"_a, "jobs"_a,
+        "drives"_a = nb::none(),
         "Judge boxes of poses by limits; see gspcli.motion.boxes.");
   m.def("connected_boxes", &connected_boxes, "keys"_a, "levels"_a, "dimensions"_a, "touching"_a,
         "periodic"_a, "poles"_a, "Label connected boxes; see gspcli.motion.boxes.");

@@ -25,9 +25,14 @@ Vector spread(const Vector& a, const double* shift, const Place& at, bool turnin
 }
 
 // The moment about the pivot and the force of what a constraint measures, up to a factor.
-void wrench(const Limit& limit, const Placed& centre, const Place& at, Ball* row) {
-  const Vector y = spread(centre.y, nullptr, at, true), w = spread(centre.w, nullptr, at, true);
-  const Vector s = spread(centre.s, at.h, at, false), &v = centre.v;
+void wrench(const Limit& limit, const Placed& centre, const Swing& swing, const Place& at, Ball* row) {
+  Vector y = spread(centre.y, nullptr, at, true), s = spread(centre.s, at.h, at, false);
+  const Vector w = spread(centre.w, nullptr, at, true), &v = centre.v;
+  if (swing.drive) {
+    Vector& moving = swing.drive->of_platform ? y : s;
+    for (int i = 0; i < 3; ++i)
+      moving[i].r = (moving[i].r + size(swing.rate[i]) * swing.delta + swing.bend) * kOutward;
+  }
   const Vector r = s + y;
   Vector force{}, moment{};
   switch (limit.measure) {
@@ -104,11 +109,11 @@ int invert(double (*a)[6], double (*inverse)[6]) {
 
 }  // namespace
 
-int regular(const Reach& reach, const Placed* b, const Place& at) {
+int regular(const Reach& reach, const Placed* b, const Swing* swing, const Place& at) {
   Ball row[6][6];
   double centre[6][6], inverse[6][6];
   for (int k = 0; k < 6; ++k) {
-    wrench(reach.limit[k], b[k], at, row[k]);
+    wrench(reach.limit[k], b[k], swing[k], at, row[k]);
     for (int j = 0; j < 6; ++j) centre[k][j] = row[k][j].m;
   }
   const int sign = invert(centre, inverse);

@@ -11,9 +11,12 @@ from gspcli.cli.pose_options import frame_note
 from gspcli.cli.progress_bars import progress
 from gspcli.cli.reachable_home import Home
 from gspcli.errors import GspError
+from gspcli.geometry.drive_numbers import shares_drives
 from gspcli.wording import shown
 
 if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
     from gspcli.geometry.instance import Instance
     from gspcli.motion import Travel
 
@@ -58,6 +61,7 @@ def show_travels(
     output: Output,
     *,
     connected: bool,
+    knees: ArrayLike | None = None,
 ) -> None:
     """Show how far each axis travels from home.
 
@@ -71,12 +75,14 @@ def show_travels(
         Where to.
     connected
         Whether singular poses end a travel, too.
+    knees
+        The knees of cranks and slides, as `gspcli.motion.workspace.travels.travels` has them.
     """
     offsets = _offsets(held)
     names = list(offsets[0])
     rows: list[dict[str, Any]] = []
     for offset in progress(offsets, total=len(offsets), label="travels"):
-        rows += _offset_rows(instance, home, sequence, offset, connected=connected)
+        rows += _offset_rows(instance, home, sequence, offset, connected=connected, knees=knees)
     units = instance.units
     columns = [
         *(Column(f"held_{name}", f"{name} held", "right", True) for name in names),
@@ -94,6 +100,8 @@ def show_travels(
         f"x, y, z in {units.length}, rx, ry, rz in {units.angle.value}; proved: up to there {what}",
     ]
     notes += frame_note(home.frame)
+    if shares_drives(instance):
+        notes.append("rods share drives: what the platform reaches when it turns is not computed")
     if any(row["down"] is None for row in rows):
         notes.append("without numbers: the pose from which an axis would travel leaves the limits")
     prefix = "held_"
@@ -113,7 +121,13 @@ def show_travels(
 
 
 def _offset_rows(
-    instance: Instance, home: Home, sequence: str, offset: dict[str, float], *, connected: bool
+    instance: Instance,
+    home: Home,
+    sequence: str,
+    offset: dict[str, float],
+    *,
+    connected: bool,
+    knees: ArrayLike | None,
 ) -> list[dict[str, Any]]:
     """Return a row for each axis that is free, without numbers if the moved pose is refused."""
     from gspcli.errors import ArgumentError
@@ -127,12 +141,14 @@ def _offset_rows(
         sequence=sequence,
         in_radians=instance.units.angle.in_radians,
     )
-    axes = [name for name in PARAMETERS if name not in offset]
+    # Rods that share a carriage stay parallel when the platform moves, not when it turns.
+    known = PARAMETERS[:3] if shares_drives(instance) else PARAMETERS
+    axes = [name for name in known if name not in offset]
     try:
         found: list[Travel | None] = list(
             travels(
                 instance, R, T, axes=axes, pivot=home.pivot, sequence=sequence,
-                connected=connected,
+                connected=connected, knees=knees,
             )
         )  # fmt: skip
     except ArgumentError:
@@ -158,9 +174,12 @@ def _travel_row(axis: str, travel: Travel | None) -> dict[str, Any]:
 
 
 def _grouped(names: tuple[str, ...]) -> str:
-    """Return limits in words, those of one sort together: range 1 2, cone base B1 (1)."""
+    """Return limits in words, those of one sort together: range 1 2, range crank B1 B2."""
     found: dict[str, list[str]] = {}
     for name in names:
         sort, _, which = name.partition(" of ")
+        if which.startswith(("crank ", "slide ")):
+            motor, which = which.split(" ", 1)
+            sort = f"{sort} {motor}"
         found.setdefault(sort, []).append(which)
     return ", ".join(" ".join((sort, *which)).strip() for sort, which in found.items())

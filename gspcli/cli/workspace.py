@@ -31,9 +31,12 @@ from gspcli.cli.value_options import Changes, value_options
 from gspcli.cli.worker_options import jobs_option
 from gspcli.cli.workspace_tables import box_rows, box_table, volume_table, workspace_document
 from gspcli.errors import GspError, IncompleteError
+from gspcli.geometry.drive_numbers import is_driven
 from gspcli.wording import shown
 
 if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
     from gspcli.geometry.instance import Instance
     from gspcli.motion import PoseFormat, Workspace
 
@@ -147,15 +150,17 @@ def command(
     only = instance.home is not None if connected is None else connected
     home = home_pose(
         instance, form, mode=mode, pose=pose, orientation=orientation, position=position,
-        needed=free is None or only or orientation is None or set(free) != set("xyz"),
+        needed=free is None or only or orientation is None or set(free) != set("xyz")
+        or is_driven(instance),
     )  # fmt: skip
     sequence = form.euler or "ZYX"
     moving = _moving(instance, conventions, form)
+    knees = _knees(instance, moving, home)
     if free is None:
-        show_travels(moving, home, sequence, held, output, connected=only)
+        show_travels(moving, home, sequence, held, output, connected=only, knees=knees)
         return
     if connected is None and only:
-        only = _keeps_limits(moving, home)
+        only = _keeps_limits(moving, home, knees)
     coarse = (listed or output.format in DRAWINGS) and len(free) >= 3
     wanted = gap or (_COARSE if coarse else _TOLERANCE)
     from gspcli.motion.workspace.box_division import workspace
@@ -170,6 +175,7 @@ def command(
             sequence=sequence,
             within=dict(map(_interval, intervals)),
             connected=only,
+            knees=knees,
             tolerance=wanted,
             most_boxes=most_boxes,
             jobs=jobs,
@@ -193,17 +199,28 @@ def _moving(instance: Instance, conventions: PoseConventions, form: PoseFormat) 
     )
 
 
+def _knees(instance: Instance, moving: Instance, home: Home) -> ArrayLike | None:
+    """Return the knees of cranks and slides: of the stated home, or of the one asked for."""
+    if not is_driven(instance):
+        return None
+    from gspcli.motion.workspace.driven_boxes import knees_of
+
+    if instance.home is not None:
+        return knees_of(instance)
+    return knees_of(moving, home.R, home.T)
+
+
 def _one_home(mode: object, pose: object) -> None:
     if mode is not None and pose is not None:
         message = "give either --mode or --pose"
         raise click.UsageError(message)
 
 
-def _keeps_limits(instance: Instance, home: Home) -> bool:
+def _keeps_limits(instance: Instance, home: Home, knees: ArrayLike | None) -> bool:
     """Return whether home keeps the limits, so that something is connected with it; else say it."""
     from gspcli.motion.workspace.travels import violations
 
-    left = violations(instance, home.R, home.T)
+    left = violations(instance, home.R, home.T, knees)
     if left:
         say(f"home, moved as asked, leaves its limits ({left[0]}): all parts are counted")
     return not left

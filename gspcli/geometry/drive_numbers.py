@@ -39,6 +39,16 @@ def is_driven(instance: Instance) -> bool:
     return any(driven_points(row) for row in instance.constraints)
 
 
+def shares_drives(instance: Instance) -> bool:
+    """Return whether points of two constraints ride on one carriage or arm."""
+    motors = [
+        (one.body, one.point.partner or one.name or k)
+        for k, row in enumerate(instance.constraints)
+        for one in driven_points(row)
+    ]
+    return len(set(motors)) < len(motors)
+
+
 class _Motor(NamedTuple):
     """What is kept of one drive, as q: lengths and radians; offset and factor are of readings."""
 

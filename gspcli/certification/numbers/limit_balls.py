@@ -20,7 +20,7 @@ from gspcli.geometry.primitives import Geometry, Point
 
 Array = NDArray[np.float64]
 
-_PRECISION = 160
+PRECISION = 160
 _NOTHING = (0.0, 0.0)
 #: The measured quantities, with the numbers of native/reach.hpp.
 _MEASURES: dict[Kind, int] = {
@@ -63,8 +63,8 @@ def limit_balls(
     pivot
         A point of the platform, exact doubles, in length units.
     """
-    with flint.ctx.workprec(_PRECISION):
-        R = _rotation([arb(part) for part in quaternion])
+    with flint.ctx.workprec(PRECISION):
+        R = exact_rotation([arb(part) for part in quaternion])
         centre = [arb(part) for part in pivot]
         degree = arb.pi() / 180 if instance.units.angle is AngleUnit.DEGREE else arb(1)
         rows, cones = instance.constraints, joint_cones(instance)
@@ -74,7 +74,7 @@ def limit_balls(
         for joint in cones:
             axis = _unit([ball(number) for number in joint.cone.axis])
             axes.append(_pairs(axis if joint.body == "base" else rotated(R, axis)))
-            cosines.append(_pair((ball(joint.cone.half_angle) * degree).cos()))
+            cosines.append(as_pair((ball(joint.cone.half_angle) * degree).cos()))
     return LimitBalls(
         np.array([_MEASURES[row.kind] for row in rows], np.int32),
         np.array([row.kind.has_sides and row.side is Side.BOTH for row in rows]),
@@ -87,7 +87,8 @@ def limit_balls(
     )
 
 
-def _rotation(q: Sequence[arb]) -> list[list[arb]]:
+def exact_rotation(q: Sequence[arb]) -> list[list[arb]]:
+    """Return the matrix of a quaternion of any length, scalar first."""
     w, x, y, z = q
     size = w * w + x * x + y * y + z * z
     rows = [
@@ -149,8 +150,8 @@ def _range(row: Constraint, degree: arb) -> list[tuple[float, float]]:
         first = None if low.value == 0 else ball(low) * ball(low)
         last = ball(high) * ball(high)
     return [
-        (-np.inf, 0.0) if first is None else _pair(first),
-        (np.inf, 0.0) if last is None else _pair(last),
+        (-np.inf, 0.0) if first is None else as_pair(first),
+        (np.inf, 0.0) if last is None else as_pair(last),
     ]
 
 
@@ -160,9 +161,10 @@ def _is(number: Number, degrees: int, degree: arb) -> bool:
 
 
 def _pairs(vector: Sequence[arb]) -> list[tuple[float, float]]:
-    return [_pair(part) for part in vector]
+    return [as_pair(part) for part in vector]
 
 
-def _pair(value: arb) -> tuple[float, float]:
+def as_pair(value: arb) -> tuple[float, float]:
+    """Return a double and a radius that enclose a ball."""
     nearest = float(value)
     return nearest, float((value - nearest).abs_upper()) * OUTWARD + TINY

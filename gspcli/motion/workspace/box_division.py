@@ -1,8 +1,9 @@
 """The workspace as boxes of poses, which are judged and divided until its volume is accurate.
 
-A pose can be reached if its values are in their ranges and its legs in their cones; no equation has
-to be solved for this. Boxes of poses are judged by interval arithmetic with bounded rounding
-(native/reach.cpp). Undecided boxes are halved in each direction until their volume is small enough.
+A pose can be reached if its values, and the motors that move points, are in their ranges and its
+legs in their cones; no equation has to be solved for this. Boxes of poses are judged by interval
+arithmetic with bounded rounding (native/reach.cpp). Undecided boxes are halved in each direction
+until their volume is small enough.
 """
 
 from __future__ import annotations
@@ -14,12 +15,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gspcli.errors import ArgumentError
-from gspcli.geometry.coordinates import refuse_cranks
 from gspcli.geometry.instance import Instance
 from gspcli.motion.workspace.box_sets import BoxSet, Layer
 from gspcli.motion.workspace.home_part import HomePart
 from gspcli.motion.workspace.pose_boxes import (
-    CRANKS,
     PARAMETERS,
     REGULAR,
     Conditions,
@@ -46,6 +45,7 @@ def workspace(
     sequence: str = "ZYX",
     within: dict[str, tuple[float, float]] | None = None,
     connected: bool = False,
+    knees: ArrayLike | None = None,
     tolerance: float = 0.01,
     most_boxes: int = 100_000_000,
     jobs: int = 1,
@@ -57,7 +57,9 @@ def workspace(
     Parameters
     ----------
     instance
-        The platform; constraints without a range and joints without a cone limit nothing.
+        The platform; constraints without a range and joints without a cone limit nothing. Cranks
+        and slides limit poses to what their rods reach, on the knees of the home pose, and their
+        ranges do.
     R, T
         The home pose, shapes (3, 3) and (3,); the parameters that do not vary have its numbers.
     free
@@ -72,6 +74,9 @@ def workspace(
         if no leg (DPP) has a range.
     connected
         Whether only the part that can be reached from home by poses that are not singular counts.
+    knees
+        The signs of the gains of cranks and slides, shape (6,). If None they are those of the
+        stated home, or, without one, those of the pose.
     tolerance
         Boxes are divided until the relative difference of the bounds of the volume is at most this,
     most_boxes
@@ -86,11 +91,14 @@ def workspace(
     Raises
     ------
     ArgumentError
-        If an argument is wrong, nothing is limited, or, with `connected`, home is not proved to
-        keep the limits and to be regular.
+        If an argument is wrong, nothing is limited, rods that share a drive are not parallel, or,
+        with `connected`, home is not proved to keep the limits and to be regular.
     """
-    refuse_cranks(instance, CRANKS)
-    boxes = PoseBoxes(instance, R, T, pivot=pivot, sequence=sequence, regular=connected)
+    boxes = PoseBoxes(
+        instance, R, T, pivot=pivot, sequence=sequence, regular=connected, knees=knees
+    )
+    if boxes.drives:
+        boxes.drives.refuse_shared(boxes.R, _names(free))
     division = _Division(boxes, _names(free), dict(within or {}), jobs)
     return division.run(tolerance, lambda: division.judged >= most_boxes or stop(), progress)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -10,26 +10,25 @@ from numpy.typing import ArrayLike, NDArray
 
 from gspcli import _kernel
 from gspcli.errors import ArgumentError
+from gspcli.geometry.drive_numbers import is_driven
 from gspcli.geometry.euler import check_sequence, rotation_from_euler
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.limits import joint_cones
 from gspcli.geometry.quaternions import apply, quaternion_from_rotation, rotation_from_quaternion
+from gspcli.motion.workspace.driven_boxes import DrivenBoxes, knees_of
 
 Array = NDArray[np.float64]
 Keys = NDArray[np.uint64]
 Conditions = NDArray[np.uint32]
 
-#: Why machines with cranks are refused: their motors are not the legs.
-CRANKS = (
-    "what cranks can reach is not computed yet, only what legs can; "
-    "gsp measure --cranks has their angles at poses"
-)
 #: Position of the pivot in the base, and angles about the axes of the base, from home.
 PARAMETERS = ("x", "y", "z", "rx", "ry", "rz")
 REGULAR, NEGATIVE = np.uint32(_kernel.REGULAR), np.uint32(_kernel.NEGATIVE)
 #: Largest difference of a given matrix from a rotation.
 _ROTATION = 1e-9
 _RANGES = 6
+#: The first of the conditions that rods reach the points of their motors.
+_REACH = int(_kernel.REACH).bit_length() - 1
 
 
 class Judged(NamedTuple):
@@ -63,6 +62,9 @@ class PoseBoxes:
         The order of the axes, such as ``ZYX``.
     regular
         Whether poses of a box must also be proved not to be singular.
+    knees
+        The signs of the gains of cranks and slides, shape (6,). If None they are those of the
+        stated home, or, without one, those of the pose.
 
     Raises
     ------
@@ -79,6 +81,7 @@ class PoseBoxes:
         pivot: ArrayLike = (0.0, 0.0, 0.0),
         sequence: str = "ZYX",
         regular: bool = False,
+        knees: ArrayLike | None = None,
     ) -> None:
         self.instance = instance
         self.sequence = check_sequence(sequence)
@@ -104,6 +107,10 @@ class PoseBoxes:
         from gspcli.certification.numbers.limit_balls import limit_balls
 
         self._balls = limit_balls(instance, self.quaternion.tolist(), self.pivot.tolist())
+        self.drives: DrivenBoxes | None = None
+        if is_driven(instance):
+            signs = knees_of(instance, self.R, T) if knees is None else np.asarray(knees)
+            self.drives = DrivenBoxes(instance, self.quaternion, self.pivot, signs)
         order = sequence if sequence.isupper() else sequence[::-1]
         # The kernel has the angles in the order of the product.
         self._order = [0, 1, 2, *(3 + "xyz".index(letter) for letter in order.lower())]
@@ -118,53 +125,80 @@ class PoseBoxes:
 
     @property
     def conditions(self) -> np.uint32:
-        """The conditions that a pose must keep, as bits: ranges, then cones, then regularity."""
+        """The conditions that a pose must keep, as bits.
+
+        Ranges, of values or of the motors that move points; cones; that the rods reach the points
+        of their motors; regularity.
+        """
         bits = [k for k, row in enumerate(self.instance.constraints) if row.limits is not None]
         bits += [_RANGES + k for k in range(len(self.cones))]
+        if self.drives:
+            bits = [k for k in bits if k not in self.drives.rows] + self.drives.ranged
+            bits += [_REACH + k for k in self.drives.rows]
         return np.uint32(sum(1 << bit for bit in bits) | (int(REGULAR) if self.regular else 0))
 
     def names(self, conditions: int) -> list[str]:
         """Return the conditions of some bits in words."""
-        found = [f"range of {k + 1}" for k in range(_RANGES) if conditions >> k & 1]
+        found = []
+        for k in range(_RANGES):
+            drives = self.drives if self.drives and k in self.drives.rows else None
+            if drives and conditions >> (_REACH + k) & 1:
+                found.append(f"reach of {drives.point(k)}")
+            elif conditions >> k & 1:
+                found.append(f"range of {drives.name(k) if drives else k + 1}")
         found += [
             f"cone of {cone.constraint + 1} ({cone.body})"
             for k, cone in enumerate(self.cones)
             if conditions >> (_RANGES + k) & 1
         ]
-        return found + (["singularity"] if conditions & int(REGULAR) else [])
+        # Without the places of all motors regularity is not judged.
+        known = not any(name.startswith("reach") for name in found)
+        return found + (["singularity"] if known and conditions & int(REGULAR) else [])
 
     def bounds(self) -> Array:
         """Return a box that contains all poses that keep the limits, shape (6, 2).
 
-        Positions are bounded by legs (DPP) with a range, infinite if there are none; angles by a
-        whole turn, the middle one of the three by half of one.
+        Positions are bounded by legs (DPP) with a range or a motor that moves an end of them,
+        infinite if there are none; angles by a whole turn, the middle one of the three by half of
+        one.
         """
         half = np.full(6, np.inf)
         middle = np.zeros(6)
         half[3:] = np.pi
         half[self._order[4]] = np.pi / 2
         low, high = middle - half, middle + half
-        vectors = self._balls.vectors
-        for k, row in enumerate(self.instance.constraints):
-            if row.kind.name == "DPP" and row.limits is not None:
-                y, x = vectors[k, 0, :, 0], vectors[k, 2, :, 0]
-                far = row.limits[1].value + np.linalg.norm(y)
-                far = far + 1e-9 * (far + np.abs(x).max())
-                low[:3] = np.maximum(low[:3], x - far)
-                high[:3] = np.minimum(high[:3], x + far)
+        for length, places in self._legs():
+            ends = []
+            for y, x, margin in places:
+                far = length + np.linalg.norm(y)
+                far = far + 1e-9 * (far + np.abs(x).max()) + margin
+                ends.append((x - far, x + far))
+            low[:3] = np.maximum(low[:3], np.min([least for least, _ in ends], axis=0))
+            high[:3] = np.minimum(high[:3], np.max([most for _, most in ends], axis=0))
         return np.stack((low, np.maximum(low, high)), axis=1)
+
+    def _legs(self) -> Iterator[tuple[float, list[tuple[Array, Array, Array]]]]:
+        """Yield the greatest lengths of legs, with their points at home, y and x, and margins."""
+        for k, row in enumerate(self.instance.constraints):
+            if self.drives and k in self.drives.rows:
+                y, x = self._balls.vectors[k, 0, :, 0], self._balls.vectors[k, 2, :, 0]
+                yield row.value.value, self.drives.places(k, y, x)
+            elif row.kind.name == "DPP" and row.limits is not None:
+                y, x = self._balls.vectors[k, 0, :, 0], self._balls.vectors[k, 2, :, 0]
+                yield row.limits[1].value, [(y, x, np.zeros(3))]
 
     def bounds_at(self, angles: ArrayLike) -> Array:
         """Return such a box for the orientation of some angles, shape (3,); shape (6, 2)."""
         E = rotation_from_euler(self.sequence, np.asarray(angles, float))
         bounds = self.bounds()
-        for k, row in enumerate(self.instance.constraints):
-            if row.kind.name == "DPP" and row.limits is not None:
-                y, x = E @ self._balls.vectors[k, 0, :, 0], self._balls.vectors[k, 2, :, 0]
-                far = row.limits[1].value
-                room = 1e-9 * (far + np.abs(x).max() + np.linalg.norm(y))
-                bounds[:3, 0] = np.maximum(bounds[:3, 0], x - y - far - room)
-                bounds[:3, 1] = np.minimum(bounds[:3, 1], x - y + far + room)
+        for far, places in self._legs():
+            ends = []
+            for own, x, margin in places:
+                y = E @ own
+                room = 1e-9 * (far + np.abs(x).max() + np.linalg.norm(y)) + margin
+                ends.append((x - y - far - room, x - y + far + room))
+            bounds[:3, 0] = np.maximum(bounds[:3, 0], np.min([a for a, _ in ends], axis=0))
+            bounds[:3, 1] = np.minimum(bounds[:3, 1], np.max([b for _, b in ends], axis=0))
         bounds[:3, 1] = np.maximum(bounds[:3, 0], bounds[:3, 1])
         bounds[3:] = np.asarray(angles, float)[:, None]
         return bounds
@@ -207,6 +241,7 @@ class PoseBoxes:
             left=left,
             split=split,
             jobs=jobs,
+            drives=self.drives.balls if self.drives else None,
         )
         return Judged(*found)
 

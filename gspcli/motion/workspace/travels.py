@@ -9,13 +9,15 @@ from numpy.typing import ArrayLike, NDArray
 
 from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.coordinates import refuse_cranks
+from gspcli.geometry.drive_numbers import is_driven
+from gspcli.geometry.drives import Drives
 from gspcli.geometry.euler import rotation_from_euler
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.limits import joint_cones, out_of_cone, out_of_range, tilts
 from gspcli.geometry.readings import readings_of
 from gspcli.motion.poses.inverse_kinematics import values_at
-from gspcli.motion.workspace.pose_boxes import CRANKS, NEGATIVE, PARAMETERS, REGULAR, PoseBoxes
+from gspcli.motion.workspace.driven_boxes import drive_violations, knees_of
+from gspcli.motion.workspace.pose_boxes import NEGATIVE, PARAMETERS, REGULAR, PoseBoxes
 from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
@@ -95,6 +97,7 @@ def travels(
     pivot: ArrayLike = (0.0, 0.0, 0.0),
     sequence: str = "ZYX",
     connected: bool = False,
+    knees: ArrayLike | None = None,
 ) -> list[Travel]:
     """Return the travel of each parameter from home while the others stay constant.
 
@@ -113,18 +116,24 @@ def travels(
         The order of the turns, as in `gspcli.geometry.euler`; a single turn has no order.
     connected
         Whether a singular pose ends the travel.
+    knees
+        The signs of the gains of cranks and slides, shape (6,). If None they are those of the
+        stated home, or, without one, those of the pose.
 
     Raises
     ------
     ArgumentError
         If home does not keep the limits, or an argument is wrong.
     """
-    refuse_cranks(instance, CRANKS)
-    boxes = PoseBoxes(instance, R, T, pivot=pivot, sequence=sequence, regular=connected)
+    boxes = PoseBoxes(
+        instance, R, T, pivot=pivot, sequence=sequence, regular=connected, knees=knees
+    )
     if not boxes.conditions & ~REGULAR and not connected:
         message = "no constraint has a range and no joint a cone: every pose can be reached"
         raise ArgumentError(message)
-    wrong = violations(instance, boxes.R, np.asarray(T, float))
+    if boxes.drives:
+        boxes.drives.refuse_shared(boxes.R, axes)
+    wrong = violations(instance, boxes.R, np.asarray(T, float), knees)
     if wrong:
         message = f"home does not keep the limits: {'; '.join(wrong)}"
         raise ArgumentError(message)
@@ -147,12 +156,35 @@ def travels(
     return found
 
 
-def violations(instance: Instance, R: Array, T: Array) -> list[str]:
-    """Return the limits that a pose violates by more than rounding, in words."""
+def violations(instance: Instance, R: Array, T: Array, knees: ArrayLike | None = None) -> list[str]:
+    """Return the limits that a pose violates by more than rounding, in words.
+
+    Parameters
+    ----------
+    instance, R, T
+        The platform and the pose, shapes (3, 3) and (3,).
+    knees
+        As for `travels`.
+
+    Raises
+    ------
+    ArgumentError
+        If no home is stated and a rod does not reach the pose, so that the knees are not known.
+    """
+    found: list[str] = []
+    moved = np.zeros(6, bool)
+    if is_driven(instance):
+        drives = Drives.of(instance)
+        signs = knees_of(instance, R, T) if knees is None else np.asarray(knees)
+        found += drive_violations(drives, signs, R, T)
+        q = drives.inverse(R, T, signs)
+        if np.isnan(q).any():
+            return found
+        instance, moved = drives.instance_at(q), drives.driven
     values = values_at(instance, R, T)
     readings = readings_of(instance, values)
-    found = []
-    for k in out_of_range(instance, values).nonzero()[0].tolist():
+    # The value of a rod is a constant of the machine.
+    for k in (out_of_range(instance, values) & ~moved).nonzero()[0].tolist():
         row = instance.constraints[k]
         assert row.limits is not None
         low, high = map(row.reading_of, row.limits)
@@ -216,7 +248,8 @@ def _divided(
         gap = _first_gap(covered)
         near = starts < gap
         keys, left, starts = keys[near], left[near], starts[near]
-        stops = int(left[0]) if len(left) else stops
+        # A motor near a dead point may be near its end where regularity is not proved already.
+        stops = int(left[-1 if boxes.drives else 0]) if len(left) else stops
         if not len(keys) or len(keys) > _MOST_OPEN or part < _FINEST:
             break
     reached = _first_gap(sorted(inner))
