@@ -32,10 +32,8 @@ if TYPE_CHECKING:
 @column_options
 @click.option(
     "--of",
-    type=click.Choice(["values", "pose"]),
-    default="values",
-    show_default=True,
-    help="What changes.",
+    type=click.Choice(["values", "drives", "pose"]),
+    help="What changes.  [default: drives if cranks or slides move points, else values]",
 )
 @click.option(
     "--points",
@@ -55,7 +53,7 @@ def command(
     near: GivenPose | None,
     conventions: PoseConventions,
     columns: ColumnOptions,
-    of: str,
+    of: str | None,
     points: str | None,
     refine: bool,
     output: Output,
@@ -69,6 +67,11 @@ def command(
     The lower bound is proved for the whole box of values. The upper bound is a proved fold of the
     same mode, the nearest one found, with the values at which it is; or where a value reaches the
     end of its range, as a distance that becomes zero: beyond it there are no poses.
+
+    With --of drives, of machines with cranks or slides: how far all drives may move, in half their
+    ranges or in degrees and lengths. It is proved up to where the pose is not singular, and up to
+    where no drive comes to a dead point, so that all keep their knees. The nearest fold and the
+    nearest dead point that were found are told, too: they are not proved.
 
     The home mode is looked at, with --all-modes each real pose; or each row of ROWS: a file of
     poses as `gsp measure` takes it, or of values as `gsp track` does, along which all modes are
@@ -84,6 +87,7 @@ def command(
       gsp clearance platform.yaml
       gsp clearance platform.yaml --all-modes --refine
       gsp clearance platform.yaml --of pose
+      gsp clearance @reachy-mini-head
       gsp clearance platform.yaml path.csv -o clearances.csv
       gsp clearance platform.yaml --pose 0,0,1.5,1,0,0,0 --format json
     """
@@ -106,8 +110,11 @@ def command(
         instance, asked.R, asked.T, of=of, points=chosen, refine=refine, progress=progress
     )
     document = found.to_json([asked.named(k) for k in range(len(asked.T))])
-    unit = _unit(instance, of, ranged=range_weights(instance) is not None)
-    emit(output, _table(instance, document["modes"], of, unit), document=document)
+    if found.of == "drives":
+        emit(output, _drive_table(instance, document["modes"]), document=document)
+    else:
+        unit = _unit(instance, found.of, ranged=range_weights(instance) is not None)
+        emit(output, _table(instance, document["modes"], found.of, unit), document=document)
     asked.check()
 
 
@@ -136,10 +143,40 @@ def _unit(instance: Instance, of: str, *, ranged: bool) -> str:
     return f"units of 1 {units.length} for distances, 1 {units.angle.value} for angles"
 
 
-def _table(instance: Instance, rows: list[dict[str, Any]], of: str, unit: str) -> Table:
-    names = [key for key in ("row", "t", "mode") if any(row.get(key) is not None for row in rows)]
+def _drive_table(instance: Instance, rows: list[dict[str, Any]]) -> Table:
+    from gspcli.geometry.drives import Drives
+    from gspcli.motion.singularities.drive_clearances import drive_weights
+
+    names, units = Drives.of(instance).names, instance.units
     columns = [
-        *(Column(key, align="right", essential=True) for key in names or ("mode",)),
+        *_name_columns(rows),
+        Column("lower", "proved regular", align="right", essential=True),
+        Column("knees", "knees proved", align="right", essential=True),
+        Column("upper", "fold found", align="right", essential=True),
+        Column("dead_point", "dead point found", align="right"),
+        Column("drive", "of"),
+        *(Column(name, align="right") for name in names),
+    ]
+    what = f"1 {units.angle.value} for cranks, 1 {units.length} for slides"
+    if drive_weights(instance)[1]:
+        what = "half the range of each drive"
+    note = f"changes of all drives, in units of {what}; last columns: the drives at the fold"
+    shown = [
+        {key: value for key, value in row.items() if key not in ("drives", "R", "T")}
+        | dict(zip(names, row["drives"] or (), strict=False))
+        for row in rows
+    ]
+    return Table(columns, shown, title=instance.title, notes=[note])
+
+
+def _name_columns(rows: list[dict[str, Any]]) -> list[Column]:
+    names = [key for key in ("row", "t", "mode") if any(row.get(key) is not None for row in rows)]
+    return [Column(key, align="right", essential=True) for key in names or ("mode",)]
+
+
+def _table(instance: Instance, rows: list[dict[str, Any]], of: str, unit: str) -> Table:
+    columns = [
+        *_name_columns(rows),
         Column("lower", "proved free", align="right", essential=True),
         Column(
             "upper", "singular at" if of == "pose" else "ends at", align="right", essential=True

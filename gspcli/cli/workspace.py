@@ -150,8 +150,8 @@ def command(
     only = instance.home is not None if connected is None else connected
     home = home_pose(
         instance, form, mode=mode, pose=pose, orientation=orientation, position=position,
-        needed=free is None or only or orientation is None or set(free) != set("xyz")
-        or is_driven(instance),
+        needed=is_driven(instance) or free is None or only or orientation is None
+        or set(free) != set("xyz"),
     )  # fmt: skip
     sequence = form.euler or "ZYX"
     moving = _moving(instance, conventions, form)
@@ -159,10 +159,8 @@ def command(
     if free is None:
         show_travels(moving, home, sequence, held, output, connected=only, knees=knees)
         return
-    if connected is None and only:
-        only = _keeps_limits(moving, home, knees)
-    coarse = (listed or output.format in DRAWINGS) and len(free) >= 3
-    wanted = gap or (_COARSE if coarse else _TOLERANCE)
+    only = only and (connected is not None or _keeps_limits(moving, home, knees))
+    wanted = gap or _default_gap(free, listed, output)
     from gspcli.motion.workspace.box_division import workspace
 
     with _interruptible() as interrupted:
@@ -197,6 +195,11 @@ def _moving(instance: Instance, conventions: PoseConventions, form: PoseFormat) 
     return expressed_instance(
         instance, pivot=form.pivot, relative=conventions.relative_to is not None
     )
+
+
+def _default_gap(free: tuple[str, ...], listed: bool, output: Output) -> float:
+    coarse = (listed or output.format in DRAWINGS) and len(free) >= 3
+    return _COARSE if coarse else _TOLERANCE
 
 
 def _knees(instance: Instance, moving: Instance, home: Home) -> ArrayLike | None:

@@ -159,10 +159,3 @@ def test_only_what_is_connected_with_a_stated_home_is_counted(gsp):
     assert every["volume"]["lower"] > 1.3 * document["volume"]["lower"]
     assert (document["modes_inside"], every["modes_inside"]) == ([], [7, 8])
     assert run.err == "home is mode 8: nearest to the stated home\n"
-
-
-def test_cranks_are_refused_by_name(gsp):
-    """Their legs have fixed lengths: the answer was about another machine."""
-    run = gsp("export", "@t-top-head", "--to", "mjcf")
-    assert (run.code, run.out) == (2, "")
-    assert "error: found 6 cranks (crank.B1, crank.B2, crank.B3, crank.B4," in run.err

@@ -177,6 +177,18 @@ STEPS = (
         sample="--sample 2",
     ),
     Step(
+        "driven-workspaces",
+        ("data/verification/driven-workspaces.csv",),
+        "tools.verify.driven_workspaces --check --jobs {jobs}",
+        sample="--sample 4",
+    ),
+    Step(
+        "driven-clearances",
+        ("data/verification/driven-clearances.csv",),
+        "tools.verify.driven_clearances --check --jobs {jobs}",
+        sample="--sample 2",
+    ),
+    Step(
         "sensors",
         ("data/verification/sensors*", "docs/sensors.md"),
         "tools.verify.sensors --check --jobs {jobs}",

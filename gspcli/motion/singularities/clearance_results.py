@@ -10,11 +10,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gspcli.errors import ArgumentError
+from gspcli.geometry.drive_numbers import is_driven
+from gspcli.geometry.drives import Drives
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.readings import readings_of
 from gspcli.motion.poses.inverse_kinematics import measure
-from gspcli.motion.singularities import clearances, pose_clearances
+from gspcli.motion.singularities import clearances, drive_clearances, pose_clearances
 from gspcli.motion.singularities.clearances import Clearance
+from gspcli.motion.singularities.drive_clearances import DriveClearance
 from gspcli.motion.singularities.pose_clearances import PoseClearance
 from gspcli.progress import Progress, silent
 from gspcli.records import dataclass
@@ -26,7 +29,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 #: The quantities that may change.
-KINDS = ("values", "pose")
+KINDS = ("values", "drives", "pose")
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +48,7 @@ class Clearances:
 
     instance: Instance
     of: str
-    bounds: tuple[Clearance | PoseClearance, ...]
+    bounds: tuple[Clearance | DriveClearance | PoseClearance, ...]
 
     def __repr__(self) -> str:
         kinds = self.instance.name or self.instance.type.id
@@ -69,18 +72,18 @@ class Clearances:
 
     def rows(self) -> list[dict[str, Any]]:
         """Return the bounds of each pose, as plain data."""
-        return [
-            _of_pose(self.instance, one)
-            if isinstance(one, PoseClearance)
-            else _of_values(self.instance, one)
-            for one in self.bounds
-        ]
+        return [_row(self.instance, one) for one in self.bounds]
 
     def to_frame(self) -> pd.DataFrame:
-        """Return a row for each pose: lower, upper, ratio, by, constraint; imports pandas."""
+        """Return a row for each pose, without places; imports pandas.
+
+        The columns are lower, upper, ratio, and by and constraint, or, of drives, knees, dead_point
+        and drive.
+        """
         import pandas as pd
 
-        columns = ["lower", "upper", "ratio", "by", "constraint"]
+        last = ["knees", "dead_point", "drive"] if self.of == "drives" else ["by", "constraint"]
+        columns = ["lower", "upper", "ratio", *last]
         return pd.DataFrame(self.rows(), columns=columns)
 
     def to_json(self, names: Sequence[Mapping[str, Any]] | None = None) -> dict[str, Any]:
@@ -102,26 +105,28 @@ def clearance(
     R: ArrayLike,
     T: ArrayLike,
     *,
-    of: str = KINDS[0],
+    of: str | None = None,
     points: ArrayLike | None = None,
     refine: bool = False,
     progress: Progress = silent,
 ) -> Clearances:
-    """Bound the change of the values, or of the pose, before the pose meets a singularity.
+    """Bound the change of values, drives or the pose before the pose meets a singularity.
 
     Parameters
     ----------
     instance
-        The platform. If each constraint has a range, changes count in halves of them.
+        The platform. If each constraint, or each drive, has a range, changes count in halves of
+        them.
     R, T
         The poses, shapes (n, 3, 3) and (n, 3).
     of
-        ``values`` or ``pose``: the quantity that changes.
+        ``values``, ``drives`` or ``pose``: the quantity that changes. By default the drives of
+        machines with cranks or slides, the values of others.
     points
         For ``pose``: the points of the platform, in its frame, whose displacements count, shape
         (m, 3); by default those of the distances.
     refine
-        Whether to look for better bounds: a few seconds a pose.
+        Whether to look for better bounds: a few seconds a pose; not of drives.
     progress
         Receives the number of each pose.
 
@@ -130,10 +135,11 @@ def clearance(
     ArgumentError
         Naming what is wrong.
     """
+    of = of or default_kind(instance)
     if of not in KINDS:
         message = f"found {of!r}, expected {' or '.join(KINDS)}"
         raise ArgumentError(message, "of")
-    if points is not None and of == KINDS[0]:
+    if points is not None and of != "pose":
         message = "points count for the clearance of a pose only"
         raise ArgumentError(message, "points")
     R, T = np.reshape(np.asarray(R, float), (-1, 3, 3)), np.reshape(np.asarray(T, float), (-1, 3))
@@ -143,12 +149,49 @@ def clearance(
             instance, R, T, weights=weights, refine=refine, progress=progress
         )
         return Clearances(instance, of, tuple(each))
+    if of == "drives":
+        moved = drive_clearances.each_drive_clearance(instance, R, T, progress=progress)
+        return Clearances(instance, of, tuple(moved))
     poses = list(zip(R, T, strict=True))
     found = [
         pose_clearances.pose_clearance(instance, turn, place, points=points, refine=refine)
         for turn, place in progress(poses, total=len(poses), label="poses")
     ]
     return Clearances(instance, of, tuple(found))
+
+
+def default_kind(instance: Instance) -> str:
+    """Return what changes unless it is said: the drives where motors move points, else values."""
+    return "drives" if is_driven(instance) else "values"
+
+
+def _row(instance: Instance, found: Clearance | DriveClearance | PoseClearance) -> dict[str, Any]:
+    if isinstance(found, PoseClearance):
+        return _of_pose(instance, found)
+    if isinstance(found, DriveClearance):
+        return _of_drives(instance, found)
+    return _of_values(instance, found)
+
+
+def _of_drives(instance: Instance, found: DriveClearance) -> dict[str, Any]:
+    """Return the bounds of the clearance of one pose in its drives."""
+    drives = Drives.of(instance)
+    q, R, T = (None if part is None else part.tolist() for part in (found.q, found.R, found.T))
+    return {
+        "lower": found.lower,
+        "knees": found.knees,
+        "upper": _finite(found.upper),
+        "dead_point": _finite(found.dead_point),
+        "ratio": _finite(found.ratio),
+        "drive": None if found.drive is None else drives.names[found.drive],
+        "drives": None if q is None else drives.readings(np.array(q)).tolist(),
+        "R": R,
+        "T": T,
+    }
+
+
+def _finite(number: float) -> float | None:
+    return number if number < float("inf") else None
 
 
 def _of_values(instance: Instance, found: Clearance) -> dict[str, Any]:
@@ -179,7 +222,7 @@ def _bounds(lower: float, upper: float, ratio: float) -> dict[str, Any]:
     """Return both bounds, and places for where the upper one is."""
     return {
         "lower": lower,
-        "upper": upper if upper < float("inf") else None,
-        "ratio": ratio if ratio < float("inf") else None,
+        "upper": _finite(upper),
+        "ratio": _finite(ratio),
         **dict.fromkeys(("by", "constraint", "values", "R", "T")),
     }

@@ -179,15 +179,18 @@ class Neighbourhood:
         largest = np.abs(self.platform.coefficients(self.values)) + whole
         errors, gradient_errors = self._errors(largest)
         residual = np.abs(self.residuals()) + errors
-        spreads = [(reach, self._spread(whole, largest, reach)) for reach in REACHES]
+        spreads = [(reach, self._spread(whole, largest, reach, widths)) for reach in REACHES]
         count = len(self.points)
         best = {name: np.full(count, np.inf) for name in ("measure", "radius", "rest", "root", "q")}
         left, scales, right = np.linalg.svd(self.inverse, full_matrices=False)
         for exponent in EXPONENTS:
             # Without an inverse there is no proof in any norm.
             weights = (scales[:, :1] / np.where(scales > 0, scales, scales[:, :1])) ** exponent
-            norm = _Norm(left, weights, self.inverse)
-            found = self._in_norm(norm, first, whole, residual, gradient_errors, right, spreads)
+            norm = Norm(left, weights, self.inverse)
+            slopes = self._gradients(norm, whole, widths)
+            found = self._in_norm(
+                norm, first, whole, residual, gradient_errors, slopes, right, spreads
+            )
             better = found["root"] + found["q"] < best["root"] + best["q"]
             better |= found["measure"] < best["measure"]
             better &= found["measure"] <= best["measure"]
@@ -195,23 +198,31 @@ class Neighbourhood:
         shifts = np.einsum("nik,nk->nki", self.inverse[:, :, 1:], first * self.factors)
         return Box(shifts=shifts, **best)
 
+    @property
+    def plain(self) -> NDArray[np.bool_]:
+        """Which equations change by c N only, so that all their gradients change alike, (6,)."""
+        return np.asarray(self.platform.equations.shapes == Shape.PLAIN)
+
+    def _gradients(self, norm: Norm, whole: Array, widths: Array) -> Array:
+        """Bound the changes of the gradients in a norm, in parts of ``whole``, shape (n, 6)."""
+        return norm.slopes(self.factor_gradients)
+
     def _in_norm(
         self,
-        norm: _Norm,
+        norm: Norm,
         first: Array,
         whole: Array,
         residual: Array,
         gradient_errors: Array,
+        slopes: Array,
         right: Array,
         spreads: list[tuple[float, Array]],
     ) -> dict[str, Array]:
         """Return the numbers of `Box` in one norm, for the best reach."""
-        plain = self.platform.equations.shapes == Shape.PLAIN
-        sizes = norm.sizes
+        plain, sizes = self.plain, norm.sizes
         amounts = whole * np.abs(self.factors)
         # The largest of a convex function over a box is at a corner.
         beta = norm.corners(amounts) + (sizes * residual).sum(axis=1) + norm.weight * _ROUNDING
-        slopes = norm.slopes(self.factor_gradients)
         q = norm.corners(np.where(plain, whole, 0.0)) * norm.slopes(self._gn)[:, 0]
         q += (sizes[:, 1:] * whole * np.where(plain, 0.0, slopes)).sum(axis=1)
         q += norm.weight * self.defect + (sizes * gradient_errors).sum(axis=1)
@@ -281,7 +292,7 @@ class Neighbourhood:
         value = np.concatenate((one, value), axis=1) * _ROUNDING
         return value, 4 * value
 
-    def _spread(self, whole: Array, largest: Array, reach: float) -> Array:
+    def _spread(self, whole: Array, largest: Array, reach: float, widths: Array) -> Array:
         """Bound the difference of second derivatives from those at the points, shape (n, 7).
 
         The bound holds for all values within reach and uses the third derivatives.
@@ -306,7 +317,7 @@ class Neighbourhood:
         return np.concatenate((np.zeros_like(every[:, :1]), every + rounding), axis=1)
 
 
-class _Norm:
+class Norm:
     """The norm of w U^T x, for x orthogonal to the point, and matrices in it.
 
     Parameters

@@ -181,7 +181,7 @@ def test_what_is_proved_of_a_motor_holds_at_all_poses(slide: bool, on_platform: 
                 proved += says != 0
                 missed += says == 0 and (good.all() or not good.any())
     assert proved > 0.7 * count
-    assert missed < 0.03 * count
+    assert missed < 0.08 * count
 
 
 def test_both_knees_in_the_range_and_none() -> None:

@@ -1,0 +1,47 @@
+"""The quadric of a distance of two points when one of them moves."""
+
+from __future__ import annotations
+
+import flint
+import numpy as np
+from flint import arb
+from numpy.typing import NDArray
+
+from gspcli.certification.equations import study
+from gspcli.certification.equations.quadratic_forms import rotation_form, scaled
+
+Array = NDArray[np.float64]
+
+_PRECISION = 128
+
+
+def moved_quadric(v: Array, other: Array, norm: float, *, on_platform: bool) -> Array:
+    """Return the Hessian matrix of the change of ``|R a + T - b|^2 N`` when a or b changes by v.
+
+    Parameters
+    ----------
+    v
+        The change, or a derivative of the point, shape (3,).
+    other
+        The point of the other body, shape (3,).
+    norm
+        Half of the change, or derivative, of the square of the moving point's distance from its
+        origin.
+    on_platform
+        Whether a moves, the point of the platform.
+
+    Returns
+    -------
+    Array
+        Shape (8, 8), in Study coordinates; correct to the rounding of doubles.
+    """
+    with flint.ctx.workprec(_PRECISION):
+        change, fixed = ([arb(x) for x in part.tolist()] for part in (v, other))
+        pair = (fixed, change) if on_platform else (change, fixed)
+        form = scaled(rotation_form(*pair), arb(-2))
+        form[study.NORM] = arb(2 * norm)
+        places = study.BODY if on_platform else study.TRANSLATION
+        for k in range(3):
+            form[places[k]] = (2 if on_platform else -2) * change[k]
+        numbers = np.array([float(form.get(k, 0)) for k in range(study.COUNT)])
+    return np.asarray(np.einsum("f,fij->ij", numbers, study.form_hessians()))

@@ -1,0 +1,86 @@
+"""Compare clearances of machines with cranks and slides with random changes of their drives.
+
+Within the change that is proved regular, every random change of all drives must lead to a pose with
+the same sign of the Jacobian determinant, and within that for the knees no gain may change its
+sign. Poses are followed by Newton's method in small steps, with equations of their own
+(`tools.verify.driven_machines`). The record is ``data/verification/driven-clearances.csv``.
+"""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import asdict, dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gspcli.defaults import SEED
+from gspcli.motion.singularities.drive_clearances import drive_weights, each_drive_clearance
+from tools.recording import ROOT, add_workers, csv_text, parser, sampled, workers_of
+from tools.verify.campaigns import conclude
+from tools.verify.driven_machines import Equations, PlaneGeometry, machines
+
+RECORD = ROOT / "data" / "verification" / "driven-clearances.csv"
+#: Random changes of each machine, and the steps to each.
+CHANGES, STEPS = 13_000, 6
+#: A little more than the bound, since the last digits of the record are rounded.
+_WITHIN = 0.9999
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Row:
+    """What is proved of one machine at home, what was found, and how many changes contradict."""
+
+    machine: str
+    lower: float
+    knees: float
+    fold_found: float
+    dead_point_found: float
+    changes: int
+    wrong: int
+
+
+def examine(name: str, count: int = CHANGES) -> Row:
+    """Bound the clearance of a machine, and try random changes within the bounds."""
+    machine = machines()[name]()
+    weights, _ = drive_weights(machine.instance)
+    (found,) = each_drive_clearance(machine.instance, machine.R[None], machine.T[None])
+    equations, geometry = Equations(machine), PlaneGeometry(machine)
+    q0 = geometry.numbers(machine.R[None], machine.T[None])[0]
+    wrong = 0
+    for bound, knees in ((found.lower, False), (found.knees, True)):
+        rng = np.random.default_rng((SEED, int(knees)))
+        part = rng.uniform(-1, 1, (count // 2, 6))
+        # Half of them in the corners of the box, where a singularity comes first.
+        part[::2] = np.sign(part[::2])
+        change = part * weights * bound * _WITHIN
+        good = equations.kept(machine.R, machine.T, q0, change, STEPS, gains=knees)
+        wrong += int((~good).sum())
+    numbers = (found.lower, found.knees, found.upper, found.dead_point)
+    digits = (float(f"{number:.3g}") for number in numbers)
+    return Row(name, *digits, count // 2 * 2, wrong)
+
+
+def main() -> int:
+    """Measure, compare or write; return the exit code."""
+    options = parser(__doc__, sample=True)
+    add_workers(options)
+    arguments = options.parse_args()
+    names = sampled(machines(), arguments.sample if arguments.check else None)
+    rows = list(workers_of(arguments).in_order(examine, names))
+    wrong = [f"{row}: contradicted" for row in rows if row.wrong]
+    wrong += [
+        f"{row}: the bounds are not in order"
+        for row in rows
+        if not (0 < row.knees <= row.lower < row.fold_found and row.knees < row.dead_point_found)
+    ]
+    summary = f"0 of {sum(row.changes for row in rows)} changes of {len(rows)} machines contradict"
+    return conclude(
+        RECORD, csv_text(list(map(asdict, rows))), wrong, summary, check=arguments.check
+    )
+
+
+if __name__ == "__main__":
+    sys.exit(main())
