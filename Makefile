@@ -33,10 +33,10 @@ demo: $(STAMP) ## the paper's tables checked, its platform and Dietmaier's solve
 test: $(STAMP) ## the test suite (some minutes on two cores)
 	$(BIN)/python -m pytest -q -n auto -m 'not slow'
 
-machines: $(STAMP) ## everything that pages show, with the instructions of three processors (ten minutes)
+machines: $(STAMP) ## everything that pages show, with the instructions of three processors (two minutes)
 	$(BIN)/python -m tools.verify.machines
 
-machines-fast: $(STAMP) ## two pages of it (seconds)
+machines-fast: $(STAMP) ## some pages and commands of it (half a minute)
 	$(BIN)/python -m tools.verify.machines --fast
 
 lint: $(STAMP) ## style of the code and of its sentences

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from gspcli.cli.output import Column, Table
+from gspcli.cli.output.tables import pose_columns
 from gspcli.cli.pose_options import frame_note
 from gspcli.wording import counted, listed
 
@@ -18,13 +19,15 @@ _POSE = ("x", "y", "z", "qw", "qx", "qy", "qz")
 
 def path_table(found: PlannedPath, frame: PoseFrame) -> Table:
     """Return the rows of a path, with what is proved of its parts above them."""
+    from gspcli.geometry.arrangement import Arrangement
+
     columns = [
         Column("t", align="right", essential=True),
         *(
             Column(str(k), f"{k} {row.kind.name}", align="right", minor=1)
             for k, row in enumerate(found.instance.constraints, 1)
         ),
-        *(Column(key, align="right", essential=True, aligned=True) for key in _POSE),
+        *pose_columns(_POSE, Arrangement.of(found.instance).length),
         Column("condition", align="right"),
         Column("clearance", align="right", minor=2),
     ]
@@ -41,7 +44,9 @@ def _summary(found: PlannedPath) -> list[str]:
     """Return in words what is proved."""
     if not found.parts:
         return []
-    worst = max(found.parts, key=lambda part: part.condition)
+    from gspcli.ties import first_largest
+
+    worst = found.parts[int(first_largest([part.condition for part in found.parts]))]
     unit = found.instance.units.length
     straight = f", {found.length / found.straight_length:.2f} times the straight line"
     ways = "the values change" if found.along == "values" else "position and angles change"

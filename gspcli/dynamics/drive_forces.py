@@ -175,7 +175,7 @@ class DriveForces:
         sizes = np.where(np.isnan(self.torques) | ~chosen, -1.0, np.abs(self.torques))
         if sizes.max() < 0:
             return None
-        row, drive = (int(k) for k in np.unravel_index(sizes.argmax(), sizes.shape))
+        row, drive = (int(k) for k in np.unravel_index(first_largest(sizes.ravel()), sizes.shape))
         return WorstForce(row, drive, float(self.torques[row, drive]))
 
     def largest(self, drives: Flags) -> WorstForce | None:

@@ -42,6 +42,13 @@ def test_the_same_holds_for_csv() -> None:
     assert differences(CSV, CSV.replace("2.5", "2.6"))
 
 
+def test_a_number_is_compared_with_the_largest_of_its_row_and_column() -> None:
+    rows = [{"x": 130.0, "n": 1}, {"x": 0.005, "n": 2}]
+    other = [{"x": 130.0, "n": 1}, {"x": 0.005 + 1e-8, "n": 2}]
+    assert differences(json.dumps(rows), json.dumps(other)) == []
+    assert differences(json.dumps(rows[1:]), json.dumps(other[1:]))
+
+
 def test_numbers_of_steps_may_differ() -> None:
     assert differences('{"parts": 753, "modes": [1]}', '{"parts": 755, "modes": [1]}') == []
     assert differences('{"parts": 753, "modes": [1]}', '{"parts": 755, "modes": [2]}')

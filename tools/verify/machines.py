@@ -7,7 +7,7 @@ commands that the reference of output is made from, are run with three sets of i
 of the kernel (``GSP_BUILD``), of OpenBLAS (``OPENBLAS_CORETYPE``) and of NumPy. Tables and
 sentences must be the same, byte for byte. In JSON and CSV so must be condition numbers and
 residuals; other numbers are doubles with all their digits, and agree to 1e-9. Numbers of steps
-(`EFFORT`) may differ. ``--fast`` runs some pages only.
+(`EFFORT`) may differ. ``--fast`` runs some pages and commands only.
 """
 
 from __future__ import annotations
@@ -22,8 +22,9 @@ import re
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
+from types import MappingProxyType
 
 from tools.recording import ROOT, UNABLE, report
 
@@ -41,14 +42,17 @@ MACHINES = {
     },
     "avx512": {"GSP_BUILD": "avx512", "OPENBLAS_CORETYPE": "SkylakeX"},
 }
-#: Pages that are run with --fast: modes of vibration, conditions, forces, clearances.
-FAST = ("README.md", "dynamics.md")
+#: Pages that are run with --fast: modes of vibration, conditions, forces, clearances, equal loads.
+FAST = ("README.md", "dynamics.md", "lower-mobility.md", "motion.md")
+#: Commands whose runs for the reference are, too: motions, multiple poses, tracks, requirements.
+FAST_COMMANDS = ("solve", "measure", "track", "dynamics")
 #: Keys whose numbers are written with no more digits than are known.
 ROUNDED = ("condition", "residual")
 #: Keys that count steps, which another processor may take otherwise.
 EFFORT = ("parts",)
-#: Other numbers of JSON and CSV agree to this part of the largest beside them.
+#: Other numbers of JSON and CSV agree to this part of the largest in their row or column.
 _AGREE = 1e-9
+_NO_COLUMNS: Mapping[str, float] = MappingProxyType({})
 
 #: What a page shows, as data in one line of it.
 _SCENE = re.compile(r'(<script type="application/json" id="\w+">)(.*)</script>')
@@ -72,14 +76,15 @@ def outputs(*, fast: bool) -> Iterator[tuple[str, str]]:
         with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):
             for one, done in zip(chosen, shown_output.run_in_order(chosen), strict=True):
                 yield f"{name}: {one.line}", done.output
-    if not fast:
-        with tempfile.TemporaryDirectory() as folder:
-            for name, command in samples.described().items():
-                if "json" not in samples.choices(command, "format"):
-                    continue
-                for sample in samples.samples(name, command):
-                    line = [*samples.words(name, sample, Path(folder)), "--format", "json"]
-                    yield f"gsp {' '.join(line)}".replace(folder, "."), samples.output(line)
+    with tempfile.TemporaryDirectory() as folder:
+        for name, command in samples.described().items():
+            if "json" not in samples.choices(command, "format"):
+                continue
+            if fast and name not in FAST_COMMANDS:
+                continue
+            for sample in samples.samples(name, command):
+                line = [*samples.words(name, sample, Path(folder)), "--format", "json"]
+                yield f"gsp {' '.join(line)}".replace(folder, "."), samples.output(line)
 
 
 def differences(first: str, second: str) -> list[str]:
@@ -127,22 +132,34 @@ def _number(text: str) -> object:
         return text
 
 
-def _apart(one: object, other: object, key: str, size: float) -> Iterator[str]:
+def _apart(
+    one: object, other: object, key: str, size: float, columns: Mapping[str, float] = _NO_COLUMNS
+) -> Iterator[str]:
     if key in EFFORT:
         return
     if isinstance(one, dict) and isinstance(other, dict) and one.keys() == other.keys():
         size = _largest(one.values(), size)
         for name, value in one.items():
-            yield from _apart(value, other[name], name, size)
+            yield from _apart(value, other[name], name, max(size, columns.get(name, 0.0)))
     elif isinstance(one, list) and isinstance(other, list) and len(one) == len(other):
-        size = _largest(one, size)
+        size, columns = _largest(one, size), _columns(one)
         for value, same in zip(one, other, strict=True):
-            yield from _apart(value, same, key, size)
+            yield from _apart(value, same, key, size, columns)
     elif isinstance(one, float) and isinstance(other, float) and key not in ROUNDED:
         if not abs(one - other) <= _AGREE * max(abs(one), size) and str(one) != str(other):
             yield f"{key}: {one} is not {other}"
     elif one != other and str(one) != str(other):
         yield f"{key}: {one} is not {other}"
+
+
+def _columns(rows: list[object]) -> dict[str, float]:
+    """Return the largest modulus of each key in a list of rows."""
+    found: dict[str, float] = {}
+    for row in rows:
+        for key, value in row.items() if isinstance(row, dict) else ():
+            if isinstance(value, float):
+                found[key] = max(abs(value), found.get(key, 0.0))
+    return found
 
 
 def _largest(values: Iterable[object], size: float) -> float:
@@ -174,7 +191,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("--fast", action="store_true", help="some pages only")
+    parser.add_argument("--fast", action="store_true", help="some pages and commands only")
     parser.add_argument("--print", action="store_true", help="what this machine prints, as JSON")
     arguments = parser.parse_args()
     if arguments.print:
