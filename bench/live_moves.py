@@ -64,6 +64,16 @@ _MEASURE = """
 """
 _READY = "document.documentElement.dataset.ready === 'true'"
 _REST = "document.getElementById('busy').hidden"
+#: The map beside the page is filled, or takes longer than a minute.
+_FILLED = """
+new Promise((done) => {
+  const end = performance.now() + 60000;
+  const look = () => document.getElementById('map').dataset.filled === 'true'
+    || document.getElementById('map-part').hidden || performance.now() > end
+    ? done() : setTimeout(look, 100);
+  look();
+})
+"""
 _LISTED = "document.querySelectorAll('#modes tbody tr:not(.gone)').length"
 
 
@@ -99,6 +109,7 @@ def moved(browser: Browser, path: Path, instance: Instance, rate: float, count: 
     browser.open(path)
     browser.wait(_READY)
     browser.wait(_REST)
+    browser.run(_FILLED)
     everything = browser.run(_LISTED)
     browser.call("Emulation.setCPUThrottlingRate", rate=rate)
     browser.run(_MEASURE)
@@ -134,6 +145,7 @@ def kept(browser: Browser, path: Path, instance: Instance, count: int) -> str:
     browser.open(path)
     browser.wait(_READY)
     browser.wait(_REST)
+    browser.run(_FILLED)
     sizes = []
     for _ in range(_SERIES + 1):
         for value in values(instance, count):
