@@ -70,7 +70,7 @@ def way(browser: Browser) -> Iterator[tuple[Place, bool]]:
 
 def frames(browser: Browser, page: Path) -> Iterator[Image.Image]:
     """Yield the pictures of the page while it is dragged."""
-    browser.size(WIDTH, HEIGHT, SCALE)
+    browser.size(WIDTH, HEIGHT)
     browser.open(page)
     browser.wait("document.getElementById('map').dataset.filled === 'true'", 10 * PATIENCE)
     before = False
@@ -85,6 +85,8 @@ def frames(browser: Browser, page: Path) -> Iterator[Image.Image]:
         before = pressed
         browser.settle()
         picture = Image.open(io.BytesIO(browser.screenshot())).convert("RGB")
+        # Scaled here: a browser that scales draws half a pixel of rows above the header of a table.
+        picture = picture.resize((round(WIDTH * SCALE), round(HEIGHT * SCALE)), Image.LANCZOS)
         yield _with_pointer(picture, x * SCALE, y * SCALE, pressed=pressed)
 
 

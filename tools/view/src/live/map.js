@@ -12,8 +12,9 @@ const NONE = -2;
 const REST = 120;
 /** A legend of more numbers is written smaller, beside the map. */
 const MANY = 10;
-/** Milliseconds between two legends while it fills. */
+/** Milliseconds between two legends, and between two pictures, while it fills. */
 const TOLD = 500;
+const PAINTED = 100;
 
 export class ModeMap {
   /** `onMove(values)` goes where the map was pointed at. */
@@ -107,7 +108,8 @@ export class ModeMap {
       for (let y = row; y < row + side; y += 1) this.counts.fill(squares[k + 3], y * CELLS + column, y * CELLS + column + side);
     }
     this.isFilled = filled;
-    this.paint();
+    // What moves the platform meanwhile needs the time.
+    if (filled || performance.now() > (this.painted ?? 0) + PAINTED) this.paint();
   }
 
   /** Colours of the style sheet, from few to many. */
@@ -149,7 +151,7 @@ export class ModeMap {
       }
     }
     this.context.putImageData(this.image, 0, 0);
-    const now = performance.now();
+    const now = (this.painted = performance.now());
     if (this.isFilled || now > (this.told ?? 0) + TOLD) this.tell(now);
   }
 
