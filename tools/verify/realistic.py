@@ -27,6 +27,7 @@ from itertools import islice
 from pathlib import Path
 from statistics import median
 
+from gspcli import __version__
 from gspcli.defaults import SEED
 from gspcli.geometry.numbers import Number
 from gspcli.solver import solve, solve_batch
@@ -42,12 +43,14 @@ from tools.recording import (
     save,
     sha256,
     versions,
+    with_section,
     workers_of,
 )
 from tools.special.realistic import Machine, machines
 
 RECORD = ROOT / "data" / "verification" / "realistic-machines.csv"
 MANIFEST = RECORD.with_suffix(".manifest.json")
+PAGE = ROOT / "docs" / "special-platforms.md"
 COUNT = 500
 #: Solved one by one with other values; sets of values of a batch, and of one that is slow.
 _OTHERS, _ROWS, _FEW = 7, 64, 4
@@ -233,19 +236,42 @@ def main() -> int:
         known = {row.machine: row for row in recorded()}
         differences += [f"{row.machine}: differs" for row in rows if _differs(known, row)]
     elif arguments.count is None and not arguments.only:
-        content = csv_text([asdict(row) for row in rows])
-        manifest = {
-            "command": "python -m tools.verify.realistic",
-            "seed": arguments.seed,
-            "sha256": sha256(content),
-            "versions": versions("gsp", "numpy", "python-flint"),
-        }
-        save(
-            {RECORD: content, MANIFEST: json.dumps(manifest, indent=1) + "\n"},
-            check=False,
-            confirmed="",
-        )
+        save(record(rows, arguments.seed), check=False, confirmed="")
     return report(differences, f"{len(rows)} realistic machines")
+
+
+def record(rows: Sequence[Row], seed: int) -> dict[Path, str | bytes]:
+    """Return the files that are written: the record, its manifest, and the table of the page."""
+    content = csv_text([asdict(row) for row in rows])
+    manifest = {
+        "command": "python -m tools.verify.realistic",
+        "seed": seed,
+        "sha256": sha256(content),
+        "versions": {"gsp": __version__} | versions("numpy", "python-flint"),
+    }
+    return {
+        RECORD: content,
+        MANIFEST: json.dumps(manifest, indent=1) + "\n",
+        PAGE: with_section(PAGE, "realistic", "\n".join(table(rows))),
+    }
+
+
+def table(rows: Sequence[Row]) -> Iterator[str]:
+    """Yield the lines of the table of the page: medians, and the largest in brackets."""
+    yield "| structure | machines | first | other values | in a batch | incomplete |"
+    yield "| --- | ---: | ---: | ---: | ---: | ---: |"
+    for name, members in sorted(by_structure(rows).items(), key=lambda x: -len(x[1])):
+        cells = []
+        for what in ("first", "others", "row"):
+            times = [getattr(row, what) for row in members]
+            cells.append(f"{_digits(median(times))} ms ({_digits(max(times))})")
+        missing = sum(row.verdict != "complete" or row.incomplete > 0 for row in members)
+        yield f"| {name} | {len(members)} | {' | '.join(cells)} | {missing} |"
+
+
+def _digits(x: float) -> str:
+    """Return a time with two digits, or whole."""
+    return f"{x:.0f}" if x >= 10 else f"{x:.2g}"
 
 
 def _differs(known: dict[str, Row], row: Row) -> bool:

@@ -104,6 +104,12 @@ STEPS = (
         sample="--sample 4",
     ),
     Step(
+        "realistic-machines",
+        ("data/verification/realistic-machines*",),
+        "tools.verify.realistic --check --jobs {jobs}",
+        sample="--sample 6",
+    ),
+    Step(
         "tracking",
         ("data/counts/*",),
         "gsp atlas verify --method tracking --jobs {jobs}",
