@@ -17,6 +17,7 @@ from gspcli.geometry.masses import Arm, Carriage, Dynamics, Leg, LegBody, RigidB
 from gspcli.geometry.masses import Drives as DriveMasses
 from gspcli.geometry.primitives import Crank, Point, Slide
 from gspcli.geometry.quaternions import rotation_from_vector
+from gspcli.solver import solve
 from tests.support.masses import DRIVEN
 
 #: Shipped machines with arms or rails, and made-up ones of other sorts.
@@ -166,11 +167,19 @@ def _leg_body(rng, mass, length):
     return LegBody(weight, float(rng.uniform(0.1, 0.5)) * length, across, 0.0)
 
 
+def _home(instance):
+    """Return the pose that a machine states as home, else the mode that is called so."""
+    home = instance.home
+    if home is None:
+        mode = solve(instance).home
+        return mode.R.real, mode.T.real
+    return home.R(instance.units.angle.in_radians), np.array([x.value for x in home.position])
+
+
 def some_pose(instance, rng, spread=0.12, least=0.2):
     """Return a pose near home at which all drives are far from dead points, and their numbers."""
     drives, size = Drives.of(instance), Arrangement.of(instance).length
-    home = instance.home
-    R0, T0 = home.R(instance.units.angle.in_radians), np.array([x.value for x in home.position])
+    R0, T0 = _home(instance)
     turns = drives.count == 6
     while True:
         R = rotation_from_vector(rng.normal(size=3) * spread * turns) @ R0

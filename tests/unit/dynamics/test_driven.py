@@ -93,7 +93,7 @@ def test_a_weight_on_one_carriage_is_lifted_by_its_drive_alone():
 
 def test_a_hand_computed_crank():
     """A mass of 1 kg on an arm of 0.1 m that stands out level: the motor holds m g c."""
-    instance = driven(SHIPPED[0])
+    instance = driven("reachy-mini-head")
     weighs = weighed(instance, np.random.default_rng(1)).dynamics
     drives = Drives.of(instance)
     home = instance.home
@@ -150,7 +150,7 @@ def test_rods_of_one_carriage_must_ask_for_one_speed():
 
 def test_modes_of_the_file_have_their_drives_at_zero():
     """On the knees of home most modes have other angles: those would not hold the same rods."""
-    instance = weighed(driven(SHIPPED[0]), np.random.default_rng(1))
+    instance = weighed(driven("reachy-mini-head"), np.random.default_rng(1))
     result = gspcli.solve(instance)
     R, T = result.R[result.real].real, result.T[result.real].real
     stated = inverse_dynamics(instance, R, T, drives=0.0)
