@@ -95,11 +95,12 @@ def command(
         raise click.UsageError(message)
     from gspcli.export.answers import read_answer
     from gspcli.export.candidates import read_candidates
+    from gspcli.geometry.frames import PoseFrame
     from gspcli.solver.parallel_certificates import certify
 
     instance = load_instance(spec, changes)
     text, name = text_of(result)
-    given = read_answer(text, name) or read_candidates(text, name)
+    given = read_answer(text, name) or read_candidates(text, name, PoseFrame.of(instance))
     solutions = []
     with working("certifying"):
         proved = certify(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import math
+import re
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
@@ -12,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.errors import Location, Problem, SpecError
+from gspcli.geometry.frames import IDENTITY, PoseFrame
 from gspcli.geometry.quaternions import rotation_from_quaternion
 from gspcli.records import dataclass
 from gspcli.wording import shortened
@@ -52,7 +54,7 @@ class Candidates:
     claimed_sides: NDArray[np.int64]
 
 
-def read_candidates(text: str, name: str) -> Candidates:
+def read_candidates(text: str, name: str, frame: PoseFrame = IDENTITY) -> Candidates:
     """Read a list of poses.
 
     JSON is a list of poses or an object with one under ``solutions``. A pose is an object with
@@ -70,6 +72,9 @@ def read_candidates(text: str, name: str) -> Candidates:
         The content.
     name
         How error messages name it.
+    frame
+        The frame of poses whose positions are columns x y z of CSV. All others are those of the
+        platform itself.
 
     Raises
     ------
@@ -89,12 +94,23 @@ def read_candidates(text: str, name: str) -> Candidates:
             problems.append(Problem(location, path, str(error)))
     if problems:
         raise SpecError(problems)
+    R = np.array([pose.R for pose in poses], dtype=complex).reshape(-1, 3, 3)
+    T = np.array([pose.T for pose in poses], dtype=complex).reshape(-1, 3)
+    if not frame.is_identity and _has_positions(text):
+        R, T = frame.to_platform(R, T)
     return Candidates(
-        np.array([pose.R for pose in poses], dtype=complex).reshape(-1, 3, 3),
-        np.array([pose.T for pose in poses], dtype=complex).reshape(-1, 3),
+        R,
+        T,
         tuple(pose.claimed_real for pose in poses),
         np.array([pose.claimed_sides for pose in poses], dtype=int).reshape(-1, 6),
     )
+
+
+def _has_positions(text: str) -> bool:
+    """Return whether a text is CSV with columns x, y and z."""
+    lines = (line for line in text.splitlines() if line.strip())
+    first = next((line for line in lines if not line.lstrip().startswith(COMMENTS)), "")
+    return {"x", "y", "z"} <= {cell.strip(' "').lower() for cell in re.split(r"[,;\s]", first)}
 
 
 Places = list[tuple[Location | None, str]]

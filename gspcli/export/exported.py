@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 COORDINATES = ("study", "study-affine", "rt")
 #: Digits of irrational numbers, and parts that a step of a controller tries.
 DIGITS, TRIES = 40, 48
+#: Models in which the frames of an instance are marked.
+_MARKED = ("mjcf", "sdf")
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,6 +98,8 @@ def exported(
     if isinstance(form, SystemFormat):
         return _system(instance, target, form, coordinates, digits)
     pose, notes = _pose(instance, mode, needed=isinstance(form, PoseFormat))
+    if instance.frames is not None and target not in _MARKED:
+        notes += ("poses are those of the platform itself: the frames of SPEC are left out",)
     if isinstance(form, ControllerFormat):
         prefix = re.sub(r"\W", "_", name, flags=re.ASCII) if prefix is None else prefix
         program = form.write(instance, prefix, tries, name, pose, margin)

@@ -21,6 +21,7 @@ from gspcli.export.carriers import Carrier, carriers
 from gspcli.export.chains import Chain, Joint, Link, ball, chain, driven_leg, socket
 from gspcli.export.simulated_masses import Inertial, SimulatedMasses
 from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.frames import Placement, PoseFrame
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.lengths import METRES
 from gspcli.geometry.primitives import Line, Plane
@@ -178,6 +179,9 @@ class _Model:
         _inertia(platform, self.masses.platform)
         for geom in self._shapes(self.own, self.w @ self.R, platform=True):
             platform.append(geom)
+        frame = PoseFrame.of(self.instance)
+        self._site("tool", platform, frame.tool)
+        self._site("work", self.world, frame.work)
         self.equality = ET.SubElement(self.root, "equality")
         self.actuator = ET.SubElement(self.root, "actuator")
         moved = {k: one for one in self.carriers for k in one.constraints}
@@ -191,6 +195,13 @@ class _Model:
                 self._drive(k + 1, f"value_{k + 1}", value, stiffness, damping)
             elif k == carrier.constraints[0]:
                 self._carrier(carrier, platform)
+
+    def _site(self, name: str, body: ET.Element, frame: Placement) -> None:
+        """Mark a frame of a body that the instance states."""
+        if not frame.is_identity:
+            place, turn = _numbers(frame.origin * self.metre), _numbers(_quaternion(frame.matrix))
+            size = _numbers([0.01 * self.size])
+            ET.SubElement(body, "site", name=name, pos=place, quat=turn, size=size)
 
     def _drive(
         self, number: int, joint: str, value: float, stiffness: float, damping: float

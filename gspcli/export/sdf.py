@@ -11,7 +11,9 @@ from gspcli import __version__
 from gspcli.export.jointed import BASE, PLATFORM, JointedModel, LinkJoint, numbers
 from gspcli.export.simulated_masses import Inertial
 from gspcli.geometry.euler import euler_from_rotation
+from gspcli.geometry.frames import Placement, PoseFrame
 from gspcli.geometry.instance import Instance
+from gspcli.geometry.lengths import METRES
 from gspcli.machines.stored import signed
 
 Array = NDArray[np.float64]
@@ -43,6 +45,10 @@ def sdf(instance: Instance, R: Array, T: Array) -> str:
     ET.SubElement(fixed, "child").text = BASE
     angles = euler_from_rotation("ZYX", made.R)
     _link(model, PLATFORM, np.concatenate((made.T, angles)), made.platform)
+    frame = PoseFrame.of(instance)
+    for name, body, stated in (("tool", PLATFORM, frame.tool), ("work", BASE, frame.work)):
+        if not stated.is_identity:
+            _frame(model, name, body, stated, METRES.get(instance.units.length, 1.0))
     for links, joints in made.chains:
         for link in links:
             _link(model, link.name, np.concatenate((link.origin, np.zeros(3))), link.inertial)
@@ -55,6 +61,14 @@ def sdf(instance: Instance, R: Array, T: Array) -> str:
                 ET.SubElement(plugin, "joint_name").text = joint.name
     head = f"<!-- gsp {__version__}: {instance.type.id}; {made.scale}; radians -->\n"
     return head + signed(root, model, instance)
+
+
+def _frame(model: ET.Element, name: str, body: str, stated: Placement, metre: float) -> None:
+    """Mark a frame of a body that the instance states."""
+    marked = ET.SubElement(model, "frame", name=name, attached_to=body)
+    angles = euler_from_rotation("ZYX", stated.matrix)
+    pose = np.concatenate((stated.origin * metre, angles))
+    ET.SubElement(marked, "pose").text = numbers(pose)
 
 
 def _link(model: ET.Element, name: str, pose: Array, inertial: Inertial) -> None:

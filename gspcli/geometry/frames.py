@@ -166,7 +166,7 @@ class PoseFrame:
 
     def turn_to_platform(self, R: ArrayLike) -> Array:
         """Return the rotations of the platform of expressed ones, shape (..., 3, 3)."""
-        base, body, turned = self.of_base, self.of_platform, np.asarray(R, float)
+        base, body, turned = self.of_base, self.of_platform, _numbers(R)
         if base.R is not None:
             turned = base.R @ turned
         return turned if body.R is None else turned @ body.R.T
@@ -193,10 +193,10 @@ class PoseFrame:
 
     def point_to_base(self, points: ArrayLike) -> Array:
         """Return points of the base that are expressed by their coordinates, shape (..., 3)."""
-        base, points = self.of_base, np.asarray(points, float)
+        base, at = self.of_base, _numbers(points)
         if base.R is not None:
-            points = points @ base.R.T
-        return points if base.T is None else points + base.T
+            at = at @ base.R.T
+        return at if base.T is None else at + base.T
 
     @property
     def words(self) -> str:
@@ -227,6 +227,12 @@ class PoseFrame:
 
 #: Expressed poses are those of the platform's own frame in the base's.
 IDENTITY = PoseFrame()
+
+
+def _numbers(given: ArrayLike) -> Array:
+    """Return real or complex numbers as an array."""
+    array = np.asarray(given)
+    return array if np.iscomplexobj(array) else np.asarray(array, float)
 
 
 def _turn(frame: Frame, in_radians: float) -> Array | None:

@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from xml.etree import ElementTree as ET
 
 import numpy as np
 import pytest
@@ -142,6 +143,18 @@ def test_modes_are_read_again_in_both_forms(gsp, spec, tmp_path):
         assert values == pytest.approx(np.broadcast_to(stated, values.shape), abs=1e-9)
 
 
+def test_all_modes_are_certified_from_both_forms(gsp, spec, tmp_path):
+    """Also those that are not real, whose coordinates in the frames are complex."""
+    path = spec(EXPRESSED)
+    for form in ("json", "csv"):
+        modes = tmp_path / f"all.{form}"
+        modes.write_text(gsp("solve", path, "--all", "--format", form).out, encoding="utf-8")
+        run = gsp("certify", path, modes, "--format", "json")
+        assert run.code == 0
+        outcomes = [one["outcome"] for one in json.loads(run.out)["solutions"]]
+        assert outcomes == ["certified"] * len(gspcli.solve(MACHINE).R)
+
+
 def test_the_platforms_own_pose_is_refused_where_others_are_expressed(gsp, spec, tmp_path):
     path = tmp_path / "own.csv"
     path.write_text("Tx,Ty,Tz,qw,qx,qy,qz\n0,0,400,1,0,0,0\n", encoding="utf-8")
@@ -253,6 +266,44 @@ def test_simulated_motions_are_expressed_with_their_velocities(gsp, spec, tmp_pa
         one, other = (np.array(table[f"F{k}"], float) for table in needed)
         assert one == pytest.approx(np.full(len(one), 9.0), abs=1e-5)
         assert other == pytest.approx(one, abs=1e-6)
+
+
+@pytest.mark.parametrize("fmt", ["mjcf", "sdf"])
+def test_models_mark_the_frames_and_keep_them(gsp, spec, tmp_path, fmt):
+    """The pose of the tool in the work frame, as the model has it, is the expressed pose."""
+    written = {}
+    for name, instance in (("marked", EXPRESSED), ("plain", MACHINE)):
+        written[name] = tmp_path / f"{name}.xml"
+        run = gsp("export", spec(instance), "--to", fmt, "-o", written[name])
+        assert run.code == 0
+        assert "left out" not in run.err
+    root = ET.parse(written["marked"]).getroot()
+    tag, place = ("site", None) if fmt == "mjcf" else ("frame", "pose")
+    found = {one.get("name"): one for one in root.iter(tag) if one.get("name") in ("tool", "work")}
+    for name, stated in (("tool", FRAMES.tool), ("work", FRAMES.work)):
+        one = found[name]
+        text = one.get("pos") if place is None else one.find(place).text
+        numbers = [float(x) for x in text.split()]
+        assert numbers[:3] == pytest.approx(stated.T * 1e-3, abs=1e-12)
+        if place is None:
+            R = rotation_from_quaternion(np.array([float(x) for x in one.get("quat").split()]))
+        else:
+            R = rotation_from_euler("ZYX", np.array(numbers[3:]))
+        assert pytest.approx(stated.R(np.pi / 180), abs=1e-12) == R
+    assert not any(
+        one.get("name") in ("tool", "work") for one in ET.parse(written["plain"]).iter(tag)
+    )
+    if fmt == "mjcf":
+        pytest.importorskip("mujoco")
+    again = tmp_path / "again.yaml"
+    assert gsp("import", written["marked"], "-o", again).code == 0
+    assert gspcli.load(again) == EXPRESSED
+
+
+def test_programs_without_frames_say_so(gsp, spec, tmp_path):
+    run = gsp("export", spec(EXPRESSED), "--to", "urdf", "-o", tmp_path / "m.urdf")
+    assert run.code == 0
+    assert "the frames of SPEC are left out" in run.err
 
 
 def test_the_page_says_what_is_expressed(gsp, spec, tmp_path):
