@@ -169,6 +169,13 @@ def _limits(result: SolveResult, numbers: Sequence[int]) -> list[str]:
     if beyond:
         names = ", ".join(map(str, beyond))
         notes.append(f"a leg leaves the cone of a joint in pose{'s' * (len(beyond) > 1)} {names}")
+    beyond = [n for n, limits in left.items() if any(one.kind == "knee" for one in limits or ())]
+    if beyond:
+        names = ", ".join(map(str, beyond))
+        notes.append(
+            f"an arm or carriage is on the other side of its dead point than at home in "
+            f"pose{'s' * (len(beyond) > 1)} {names}"
+        )
     return notes
 
 

@@ -44,6 +44,8 @@ _END = 1e-12
 _EQUALLY_NEAR = 1e-6
 #: Constraints with a drive together must ask for the same place, up to this part of the size.
 _SAME = 1e-9
+#: Below this transmission the knee is not known.
+_DEAD = 1e-6
 _TURN = 2 * np.pi
 
 
@@ -137,8 +139,6 @@ class Drives:
         """Return the constraints with a drive, by their indices."""
         return np.flatnonzero(self.index == drive).tolist()
 
-    # The points.
-
     def points(self, q: ArrayLike) -> Array:
         """Return the driven points in the frames of their bodies, ``(..., m) -> (..., 6, 3)``."""
         x = self._of_constraints(q)
@@ -194,8 +194,6 @@ class Drives:
         arrangement = self.arrangement(q)
         placed = arrangement.placed(np.asarray(R, float), np.asarray(T, float))
         return arrangement.x, placed.arm, placed.r
-
-    # Small motions and forces.
 
     def jacobian(self, R: ArrayLike, T: ArrayLike, q: ArrayLike) -> Array:
         """Return the derivatives of the values by a twist with all drives still, (..., 6, 6).
@@ -287,8 +285,6 @@ class Drives:
         """Return the means over the constraints of each drive, ``(..., 6) -> (..., m)``."""
         parts = [of_constraints[..., self.users(k)].mean(axis=-1) for k in range(self.count)]
         return np.stack(parts, axis=-1)
-
-    # From poses to drives.
 
     def roots(self, R: ArrayLike, T: ArrayLike) -> Array:
         """Return the two numbers of each drive at poses, shape (..., 6, 2).
@@ -383,6 +379,20 @@ class Drives:
             return None
         return self.knees(home.R(self._arrangement.in_radians), home.T, "the home pose")
 
+    def on_other_knees(self, R: Array, T: Array) -> NDArray[np.bool_]:
+        """Return which drives have another knee at poses than at home, shape (n, 6).
+
+        With all drives at zero at the poses and at the stated home. A gain of nearly zero has no
+        sign that is known, and is on no other knee.
+        """
+        home = self.instance.home
+        assert home is not None
+        zero = np.zeros(self.count)
+        stated = self.gains(home.R(self._arrangement.in_radians), home.T, zero)
+        gains = self.gains(R, T, zero)
+        known = np.minimum(np.abs(gains), np.abs(stated)) > _DEAD * self.arms
+        return known & (gains * stated < 0)
+
     def wanted(self, R: ArrayLike, T: ArrayLike, knees: NDArray[np.int64] | None = None) -> Array:
         """Return what each constraint asks of its drive, shape (..., 6); as `inverse`."""
         both = self.roots(R, T)
@@ -425,8 +435,6 @@ class Drives:
         q = self._per_drive(wanted)
         off = np.abs(wanted - q[..., self.index]) * self.arms > _SAME * self._arrangement.length
         return np.where(self.matrix(off.astype(float)).any(axis=-2), np.nan, q)
-
-    # From drives to platforms and to readings.
 
     def instance_at(self, q: ArrayLike) -> Instance:
         """Return the platform with its points, and driven values, at q of shape (m,).

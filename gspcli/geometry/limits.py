@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from gspcli.catalogue.kinds import DPP
 from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.drive_numbers import is_driven
 from gspcli.geometry.instance import Constraint, Instance, Side
 from gspcli.geometry.primitives import Cone, Point
 from gspcli.geometry.quaternions import apply
@@ -73,14 +74,15 @@ class LeftLimit:
     Attributes
     ----------
     kind
-        ``range`` or ``cone``.
+        ``range``, ``cone`` or ``knee``: a crank or slide acts on its rod from the other side than
+        at home, so that it would pass a dead point on the way.
     constraint
         The index of the constraint or leg.
     body
-        The body of the joint of the cone; None for a range.
+        The body of the joint of the cone, or of the point of the drive; None for a range.
     """
 
-    kind: Literal["range", "cone"]
+    kind: Literal["range", "cone", "knee"]
     constraint: int
     body: Literal["platform", "base"] | None
 
@@ -93,6 +95,11 @@ def has_limits(instance: Instance) -> bool:
     """Return whether any constraint has a range or any joint of a leg a cone."""
     ranges = any(row.limits is not None for row in instance.constraints)
     return ranges or bool(joint_cones(instance))
+
+
+def restricts(instance: Instance) -> bool:
+    """Return whether an instance has limits, or drives whose knees at home are known."""
+    return has_limits(instance) or (instance.home is not None and is_driven(instance))
 
 
 def tilts(instance: Instance, R: ArrayLike, T: ArrayLike, q: ArrayLike | None = None) -> Array:
@@ -249,7 +256,7 @@ def out_of_cone(
 def left_limits(
     instance: Instance, values: Array, R: Array, T: Array
 ) -> list[tuple[LeftLimit, ...]]:
-    """Return the limits that each of n poses violates, ranges first.
+    """Return the limits that each of n poses violates, ranges first, with drives as stated.
 
     Parameters
     ----------
@@ -262,7 +269,17 @@ def left_limits(
     """
     limits = [LeftLimit("range", k, None) for k in range(len(instance.constraints))]
     limits += [LeftLimit("cone", joint.constraint, joint.body) for joint in joint_cones(instance)]
-    left = np.concatenate((out_of_range(instance, values), out_of_cone(instance, R, T)), axis=1)
+    parts = [out_of_range(instance, values), out_of_cone(instance, R, T)]
+    if instance.home is not None and is_driven(instance):
+        from gspcli.geometry.drives import Drives
+
+        drives = Drives.of(instance)
+        bodies: Sequence[Literal["platform", "base"]] = ("base", "platform")
+        limits += [
+            LeftLimit("knee", k, bodies[on]) for k, on in enumerate(drives.on_platform.astype(int))
+        ]
+        parts.append(drives.on_other_knees(R, T))
+    left = np.concatenate(parts, axis=1)
     return [tuple(limits[k] for k in np.flatnonzero(row)) for row in left]
 
 

@@ -15,7 +15,7 @@ from gspcli.continuation.paths import PathAccount, Verdict
 from gspcli.defaults import PATIENCE
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance, Side
-from gspcli.geometry.limits import LeftLimit, has_limits, left_limits
+from gspcli.geometry.limits import LeftLimit, left_limits, restricts
 from gspcli.geometry.quaternions import Field
 from gspcli.geometry.residuals import (
     condition_numbers,
@@ -241,7 +241,7 @@ class SolveResult:
 
     def _limits(self) -> dict[int, tuple[LeftLimit, ...]]:
         """Return the limits that real poses do not keep, by their indices, if there are any."""
-        if not has_limits(self.instance):
+        if not restricts(self.instance):
             return {}
         real = np.flatnonzero(self.real)
         values = self.arrangement.values * np.where(self.sides[real] < 0, -1.0, 1.0)

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from gspcli.errors import ArgumentError
 from gspcli.geometry.euler import euler_from_rotation
 from gspcli.geometry.frames import IDENTITY, PoseFrame
-from gspcli.geometry.limits import has_limits
+from gspcli.geometry.limits import restricts
 from gspcli.geometry.primitives import Point
 from gspcli.records import dataclass
 from gspcli.wording import counted, listed, shown
@@ -145,7 +145,7 @@ class ModeFilter:
             kept = _OPERATORS[one.sign](np.where(near, one.bound, column), one.bound)
             masks[one.text] = np.asarray(kept, bool)
         if self.within_limits:
-            if not has_limits(result.instance):
+            if not restricts(result.instance):
                 message = "the platform states no range and no cone"
                 raise ArgumentError(message, "within_limits")
             masks["within limits"] = np.array([not result.solutions[k].limits for k in real], bool)

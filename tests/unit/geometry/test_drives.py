@@ -20,6 +20,7 @@ from gspcli.geometry.measurement import jacobian, measured
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Cone, Crank, Line, Plane, Point, Slide
 from gspcli.resources import instance_files
+from gspcli.solver import solve
 from gspcli.spec.reading import load, loads
 
 UNITS = Units("mm", AngleUnit.DEGREE)
@@ -359,3 +360,24 @@ def test_shares_of_motors_are_above_one_outside_and_infinite_out_of_reach():
     np.testing.assert_allclose(shares[:, 0], [0, 1, 1, 1 + 0.0001 / 0.3, 1.5, np.inf])
     assert out_of_motor_range(drives, q)[:, 0].tolist() == [False, False, False, True, True, True]
     assert np.isnan(shares[:, 1:]).all()
+
+
+def test_modes_on_another_knee_than_home_are_not_those_of_the_machine():
+    instance = load(instance_files()["reachy-mini-head"])
+    found = solve(instance)
+    drives = Drives.of(instance)
+    left = {
+        k.number: {one.constraint for one in k.limits if one.kind == "knee"}
+        for k in found.real_solutions
+    }
+    assert left[found.home.number] == set()
+    zero = np.zeros(6)
+    for pose in found.real_solutions:
+        gains = drives.gains(pose.R, pose.T, zero)
+        assert left[pose.number] == set(np.flatnonzero(gains * drives.home_knees < 0))
+        # On the knees of home the inverse kinematics of the others has other angles.
+        q = drives.inverse(pose.R, pose.T)
+        assert set(np.flatnonzero(np.abs(q) > 1e-6)) == left[pose.number]
+    assert any(left.values())
+    free = solve(replace(instance, home=None))
+    assert not any(one.kind == "knee" for k in free.real_solutions for one in k.limits or ())
