@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from gspcli.cli.names import spec_source
-from gspcli.cli.output import Column, Output, Table, emit, output_options
+from gspcli.cli.output import Column, Output, Table, emit, output_options, write
 from gspcli.errors import SpecError
 from gspcli.wording import MOST_LINES
 
@@ -28,9 +28,14 @@ _COLUMNS = (
 
 
 @click.command()
-@click.argument("specs", metavar="SPEC...", nargs=-1, required=True)
+@click.argument("specs", metavar="[SPEC...]", nargs=-1)
+@click.option(
+    "--schema",
+    is_flag=True,
+    help="Print the JSON Schema of instance files instead, for an editor.",
+)
 @output_options()
-def command(specs: tuple[str, ...], output: Output) -> None:
+def command(specs: tuple[str, ...], schema: bool, output: Output) -> None:
     """Check instance files and say which platforms they describe.
 
     Every mistake in every file is reported with its line and column. Warnings tell what is
@@ -46,7 +51,16 @@ def command(specs: tuple[str, ...], output: Output) -> None:
       gsp check platform.yaml
       gsp check data/examples/*.yaml --format csv
       gsp new 6PP | gsp check -
+      gsp check --schema
     """
+    if schema == bool(specs):
+        message = "give SPEC, or --schema without one"
+        raise click.UsageError(message)
+    if schema:
+        from gspcli.spec.schema import schema_text
+
+        write(output, schema_text())
+        return
     from gspcli.spec.checks import check
 
     found = check(*map(spec_source, specs), names=specs)

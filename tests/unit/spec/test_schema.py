@@ -9,7 +9,7 @@ import pytest
 import yaml
 
 from gspcli.resources import data_directory
-from tools.build.schema import json_schema
+from gspcli.spec.schema import json_schema
 
 PUBLISHED = Path(__file__).resolve().parents[3] / "docs" / "instance.schema.json"
 EXAMPLES = sorted((data_directory() / "examples").glob("*.yaml"))
