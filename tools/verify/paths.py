@@ -1,6 +1,6 @@
 """Check proved paths against samples, and which modes they join; record it.
 
-    python -m tools.verify.paths [--segments 20000] [--samples 1000] [--jobs 2] [--check]
+    python -m tools.verify.paths [--segments 5000] [--samples 1000] [--jobs 2] [--check]
 
 What must hold:
 
@@ -201,7 +201,7 @@ def _wrong(row: Row) -> str:
 def main() -> int:
     """Measure, compare or write; return the exit code."""
     options = parser(__doc__)
-    options.add_argument("--segments", type=int, default=20_000, help="how many random ways")
+    options.add_argument("--segments", type=int, default=5000, help="how many random ways")
     options.add_argument("--samples", type=int, default=1000, help="samples of each proved way")
     options.add_argument("--only", help="segments, groups, groups with ranges, or homes")
     add_workers(options)

@@ -166,3 +166,16 @@ def test_tracks_are_judged_between_their_rows():
     assert found.bound < 10
     assert not can_be_bounded(gspcli.track(platform, values, near=(R[0], T[0]), certify=False))
     assert not can_be_bounded(gspcli.track(platform, values[:1], near=(R[0], T[0])))
+
+
+def test_a_clearance_falls_with_the_way():
+    """Between rows that are far apart nothing is proved without more rows."""
+    rows, _, _ = rows_on_values("workspace-study", 0.08, count=2)
+    at, between = least_clearances(rows, 0.0, halvings=0)
+    travel = float(rows.travels()[0])
+    assert travel > 0.2 > at.max()
+    assert between.tolist() == [0.0]
+    near, _, _ = rows_on_values("workspace-study", 1e-3, count=2)
+    at, between = least_clearances(near, 0.0, halvings=0)
+    travel = float(near.travels()[0])
+    assert 0 < between[0] <= (at.sum() - travel) / 2
