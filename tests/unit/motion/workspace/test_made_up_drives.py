@@ -316,3 +316,20 @@ def test_a_range_of_half_a_turn_is_judged_from_both_sides_of_it() -> None:
             good = motor.keeps(motor.numbers(*poses_of(rng, motor, half)))
             assert says != 1 or good.all()
             assert says != -1 or not good.any()
+
+
+@pytest.mark.parametrize("square", [0.88, 1.12], ids=["folded", "stretched"])
+def test_the_nearest_place_of_a_motor_changes_within_a_box(square: float) -> None:
+    """The other joint is near the axis: it moves across, and the arm would turn with it."""
+    x, y, z = np.eye(3)
+    motor = Motor(
+        False, False, 1.0, z, np.zeros(3), x, y, np.zeros(3), np.sqrt(square), -np.inf, np.inf,
+        np.array([0.05, 0, 0, 0, 0, 0]),
+    )  # fmt: skip
+    half = np.array([0, 0.05, 0, 0, 0, 0])
+    corner = motor.numbers(np.array([[0.05, 0.05, 0]]), np.eye(3)[None])
+    middle = motor.numbers(np.array([[0.05, 0, 0]]), np.eye(3)[None])
+    assert not np.isnan(corner[0])
+    assert np.isnan(middle[0])
+    assert judge(motor, half, REACH)[0] == 0
+    assert judge(motor, half / 50, REACH)[0] == -1
