@@ -40,8 +40,8 @@ class Asked:
     modes
         Whether the poses are the modes of the instance.
     drives
-        Where the drives are, shape (n, m), of a platform with cranks or slides whose rows say so;
-        None for the knees of home.
+        Readings of the drives, shape (n, m), of a platform with cranks or slides whose rows say
+        where they are; None for the knees of home.
     """
 
     R: Array
@@ -144,7 +144,7 @@ def _stated(instance: Instance, count: int) -> Array | None:
         return None
     drives = Drives.of(instance)
     # The drives that are values have those of the modes, which nothing asks for.
-    return np.zeros((count, len(drives.names)))
+    return drives.readings(np.zeros((count, len(drives.names))))
 
 
 def _followed(

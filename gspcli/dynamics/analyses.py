@@ -344,7 +344,7 @@ def _driven(
     reactions = _held(statics.given, load, at)
     torques = None if reactions is None else statics.torques(reactions)
     if instance.dynamics is not None:
-        places = statics.q / drives.units
+        places = drives.readings(statics.q)
         weights = inverse_dynamics(instance, statics.given.R, statics.given.T, drives=places)
         assert weights.torques is not None
         turns = np.array([unit == "N m" for unit in weights.torque_units])

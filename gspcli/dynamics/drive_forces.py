@@ -252,7 +252,7 @@ def inverse_dynamics(
         the base, shape (n, 6) or (6,).
     drives
         Of a platform with cranks or slides: where its m drives are at the poses, shape (n, m) or
-        (m,), in units of the instance. By default on the knees of home (`gspcli.geometry.drives`).
+        (m,), as readings. By default on the knees of home (`gspcli.geometry.drives`).
 
     Raises
     ------

@@ -63,12 +63,15 @@ class ValueRows:
     coordinates: Mapping[str, Array]
 
     def drives(self, instance: Instance) -> Array | None:
-        """Return where all drives are, shape (n, m), in units of the instance; None without any."""
+        """Return the readings of all drives, shape (n, m); None if all drives are values."""
         if not is_driven(instance):
             return None
-        still = np.zeros(len(self.values))
-        names = MachineDrives.of(instance).names
-        return np.stack([self.coordinates.get(name, still) for name in names], axis=1)
+        drives = MachineDrives.of(instance)
+        found = np.array(drives.readings(np.zeros((len(self.values), len(drives.names)))))
+        for k, name in enumerate(drives.names):
+            if name in self.coordinates:
+                found[:, k] = self.coordinates[name]
+        return found
 
 
 @dataclass(frozen=True, eq=False)

@@ -36,7 +36,7 @@ def given_numbers(model: MassModel, R: Array, T: Array, given: ArrayLike | None)
     model, R, T
         The platform, and poses in metres, shapes (n, 3, 3) and (n, 3).
     given
-        The numbers in the units of the instance, (n, m) or (m,); None for those of the home knees.
+        The readings of the drives, (n, m) or (m,); None for the numbers on the knees of home.
 
     Raises
     ------
@@ -52,7 +52,7 @@ def given_numbers(model: MassModel, R: Array, T: Array, given: ArrayLike | None)
     array = checked_array(given, (len(T), count), "drives")
     if drives is None:
         return None
-    found = (array * drives.units)[..., drives.index] * model.drive_metres
+    found = drives.from_readings(array)[..., drives.index] * model.drive_metres
     numbers: Array = np.where(drives.driven, found, 0.0)
     points = MovedPoints(model, R, T, numbers)
     rods = np.where(drives.driven, model.bodies.values, points.length)

@@ -310,6 +310,16 @@ def test_torques_of_a_rotary_machine(gsp, rows):
     again = numbers(gsp("dynamics", spec, rows(angles, "a.csv"), "--format", "csv").out)
     for key, column in found.items():
         assert again[key] == pytest.approx(column, rel=1e-6, abs=1e-8)
+    # Angles in files are readings.
+    corrected = ROTARY.replace("axis: [1, 0, 0], ", "axis: [1, 0, 0], offset: 2, scale: 0.01, ")
+    other = rows(corrected, "corrected.yaml")
+    read = gsp("measure", other, poses, "--cranks", "--format", "csv").out
+    assert read != angles
+    again = numbers(gsp("dynamics", other, rows(read, "b.csv"), "--format", "csv").out)
+    for key, column in found.items():
+        assert again[key] == pytest.approx(column, rel=1e-6, abs=1e-8)
+    at_home = gsp("dynamics", other, "--mode", "home", "--format", "csv").out
+    assert at_home == gsp("dynamics", spec, "--mode", "home", "--format", "csv").out
     most = max(abs(x) for key, column in found.items() if "torque" in key for x in column)
     assert gsp("dynamics", spec, poses, "--require", f"torque<={1.01 * most}").code == 0
     refused = gsp("dynamics", spec, poses, "--require", f"torque<={0.99 * most}")
