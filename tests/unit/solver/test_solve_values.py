@@ -192,7 +192,7 @@ def test_a_special_geometry_is_followed_if_its_count_says_that_nothing_is_missin
         count = (
             None
             if number is None
-            else SimpleNamespace(solutions=number, error=1e-9, has_lone_lines=True)
+            else SimpleNamespace(solutions=number, distinct=number, error=1e-9, has_lone_lines=True)
         )
         with monkeypatch.context() as patch:
             found = _quickly(instance, values, patch, count)
