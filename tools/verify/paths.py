@@ -46,7 +46,7 @@ LEGS = (
     *("platform-6-6", "dietmaier", "platform-5-5", "platform-6-3", "platform-6-4", "planar-6-6"),
     *("octahedral-3-3", "nano-hexapod", "rubin-camera", "rubin-m2", "apo-tertiary"),
     *("linuxcnc-hexapod", "simscape-hexapod", "simmechanics-hexapod", "workspace-study"),
-    *("workspace-study-cones", "modified-paradex"),
+    "workspace-study-cones",
 )
 #: Types whose determinant factors.
 FACTORS = (
