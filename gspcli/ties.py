@@ -81,3 +81,32 @@ def definite_vectors(values: NDArray[np.float64], vectors: Field) -> Field:
     apart = np.abs(np.diff(values)) > ALIKE * np.abs(values).max(initial=0.0)
     groups = np.split(np.arange(len(values)), np.flatnonzero(apart) + 1)
     return np.concatenate([definite_basis(vectors[:, group]) for group in groups], axis=1)
+
+
+def definite_pairs(u: Field, values: NDArray[np.float64], vt: Field) -> tuple[Field, Field]:
+    """Return singular vectors that do not depend on rounding errors where values are equal.
+
+    Parameters
+    ----------
+    u, values, vt
+        As `numpy.linalg.svd` returns them, shapes (b, n, n), (b, n), (b, n, n).
+
+    Returns
+    -------
+    u, vt
+        Of equal singular values the left vectors are a `definite_basis`, and the right ones are
+        turned with them: the product is the same matrix, and so is that of the determinants.
+    """
+    gaps = -np.diff(values, axis=-1)
+    close = gaps <= ALIKE * values[:, :1]
+    rows = np.flatnonzero(close.any(axis=-1)).tolist()
+    if not rows:
+        return u, vt
+    u, vt = u.copy(), vt.copy()
+    for row in rows:
+        for group in np.split(np.arange(values.shape[1]), np.flatnonzero(~close[row]) + 1):
+            if len(group) > 1:
+                basis = definite_basis(u[row][:, group])
+                turn = basis.conj().T @ u[row][:, group]
+                u[row][:, group], vt[row][group] = basis, turn @ vt[row][group]
+    return u, vt

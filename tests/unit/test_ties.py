@@ -5,6 +5,7 @@ import pytest
 
 from gspcli.ties import (
     definite_basis,
+    definite_pairs,
     definite_sign,
     definite_signs,
     definite_vectors,
@@ -88,3 +89,17 @@ def test_vectors_of_equal_values_do_not_depend_on_rounding(size):
     other = shaken(matrix, size, 4)
     again = definite_vectors(*np.linalg.eigh((other + other.T) / 2))
     assert np.abs(again - first).max() < 1e3 * size + 1e-12
+
+
+@pytest.mark.parametrize("size", SHAKES)
+def test_pairs_of_equal_singular_values_do_not_depend_on_rounding(size):
+    rng = np.random.default_rng(5)
+    first, second = (np.linalg.qr(rng.normal(size=(6, 6)))[0] for _ in range(2))
+    matrix = first @ np.diag([3.0, 3.0, 3.0, 2.0, 1.0, 1.0]) @ second
+    matrices = np.stack([matrix, shaken(matrix, size, 6), rng.normal(size=(6, 6))])
+    u, s, vt = np.linalg.svd(matrices)
+    a, b = definite_pairs(u, s, vt)
+    assert np.allclose(a * s[:, None] @ b, matrices, atol=1e-8)
+    assert np.allclose(np.linalg.det(a) * np.linalg.det(b), np.linalg.det(u) * np.linalg.det(vt))
+    assert np.abs(a[0][:, [0, 1, 2, 4, 5]] - a[1][:, [0, 1, 2, 4, 5]]).max() < 1e3 * size + 1e-12
+    assert (a[2] == u[2]).all()

@@ -29,6 +29,7 @@ from numpy.typing import NDArray
 from gspcli.certification.branches.parametric_quadrics import Law, Shape
 from gspcli.motion.following.branch_follower import MovingPlatform
 from gspcli.records import dataclass
+from gspcli.ties import definite_pairs
 
 Array = NDArray[np.float64]
 
@@ -183,6 +184,7 @@ class Neighbourhood:
         count = len(self.points)
         best = {name: np.full(count, np.inf) for name in ("measure", "radius", "rest", "root", "q")}
         left, scales, right = np.linalg.svd(self.inverse, full_matrices=False)
+        left, right = definite_pairs(left, scales, right)
         for exponent in EXPONENTS:
             # Without an inverse there is no proof in any norm.
             weights = (scales[:, :1] / np.where(scales > 0, scales, scales[:, :1])) ** exponent

@@ -18,6 +18,7 @@ from gspcli.geometry.quaternions import apply, rotation_from_quaternion
 from gspcli.motion.singularities.displacements import Displacements
 from gspcli.motion.singularities.taylor_forms import ROUNDING, Form
 from gspcli.records import dataclass
+from gspcli.ties import definite_pairs
 
 Array = NDArray[np.float64]
 
@@ -98,6 +99,8 @@ class ScrewForms:
         sizes = np.linalg.norm(rows, axis=2, keepdims=True)
         scales = 1 / np.where(sizes > 0, sizes, 1.0)
         u, s, vt = np.linalg.svd(rows * scales)
+        # At symmetric poses any basis for equal singular values is right; bounds depend on it.
+        u, vt = definite_pairs(u, s, vt)
         inverse = np.swapaxes(u, 1, 2) / s[:, :, None] * np.swapaxes(scales, 1, 2)
         basis = np.swapaxes(vt, 1, 2)
         moved = np.einsum("njm,nmli,nlk->njki", inverse, linear, basis, optimize=True)
