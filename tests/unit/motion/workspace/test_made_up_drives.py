@@ -333,3 +333,30 @@ def test_the_nearest_place_of_a_motor_changes_within_a_box(square: float) -> Non
     assert np.isnan(middle[0])
     assert judge(motor, half, REACH)[0] == 0
     assert judge(motor, half / 50, REACH)[0] == -1
+
+
+@pytest.mark.parametrize("on_platform", [False, True], ids=["base", "platform"])
+@pytest.mark.parametrize("slide", [False, True], ids=["crank", "slide"])
+def test_a_box_with_a_singular_pose_is_not_proved_regular(slide: bool, on_platform: bool) -> None:
+    """Near a dead point the rod swings far in a small box: into the line of another leg."""
+    rng = np.random.default_rng(12)
+    tried = 0
+    for _ in range(150):
+        motor = made_up(rng, slide=slide, on_platform=on_platform)
+        at_a_dead_point(motor, rng)
+        half = np.full(6, 10.0 ** -rng.uniform(1, 4))
+        corner = motor.centre + half * rng.choice([-1.0, 1.0], 6)
+        p, E = corner[None, :3], rotations(corner[None, 3:])
+        q = motor.numbers(p, E)[0]
+        if np.isnan(q):
+            continue
+        tried += 1
+        own = (motor.point(q), motor.other) if on_platform else (motor.other, motor.point(q))
+        # The fifth of the other legs is in the line of the rod at this corner.
+        start = p[0] + E[0] @ own[0]
+        others = rng.normal(size=(2, 5, 3))
+        line = own[1] - start
+        others[0, 4] = E[0].T @ (start + 0.3 * line - p[0])
+        others[1, 4] = start + 1.4 * line
+        assert judge(motor, half, REGULAR, others=others)[0] == 0
+    assert tried > 40
