@@ -43,6 +43,7 @@ if TYPE_CHECKING:
     from gspcli.machines.api import import_machine
     from gspcli.motion import Follower, track
     from gspcli.motion.paths.api import path
+    from gspcli.motion.paths.nearest_poses import NearestPoses
     from gspcli.motion.poses.measured_values import measure
     from gspcli.motion.singularities.clearance_results import clearance
     from gspcli.motion.singularities.scan_results import scan
@@ -85,6 +86,7 @@ _HOMES = {
     "Leg": "gspcli.geometry.masses",
     "LegBody": "gspcli.geometry.masses",
     "Line": "gspcli.geometry.primitives",
+    "NearestPoses": "gspcli.motion.paths.nearest_poses",
     "Number": "gspcli.geometry.numbers",
     "Plane": "gspcli.geometry.primitives",
     "Point": "gspcli.geometry.primitives",
@@ -172,6 +174,7 @@ __all__ = [
     "Leg",
     "LegBody",
     "Line",
+    "NearestPoses",
     "Number",
     "Plane",
     "Point",

@@ -51,6 +51,11 @@ if TYPE_CHECKING:
     is_flag=True,
     help="The angles of the cranks only; the values of SPEC are kept.",
 )
+@click.option(
+    "--nearest",
+    is_flag=True,
+    help="The nearest poses within ranges and cones, and their values.",
+)
 @pose_options
 @column_options
 @require_option("range, cone, clearance>=0.5, condition<=50")
@@ -61,6 +66,7 @@ def command(
     pose: GivenPose | None,
     drives: bool,
     cranks: bool,
+    nearest: bool,
     conventions: PoseConventions,
     columns: ColumnOptions,
     require: str | None,
@@ -85,6 +91,11 @@ def command(
     a home that nearer to zero at the first pose. transmission is the least part of a motor's motion
     that acts along its rod. `gsp track` takes these columns. --cranks has the cranks only.
 
+    With --nearest each row is the nearest pose that was found within all ranges and cones, with its
+    values and the limits that it meets. The platform goes there from home, then from row to row.
+    The pose is proved to keep the limits, and so is a straight way to it, without a singular pose.
+    The distance adds the squares of the shift and of the turn times the platform's size.
+
     With --require the worst row is named, and the exit code is 1 unless all rows keep it: range (as
     the share that a value or drive takes of its range, 1 at its ends), cone (likewise), condition,
     transmission of cranks and slides, clearance and pose-clearance, which become columns.
@@ -99,6 +110,7 @@ def command(
       gsp solve platform.yaml --format json | gsp measure platform.yaml -
       gsp measure rotary.yaml poses.csv --drives -o angles.csv
       gsp measure rotary.yaml poses.csv --drives --require "transmission>=0.3"
+      gsp measure machine.yaml --pose 0,0,200,1,0,0,0 --nearest
     """
     if (poses is None) == (pose is None):
         message = "give either POSES or --pose"
@@ -108,6 +120,9 @@ def command(
         raise click.UsageError(message)
     if cranks and require is not None:
         message = "--require needs the values or --drives, not --cranks"
+        raise click.UsageError(message)
+    if nearest and (cranks or drives or require is not None):
+        message = "--nearest gives the values of poses within the limits: leave out other options"
         raise click.UsageError(message)
     from gspcli.motion import PoseTable, read_poses
     from gspcli.motion.poses.measured_values import measure
@@ -127,6 +142,11 @@ def command(
             emit_cranks(instance, table, output)
         else:
             emit_drives(instance, table, requirements, output)
+        return
+    if nearest:
+        from gspcli.cli.nearest_rows import emit_nearest
+
+        emit_nearest(instance, table, form, output)
         return
     values = measure(instance, table.R, table.T)
     rows = _rows(instance, table, values.tolist())

@@ -244,3 +244,24 @@ def test_what_gsp_writes_it_reads(gsp, tmp_path):
         path.write_text(text, encoding="utf-8")
         read = "track" if "t,1" in text else "measure"
         assert gsp(read, machine, path, "--format", "csv").err.count("unknown column") == 0
+
+
+def test_the_nearest_poses_are_a_file_that_track_proves(gsp, tmp_path):
+    wanted, file = tmp_path / "wanted.csv", tmp_path / "reachable.csv"
+    wanted.write_text("t,x,y,z,rx,ry,rz\n0,0,0,400,0,0,0\n1,50,0,700,40,0,0\n", encoding="utf-8")
+    words = ("@workspace-study", str(wanted), "--euler", "xyz", "--nearest", "-o", str(file))
+    run = gsp("measure", *words)
+    assert run.code == 0
+    assert "1 pose of 2 moved to the nearest one within the limits" in run.err
+    heading, first, second = file.read_text(encoding="utf-8").splitlines()
+    assert heading == "t,1,2,3,4,5,6,x,y,z,qw,qx,qy,qz,shift,turn,limits,way"
+    assert first.endswith(",0.0,0.0,,values")
+    assert second.endswith(",values")
+    again = gsp("track", "@workspace-study", str(file), "--require", "range")
+    assert again.code == 0
+
+
+def test_the_nearest_pose_needs_no_requirements(gsp):
+    run = gsp("measure", "@rubin-m2", "--pose", "0,0,0,1,0,0,0", "--nearest", "--drives")
+    assert run.code == 2
+    assert "leave out other options" in run.err

@@ -76,6 +76,7 @@ SAMPLES: dict[str, tuple[str, ...]] = {
         "--require range,condition<=9,clearance>=2,pose-clearance>=0",
         "@t-top-head --pose 0,0,0.17,1,0,0,0 --cranks",
         "@t-top-head --pose 0,0,0.17,1,0,0,0 --drives",
+        "@workspace-study --pose 0,0,900,1,0,0,0 --nearest",
     ),
     "track": (
         "@rubin-m2 VALUES",

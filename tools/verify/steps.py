@@ -195,6 +195,12 @@ STEPS = (
         sample="--sample 2",
     ),
     Step(
+        "nearest",
+        ("data/verification/nearest.csv",),
+        "tools.verify.nearest --check --jobs {jobs}",
+        sample="--sample 1",
+    ),
+    Step(
         "sensors",
         ("data/verification/sensors*", "docs/sensors.md"),
         "tools.verify.sensors --check --jobs {jobs}",

@@ -24,6 +24,7 @@ BESIDE = frozenset(
         *("range", "cone", "clearance", "pose_clearance", "force", "moment", "stiffness"),
         *("transmission", "torque", "torque_of"),
         *("power", "frequency", "error", "kinetic", "potential", "work"),
+        *("shift", "limits", "way"),
         *(f"{name}{k}" for name in "fva" for k in _NUMBERS),
         *(f"{name}{axis}" for name in ("w", "v", "alpha", "a") for axis in "xyz"),
         *(f"t{axis}_imag" for axis in "xyz"),

@@ -1,0 +1,162 @@
+"""Judge the nearest poses within the limits of five machines, and record it.
+
+    python -m tools.verify.nearest [--count 2000] [--jobs 2] [--check [--sample N]]
+
+For random wanted poses about home (`gspcli.NearestPoses`) two things are judged apart. All answers
+must keep ranges and cones: the distances of joints and the tilts of legs are computed again, with
+vectors only, and compared
+without tolerance, but for fixed values. And for one pose in 20 SciPy's SLSQP seeks nearer ones
+from ten starts; those count to which a straight way is proved, too. No answer may be more than 1 %
+farther. The record is ``data/verification/nearest.csv``.
+"""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import asdict, dataclass
+from functools import partial
+
+import numpy as np
+
+import gspcli
+from gspcli.defaults import SEED
+from gspcli.geometry.quaternions import rotation_from_vector, vector_from_rotation
+from gspcli.motion.paths.nearest_poses import NearestPoses
+from tools.recording import ROOT, add_workers, csv_text, parser, sampled, workers_of
+from tools.verify.campaigns import conclude
+
+RECORD = ROOT / "data" / "verification" / "nearest.csv"
+MACHINES = (
+    "rubin-camera",
+    "rubin-m2",
+    "three-rps",
+    "workspace-study",
+    "workspace-study-cones",
+)
+#: Standard deviations of wanted poses from home: radians, and parts of the typical length.
+TURN, SHIFT = 0.4, 0.2
+#: Every so many poses are sought by SLSQP, from so many starts; an answer is at most so far.
+EACH, STARTS, FARTHER = 20, 10, 1.01
+
+
+@dataclass(frozen=True)
+class Row:
+    """What was found for one machine."""
+
+    machine: str
+    wanted: int
+    within: int
+    outside: int
+    stays: int
+    compared: int
+    farther: int
+
+
+def examine(count: int, name: str) -> Row:
+    """Seek the nearest poses for random ones about home."""
+    instance = gspcli.example(name)
+    home = gspcli.solve(instance).home
+    assert home is not None
+    nearest = NearestPoses(instance, home.R.real, home.T.real)
+    length = nearest.length
+    rng = np.random.default_rng((SEED, *name.encode()))
+    within = outside = stays = compared = farther = 0
+    for k in range(count):
+        R = rotation_from_vector(TURN * rng.normal(size=3)) @ nearest.R
+        T = nearest.T + SHIFT * length * rng.normal(size=3)
+        found = nearest.of(R, T)
+        within += not found.limits and bool(found.way)
+        stays += not found.way
+        outside += not kept(instance, found.R, found.T)
+        if k % EACH == 0:
+            best = by_slsqp(nearest, R, T, rng)
+            compared += np.isfinite(best)
+            turn = found.turn * instance.units.angle.in_radians
+            farther += bool(np.hypot(found.shift, length * turn) > FARTHER * best)
+    return Row(name, count, within, outside, stays, int(compared), farther)
+
+
+def kept(instance: gspcli.Instance, R: np.ndarray, T: np.ndarray) -> bool:
+    """Return whether all legs keep their ranges and cones, from vectors alone.
+
+    Other distances are those of points and planes.
+    """
+    for row in instance.constraints:
+        platform = R @ np.array([x.value for x in row.platform.position]) + T
+        base = np.array([x.value for x in row.base.position])
+        leg = platform - base
+        if row.kind.name == "DPP":
+            value = float(np.sqrt(leg @ leg))
+        elif row.kind.name == "DPH":
+            value = float(leg @ row.base.unit)
+        else:
+            raise ValueError(row.kind.name)
+        if row.limits is not None:
+            low, high = (limit.value for limit in row.limits)
+            value = abs(value) if row.side.value == "both" else value
+            # A fixed value is met by the pose of the values, not by its doubles.
+            room = 1e-9 * (1 + abs(low)) if low == high else 0.0
+            if not low - room <= value <= high + room:
+                return False
+        for joint, direction, turn in ((row.base, leg, np.eye(3)), (row.platform, -leg, R)):
+            cone = getattr(joint, "cone", None)
+            if cone is None:
+                continue
+            half = cone.half_angle.value * instance.units.angle.in_radians
+            if direction @ (turn @ cone.unit) < np.cos(half) * np.sqrt(leg @ leg):
+                return False
+    return True
+
+
+def by_slsqp(
+    nearest: NearestPoses, R: np.ndarray, T: np.ndarray, rng: np.random.Generator
+) -> float:
+    """Return the least distance that SLSQP finds from ten starts; infinite if it finds none."""
+    from scipy.optimize import minimize
+
+    length, best = nearest.length, np.inf
+    here = np.concatenate((length * vector_from_rotation(nearest.R @ R.T), nearest.T - T))
+
+    def pose(y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        return rotation_from_vector(y[:3] / length) @ R, T + y[3:]
+
+    limits = {"type": "ineq", "fun": lambda y: nearest.slack(*pose(y)) / length}
+    for k in range(STARTS):
+        start = here * (rng.random() if k else 1.0)
+        start = start + (0.2 * length * rng.normal(size=6) if k > 1 else 0.0)
+        found = minimize(
+            lambda y: y @ y / length**2,
+            start,
+            jac=lambda y: 2 * y / length**2,
+            constraints=limits,
+            method="SLSQP",
+            options={"maxiter": 200, "ftol": 1e-12},
+        )
+        distance = float(np.linalg.norm(found.x))
+        if distance < best and nearest.way(*pose(found.x)):
+            best = distance
+    return best
+
+
+def main() -> int:
+    """Judge, compare or write; return the exit code."""
+    options = parser(__doc__, sample=True)
+    options.add_argument("--count", type=int, default=2000, help="wanted poses of each machine")
+    add_workers(options)
+    arguments = options.parse_args()
+    machines = sampled(MACHINES, arguments.sample if arguments.check else None)
+    work = partial(examine, arguments.count)
+    rows = list(workers_of(arguments).in_order(work, machines))
+    wrong = [f"{row.machine}: {row.outside} outside" for row in rows if row.outside]
+    wrong += [f"{row.machine}: {row.farther} too far" for row in rows if row.farther]
+    total = sum(row.wanted for row in rows)
+    stays = sum(row.stays for row in rows)
+    compared = sum(row.compared for row in rows)
+    summary = f"{total} wanted poses: all answers within the limits, {stays} without a way; "
+    summary += f"none of {compared} is farther than {FARTHER} times the best of SLSQP"
+    text = csv_text(list(map(asdict, rows)))
+    return conclude(RECORD, text, wrong, summary, check=arguments.check)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
