@@ -112,18 +112,7 @@ def command(
       gsp measure rotary.yaml poses.csv --drives --require "transmission>=0.3"
       gsp measure machine.yaml --pose 0,0,200,1,0,0,0 --nearest
     """
-    if (poses is None) == (pose is None):
-        message = "give either POSES or --pose"
-        raise click.UsageError(message)
-    if spec == poses == "-":
-        message = "SPEC and POSES cannot both be standard input"
-        raise click.UsageError(message)
-    if cranks and require is not None:
-        message = "--require needs the values or --drives, not --cranks"
-        raise click.UsageError(message)
-    if nearest and (cranks or drives or require is not None):
-        message = "--nearest gives the values of poses within the limits: leave out other options"
-        raise click.UsageError(message)
+    _check_options(spec, poses, pose, (drives, cranks, nearest), require)
     from gspcli.motion import PoseTable, read_poses
     from gspcli.motion.poses.measured_values import measure
 
@@ -165,6 +154,29 @@ def command(
     emit(output, _table(instance, rows, more, lines), document=document)
     warn_of_range(instance, times, values)
     refuse(verdicts)
+
+
+def _check_options(
+    spec: str,
+    poses: str | None,
+    pose: GivenPose | None,
+    kinds: tuple[bool, bool, bool],
+    require: str | None,
+) -> None:
+    """Raise if the options contradict each other; `kinds` are --drives, --cranks and --nearest."""
+    if (poses is None) == (pose is None):
+        message = "give either POSES or --pose"
+        raise click.UsageError(message)
+    if spec == poses == "-":
+        message = "SPEC and POSES cannot both be standard input"
+        raise click.UsageError(message)
+    drives, cranks, nearest = kinds
+    if cranks and require is not None:
+        message = "--require needs the values or --drives, not --cranks"
+        raise click.UsageError(message)
+    if nearest and (cranks or drives or require is not None):
+        message = "--nearest gives the values of poses within the limits: leave out other options"
+        raise click.UsageError(message)
 
 
 def _rows(instance: Instance, table: PoseTable, values: list[list[float]]) -> list[dict[str, Any]]:

@@ -1,6 +1,6 @@
 """Judge the nearest poses within the limits of five machines, and record it.
 
-    python -m tools.verify.nearest [--count 2000] [--jobs 2] [--check [--sample N]]
+    python -m tools.verify.nearest [--count 400] [--jobs 2] [--check [--sample N]]
 
 For random wanted poses about home (`gspcli.NearestPoses`) two things are judged apart. All answers
 must keep ranges and cones: the distances of joints and the tilts of legs are computed again, with
@@ -141,7 +141,7 @@ def by_slsqp(
 def main() -> int:
     """Judge, compare or write; return the exit code."""
     options = parser(__doc__, sample=True)
-    options.add_argument("--count", type=int, default=2000, help="wanted poses of each machine")
+    options.add_argument("--count", type=int, default=400, help="wanted poses of each machine")
     add_workers(options)
     arguments = options.parse_args()
     machines = sampled(MACHINES, arguments.sample if arguments.check else None)
