@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import os
 import signal
+import sys
 from collections.abc import Callable, Generator, Iterable, Iterator
 from concurrent.futures import (
     FIRST_COMPLETED,
@@ -140,11 +141,18 @@ def _fed(
             future.cancel()
 
 
+#: If a signal ends this process, another one of the standard library removes its semaphores. The
+#: warning that it prints then is none for a user.
+_OF_TRACKER = "ignore::UserWarning:multiprocessing.resource_tracker"
+
+
 @contextmanager
 def _processes(jobs: int) -> Iterator[Executor]:
     """Start processes, which end at once when the context ends, also during work."""
     others = set(active_children())
     # Not forked: threads of the tracker may be running.
+    if _OF_TRACKER not in sys.warnoptions:
+        sys.warnoptions.append(_OF_TRACKER)
     executor = ProcessPoolExecutor(jobs, get_context("spawn"), initializer=_follow_parent)
     try:
         yield executor

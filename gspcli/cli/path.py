@@ -82,7 +82,7 @@ class _EndType(click.ParamType):  # type: ignore[type-arg]
     default=PATH_SECONDS,
     show_default=True,
     metavar="SECONDS",
-    help="How long to search. A path that is found does not depend on it.",
+    help="Stop after so many seconds. A path that is found does not depend on it.",
 )
 @seed_option("")
 @value_options

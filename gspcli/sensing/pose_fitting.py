@@ -80,7 +80,7 @@ def fit_poses(
     >>> import gspcli
     >>> m2 = gspcli.example("rubin-m2")
     >>> fit = gspcli.fit_poses(m2, ["leg P1 B2 = 2.913 ± 0.002"], sigma={"value": 1e-5})
-    >>> [pose.fits for pose in fit.poses]
+    >>> [pose.fits for pose in fit.poses][:2]
     [True, False]
     """
     checked(instance)

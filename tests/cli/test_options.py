@@ -61,8 +61,17 @@ TYPES = {
 }
 
 
-#: Options whose meaning in a command is its own: `gsp import` prints no proved solutions.
-OWN = {"--digits": {"import"}}
+#: Options whose meaning in a command is its own: `gsp import` prints no proved solutions, a path
+#: begins and ends at poses, and the columns of `gsp enumerate` are those of its own table.
+OWN = {
+    "--all": {"path", "freedoms"},
+    "--along": {"track"},
+    "--columns": {"enumerate"},
+    "--digits": {"import"},
+    "--from": {"path", "calibrate"},
+    "--stiffness": {"dynamics"},
+    "--to": {"path"},
+}
 
 
 def _said(option: click.Option) -> str:
@@ -114,7 +123,7 @@ def test_a_pose_is_written_in_one_way() -> None:
 
 def test_who_reads_an_instance_takes_other_values_for_it() -> None:
     # Of these the values make no difference, or there is none to begin with.
-    without = {"check", "calibrate", "measure", "maximize-real", "realize"}
+    without = {"check", "calibrate", "freedoms", "measure", "maximize-real", "realize"}
     readers = {
         name
         for name, command in commands()

@@ -60,7 +60,7 @@ def test_a_seventh_leg_between_points_of_the_file(gsp: Callable, tmp_path: Path)
     ("text", "column", "message"),
     [
         ("leg P7 B2 = 3 ± 1", 5, "found 'P7', expected a point of the platform"),
-        ("leg B2 P7 = 3 ± 1", 5, "the platform's point comes first"),
+        ("leg B2 P7 = 3 ± 1", 5, "the platform's comes first"),
         ("leg P1 B1 = 3 ± 1", 1, "found constraint 1, expected another leg"),
         ("leg P1 = 3 ± 1", 7, "found no more words, expected a point of the base"),
         ("leg P1 B2 B3 = 3 ± 1", 11, "found 'B3', expected nothing more"),

@@ -126,11 +126,10 @@ class NearestPoses:
     Examples
     --------
     >>> import gspcli
-    >>> from gspcli.resources import instance_files
-    >>> platform = gspcli.load(instance_files()["workspace-study"])
+    >>> platform = gspcli.example("workspace-study")
     >>> home = gspcli.solve(platform).home
-    >>> nearest = gspcli.NearestPoses(platform, home.R, home.T)
-    >>> found = nearest.of(home.R, home.T + [0, 0, 100])
+    >>> nearest = gspcli.NearestPoses(platform, home.R.real, home.T.real)
+    >>> found = nearest.of(home.R.real, home.T.real + [0, 0, 500])
     >>> found.way, found.limits[0]
     ('values', 'range of 1')
     """

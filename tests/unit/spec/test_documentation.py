@@ -20,7 +20,11 @@ def test_the_file_is_correct():
     assert read_text(FILE).warnings == ()
 
 
-PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+#: Files of `gsp freedoms` may have fewer than six constraints: its page is left out.
+PAGES = [
+    ROOT / "README.md",
+    *sorted(set((ROOT / "docs").glob("*.md")) - {ROOT / "docs" / "freedoms.md"}),
+]
 EXAMPLES = [
     pytest.param(text, id=f"{page.name}-{number}")
     for page in PAGES
