@@ -195,6 +195,11 @@ STEPS = (
         sample="--sample 2",
     ),
     Step(
+        "paths",
+        ("data/verification/paths.csv",),
+        "tools.verify.paths --check --jobs {jobs}",
+    ),
+    Step(
         "nearest",
         ("data/verification/nearest.csv",),
         "tools.verify.nearest --check --jobs {jobs}",
