@@ -105,10 +105,11 @@ def test_values_that_take_long_are_solved_when_the_slider_rests(
     assert "12 real" in text(browser, "status")
     assert text(browser, "event") == "modes 7 and 10, 8 and 13 have met and vanished"
     assert followed(browser) == str(HOME)
-    # Rows that came did not push the followed one out of the list.
+    # Rows that came did not push the followed one out of the list; the frame of the list, of one
+    # pixel, and a part of a pixel may cover its lower edge.
     below = browser.run(
         "document.querySelector('#modes [aria-current]').getBoundingClientRect().bottom"
         " - document.querySelector('#mode-list .scroll').getBoundingClientRect().bottom"
     )
-    assert below < 1
+    assert below < 2
     assert browser.messages == []
