@@ -21,8 +21,8 @@ from gspcli.cli.pose_options import (
 )
 from gspcli.cli.progress_bars import working
 from gspcli.cli.requirements import measured_quantities, require_option, required
-from gspcli.errors import CheckFailed, Problem, SpecError
-from gspcli.wording import shown
+from gspcli.cli.sigma_options import standard_deviations
+from gspcli.errors import CheckFailed
 
 if TYPE_CHECKING:
     import numpy as np
@@ -175,7 +175,10 @@ def command(
     from gspcli.calibration import Options, calibrate_rows
     from gspcli.calibration.data_files import read_measurements, targets_of
 
-    noise, options = _numbers(sigmas), Options(estimate, hold, robust, prior, hold_unknown)
+    noise, options = (
+        standard_deviations(sigmas),
+        Options(estimate, hold, robust, prior, hold_unknown),
+    )
     if log is not None:
         from gspcli.cli.identification import identified
 
@@ -318,33 +321,3 @@ def _allowed(
 
     values = values_at(instance, R, T)
     return keeping(requirements, measured_quantities(instance, requirements, values, R, T))
-
-
-def _numbers(texts: tuple[str, ...]) -> dict[str, float]:
-    """Return standard deviations by their names.
-
-    Raises
-    ------
-    SpecError
-        With all that is wrong.
-    """
-    from gspcli.motion.files.number_tables import wrong_number
-
-    found: dict[str, float] = {}
-    problems = []
-    for text in texts:
-        name, equals, number = text.partition("=")
-        message = ""
-        if not equals:
-            message = f"found {shown(text)}, expected WHAT=NUMBER, as value=0.001"
-        elif name in found:
-            message = f"found {name} twice"
-        else:
-            message = wrong_number(number)
-        if message:
-            problems.append(Problem(None, "--sigma", message))
-        else:
-            found[name] = float(number)
-    if problems:
-        raise SpecError(problems)
-    return found

@@ -10,8 +10,9 @@ import click
 
 from gspcli.cli.output import Column, Output, Table, emit
 from gspcli.cli.progress_bars import working
-from gspcli.errors import CheckFailed, GspError, Problem, SpecError
-from gspcli.wording import listed, shown
+from gspcli.cli.sigma_options import standard_deviations
+from gspcli.errors import CheckFailed, GspError
+from gspcli.wording import listed
 
 if TYPE_CHECKING:
     from gspcli.geometry.frames import PoseFrame
@@ -62,7 +63,7 @@ def show_fit(
         )
         raise GspError(message)
     with working("fitting"):
-        fit = fit_poses(instance, readings or None, sigma=_numbers(sigmas))
+        fit = fit_poses(instance, readings or None, sigma=standard_deviations(sigmas))
     document = {"schema": "gsp.solve/1", **instance.to_json(), "fit": fit.to_json()}
     tables = [_poses(fit, rotation, decimals, frame), *_residuals(fit)]
     if output.format == "csv":
@@ -170,33 +171,3 @@ def check_options(*, fitting: bool, **given: object) -> None:
     if wrong:
         message = f"{listed(wrong, 'and')}: not with --fit"
         raise click.UsageError(message)
-
-
-def _numbers(texts: Sequence[str]) -> dict[str, float]:
-    """Return standard deviations by what they are of.
-
-    Raises
-    ------
-    SpecError
-        With all that is wrong.
-    """
-    from gspcli.motion.files.number_tables import wrong_number
-
-    found: dict[str, float] = {}
-    problems = []
-    for text in texts:
-        name, equals, number = text.partition("=")
-        message = ""
-        if not equals:
-            message = f"found {shown(text)}, expected WHAT=NUMBER, as value=0.01"
-        elif name in found:
-            message = f"found {name} twice"
-        else:
-            message = wrong_number(number)
-        if message:
-            problems.append(Problem(None, "--sigma", message))
-        else:
-            found[name] = float(number)
-    if problems:
-        raise SpecError(problems)
-    return found

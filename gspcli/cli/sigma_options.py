@@ -1,0 +1,38 @@
+"""The numbers of ``--sigma WHAT=NUMBER``: standard deviations of what is measured."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from gspcli.errors import Problem, SpecError
+from gspcli.wording import shown
+
+
+def standard_deviations(texts: Sequence[str]) -> dict[str, float]:
+    """Return the standard deviations of ``--sigma WHAT=NUMBER`` by what they are of.
+
+    Raises
+    ------
+    SpecError
+        With all that is wrong.
+    """
+    from gspcli.motion.files.number_tables import wrong_number
+
+    found: dict[str, float] = {}
+    problems = []
+    for text in texts:
+        name, equals, number = text.partition("=")
+        message = ""
+        if not equals:
+            message = f"found {shown(text)}, expected WHAT=NUMBER, as value=0.001"
+        elif name in found:
+            message = f"found {name} twice"
+        else:
+            message = wrong_number(number)
+        if message:
+            problems.append(Problem(None, "--sigma", message))
+        else:
+            found[name] = float(number)
+    if problems:
+        raise SpecError(problems)
+    return found
