@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from typing import Any
 
 from gspcli.records import dataclass
@@ -38,7 +39,7 @@ class Location:
 
 
 @dataclass(frozen=True)
-class Problem:
+class Mistake:
     """One mistake in an input file.
 
     Parameters
@@ -61,15 +62,25 @@ class Problem:
 
 
 class SpecError(GspError):
-    """An instance file with mistakes: the text has the first ones, `problems` all of them."""
+    """An instance file with mistakes: the text has the first ones, `mistakes` all of them."""
 
-    def __init__(self, problems: list[Problem]) -> None:
-        self.problems = tuple(problems)
-        super().__init__(brief("\n".join(map(str, problems)), "mistake"))
+    def __init__(self, mistakes: list[Mistake]) -> None:
+        self.mistakes = tuple(mistakes)
+        super().__init__(brief("\n".join(map(str, mistakes)), "mistake"))
+
+    @property
+    def problems(self) -> tuple[Mistake, ...]:
+        """The mistakes, by the name that they had in version 1.0 (deprecated)."""
+        warnings.warn(
+            "`problems` of a SpecError is deprecated: use `mistakes`",
+            DeprecationWarning,
+            stacklevel=2,
+        )
+        return self.mistakes
 
     def __reduce__(self) -> tuple[Any, ...]:
         # The text of an exception is not what it is made from.
-        return type(self), (list(self.problems),)
+        return type(self), (list(self.mistakes),)
 
 
 class ArgumentError(GspError, ValueError):

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from gspcli.calibration.calibrating import check_points
 from gspcli.calibration.measurements import Measurements
 from gspcli.calibration.parameters import Model
-from gspcli.errors import ArgumentError, Problem, SpecError
+from gspcli.errors import ArgumentError, Mistake, SpecError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
 from gspcli.motion.files.number_tables import NumberTable, wrong_number
@@ -97,7 +97,7 @@ def read_measurements(
         lines = [text or line for text, line in zip(table.texts("t"), lines, strict=True)]
     angles = Arrangement.of(instance).angles
     readings[:, angles] *= form.in_radians
-    if not table.problems and not found and cranks is None:
+    if not table.mistakes and not found and cranks is None:
         table.note_heading("found no readings, expected some of the columns 1 2 3 4 5 6")
     table.check()
     return Measurements(
@@ -142,7 +142,7 @@ def _groups(table: NumberTable, instance: Instance, targets: Mapping[str, Array]
     for head, axes in found.items():
         if missing := [axis for axis in "xyz" if axis not in axes]:
             table.note_heading(f"the columns of {head} lack {listed(missing, 'and')}")
-    return [head for head, axes in found.items() if len(axes) == 3] if not table.problems else []
+    return [head for head, axes in found.items() if len(axes) == 3] if not table.mistakes else []
 
 
 def _cranks(table: NumberTable, instance: Instance) -> Array | None:
@@ -162,7 +162,7 @@ def _cranks(table: NumberTable, instance: Instance) -> Array | None:
             table.note_column(one, f"found {shown(one)}, expected {expected}")
     if lacking := [one for one in names if one not in written]:
         table.note_heading(f"the columns of cranks lack {listed(lacking, 'and')}")
-    if table.problems:
+    if table.mistakes:
         return None
     return table.numbers(names, blanks=True) * instance.units.angle.in_radians
 
@@ -210,18 +210,18 @@ def targets_of(texts: tuple[str, ...]) -> dict[str, Array]:
     SpecError
         With all that is wrong.
     """
-    found, problems = {}, []
+    found, mistakes = {}, []
     for text in texts:
         name, equals, numbers = text.partition("=")
         cells = numbers.split(",")
         if not name or not equals or len(cells) != 3 or any(map(wrong_number, cells)):
             message = f"found {shown(text)}, expected NAME=X,Y,Z"
-            problems.append(Problem(None, "--target", message))
+            mistakes.append(Mistake(None, "--target", message))
         elif name.partition(".")[0].lower() in _MOVING:
             message = f"found {shown(name)}, expected a name that is no coordinate of gsp track"
-            problems.append(Problem(None, "--target", message))
+            mistakes.append(Mistake(None, "--target", message))
         else:
             found[name] = np.array([float(cell) for cell in cells])
-    if problems:
-        raise SpecError(problems)
+    if mistakes:
+        raise SpecError(mistakes)
     return found

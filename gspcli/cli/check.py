@@ -65,13 +65,13 @@ def command(specs: tuple[str, ...], schema: bool, output: Output) -> None:
 
     found = check(*map(spec_source, specs), names=specs)
     notes = [f"warning: {warning}" for one in found.files for warning in one.warnings]
-    if len(found.problems) > MOST_LINES:
+    if len(found.mistakes) > MOST_LINES:
         # The error has the first ones only.
-        notes += [f"mistake: {problem}" for problem in found.problems]
+        notes += [f"mistake: {mistake}" for mistake in found.mistakes]
     rows = [_row(one) for one in found.files]
     emit(output, Table(_COLUMNS, rows, notes=notes), document=found.to_json())
     if not found.valid:
-        raise SpecError(found.problems)
+        raise SpecError(found.mistakes)
 
 
 def _row(checked: CheckedFile) -> dict[str, Any]:

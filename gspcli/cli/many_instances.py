@@ -245,8 +245,8 @@ def _instance(source: Source) -> Instance:
     try:
         source.text.encode()
     except UnicodeEncodeError as error:
-        from gspcli.errors import Problem
+        from gspcli.errors import Mistake
 
         message = f"{source.name}: expected text in UTF-8"
-        raise SpecError([Problem(None, "", message)]) from error
+        raise SpecError([Mistake(None, "", message)]) from error
     return read_text(source.text, name=source.name).instance

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from gspcli.errors import Problem, SpecError
+from gspcli.errors import Mistake, SpecError
 from gspcli.wording import shown
 
 
@@ -19,7 +19,7 @@ def standard_deviations(texts: Sequence[str]) -> dict[str, float]:
     from gspcli.motion.files.number_tables import wrong_number
 
     found: dict[str, float] = {}
-    problems = []
+    mistakes = []
     for text in texts:
         name, equals, number = text.partition("=")
         message = ""
@@ -30,9 +30,9 @@ def standard_deviations(texts: Sequence[str]) -> dict[str, float]:
         else:
             message = wrong_number(number)
         if message:
-            problems.append(Problem(None, "--sigma", message))
+            mistakes.append(Mistake(None, "--sigma", message))
         else:
             found[name] = float(number)
-    if problems:
-        raise SpecError(problems)
+    if mistakes:
+        raise SpecError(mistakes)
     return found

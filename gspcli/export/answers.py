@@ -10,7 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.errors import Problem, SpecError
+from gspcli.errors import Mistake, SpecError
 from gspcli.export.candidates import COMMENTS, Candidates
 from gspcli.export.motion_coordinates import DUAL, INVERSE, QUATERNION, ROTATION, TRANSLATION
 from gspcli.geometry.quaternions import dot, pose_from_study
@@ -165,4 +165,4 @@ def _first_of_pairs(points: Points) -> list[int]:
 
 
 def _unreadable(message: str) -> SpecError:
-    return SpecError([Problem(None, "", message)])
+    return SpecError([Mistake(None, "", message)])

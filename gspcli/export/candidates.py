@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.errors import Location, Problem, SpecError
+from gspcli.errors import Location, Mistake, SpecError
 from gspcli.geometry.frames import IDENTITY, PoseFrame
 from gspcli.geometry.quaternions import rotation_from_quaternion
 from gspcli.records import dataclass
@@ -84,16 +84,16 @@ def read_candidates(text: str, name: str, frame: PoseFrame = IDENTITY) -> Candid
     entries, where = _json(text, name) if text.lstrip()[:1] in ("[", "{") else _csv(text, name)
     if not entries:
         message = f"{name}: found no poses, expected at least one: {_EXPECTED}"
-        raise SpecError([Problem(None, "", message)])
-    problems: list[Problem] = []
+        raise SpecError([Mistake(None, "", message)])
+    mistakes: list[Mistake] = []
     poses = []
     for entry, (location, path) in zip(entries, where, strict=True):
         try:
             poses.append(_pose(entry))
         except ValueError as error:
-            problems.append(Problem(location, path, str(error)))
-    if problems:
-        raise SpecError(problems)
+            mistakes.append(Mistake(location, path, str(error)))
+    if mistakes:
+        raise SpecError(mistakes)
     R = np.array([pose.R for pose in poses], dtype=complex).reshape(-1, 3, 3)
     T = np.array([pose.T for pose in poses], dtype=complex).reshape(-1, 3)
     if not frame.is_identity and _has_positions(text):
@@ -122,15 +122,15 @@ def _json(text: str, name: str) -> tuple[list[Any], Places]:
         document = json.loads(text, parse_int=float)
     except json.JSONDecodeError as error:
         location = Location(name, error.lineno, error.colno)
-        raise SpecError([Problem(location, "", f"not JSON: {error.msg}")]) from error
+        raise SpecError([Mistake(location, "", f"not JSON: {error.msg}")]) from error
     except RecursionError:
         message = f"{name}: found lists in lists without end, expected a list of poses"
-        raise SpecError([Problem(None, "", message)]) from None
+        raise SpecError([Mistake(None, "", message)]) from None
     is_object = isinstance(document, dict)
     entries = document.get("solutions") if is_object else document
     if not isinstance(entries, list):
         message = f"{name}: found no list under the key solutions, expected one of poses"
-        raise SpecError([Problem(None, "", message)])
+        raise SpecError([Mistake(None, "", message)])
     prefix = "solutions" if is_object else ""
     return entries, [(None, f"{name}: {prefix}[{k}]") for k in range(len(entries))]
 
@@ -156,7 +156,7 @@ def _csv(text: str, name: str) -> tuple[list[Any], Places]:
         try:
             rows.append([cell.strip() for cell in next(reader)])
         except csv.Error as error:
-            raise SpecError([Problem(place, "", f"found no row of CSV: {error}")]) from error
+            raise SpecError([Mistake(place, "", f"found no row of CSV: {error}")]) from error
         places.append((place, ""))
     if all(_is_number(cell) for cell in rows[0]):
         return [list(row) for row in rows], places

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.errors import Location, Problem, SpecError
+from gspcli.errors import Location, Mistake, SpecError
 from gspcli.spec.whole_files import content_of
 from gspcli.wording import named, shown
 
@@ -41,7 +41,7 @@ class Place:
 
     def error(self, message: str) -> SpecError:
         """Return an error that says what is wrong here."""
-        return SpecError([Problem(self.location, self.what, message)])
+        return SpecError([Mistake(self.location, self.what, message)])
 
     def number(self, text: str) -> float:
         """Return a decimal number.

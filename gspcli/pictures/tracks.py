@@ -50,7 +50,7 @@ def read_tracks(text: str, name: str, form: PoseFormat) -> list[Poses]:
     """
     table = NumberTable(text, name, form.units, form.ignore, form.columns)
     table.leave_out_empty(COLUMNS)
-    if not len(table) and not table.problems:
+    if not len(table) and not table.mistakes:
         table.note_heading("found no row with a pose")
     moving = [key for key in table.heading if key.lower().startswith(_MOVING)]
     parameter = next((key for key in _PARAMETERS if key in table.heading), None)

@@ -22,7 +22,7 @@ from yaml.events import (
 )
 from yaml.reader import ReaderError
 
-from gspcli.errors import Location, Problem, SpecError
+from gspcli.errors import Location, Mistake, SpecError
 from gspcli.spec.document import (
     MAX_BYTES,
     MAX_DEPTH,
@@ -48,64 +48,64 @@ _HINTS = {
 }
 
 
-def parse(text: str, file: str, problems: list[Problem]) -> Value:
+def parse(text: str, file: str, mistakes: list[Mistake]) -> Value:
     """Return the located content of a YAML text with one document.
 
-    Mistakes that do not stop the reading are added to `problems`.
+    Mistakes that do not stop the reading are added to `mistakes`.
 
     Raises
     ------
     SpecError
-        With all problems so far, if the text is not YAML, too large or has no content.
+        With all mistakes so far, if the text is not YAML, too large or has no content.
     """
     if len(text) > MAX_BYTES:
         message = f"found {len(text)} characters, expected an instance of at most {MAX_BYTES}"
-        raise SpecError([Problem(Location(file, 1, 1), "", message)])
-    builder = _Builder(text.removeprefix("\ufeff"), file, problems)
+        raise SpecError([Mistake(Location(file, 1, 1), "", message)])
+    builder = _Builder(text.removeprefix("\ufeff"), file, mistakes)
     try:
         return builder.document()
     except ReaderError as error:
         line = text.count("\n", 0, error.position) + 1
         column = error.position - text.rfind("\n", 0, error.position)
         message = f"found the character U+{ord(text[error.position]):04X}, expected printable text"
-        raise SpecError([*problems, Problem(Location(file, line, column), "", message)]) from error
+        raise SpecError([*mistakes, Mistake(Location(file, line, column), "", message)]) from error
     except MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         location = Location(file, mark.line + 1, mark.column + 1) if mark else None
-        problem = " ".join(str(error.problem or error.context).split())
-        hint = next((f": {hint}" for key, hint in _HINTS.items() if key in problem), "")
-        message = f"not valid YAML: {problem}{hint}"
-        raise SpecError([*problems, Problem(location, "", message)]) from error
+        mistake = " ".join(str(error.problem or error.context).split())
+        hint = next((f": {hint}" for key, hint in _HINTS.items() if key in mistake), "")
+        message = f"not valid YAML: {mistake}{hint}"
+        raise SpecError([*mistakes, Mistake(location, "", message)]) from error
     except (YAMLError, ValueError, OverflowError) as error:
         # PyYAML lets an escape such as "\UFFFFFFFF" fail inside `chr`, without its place.
         message = (
             "not valid YAML: found a backslash escape after this place that denotes no character"
         )
-        raise SpecError([*problems, Problem(builder.place, "", message)]) from error
+        raise SpecError([*mistakes, Mistake(builder.place, "", message)]) from error
 
 
 class _Builder:
     """Builds located values from the events of the YAML parser."""
 
-    def __init__(self, text: str, file: str, problems: list[Problem]) -> None:
+    def __init__(self, text: str, file: str, mistakes: list[Mistake]) -> None:
         self.events: Iterator[Event] = yaml.parse(text, Loader=yaml.SafeLoader)
         self.file = file
         self.place = Location(file, 1, 1)
-        self.problems = problems
+        self.mistakes = mistakes
 
     def _location(self, event: Event) -> Location:
         self.place = Location(self.file, event.start_mark.line + 1, event.start_mark.column + 1)
         return self.place
 
     def _note(self, location: Location, path: str, message: str) -> None:
-        self.problems.append(Problem(location, path, message))
+        self.mistakes.append(Mistake(location, path, message))
 
     def document(self) -> Value:
         next(self.events)
         event = next(self.events)
         if not isinstance(event, DocumentStartEvent):
             self._note(Location(self.file, 1, 1), "", "found nothing, expected an instance")
-            raise SpecError(self.problems)
+            raise SpecError(self.mistakes)
         root = self._value(next(self.events), "", 0)
         next(self.events)
         end = next(self.events)
@@ -117,7 +117,7 @@ class _Builder:
         location = self._location(event)
         if depth > MAX_DEPTH:
             self._note(location, path, f"found more than {MAX_DEPTH} levels of nesting")
-            raise SpecError(self.problems)
+            raise SpecError(self.mistakes)
         if isinstance(event, AliasEvent):
             message = "found an alias (*), expected the value itself: aliases are not supported"
             self._note(location, path, message)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO, TextIO
 
 from gspcli.catalogue.bounds import type_bounds
 from gspcli.catalogue.coincidence import canonical_bonds
-from gspcli.errors import Problem, SpecError
+from gspcli.errors import Mistake, SpecError
 from gspcli.geometry.instance import Instance
 from gspcli.records import dataclass
 from gspcli.spec.meaning import bonds, sharing
@@ -29,14 +29,14 @@ class CheckedFile:
         The name of the file.
     instance
         The platform; None if the file has mistakes.
-    problems, warnings
+    mistakes, warnings
         Its mistakes, and remarks about unusual content, each with its place.
     """
 
     name: str
     instance: Instance | None
-    problems: tuple[Problem, ...] = ()
-    warnings: tuple[Problem, ...] = ()
+    mistakes: tuple[Mistake, ...] = ()
+    warnings: tuple[Mistake, ...] = ()
 
     @property
     def valid(self) -> bool:
@@ -47,7 +47,7 @@ class CheckedFile:
         """Return everything as plain data."""
         entry: dict[str, Any] = {"file": self.name, "valid": self.valid}
         if self.instance is None:
-            return {**entry, "problems": [_plain(one) for one in self.problems]}
+            return {**entry, "problems": [_plain(one) for one in self.mistakes]}
         facts = _facts(self.instance)
         return {**entry, **facts, "warnings": [_plain(one) for one in self.warnings]}
 
@@ -76,9 +76,9 @@ class CheckResult:
         return all(one.valid for one in self.files)
 
     @property
-    def problems(self) -> list[Problem]:
+    def mistakes(self) -> list[Mistake]:
         """The mistakes in all files."""
-        return [problem for one in self.files for problem in one.problems]
+        return [mistake for one in self.files for mistake in one.mistakes]
 
     def to_frame(self) -> pd.DataFrame:
         """Return a row for each file (pandas is imported now)."""
@@ -112,7 +112,7 @@ def _checked(source: str | Path | TextIO | BinaryIO, name: str) -> CheckedFile:
     try:
         reading = read(source)
     except SpecError as error:
-        return CheckedFile(name, None, tuple(error.problems))
+        return CheckedFile(name, None, tuple(error.mistakes))
     return CheckedFile(name, reading.instance, warnings=reading.warnings)
 
 
@@ -132,11 +132,11 @@ def _facts(instance: Instance) -> dict[str, Any]:
     }
 
 
-def _plain(problem: Problem) -> dict[str, object]:
-    location = problem.location
+def _plain(mistake: Mistake) -> dict[str, object]:
+    location = mistake.location
     return {
         "line": location.line if location else None,
         "column": location.column if location else None,
-        "path": problem.path,
-        "message": problem.message,
+        "path": mistake.path,
+        "message": mistake.message,
     }

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import Any, TypeVar
 
-from gspcli.errors import Location, Problem, SpecError
+from gspcli.errors import Location, Mistake, SpecError
 
 MAX_BYTES = 100_000
 MAX_DEPTH = 12
@@ -64,11 +64,11 @@ def decode(content: bytes, file: str) -> str:
     """
     if len(content) > MAX_BYTES:
         message = f"found {len(content)} bytes, expected an instance file of at most {MAX_BYTES}"
-        raise SpecError([Problem(Location(file, 1, 1), "", message)])
+        raise SpecError([Mistake(Location(file, 1, 1), "", message)])
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = content.count(b"\n", 0, error.start) + 1
         column = error.start - content.rfind(b"\n", 0, error.start)
         message = f"found the byte 0x{content[error.start]:02x}, expected text in UTF-8"
-        raise SpecError([Problem(Location(file, line, column), "", message)]) from error
+        raise SpecError([Mistake(Location(file, line, column), "", message)]) from error

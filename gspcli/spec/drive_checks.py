@@ -7,7 +7,7 @@ from collections.abc import Mapping as Table
 from dataclasses import replace
 from typing import TYPE_CHECKING, TypeAlias
 
-from gspcli.errors import Problem
+from gspcli.errors import Mistake
 from gspcli.geometry.corrections import value_of
 from gspcli.geometry.instance import AngleUnit
 from gspcli.geometry.numbers import Number
@@ -66,9 +66,9 @@ def joined(
     return found
 
 
-def problems_of_drives(
+def mistakes_of_drives(
     nodes: Mapping, body: dict[str, Geometry | None], unit: AngleUnit | None
-) -> Iterator[Problem]:
+) -> Iterator[Mistake]:
     """Yield the mistakes in the cranks and slides of a body.
 
     Parameters
@@ -112,7 +112,7 @@ def _own_drive(geometry: Geometry | None) -> bool:
     return isinstance(geometry, Point) and geometry.drive is not None and not geometry.partner
 
 
-def _of_drive(node: Mapping, drive: Crank | Slide, unit: AngleUnit | None) -> Iterator[Problem]:
+def _of_drive(node: Mapping, drive: Crank | Slide, unit: AngleUnit | None) -> Iterator[Mistake]:
     if drive.scale is not None and (wrong := wrong_scale(drive.scale)):
         written = node[Scalar("scale")]
         yield _at(written, f"found {shown(written)}, {wrong}")
@@ -134,12 +134,12 @@ def _of_drive(node: Mapping, drive: Crank | Slide, unit: AngleUnit | None) -> It
             yield _at(written, message)
 
 
-def _at(node: Value, message: str) -> Problem:
-    return Problem(node.location, node.path, message)
+def _at(node: Value, message: str) -> Mistake:
+    return Mistake(node.location, node.path, message)
 
 
-def doubts_of_drives(nodes: Mapping, body: dict[str, Geometry | None]) -> Iterator[Problem]:
-    """Yield warnings about unusual drives; arguments as for `problems_of_drives`."""
+def doubts_of_drives(nodes: Mapping, body: dict[str, Geometry | None]) -> Iterator[Mistake]:
+    """Yield warnings about unusual drives; arguments as for `mistakes_of_drives`."""
     for name, geometry in body.items():
         if not isinstance(geometry, Point) or geometry.drive is None:
             continue

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from gspcli.catalogue.kinds import ANGLE_KINDS, DISTANCE_KINDS, DPP, KINDS_BY_NAME, Kind
 from gspcli.catalogue.names import parse_type
 from gspcli.catalogue.types import CONSTRAINTS, MAX_ANGLES
-from gspcli.errors import Problem, TypeNameError
+from gspcli.errors import Mistake, TypeNameError
 from gspcli.geometry.checking import ONE_SIDE
 from gspcli.geometry.instance import (
     AngleUnit,
@@ -87,7 +87,7 @@ class FileChecker:
         self,
         root: Mapping,
         model: AnyInstance,
-        problems: list[Problem],
+        mistakes: list[Mistake],
         *,
         any_number: bool = False,
     ) -> None:
@@ -95,7 +95,7 @@ class FileChecker:
         #: Whether there may be fewer constraints than six, or more.
         self.any_number = any_number
         self.model = model
-        self.problems = problems
+        self.mistakes = mistakes
         self.platform = self._body(model.platform)
         self.base = self._body(model.base)
         self.unit = AngleUnit(model.units.angle) if model.units else None
@@ -114,10 +114,10 @@ class FileChecker:
         return body
 
     def _note(self, value: Value, message: str) -> None:
-        self.problems.append(Problem(value.location, value.path, message))
+        self.mistakes.append(Mistake(value.location, value.path, message))
 
     def instance(self) -> Instance | None:
-        """Return the instance, or None if there are problems."""
+        """Return the instance, or None if there are mistakes."""
         models = self.model.constraints
         if models is None:
             return None
@@ -130,7 +130,7 @@ class FileChecker:
         complete = tuple(constraint for constraint in constraints if constraint is not None)
         units = self.model.units
         dynamics = self._dynamics(constraints)
-        if self.problems or units is None or not self._enough(len(complete)):
+        if self.mistakes or units is None or not self._enough(len(complete)):
             return None
         instance = Instance(
             complete,
@@ -334,21 +334,21 @@ class FileChecker:
         """Check cranks, slides and the names of the points that others ride with."""
         for where, body in (("platform", self.platform), ("base", self.base)):
             if body is not None and _has_drives(body, self.root[Scalar(where)]):
-                from gspcli.spec.drive_checks import problems_of_drives
+                from gspcli.spec.drive_checks import mistakes_of_drives
 
-                self.problems += problems_of_drives(self.root[Scalar(where)], body, self.unit)
+                self.mistakes += mistakes_of_drives(self.root[Scalar(where)], body, self.unit)
 
     def _dynamics(self, constraints: list[Constraint | None]) -> Dynamics | None:
         """Return the masses, and note their mistakes."""
         if self.model.dynamics is None:
             return None
-        from gspcli.spec.mass_checks import dynamics_of, problems_of_masses
+        from gspcli.spec.mass_checks import dynamics_of, mistakes_of_masses
 
         dynamics = dynamics_of(self.model.dynamics)
         rows = [row for row in constraints if row is not None]
         if dynamics is not None and len(rows) == len(constraints) and self.model.units:
             length = self.model.units.length
-            self.problems += problems_of_masses(self.root, dynamics, rows, length)
+            self.mistakes += mistakes_of_masses(self.root, dynamics, rows, length)
         return dynamics
 
     def _home(self) -> HomePose | None:
@@ -384,11 +384,11 @@ class FileChecker:
             message = f"found {stated}, but the constraints make {instance.type}"
             self._note(node, message)
 
-    def warnings(self, instance: Instance) -> list[Problem]:
+    def warnings(self, instance: Instance) -> list[Mistake]:
         """Return the warnings about a correct file."""
         nodes = self.root[Scalar("constraints")]
         found = [
-            Problem(nodes[index].location, nodes[index].path, message)
+            Mistake(nodes[index].location, nodes[index].path, message)
             for index, message in remarks(instance)
         ]
         used = {
@@ -407,7 +407,7 @@ class FileChecker:
                 elif geometry is not None:
                     places[geometry] = str(key)
                 if message:
-                    found.append(Problem(key.location, key.path, message))
+                    found.append(Mistake(key.location, key.path, message))
             if body is not None and _has_drives(body, self.root[Scalar(where)]):
                 from gspcli.spec.drive_checks import doubts_of_drives
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence as List
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
-from gspcli.errors import Problem
+from gspcli.errors import Mistake
 from gspcli.geometry.instance import Constraint
 from gspcli.geometry.mass_mistakes import mistakes
 from gspcli.geometry.masses import (
@@ -63,11 +63,11 @@ def _leg_body(model: AnyLegBody | None) -> LegBody | None:
     return LegBody(model.mass, model.centre, _or_zero(model.inertia), _or_zero(model.axial))
 
 
-def problems_of_masses(
+def mistakes_of_masses(
     root: Mapping, dynamics: Dynamics, rows: List[Constraint], length: str
-) -> list[Problem]:
+) -> list[Mistake]:
     """Return the mistakes in the masses of a file, each with its place."""
-    problems = []
+    found = []
     for place, message in mistakes(dynamics, rows, length):
         node: Any = root
         for part in place:
@@ -75,5 +75,5 @@ def problems_of_masses(
                 # One leg for all, in brackets.
                 (node,) = node
             node = node[part]
-        problems.append(Problem(node.location, node.path, message))
-    return problems
+        found.append(Mistake(node.location, node.path, message))
+    return found

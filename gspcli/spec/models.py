@@ -10,7 +10,7 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import AfterValidator, BeforeValidator, Field, ValidationInfo, WithJsonSchema
 from pydantic.json_schema import SkipJsonSchema
 
-from gspcli.errors import Problem
+from gspcli.errors import Mistake
 from gspcli.geometry.numbers import Number
 from gspcli.spec import entries
 from gspcli.spec.document import Mapping, Value
@@ -26,7 +26,7 @@ from gspcli.spec.sections import (
     Vector,
     choice_of,
     list_of,
-    problems_of,
+    mistakes_of,
 )
 from gspcli.wording import shown
 
@@ -63,7 +63,7 @@ def _body(value: Value, info: ValidationInfo) -> Mapping:
             message = (
                 f"found the name {shown(name)}, expected at most {MAX_NAME} characters, no blanks"
             )
-            problems_of(info).append(Problem(name.location, name.path, message))
+            mistakes_of(info).append(Mistake(name.location, name.path, message))
     return value
 
 

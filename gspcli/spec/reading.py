@@ -8,7 +8,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO, TextIO
 
-from gspcli.errors import ArgumentError, Problem, SpecError
+from gspcli.errors import ArgumentError, Mistake, SpecError
 from gspcli.geometry.instance import AngleUnit, Instance
 from gspcli.records import dataclass
 from gspcli.spec.document import Mapping, Scalar, Value, decode
@@ -40,13 +40,13 @@ class Reading:
     _reader: FileChecker
 
     @cached_property
-    def warnings(self) -> tuple[Problem, ...]:
+    def warnings(self) -> tuple[Mistake, ...]:
         """Remarks about unusual content: unused primitives, values with more equations."""
         found = [*self.doubts, *self._reader.warnings(self.instance)]
         return tuple(sorted(found, key=_place))
 
     @cached_property
-    def doubts(self) -> tuple[Problem, ...]:
+    def doubts(self) -> tuple[Mistake, ...]:
         """The warnings about numbers that probably describe another platform than intended.
 
         They are functions of plain numbers, which are radians, in a file of degrees, and lengths
@@ -56,12 +56,12 @@ class Reading:
         found = []
         if self.instance.units.angle is AngleUnit.DEGREE:
             found += [
-                Problem(text.location, text.path, _radians_message(match))
+                Mistake(text.location, text.path, _radians_message(match))
                 for text in _scalars(root)
                 if (match := _OF_RADIANS.search(text))
             ]
         if message := out_of_proportion(self.instance):
-            found.append(Problem(root.location, "", message))
+            found.append(Mistake(root.location, "", message))
         return tuple(found)
 
 
@@ -94,7 +94,7 @@ def read(
         except (OSError, ValueError) as error:
             reason = getattr(error, "strerror", None) or str(error)
             message = f"{named(name)}: cannot be read: {reason}"
-            raise SpecError([Problem(None, "", message)]) from error
+            raise SpecError([Mistake(None, "", message)]) from error
     else:
         if not hasattr(source, "read"):
             message = f"found a {type(source).__name__}, expected a path or an open file"
@@ -104,10 +104,10 @@ def read(
             content = source.read()
         except UnicodeDecodeError as error:
             message = f"{name}: found {error.reason}, expected text in UTF-8"
-            raise SpecError([Problem(None, "", message)]) from error
+            raise SpecError([Mistake(None, "", message)]) from error
         except OSError as error:
             message = f"{name}: cannot be read: {error.strerror or error}"
-            raise SpecError([Problem(None, "", message)]) from error
+            raise SpecError([Mistake(None, "", message)]) from error
     text = decode(content, name) if isinstance(content, bytes) else content
     return read_text(text, name=name, any_number=any_number)
 
@@ -126,11 +126,11 @@ def read_text(text: str, *, name: str = "instance", any_number: bool = False) ->
             pass
     from gspcli.spec.any_yaml import parse
 
-    problems: list[Problem] = []
-    return _reading(parse(text, name, problems), problems, any_number=any_number)
+    mistakes: list[Mistake] = []
+    return _reading(parse(text, name, mistakes), mistakes, any_number=any_number)
 
 
-def _reading(root: Value, problems: list[Problem], *, any_number: bool) -> Reading:
+def _reading(root: Value, mistakes: list[Mistake], *, any_number: bool) -> Reading:
     """Return the content of a document.
 
     Raises
@@ -140,20 +140,20 @@ def _reading(root: Value, problems: list[Problem], *, any_number: bool) -> Readi
     """
     if not isinstance(root, Mapping):
         message = "found no keys, expected an instance: gsp, units, platform, base, constraints"
-        raise SpecError([*problems, Problem(root.location, "", message)])
+        raise SpecError([*mistakes, Mistake(root.location, "", message)])
     reader = FileChecker(
-        root, read_plainly(root) or _model(root, problems), problems, any_number=any_number
+        root, read_plainly(root) or _model(root, mistakes), mistakes, any_number=any_number
     )
     instance = reader.instance()
-    if instance is None or problems:
-        raise SpecError(sorted(problems, key=_place))
+    if instance is None or mistakes:
+        raise SpecError(sorted(mistakes, key=_place))
     return Reading(instance, reader)
 
 
-def _model(root: Mapping, problems: list[Problem]) -> InstanceModel:
+def _model(root: Mapping, mistakes: list[Mistake]) -> InstanceModel:
     from gspcli.spec.models import InstanceModel
 
-    return InstanceModel.model_validate(root, context=problems)
+    return InstanceModel.model_validate(root, context=mistakes)
 
 
 def load(source: str | Path | TextIO | BinaryIO, *, name: str | None = None) -> Instance:
@@ -180,6 +180,6 @@ def _radians_message(match: re.Match[str]) -> str:
     return f"{match[0]} is of {number} radians: for degrees write {name}d({number})"
 
 
-def _place(problem: Problem) -> tuple[int, int]:
-    location = problem.location
+def _place(mistake: Mistake) -> tuple[int, int]:
+    location = mistake.location
     return (location.line, location.column) if location else (0, 0)

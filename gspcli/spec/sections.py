@@ -23,7 +23,7 @@ from pydantic import (
 )
 from pydantic.json_schema import SkipJsonSchema
 
-from gspcli.errors import Problem
+from gspcli.errors import Mistake
 from gspcli.geometry.numbers import Number
 from gspcli.spec.document import Mapping, Missing, Scalar, Sequence, Value, locate
 from gspcli.spec.entries import complain, found, nonzero, number, optional_text, text
@@ -32,8 +32,8 @@ from gspcli.wording import listed, nearest, shown, suggestion
 Item = TypeVar("Item")
 
 
-def note(error: ValidationError, problems: list[Problem]) -> None:
-    """Add the problems of a validation error, each at the place of its value."""
+def note(error: ValidationError, mistakes: list[Mistake]) -> None:
+    """Add the mistakes of a validation error, each at the place of its value."""
     for detail in error.errors(include_url=False):
         value = detail["input"]
         # None replaces optional and wrong elements only; no file contains it.
@@ -41,20 +41,20 @@ def note(error: ValidationError, problems: list[Problem]) -> None:
             continue
         cause = detail.get("ctx", {}).get("error")
         message = str(cause) if cause else detail["msg"]
-        problems.append(Problem(value.location, value.path, message))
+        mistakes.append(Mistake(value.location, value.path, message))
 
 
-def problems_of(info: ValidationInfo) -> list[Problem]:
+def mistakes_of(info: ValidationInfo) -> list[Mistake]:
     """Return the list in which mistakes are noted."""
-    problems: list[Problem] = info.context  # type: ignore[assignment]
-    return problems
+    mistakes: list[Mistake] = info.context  # type: ignore[assignment]
+    return mistakes
 
 
 def _tolerate(value: Any, handler: Callable[[Any], Item], info: ValidationInfo) -> Item | None:
     try:
         return handler(value)
     except ValidationError as error:
-        note(error, problems_of(info))
+        note(error, mistakes_of(info))
         return None
 
 
@@ -155,7 +155,7 @@ class Section(BaseModel):
         if not isinstance(section, Mapping):
             keys = listed(cls.one_of) if cls.one_of else listed(known, "and")
             raise complain(section, f"a mapping with {keys}")
-        problems = problems_of(info)
+        mistakes = mistakes_of(info)
         kept, misspelt = Mapping(), set()
         for key, value in section.items():
             if key in known:
@@ -165,7 +165,7 @@ class Section(BaseModel):
             misspelt.add(near)
             hint = f": did you mean {near}?" if near else ""
             message = f"found the unknown key {shown(key)}, expected {listed(known)}{hint}"
-            problems.append(Problem(key.location, key.path, message))
+            mistakes.append(Mistake(key.location, key.path, message))
         required = [name for name, field in fields.items() if field.is_required()]
         absent = [name for name in required if name not in kept]
         for name in absent:
@@ -176,22 +176,22 @@ class Section(BaseModel):
                 if len(unnamed) == 1
                 else f"keys {listed(unnamed, 'and')} are"
             )
-            problems.append(Problem(section.location, section.path, f"the {words} missing"))
+            mistakes.append(Mistake(section.location, section.path, f"the {words} missing"))
         given = [name for name in cls.one_of if name in kept]
         if len(given) > 1 or (cls.one_of and not given and not misspelt & set(cls.one_of)):
             what = listed(given, "and") if given else "none of them"
             message = f"found {what}, expected exactly one of {listed(cls.one_of)}"
-            problems.append(Problem(section.location, section.path, message))
+            mistakes.append(Mistake(section.location, section.path, message))
         for needy, other in cls.needs.items():
             if needy in kept and other not in kept and (given or not cls.one_of):
                 place = kept[Scalar(needy)]
                 message = f"found {needy} without {other}, expected both"
                 if given:
                     message = f"found {needy} at a {given[0]}, expected it only at a {other}"
-                problems.append(Problem(place.location, place.path, message))
+                mistakes.append(Mistake(place.location, place.path, message))
         for one, other in cls.excludes:
             if one in kept and other in kept:
                 place = kept[Scalar(one)]
                 message = f"found {one} beside {other}, expected one of them"
-                problems.append(Problem(place.location, place.path, message))
+                mistakes.append(Mistake(place.location, place.path, message))
         return locate(kept, section.location, section.path)

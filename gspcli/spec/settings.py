@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
-from gspcli.errors import ArgumentError, Problem, SpecError
+from gspcli.errors import ArgumentError, Mistake, SpecError
 from gspcli.geometry.checking import expected
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.numbers import Number, Real, parse_number
@@ -90,7 +90,7 @@ def _value(instance: Instance, index: int, value: Real, where: str, delta: bool)
 
 def _of_texts(instance: Instance, settings: Iterable[str], delta: bool) -> dict[int, Number]:
     option = "--delta" if delta else "--set"
-    problems, values = [], {}
+    mistakes, values = [], {}
     count = len(instance.constraints)
     for setting in settings:
         key, equals, text = setting.partition("=")
@@ -113,7 +113,7 @@ def _of_texts(instance: Instance, settings: Iterable[str], delta: bool) -> dict[
                 if wrong := wrong_value(row.kind, values[index], instance.units.angle):
                     message = f"found {shown(text)}, {wrong}"
         if message:
-            problems.append(Problem(None, f"{option} {shown(setting)}", message))
-    if problems:
-        raise SpecError(problems)
+            mistakes.append(Mistake(None, f"{option} {shown(setting)}", message))
+    if mistakes:
+        raise SpecError(mistakes)
     return values

@@ -93,13 +93,13 @@ def instances(draw):
 
 
 def never_anything_but_a_spec_error(text):
-    problems = ()
+    mistakes = ()
     try:
         read_text(text)
     except SpecError as error:
-        problems = error.problems or (None,)
-    assert all(problem.message for problem in problems)
-    assert all(line.isprintable() for problem in problems for line in str(problem).split("\n"))
+        mistakes = error.mistakes or (None,)
+    assert all(mistake.message for mistake in mistakes)
+    assert all(line.isprintable() for mistake in mistakes for line in str(mistake).split("\n"))
 
 
 @QUICK

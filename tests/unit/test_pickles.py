@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import gspcli
-from gspcli.errors import ArgumentError, GspError, Location, Problem, SpecError
+from gspcli.errors import ArgumentError, GspError, Location, Mistake, SpecError
 
 
 def copied(one):
@@ -24,9 +24,11 @@ def subclasses(kind):
 @pytest.mark.parametrize("kind", [*dict.fromkeys(subclasses(GspError))], ids=lambda k: k.__name__)
 def test_an_error_is_the_same_after_it(kind):
     if kind is SpecError:
-        places = [Problem(Location("f.yaml", k, 2), "units", f"found {k}") for k in range(7)]
-        error = SpecError([*places, Problem(None, "", "nothing")])
-        assert copied(error).problems == error.problems
+        places = [Mistake(Location("f.yaml", k, 2), "units", f"found {k}") for k in range(7)]
+        error = SpecError([*places, Mistake(None, "", "nothing")])
+        assert copied(error).mistakes == error.mistakes
+        with pytest.warns(DeprecationWarning, match="use `mistakes`"):
+            assert error.problems == error.mistakes
     elif issubclass(kind, ArgumentError) and kind is not ArgumentError:
         # A mistake of a row: the row, and what was found.
         error = kind(3, "found 1")

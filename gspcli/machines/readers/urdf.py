@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.errors import Problem, SpecError
+from gspcli.errors import Mistake, SpecError
 from gspcli.machines.frames import frame, inverse, place, roll_pitch_yaw, turn, unit
 from gspcli.machines.graph import Body, Graph, Joint, NoPlatform, Part, ball
 from gspcli.machines.markup import Element
@@ -58,10 +58,10 @@ class _Loops:
         self.document: Mapping = Mapping()
         self.found = file.exists()
         if self.found:
-            problems: list[Problem] = []
-            document = parse(text_of(file), str(file), problems)
-            if problems:
-                raise SpecError(problems)
+            mistakes: list[Mistake] = []
+            document = parse(text_of(file), str(file), mistakes)
+            if mistakes:
+                raise SpecError(mistakes)
             # The instance file of the machine may have the same name.
             if isinstance(document, Mapping) and "gsp" not in document:
                 self.document = document
@@ -92,7 +92,7 @@ class _Loops:
 
     def _error(self, value: object, expected: str) -> SpecError:
         where = getattr(value, "location", None)
-        return SpecError([Problem(where, getattr(value, "path", ""), expected)])
+        return SpecError([Mistake(where, getattr(value, "path", ""), expected)])
 
 
 class _Robot:

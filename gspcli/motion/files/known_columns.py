@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Sequence
 
-from gspcli.errors import Problem, SpecError
+from gspcli.errors import Mistake, SpecError
 from gspcli.motion.files.headings import WORDS, Heading
 from gspcli.wording import nearest, shown, suggestion
 
@@ -64,7 +64,7 @@ def left_out(cells: Sequence[str], ignore: Collection[str], name: str) -> frozen
         places = places or [k for k, key in enumerate(meant) if key and key.lower() == name_here]
         if not places:
             message = f"{name} has no column {shown(one)}{suggestion(one, cells)}"
-            raise SpecError([Problem(None, "--ignore", message)])
+            raise SpecError([Mistake(None, "--ignore", message)])
         found.update(places)
     return frozenset(found)
 

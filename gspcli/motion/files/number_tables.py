@@ -10,7 +10,7 @@ from itertools import chain
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.errors import Location, Problem, SpecError
+from gspcli.errors import Location, Mistake, SpecError
 from gspcli.motion.files.column_units import FileUnits
 from gspcli.motion.files.headings import headings, hints
 from gspcli.motion.files.known_columns import BESIDE, left_out, unknown
@@ -47,7 +47,7 @@ class NumberTable:
     Between semicolons or tabs decimals may be written with a comma, if none has a point. Headings
     of other programs are read if they have one meaning (`headings`), and numbers are converted if
     the heading names another unit. Empty lines and lines that begin with # are skipped. Mistakes
-    are collected in `problems` and reported together (`check`).
+    are collected in `mistakes` and reported together (`check`).
 
     Parameters
     ----------
@@ -73,7 +73,7 @@ class NumberTable:
         columns: Sequence[str] = (),
     ) -> None:
         self.name = name
-        self.problems: list[Problem] = []
+        self.mistakes: list[Mistake] = []
         lines = [
             (number, line.rstrip())
             for number, line in enumerate(text.splitlines(), 1)
@@ -81,7 +81,7 @@ class NumberTable:
         ]
         if not lines:
             raise SpecError(
-                [Problem(Location(name, 1, 1), "", "found nothing, expected a heading and rows")]
+                [Mistake(Location(name, 1, 1), "", "found nothing, expected a heading and rows")]
             )
         if _SEPARATOR.fullmatch(lines[0][1]) and len(lines) > 1:
             # Spreadsheets write the delimiter in a first line of its own.
@@ -120,7 +120,7 @@ class NumberTable:
             if found != len(cells) and (row := self._cells(line)) and len(row) != len(cells):
                 where = "in --columns" if self._named else "in the heading"
                 message = f"found {len(row)} cells, expected {len(cells)} as {where}"
-                self.problems.append(Problem(Location(name, number, 1), "", message))
+                self.mistakes.append(Mistake(Location(name, number, 1), "", message))
 
     def _first_cells(
         self, lines: list[tuple[int, str]], columns: Sequence[str]
@@ -138,7 +138,7 @@ class NumberTable:
         rows = _are_numbers(first, any_numbers=bool(columns))
         if not columns:
             if rows:
-                raise SpecError([Problem(Location(self.name, number, 1), "", NO_HEADING)])
+                raise SpecError([Mistake(Location(self.name, number, 1), "", NO_HEADING)])
             return heading, rest
         if rows:
             # A comma between other delimiters is that of decimals.
@@ -170,22 +170,22 @@ class NumberTable:
         return cells
 
     def _note(self, line: int, cell: Cell, message: str) -> None:
-        self.problems.append(Problem(Location(self.name, line, cell.column), cell.text, message))
+        self.mistakes.append(Mistake(Location(self.name, line, cell.column), cell.text, message))
 
     def note_column(self, name: str, message: str) -> None:
         """Note a mistake of one heading, by its name as written."""
         column = self._columns[self.written.index(name)]
-        self.problems.append(Problem(Location(self.name, self._heading_line, column), "", message))
+        self.mistakes.append(Mistake(Location(self.name, self._heading_line, column), "", message))
 
     def note_heading(self, message: str) -> None:
         """Note a mistake of the heading."""
-        self.problems.append(Problem(Location(self.name, self._heading_line, 1), "", message))
+        self.mistakes.append(Mistake(Location(self.name, self._heading_line, 1), "", message))
 
     def note_cell(self, row: int, name: str, message: str) -> None:
         """Note a mistake that begins in a column of a row; rows from 0, names as in `heading`."""
         number, line = self._lines[row]
         column = self._cells(line)[self.heading.index(name)].column
-        self.problems.append(Problem(Location(self.name, number, column), "", message))
+        self.mistakes.append(Mistake(Location(self.name, number, column), "", message))
 
     def refuse_others(self, known: Collection[str], expected: str) -> None:
         """Note each column that is not known: it would be left out without a word.
@@ -206,7 +206,7 @@ class NumberTable:
             cells = [row[k] for _, line in self._lines if k < len(row := self._texts(line))]
             if message := unknown(k, text, self.names[k], cells, known, expected, self._ignore):
                 place = Location(self.name, self._heading_line, self._columns[k])
-                self.problems.append(Problem(place, "", message))
+                self.mistakes.append(Mistake(place, "", message))
 
     def choose(self, *groups: Sequence[str]) -> Sequence[str] | None:
         """Return the group of columns that the heading has; None, and a mistake, for none or two.
@@ -325,12 +325,12 @@ class NumberTable:
             found.append(math.nan if wrong else float(text))
             if wrong and place < len(cells) and (text or not blanks):
                 location = Location(self.name, number, cells[place].column)
-                self.problems.append(Problem(location, name, wrong))
+                self.mistakes.append(Mistake(location, name, wrong))
         return found
 
     def check(self) -> None:
         """Raise `SpecError` with all mistakes found so far, if there are any."""
-        check(self.problems)
+        check(self.mistakes)
 
 
 def _are_numbers(line: str, *, any_numbers: bool) -> bool:
@@ -372,11 +372,11 @@ def numbers_of(text: str, counts: Collection[int], name: str) -> list[float]:
     if len(cells) not in counts:
         expected = listed(map(str, counts))
         wrong = f"found {len(cells)} numbers, expected {expected}"
-    check([Problem(None, name, wrong)] if wrong else [])
+    check([Mistake(None, name, wrong)] if wrong else [])
     return [float(cell) for cell in cells]
 
 
-def check(problems: Sequence[Problem]) -> None:
-    """Raise `SpecError` if there are problems, in the order of their places."""
-    if problems:
-        raise SpecError(sorted(problems, key=lambda one: (one.location is None, one.location)))
+def check(mistakes: Sequence[Mistake]) -> None:
+    """Raise `SpecError` if there are mistakes, in the order of their places."""
+    if mistakes:
+        raise SpecError(sorted(mistakes, key=lambda one: (one.location is None, one.location)))

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.errors import Location, Problem, SpecError
+from gspcli.errors import Location, Mistake, SpecError
 from gspcli.geometry.euler import euler_from_rotation, rotation_from_euler
 from gspcli.geometry.evaluation import LARGEST
 from gspcli.geometry.frames import IDENTITY, PoseFrame
@@ -236,7 +236,7 @@ def read_pose(text: str, form: PoseFormat, name: str = "--pose") -> PoseTable:
         return read_poses(f"{heading}\n{row}", name, form)
     except SpecError as error:
         # An option has no lines.
-        raise SpecError([Problem(None, name, one.message) for one in error.problems]) from None
+        raise SpecError([Mistake(None, name, one.message) for one in error.mistakes]) from None
 
 
 def pose_columns(count: int) -> tuple[str, ...] | None:
@@ -254,10 +254,10 @@ def pose_numbers(text: str, name: str) -> tuple[tuple[str, ...], list[float]]:
             f"found {len(cells)} numbers in {shown(text)}, expected x,y,z and qw,qx,qy,qz; or "
             "rx,ry,rz (with --euler); or the nine entries of R"
         )
-        raise SpecError([Problem(None, name, message)])
+        raise SpecError([Mistake(None, name, message)])
     check(
         [
-            Problem(None, f"{name}: {key}", message)
+            Mistake(None, f"{name}: {key}", message)
             for key, cell in zip(names, cells, strict=True)
             if (message := wrong_number(cell))
         ]
@@ -331,27 +331,27 @@ def _read_json(text: str, name: str, form: PoseFormat) -> PoseTable:
     except json.JSONDecodeError as error:
         message = f"not JSON: {error.msg}"
         raise SpecError(
-            [Problem(Location(name, error.lineno, error.colno), "", message)]
+            [Mistake(Location(name, error.lineno, error.colno), "", message)]
         ) from error
     except RecursionError:
         message = "found lists in lists without end, expected what gsp solve --format json prints"
-        raise SpecError([Problem(Location(name, 1, 1), "", message)]) from None
+        raise SpecError([Mistake(Location(name, 1, 1), "", message)]) from None
     entries = document.get("solutions") if isinstance(document, dict) else None
     if not isinstance(entries, list):
         message = "found no list of solutions, expected CSV or what gsp solve --format json prints"
-        raise SpecError([Problem(Location(name, 1, 1), "", message)])
-    problems: list[Problem] = []
+        raise SpecError([Mistake(Location(name, 1, 1), "", message)])
+    mistakes: list[Mistake] = []
     if any(form.pivot) or form.euler:
         message = "found what gsp solve prints, which has neither a pivot nor Euler angles"
-        problems.append(Problem(None, name, message))
+        mistakes.append(Mistake(None, name, message))
     poses = []
     for number, entry in enumerate(entries, 1):
         pose = _pose(entry)
         if isinstance(pose, str):
-            problems.append(Problem(None, f"{name}: solutions[{number}]", pose))
+            mistakes.append(Mistake(None, f"{name}: solutions[{number}]", pose))
         else:
             poses.append(pose)
-    check(problems)
+    check(mistakes)
     R = np.array([R for R, _ in poses]).reshape(-1, 3, 3)
     return PoseTable(None, R, np.array([T for _, T in poses]).reshape(-1, 3))
 
@@ -390,5 +390,5 @@ def pivot_from_text(text: str) -> tuple[float, float, float]:
         x = y = z = np.nan
     if not np.isfinite([x, y, z]).all():
         message = f"found {shown(text)}, expected the three coordinates of a point: x,y,z"
-        raise SpecError([Problem(None, "--pivot", message)])
+        raise SpecError([Mistake(None, "--pivot", message)])
     return x, y, z

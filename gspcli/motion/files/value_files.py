@@ -125,7 +125,7 @@ def read_values(
         poses = poses_in(table, form, (*moving, *numbers))
         t = None if poses is None else poses.t
         values = np.zeros((len(table), len(numbers)))
-        if poses is not None and not table.problems:
+        if poses is not None and not table.mistakes:
             values, coordinates = _of_poses(instance, poses.R, poses.T)
             of_file = poses.R, poses.T
             _compare(table, instance, values)

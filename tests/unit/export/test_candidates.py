@@ -137,4 +137,4 @@ def test_an_empty_list_is_a_mistake(text: str) -> None:
 def test_all_mistakes_are_reported_at_once(text: str, messages: list[str]) -> None:
     with pytest.raises(SpecError) as caught:
         read_candidates(text, "poses")
-    assert [str(problem) for problem in caught.value.problems] == messages
+    assert [str(mistake) for mistake in caught.value.mistakes] == messages

@@ -17,7 +17,7 @@ HEXAPOD = instance_files()["dietmaier"].read_text(encoding="utf-8")
 
 def _doubts(old: str = "", new: str = "") -> list[str]:
     assert old in HEXAPOD
-    return [problem.message for problem in read_text(HEXAPOD.replace(old, new, 1)).doubts]
+    return [mistake.message for mistake in read_text(HEXAPOD.replace(old, new, 1)).doubts]
 
 
 def _first_point() -> str:

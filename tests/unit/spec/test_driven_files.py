@@ -154,16 +154,16 @@ def test_values_at_home_need_a_home():
     text = TEXT.replace("home: {position: [0, 0, 120]}\n", "")
     with pytest.raises(SpecError) as caught:
         loads(text, name="f")
-    first = str(caught.value.problems[0])
+    first = str(caught.value.mistakes[0])
     assert first == (
         "f:18:33: constraints[1].value: found home, but the file states no home pose: "
         "home: {position: [x, y, z]}"
     )
-    assert len(caught.value.problems) == 5
+    assert len(caught.value.mistakes) == 5
     # A mistake in the home pose is the only one that is told.
     with pytest.raises(SpecError) as caught:
         loads(TEXT.replace("position: [0, 0, 120]", "position: [0, 120]"), name="f")
-    assert len(caught.value.problems) == 1
+    assert len(caught.value.mistakes) == 1
 
 
 def test_doubtful_drives_are_warned_of():

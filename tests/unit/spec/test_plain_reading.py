@@ -46,9 +46,9 @@ def modelled(model, like):
 
 
 def check(root, found: InstanceFields):
-    problems = []
-    model = InstanceModel.model_validate(root, context=problems)
-    assert not problems
+    mistakes = []
+    model = InstanceModel.model_validate(root, context=mistakes)
+    assert not mistakes
     assert set(model.platform) == set(found.platform)
     assert modelled(model, found) == fields(found)
 

@@ -44,10 +44,10 @@ home: {position: [0, 0, 20], rx: 1, euler: xyz}
 """
 
 
-def problems_of(text):
+def mistakes_of(text):
     with pytest.raises(SpecError) as caught:
         loads(text, name="f")
-    return [str(problem) for problem in caught.value.problems]
+    return [str(mistake) for mistake in caught.value.mistakes]
 
 
 def test_a_good_file():
@@ -84,11 +84,11 @@ MISTAKES = [
 ]
 
 
-@pytest.mark.parametrize(("change", "problem"), MISTAKES)
-def test_a_mistake_is_reported_where_it_is(change, problem):
+@pytest.mark.parametrize(("change", "mistake"), MISTAKES)
+def test_a_mistake_is_reported_where_it_is(change, mistake):
     old, new = map(json.loads, change.split(" => "))
     assert old in GOOD
-    assert problem in problems_of(GOOD.replace(old, new, 1))
+    assert mistake in mistakes_of(GOOD.replace(old, new, 1))
 
 
 def test_all_mistakes_are_reported_at_once_in_order():
@@ -96,7 +96,7 @@ def test_all_mistakes_are_reported_at_once_in_order():
         GOOD.replace("name: E", "nmae: E").replace("1e-3", "x").replace("value: 60", "value: 600")
     )
     text = text.replace("[L1, H4]", "[L9, H4]").replace("180", "1/0")
-    assert [problem.split(": ")[0] for problem in problems_of(text)] == [
+    assert [mistake.split(": ")[0] for mistake in mistakes_of(text)] == [
         "f:2:1",
         "f:10:16",
         "f:17:30",
@@ -106,7 +106,7 @@ def test_all_mistakes_are_reported_at_once_in_order():
 
 
 def test_several_repetitions_and_missing_parts_do_not_hide_others():
-    assert problems_of("gsp: 1\nbase: {P1: {point: [0, 0]}}\nconstraints: []") == [
+    assert mistakes_of("gsp: 1\nbase: {P1: {point: [0, 0]}}\nconstraints: []") == [
         "f:1:1: the keys units and platform are missing",
         "f:2:20: base.P1.point: found 2 entries, expected three numbers [x, y, z]",
         "f:3:14: constraints: found 0 constraints, expected exactly six; gsp freedoms takes any "
@@ -115,7 +115,7 @@ def test_several_repetitions_and_missing_parts_do_not_hide_others():
 
 
 @pytest.mark.parametrize(
-    ("text", "problem"),
+    ("text", "mistake"),
     [
         ("", "found nothing, expected an instance"),
         ("# only a comment\n", "found nothing, expected an instance"),
@@ -125,14 +125,14 @@ def test_several_repetitions_and_missing_parts_do_not_hide_others():
         ("a" * (MAX_BYTES + 1), "found 100001 characters, expected an instance of at most 100000"),
     ],
 )
-def test_what_is_no_instance_at_all(text, problem):
-    (found,) = problems_of(text)
+def test_what_is_no_instance_at_all(text, mistake):
+    (found,) = mistakes_of(text)
     assert found.startswith("f:1:1")
-    assert found.endswith(problem)
+    assert found.endswith(mistake)
 
 
 @pytest.mark.parametrize(
-    ("content", "problem"),
+    ("content", "mistake"),
     [
         (b"name: \xe4", ":1:7: found the byte 0xe4, expected text in UTF-8"),
         (GOOD.encode("utf-16"), ":1:1: found the byte 0xff, expected text in UTF-8"),
@@ -140,12 +140,12 @@ def test_what_is_no_instance_at_all(text, problem):
         (b" " * 100_001, ":1:1: found 100001 bytes, expected an instance file of at most 100000"),
     ],
 )
-def test_files_that_are_no_text(tmp_path, content, problem):
+def test_files_that_are_no_text(tmp_path, content, mistake):
     path = tmp_path / "x.yaml"
     path.write_bytes(content)
     with pytest.raises(SpecError) as caught:
         load(path)
-    assert str(caught.value) == f"{path}{problem}"
+    assert str(caught.value) == f"{path}{mistake}"
 
 
 @pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
@@ -176,7 +176,7 @@ def test_radians_include_the_ends_of_the_range():
     assert loads(text).units.angle is AngleUnit.RADIAN
     assert (
         "expected an angle of HH from 0 to pi (rad)"
-        in problems_of(text.replace("acos(-1)", "3.15"))[0]
+        in mistakes_of(text.replace("acos(-1)", "3.15"))[0]
     )
 
 
@@ -234,7 +234,7 @@ def test_values_can_be_set_exactly():
 def test_wrong_settings_are_all_reported():
     with pytest.raises(SpecError) as caught:
         set_values(loads(GOOD), ["1=5", "1=6", "2", "7=1", "x=1", "4=200", "2=-1", "3=1/0", "²=1"])
-    assert [str(problem) for problem in caught.value.problems] == [
+    assert [str(mistake) for mistake in caught.value.mistakes] == [
         "--set '1=6': found constraint 1 twice",
         "--set '2': expected I=V, as 1=5.2",
         "--set '7=1': found constraint '7', expected a number from 1 to 6",

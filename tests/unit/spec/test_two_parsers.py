@@ -95,11 +95,11 @@ OTHERS = [
 
 @pytest.mark.parametrize("ending", ["\n", "\r\n"])
 def test_every_ordinary_form_is_read(ending):
-    text, problems = ORDINARY.replace("\n", ending), []
+    text, mistakes = ORDINARY.replace("\n", ending), []
     quick = read_ordinary(text, "file")
     assert quick is not None
-    assert located(quick) == located(parse(text, "file", problems))
-    assert not problems
+    assert located(quick) == located(parse(text, "file", mistakes))
+    assert not mistakes
 
 
 @pytest.mark.parametrize("text", OTHERS)
@@ -120,13 +120,13 @@ def test_what_is_taken_for_ordinary_is_read_as_such():
         quick = read_ordinary(changed, "file")
         if quick is None:
             continue
-        problems = []
+        mistakes = []
         try:
-            full = parse(changed, "file", problems)
+            full = parse(changed, "file", mistakes)
         except SpecError as error:
             pytest.fail(f"{error}\n{changed}")
         assert located(quick) == located(full)
-        assert not problems
+        assert not mistakes
         correct += 1
     assert correct > 50
 
