@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from gspcli.geometry.coordinates import BODIES
 from gspcli.geometry.drive_numbers import is_driven
 from gspcli.geometry.drives import Drives
 from gspcli.geometry.instance import Instance
@@ -77,6 +79,32 @@ def arm_strokes(instance: Instance, poses: Poses, size: float) -> list[tuple[Str
             line = line @ np.swapaxes(poses.R, -1, -2) + poses.T[:, None]
         style = StrokeStyle.PERPENDICULAR if sort == "crank" else StrokeStyle.GUIDE
         found.append((Stroke(style, line),))
+    return found
+
+
+def drawn_drives(instance: Instance) -> list[dict[str, Any] | None]:
+    """Return of each constraint the crank or slide that moves its point, as data for a page.
+
+    Returns
+    -------
+    list
+        None without one, else its ``sort``, the ``body`` of the point, ``middle``, ``across`` and
+        ``beside`` (`gspcli.geometry.drives.Drives`), and the ``range`` of a slide or None.
+    """
+    if not is_driven(instance):
+        return [None] * len(instance.constraints)
+    drives = Drives.of(instance)
+    found: list[dict[str, Any] | None] = []
+    for k, driven in enumerate(drives.driven.tolist()):
+        drive = drives.index[k]
+        ends = [drives.low[drive].item(), drives.high[drive].item()]
+        one = {
+            "sort": drives.sorts[drive],
+            "body": BODIES[0] if drives.on_platform[k] else BODIES[1],
+            **{name: getattr(drives, name)[k].tolist() for name in ("middle", "across", "beside")},
+            "range": ends if np.isfinite(ends).all() else None,
+        }
+        found.append(one if driven else None)
     return found
 
 

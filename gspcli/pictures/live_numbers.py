@@ -37,6 +37,7 @@ from gspcli.geometry.ranges import value_range
 from gspcli.geometry.readings import factors, offsets, readings_of
 from gspcli.motion.following.platform_numbers import platform_numbers
 from gspcli.motion.singularities.displacements import Displacements
+from gspcli.pictures.arms import drawn_drives
 from gspcli.resources import data_path
 from gspcli.solver.problem import Problem
 from gspcli.solver.starts.geometry_starts import Geometry
@@ -91,7 +92,8 @@ def live_numbers(result: SolveResult) -> dict[str, Any]:
         sign) and the ``limits`` of what values can be (None: no limit), ``kinds``, ``units``, the
         index of the ``home`` mode or None, the ``sides`` of values (1, -1, 0 for both; None without
         sides), whether a solve is ``quick``, the ``proof`` of the count or None and its
-        ``reservation`` in words, and the ``numbers``, doubles in base64.
+        ``reservation`` in words, the ``drives`` (`drawn_drives`), and the ``numbers``, doubles in
+        base64.
 
     Raises
     ------
@@ -138,6 +140,7 @@ def live_numbers(result: SolveResult) -> dict[str, Any]:
         "quick": geometry.found <= _QUICK,
         "proof": geometry.proof and geometry.proof.to_json(),
         "reservation": "" if geometry.proof is None else geometry.proof.reservation,
+        "drives": drawn_drives(result.instance),
         "numbers": numbers.text(),
     }
 

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 MODES = 3
 
 
-@pytest.mark.parametrize("name", ["figure-3", "surfaces-ppp"])
+@pytest.mark.parametrize("name", ["figure-3", "surfaces-ppp", "hexaglide"])
 def test_modes_are_drawn_alike_on_both_pages(browser: Browser, tmp_path: Path, name: str) -> None:
     found = compared(browser, name, tmp_path, MODES)
     assert found is not None

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
+from gspcli.geometry.instance import Instance
+from gspcli.pictures.arms import drawn_drives
 from gspcli.pictures.scene import Scene
 from gspcli.pictures.staging import scene_of
 from gspcli.resources import instance_files
@@ -19,11 +21,23 @@ if TYPE_CHECKING:
     from tools.browser import Browser
 
 SOURCES = ROOT / "tools" / "view" / "src" / "live"
-MODULES = ("vectors.js", "rotations.js", "strokes.js")
+MODULES = ("vectors.js", "rotations.js", "drives.js", "strokes.js")
 #: Shorter guides are rounding errors.
 SEEN = 1e-9
-#: All kinds among them; feet beyond what is drawn of lines and planes.
-NAMES = ("example-6.8", "figure-3", "six-planes", "surfaces-ppp", "figure-2", "point-on-line")
+#: All kinds among them; feet beyond what is drawn of lines and planes; arms, rails with and without
+#: a range, and arms on the platform.
+NAMES = (
+    "example-6.8",
+    "figure-3",
+    "six-planes",
+    "surfaces-ppp",
+    "figure-2",
+    "point-on-line",
+    "delta",
+    "hexaglide",
+    "three-prs",
+    "modified-paradex",
+)
 
 
 @pytest.fixture(scope="module")
@@ -64,8 +78,8 @@ def test_planes_do_not_grow_without_need_or_without_end(
     assert chromium.run(f"reaching({json.dumps(plane)}, {foot}, 2)") is None
 
 
-def bodies(scene: Scene) -> list[dict[str, Any]]:
-    """Return each constraint with both primitives as they are drawn."""
+def bodies(scene: Scene, instance: Instance) -> list[dict[str, Any]]:
+    """Return each constraint with both primitives as they are drawn, and its crank or slide."""
     found = {
         body.name: {
             element.name: {
@@ -82,18 +96,20 @@ def bodies(scene: Scene) -> list[dict[str, Any]]:
             "kind": bond.kind.name,
             "platform": found["platform"][bond.platform_name],
             "base": found["base"][bond.base_name],
+            "drive": drive,
         }
-        for bond in scene.bonds
+        for bond, drive in zip(scene.bonds, drawn_drives(instance), strict=True)
     ]
 
 
 @pytest.mark.parametrize("name", NAMES)
 def test_strokes_are_those_of_the_scene(draw: Any, name: str) -> None:
-    scene = scene_of(solve(load(instance_files()[name])))
+    instance = load(instance_files()[name])
+    scene = scene_of(solve(instance))
     modes = scene.series[0]
     for k in range(len(modes)):
         pose = {"R": modes.R[k].ravel().tolist(), "T": modes.T[k].tolist()}
-        for i, constraint in enumerate(bodies(scene)):
+        for i, constraint in enumerate(bodies(scene, instance)):
             found = draw(constraint, pose, scene.size)
             np.testing.assert_allclose(found["label"], modes.labels[k, i], atol=1e-7 * scene.size)
             expected = [(s.style.value, s.points[k]) for s in modes.strokes[i]]

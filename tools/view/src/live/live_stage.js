@@ -14,15 +14,16 @@ const FAINT = 9;
 const NEAREST = 6;
 
 export class LiveStage extends Stage {
-  constructor(canvas, labels, scene, paint) {
+  /** `drives` has of each constraint the crank or slide of its point, or null. */
+  constructor(canvas, labels, scene, drives, paint) {
     super(canvas, labels, scene);
     this.paint = paint;
     this.shades = new Map();
     this.fading = [];
     this.others = "all";
     const named = ({ elements }, name) => elements.find((element) => element.name === name);
-    this.measured = scene.constraints.map(({ kind, platform, base }) => ({
-      kind, platform: named(scene.platform, platform), base: named(scene.base, base),
+    this.measured = scene.constraints.map(({ kind, platform, base }, k) => ({
+      kind, platform: named(scene.platform, platform), base: named(scene.base, base), drive: drives[k],
     }));
     // Every stroke that a constraint may have; where they are comes with each move.
     const strokes = this.measured.map((each) =>

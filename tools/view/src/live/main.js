@@ -40,7 +40,7 @@ function notice(text) {
 
 function openStage() {
   try {
-    return new LiveStage(byId("canvas"), byId("labels"), scene, modePaint);
+    return new LiveStage(byId("canvas"), byId("labels"), scene, live.drives, modePaint);
   } catch (error) {
     notice(`The picture needs WebGL, which this browser does not offer. All numbers are in the list. (${error.message})`);
     return null;

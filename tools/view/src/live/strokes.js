@@ -1,5 +1,6 @@
-// What is drawn of a constraint at a pose, as gspcli/pictures/{strokes,guides,stage}.py have it: the
-// shortest connection with its right angles, or the arc between two directions.
+// What is drawn of a constraint at a pose, as gspcli/pictures/{strokes,guides,stage,arms}.py have it: the
+// shortest connection with its right angles, or the arc between two directions; the arm or rail of its point.
+import { armAt } from "./drives.js";
 import { turned, turnedBack } from "./rotations.js";
 import { add, cross, dot, middle, norm, perpendicular, sub, times, unit } from "./vectors.js";
 
@@ -18,7 +19,7 @@ const PARALLEL = 1e-9;
 const INSIDE = 1e-6;
 
 /** Strokes `[{style, points}]` of a constraint, and where its number is written. */
-export function strokesAt({ kind, platform, base }, { R, T }, size) {
+export function strokesAt({ kind, platform, base, drive }, { R, T }, size) {
   const place = (p) => add(turned(R, p), T);
   const at = { platform: place(middle(platform.outline)), base: middle(base.outline) };
   const directions = { w: platform.direction && turned(R, platform.direction), v: base.direction };
@@ -28,6 +29,8 @@ export function strokesAt({ kind, platform, base }, { R, T }, size) {
   strokes.push(...rightAngles(kind, ends, directions, size));
   if (base.primitive !== "P") strokes.push(guide(base, ends.base, (p) => p));
   if (platform.primitive !== "P") strokes.push(guide(platform, turnedBack(R, sub(ends.platform, T)), place));
+  // Cranks and slides stand still on this page.
+  if (drive) strokes.push(armAt(drive, 0, { R, T }, size));
   return { strokes, label: times(0.5, add(ends.platform, ends.base)) };
 }
 
