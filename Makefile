@@ -61,8 +61,8 @@ verify: $(STAMP) msolve ## all data derived again and compared (hours; taken up 
 verify-solve: $(STAMP) ## random platforms of every family solved completely, recorded (40 minutes)
 	$(BIN)/python -m tools.verify.solve all --jobs $(JOBS)
 
-verify-exports: $(STAMP) msolve ## 100 random types in MuJoCo, forces of 200, 50 in programs for polynomial systems (half an hour)
-	$(BIN)/python -m pytest -q -rs -n $(JOBS) -m slow tests/oracles/test_mujoco.py tests/oracles/test_exported_systems.py tests/oracles/test_dynamics_mujoco.py tests/oracles/test_dynamics_pinocchio.py
+verify-exports: $(STAMP) msolve ## 100 random types and all modes of machines with motors in MuJoCo, forces of 200, 50 in programs for polynomial systems (half an hour)
+	$(BIN)/python -m pytest -q -rs -n $(JOBS) -m slow tests/oracles/test_mujoco.py tests/oracles/test_exported_systems.py tests/oracles/test_dynamics_mujoco.py tests/oracles/test_dynamics_pinocchio.py tests/oracles/test_driven_mujoco.py
 
 verify-pages: $(STAMP) ## live pages of all platforms drawn in every mode, compared with ordinary pages (minutes; chromium)
 	$(BIN)/python -m tools.verify.live_pictures

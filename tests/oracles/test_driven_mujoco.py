@@ -6,11 +6,7 @@ import numpy as np
 import pytest
 
 import gspcli
-from gspcli.dynamics import forward_dynamics, inverse_dynamics, natural_modes
-from gspcli.dynamics.drives import Drives as RateDrives
-from gspcli.dynamics.mass_model import MassModel
-from gspcli.dynamics.moved_points import driven_numbers
-from gspcli.dynamics.moving_bodies import equation_of_motion
+from gspcli.dynamics import forward_dynamics, inverse_dynamics
 from gspcli.export.mjcf import mjcf
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.drives import Drives
@@ -25,6 +21,7 @@ from tests.support.driven_machines import (
     weighed,
 )
 from tests.support.masses import in_metres
+from tests.support.reference_modes import frequencies_off, mass_off
 from tests.support.simulated_trees import ClosedTree
 
 mujoco = pytest.importorskip("mujoco")
@@ -144,17 +141,9 @@ def test_torques_at_rest_and_moving(name):
         assert found.powers.shape == found.torques.shape
 
 
-@pytest.mark.parametrize("name", [*SHIPPED, "6-PUS", "mixed"])
+@pytest.mark.parametrize("name", [*SHIPPED, *MADE_UP])
 def test_mass_matrices(name):
-    instance, R, T, q, _ = _weighed(name, 4)
-    model = MassModel.of(instance)
-    R, T = R[None], T[None] * model.metre
-    numbers = driven_numbers(model, R, T)
-    drives = RateDrives(model, R, T, numbers)
-    mass, _ = equation_of_motion(model, R, T, np.zeros((1, 6)), numbers)
-    rotors = np.swapaxes(drives.pulls, -1, -2) * model.rotors @ drives.pulls
-    tree = ClosedTree(rebased(instance, q), R[0], T[0] / model.metre)
-    assert off((mass + rotors)[0], tree.mass()) < 1e-9
+    assert mass_off(ClosedTree, name, 4) < 1e-9
 
 
 @pytest.mark.parametrize("name", [*SHIPPED, *MADE_UP])
@@ -170,32 +159,9 @@ def test_accelerations_under_torques(name):
     assert off(needed.torques[0], torques) < 1e-9
 
 
-@pytest.mark.parametrize("name", [*SHIPPED, "6-PUS", "delta"])
+@pytest.mark.parametrize("name", [*SHIPPED, *MADE_UP])
 def test_natural_frequencies_with_preload(name):
-    """Against differences of MuJoCo's accelerations, the drives being springs."""
-    instance, R, T, q, _ = _weighed(name, 6, least=0.4)
-    low = natural_modes(instance, R, T, stiffness=1e6).squares[0, 0]
-    stiffness = np.full(len(q), 1e6 * (2 * np.pi * 5) ** 2 / abs(low))
-    found = natural_modes(instance, R, T, stiffness=stiffness)
-    drives, size = Drives.of(instance), Arrangement.of(instance).length
-    knees = np.sign(drives.gains(R, T, q)).astype(int)
-    # A delta does not turn.
-    free = range(6) if len(q) == 6 else range(3, 6)
-    unit = np.repeat([1.0, size], 3)[free]
-
-    def acceleration(step):
-        twist = np.zeros(6)
-        twist[free] = step * unit
-        pose = rotation_from_vector(twist[:3]) @ R, T + twist[3:]
-        now = drives.inverse(*pose, knees)
-        torques = found.torques[0] - stiffness * (now - q)
-        at = ClosedTree(rebased(instance, now), *pose).acceleration(np.zeros(6), torques)
-        return at[free] / unit
-
-    matrix, step = np.zeros((len(free), len(free))), 1e-3
-    for j, axis in enumerate(np.eye(len(free))):
-        for weight, factor in ((1, -2), (-8, -1), (8, 1), (-1, 2)):
-            matrix[:, j] -= weight / (12 * step) * acceleration(step * factor * axis)
-    expected = np.sort(np.linalg.eigvals(matrix).real)
-    assert found.squares.shape == (1, len(q))
-    assert np.abs(found.squares[0] / expected - 1).max() < 1e-8
+    """The drives are springs, so soft that the weights count."""
+    squares, torques = frequencies_off(ClosedTree, name, 6, 5.0)
+    assert squares < 1e-9
+    assert torques < 1e-9

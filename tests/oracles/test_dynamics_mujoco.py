@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib.util
 import sys
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -14,8 +15,8 @@ from gspcli.dynamics import drive_forces as forces_module
 from gspcli.dynamics import drives as drives_module
 from gspcli.dynamics import forward_dynamics, inverse_dynamics, natural_modes
 from gspcli.dynamics import moving_bodies as bodies_module
-from gspcli.geometry.quaternions import rotation_from_vector
-from gspcli.motion import measure
+from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.lengths import METRES
 from tests.support.masses import (
     MACHINES,
     in_metres,
@@ -24,6 +25,7 @@ from tests.support.masses import (
     random_platform,
     with_masses,
 )
+from tests.support.reference_modes import reference_squares, soft_springs
 from tests.support.simulated_trees import ClosedTree, signs
 
 pytest.importorskip("mujoco")
@@ -87,31 +89,17 @@ def test_accelerations_under_forces(name):
     assert off(found, ClosedTree(instance, R, T).acceleration(t, F * signs(instance, R, T))) < 1e-9
 
 
-@pytest.mark.parametrize("name", ["6DPP", "DPP DPL DLP ALH AHL AHH", "DLL DPP DPP DPH DHP DLP"])
+@pytest.mark.parametrize("name", KINDS)
 @pytest.mark.parametrize("hertz", [50.0, 2.0])
 def test_natural_frequencies(name, hertz):
-    """Against differences of MuJoCo's accelerations, the drives being springs with preload."""
+    """The drives are springs with preload."""
     rng = np.random.default_rng(3)
     instance, R, T = random_platform(name, rng, worst=20)
-    low = natural_modes(instance, R, T, stiffness=1e6).squares[0, 0]
-    stiffness = np.full(6, 1e6 * (2 * np.pi * hertz) ** 2 / abs(low))
+    stiffness = soft_springs(instance, R, T, 6, hertz)
     found = natural_modes(instance, R, T, stiffness=stiffness)
-    held, preload = measure(instance, R, T), found.preload[0]
-    radian = np.where(
-        [row.kind.is_distance for row in instance.constraints], 1.0, instance.units.angle.in_radians
-    )
-
-    def acceleration(twist):
-        pose = rotation_from_vector(twist[:3]) @ R, T + twist[3:]
-        F = preload - stiffness * (measure(instance, *pose) - held) * radian
-        return ClosedTree(instance, *pose).acceleration(np.zeros(6), F * signs(instance, *pose))
-
-    matrix, step = np.zeros((6, 6)), 1e-3
-    for j, unit in enumerate(np.eye(6)):
-        for weight, factor in ((1, -2), (-8, -1), (8, 1), (-1, 2)):
-            matrix[:, j] -= weight / (12 * step) * acceleration(step * factor * unit)
-    expected = np.sort(np.linalg.eigvals(matrix).real)
-    assert np.abs(found.squares[0] / expected - 1).max() < 1e-8
+    size, metre = Arrangement.of(instance).length, METRES[instance.units.length]
+    expected, _ = reference_squares(partial(ClosedTree, instance), R, T, size, metre, stiffness)
+    assert np.abs(found.squares[0] / expected - 1).max() < 1e-9
 
 
 #: Terms that a wrong formula would lack or have wrong: module, what stands there, what instead.

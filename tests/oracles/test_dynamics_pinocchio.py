@@ -1,4 +1,4 @@
-"""Forces against Pinocchio, which knows joints and bodies and no formula of ours."""
+"""Forces, masses and frequencies against Pinocchio, which knows bodies and no formula of ours."""
 
 from __future__ import annotations
 
@@ -18,6 +18,7 @@ from tests.support.masses import (
     with_masses,
 )
 from tests.support.pinocchio_trees import PinocchioTree
+from tests.support.reference_modes import frequencies_off, mass_off
 from tests.support.simulated_trees import signs
 
 pytest.importorskip("pinocchio")
@@ -53,6 +54,18 @@ def test_torques_of_cranks_and_forces_of_slides(name):
         tree = PinocchioTree(rebased(instance, q), R, T)
         expected = tree.forces(in_metres(instance, t), in_metres(instance, a))
         assert np.abs(found - expected).max() < 1e-9 * np.abs(expected).max()
+
+
+@pytest.mark.parametrize("name", [*SHIPPED, *MADE_UP])
+def test_mass_matrices_of_machines_with_cranks_and_slides(name):
+    assert mass_off(PinocchioTree, name, 4) < 1e-9
+
+
+@pytest.mark.parametrize("name", [*SHIPPED, *MADE_UP])
+def test_natural_frequencies_of_machines_with_cranks_and_slides(name):
+    squares, torques = frequencies_off(PinocchioTree, name, 7, 5.0)
+    assert squares < 1e-9
+    assert torques < 1e-9
 
 
 @pytest.mark.parametrize(

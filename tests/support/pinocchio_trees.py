@@ -181,37 +181,62 @@ class PinocchioTree:
             bends.append([e @ a[3:]])
         return np.vstack(rows), np.concatenate(bends)
 
+    def _completed(self, J, platform, right):
+        """Return the rates of all joints with those of the platform given: J v = right."""
+        own = slice(*(self.model.joints[self.platform].idx_v + k for k in (0, 6)))
+        others = np.ones(self.model.nv, bool)
+        others[own] = False
+        rates = np.zeros(self.model.nv)
+        rates[own] = platform
+        rates[others] = np.linalg.lstsq(J[:, others], right - J @ rates, rcond=None)[0]
+        return rates
+
+    def _own(self, twist):
+        """Return the rates of the free flyer, which are in the axes of its body."""
+        return np.concatenate((self.R.T @ twist[3:], self.R.T @ twist[:3]))
+
     def forces(self, twist, acceleration):
         """Return the forces of the drives, rotors included."""
         pin, m = self.pin, self.model
         data, q = m.createData(), pin.neutral(m)
-        own = slice(m.joints[self.platform].idx_v, m.joints[self.platform].idx_v + 6)
-        others = np.ones(m.nv, bool)
-        others[own] = False
         J, _ = self._closure(data, q, np.zeros(m.nv))
-        omega, R = twist[:3], self.R
-
-        def completed(platform, right):
-            rates = np.zeros(m.nv)
-            rates[own] = platform
-            rest = right - J @ rates
-            rates[others] = np.linalg.lstsq(J[:, others], rest, rcond=None)[0]
-            return rates
-
-        v = completed(np.concatenate((R.T @ twist[3:], R.T @ omega)), np.zeros(len(J)))
+        v = self._completed(J, self._own(twist), np.zeros(len(J)))
         J, bend = self._closure(data, q, v)
-        # The velocity of a free flyer is in the axes of its body, which turn.
-        linear = R.T @ (acceleration[3:] - np.cross(omega, twist[3:]))
-        a = completed(np.concatenate((linear, R.T @ acceleration[:3])), -bend)
+        # The axes of the body turn.
+        turning = np.concatenate((np.zeros(3), np.cross(twist[:3], twist[3:])))
+        a = self._completed(J, self._own(acceleration - turning), -bend)
         needed = pin.rnea(m, data, q, v, a)
-        count = len(self.values)
-        S = np.zeros((count, m.nv))
-        S[range(count), self.values] = 1
+        S = self._drives()
         # Nothing turns a rod about itself.
         matrix = np.hstack((S.T, J[: len(J) - len(self.spins)].T))
         found = np.linalg.lstsq(matrix, needed, rcond=1e-14)[0]
         assert np.abs(matrix @ found - needed).max() < 1e-9 * np.abs(needed).max()
-        return found[:count] + self._rotors() * a[self.values]
+        return found[: len(S)] + self._rotors() * a[self.values]
+
+    def _drives(self):
+        """Return the rows that choose the joints of the drives."""
+        S = np.zeros((len(self.values), self.model.nv))
+        S[range(len(S)), self.values] = 1
+        return S
+
+    def _moves(self, twists):
+        """Return the rates of all joints for n twists of the platform, (n, joints)."""
+        data, q = self.model.createData(), self.pin.neutral(self.model)
+        J, _ = self._closure(data, q, np.zeros(self.model.nv))
+        return np.array([self._completed(J, self._own(one), np.zeros(len(J))) for one in twists])
+
+    def mass(self, twists):
+        """Return the mass matrix of all bodies by amounts of twists of the platform, (n, n)."""
+        data, q = self.model.createData(), self.pin.neutral(self.model)
+        M = np.triu(self.pin.crba(self.model, data, q))
+        M += np.triu(M, 1).T
+        S = self._drives()
+        moves = self._moves(twists)
+        return moves @ (M + S.T * self._rotors() @ S) @ moves.T
+
+    def rates(self, twists):
+        """Return the rates of the drives by amounts of n twists of the platform, (m, n)."""
+        return self._drives() @ self._moves(twists).T
 
     def _rotors(self):
         if self.drives is not None:

@@ -104,13 +104,21 @@ class ClosedTree:
         assert np.abs(matrix @ found - needed).max() < 1e-9 * np.abs(needed).max()
         return found[: len(self.S)]
 
-    def mass(self):
-        """Return the mass matrix of all bodies by the twist of the platform, (6, 6)."""
+    def _moves(self, twists):
+        """Return the rates of all joints for n twists of the platform, (n, joints)."""
         J = np.vstack((self._rows(self.mujoco.mj_jac), self._spins(self.mujoco.mj_jac)))
-        moves = np.array([self._complete(J, np.zeros(len(J)), unit) for unit in np.eye(6)])
+        return np.array([self._complete(J, np.zeros(len(J)), twist) for twist in twists])
+
+    def mass(self, twists):
+        """Return the mass matrix of all bodies by amounts of twists of the platform, (n, n)."""
         M = np.zeros((self.m.nv, self.m.nv))
         self.mujoco.mj_fullM(self.m, self.d, M)
+        moves = self._moves(twists)
         return moves @ M @ moves.T
+
+    def rates(self, twists):
+        """Return the rates of the drives by amounts of n twists of the platform, (m, n)."""
+        return self.S @ self._moves(twists).T
 
     def acceleration(self, twist, forces):
         """Return the acceleration of the platform under forces of the drives."""
