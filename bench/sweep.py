@@ -15,8 +15,8 @@ from bench.homotopy import structure_of
 from gspcli.catalogue.counts import all_families, family_counts
 from gspcli.catalogue.types import MAX_ANGLES
 from gspcli.continuation.start import start_system
-from gspcli.pictures.charts import scatter_chart
 from gspcli.solver import solve
+from tools.charts import scatter_chart
 
 #: Platforms solved more quickly than this (in seconds) are solved again, and the least counts.
 _QUICK = 0.05

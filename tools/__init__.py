@@ -9,5 +9,6 @@ says what it can do.
 - `fuzz`: random questions, as many as one likes, until a wrong answer is found
 - `special`: special and nearly special platforms with their exact counts
 - `oracle`: other programs, and equations that share nothing with what is solved
+- `equations`: the degrees and loci of the constraints, proved again, and their equations as text
 - `view`: the sources of the page of `gsp view`
 """

@@ -13,8 +13,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.continuation.monodromy import random_quadrics
-from gspcli.continuation.quadrics import BASES, ComplexArray, evaluate
+from gspcli.continuation.quadrics import BASES, ComplexArray, evaluate, random_quadrics
 from gspcli.continuation.systems import EQUATIONS, Coefficients, Structure, System
 from gspcli.continuation.tracker import PathStatus, track
 from gspcli.continuation.tracker_options import CAREFUL, PARANOID

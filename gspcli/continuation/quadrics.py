@@ -164,3 +164,14 @@ def swap_points(points: NDArray[Number]) -> NDArray[Number]:
 def swap_letters(spaces: str) -> str:
     """Return the spaces with p and q exchanged."""
     return spaces.translate(str.maketrans("pq", "qp"))
+
+
+def random_complex(rng: np.random.Generator, *shape: int) -> ComplexArray:
+    """Return complex standard normal numbers."""
+    return rng.standard_normal(shape) + 1j * rng.standard_normal(shape)
+
+
+def random_quadrics(spaces: str, rng: np.random.Generator) -> ComplexArray:
+    """Return random quadrics of norm 1, one of each space named, shape (len(spaces), 27)."""
+    rows = np.array([random_complex(rng, len(BASES[x])) @ BASES[x] for x in spaces])
+    return np.asarray(rows / np.linalg.norm(rows, axis=1, keepdims=True))

@@ -41,21 +41,6 @@ class StartSystem:
     """All solutions, shape (paths, 8), of single precision at least: the tracker corrects them."""
 
 
-def canonical_monomials() -> list[str]:
-    """Return the 119 monomials a^i p^j q^k l^m s^n with i <= 3 and j >= k, sorted by letters."""
-    exponents = product(range(4), *[range(EQUATIONS + 1)] * 4)
-    chosen = [n for n in exponents if sum(n) == EQUATIONS and n[1] >= n[2]]
-    return ["".join(x * k for x, k in zip(LETTERS, n, strict=True)) for n in chosen]
-
-
-def pack_points(points: ComplexArray) -> ComplexArray:
-    """Return Study points (n, 8) as stored: divided by e0, without it, in a fixed order."""
-    affine = points[:, 1:] / points[:, :1]
-    # Keys are rounded, because solutions of some monomials share their rotation.
-    keys = np.round(affine.real, 5)
-    return affine[np.lexsort(keys.T[::-1])].astype(np.complex64)
-
-
 def distinct(points: ComplexArray) -> bool:
     """Return whether no two of some points (n, 8) of norm 1 agree up to a factor."""
     gram = np.abs(points.conj() @ points.T)

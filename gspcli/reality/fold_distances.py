@@ -17,8 +17,8 @@ from gspcli.catalogue.kinds import DLP, DPL, DPP
 from gspcli.geometry.constraint_polynomials import Gradient, polynomial
 from gspcli.geometry.measurement import by_twist
 from gspcli.geometry.quaternions import dot
+from gspcli.reality.patterns import NUMBERS, Pattern
 from gspcli.reality.platforms import Platforms
-from gspcli.reality.split_platforms import NUMBERS, Pattern
 from gspcli.records import dataclass
 
 Array = NDArray[np.float64]

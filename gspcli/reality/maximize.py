@@ -24,9 +24,9 @@ from gspcli.continuation.systems import Structure
 from gspcli.defaults import SEED
 from gspcli.geometry.shortest_step import shortest_step
 from gspcli.reality.fold_distances import Folds, moved
+from gspcli.reality.patterns import Pattern
 from gspcli.reality.platforms import Platforms, random_platforms, reduced
 from gspcli.reality.solved_platforms import Solved, followed_from, solved
-from gspcli.reality.split_platforms import Pattern
 from gspcli.records import dataclass
 from gspcli.workers import HERE, Workers
 

@@ -12,9 +12,9 @@ from gspcli.continuation.tracked_paths import track_all
 from gspcli.defaults import SEED
 from gspcli.geometry.quaternions import pose_from_study
 from gspcli.reality.fold_distances import Folds, folds
+from gspcli.reality.patterns import Pattern
 from gspcli.reality.platforms import Platforms
 from gspcli.reality.recognition import look_real, reality
-from gspcli.reality.split_platforms import Pattern
 from gspcli.records import dataclass
 
 Complex = NDArray[np.complex128]

@@ -15,13 +15,10 @@ from collections.abc import Mapping
 from functools import cache
 
 import sympy
-from sympy import Expr, Matrix, Symbol
+from sympy import Expr, Symbol
 
 from gspcli.catalogue.kinds import Kind, Primitive
 from gspcli.records import dataclass
-from gspcli.symbolic.coordinate_systems import (
-    MOTIONS,
-)
 from gspcli.symbolic.forms import (
     TRANSLATION,
     Frame,
@@ -173,7 +170,7 @@ def equations(kind: Kind, *, one_sided: bool = False) -> tuple[SymbolicEquation,
     """
     where = setting(kind)
     if not kind.is_distance:
-        return (SymbolicEquation(inner(*where.axes), _angle_value(kind), "product"),)
+        return (SymbolicEquation(inner(*where.axes), angle_value(kind), "product"),)
     if kind.has_sides and one_sided:
         return (SymbolicEquation(_height(kind), DISTANCE, "product"),)
     numerator, denominator = squared_distance(kind)
@@ -224,7 +221,7 @@ def _negated(vectors: Sum) -> Sum:
     return Sum(tuple((-coefficient, vector) for coefficient, vector in vectors.terms))
 
 
-def _angle_value(kind: Kind) -> Expr:
+def angle_value(kind: Kind) -> Expr:
     """Return the inner product of the two unit vectors at the angle alpha.
 
     The angle of two lines is that of their directions. The angle of a line and a plane is the
@@ -242,7 +239,7 @@ def equation(
     """Return an equation of lowest degree and that degree.
 
     That no polynomial of lower degree has the zeros of the constraint is shown in
-    `gspcli.symbolic.degrees`.
+    `tools.equations.lower_degrees`.
 
     Parameters
     ----------
@@ -264,45 +261,3 @@ def equation(
         if its_degree is not None and (found is None or its_degree < found[1]):
             found = candidate, its_degree
     return found
-
-
-#: Components for `written_equation`: special vectors could only lower the degree.
-_COMPONENTS = {
-    "Y": Matrix([2, 3, 5]),
-    "X": Matrix([7, -3, 1]),
-    "B": Matrix([1, 4, -2]),
-    "A": Matrix([-5, 2, 3]),
-    "v": Matrix([2, -1, 7]),
-    "u": Matrix([3, 5, -1]),
-}
-
-
-def written_equation(
-    kind: Kind, *, one_sided: bool = False, components: Mapping[str, Matrix] = _COMPONENTS
-) -> Expr:
-    """Return the paper's equation (Section 4) as a polynomial in the entries of R and T.
-
-    It is to be zero; nothing in it is reduced by the equations of the rigid motions.
-    """
-    rotation, translation = MOTIONS.expressions["R"], MOTIONS.expressions["T"]
-    where = setting(kind)
-
-    def carried(vector: Vector) -> Matrix:
-        column = components[str(vector.name)]
-        return rotation * column if vector.frame is Frame.PLATFORM else column
-
-    offset = carried(where.platform.point) + translation - carried(where.base.point)
-    axes = [carried(axis) for axis in where.axes]
-    if not kind.is_distance:
-        return axes[0].dot(axes[1]) - _angle_value(kind)
-    if kind.has_sides:
-        above = 1 if kind.base is Primitive.PLANE else -1
-        height = above * offset.dot(axes[0])
-        return height - DISTANCE if one_sided else height**2 - DISTANCE**2
-    if len(axes) == 1:
-        moment = offset.cross(axes[0])
-        return moment.dot(moment) - DISTANCE**2
-    if len(axes) == 2:
-        normal = axes[0].cross(axes[1])
-        return offset.dot(normal) ** 2 - DISTANCE**2 * normal.dot(normal)
-    return offset.dot(offset) - DISTANCE**2

@@ -7,10 +7,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from gspcli.continuation.monodromy import random_quadrics
 from gspcli.continuation.quadrics import (
     BASES,
     monomials,
+    random_quadrics,
     swap_letters,
     swap_points,
     swap_quadrics,

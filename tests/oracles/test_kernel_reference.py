@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from gspcli.continuation.endpoints import random_start
-from gspcli.continuation.monodromy import random_quadrics
+from gspcli.continuation.quadrics import random_quadrics
 from gspcli.continuation.start import start_system
 from gspcli.continuation.systems import Structure, System
 from gspcli.continuation.tracker import PathStatus, track

@@ -15,7 +15,7 @@ from typing import Any
 
 from gspcli.catalogue.kinds import KINDS, Kind
 from gspcli.catalogue.recorded_varieties import varieties
-from gspcli.symbolic.constraint_degrees import difference_degree, lowest_degree, paper_degree
+from gspcli.symbolic.constraint_degrees import lowest_degree
 from gspcli.symbolic.constraint_equations import FIXED_ORIENTATION, equation
 from gspcli.symbolic.coordinate_systems import (
     LAZARD,
@@ -24,10 +24,11 @@ from gspcli.symbolic.coordinate_systems import (
     CoordinateSystem,
     system,
 )
-from gspcli.symbolic.degrees import SPARE_POINTS, constrained_motions, excludes_degree
-from gspcli.symbolic.equation_text import LATEX, TEXT, definition, why_lowest, written
-from gspcli.symbolic.loci import loci
 from gspcli.symbolic.varieties import hilbert_function
+from tools.equations.equation_text import LATEX, TEXT, definition, why_lowest, written
+from tools.equations.loci import loci
+from tools.equations.lower_degrees import SPARE_POINTS, constrained_motions, excludes_degree
+from tools.equations.paper_degrees import difference_degree, paper_degree
 from tools.recording import ROOT, canonical_sha256, parser, report, save, versions
 
 TARGET = ROOT / "data" / "constraints.json"

@@ -20,7 +20,7 @@ from gspcli.catalogue.bounds import type_bounds
 from gspcli.catalogue.counts import generic_counts
 from gspcli.catalogue.types import all_types
 from gspcli.cli.main import run
-from gspcli.pictures.charts import Bubble, bubble_chart
+from tools.charts import Bubble, bubble_chart
 from tools.recording import ROOT, parser, save, with_section
 
 PAGE = ROOT / "docs" / "counts.md"

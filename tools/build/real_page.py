@@ -12,7 +12,7 @@ from gspcli.catalogue.counts import family_counts
 from gspcli.catalogue.real_counts import real_counts
 from gspcli.catalogue.types import CLASSES, families
 from gspcli.catalogue.witnesses import best_real, summary
-from gspcli.pictures.charts import Bubble, bubble_chart
+from tools.charts import Bubble, bubble_chart
 from tools.recording import ROOT, parser, save
 
 PAGE = ROOT / "docs" / "real-counts.md"

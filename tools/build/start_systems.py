@@ -12,25 +12,35 @@ from __future__ import annotations
 import io
 import json
 import sys
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.cli.progress_bars import progress
-from gspcli.continuation.monodromy import (
-    GenericSolutions,
-    move,
-    random_phases,
-    random_quadrics,
-    solve_generic,
-)
-from gspcli.continuation.quadrics import LETTERS, ComplexArray
-from gspcli.continuation.start import canonical_monomials, distinct, generic_factors, pack_points
+from gspcli.continuation.quadrics import LETTERS, ComplexArray, random_quadrics
+from gspcli.continuation.start import distinct, generic_factors
 from gspcli.continuation.systems import EQUATIONS
+from tools.build.monodromy import GenericSolutions, move, random_phases, solve_generic
 from tools.recording import ROOT, parser, sampled, save, sha256, versions
 
 FOLDER = ROOT / "data" / "start-systems"
 SEEDS = (1, 2, 3)
+
+
+def canonical_monomials() -> list[str]:
+    """Return the 119 monomials a^i p^j q^k l^m s^n with i <= 3 and j >= k, sorted by letters."""
+    exponents = product(range(4), *[range(EQUATIONS + 1)] * 4)
+    chosen = [n for n in exponents if sum(n) == EQUATIONS and n[1] >= n[2]]
+    return ["".join(x * k for x, k in zip(LETTERS, n, strict=True)) for n in chosen]
+
+
+def pack_points(points: ComplexArray) -> ComplexArray:
+    """Return Study points (n, 8) as stored: divided by e0, without it, in a fixed order."""
+    affine = points[:, 1:] / points[:, :1]
+    # Keys are rounded, because solutions of some monomials share their rotation.
+    keys = np.round(affine.real, 5)
+    return affine[np.lexsort(keys.T[::-1])].astype(np.complex64)
 
 
 def stored_factors(seed: int) -> ComplexArray:

@@ -1,7 +1,7 @@
 """Construct platforms with many real solutions for types with DPL and DLP.
 
 For each family whose solutions are not all known to be real, and to which no simpler one with as
-many solutions leads (`lift.py`): split its DPL and DLP (`gspcli.reality.split_platforms`) in one of
+many solutions leads (`lift.py`): split its DPL and DLP (`tools.witnesses.splittings`) in one of
 the ways that leave the most solutions, look for a platform of what remains with all of them real,
 some seconds of processor time for each pattern (`patterns.py`), and go from there to a platform of
 the family. What is known of the patterns is kept beside the journal.
@@ -17,9 +17,9 @@ import numpy as np
 from gspcli.catalogue.kinds import Kind
 from gspcli.geometry.quaternions import pose_from_study
 from gspcli.reality.solved_platforms import Solved, quickly_solved
-from gspcli.reality.split_platforms import Splitting, splittings
 from tools.witnesses.known import Known, by_dependents, kinds_of, solutions
 from tools.witnesses.patterns import Patterns, canonical, generic_count
+from tools.witnesses.splittings import Splitting, splittings
 
 #: How far points that turn are away, in units of the largest distance of a place from their middle
 #: over the square of the cosine; the cosines, and the distances that are tried.

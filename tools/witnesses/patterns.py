@@ -16,10 +16,11 @@ from gspcli.continuation.start import path_count
 from gspcli.continuation.tracked_paths import track_all
 from gspcli.defaults import SEED
 from gspcli.reality.maximize import Search
+from gspcli.reality.patterns import Pattern
 from gspcli.reality.platforms import Platforms, random_platforms, reduced
 from gspcli.reality.solved_platforms import Solved, solved
-from gspcli.reality.split_platforms import Pattern, Splitting
 from tools.witnesses.known import add_entry, numbers_of, read_journal
+from tools.witnesses.splittings import Splitting
 
 #: A platform with all solutions real is moved so far away from folds, in so many steps.
 _COMFORT, _IMPROVEMENTS = 0.15, 300

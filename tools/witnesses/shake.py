@@ -13,9 +13,9 @@ import numpy as np
 
 from gspcli.catalogue.witnesses import named_family
 from gspcli.reality.fold_distances import moved
+from gspcli.reality.patterns import Pattern
 from gspcli.reality.platforms import Array, Platforms
 from gspcli.reality.solved_platforms import Solved, quickly_solved
-from gspcli.reality.split_platforms import Pattern
 from tools.witnesses.known import Known, kinds_of
 
 #: Decimal exponents between which changes are; every second one changes some constraints only.

@@ -7,9 +7,7 @@ import hashlib
 import numpy as np
 import pytest
 
-from gspcli.continuation.monodromy import solve_generic, trace_defects
 from gspcli.continuation.start import (
-    canonical_monomials,
     distinct,
     intersection_number,
     path_count,
@@ -17,6 +15,8 @@ from gspcli.continuation.start import (
 )
 from gspcli.continuation.systems import Structure
 from gspcli.resources import data_json, data_path
+from tools.build.monodromy import solve_generic, trace_defects
+from tools.build.start_systems import canonical_monomials
 
 
 def test_there_are_119_spaces():

@@ -10,7 +10,7 @@ import pytest
 
 from gspcli import _kernel
 from gspcli.continuation.endpoints import random_start
-from gspcli.continuation.monodromy import random_quadrics
+from gspcli.continuation.quadrics import random_quadrics
 from gspcli.continuation.start import start_system
 from gspcli.continuation.systems import Coefficients, Structure, System
 from gspcli.continuation.tracker import PathStatus, track

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from gspcli.continuation.monodromy import random_quadrics
+from gspcli.continuation.quadrics import random_quadrics
 from gspcli.continuation.systems import Coefficients, FineCoefficients, Structure, System
 from gspcli.continuation.tracked_paths import joined_ends, track_all
 

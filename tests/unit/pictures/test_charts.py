@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from gspcli.pictures.charts import Bubble, bar_chart, bubble_chart, scatter_chart
+from gspcli.pictures.charts import bar_chart
+from tools.charts import Bubble, bubble_chart, scatter_chart
 
 LABELS = {"x_label": "x", "y_label": "y"}
 

@@ -25,14 +25,13 @@ from gspcli.catalogue.kinds import (
 )
 from gspcli.catalogue.recorded_varieties import varieties
 from gspcli.resources import data_json
-from gspcli.symbolic.constraint_degrees import difference_degree, lowest_degree, paper_degree
+from gspcli.symbolic.constraint_degrees import lowest_degree
 from gspcli.symbolic.constraint_equations import (
     ANGLE,
     DISTANCE,
     equations,
     setting,
     squared_distance,
-    written_equation,
 )
 from gspcli.symbolic.coordinate_systems import (
     LAZARD,
@@ -43,13 +42,14 @@ from gspcli.symbolic.coordinate_systems import (
     motion_blocks,
     system,
 )
-from gspcli.symbolic.degrees import constrained_motions, excludes_degree
 from gspcli.symbolic.forms import Frame, Vector, base, evaluate, inner, platform, triple
-from gspcli.symbolic.loci import loci, quadratic_part
 from gspcli.symbolic.rational_motions import RationalMotion, random_motion
-from gspcli.symbolic.samples import RationalConstraint, sample
 from gspcli.symbolic.varieties import hilbert_function, motion_variables
 from tools.build.constraints import constraint_facts, unproved_degrees
+from tools.equations.exact_constraints import RationalConstraint, sample
+from tools.equations.loci import loci, quadratic_part
+from tools.equations.lower_degrees import constrained_motions, excludes_degree
+from tools.equations.paper_degrees import difference_degree, paper_degree, written_equation
 
 
 def exact(array: Any) -> Matrix:

@@ -13,7 +13,14 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.continuation.quadrics import BASES, ComplexArray, evaluate, monomials
+from gspcli.continuation.quadrics import (
+    BASES,
+    ComplexArray,
+    evaluate,
+    monomials,
+    random_complex,
+    random_quadrics,
+)
 from gspcli.continuation.systems import EQUATIONS, Coefficients, Structure, System
 from gspcli.continuation.tracker import PathStatus, track
 from gspcli.continuation.tracker_options import CAREFUL, TrackerOptions
@@ -41,11 +48,6 @@ class GenericSolutions:
     """The largest relative defect of the trace tests; see `trace_defects`."""
 
 
-def random_complex(rng: np.random.Generator, *shape: int) -> ComplexArray:
-    """Return complex standard normal numbers."""
-    return rng.standard_normal(shape) + 1j * rng.standard_normal(shape)
-
-
 def random_phases(rng: np.random.Generator, *shape: int) -> ComplexArray:
     """Return random complex numbers of absolute value 1."""
     return np.asarray(np.exp(2j * np.pi * rng.random(shape)))
@@ -56,12 +58,6 @@ def random_point(rng: np.random.Generator) -> ComplexArray:
     e, f = random_complex(rng, 2, 4)
     point = np.concatenate([e, f - e * (e @ f) / (e @ e)])
     return np.asarray(point / np.linalg.norm(point))
-
-
-def random_quadrics(spaces: str, rng: np.random.Generator) -> ComplexArray:
-    """Return random quadrics of norm 1, one of each space named, shape (len(spaces), 27)."""
-    rows = np.array([random_complex(rng, len(BASES[x])) @ BASES[x] for x in spaces])
-    return np.asarray(rows / np.linalg.norm(rows, axis=1, keepdims=True))
 
 
 def _through(point: ComplexArray, spaces: str, quadrics: ComplexArray) -> ComplexArray:

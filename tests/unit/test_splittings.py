@@ -12,7 +12,7 @@ from gspcli.geometry.quaternions import pose_from_study
 from gspcli.reality.maximize import Search
 from gspcli.reality.platforms import Platforms, random_platforms, reduced
 from gspcli.reality.solved_platforms import solved
-from gspcli.reality.split_platforms import Splitting, splittings
+from tools.witnesses.splittings import Splitting, splittings
 
 ANGLES = (ALL, ALL)
 
