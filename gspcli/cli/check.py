@@ -9,6 +9,7 @@ import click
 from gspcli.cli.names import spec_source
 from gspcli.cli.output import Column, Output, Table, emit, output_options, write
 from gspcli.errors import SpecError
+from gspcli.resources import data_path
 from gspcli.wording import MOST_LINES
 
 if TYPE_CHECKING:
@@ -57,9 +58,9 @@ def command(specs: tuple[str, ...], schema: bool, output: Output) -> None:
         message = "give SPEC, or --schema without one"
         raise click.UsageError(message)
     if schema:
-        from gspcli.spec.schema import schema_text
+        from gspcli.spec.schema import FILE_NAME
 
-        write(output, schema_text())
+        write(output, data_path(FILE_NAME).read_text(encoding="utf-8"))
         return
     from gspcli.spec.checks import check
 

@@ -41,7 +41,8 @@ def command(name: str | None, output: Output) -> None:
 
     The examples are the paper's and special positions; the platforms are real machines with
     published dimensions. Wherever a command takes a SPEC, @NAME stands for one of them.
-    NAME prints the file itself, in any format.
+    NAME prints the file itself, in any format. Its first line tells editors that the schema is
+    beside it: gsp check --schema -o instance.schema.json.
 
     \b
     Examples:
@@ -51,7 +52,9 @@ def command(name: str | None, output: Output) -> None:
       gsp solve @sdss-primary
     """
     if name is not None:
-        text = shipped_file(name.removeprefix("@")).read_text(encoding="utf-8")
+        from gspcli.spec.schema import beside_schema
+
+        text = beside_schema(shipped_file(name.removeprefix("@")).read_text(encoding="utf-8"))
         emit(output, [], texts={output.format: text})
         return
     if output.format == _FILE:

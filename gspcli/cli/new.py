@@ -28,6 +28,7 @@ _TEMPLATE_HEAD = """\
 # expressions such as 1/3, sqrt(3)/2 or 2*cos(pi/5). A direction or normal may have any length.
 # A primitive may serve in several constraints: use its name again. Optional keys: name, source,
 # and home: {position: [x, y, z], quaternion: [w, x, y, z]}, near which the meant real pose is.
+# The first line is for editors; the schema comes by: gsp check --schema -o instance.schema.json.
 """
 
 
@@ -85,6 +86,7 @@ def command(
         return
     from gspcli.solver.instances.new_instance import new
     from gspcli.spec import dumps
+    from gspcli.spec.schema import EDITOR_LINE
 
     text = " ".join(type_words)
     instance = new(text, decimals=decimals, planar=planar, one_sided=one_sided, seed=seed)
@@ -92,7 +94,7 @@ def command(
     head = f"# {gsp_type.id} (type {gsp_type.number}, {gsp_type.platform_class})\n"
     text = dumps(instance)
     if template:
-        head += _TEMPLATE_HEAD
+        head = EDITOR_LINE + head + _TEMPLATE_HEAD
         text = _commented(text, instance)
     write(output, head + text)
 

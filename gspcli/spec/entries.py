@@ -85,11 +85,11 @@ def turning(components: list[Number]) -> list[Number]:
 
 
 def axes(value: Value) -> str:
-    """Return the order of the axes of three angles."""
-    from gspcli.geometry.euler import check_sequence
+    """Return the order of the axes of three angles, which a maker's name may stand for."""
+    from gspcli.geometry.euler import named_order
 
     try:
-        return check_sequence(scalar(value, "an order of axes such as ZYX"))
+        return named_order(scalar(value, "an order of axes such as ZYX"))
     except GspError as error:
         raise ValueError(str(error)) from None
 

@@ -208,7 +208,9 @@ Quaternion = Annotated[
 Order = Annotated[
     str | SkipJsonSchema[None],
     BeforeValidator(entries.axes),
-    WithJsonSchema({"type": "string", "pattern": "^([xyz]{3}|[XYZ]{3})$"}),
+    WithJsonSchema(
+        {"type": "string", "pattern": "^([xyz]{3}|[XYZ]{3}|[Pp][Ii]|[Ll]inux[Cc][Nn][Cc])$"}
+    ),
 ]
 #: Angles need the order of their axes, and are given instead of a quaternion.
 _ORDERED = {"rx": "euler", "ry": "euler", "rz": "euler"}

@@ -14,6 +14,7 @@ from typing import NamedTuple
 
 from gspcli.errors import GspError
 from gspcli.geometry.numbers import Number, parse_number
+from gspcli.spec.schema import EDITOR_LINE
 from gspcli.wording import listed, shown, suggestion
 
 #: Significant digits of a height or an angle that is computed here.
@@ -72,7 +73,7 @@ def motor_file(sort: str, words: Sequence[str], *, comments: bool = False) -> st
     words
         Numbers of the drawing, as KEY=NUMBER with the keys of `KEYS`; angles in degrees.
     comments
-        Whether to say what each line means.
+        Whether to say what each line means, and where editors find the schema.
 
     Raises
     ------
@@ -91,7 +92,7 @@ def motor_file(sort: str, words: Sequence[str], *, comments: bool = False) -> st
     ]
     if comments:
         lines = [_with_comment(line, sort) for line in lines]
-    return "\n".join(lines) + "\n"
+    return (EDITOR_LINE if comments else "") + "\n".join(lines) + "\n"
 
 
 def _with_comment(line: str, sort: str) -> str:

@@ -73,10 +73,10 @@ def test_every_mistake_of_every_file_is_reported(gsp: Run, bad: Path) -> None:
     ]
     wrong = "found '181', expected an angle of LL from 0 to 180 (deg)"
     assert outcome.err.splitlines() == [
-        f"error: {bad}:17:30: constraints[1].value: {wrong}",
-        f"{bad}:18:30: constraints[2].value: {wrong}",
-        f"{bad}:19:30: constraints[3].value: {wrong}",
-        f"{bad}:20:21: constraints[4].distance[2]: found the unknown name 'L9', expected a "
+        f"error: {bad}:18:30: constraints[1].value: {wrong}",
+        f"{bad}:19:30: constraints[2].value: {wrong}",
+        f"{bad}:20:30: constraints[3].value: {wrong}",
+        f"{bad}:21:21: constraints[4].distance[2]: found the unknown name 'L9', expected a "
         "primitive of the base: L4, L5 or L6",
         f"{bad.with_name('none.yaml')}: cannot be read: No such file or directory",
     ]
@@ -87,7 +87,7 @@ def test_the_problems_of_a_file_are_in_its_json(gsp: Run, bad: Path) -> None:
     (entry,) = json.loads(outcome.out)["files"]
     assert entry["valid"] is False
     assert entry["problems"][0] == {
-        "line": 17,
+        "line": 18,
         "column": 30,
         "path": "constraints[1].value",
         "message": "found '181', expected an angle of LL from 0 to 180 (deg)",
@@ -101,7 +101,7 @@ def test_warnings_are_shown_and_are_no_failure(gsp: Run, tmp_path: Path) -> None
     outcome = gsp("check", path)
     assert outcome.code == 0
     assert (
-        f"warning: {path}:20:5: constraints[4]: DPL with value 0 is 2 equations, not one "
+        f"warning: {path}:21:5: constraints[4]: DPL with value 0 is 2 equations, not one "
         "(Section 2): perhaps no solution, or infinitely many"
     ) in outcome.out
 

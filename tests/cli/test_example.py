@@ -23,8 +23,11 @@ def test_the_list_has_every_file_and_its_counts(capsys):
         assert parse_type(entry["type"]).number == entry["number"]
 
 
-def test_one_is_printed_as_it_is(capsys, tmp_path):
-    text = instance_files()["rubin-m2"].read_text(encoding="utf-8")
+def test_one_is_printed_with_the_schema_beside_it(capsys, tmp_path):
+    """Only the address of the schema differs from the shipped file."""
+    shipped = instance_files()["rubin-m2"].read_text(encoding="utf-8")
+    text = shipped.replace("$schema=../instance", "$schema=instance")
+    assert text != shipped
     assert run(["example", "rubin-m2"]) == 0
     assert capsys.readouterr().out == text
     copy = tmp_path / "mine.yaml"

@@ -137,7 +137,7 @@ def test_check_prints_the_schema(capsys: pytest.CaptureFixture[str]) -> None:
     from gspcli.cli.main import run
 
     assert run(["check", "--schema"]) == 0
-    recorded = (ROOT / "docs" / "instance.schema.json").read_text(encoding="utf-8")
+    recorded = (ROOT / "data" / "instance.schema.json").read_text(encoding="utf-8")
     assert capsys.readouterr().out.rstrip() == recorded.rstrip()
     assert run(["check"]) == 2
     assert run(["check", "--schema", "@dietmaier"]) == 2

@@ -170,7 +170,7 @@ needs_singular = pytest.mark.skipif(
         ),
         (
             "tools.build.schema --check",
-            "docs/instance.schema.json",
+            "data/instance.schema.json",
             _replaced('"additionalProperties": false', '"additionalProperties": true'),
         ),
         ("tools.build.counts --docs --check", "docs/images/counts.svg", _replaced("<use", "<Use")),

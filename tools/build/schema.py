@@ -1,4 +1,4 @@
-"""Write the JSON Schema of the instance file to the documentation.
+"""Write the JSON Schema of instance files, which is shipped.
 
 python -m tools.build.schema [--check]
 """
@@ -10,7 +10,7 @@ import sys
 from gspcli.spec.schema import schema_text
 from tools.recording import ROOT, parser, save
 
-TARGET = ROOT / "docs" / "instance.schema.json"
+TARGET = ROOT / "data" / "instance.schema.json"
 
 
 def main() -> int:

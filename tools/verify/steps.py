@@ -257,7 +257,7 @@ STEPS = (
         sample=None,
     ),
     Step("latex", (), "tools.verify.latex --check", sample=None),
-    Step("schema", ("docs/instance.schema.json",), "tools.build.schema --check"),
+    Step("schema", ("data/instance.schema.json",), "tools.build.schema --check"),
     Step(
         "pages",
         ("docs/commands.md", "docs/options.md", "docs/errata.md", "docs/geometry-counts.md"),

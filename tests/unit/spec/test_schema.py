@@ -1,18 +1,73 @@
-"""The published JSON Schema: up to date, true of the examples, false of wrong files."""
+"""The shipped JSON Schema: up to date, true of all shipped files, false of wrong files."""
 
 import copy
 import json
-from pathlib import Path
 
 import jsonschema
 import pytest
 import yaml
 
+from gspcli.cli.main import run
 from gspcli.resources import data_directory
-from gspcli.spec.schema import json_schema
+from gspcli.spec import loads
+from gspcli.spec.schema import EDITOR_LINE, FILE_NAME, json_schema
 
-PUBLISHED = Path(__file__).resolve().parents[3] / "docs" / "instance.schema.json"
-EXAMPLES = sorted((data_directory() / "examples").glob("*.yaml"))
+PUBLISHED = data_directory() / FILE_NAME
+SHIPPED = sorted(data_directory().glob("*/*.yaml"))
+EXAMPLE = data_directory() / "examples" / "example-6.8.yaml"
+#: The keys that no shipped file has, and others.
+ALL_KEYS = """\
+gsp: 1
+name: every key
+source: a test
+type: 6PP
+units: {length: mm, angle: deg}
+platform:
+  P1: {point: [60, 0, 0], cone: {axis: [0, 0, -1], half_angle: 60}}
+  P2: {point: [30, 50, 0]}
+  P3: {point: [-30, 50, 0]}
+  P4: {point: [-60, 0, 0]}
+  P5: {point: [-30, -50, 0]}
+  P6: {point: [30, -50, 0]}
+  P7: {point: [0, 0, 10]}
+base:
+  B1:
+    point: [100, 30, 0]
+    crank: {centre: [100, 10, 0], axis: [1, 0, 0], range: [-60, 60], tolerance: 1, scale: 0.1}
+  B2:
+    point: [30, 100, 0]
+    slide: {direction: [0, 0, 1], range: [-50, 50], tolerance: 1, offset: 1}
+  B3: {point: [-30, 100, 0], with: B2}
+  B4: {point: [-100, 30, 0]}
+  B5: {point: [-40, -100, 0]}
+  B6: {point: [40, -100, 0]}
+  B7: {point: [0, 0, 0]}
+constraints:
+  - {distance: [P1, B1], value: home}
+  - {distance: [P2, B2], value: home}
+  - {distance: [P3, B3], value: home}
+  - {distance: [P4, B4], value: home}
+  - {distance: [P5, B5], value: home}
+  - {distance: [P6, B6], value: 120, range: [80, 2*80], tolerance: 0.1, offset: 0.2, scale: 1/1000}
+home: {position: [0, 0, 100], rx: 1, ry: 2, rz: 3, euler: PI}
+frames:
+  tool: {point: [0, 0, 10], rz: 30, euler: xyz}
+  work: {point: [0, 0, 10], quaternion: [1, 0, 0, 1]}
+readings: [leg P7 B7 = 110 ± 1, z = 100 ± 2]
+dynamics:
+  gravity: [0, 0, -9.81]
+  platform: {mass: 3, centre: [0, 0, 1], inertia: [1, 1, 1, 0, 0, 0]}
+  legs:
+    - {rod: {mass: 0.2, centre: 50, inertia: 200}}
+    - {rod: {mass: 0.2, centre: 50, inertia: 200}}
+    - {rod: {mass: 0.2, centre: 50, inertia: 200}}
+    - {rod: {mass: 0.2, centre: 50, inertia: 200}}
+    - {rod: {mass: 0.2, centre: 50, inertia: 200}}
+    - {cylinder: {mass: 0.35, centre: 60, inertia: 450, axial: 40}, universal: [1, 0, 0]}
+  arms: {mass: 0.1, centre: 10, inertia: 0.4}
+  carriages: {mass: 0.2}
+  drives: {inertia: [1, 1, 1, 1, 1], stiffness: 2.0e6}
+"""
 VALIDATOR = jsonschema.Draft202012Validator(json_schema())
 
 
@@ -22,9 +77,62 @@ def test_the_published_schema_is_up_to_date():
     jsonschema.Draft202012Validator.check_schema(recorded)
 
 
-@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
-def test_examples_conform(path):
+@pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
+def test_shipped_files_conform(path):
     VALIDATOR.validate(yaml.safe_load(path.read_text(encoding="utf-8")))
+
+
+@pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
+def test_the_first_line_of_shipped_files_leads_editors_to_the_schema(path):
+    first = path.read_text(encoding="utf-8").partition("\n")[0]
+    address = first.removeprefix("# yaml-language-server: $schema=")
+    assert address != first
+    assert (path.parent / address).resolve() == PUBLISHED.resolve()
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["new", "6PP", "--template"],
+        ["new", "3D3A", "PL", "PL", "LP", "ALL", "ALH", "AHH", "--template"],
+        ["new", "--rotary", "base=80,12", "platform=55,10", "horn=24", "rod=130", "--template"],
+        ["new", "--linear", "base=200,0", "platform=50,30", "rod=250", "rails=3", "--template"],
+        ["example", "delta"],
+        ["example", "workspace-study-cones"],
+    ],
+    ids=lambda words: "-".join(words[:2]),
+)
+def test_what_commands_write_conforms_to_the_schema_beside_it(words, tmp_path):
+    path = tmp_path / "machine.yaml"
+    assert run([*words, "-o", str(path)]) == 0
+    assert run(["check", "--schema", "-o", str(tmp_path / FILE_NAME)]) == 0
+    text = path.read_text(encoding="utf-8")
+    assert text.startswith(EDITOR_LINE)
+    address = text.partition("\n")[0].partition("$schema=")[2]
+    schema = json.loads((tmp_path / address).read_text(encoding="utf-8"))
+    jsonschema.Draft202012Validator(schema).validate(yaml.safe_load(text))
+
+
+def _keys(document):
+    if isinstance(document, dict):
+        for key, value in document.items():
+            yield key
+            yield from _keys(value)
+    elif isinstance(document, list):
+        for value in document:
+            yield from _keys(value)
+
+
+def test_a_file_with_every_key_conforms():
+    """A key that is added to the format must be added here."""
+    document = yaml.safe_load(ALL_KEYS)
+    VALIDATOR.validate(document)
+    assert loads(ALL_KEYS, name="keys").home.euler == "XYZ"
+    schema = json_schema()
+    sections = [schema, *schema["$defs"].values()]
+    known = {key for section in sections for key in section.get("properties", {})}
+    others = (yaml.safe_load(path.read_text(encoding="utf-8")) for path in SHIPPED)
+    assert known <= {*_keys(document), *_keys(list(others))}
 
 
 @pytest.mark.parametrize(
@@ -42,9 +150,7 @@ def test_examples_conform(path):
     ],
 )
 def test_wrong_files_do_not_conform(change, message):
-    document = copy.deepcopy(
-        yaml.safe_load((EXAMPLES[0].parent / "example-6.8.yaml").read_text(encoding="utf-8"))
-    )
+    document = copy.deepcopy(yaml.safe_load(EXAMPLE.read_text(encoding="utf-8")))
     change(document)
     errors = [error.message for error in VALIDATOR.iter_errors(document)]
     assert len(errors) == 1
