@@ -44,7 +44,7 @@ lint: $(STAMP) ## style of the code and of its sentences
 	$(BIN)/ruff check .
 	$(BIN)/python -m tools.verify.prose
 
-types: $(STAMP) ## static types of the package
+types: $(STAMP) ## static types of the package and of tools/
 	$(BIN)/mypy
 
 docs: $(STAMP) ## the site: these pages, all commands, the Python reference (build/site)

@@ -8,6 +8,7 @@ import os
 import shutil
 import subprocess
 import time
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -163,7 +164,7 @@ class Browser:
         """Move or press the mouse at a place of the page."""
         self.call("Input.dispatchMouseEvent", type=event, x=x, y=y, **more)
 
-    def screenshot(self, clip: dict[str, float] | None = None) -> bytes:
+    def screenshot(self, clip: Mapping[str, float] | None = None) -> bytes:
         """Return what is on the screen, or in a rectangle of it, as a PNG."""
         more = {} if clip is None else {"clip": clip}
         return base64.b64decode(self.call("Page.captureScreenshot", format="png", **more)["data"])

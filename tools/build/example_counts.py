@@ -122,7 +122,7 @@ def real_poses(path: Path, instance: Instance, exact: dict[str, Any]) -> dict[st
             return {}
         message = f"{name}: {found.found} poses found, {exact['distinct']} counted"
         raise SystemExit(message)
-    record = {"real": found.real, "certified": found.certified}
+    record: dict[str, Any] = {"real": found.real, "certified": found.certified}
     if name in KNOWN:
         real, source = KNOWN[name]
         if real != found.real:

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from gspcli.continuation.endpoints import random_start
 from gspcli.continuation.start import start_system
-from gspcli.continuation.systems import Coefficients, System
+from gspcli.continuation.systems import System
 from gspcli.continuation.tracker import track
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.quaternions import normalized
@@ -43,8 +43,8 @@ def coordinate(points: NDArray[np.complex128]) -> NDArray[np.complex128]:
 
 def paths(instance: Instance) -> NDArray[np.complex128]:
     """Return the coordinate along all paths of a platform, shape (STEPS + 1, paths)."""
-    structure, numbers = Problem(instance).canonical
-    balanced, _ = Coefficients(*(part[0] for part in numbers)).balanced()
+    given = Problem(instance).systems[0].canonical()
+    structure, (balanced, _) = given.structure, given.coefficients.balanced()
     target, start = System(structure, balanced), start_system(structure)
     origin, points = random_start(start, seed=SEED, attempt=0), start.points
     rows = [coordinate(points)]

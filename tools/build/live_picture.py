@@ -86,7 +86,9 @@ def frames(browser: Browser, page: Path) -> Iterator[Image.Image]:
         browser.settle()
         picture = Image.open(io.BytesIO(browser.screenshot())).convert("RGB")
         # Scaled here: a browser that scales draws half a pixel of rows above the header of a table.
-        picture = picture.resize((round(WIDTH * SCALE), round(HEIGHT * SCALE)), Image.LANCZOS)
+        picture = picture.resize(
+            (round(WIDTH * SCALE), round(HEIGHT * SCALE)), Image.Resampling.LANCZOS
+        )
         yield _with_pointer(picture, x * SCALE, y * SCALE, pressed=pressed)
 
 

@@ -203,4 +203,4 @@ def _run(words: list[str], given: bytes) -> tuple[int, bytes, str]:
     ):
         code = run(arguments)
         out.flush()
-    return code, out.buffer.getvalue(), errors.getvalue()  # type: ignore[attr-defined]
+    return code, out.buffer.getvalue(), errors.getvalue()

@@ -17,8 +17,14 @@ from tools.build.shown_commands import Shown, run_line
 from tools.recording import ROOT
 
 #: A hexapod about six units large, with ranges, cones and an unturned pose 5 above the base.
-_JOINTS = ((4, 1, 2.5, 1.5), (1, 4, 1.5, 2.5), (-3, 3, -2, 2.5), (-4.5, 1, -3, 0.5))
-_JOINTS += ((-2.5, -4, -1, -2.5), (2.5, -3.5, 2, -2))
+_JOINTS = (
+    (4, 1, 2.5, 1.5),
+    (1, 4, 1.5, 2.5),
+    (-3, 3, -2, 2.5),
+    (-4.5, 1, -3, 0.5),
+    (-2.5, -4, -1, -2.5),
+    (2.5, -3.5, 2, -2),
+)
 #: What stands for ``platform.yaml``, by command: a shipped machine, else the hexapod above.
 _MACHINES = {
     "calibrate": "workspace-study-cones",
@@ -78,7 +84,8 @@ def _numbered() -> list[tuple[int, tuple[float, float, float, float]]]:
 def _block(page: Path, language: str, number: int) -> str:
     """Return a block of a page; the first of text is the one that is a table."""
     pattern = r"```text\n(t,.*?)```" if language == "text" else rf"```{language}\n(.*?)```"
-    return re.findall(pattern, page.read_text(encoding="utf-8"), re.DOTALL)[number]
+    blocks: list[str] = re.findall(pattern, page.read_text(encoding="utf-8"), re.DOTALL)
+    return blocks[number]
 
 
 def _platform(shown: Shown) -> str:

@@ -35,7 +35,7 @@ def canonical_monomials() -> list[str]:
     return ["".join(x * k for x, k in zip(LETTERS, n, strict=True)) for n in chosen]
 
 
-def pack_points(points: ComplexArray) -> ComplexArray:
+def pack_points(points: ComplexArray) -> NDArray[np.complex64]:
     """Return Study points (n, 8) as stored: divided by e0, without it, in a fixed order."""
     affine = points[:, 1:] / points[:, :1]
     # Keys are rounded, because solutions of some monomials share their rotation.
@@ -43,7 +43,7 @@ def pack_points(points: ComplexArray) -> ComplexArray:
     return affine[np.lexsort(keys.T[::-1])].astype(np.complex64)
 
 
-def stored_factors(seed: int) -> ComplexArray:
+def stored_factors(seed: int) -> NDArray[np.complex64]:
     """Return random quadrics in single precision: first and second, by equation and letter."""
     rng = np.random.default_rng([seed, 0])
     rows = [[random_quadrics(LETTERS, rng) for _ in range(EQUATIONS)] for _ in range(2)]
@@ -51,7 +51,7 @@ def stored_factors(seed: int) -> ComplexArray:
 
 
 def solutions_of_stored(
-    spaces: str, solved: GenericSolutions, factors: ComplexArray, rng: np.random.Generator
+    spaces: str, solved: GenericSolutions, factors: NDArray[np.complex64], rng: np.random.Generator
 ) -> ComplexArray:
     """Track the solutions of a solved system to the stored system of its spaces."""
     target = generic_factors(factors.astype(np.complex128), spaces)[0]
@@ -64,7 +64,9 @@ def solutions_of_stored(
     raise SystemExit(message)
 
 
-def solved_at_stored(spaces: str, number: int, factors: ComplexArray) -> NDArray[np.complex64]:
+def solved_at_stored(
+    spaces: str, number: int, factors: NDArray[np.complex64]
+) -> NDArray[np.complex64]:
     """Return the packed solutions of the stored system of six spaces, solved from every seed."""
     solved = [solve_generic(spaces, np.random.default_rng([s, number + 1])) for s in SEEDS]
     found = [len(s.points) for s in solved]
@@ -99,10 +101,8 @@ def main() -> int:
     for name in progress(chosen, total=len(chosen), label="solving systems"):
         points[name] = solved_at_stored(name, monomials.index(name), factors)
     counts = {name: len(points[name]) for name in monomials}
-    files: dict[str, bytes] = {
-        "factors.npy": npy(factors),
-        "points.npy": npy(np.concatenate([points[name] for name in monomials])),
-    }
+    packed = np.concatenate([points[name] for name in monomials]).astype(np.complex64)
+    files: dict[str, bytes] = {"factors.npy": npy(factors), "points.npy": npy(packed)}
     manifest = {
         "what": "generic systems of six quadrics on the Study quadric with all their solutions",
         "command": "python -m tools.build.start_systems",

@@ -250,7 +250,8 @@ def _study(pose: Any) -> Array:
 def _apart(a: Array, b: Array) -> Array:
     """Return the distances of poses as (quaternion, position), (n, m); signs do not matter."""
     flipped = b * np.array([-1.0] * 4 + [1.0] * 3)
-    return np.minimum(*(np.linalg.norm(a[:, None] - c, axis=2) for c in (b, flipped)))
+    near, turned = (np.linalg.norm(a[:, None] - c, axis=2) for c in (b, flipped))
+    return np.asarray(np.minimum(near, turned))
 
 
 def _poses(given: Attack, document: Any) -> Iterator[str]:
@@ -300,7 +301,9 @@ def _backwards(given: Attack, document: Any) -> Iterator[str]:
         sorted({round(sign * e["t"][0], 8) for e in found["events"] if e["kind"] == "fold"})
         for sign, found in ((1, document), (-1, back))
     ]
-    if certain and (len(folds[0]) != len(folds[1]) or not np.allclose(*folds, rtol=0, atol=1e-7)):
+    if certain and (
+        len(folds[0]) != len(folds[1]) or not np.allclose(folds[0], folds[1], rtol=0, atol=1e-7)
+    ):
         yield f"folds at {folds[0]} forth, at {folds[1]} back"
 
 

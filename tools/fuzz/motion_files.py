@@ -142,7 +142,7 @@ def written(given: Attack, form: str, rng: np.random.Generator, *, radians: bool
 def _columns(
     given: Attack, form: str, rng: np.random.Generator, *, radians: bool
 ) -> tuple[dict[str, Array], list[str]]:
-    columns: dict[str, Array] = {"t": np.arange(len(given.R)) * 0.5 + 1}
+    columns: dict[str, Array] = {"t": np.arange(len(given.R), dtype=float) * 0.5 + 1}
     if form in ("values", "differences"):
         numbers = given.values.copy()
         if form == "differences":
@@ -244,10 +244,10 @@ def differences(first: dict[str, Any], other: dict[str, Any]) -> Iterator[str]:
     if one.keys() != two.keys():
         yield f"poses are at {sorted(two)}, were at {sorted(one)}"
         return
-    for key, pose in one.items():
-        off = np.abs(_study(pose) - _study(two[key])).max()
+    for place, pose in one.items():
+        off = np.abs(_study(pose) - _study(two[place])).max()
         if not off < SAME * (10 + pose["condition"]):
-            yield f"mode and t {key}: poses differ by {off:.2g}"
+            yield f"mode and t {place}: poses differ by {off:.2g}"
 
 
 def _spoilt(given: Attack, spec: Path, path: Path, rng: np.random.Generator) -> Iterator[str]:

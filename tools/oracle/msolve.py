@@ -14,6 +14,7 @@ from functools import cache, partial
 from math import ceil, lcm
 from pathlib import Path
 from random import Random
+from typing import Any
 
 import flint
 
@@ -97,7 +98,7 @@ def version() -> str:
     return run.stdout.split()[-1]
 
 
-def _answer(ideal: Ideal, options: list[str], time_limit_s: float | None) -> list | None:
+def _answer(ideal: Ideal, options: list[str], time_limit_s: float | None) -> list[Any] | None:
     text = _text_of_answer(ideal, options, time_limit_s)
     # Dyadic numbers are printed as p / 2^k.
     return None if text is None else literal_eval(_POWERS.sub(r"\1", text))
@@ -107,7 +108,8 @@ def _text_of_answer(ideal: Ideal, options: list[str], time_limit_s: float | None
     with tempfile.TemporaryDirectory(prefix="gsp-") as folder:
         given, answer = Path(folder, "in"), Path(folder, "out")
         given.write_text(_text(ideal), encoding="ascii")
-        command = [program(), *options, "-t", "1", "-f", given, "-o", answer]
+        files = ["-f", str(given), "-o", str(answer)]
+        command: list[str] = [str(program()), *options, "-t", "1", *files]
         run = subprocess.run(
             command,
             capture_output=True,

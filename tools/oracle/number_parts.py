@@ -11,19 +11,19 @@ import sympy
 from gspcli.catalogue.kinds import AHH, ALL
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side
 from gspcli.geometry.numbers import Number
-from gspcli.geometry.primitives import Point, Vector
+from gspcli.geometry.primitives import Line, Plane, Point, Vector
 
 
 class UnknownNumberError(Exception):
     """The instance has a number with which the way of counting can do nothing."""
 
 
-def direction(geometry: object) -> Vector:
+def direction(geometry: Point | Line | Plane) -> Vector:
     """Return the direction of a line or the normal of a plane; zero for a point."""
     zero = Number.of(0)
     if isinstance(geometry, Point):
         return (zero, zero, zero)
-    return getattr(geometry, "direction", None) or geometry.normal  # type: ignore[attr-defined]
+    return geometry.direction if isinstance(geometry, Line) else geometry.normal
 
 
 #: Turns, radians, and inverse cosines with their signs, that add up to an angle.
@@ -101,7 +101,8 @@ def _square(number: Number) -> Fraction:
     arguments = number.arguments
     match number.operation:
         case "sqrt" if arguments[0].fraction is not None:
-            return arguments[0].fraction
+            square: Fraction = arguments[0].fraction
+            return square
         case "neg":
             return _square(arguments[0])
         case "*":

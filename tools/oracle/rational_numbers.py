@@ -72,7 +72,9 @@ class Rounded(Rationals):
 
     def _rounded(self, ball: flint.arb) -> Fraction:
         scaled = ball * flint.arb(10) ** self.decimals
-        return Fraction(int(scaled.mid().floor().unique_fmpz()), 10**self.decimals)
+        whole = scaled.mid().floor().unique_fmpz()
+        assert whole is not None
+        return Fraction(int(whole), 10**self.decimals)
 
     def _root(self, value: Fraction) -> Fraction:
         with flint.ctx.workdps(self.decimals + 30):
@@ -105,15 +107,15 @@ class Rounded(Rationals):
 class Balls(Rationals):
     """Balls that contain the numbers of an instance, at the current precision."""
 
-    def number(self, number: Number) -> flint.arb:
+    def number(self, number: Number) -> flint.arb:  # type: ignore[override]
         """Return a number."""
         return ball(number)
 
-    def norm(self, exact: Vector) -> flint.arb:
+    def norm(self, exact: Vector) -> flint.arb:  # type: ignore[override]
         """Return the length of a direction."""
         return sum((ball(x) ** 2 for x in exact), flint.arb(0)).sqrt()
 
-    def scalar_product(self, constraint: Constraint) -> flint.arb:
+    def scalar_product(self, constraint: Constraint) -> flint.arb:  # type: ignore[override]
         """Return what an angle makes ``R u . v`` of directions of any length (Section 4)."""
         turn, radians, cosines = turn_of(constraint, self.unit)
         angle = flint.arb(_rational(turn)) * 2 * flint.arb.pi() + flint.arb(_rational(radians))

@@ -24,7 +24,7 @@ from collections import Counter, defaultdict
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
-from tools.recording import SEED
+from gspcli.defaults import SEED
 from tools.special.platforms import Platform
 
 HONEST = ("right", "incomplete")

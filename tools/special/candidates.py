@@ -24,14 +24,13 @@ from numpy.typing import NDArray
 from gspcli import dumps
 from gspcli.certification.equations.local_frames import FAR, LocalFrames
 from gspcli.cli.main import run
-from gspcli.defaults import TOLERANCE
+from gspcli.defaults import SEED, TOLERANCE
 from gspcli.errors import IncompleteError
 from gspcli.geometry.instance import Constraint, Instance
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Geometry, vector
 from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.solver import SolveResult, solve
-from tools.recording import SEED
 from tools.special.parts import Draws
 from tools.special.platforms import Platform
 
@@ -115,8 +114,10 @@ def attacked(platform: Platform) -> tuple[str, list[tuple[str, str, str]]]:
         remarks = _attacked(platform.instance, Draws(f"{SEED} candidates {platform.id}"))
         away = _put_away(platform.instance)
         remarks += [
-            (f"base far away, {name}", *rest)
-            for name, *rest in _attacked(away, Draws(f"{SEED} far candidates {platform.id}"))
+            (f"base far away, {name}", verdict, said)
+            for name, verdict, said in _attacked(
+                away, Draws(f"{SEED} far candidates {platform.id}")
+            )
         ]
     except Exception as error:
         remarks = [("all", "failed", repr(error)[:200])]
@@ -208,7 +209,9 @@ def _lists(
     ]
     found["claimed wrongly"] = [replace(own[0], real=not own[0].real)]
     found["imaginary parts dropped"] = [
-        Candidate("real parts", pose.R.real + 0j, pose.T.real + 0j) for pose in own if not pose.real
+        Candidate("real parts", pose.R.real.astype(complex), pose.T.real.astype(complex))
+        for pose in own
+        if not pose.real
     ]
     nearby = _of_another_sheet(solved, draws)
     found["other values"] = [Candidate("other values", R, T) for R, T in nearby]
@@ -243,14 +246,14 @@ def _judged(
         said = f"{item['outcome']}, real {item['real']}; nearest pose at {far[nearest]:.3g}"
         verdict = "right"
         if item["certified"]:
-            near = np.flatnonzero(far <= _BEYOND * tolerance)
-            alone = len(near) == 1 and solved.certified[near[0]]
-            if not len(near):
+            close = np.flatnonzero(far <= _BEYOND * tolerance)
+            alone = len(close) == 1 and solved.certified[close[0]]
+            if not len(close):
                 verdict = "no pose" if solved.verdict == "complete" else "right"
-            elif alone and item["real"] is not None and item["real"] != solved.real[near[0]]:
+            elif alone and item["real"] is not None and item["real"] != solved.real[close[0]]:
                 verdict = "wrong real"
-            elif alone and first.setdefault(int(near[0]), number) != number:
-                repeated = item["same_as"] == first[int(near[0])]
+            elif alone and first.setdefault(int(close[0]), number) != number:
+                repeated = item["same_as"] == first[int(close[0])]
                 verdict = "right" if repeated or item["unresolved"] else "counted twice"
                 wrong |= repeated
             wrong |= candidate.real is not None and item["real"] is (not candidate.real)

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from gspcli.defaults import SEED
 from gspcli.solver import solve
 from gspcli.solver.results.proof import Grade
-from tools.recording import SEED
 from tools.special.platforms import Platform
 
 ALREADY, BECOMES, STAYS = "certain", "made certain", "up to a random prime"

@@ -25,6 +25,7 @@ from tools.special.parts import (
     exact,
     motion,
     plus,
+    rational,
     tenth,
 )
 
@@ -117,7 +118,7 @@ def _vees(draws: Draw) -> Iterator[Named]:
                     k: decimals(float(one.square(HOME)) ** 0.5, 13) for k, one in enumerate(vees)
                 }
                 values = {
-                    k: Number.of(value.fraction + shake.decimal() * by)
+                    k: Number.of(rational(value) + shake.decimal() * by)
                     for k, value in values.items()
                 }
                 if power is None:
@@ -181,7 +182,7 @@ def _mirrors(draws: Draw) -> Iterator[Named]:
     mirror += [Leg(DPP, exact(0, y, 262), exact(-698, y, 262)) for y in (-1277, 1277)]
     for number in range(1, 5):
         random = draws(f"mirror {number}")
-        turn = (1, *(random.decimal(Fraction(1, 1000)) for _ in range(3)))
+        turn = [Fraction(1), *(random.decimal(Fraction(1, 1000)) for _ in range(3))]
         at = motion(turn, random.point(3))
         yield (
             f"mirror/pose-{number}",

@@ -22,6 +22,7 @@ from tools.special.parts import (
     exact,
     motion,
     plus,
+    rational,
     sqrt,
     tenth,
 )
@@ -65,7 +66,7 @@ def hexagon(radius: float, half: float, turn: float, places: int) -> list[Vector
     for corner in range(6):
         side = half if corner % 2 else -half
         angle = math.radians(120 * (corner // 2) + side + turn)
-        x, y = (decimals(radius * f(angle), places).fraction for f in (math.cos, math.sin))
+        x, y = (rational(decimals(radius * f(angle), places)) for f in (math.cos, math.sin))
         corners.append(exact(x, y, 0))
     return corners
 

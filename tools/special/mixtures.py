@@ -12,9 +12,11 @@ from gspcli.geometry.numbers import Number
 from tools.special.hexapods import Named
 from tools.special.legs import Draw, leg, planes_of
 from tools.special.parts import (
+    ZERO,
     Draws,
     Leg,
     Motion,
+    Vector,
     assembled,
     cross,
     decimals,
@@ -78,14 +80,14 @@ def _axes(six: list[Leg], at: Motion, random: Draws) -> list[Leg]:
     """Give all primitives of a body the directions of axes."""
     axes = (exact(1, 0, 0), exact(0, 1, 0), exact(0, 0, 1))
     name = random.choice("uv")
-    return [replace(one, **{name: random.choice(axes)}) for one in six]
+    return [one.with_vectors({name: random.choice(axes)}) for one in six]
 
 
 def _planar(six: list[Leg], at: Motion, random: Draws) -> list[Leg]:
     """Put the points of a body, or of both, into a plane."""
     which = random.choice((("y",), ("x",), ("x", "y")))
     return [
-        replace(one, **{name: (*getattr(one, name)[:2], Fraction(0)) for name in which})
+        one.with_vectors({name: (*getattr(one, name)[:2], Fraction(0)) for name in which})
         for one in six
     ]
 
@@ -93,11 +95,15 @@ def _planar(six: list[Leg], at: Motion, random: Draws) -> list[Leg]:
 def _mirrored(six: list[Leg], at: Motion, random: Draws) -> list[Leg]:
     """Make three constraints the mirror images of the others where the kinds are the same."""
     result = list(six)
-    flip = lambda a: (-a[0], a[1], a[2])  # noqa: E731
     for i in range(3):
         one = six[i]
-        result[5 - i] = Leg(six[5 - i].kind, flip(one.y), flip(one.x), flip(one.u), flip(one.v))
+        result[5 - i] = Leg(six[5 - i].kind, *map(_flipped, (one.y, one.x, one.u, one.v)))
     return result
+
+
+def _flipped(a: Vector) -> Vector:
+    """Return the mirror image of a vector in the plane x = 0."""
+    return (-a[0], a[1], a[2])
 
 
 def _similar(six: list[Leg], at: Motion, random: Draws) -> list[Leg]:
@@ -144,7 +150,7 @@ def _collinear(six: list[Leg], at: Motion, random: Draws) -> list[Leg]:
     """Put four points of a body on a line."""
     start, along = random.point(), random.point()
     name = random.choice("yx")
-    moved = [replace(one, **{name: plus(start, along, random.decimal(2, 1))}) for one in six[:4]]
+    moved = [one.with_vectors({name: plus(start, along, random.decimal(2, 1))}) for one in six[:4]]
     return [*moved, *six[4:]]
 
 
@@ -200,8 +206,7 @@ def mixture(random: Draws) -> Instance:
     if random.random() < 0.2:
         scale = Fraction(10) ** random.randint(-3, 6)
         at = Motion(at.R, plus(exact(0, 0, 0), at.T, scale))
-        by = lambda a: plus(exact(0, 0, 0), a, scale)  # noqa: E731
-        six = [replace(one, x=by(one.x), y=by(one.y)) for one in six]
+        six = [replace(one, x=plus(ZERO, one.x, scale), y=plus(ZERO, one.y, scale)) for one in six]
     places = random.choice((None, None, None, 2, 4, 6, 9, 12))
     planes = planes_of(six)
     sided = random.choice(((), planes, planes[:1]))

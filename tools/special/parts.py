@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from math import isqrt
 from random import Random
+from typing import Any
 
 from gspcli.catalogue.kinds import AHH, ALL, DHP, DLL, DLP, DPH, DPP, Kind
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side, Units
@@ -39,6 +40,12 @@ def exact(*components: Rational) -> Vector:
 
 
 ZERO = exact(0, 0, 0)
+
+
+def rational(number: Number) -> Fraction:
+    """Return a rational number as a fraction."""
+    assert number.fraction is not None, number
+    return number.fraction
 
 
 def dot(a: Vector, b: Vector) -> Fraction:
@@ -167,6 +174,11 @@ class Leg:
     x: Vector
     u: Vector = ZERO
     v: Vector = ZERO
+
+    def with_vectors(self, vectors: Mapping[str, Vector]) -> Leg:
+        """Return the constraint with some of its points and directions changed, by their names."""
+        changes: dict[str, Any] = dict(vectors)
+        return replace(self, **changes)
 
     def side(self, at: Motion) -> Side:
         """Return the side of the plane of a DPH or DHP."""

@@ -9,8 +9,9 @@ from dataclasses import dataclass
 from functools import cached_property, partial
 
 from gspcli import dumps, loads
+from gspcli.defaults import SEED
 from gspcli.geometry.instance import Instance
-from tools.recording import ROOT, SEED
+from tools.recording import ROOT
 from tools.special import extremes, fixtures, hexapods, mixtures, surfaces
 from tools.special.parts import Draws
 

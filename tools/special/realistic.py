@@ -15,13 +15,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import DHP, DPH, DPL, DPP, Kind
+from gspcli.defaults import SEED
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side, Units
 from gspcli.geometry.measurement import measured
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Geometry, Line, Plane, Point
 from gspcli.geometry.quaternions import rotation_from_quaternion
-from tools.recording import SEED
 
 Array = NDArray[np.float64]
 
@@ -171,9 +171,9 @@ def _hexapod(rng: np.random.Generator, pattern: str) -> _Drawn:
     base, top, text = _rings(rng, size)
     ratio = 1.0 if rng.random() < 0.1 else round(float(rng.uniform(0.4, 1.0)), 2)
     height = size * round(float(rng.uniform(0.6, 1.5)), 1)
-    x, y = _ring(base, size), _ring(top, ratio * size)
     on_base, on_platform = (list(which) for which in _JOINTS[pattern])
-    x, y = _points(x[on_base], places), _points(y[on_platform], places)
+    x = _points(_ring(base, size)[on_base], places)
+    y = _points(_ring(top, ratio * size)[on_platform], places)
     return _Drawn(
         f"{text}, radii {size:g} and {ratio * size:g}, {written}",
         [(DPP, a, b) for a, b in zip(y, x, strict=True)],

@@ -15,12 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.certification.counting import exact_count
+from gspcli.defaults import SEED
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.numbers import Number
 from gspcli.solver import solve, solve_batch, solve_values
 from gspcli.solver.results.pose_batch import PoseBatch
 from gspcli.solver.results.pose_set import PoseSet
-from tools.recording import SEED
 from tools.special.answers import HONEST, Answer, judged
 from tools.special.parts import Draws
 from tools.special.platforms import Platform, recorded

@@ -149,7 +149,7 @@ def tangent(draws: Draw) -> Iterator[Named]:
         for power in (None, 2, 4, 6, 8, 10, 12, 14):
             for sign in (1, -1) if power else (1,):
                 squares = [Fraction(r) for r in radii]
-                squares[which] = touching + (sign * tenth(power) if power else 0)
+                squares[which] = touching + (sign * tenth(power) if power else Fraction(0))
                 values = at_60 | {k: sqrt(s) for k, s in enumerate(squares)}
                 text = "exact" if power is None else f"{'+' if sign > 0 else '-'}1e-{power}"
                 yield (
@@ -235,7 +235,7 @@ def every_kind(draws: Draw) -> Iterator[Named]:
         random = draws(str(number))
         angles_here = number % 4
         lines = 0
-        names = []
+        names: list[str] = []
         while len(names) < 6 - angles_here:
             name = chooser.choice(kinds)
             if name in ("DPL", "DLP", "DLL"):

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Callable, Hashable, Mapping, Sequence
+from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, Self, TypeVar
 
 from gspcli.atlas.journal import Done, carry_out
 from gspcli.cli.progress_bars import progress
@@ -17,6 +18,21 @@ SOURCES = ("native", "gspcli", "data/start-systems")
 WORK = ROOT / "build" / "verify"
 Task = TypeVar("Task", bound=Hashable)
 Result = TypeVar("Result", bound=Done)
+
+
+@dataclass
+class TaskRow:
+    """A row of a record: what became of one task, which the first field names."""
+
+    @property
+    def task(self) -> Any:
+        """The name of the task."""
+        return getattr(self, fields(self)[0].name)
+
+    @classmethod
+    def of_entry(cls, entry: Mapping[str, Any]) -> Self:
+        """Return the row of a line of the work file."""
+        return cls(**entry)
 
 
 def options(doc: str | None) -> argparse.ArgumentParser:

@@ -50,17 +50,19 @@ def examine(name: str, count: int = CHANGES) -> Row:
     equations, geometry = Equations(machine), PlaneGeometry(machine)
     q0 = geometry.numbers(machine.R[None], machine.T[None])[0]
     wrong = 0
-    for bound, knees in ((found.lower, False), (found.knees, True)):
-        rng = np.random.default_rng((SEED, int(knees)))
+    for bound, gains in ((found.lower, False), (found.knees, True)):
+        rng = np.random.default_rng((SEED, int(gains)))
         part = rng.uniform(-1, 1, (count // 2, 6))
         # Half of them in the corners of the box, where a singularity comes first.
         part[::2] = np.sign(part[::2])
         change = part * weights * bound * _WITHIN
-        good = equations.kept(machine.R, machine.T, q0, change, STEPS, gains=knees)
+        good = equations.kept(machine.R, machine.T, q0, change, STEPS, gains=gains)
         wrong += int((~good).sum())
-    numbers = (found.lower, found.knees, found.upper, found.dead_point)
-    digits = (float(f"{number:.3g}") for number in numbers)
-    return Row(name, *digits, count // 2 * 2, wrong)
+    lower, knees, fold, dead_point = (
+        float(f"{number:.3g}")
+        for number in (found.lower, found.knees, found.upper, found.dead_point)
+    )
+    return Row(name, lower, knees, fold, dead_point, count // 2 * 2, wrong)
 
 
 def main() -> int:

@@ -9,12 +9,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.geometry.instance import Instance
-from gspcli.geometry.primitives import Crank, Point, Slide
+from gspcli.geometry.primitives import Crank, Geometry, Point, Slide
 from gspcli.resources import data_path
 from gspcli.spec import load, loads
 
@@ -36,11 +38,9 @@ def machines() -> dict[str, Callable[[], Machine]]:
     """Return the machines by their names."""
     found: dict[str, Callable[[], Machine]] = {}
     for limit in (45, 60, 90):
-        found[f"reachy {limit}"] = lambda limit=limit: _cranked(
-            "reachy-mini-head", limit, 0.05, 0.4
-        )
+        found[f"reachy {limit}"] = partial(_cranked, "reachy-mini-head", limit, 0.05, 0.4)
     for limit in (60, 120):
-        found[f"t-top {limit}"] = lambda limit=limit: _cranked("t-top-head", limit, 0.05, 0.3)
+        found[f"t-top {limit}"] = partial(_cranked, "t-top-head", limit, 0.05, 0.3)
     return found | {"paradex": _paradex, "6-PUS": _pus, "mixed": _mixed}
 
 
@@ -48,7 +48,8 @@ def _cranked(name: str, limit: float, move: float, turn: float) -> Machine:
     instance = load(data_path(f"platforms/{name}.yaml"))
     assert instance.home is not None
 
-    def limited(point: Point) -> Point:
+    def limited(point: Geometry) -> Point:
+        assert isinstance(point, Point)
         assert point.crank is not None
         crank = Crank(point.crank.centre, point.crank.axis, limits=(-limit, limit))
         return Point(point.position, crank=crank)
@@ -308,7 +309,7 @@ class Equations:
         return F, np.concatenate((np.cross(arm, r), r), axis=2), rate
 
 
-def _rotations(vectors: Array) -> Array:
+def _rotations(vectors: NDArray[Any]) -> Array:
     """Return the rotations by vectors, by the formula of Rodrigues, ``(n, 3) -> (n, 3, 3)``."""
     angle = np.linalg.norm(vectors, axis=1)[:, None, None]
     x, y, z = vectors.T

@@ -96,8 +96,11 @@ def judged(machine: Machine, name: str, level: int, count: int = BOXES) -> Row:
         reached = truth.reached(R, T)
         bad = ((verdict == 1) & ~reached) | ((verdict == -1) & reached)
         wrong += int(bad.sum())
-    counts = [int((verdict == which).sum()) for which in (1, -1, 0)]
-    return Row(name, f"level {level}", len(keys), *counts, wrong)
+    counts = {
+        word: int((verdict == which).sum())
+        for word, which in (("inside", 1), ("outside", -1), ("open", 0))
+    }
+    return Row(name, f"level {level}", len(keys), wrong=wrong, **counts)
 
 
 def volume(machine: Machine, name: str, subject: str) -> Row:
@@ -137,9 +140,8 @@ def main() -> int:
     options = parser(__doc__, sample=True)
     add_workers(options)
     arguments = options.parse_args()
-    keys: list[tuple[str, int | str]] = [
-        (name, subject) for name in machines() for subject in (*LEVELS, *SECTIONS)
-    ]
+    subjects: list[int | str] = [*LEVELS, *SECTIONS]
+    keys = [(name, subject) for name in machines() for subject in subjects]
     keys = sampled(keys, arguments.sample if arguments.check else None)
     started = time.process_time()
     rows = list(workers_of(arguments).in_order(examine, keys))

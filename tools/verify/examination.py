@@ -9,6 +9,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -56,7 +57,7 @@ class Finding:
     problems: tuple[str, ...]
 
     @classmethod
-    def of_entry(cls, entry: dict[str, Any]) -> Finding:
+    def of_entry(cls, entry: Mapping[str, Any]) -> Finding:
         """Return the finding with the given attributes, a list for the tuple."""
         return cls(**{**entry, "problems": tuple(entry["problems"])})
 

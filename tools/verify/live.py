@@ -52,7 +52,7 @@ NEAR = 0.02
 APART = 1e-6
 
 
-@dataclass(frozen=True)
+@dataclass
 class Row:
     """What came out of one machine.
 
@@ -140,20 +140,19 @@ def compared(
     page = run(live, rows)
     still = standing(instance)
     batch = gspcli.solve_batch(still, rows)
-    names = ("complete", "missed", "real", "verdicts", "numbers", "poses", "conditions")
-    counts = dict.fromkeys(names, 0)
+    row = Row(name, len(rows))
     conditions = batch.conditions
     compared_poses: list[tuple[int, Array, Array, Array]] = []
     for k, found in enumerate(page["found"]):
         chosen = batch.real[k]
         R, T = batch.R[k][chosen].real, batch.T[k][chosen].real
         here = np.array(found["poses"], float).reshape(-1, 12)
-        counts["complete"] += found["complete"]
-        counts["real"] += len(R)
-        counts["verdicts"] += bool(found["complete"]) and not batch.proved[k]
-        counts["missed"] += bool(batch.proved[k]) and not found["complete"]
+        row.complete += found["complete"]
+        row.real += len(R)
+        row.verdicts += bool(found["complete"]) and not batch.proved[k]
+        row.missed += bool(batch.proved[k]) and not found["complete"]
         if len(here) != len(R):
-            counts["numbers"] += 1
+            row.numbers += 1
         if len(here) != len(R) or not len(R):
             continue
         length = batch.arrangement.length
@@ -161,10 +160,10 @@ def compared(
         here[:, 9:] /= length
         order = np.abs(here[:, None] - there).max(axis=2).argmin(axis=1)
         off = np.abs(here - there[order]).max(initial=0)
-        counts["poses"] += bool(off > SAME) or len({*order.tolist()}) < len(order)
+        row.poses += bool(off > SAME) or len({*order.tolist()}) < len(order)
         compared_poses.append((k, R[order], T[order], conditions[k][chosen][order]))
-    counts["conditions"] = _others(still, rows, page["measured"], compared_poses)
-    return Row(name, len(rows), **counts)
+    row.conditions = _others(still, rows, page["measured"], compared_poses)
+    return row
 
 
 def _others(

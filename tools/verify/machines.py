@@ -113,7 +113,8 @@ def _of_line(one: str, other: str) -> list[str]:
 
 def _json(text: str) -> object | None:
     try:
-        return json.loads(text)
+        found: object = json.loads(text)
+        return found
     except ValueError:
         return None
 

@@ -20,6 +20,7 @@ import numpy as np
 
 import gspcli
 from gspcli.defaults import SEED
+from gspcli.geometry.primitives import Plane
 from gspcli.geometry.quaternions import rotation_from_vector, vector_from_rotation
 from gspcli.motion.paths.nearest_poses import NearestPoses
 from tools.recording import ROOT, add_workers, csv_text, parser, sampled, workers_of
@@ -87,7 +88,7 @@ def kept(instance: gspcli.Instance, R: np.ndarray, T: np.ndarray) -> bool:
         leg = platform - base
         if row.kind.name == "DPP":
             value = float(np.sqrt(leg @ leg))
-        elif row.kind.name == "DPH":
+        elif isinstance(row.base, Plane):
             value = float(leg @ row.base.unit)
         else:
             raise ValueError(row.kind.name)

@@ -57,14 +57,15 @@ def lost(points: NDArray[np.complex128]) -> int:
 def ends(problem: Problem, preset: str) -> NDArray[np.complex128] | None:
     """Return the ends of all paths to a platform, (n, 8); None if its equations are not reduced."""
     options, reduced = getattr(tracker_options, preset), PRESETS[preset][1]
-    structure, given = problem.canonical
+    given = problem.systems[0].canonical()
+    structure = given.structure
     start = start_system(structure)
     if reduced:
-        return ends_from_start(start, given.g[0], options)
-    balanced, _ = System(structure, given.take(0)).coefficients.balanced()
+        return ends_from_start(start, given.coefficients.g, options)
+    balanced, _ = given.coefficients.balanced()
     target = System(structure, balanced.normalized())
     results = track(random_start(start, SEED, 0), target, start.points, options=options)
-    points = results.points[0].copy()
+    points: NDArray[np.complex128] = results.points[0].copy()
     points[results.status[0] != PathStatus.REGULAR] = np.nan
     return points
 

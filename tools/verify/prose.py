@@ -124,7 +124,8 @@ def python_texts(source: str) -> Iterator[tuple[int, str]]:
             case ast.Module() | ast.ClassDef() | ast.FunctionDef() | ast.AsyncFunctionDef():
                 if node.body and (text := ast.get_docstring(node, clean=False)) is not None:
                     yield node.body[0].lineno, text
-    last, block = -1, []
+    last = -1
+    block: list[str] = []
     for token in tokenize.generate_tokens(io.StringIO(source).readline):
         if token.type != tokenize.COMMENT:
             continue
@@ -159,7 +160,8 @@ def page_texts(source: str) -> Iterator[tuple[int, str]]:
 
 def sentences(first: int, text: str) -> Iterator[tuple[int, str]]:
     """Yield the sentences of a text that begins in a line, each with the number of its line."""
-    start, block = first, []
+    start = first
+    block: list[str] = []
     for number, line in enumerate([*text.splitlines(), ""], first):
         other = bool(block) and line.strip() and _is_apart(block[-1], line)
         if (other or _BEGINS.match(line)) and block:

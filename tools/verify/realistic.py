@@ -192,9 +192,15 @@ def recorded(path: Path = RECORD) -> list[Row]:
     with path.open(encoding="utf-8", newline="") as file:
         return [
             Row(
-                *(row[key] for key in ("machine", "drawn", "verdict")),
-                *(int(row[key]) for key in ("poses", "real", "incomplete")),
-                *(float(row[key]) for key in ("first", "others", "row")),
+                machine=row["machine"],
+                drawn=row["drawn"],
+                verdict=row["verdict"],
+                poses=int(row["poses"]),
+                real=int(row["real"]),
+                incomplete=int(row["incomplete"]),
+                first=float(row["first"]),
+                others=float(row["others"]),
+                row=float(row["row"]),
             )
             for row in csv.DictReader(file)
         ]

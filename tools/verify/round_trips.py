@@ -29,7 +29,7 @@ from gspcli.motion import measure
 from gspcli.solver import SolveResult, solve
 from gspcli.solver.instances.generate import random_instance
 from tools.recording import ROOT, csv_text, sampled
-from tools.verify.campaigns import conclude, options, results
+from tools.verify.campaigns import TaskRow, conclude, options, results
 
 RECORD = ROOT / "data" / "verification" / "round-trips.csv"
 #: How far from the pose the nearest one may be; a thousandth of this times its condition number.
@@ -56,18 +56,13 @@ class Found:
     met: bool
 
 
-@dataclass(frozen=True)
-class RoundTrip:
+@dataclass
+class RoundTrip(TaskRow):
     """What came back for a type: with the sides of the pose, and with both."""
 
     number: int
     one_sided: Found
     two_sided: Found | None
-
-    @property
-    def task(self) -> int:
-        """The number of the type."""
-        return self.number
 
     @classmethod
     def of_entry(cls, entry: Mapping[str, Any]) -> RoundTrip:

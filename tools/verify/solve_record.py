@@ -30,7 +30,7 @@ class Examined:
     findings: tuple[Finding, ...]
 
     @classmethod
-    def of_entry(cls, entry: dict[str, Any]) -> Examined:
+    def of_entry(cls, entry: Mapping[str, Any]) -> Examined:
         """Return what a line of the journal stands for."""
         return cls(Task(**entry["task"]), tuple(map(Finding.of_entry, entry["findings"])))
 

@@ -44,6 +44,7 @@ from tools.recording import (
     with_section,
     workers_of,
 )
+from tools.special import answers as single
 from tools.special import candidates, rows
 from tools.special.answers import Judgement, answers
 from tools.special.certain import BECOMES, grade
@@ -259,7 +260,7 @@ def main() -> int:
         return count(chosen, every, arguments)
     if arguments.command == "batches":
         geometries = rows.geometries(chosen)
-        return attack(rows.attacked, geometries, rows.HONEST, arguments)
+        return attack(rows.attacked, geometries, single.HONEST, arguments)
     if arguments.command == "certain":
         return certain(chosen, arguments)
     if arguments.command == "certify":

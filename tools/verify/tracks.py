@@ -24,10 +24,8 @@ Interrupted, the same command takes the work up again.
 from __future__ import annotations
 
 import sys
-from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
 from functools import partial
-from typing import Any
 
 import numpy as np
 
@@ -41,7 +39,7 @@ from gspcli.motion import MovingPlatform, PoseFormat, Track, measure, read_value
 from gspcli.motion.following.branch_follower import Stop
 from gspcli.solver.instances.generate import random_instance
 from tools.recording import ROOT, csv_text, sampled
-from tools.verify.campaigns import conclude, options, results
+from tools.verify.campaigns import TaskRow, conclude, options, results
 
 RECORD = ROOT / "data" / "verification" / "tracks.csv"
 TRAJECTORIES = ROOT / "data" / "trajectories"
@@ -54,7 +52,7 @@ TURN, SHIFT = 0.3, 0.3
 
 
 @dataclass
-class Row:
+class Row(TaskRow):
     """What happened to the modes of one type."""
 
     number: int
@@ -69,16 +67,6 @@ class Row:
     back_undecided: int = 0
     jumps: int = 0
     unexplained: int = 0
-
-    @property
-    def task(self) -> int:
-        """The number of the type."""
-        return self.number
-
-    @classmethod
-    def of_entry(cls, entry: Mapping[str, Any]) -> Row:
-        """Return what a line of the work file stands for."""
-        return cls(**entry)
 
     @property
     def problems(self) -> int:
@@ -151,7 +139,7 @@ def _examine_ends(row: Row, found: Track, through: np.ndarray) -> None:
 def distances(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """Return the distances of Study points, which are known up to sign, shape (n, m)."""
     near = np.linalg.norm(a[:, None] - b, axis=2)
-    return np.minimum(near, np.linalg.norm(a[:, None] + b, axis=2))
+    return np.asarray(np.minimum(near, np.linalg.norm(a[:, None] + b, axis=2)))
 
 
 def loop_problems() -> list[str]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import time
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
@@ -43,7 +44,9 @@ def canonical(pattern: Pattern) -> tuple[Pattern, list[int]]:
         key=lambda i: pattern.kinds[i],
     )
     groups = pattern.same_points, pattern.same_u, pattern.same_v
-    permuted = [itertools.permutations(block) for _, block in alike]
+    permuted: list[Iterator[tuple[int, ...]]] = [
+        itertools.permutations(block) for _, block in alike
+    ]
     if not any(groups):
         permuted = [iter([next(block)]) for block in permuted]
 
@@ -57,7 +60,8 @@ def canonical(pattern: Pattern) -> tuple[Pattern, list[int]]:
     orders = (list(itertools.chain(*choice)) for choice in itertools.product(*permuted))
     order = min(orders, key=renamed)
     kinds = tuple(pattern.kinds[i] for i in order)
-    return Pattern(kinds, *renamed(order), pattern.right_angles), order
+    same_points, same_u, same_v = renamed(order)
+    return Pattern(kinds, same_points, same_u, same_v, pattern.right_angles), order
 
 
 @dataclass
@@ -139,8 +143,8 @@ class Remaining:
         search = Search(self.pattern.kinds, steps=4000, special=self.pattern, solutions=self.count)
         begin, before = time.process_time(), self.seconds
         while self.worth < (self.count, _COMFORT) and self.seconds < seconds:
-            known = self.best if self.real < self.count else None
-            found = search.near(known and known.platform, self.attempts).attempt(self.attempts)
+            known = self.best.platform if self.best and self.real < self.count else None
+            found = search.near(known, self.attempts).attempt(self.attempts)
             if found is not None and found.count == self.count:
                 found = search.comfortable(found, 0, comfort=_COMFORT, most=_IMPROVEMENTS)
             if found is not None and (found.count, found.margin(self.pattern)) > self.worth:

@@ -22,11 +22,9 @@ import shutil
 import subprocess
 import sys
 import tempfile
-from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from functools import cache, partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,7 +38,7 @@ from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.motion.following.platform_numbers import platform_numbers
 from gspcli.solver import Solution
 from tools.recording import ROOT, UNABLE, csv_text, sampled
-from tools.verify.campaigns import SOURCES, conclude, options, results
+from tools.verify.campaigns import SOURCES, TaskRow, conclude, options, results
 from tools.verify.controllers.compiled import CompiledController, poses_of
 
 Array = NDArray[np.float64]
@@ -58,7 +56,7 @@ SHORTER = 40
 
 
 @dataclass
-class Row:
+class Row(TaskRow):
     """What became of the worlds of one machine."""
 
     name: str
@@ -68,16 +66,6 @@ class Row:
     beyond: int = 0
     without_joints: int = 0
     difference: float = 0.0
-
-    @property
-    def task(self) -> str:
-        """The name of the machine."""
-        return self.name
-
-    @classmethod
-    def of_entry(cls, entry: Mapping[str, Any]) -> Row:
-        """Return what a line of the work file stands for."""
-        return cls(**entry)
 
 
 def build_module(instance: Instance, home: Solution, folder: Path) -> Path:

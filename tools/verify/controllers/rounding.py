@@ -16,7 +16,6 @@ from __future__ import annotations
 
 import sys
 import tempfile
-from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
@@ -34,7 +33,7 @@ from gspcli.geometry.drive_numbers import driven_points
 from gspcli.geometry.instance import AngleUnit, Instance
 from gspcli.motion.following.platform_numbers import PlatformNumbers, platform_numbers
 from tools.recording import ROOT, csv_text, sampled
-from tools.verify.campaigns import conclude, options, results
+from tools.verify.campaigns import TaskRow, conclude, options, results
 from tools.verify.controllers.compiled import CompiledController
 from tools.verify.controllers.walks import names, platform
 
@@ -47,7 +46,7 @@ DIGITS = 1
 
 
 @dataclass
-class Row:
+class Row(TaskRow):
     """The largest parts of the bounds that errors of one platform take."""
 
     name: str
@@ -55,16 +54,6 @@ class Row:
     value: float
     derivative: float
     frame: float
-
-    @property
-    def task(self) -> str:
-        """The name of the platform, or the number of its type."""
-        return self.name
-
-    @classmethod
-    def of_entry(cls, entry: Mapping[str, Any]) -> Row:
-        """Return what a line of the work file stands for."""
-        return cls(**entry)
 
 
 class ExactEquations:
@@ -77,9 +66,9 @@ class ExactEquations:
             [arb(float(x)) for x in part] for part in (numbers.middle, numbers.origin)
         )
         radian = arb.pi() / 180 if instance.units.angle is AngleUnit.DEGREE else arb(1)
-        self._rows = []
+        self._rows: list[tuple[str, _Body, _Body, tuple[arb, arb, arb], arb]] = []
         for row, kind in zip(instance.constraints, numbers.kinds, strict=True):
-            bodies = [_Body(body) for body in (row.platform, row.base)]
+            one, other = _Body(row.platform), _Body(row.base)
             is_angle = kind[0] == "A" or kind.endswith("CRANK")
             drive = next((one.drive for one in driven_points(row)), None)
             corrected = row if drive is None else drive
@@ -87,7 +76,7 @@ class ExactEquations:
             factor = arb(1) if corrected.scale is None else 1 + ball(corrected.scale)
             unit = radian if is_angle else 1 / self._reach
             rod = ball(row.value) / self._reach
-            self._rows.append((kind, *bodies, (unit, factor, offset), rod))
+            self._rows.append((kind, one, other, (unit, factor, offset), rod))
 
     def translation(self, frame: Array, pose: Array) -> Vector:
         """Return by how much the translation of a frame is off from that of a pose."""
@@ -99,8 +88,7 @@ class ExactEquations:
 
     def at(self, frame: Array, values: Array) -> tuple[list[arb], list[Vector]]:
         """Return the six equations and their derivatives by a twist about the middle."""
-        q = [arb(float(x)) for x in frame[3:]]
-        R, T = _rotation(q), [arb(float(x)) for x in frame[:3]]
+        R, T = _rotation([arb(float(x)) for x in frame[3:]]), [arb(float(x)) for x in frame[:3]]
         F, J = [], []
         for (kind, one, other, reading, rod), value in zip(self._rows, values, strict=True):
             unit, factor, offset = reading

@@ -27,11 +27,9 @@ from __future__ import annotations
 
 import sys
 import tempfile
-from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,10 +45,10 @@ from gspcli.geometry.instance import Instance
 from gspcli.geometry.quaternions import rotation_from_quaternion, rotation_from_vector
 from gspcli.geometry.readings import values_of
 from gspcli.motion import MovingPlatform
-from gspcli.motion.following.trajectories import at_values
+from gspcli.motion.following.row_instances import at_values
 from gspcli.solver.instances.generate import random_instance
 from tools.recording import ROOT, csv_text, sampled
-from tools.verify.campaigns import conclude, options, results
+from tools.verify.campaigns import TaskRow, conclude, options, results
 from tools.verify.controllers.compiled import CompiledController, Walks, poses_of
 
 Array = NDArray[np.float64]
@@ -70,7 +68,7 @@ SHORT = 8
 
 
 @dataclass
-class Row:
+class Row(TaskRow):
     """What happened to the walks of one platform."""
 
     name: str
@@ -87,16 +85,6 @@ class Row:
     refused: int = 0
     solved: int = 0
     unsolved: int = 0
-
-    @property
-    def task(self) -> str:
-        """The name of the platform, or the number of its type."""
-        return self.name
-
-    @classmethod
-    def of_entry(cls, entry: Mapping[str, Any]) -> Row:
-        """Return what a line of the work file stands for."""
-        return cls(**entry)
 
     @property
     def problems(self) -> int:
@@ -260,8 +248,8 @@ def _judge_closely(row: Row, instance: Instance, values: Array, found: Walks) ->
             here = np.flatnonzero(alive)
             now = q[here, k - 1] + part * (q[here, k] - q[here, k - 1])
             length = np.where(drives.driven, rods, now[:, drives.index])
-            first = None
-            for _ in range(6):
+            first = np.array([])
+            for attempt in range(6):
                 _, _, r = drives.ends(R[here], T[here], now)
                 off = np.linalg.norm(r, axis=-1) - length
                 J = drives.jacobian(R[here], T[here], now)
@@ -269,7 +257,7 @@ def _judge_closely(row: Row, instance: Instance, values: Array, found: Walks) ->
                 R[here] = rotation_from_vector(twist[:, :3]) @ R[here]
                 T[here] += twist[:, 3:]
                 moved = np.abs(twist * np.repeat([1, 1 / size], 3)).max(axis=1)
-                first = moved if first is None else first
+                first = first if attempt else moved
             # A long first step, or one that does not converge, is not certain of its branch.
             alive[here[~((first < 0.02) & (moved < 1e-12))]] = False
         here = np.flatnonzero(alive)
