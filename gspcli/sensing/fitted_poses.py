@@ -22,7 +22,8 @@ Array = NDArray[np.float64]
 
 #: A pose fits if a chi-squared as large occurs at least so often by chance.
 FITS = 1e-3
-_COORDINATES = ("rx", "ry", "rz", "Tx", "Ty", "Tz")
+#: Decimals of residuals in JSON, in standard deviations: more are those of rounding errors.
+_DECIMALS = 4
 
 
 @dataclass(frozen=True, eq=False)
@@ -251,8 +252,8 @@ class PoseFit:
             "residuals": [
                 {
                     "name": names[owner],
-                    "residual": left,
-                    "studentised": None if math.isnan(size) else size,
+                    "residual": _rounded(left),
+                    "studentised": None if math.isnan(size) else _rounded(size),
                 }
                 for owner, left, size in zip(
                     pose.owners.tolist(),
@@ -262,6 +263,10 @@ class PoseFit:
                 )
             ],
         }
+
+
+def _rounded(size: float) -> float:
+    return round(size, _DECIMALS) + 0.0
 
 
 def chance(chi_squared: float, freedom: int) -> float:

@@ -28,6 +28,10 @@ CHOICES = 8
 #: Levenberg and Marquardt's method: its steps; it ends where the sum of squares would fall by less
 #: than this part with little damping, or where steps are rounding.
 _STEPS, _SHORT, _SMALL, _FREE, _ROUNDING = 100, 10, 1e-14, 1e-6, 1e-13
+#: Newton's method then takes so many steps, with central differences of so much.
+_POLISH, _APART = 4, 1e-4
+#: Sums of squares that differ by less than this part, or than this, are equal: rounding decides.
+_EQUAL = 1e-6
 #: Minima nearer than this, in radians and typical lengths, are one.
 _SAME = 1e-5
 #: Of the outlier the studentised residual is at least this part of the largest; the fit without it
@@ -167,16 +171,65 @@ def _minima(numbers: PoseNumbers, R: Array, T: Array) -> Minima:
     size = pose_sizes(numbers.instance)
     with np.errstate(all="ignore"):
         R, T, cost, ended = _descended(numbers, R, T, size)
-    order = np.argsort(cost, kind="stable")
+    order = _in_order(cost)
     kept: list[int] = []
-    for k in order.tolist():
+    for k in order:
         if not ended[k] or not np.isfinite(cost[k]):
             continue
         turns = np.linalg.norm(vector_from_rotation(R[kept] @ R[k].T), axis=-1) if kept else []
         moves = np.linalg.norm(T[kept] - T[k], axis=-1) / size[-1] if kept else []
         if not any(a < _SAME and b < _SAME for a, b in zip(turns, moves, strict=True)):
             kept.append(k)
-    return Minima(R[kept], T[kept], cost[kept])
+    R, T, cost = _polished(numbers, R[kept], T[kept], size)
+    order = _in_order(cost)
+    return Minima(R[order], T[order], cost[order])
+
+
+def _in_order(cost: Array) -> list[int]:
+    """Return the indices of sums of squares, the smallest first, equal ones as they were given."""
+    order: list[int] = []
+    least, first = -math.inf, 0
+    for k in np.argsort(cost, kind="stable").tolist():
+        if not cost[k] - least <= _EQUAL * (1 + cost[k]):
+            least, first = float(cost[k]), len(order)
+        order[first:] = sorted([*order[first:], k])
+    return order
+
+
+def _polished(numbers: PoseNumbers, R: Array, T: Array, size: Array) -> tuple[Array, Array, Array]:
+    """Return minima to the last digits, by Newton's method, and their sums of squares.
+
+    Descents end where the sum of squares does not fall: there half of the digits of a pose are
+    right. A pose that is not a minimum of its own (not isolated, or a saddle) is returned as it is.
+    """
+
+    def gradient(R: Array, T: Array) -> Array:
+        slopes = numbers.slopes(R, T) * size
+        return np.asarray(np.einsum("nmk,nm->nk", slopes, numbers.residuals(R, T)))
+
+    def moved(R: Array, T: Array, step: Array) -> tuple[Array, Array]:
+        return rotation_from_vector(step[:, :3]) @ R, T + step[:, 3:] * size[3:]
+
+    start = R, T
+    if not len(R):
+        return R, T, np.zeros(0)
+    with np.errstate(all="ignore"):
+        columns = []
+        for unit in _APART * np.eye(6):
+            ends = [gradient(*moved(R, T, sign * np.tile(unit, (len(R), 1)))) for sign in (-1, 1)]
+            columns.append((ends[0] - ends[1]) / (2 * _APART))
+        curvature = np.stack(columns, axis=-1)
+        curvature = np.nan_to_num((curvature + np.swapaxes(curvature, 1, 2)) / 2)
+        values = np.linalg.eigvalsh(curvature)
+        minimum = values[:, 0] > _UNCHECKED * values[:, -1]
+        curvature[~minimum] = np.eye(6)
+        for _ in range(_POLISH):
+            R, T = moved(R, T, np.linalg.solve(curvature, gradient(R, T)[..., None])[..., 0])
+        kept = minimum & (np.linalg.norm(T - start[1], axis=1) < _SAME * size[-1])
+        kept &= np.linalg.norm(R - start[0], axis=(1, 2)) < _SAME
+    R = np.where(kept[:, None, None], R, start[0])
+    T = np.where(kept[:, None], T, start[1])
+    return R, T, (numbers.residuals(R, T) ** 2).sum(axis=1)
 
 
 def _descended(
@@ -265,10 +318,10 @@ def _without(numbers: PoseNumbers, starts: Minima, best: FittedPose) -> Without 
         minima = _minima(rest, R, T)
         if len(minima.R):
             pose = _pose(rest, minima.R[0], minima.T[0], float(minima.cost[0]))
-            fits.append((pose.chi_squared, k, pose))
+            fits.append((k, pose))
     if not fits:
         return None
-    fits.sort(key=lambda one: one[0])
-    least, worst, pose = fits[0]
-    alike = tuple(k for chi, k, _ in fits[1:] if chi - least < _LIKELIER)
-    return Without(worst, alike, pose)
+    order = _in_order(np.array([pose.chi_squared for _, pose in fits]))
+    (worst, pose), *others = (fits[k] for k in order)
+    most = pose.chi_squared + _LIKELIER
+    return Without(worst, tuple(k for k, one in others if one.chi_squared < most), pose)

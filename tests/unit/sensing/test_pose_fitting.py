@@ -16,7 +16,7 @@ from gspcli.sensing.choices import candidates_of, next_choice, platform_of
 from gspcli.sensing.fitted_poses import chance
 from gspcli.sensing.identification import parsed_readings
 from gspcli.sensing.notation import parse_sensor
-from gspcli.sensing.pose_fitting import _minima, _pose, fit_poses
+from gspcli.sensing.pose_fitting import _in_order, _minima, _pose, fit_poses
 from gspcli.sensing.pose_numbers import PoseNumbers, value_sigmas
 
 SENSORS = ("leg P1 B2", "leg P3 B6", "coordinate z P1", "inclinometer", "joint 1 base about x")
@@ -251,3 +251,28 @@ def test_wrong_readings():
     assert fit_poses(machine, ["leg P1 B1 = 0.6 ± 9"], sigma={"value": 1e-3}).poses
     with pytest.raises(GspError, match="expected another leg"):
         gspcli.fit_readings(gspcli.solve(machine), ["leg P1 B1 = 0.6 ± 9"])
+
+
+def test_a_minimum_is_right_to_its_last_digits():
+    """The gradient is rounding there, also where residuals are large: 18 deviations."""
+    machine = gspcli.example("rubin-m2")
+    fit = fit_poses(machine, ["leg P1 B2 = 2.953 ± 0.002"], sigma={"value": SIGMA})
+    assert fit.poses[0].chi_squared > 300
+    for pose in fit.poses:
+        slopes = fit.numbers.slopes(pose.R[None], pose.T[None])[0]
+        terms = np.abs(slopes * pose.residuals[:, None]).sum(axis=0)
+        assert np.abs(slopes.T @ pose.residuals).max() < 1e-10 * terms.max()
+
+
+def test_the_first_of_equal_suspects_is_named():
+    """Six numbers fit exactly without any of the seven: the smallest sum of squares is rounding."""
+    machine = gspcli.example("rubin-m2")
+    fit = fit_poses(machine, ["leg P1 B2 = 2.953 ± 0.002"], sigma={"value": SIGMA})
+    assert fit.without.measurement == 0
+    assert fit.without.alike == (1, 3, 4, 5, 6)
+
+
+@pytest.mark.parametrize("noise", [0, 1e-13, 1e-8])
+def test_equal_sums_of_squares_keep_their_order(noise):
+    cost = np.array([2, 5, 2, 1e-3, 5, 2]) + noise * np.array([3, 1, 2, 4, 0, 1])
+    assert _in_order(cost) == [3, 0, 2, 5, 1, 4]
