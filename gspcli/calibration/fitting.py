@@ -27,11 +27,11 @@ Array = NDArray[np.float64]
 #: Singular values below this part of the largest are zero: derivatives are exact up to rounding.
 _ROUNDING = 1e-9
 #: Iterations end where no parameter changes by more than this part of a length, or the sum of
-#: squares
-#: by this part of itself.
+#: squares by this part of itself.
 _STEP, _DECREASE = 1e-13, 1e-14
-#: Weights of a robust fit are those of the iteration before: its steps shrink by a factor only.
-_ROBUST_STEP = 1e-10
+#: Weights of a robust fit are those of the iteration before: its steps shrink by a factor only, so
+#: that parameters are a multiple of the last step away. The sum of losses stands still long before.
+_ROBUST_STEP = 1e-12
 _MOST = 400
 #: So many rows have their derivatives in memory at a time.
 _BLOCK = 2000
@@ -179,7 +179,8 @@ def fit(
         if after <= cost * (1 + 1e-12):
             least = _STEP if huber is None else _ROBUST_STEP
             small = float(np.abs(scaled).max(initial=0)) <= least * model.length
-            converged = small or (damping == 0 and cost - after <= _DECREASE * cost)
+            still = huber is None and damping == 0 and cost - after <= _DECREASE * cost
+            converged = small or still
             model, (R, T), system, cost = moved, places, tried, after
             damping = damping / 10 if damping > 1e-9 else 0.0
         elif float(np.abs(scaled).max(initial=0)) <= 1e3 * _STEP * model.length:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -207,7 +207,7 @@ def _polished(numbers: PoseNumbers, R: Array, T: Array, size: Array) -> tuple[Ar
         slopes = numbers.slopes(R, T) * size
         return np.asarray(np.einsum("nmk,nm->nk", slopes, numbers.residuals(R, T)))
 
-    def moved(R: Array, T: Array, step: Array) -> tuple[Array, Array]:
+    def moved(R: Array, T: Array, step: NDArray[Any]) -> tuple[Array, Array]:
         return rotation_from_vector(step[:, :3]) @ R, T + step[:, 3:] * size[3:]
 
     start = R, T
