@@ -17,6 +17,7 @@ from gspcli.cli.progress_bars import working
 from gspcli.cli.value_options import Changes, value_options
 from gspcli.defaults import PATH_SECONDS
 from gspcli.errors import CheckFailed, IncompleteError
+from gspcli.wording import shown
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -41,6 +42,29 @@ class _EndType(click.ParamType):  # type: ignore[type-arg]
         if value.isascii() and value.isdigit():
             return int(value)
         return GivenPose(value, max(param.opts, key=len) if param else "")
+
+
+class _LimitType(click.ParamType):  # type: ignore[type-arg]
+    """A number above zero of the motors, or NAME=NUMBER of motors, platform and turn."""
+
+    name = "limit"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Return the numbers by name."""
+        if not isinstance(value, str):
+            return value
+        names, found = ("motors", "platform", "turn"), {}
+        for part in value.split(","):
+            name, equals, number = part.rpartition("=")
+            name = name.strip() if equals else names[0]
+            if name not in names:
+                self.fail(f"{shown(name)} is not one of motors, platform, turn.", param, ctx)
+            if name in found:
+                self.fail(f"{name} stands twice.", param, ctx)
+            found[name] = Positive().convert(number.strip(), param, ctx)
+        if "motors" not in found and len(found) < 2:
+            self.fail("give motors, or both platform and turn.", param, ctx)
+        return found
 
 
 @click.command()
@@ -84,6 +108,25 @@ class _EndType(click.ParamType):  # type: ignore[type-arg]
     metavar="SECONDS",
     help="Stop after so many seconds. A path that is found does not depend on it.",
 )
+@click.option(
+    "--speed",
+    type=_LimitType(),
+    metavar="V",
+    help="Give the rows times in seconds: no motor is quicker than V, between rows, too, proved; "
+    "in the unit of its value a second. Or motors=V,platform=V,turn=V.",
+)
+@click.option(
+    "--acceleration",
+    type=_LimitType(),
+    metavar="A",
+    help="Nor are accelerations above A, in units a second squared, likewise; goes with --speed.",
+)
+@click.option(
+    "--round",
+    "rounded",
+    is_flag=True,
+    help="With --speed: do not stop at corners, but round them as far as that is proved.",
+)
 @seed_option("")
 @value_options
 @pose_options
@@ -96,6 +139,9 @@ def command(
     along: str | None,
     clear: float,
     seconds: float,
+    speed: dict[str, float] | None,
+    acceleration: dict[str, float] | None,
+    rounded: bool,
     seed: int,
     changes: Changes,
     conventions: PoseConventions,
@@ -115,16 +161,23 @@ def command(
     of det J, or of a factor of it, differs, which a regular path keeps; or the mode fills its whole
     box of ranges. It is 4 if no path was found in the time given.
 
+    With --speed and --acceleration t is in seconds. A number is of each motor: mm/s and mm/s^2 of
+    lengths in mm, deg/s and deg/s^2 of angles in degrees. `motors=50,platform=100,turn=30` limits
+    the pivot of the platform and its turn, too, on ways of poses. The platform begins and ends at
+    rest and stops at corners; with --round it goes round them on parabolas, which are proved.
+
     With --all the modes of SPEC are grouped: those of one group are joined by proved paths. The
     exit code is 4 if it is not known of all groups that no path joins them.
 
     \b
     Examples:
       gsp path @workspace-study --from home --to 3 -o path.csv
+      gsp path @workspace-study --from home --to 3 --speed 50 --acceleration 200 --round
       gsp path platform.yaml --from 10,0,420,1,0,0,0 --to home --clear 0.02
       gsp path @rubin-camera --all
     """
     _check(start, goal, everything, spec)
+    _check_speed(speed, acceleration, rounded, everything)
     from gspcli.motion.paths.api import mode_groups, path
 
     instance = load_instance(spec, changes)
@@ -140,6 +193,7 @@ def command(
         found = path(
             instance, first, last, along=along, clear=clear, time=seconds, seed=seed,
             pivot=_pivot(form), sequence=form.euler or "ZYX",
+            speed=speed, acceleration=acceleration, rounded=rounded,
         )  # fmt: skip
     if found.verdict == "proved" or output.format == "json":
         emit(output, path_table(found, form.frame), document=found.to_json(form.frame))
@@ -156,6 +210,19 @@ def _check(start: object, goal: object, everything: bool, spec: str) -> None:
     read = [spec == "-", *(isinstance(e, GivenPose) and e.is_standard_input for e in (start, goal))]
     if sum(read) > 1:
         message = "only one of SPEC, --from and --to can be standard input"
+    if message:
+        raise click.UsageError(message)
+
+
+def _check_speed(speed: object, acceleration: object, rounded: bool, everything: bool) -> None:
+    """Complain of options of the time that do not go together."""
+    message = ""
+    if (speed is None) != (acceleration is None):
+        message = "--speed and --acceleration go together"
+    elif rounded and speed is None:
+        message = "--round goes with --speed and --acceleration"
+    elif everything and speed is not None:
+        message = "--all makes no rows: leave out --speed and --acceleration"
     if message:
         raise click.UsageError(message)
 

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from gspcli.geometry.frames import PoseFrame
     from gspcli.motion.paths.mode_groups import ModeGroups
     from gspcli.motion.paths.planned_paths import PlannedPath
+    from gspcli.motion.paths.timing import Timing
 
 _POSE = ("x", "y", "z", "qw", "qx", "qy", "qz")
 
@@ -52,15 +53,43 @@ def _summary(found: PlannedPath) -> list[str]:
     ways = "the values change" if found.along == "values" else "position and angles change"
     lines = [
         f"from {found.start} to {found.goal}: proved, "
-        f"{counted(len(found.parts), 'straight part')} ({ways} linearly)",
+        f"{counted(found.straight, 'straight part')} ({ways} linearly)",
         f"length {found.length:.4g} {unit}" + (straight if found.straight_length else ""),
         f"largest condition number at a row: {worst.condition:.4g}, from row {worst.first + 1} to "
         f"{worst.last + 1}",
     ]
+    if found.timing is not None:
+        lines.append(_time(found, found.timing))
     clearance = min(part.clearance for part in found.parts)
     if clearance > 0:
         lines.append(f"clearance on the whole way: at least {clearance:.3g}, proved")
     return lines
+
+
+def _time(found: PlannedPath, timing: Timing) -> str:
+    """Return how long a path takes, and what is below which limits."""
+    units = found.instance.units
+    angle, length = units.angle.value, str(units.length)
+    lengths = {length if row.kind.is_distance else angle for row in found.instance.constraints}
+    of = {"motors": " or ".join(sorted(lengths, key=length.__ne__)), "platform": length}
+    of["turn"] = angle
+    names = {"motors": "each motor", "platform": "the platform", "turn": "its turn"}
+    limits = []
+    for name in names:
+        numbers = [
+            f"{given[name]:.10g} {of[name]}/{second}"
+            for given, second in ((timing.limits.speed, "s"), (timing.limits.acceleration, "s^2"))
+            if name in given
+        ]
+        if numbers:
+            limits.append(f"{names[name]} at most {listed(numbers, 'and')}")
+    text = f"{timing.seconds:.4g} s: {', '.join(limits)}"
+    stops = timing.corners - timing.rounded
+    if timing.rounded:
+        text += f"; {counted(timing.rounded, 'corner')} rounded"
+    if stops:
+        text += f"; stops at {counted(stops, 'corner')}"
+    return text
 
 
 def groups_table(found: ModeGroups) -> Table:

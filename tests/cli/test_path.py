@@ -38,6 +38,24 @@ def test_paths_along_poses_are_proved_again(gsp, tmp_path):
     assert again.code == 0
 
 
+def test_a_path_with_a_time_is_proved_again(gsp, tmp_path):
+    file = str(tmp_path / "path.csv")
+    ends = ("--from", "home", "--to", "0,0,0.001,1,0,0,0")
+    limits = ("--speed", "0.001", "--acceleration", "0.002", "--round")
+    run = gsp("path", "@rubin-m2", *ends, *limits, "-o", file)
+    assert run.code == 0
+    assert run.err.splitlines()[3].endswith("s: each motor at most 0.001 m/s and 0.002 m/s^2")
+    assert gsp("track", "@rubin-m2", file, "--require", "range").code == 0
+    more = ("--speed", "motors=0.001,platform=0.0005", "--format", "json")
+    run = gsp("path", "@rubin-m2", *ends, *limits, *more)
+    document = json.loads(run.out)
+    assert document["along"] == "poses"
+    timing = document["timing"]
+    assert timing["speed"] == {"motors": 0.001, "platform": 0.0005}
+    assert timing["seconds"] == document["rows"][-1]["t"] >= 0.001 / 0.0005
+    assert (timing["corners"], timing["rounded"]) == (0, 0)
+
+
 def test_json(gsp):
     run = gsp("path", "@rubin-m2", "--from", "home", "--to", NEAR, "--format", "json")
     assert (run.code, run.err) == (0, "")
@@ -98,6 +116,14 @@ def test_all_modes(gsp):
         (("--from", "home", "--to", "2", "--clear", "nan"), "not"),
         (("--from", "home", "--to", "2", "--time", "0"), "0.0 is not in the range"),
         (("--from", "home", "--to", "2", "--along", "lines"), "'lines' is not one of"),
+        (("--from", "home", "--to", "2", "--speed", "1"), "--speed and --acceleration go together"),
+        (("--from", "home", "--to", "2", "--round"), "--round goes with --speed"),
+        (("--all", "--speed", "1", "--acceleration", "1"), "--all makes no rows"),
+        (("--speed", "motor=1"), "'motor' is not one of motors, platform, turn"),
+        (("--speed", "1,2"), "motors stands twice"),
+        (("--speed", "turn=1"), "give motors, or both platform and turn"),
+        (("--speed", "-1"), "-1.0 is not in the range"),
+        (("--speed", "nan"), "not"),
     ],
 )
 def test_mistakes(gsp, words, message):

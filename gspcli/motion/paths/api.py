@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from gspcli.motion.paths.mode_groups import ModeGroups
 from gspcli.motion.paths.mode_groups import mode_groups as groups_of
 from gspcli.motion.paths.planned_paths import PlannedPath
 from gspcli.motion.paths.planner import Planner
+from gspcli.motion.paths.timing import PathLimits
 
 
 def path(
@@ -27,6 +28,9 @@ def path(
     seed: int = SEED,
     pivot: Sequence[float] | None = None,
     sequence: str = "ZYX",
+    speed: float | Mapping[str, float] | None = None,
+    acceleration: float | Mapping[str, float] | None = None,
+    rounded: bool = False,
 ) -> PlannedPath:
     """Plan a path from one pose to another that is proved on the whole way.
 
@@ -53,6 +57,13 @@ def path(
     pivot, sequence
         The point of the platform, in its frame, and the order of the axes of the angles of straight
         ways of poses.
+    speed, acceleration
+        Limits on the whole way, also between rows; then the rows have times in seconds. A number is
+        of each motor, in the unit of its value a second (squared). By name: of the ``motors``, of
+        the ``platform``'s pivot, and of its ``turn`` in the unit of angles; the last two are proved
+        on ways of poses.
+    rounded
+        Whether corners are rounded where that is proved, instead of stops.
 
     Raises
     ------
@@ -69,7 +80,8 @@ def path(
     >>> gspcli.path(platform, "home", 2).reason
     'the sign of det J differs, and a regular path keeps it'
     """
-    planner = _planner(instance, along, clear, time, seed, pivot, sequence)
+    limits = PathLimits.of(speed, acceleration)
+    planner = _planner(instance, along, clear, time, seed, pivot, sequence, limits, rounded)
     modes = Modes(instance)
     return planner.path(modes.end(start, "start"), modes.end(goal, "goal"))
 
@@ -102,6 +114,8 @@ def _planner(
     seed: int,
     pivot: Sequence[float] | None,
     sequence: str,
+    limits: PathLimits | None = None,
+    rounded: bool = False,
 ) -> Planner:
     if not (np.isfinite(time) and time >= 0):
         message = f"found {time}, expected seconds, not negative"
@@ -111,5 +125,5 @@ def _planner(
         raise ArgumentError(message, "seed")
     return Planner(
         instance, along=along, clear=clear, seconds=time, seed=int(seed), pivot=pivot,
-        sequence=sequence,
+        sequence=sequence, limits=limits, rounded=rounded,
     )  # fmt: skip

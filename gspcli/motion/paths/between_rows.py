@@ -55,6 +55,9 @@ class Rows:
         before; None for ways of values.
     weights
         The unit of each value's changes in clearances, shape (6,); None for those of the instance.
+    bulges
+        How far the way between two rows is from the straight one at most, in values or parameters,
+        shape (r - 1, 6); None if all ways are straight.
     """
 
     ways: ValueWays | PoseWays
@@ -63,6 +66,7 @@ class Rows:
     T: Array
     parameters: Array | None = None
     weights: Array | None = None
+    bulges: Array | None = None
 
     @staticmethod
     def weights_of(instance: Instance) -> Array:
@@ -88,6 +92,8 @@ class Rows:
         gaps
             Indices of the rows before these ways, increasing, shape (g,).
         """
+        if self.bulges is not None and self.bulges[gaps].any():
+            return None
         if isinstance(self.ways, PoseWays):
             assert self.parameters is not None
             middle = (self.parameters[gaps] + self.parameters[gaps + 1]) / 2
@@ -105,8 +111,10 @@ class Rows:
 
     def _with(self, gaps: NDArray[np.int64], values: Array, R: Array, T: Array) -> Rows:
         more = {"values": values, "R": R, "T": T}
+        bulges = self.bulges
         return replace(
             self,
+            bulges=None if bulges is None else np.insert(bulges, gaps, 0.0, axis=0),
             **{
                 name: np.insert(getattr(self, name), gaps + 1, rows, axis=0)
                 for name, rows in more.items()
@@ -137,7 +145,7 @@ class Rows:
     def _on_ways(self, ways: PoseWays) -> tuple[Array, Array, Arrangement, Array]:
         """Return the same as `_enclosed` for straight ways in position and angles."""
         assert self.parameters is not None
-        half = np.abs(np.diff(self.parameters, axis=0)) / 2 * _OUTWARD
+        half = self._changes(self.parameters) / 2 * _OUTWARD
         turns = half[:, 3:].sum(axis=1)
         a = Arrangement.of(self.instance)
         away = float(np.linalg.norm(a.platform_centre - ways.pivot))
@@ -154,6 +162,8 @@ class Rows:
         T = platform.local_frames.doubles(self.R, self.T)
         points = platform.points(self.R, self.T)
         widths = np.abs(np.diff(platform.internal(self.values), axis=0)) / 2 * _OUTWARD
+        if self.bulges is not None:
+            widths = widths + platform.internal(self.bulges) * _OUTWARD
         a = Arrangement.of(near)
         away = float(np.linalg.norm(a.platform_centre))
         shifts, turns = [], []
@@ -172,17 +182,22 @@ class Rows:
             shifts.append(np.where(good, shift + turn * away, np.inf))
         return np.array(shifts), np.array(turns), a, T
 
+    def _changes(self, numbers: Array) -> Array:
+        """Bound how far numbers of a way are from both rows at its ends together, (r - 1, 6)."""
+        change = np.abs(np.diff(numbers, axis=0))
+        return change if self.bulges is None else change + 2 * self.bulges
+
     def travels(self) -> Array:
         """Bound how far values change on the ways between rows, by their weights, shape (r - 1,).
 
         Infinite where there is no bound.
         """
         if isinstance(self.ways, ValueWays):
-            change = np.abs(np.diff(self.values, axis=0)) * _OUTWARD
+            change = self._changes(self.values) * _OUTWARD
             return np.asarray((change / self.units).max(axis=1))
         assert self.parameters is not None
         a = Arrangement.of(self.instance)
-        change = np.abs(np.diff(self.parameters, axis=0))
+        change = self._changes(self.parameters)
         move, turn = np.linalg.norm(change[:, :3], axis=1), change[:, 3:].sum(axis=1)
         own = np.linalg.norm(a.y - self.ways.pivot, axis=1)
         places = self.parameters[:-1, :3]

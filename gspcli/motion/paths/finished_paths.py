@@ -12,6 +12,7 @@ from gspcli.motion.paths.between_rows import HALVINGS, least_clearances
 from gspcli.motion.paths.ends import PathEnd
 from gspcli.motion.paths.guides import PROVED_ROWS, Guide, Trace
 from gspcli.motion.paths.planned_paths import PathPart, PlannedPath
+from gspcli.motion.paths.timing import PathLimits, timed
 from gspcli.motion.paths.way_costs import steps
 
 Array = NDArray[np.float64]
@@ -21,7 +22,14 @@ _STEP, _LEAST, _MOST = 0.03, 4, 200
 
 
 def finished(
-    given: Instance, guide: Guide, corners: Array, start: PathEnd, goal: PathEnd
+    given: Instance,
+    guide: Guide,
+    corners: Array,
+    start: PathEnd,
+    goal: PathEnd,
+    limits: PathLimits | None = None,
+    *,
+    rounded: bool = False,
 ) -> PlannedPath:
     """Return a path with its rows.
 
@@ -35,6 +43,8 @@ def finished(
         Those of a proved path, shape (k + 1, 6).
     start, goal
         Its ends.
+    limits, rounded
+        Of speeds and accelerations, if the path has a time; whether corners are rounded.
 
     Raises
     ------
@@ -43,24 +53,29 @@ def finished(
     """
     proved = np.full(len(corners) - 1, PROVED_ROWS)
     trace = guide.trace(corners, proved)
+    timing, curved, t = None, None, None
     if trace is not None:
         length = Arrangement.of(given).length
         wanted = np.ceil(_lengths(given, trace) / (_STEP * length))
         rows = np.clip(wanted, _LEAST, _MOST).astype(np.int64)
         # Long steps near singular poses are not proved; those of the search are.
         for tried in (rows, np.maximum(rows, proved)):
-            found = guide.trace(corners, tried)
-            if found is not None:
-                trace = found
+            if limits is not None:
+                found = timed(guide, corners, limits, tried, rounded=rounded)
+                if found is not None:
+                    trace, t, timing, curved = found
+                    break
+            elif (rowed := guide.trace(corners, tried)) is not None:
+                trace = rowed
                 break
-    if trace is None:
+    if trace is None or (limits is not None and timing is None):
         message = "the path that was found could not be proved again: try another seed"
         raise IncompleteError(message)
     # Halving takes long; without a clearance that is asked for, the rows suffice.
     halvings = HALVINGS if guide.clear else 0
     at, between = least_clearances(trace.rows, guide.clear, halvings)
     conditions = trace.rows.conditions()
-    first = np.searchsorted(trace.part, np.arange(len(corners) - 1))
+    first = np.searchsorted(trace.part, np.arange(len(trace.proofs)))
     last = np.append(first[1:], len(trace.part) - 1)
     lengths = _lengths(given, trace)
     parts = tuple(
@@ -71,13 +86,14 @@ def finished(
             float(lengths[k]),
             float(conditions[a : b + 1].max()),
             float(between[a:b].min()),
+            rounded=curved is not None and bool(curved[k]),
         )
         for k, (a, b) in enumerate(zip(first.tolist(), last.tolist(), strict=True))
     )
-    t = trace.part + trace.fraction
     return PlannedPath(
-        given, start.name, goal.name, "proved", "", guide.along, t,
-        trace.values, trace.R, trace.T, conditions, at, parts,
+        given, start.name, goal.name, "proved", "", guide.along,
+        trace.part + trace.fraction if t is None else t,
+        trace.values, trace.R, trace.T, conditions, at, parts, timing,
     )  # fmt: skip
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from itertools import pairwise
 from typing import NamedTuple, Protocol
 
@@ -10,7 +11,7 @@ from numpy.typing import NDArray
 
 from gspcli.geometry.limits import within_limits
 from gspcli.motion.paths.between_rows import Rows, least_clearances
-from gspcli.motion.paths.pose_ways import PoseWays
+from gspcli.motion.paths.pose_ways import PoseWays, WayProof
 from gspcli.motion.paths.value_ways import ValueWays
 from gspcli.motion.poses.inverse_kinematics import values_at
 
@@ -46,6 +47,19 @@ class Trace(NamedTuple):
         return not clearance or bool((least_clearances(self.rows, clearance)[1] >= clearance).all())
 
 
+class RowsOnWay(NamedTuple):
+    """Rows along a path before they are proved."""
+
+    part: NDArray[np.int64]
+    """The part after each row, shape (r,); that of the last row is the last part."""
+    fraction: Array
+    """Where on its part each row is, shape (r,); the last row is at 1."""
+    numbers: Array
+    """Values, or positions and angles, shape (r, 6)."""
+    bulges: Array | None = None
+    """How far the way after each row is from the straight one at most, shape (r - 1, 6)."""
+
+
 class Guide(Protocol):
     """Proves polygons between two poses, given by their corners."""
 
@@ -66,6 +80,14 @@ class Guide(Protocol):
         rows
             In how many steps each straight part is divided, shape (k,).
         """
+        ...
+
+    def through(self, given: RowsOnWay) -> Trace | None:
+        """Return given rows with their poses, or None if the way through them is not proved."""
+        ...
+
+    def refused(self, given: RowsOnWay) -> list[int]:
+        """Return the indices of rows after which the way is not proved, if they are known."""
         ...
 
     def placed(self, corner: Array) -> Array:
@@ -104,6 +126,18 @@ class ValueGuide:
         self.sizes = np.where(finite, width, 0.0)
         self._digits = _digits(self.sizes)
 
+    def refused(self, given: RowsOnWay) -> list[int]:
+        """Return the rows after which the way is not proved; see `Guide`."""
+        values, bulges = given.numbers, given.bulges
+        found = self.ways.follow(values[None], np.zeros(1, np.int64), self.first[None])
+        lost = np.isnan(found.points[0, :, 0])
+        if lost.any():
+            return [int(lost.argmax()) - 1]
+        R, T = self.ways.poses(found.points[0])
+        between = least_clearances(Rows(self.ways, values, R, T, bulges=bulges), 0.0, 0)[1]
+        curved = np.zeros(len(between), bool) if bulges is None else bulges.any(axis=1)
+        return np.flatnonzero((curved & (between <= 0)) | (between < self.clear)).tolist()
+
     def widen(self, corners: Array) -> None:
         """Set how far values without a range may be moved, by those of a path."""
         span = np.ptp(corners, axis=0)
@@ -113,7 +147,11 @@ class ValueGuide:
     def trace(self, corners: Array, rows: NDArray[np.int64]) -> Trace | None:
         """Return rows along a polygon, or None; see `Guide`."""
         part, fraction = _places(rows)
-        values = _on_polygon(corners, part, fraction)
+        return self.through(RowsOnWay(part, fraction, _on_polygon(corners, part, fraction)))
+
+    def through(self, given: RowsOnWay) -> Trace | None:
+        """Return given rows with their poses, or None; see `Guide`."""
+        part, fraction, values, bulges = given
         if not self.ways.kept(values).all():
             return None
         found = self.ways.follow(values[None], np.zeros(1, np.int64), self.first[None])
@@ -125,8 +163,11 @@ class ValueGuide:
         if not self.ways.cones_kept(values, points):
             return None
         R, T = self.ways.poses(points)
-        proofs = _shared(int(found.parts[0]), rows)
-        trace = Trace(part, fraction, values, R, T, proofs, Rows(self.ways, values, R, T))
+        proofs = _shared(int(found.parts[0]), np.bincount(part[:-1]))
+        between = Rows(self.ways, values, R, T, bulges=bulges)
+        trace = Trace(part, fraction, values, R, T, proofs, between)
+        if bulges is not None and not _enclosed(trace, bulges):
+            return None
         return trace if trace.keeps(self.clear) else None
 
     def placed(self, corner: Array) -> Array:
@@ -173,11 +214,38 @@ class PoseGuide:
                 return None
             proofs.append(self._proved[key])
         part, fraction = _places(rows)
-        parameters = _on_polygon(corners, part, fraction)
+        given = RowsOnWay(part, fraction, _on_polygon(corners, part, fraction))
+        return self._through(given, np.array(proofs))
+
+    def through(self, given: RowsOnWay) -> Trace | None:
+        """Return given rows with their poses, or None; see `Guide`."""
+        proofs = np.zeros(int(given.part[-1]) + 1, np.int64)
+        for part, proof in zip(given.part.tolist(), self._proofs(given), strict=False):
+            if not proof.sign:
+                return None
+            proofs[part] += proof.cells
+        return self._through(given, proofs)
+
+    def refused(self, given: RowsOnWay) -> list[int]:
+        """Return the rows after which the way is not proved; see `Guide`."""
+        return [k for k, proof in enumerate(self._proofs(given)) if not proof.sign]
+
+    def _proofs(self, given: RowsOnWay) -> Iterator[WayProof]:
+        """Prove the way after each row; curved ones by a box that contains them."""
+        numbers, bulges = given.numbers, given.bulges
+        for k, (first, last) in enumerate(pairwise(numbers)):
+            if bulges is not None and bulges[k].any():
+                low, high = np.minimum(first, last) - bulges[k], np.maximum(first, last) + bulges[k]
+                yield self.ways.contains(low, high)
+            else:
+                yield self.ways.prove(first, last)
+
+    def _through(self, given: RowsOnWay, proofs: NDArray[np.int64]) -> Trace | None:
+        part, fraction, parameters, bulges = given
         R, T = self.ways.poses(parameters)
         values = values_at(self.ways.instance, R, T)
-        between = Rows(self.ways, values, R, T, parameters)
-        trace = Trace(part, fraction, values, R, T, np.array(proofs), between)
+        between = Rows(self.ways, values, R, T, parameters, bulges=bulges)
+        trace = Trace(part, fraction, values, R, T, proofs, between)
         return trace if trace.keeps(self.clear) else None
 
     def placed(self, corner: Array) -> Array:
@@ -192,6 +260,15 @@ class PoseGuide:
         """Return whether poses keep the limits, shape (n,)."""
         instance = self.ways.instance
         return within_limits(instance, values_at(instance, R, T), R, T)
+
+
+def _enclosed(trace: Trace, bulges: Array) -> bool:
+    """Whether curved ways are in the boxes about their rows in which the mode is proved alone.
+
+    Each place is in the box of one of both rows, and so is the straight way, which is followed.
+    """
+    curved = bulges.any(axis=1)
+    return bool((least_clearances(trace.rows, 0.0, 0)[1][curved] > 0).all())
 
 
 def _digits(sizes: Array) -> list[int]:

@@ -20,6 +20,8 @@ from gspcli.wording import counted
 if TYPE_CHECKING:
     import pandas as pd
 
+    from gspcli.motion.paths.timing import Timing
+
 Array = NDArray[np.float64]
 
 Verdict = Literal["proved", "impossible", "not found"]
@@ -30,7 +32,7 @@ _EMPTY = np.zeros((0, 6))
 
 @dataclass(frozen=True)
 class PathPart:
-    """A straight part of a path.
+    """A straight part of a path, or a rounded corner between two.
 
     Attributes
     ----------
@@ -45,6 +47,8 @@ class PathPart:
     clearance
         A proved lower bound of the clearance of all its poses, between the rows, too; in the units
         of `gsp clearance`. 0 if nothing is proved.
+    rounded
+        Whether it is a rounded corner.
     """
 
     first: int
@@ -53,6 +57,7 @@ class PathPart:
     length: float
     condition: float
     clearance: float
+    rounded: bool = False
 
     def to_json(self) -> dict[str, Any]:
         """Return the part as plain data; rows are counted from 1."""
@@ -62,6 +67,7 @@ class PathPart:
             "length": self.length,
             "condition": self.condition if np.isfinite(self.condition) else None,
             "clearance": self.clearance,
+            **({"rounded": True} if self.rounded else {}),
         }
 
 
@@ -93,7 +99,9 @@ class PlannedPath:
     conditions, clearances
         At the rows: condition numbers, and proved clearances, shapes (r,).
     parts
-        The straight parts.
+        The straight parts, and the rounded corners between them.
+    timing
+        What is known of the time; None without a speed.
     """
 
     instance: Instance
@@ -109,13 +117,19 @@ class PlannedPath:
     conditions: Array = field(default_factory=lambda: np.zeros(0))
     clearances: Array = field(default_factory=lambda: np.zeros(0))
     parts: tuple[PathPart, ...] = ()
+    timing: Timing | None = None
 
     def __repr__(self) -> str:
         kinds = self.instance.name or self.instance.type.id
         found: str = self.verdict
         if self.parts:
-            found += f", {counted(len(self.parts), 'straight part')}"
+            found += f", {counted(self.straight, 'straight part')}"
         return f"<PlannedPath of {kinds} from {self.start} to {self.goal}: {found}>"
+
+    @property
+    def straight(self) -> int:
+        """The number of straight parts."""
+        return sum(not part.rounded for part in self.parts)
 
     @property
     def length(self) -> float:
@@ -181,6 +195,7 @@ class PlannedPath:
             "along": self.along or None,
             "length": self.length,
             "straight_length": self.straight_length,
+            **({} if self.timing is None else {"timing": self.timing.to_json()}),
             "parts": [part.to_json() for part in self.parts],
             "rows": self.rows(frame),
         }

@@ -32,6 +32,7 @@ from gspcli.motion.paths.pose_map import PoseMap
 from gspcli.motion.paths.pose_ways import PoseWays
 from gspcli.motion.paths.sheets import Sheet, whole_sheet
 from gspcli.motion.paths.smoothing import smoothed
+from gspcli.motion.paths.timing import PathLimits
 from gspcli.motion.paths.value_map import ValueMap
 from gspcli.motion.paths.value_ways import ValueWays
 from gspcli.motion.workspace.travels import violations
@@ -59,6 +60,8 @@ class Planner:
         Of everything random.
     pivot, sequence
         The point of the platform and the order of angles of straight ways of poses.
+    limits, rounded
+        Of speeds and accelerations, if paths are to have a time; whether corners are rounded.
     """
 
     def __init__(
@@ -71,6 +74,8 @@ class Planner:
         seed: int = SEED,
         pivot: ArrayLike | None = None,
         sequence: str = "ZYX",
+        limits: PathLimits | None = None,
+        rounded: bool = False,
     ) -> None:
         refuse_cranks(instance, CRANKS)
         if along not in (None, "values", "poses"):
@@ -79,6 +84,15 @@ class Planner:
         if not (clear >= 0 and np.isfinite(clear)):
             message = f"found {clear}, expected a number that is not negative"
             raise ArgumentError(message, "clear")
+        if rounded and limits is None:
+            message = "corners are rounded for a speed: give a speed and an acceleration"
+            raise ArgumentError(message, "rounded")
+        if limits is not None and limits.of_platform:
+            if along == "values":
+                message = "found a limit of the platform, which is proved along poses only"
+                raise ArgumentError(message, "speed")
+            along = "poses"
+        self.limits, self.rounded = limits, rounded
         self.given = instance
         self.instance = without_corrections(instance)
         self.along, self.clear, self.seed = along, clear, seed
@@ -117,7 +131,7 @@ class Planner:
             return PlannedPath(self.given, start.name, goal.name, "not found", reason)
         if len(corners) > 2:
             corners = smoothed(self.instance, guide, corners, self.seed)
-        return finished(self.given, guide, corners, start, goal)
+        return finished(self.given, guide, corners, start, goal, self.limits, rounded=self.rounded)
 
     def _impossible(self, start: PathEnd, goal: PathEnd) -> str:
         """Return why there can be no path, or nothing."""

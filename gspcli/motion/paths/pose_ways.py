@@ -8,6 +8,8 @@ limits and contain no singular pose, so does the way. Cells that are not proved 
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -15,6 +17,7 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.euler import euler_from_rotation
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.quaternions import apply
+from gspcli.motion.paths.rate_bounds import Rates
 from gspcli.motion.workspace.pose_boxes import NEGATIVE, PARAMETERS, REGULAR, PoseBoxes
 from gspcli.records import dataclass
 
@@ -87,6 +90,11 @@ class PoseWays:
         self._conditions = self.boxes.conditions if limits else REGULAR
         #: Sizes of the six parameters: lengths of the platform, and radians.
         self.sizes = np.array([arrangement.length] * 3 + [1.0] * 3)
+
+    @cached_property
+    def rates(self) -> Rates:
+        """Bounds of what the motors do."""
+        return Rates(self.instance, self.pivot, self.boxes.sequence)
 
     def parameters(self, R: ArrayLike, T: ArrayLike) -> Array:
         """Return the parameters of poses, ``(..., 3, 3), (..., 3) -> (..., 6)``.
@@ -186,15 +194,35 @@ class PoseWays:
         open_ = int(left[0] & ~NEGATIVE)
         return WayProof(0, cells, ", ".join(self.boxes.names(open_)), left=open_)
 
+    def contains(self, low: Array, high: Array, cuts: int = _MOST_CUTS) -> WayProof:
+        """Prove that all poses of a box are regular and within the limits, shape (6,) each.
+
+        Then each way within the box is proved, straight or not. The box is halved so often.
+        """
+        boxes, sign, cells = [(low, high, cuts)], 0, 0
+        one = np.zeros(1, np.uint64)
+        while boxes:
+            low, high, left = boxes.pop()
+            bounds = np.stack((low, high), axis=1)
+            found = self.boxes.judge(
+                bounds, range(6), 0, one, np.array([self._conditions]), split=False
+            )
+            if len(found.inside):
+                here = -1 if found.inside_signs[0] & NEGATIVE else 1
+                if sign * here < 0:
+                    return WayProof(0, cells, "singularity", violated=True)
+                sign, cells = here, cells + 1
+                continue
+            if not len(found.open) or not left:
+                names = self.boxes.names(int(found.open_left[0])) if len(found.open) else ["limit"]
+                return WayProof(0, cells, ", ".join(names))
+            axis = int(((high - low) / self.sizes).argmax())
+            first, second = high.copy(), low.copy()
+            first[axis] = second[axis] = (low[axis] + high[axis]) / 2
+            boxes += [(low, first, left - 1), (second, high, left - 1)]
+        return WayProof(sign, cells)
+
     def at(self, parameters: Array) -> WayProof:
         """Prove that a pose is regular and within the limits, with poses very near to it."""
         half = _NEAR * (self.sizes + np.abs(parameters))
-        bounds = np.stack((parameters - half, parameters + half), axis=1)
-        one = np.zeros(1, np.uint64)
-        found = self.boxes.judge(
-            bounds, range(6), 0, one, np.array([self._conditions]), split=False
-        )
-        if len(found.inside):
-            return WayProof(-1 if found.inside_signs[0] & NEGATIVE else 1, 1)
-        names = self.boxes.names(int(found.open_left[0])) if len(found.open) else ["limit"]
-        return WayProof(0, 0, ", ".join(names))
+        return self.contains(parameters - half, parameters + half, cuts=0)
