@@ -172,7 +172,7 @@ def command(
     \b
     Examples:
       gsp path @workspace-study --from home --to 3 -o path.csv
-      gsp path @workspace-study --from home --to 3 --speed 50 --acceleration 200 --round
+      gsp path @rubin-m2 --from 2 --to home --speed 0.001 --acceleration 0.01
       gsp path platform.yaml --from 10,0,420,1,0,0,0 --to home --clear 0.02
       gsp path @rubin-camera --all
     """
