@@ -22,6 +22,7 @@ from gspcli.sensing.sensor_kinds import (
     ValueSensor,
     verticals,
 )
+from gspcli.ties import first_largest
 
 Array = NDArray[np.float64]
 
@@ -112,7 +113,7 @@ def next_choice(
         sizes[chosen] = 0.0
         if angles[chosen].sum() >= _MOST_ANGLES:
             sizes[angles] = 0.0
-        best = int(sizes.argmax())
+        best = int(first_largest(sizes))
         if not sizes[best] > 1e-6:
             return None
         unit = left[best] / sizes[best]

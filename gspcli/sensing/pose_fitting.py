@@ -162,7 +162,7 @@ def _near_best(numbers: PoseNumbers, R: Array, T: Array, size: Array) -> tuple[A
     """Return where the best of some short descents ends."""
     with np.errstate(all="ignore"):
         R, T, cost, _ = _descended(numbers, R, T, size, _SHORT)
-    best = int(np.nanargmin(cost))
+    best = _in_order(cost)[0]
     return R[best], T[best]
 
 

@@ -276,3 +276,25 @@ def test_the_first_of_equal_suspects_is_named():
 def test_equal_sums_of_squares_keep_their_order(noise):
     cost = np.array([2, 5, 2, 1e-3, 5, 2]) + noise * np.array([3, 1, 2, 4, 0, 1])
     assert _in_order(cost) == [3, 0, 2, 5, 1, 4]
+
+
+def test_a_choice_of_six_does_not_depend_on_rounding():
+    """All numbers tell as much alone: the first is taken, not the one that rounding favours."""
+    machine, texts, R, T = measured("workspace-study")
+    candidates = candidates_of(machine, parsed_readings(machine, texts))
+    numbers = PoseNumbers(
+        machine, tuple(parsed_readings(machine, texts)), value_sigmas(machine, {"value": SIGMA})
+    )
+    slopes, used = numbers.slopes(R[None], T[None])[0], np.zeros(len(candidates), int)
+    rng = np.random.default_rng(0)
+    owners = {
+        tuple(
+            one.owner
+            for one in next_choice(
+                candidates, slopes * (1 + 1e-15 * rng.normal(size=slopes.shape)), used
+            )
+        )
+        for _ in range(20)
+    }
+    assert len(owners) == 1
+    assert 0 in owners.pop()
