@@ -80,7 +80,7 @@ def recorded(task: Task) -> int:
     return family_counts(family_of(task.distances)).of(sides=task.sides)
 
 
-class Verdict(Enum):
+class RecordVerdict(Enum):
     """The comparison of a result with the record."""
 
     EQUAL = "equal"
@@ -88,7 +88,7 @@ class Verdict(Enum):
     UNFINISHED = "unfinished"
 
 
-def verdict(result: Result) -> Verdict:
+def verdict(result: Result) -> RecordVerdict:
     """Compare a result with the record.
 
     A smaller number of certified poses is no contradiction: it is a lower bound. A trace test may
@@ -97,11 +97,11 @@ def verdict(result: Result) -> Verdict:
     count = recorded(result.task)
     trace = result.tracked.trace if result.tracked else None
     if result.count == count and (trace is None or trace.passed):
-        return Verdict.EQUAL
+        return RecordVerdict.EQUAL
     certified = not result.task.characteristic
     if result.count is None or (certified and result.count <= count):
-        return Verdict.UNFINISHED
-    return Verdict.DIFFERENT
+        return RecordVerdict.UNFINISHED
+    return RecordVerdict.DIFFERENT
 
 
 def contents(results: Results, seed: int = SEED) -> dict[str, str]:

@@ -10,7 +10,7 @@ from typing import Any
 
 from gspcli.atlas.journal import carry_out
 from gspcli.atlas.tasks import Task
-from gspcli.atlas.trace import Trace
+from gspcli.atlas.trace import TraceTest
 from gspcli.atlas.tracked_counts import Tracked
 from gspcli.progress import Progress, silent
 from gspcli.records import dataclass
@@ -44,7 +44,7 @@ class Result:
         tracked = entry.get("tracked")
         if tracked is not None:
             trace = tracked["trace"]
-            tracked = Tracked(**{**tracked, "trace": None if trace is None else Trace(**trace)})
+            tracked = Tracked(**{**tracked, "trace": None if trace is None else TraceTest(**trace)})
         return cls(Task(**entry["task"]), entry["count"], entry["seconds"], tracked)
 
 

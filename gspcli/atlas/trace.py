@@ -28,7 +28,7 @@ _ATTEMPTS = (CAREFUL, CAREFUL, PARANOID)
 
 
 @dataclass(frozen=True)
-class Trace:
+class TraceTest:
     """The outcome of a trace test.
 
     Attributes
@@ -53,7 +53,7 @@ class Trace:
         return self.defect / self.without_one if self.without_one > 0 else np.inf
 
 
-def trace_test(target: System, points: ComplexArray, seed: int) -> Trace:
+def trace_test(target: System, points: ComplexArray, seed: int) -> TraceTest:
     """Test whether some solutions of a system are all of them.
 
     Parameters
@@ -74,7 +74,7 @@ def trace_test(target: System, points: ComplexArray, seed: int) -> Trace:
     points = np.array(points, dtype=np.complex128)
     points[:, 4:] /= scale
     points /= np.linalg.norm(points, axis=1, keepdims=True)
-    best = Trace(np.inf, 0.0)
+    best = TraceTest(np.inf, 0.0)
     for attempt, options in enumerate(_ATTEMPTS):
         rng = np.random.default_rng([seed, attempt])
         moving = moving_equation(target.structure)
@@ -128,9 +128,9 @@ def _functions(space: str, member: ComplexArray, points: ComplexArray) -> Comple
     return np.asarray(evaluate(basis, points) / evaluate(member[None], points))
 
 
-def _trace(differences: ComplexArray, values: ComplexArray) -> Trace:
+def _trace(differences: ComplexArray, values: ComplexArray) -> TraceTest:
     """Return the outcome from the second differences and the values of each solution."""
     total = differences.sum(axis=0)
     size = np.linalg.norm(values, axis=1).sum()
     rest: NDArray[np.float64] = np.linalg.norm(total - differences, axis=1)
-    return Trace(float(np.linalg.norm(total) / size), float(rest.min() / size))
+    return TraceTest(float(np.linalg.norm(total) / size), float(rest.min() / size))

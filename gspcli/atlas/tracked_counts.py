@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from gspcli.atlas.trace import Trace, trace_test
+from gspcli.atlas.trace import TraceTest, trace_test
 from gspcli.catalogue.kinds import ALL, Kind
 from gspcli.catalogue.types import CONSTRAINTS, GspType
 from gspcli.certification import certify
@@ -31,7 +31,7 @@ class Tracked:
     """
 
     certified: int
-    trace: Trace | None
+    trace: TraceTest | None
 
 
 def tracked(distances: Sequence[Kind], sides: int, seed: int) -> Tracked:

@@ -26,7 +26,7 @@ _STARTS, _TRIED_AGAIN = 12, 4
 _MILLIMETRES = 10.0
 
 
-class Reading(NamedTuple):
+class ConventionFit(NamedTuple):
     """A convention of a log, and how well it fits."""
 
     turns: Turns
@@ -39,7 +39,7 @@ class Reading(NamedTuple):
 
 def readings_of(
     log: Log, rows: NDArray[np.intp], euler: str | None, *, offsets: bool
-) -> tuple[list[Reading], Joints, float]:
+) -> tuple[list[ConventionFit], Joints, float]:
     """Return conventions, the best first, its joints, and what any joints leave at least.
 
     The last is by linear equations, up to noise.
@@ -51,7 +51,7 @@ def readings_of(
         R, T = turns.rotations(log, first), log.positions[first]
         left = left_of_lengths(R, T, log.lengths[first], factors, offsets=offsets)
         tried += [
-            Reading(turns, factor, one, place)
+            ConventionFit(turns, factor, one, place)
             for factor, one in zip(factors.tolist(), left.tolist(), strict=True)
         ]
     tried.sort(key=lambda one: one.scatter)
@@ -78,8 +78,8 @@ def readings_of(
 
 
 def _fits(
-    log: Log, rows: NDArray[np.intp], tried: list[Reading], *, offsets: bool, random: bool
-) -> list[tuple[Reading, Joints]]:
+    log: Log, rows: NDArray[np.intp], tried: list[ConventionFit], *, offsets: bool, random: bool
+) -> list[tuple[ConventionFit, Joints]]:
     """Return conventions with their scatter after a fit, and the joints."""
     lengths = log.lengths[rows]
     freedom = max(lengths.size - 6 * (7 if offsets else 6), 1)
@@ -115,7 +115,7 @@ def _factors(log: Log) -> Array:
     return np.array(list(FACTORS))
 
 
-def ambiguous(log: Log, rows: NDArray[np.intp], readings: list[Reading]) -> list[str]:
+def ambiguous(log: Log, rows: NDArray[np.intp], readings: list[ConventionFit]) -> list[str]:
     """Return the conventions that fit as well as the best and differ in the log."""
     best = readings[0]
     least = min(one.scatter for one in readings)
@@ -130,7 +130,7 @@ def ambiguous(log: Log, rows: NDArray[np.intp], readings: list[Reading]) -> list
     return found
 
 
-def words_of(one: Reading, best: Reading, log: Log) -> str:
+def words_of(one: ConventionFit, best: ConventionFit, log: Log) -> str:
     """Return a convention in words, its units if they differ from the best."""
     words = one.turns.words()
     if one.factor != best.factor:

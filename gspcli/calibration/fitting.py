@@ -39,7 +39,7 @@ _BLOCK = 2000
 HUBER = 2.0
 
 
-class System(NamedTuple):
+class LinearEquations(NamedTuple):
     """The linear equations of one iteration, poses removed."""
 
     residual: Array
@@ -208,7 +208,7 @@ def _equations(
     huber: float | None,
     *,
     check: bool = True,
-) -> System:
+) -> LinearEquations:
     """Return the equations at poses as `reduced`, for many rows in blocks.
 
     The equations of a block are replaced by their triangular factor, and the twists are computed
@@ -218,7 +218,7 @@ def _equations(
         return reduced(model, R, T, seen, noise, huber, check=check)
     seen = replace(seen, sorts=seen.measured_sorts)
 
-    def block(rows: slice) -> System:
+    def block(rows: slice) -> LinearEquations:
         return reduced(model, R[rows], T[rows], seen.taken(rows), noise, huber, check=check)
 
     blocks = [slice(k, k + _BLOCK) for k in range(0, len(R), _BLOCK)]
@@ -232,7 +232,7 @@ def _equations(
         systems = map(block, blocks)
         return np.concatenate([one.back(step) for one in systems if one.back is not None])
 
-    return System(
+    return LinearEquations(
         np.concatenate(left),
         triangles[:, -1],
         triangles[:, :-1],
@@ -249,7 +249,7 @@ def reduced(
     huber: float | None = None,
     *,
     check: bool = True,
-) -> System:
+) -> LinearEquations:
     """Return the equations at poses, the poses removed."""
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         r, J, P = seen.rows(model, R, T, noise)
@@ -267,7 +267,7 @@ def reduced(
     )
     r, J, P = r * weight, J * weight[..., None], P * weight[..., None]
     if noise.exact:
-        return System(left, r.reshape(-1), J.reshape(-1, J.shape[-1]), None)
+        return LinearEquations(left, r.reshape(-1), J.reshape(-1, J.shape[-1]), None)
     Q, U = np.linalg.qr(P * _twist_sizes(model), mode="complete")
     Q = np.swapaxes(Q, 1, 2)
     right, slopes = (Q @ r[..., None])[..., 0], Q @ J
@@ -276,7 +276,9 @@ def reduced(
     def back(step: Array) -> Array:
         return _twists(*ends, step) * _twist_sizes(model)
 
-    return System(left, right[:, 6:].reshape(-1), slopes[:, 6:].reshape(-1, J.shape[-1]), back)
+    return LinearEquations(
+        left, right[:, 6:].reshape(-1), slopes[:, 6:].reshape(-1, J.shape[-1]), back
+    )
 
 
 def _check(wrong: NDArray[np.bool_], seen: Measurements) -> None:

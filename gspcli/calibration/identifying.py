@@ -12,7 +12,7 @@ from gspcli.calibration.convention_choice import (
     EXACT,
     LIKELIER,
     USUAL,
-    Reading,
+    ConventionFit,
     ambiguous,
     random_starts,
     readings_of,
@@ -151,7 +151,7 @@ def identify_log(
 
 
 def _conventions(
-    log: Log, rows: NDArray[np.intp], readings: list[Reading], *, offsets: bool
+    log: Log, rows: NDArray[np.intp], readings: list[ConventionFit], *, offsets: bool
 ) -> Identification:
     """Return the conventions that were found, the best first, without a machine yet."""
     best = readings[0]
@@ -174,7 +174,7 @@ def _gap(rows: int, *, offsets: bool) -> float:
     return _GAP * (1 + _BY_CHANCE / (rows - UNKNOWNS - offsets))
 
 
-def _measured(log: Log, best: Reading, pivot: Array) -> Measurements:
+def _measured(log: Log, best: ConventionFit, pivot: Array) -> Measurements:
     """Return what was measured, in the convention that was found."""
     turned = np.full((len(log.lengths), 3, 3), np.nan)
     whole = np.flatnonzero(np.isfinite(log.turns).all(axis=1))
@@ -183,7 +183,7 @@ def _measured(log: Log, best: Reading, pivot: Array) -> Measurements:
 
 
 def _with_offsets(
-    log: Log, rows: NDArray[np.intp], euler: str | None, best: Reading
+    log: Log, rows: NDArray[np.intp], euler: str | None, best: ConventionFit
 ) -> float | None:
     """Return how well lengths fit with a constant of each leg, if that is much better."""
     if best.scatter < USUAL * float(log.lengths[rows].mean()):
@@ -211,7 +211,7 @@ def _check_rows(log: Log, rows: NDArray[np.intp], *, offsets: bool) -> None:
 
 
 def _start(
-    log: Log, best: Reading, joints: Joints, pivot: Array, unit: str, *, offsets: bool
+    log: Log, best: ConventionFit, joints: Joints, pivot: Array, unit: str, *, offsets: bool
 ) -> Instance:
     """Return the machine with the joints found, at the pose of the first whole row."""
     first = np.flatnonzero(log.whole)[:1]

@@ -66,7 +66,7 @@ class Noise:
         return cls(1e-5 * length, 1e-5, 1e-5 * length, 1e-5, 1e-5, 1e-5)
 
 
-class Rows(NamedTuple):
+class WhitenedRows(NamedTuple):
     """Residuals of n poses, whitened."""
 
     residual: Array
@@ -164,7 +164,7 @@ class Measurements:
         there = np.isfinite(self.positions).all(axis=1)
         return np.asarray(there & np.isfinite(self.rotations).all(axis=(1, 2)))
 
-    def rows(self, model: Model, R: Array, T: Array, noise: Noise) -> Rows:
+    def rows(self, model: Model, R: Array, T: Array, noise: Noise) -> WhitenedRows:
         """Return all rows at poses; only those of values where poses are exact."""
         parts = [value_rows(model, R, T, self, noise)]
         if not noise.exact:
@@ -181,7 +181,9 @@ class Measurements:
                 parts.append(_point_rows(model, R, T, at, seen, noise.position, moves=moves))
             if len(self.inclinations):
                 parts.append(_inclination_rows(model, R, self.inclinations, noise.inclination))
-        return Rows(*(np.concatenate(arrays, axis=1) for arrays in zip(*parts, strict=True)))
+        return WhitenedRows(
+            *(np.concatenate(arrays, axis=1) for arrays in zip(*parts, strict=True))
+        )
 
 
 def constant_rods(instance: Instance, model: Model, seen: Measurements) -> Measurements:
@@ -234,7 +236,7 @@ def hat(a: Array) -> Array:
     return np.stack((o, -z, y, z, o, -x, -y, x, o), axis=-1).reshape(*a.shape, 3)
 
 
-def value_rows(model: Model, R: Array, T: Array, seen: Measurements, noise: Noise) -> Rows:
+def value_rows(model: Model, R: Array, T: Array, seen: Measurements, noise: Noise) -> WhitenedRows:
     """Return ``f - v (1 + s) - o`` for each reading v of each pose."""
     bodies = model.bodies(seen.cranks)
     values, by = measured(bodies, R, T), gradients(bodies, bodies.placed(R, T))
@@ -263,7 +265,9 @@ def value_rows(model: Model, R: Array, T: Array, seen: Measurements, noise: Nois
         weight = 1 / np.hypot(sigma, noise.crank * _by_cranks(model, R, by, seen.cranks))
     _, w, arm = bodies.placed(R, T)
     by_pose = by_twist(by, arm, w)
-    return Rows(residual * weight, by_model * weight[..., None], by_pose * weight[..., None])
+    return WhitenedRows(
+        residual * weight, by_model * weight[..., None], by_pose * weight[..., None]
+    )
 
 
 def _in_body(by: Gradient, R: Array, block: Block) -> tuple[Array, Array]:
@@ -289,7 +293,7 @@ def _frames(model: Model) -> tuple[Array, Array, Array, Array]:
     return turns[0], model.frames[3:6], turns[1], model.frames[9:]
 
 
-def _rotation_rows(model: Model, R: Array, seen: Array, sigma: float) -> Rows:
+def _rotation_rows(model: Model, R: Array, seen: Array, sigma: float) -> WhitenedRows:
     """Return the turns from rotations measured to those of the target in the device's frame."""
     A, _, B, _ = _frames(model)
     there = A @ R @ B
@@ -303,7 +307,7 @@ def _rotation_rows(model: Model, R: Array, seen: Array, sigma: float) -> Rows:
     by_model[:, :, at : at + 3] = inverse @ _left(model.frames[:3])
     by_model[:, :, at + 6 : at + 9] = inverse @ A @ R @ _left(model.frames[6:9])
     by_pose = np.concatenate((inverse @ A, np.zeros((len(R), 3, 3))), axis=2)
-    return Rows(turn / sigma, by_model / sigma, by_pose / sigma)
+    return WhitenedRows(turn / sigma, by_model / sigma, by_pose / sigma)
 
 
 def _left(omega: Array) -> Array:
@@ -327,7 +331,7 @@ def _point_rows(
     sigma: float,
     *,
     moves: str | None,
-) -> Rows:
+) -> WhitenedRows:
     """Return how far a point of the target, or of a primitive of the platform, is from seen.
 
     Parameters
@@ -362,10 +366,10 @@ def _point_rows(
     by_model[:, :, first : first + 3] = -hat(place) @ _left(model.frames[:3])
     by_model[:, :, first + 3 : first + 6] = np.eye(3)
     by_pose = np.concatenate((-A @ hat(arm), np.broadcast_to(A, R.shape)), axis=2)
-    return Rows((place + a - seen) / sigma, by_model / sigma, by_pose / sigma)
+    return WhitenedRows((place + a - seen) / sigma, by_model / sigma, by_pose / sigma)
 
 
-def _inclination_rows(model: Model, R: Array, seen: Array, sigma: float) -> Rows:
+def _inclination_rows(model: Model, R: Array, seen: Array, sigma: float) -> WhitenedRows:
     """Return how far the axes x and y of the target are from the inclinations measured."""
     A, _, B, _ = _frames(model)
     up = A.T @ _VERTICAL
@@ -382,6 +386,6 @@ def _inclination_rows(model: Model, R: Array, seen: Array, sigma: float) -> Rows
     by_model[:, :, at : at + 3] = turned[:, :2]
     by_model[:, :, at + 6 : at + 9] = (B.T @ hat(here) @ _left(model.frames[6:9]))[:, :2]
     weight = slope[..., None] / sigma
-    return Rows(
+    return WhitenedRows(
         (np.arcsin(np.clip(sines, -1, 1)) - seen) / sigma, by_model * weight, by_pose * weight
     )

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.calibration.fitting import Fit, fit
-from gspcli.calibration.measurements import Measurements, Noise, Rows, value_rows
+from gspcli.calibration.measurements import Measurements, Noise, WhitenedRows, value_rows
 from gspcli.calibration.parameters import Model
 from gspcli.errors import GspError
 from gspcli.geometry.instance import Instance, Side
@@ -32,7 +32,7 @@ Poses = tuple[Array, Array]
 _STARTS, _STEPS, _LONGEST, _AGREES = 8, 30, 0.3, 0.05
 
 
-class Start(NamedTuple):
+class FitStart(NamedTuple):
     """Where a fit starts: the model, with its frames, and poses, (n, 3, 3) and (n, 3)."""
 
     model: Model
@@ -43,7 +43,7 @@ class Start(NamedTuple):
     """
 
 
-def started(instance: Instance, model: Model, seen: Measurements, noise: Noise) -> Start:
+def started(instance: Instance, model: Model, seen: Measurements, noise: Noise) -> FitStart:
     """Return the model and the poses to start from.
 
     With unknown frames the pose of a row is the one nearest to home. If no home is stated all real
@@ -62,7 +62,7 @@ def started(instance: Instance, model: Model, seen: Measurements, noise: Noise) 
         if rest.any():
             some = seen.taken(rest)
             R[rest], T[rest] = _agreeing(model, some, _modes(instance, model, some, noise), noise)
-        return Start(model, *_with_less(instance, model, seen, R, T, noise, ~seen.whole & ~read))
+        return FitStart(model, *_with_less(instance, model, seen, R, T, noise, ~seen.whole & ~read))
     if not read.any():
         message = "no row has all six readings: with unknown frames some rows must have them"
         raise GspError(message)
@@ -70,7 +70,7 @@ def started(instance: Instance, model: Model, seen: Measurements, noise: Noise) 
     first, home = _from_home(instance, model, some, _modes(instance, model, some, noise), noise)
     R[read], T[read] = first.R, first.T
     R, T = _with_less(instance, first.model, seen, R, T, noise, ~read)
-    return Start(replace(first.model, free=model.free), R, T, home)
+    return FitStart(replace(first.model, free=model.free), R, T, home)
 
 
 def _from_home(
@@ -152,7 +152,7 @@ def _with_less(
     return R, T
 
 
-def _costs(rows: Rows) -> Array:
+def _costs(rows: WhitenedRows) -> Array:
     """Return the sum of squares of each row, infinite where one is not a number."""
     return np.asarray(np.nansum(rows.residual**2, axis=1))
 

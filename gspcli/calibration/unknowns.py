@@ -42,7 +42,7 @@ _POSES, _TURN, _SHIFT = 60, 0.4, 0.3
 _SAME_TURN, _SAME_PLACE = 0.01, 1e-3
 
 
-class Motion(NamedTuple):
+class ParameterMotion(NamedTuple):
     """A motion of parameters that has a name; alike ones are named in one sentence."""
 
     what: str
@@ -111,7 +111,7 @@ def unknowns(found: Fit, seen: Measurements) -> Unknowns:
     return Unknowns(len(rows), frames, tuple(sentences))
 
 
-def _sentences(named: list[Motion]) -> list[str]:
+def _sentences(named: list[ParameterMotion]) -> list[str]:
     """Return motions in words, those of several constraints and along several axes together."""
     alike: dict[tuple[str, str], list[str]] = {}
     for (what, number), group in groupby(named, lambda motion: (motion.what, motion.number)):
@@ -135,7 +135,7 @@ def _too_few(found: Fit) -> bool:
 _FRAMES = "frames"
 
 
-def _frame_motions(model: Model) -> Iterator[Motion]:
+def _frame_motions(model: Model) -> Iterator[ParameterMotion]:
     """Yield the motions of a whole body with device or target, which no measurement can tell."""
     if not model.with_frames:
         return
@@ -156,7 +156,7 @@ def _frame_motions(model: Model) -> Iterator[Motion]:
                     turn = axis if turning else np.zeros(3)
                     frames[6:9] = _vector_rate(model.frames[6:9], turn)
                     frames[9:] = shift
-                yield Motion(_FRAMES, body, change)
+                yield ParameterMotion(_FRAMES, body, change)
 
 
 def _vector_rate(vector: Array, omega: Array) -> Array:
@@ -170,7 +170,7 @@ def _vector_rate(vector: Array, omega: Array) -> Array:
     return rate
 
 
-def _motions(model: Model, R: Array, T: Array, seen: Measurements) -> Iterator[Motion]:
+def _motions(model: Model, R: Array, T: Array, seen: Measurements) -> Iterator[ParameterMotion]:
     """Yield the other motions with names, the most special first."""
     yield from _unread(model, seen)
     yield from _planes(model)
@@ -180,7 +180,7 @@ def _motions(model: Model, R: Array, T: Array, seen: Measurements) -> Iterator[M
         for how, turning in (("moved along", False), ("turned about", True)):
             for name, axis in zip(_AXES, np.eye(3), strict=True):
                 change = _body_motion(model, body, axis, turning=turning)
-                yield Motion(f"all of the {body} {how}", name, change)
+                yield ParameterMotion(f"all of the {body} {how}", name, change)
     yield from _sizes(model, seen)
 
 
@@ -189,7 +189,7 @@ def _unread_rows(seen: Measurements) -> list[int]:
     return np.flatnonzero(~np.isfinite(seen.readings).any(axis=0)).tolist()
 
 
-def _unread(model: Model, seen: Measurements) -> Iterator[Motion]:
+def _unread(model: Model, seen: Measurements) -> Iterator[ParameterMotion]:
     """Yield changes of what only constraints without readings use."""
     for k in _unread_rows(seen):
         own = np.zeros(len(model.free), bool)
@@ -198,10 +198,10 @@ def _unread(model: Model, seen: Measurements) -> Iterator[Motion]:
         own[[model.geometry + k, model.geometry + 6 + k]] = True
         for parameter in np.flatnonzero(own):
             change = np.where(np.arange(len(own)) == parameter, 1.0, 0.0)
-            yield Motion("no row has a reading", "", change, k + 1)
+            yield ParameterMotion("no row has a reading", "", change, k + 1)
 
 
-def _planes(model: Model) -> Iterator[Motion]:
+def _planes(model: Model) -> Iterator[ParameterMotion]:
     for block, span in model.spans():
         if block.sort != "plane" or not len(block.shifts):
             continue
@@ -214,10 +214,10 @@ def _planes(model: Model) -> Iterator[Motion]:
             "the offset of constraint" if len(block.rows) == 1 else "the offsets of constraints"
         )
         what = f"the {block.body}'s plane {block.name} along its normal, with {offsets}"
-        yield Motion(what, numbers, change)
+        yield ParameterMotion(what, numbers, change)
 
 
-def _legs(model: Model, R: Array, T: Array, seen: Measurements) -> Iterator[Motion]:
+def _legs(model: Model, R: Array, T: Array, seen: Measurements) -> Iterator[ParameterMotion]:
     """Yield the ends of legs along them, with their offsets; and offsets with scales."""
     bodies = model.bodies(seen.cranks)
     directions = bodies.placed(R, T).r
@@ -231,10 +231,10 @@ def _legs(model: Model, R: Array, T: Array, seen: Measurements) -> Iterator[Moti
             span, block = _of(model, k, body)
             change = _in(model, span, block, mean if body == "platform" else -mean)
             change[model.geometry + k] = 1.0
-            yield Motion(f"{body} joint along the leg, with", "its offset", change, k + 1)
+            yield ParameterMotion(f"{body} joint along the leg, with", "its offset", change, k + 1)
 
 
-def _pairs(model: Model) -> Iterator[Motion]:
+def _pairs(model: Model) -> Iterator[ParameterMotion]:
     """Yield the two primitives of a constraint shifted alike."""
     for k in range(len(model.kinds)):
         found = [_of(model, k, body) for body in ("platform", "base")]
@@ -242,23 +242,23 @@ def _pairs(model: Model) -> Iterator[Motion]:
             continue
         for name, axis in zip(_AXES, np.eye(3), strict=True):
             change = sum(_in(model, span, block, axis) for span, block in found)
-            yield Motion("both primitives together along", name, np.asarray(change), k + 1)
+            yield ParameterMotion("both primitives together along", name, np.asarray(change), k + 1)
 
 
-def _sizes(model: Model, seen: Measurements) -> Iterator[Motion]:
+def _sizes(model: Model, seen: Measurements) -> Iterator[ParameterMotion]:
     """Yield the size of everything with the scales, and each scale with its offset."""
     change = np.zeros(len(model.free))
     for block, span in model.spans():
         change += _in(model, span, block, block.point)
     for k, kind in enumerate(model.kinds):
         change[model.geometry + 6 + k] = 1.0 if kind.is_distance else 0.0
-    yield Motion("the size of everything with", "the scales", change)
+    yield ParameterMotion("the size of everything with", "the scales", change)
     for k, readings in enumerate(seen.readings.T):
         read = readings[np.isfinite(readings)]
         if len(read):
             change = np.zeros(len(model.free))
             change[model.geometry + 6 + k], change[model.geometry + k] = 1.0, -read.mean()
-            yield Motion("its scale with", "its offset", change, k + 1)
+            yield ParameterMotion("its scale with", "its offset", change, k + 1)
 
 
 def _of(model: Model, k: int, body: str) -> tuple[slice, Block]:

@@ -28,7 +28,7 @@ _LONGEST = 200
 
 
 @dataclass(frozen=True, slots=True, order=True)
-class Place:
+class PlaceOnLine:
     """The place of a platform on such a line.
 
     Attributes
@@ -49,7 +49,7 @@ class Place:
         return f"{self.real}:{self.number}:{self.share}"
 
     @classmethod
-    def read(cls, text: str) -> Place:
+    def read(cls, text: str) -> PlaceOnLine:
         """Return the place that `str` wrote."""
         real, number, share = text.split(":")
         return cls(int(real), int(number), share)
@@ -99,13 +99,13 @@ def witness_with(family: Family, real: int) -> Witness:
     raise GspError(message)
 
 
-def recorded() -> Iterator[tuple[Family, tuple[Place, ...]]]:
+def recorded() -> Iterator[tuple[Family, tuple[PlaceOnLine, ...]]]:
     """Yield the records, one for each two mirrored families."""
     for name, places in _rows().items():
         yield named_family(name), places
 
 
-def platform_at(family: Family, place: Place) -> Witness:
+def platform_at(family: Family, place: PlaceOnLine) -> Witness:
     """Return the platform at a place of a family that has a witness."""
     best = witness(family)
     if best is None:
@@ -155,10 +155,10 @@ def _name(distances: tuple[Kind, ...]) -> str:
 
 
 @cache
-def _rows() -> dict[str, tuple[Place, ...]]:
+def _rows() -> dict[str, tuple[PlaceOnLine, ...]]:
     """Return the places by the distances."""
     text = data_path(*FILE).read_text(encoding="utf-8")
     return {
-        row["family"].partition(" ")[2]: tuple(map(Place.read, row["platforms"].split()))
+        row["family"].partition(" ")[2]: tuple(map(PlaceOnLine.read, row["platforms"].split()))
         for row in csv.DictReader(text.splitlines())
     }

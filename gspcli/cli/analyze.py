@@ -29,7 +29,7 @@ from gspcli.cli.value_options import Changes, value_options
 from gspcli.errors import GspError
 
 if TYPE_CHECKING:
-    from gspcli.cli.pose_rows import PoseRows
+    from gspcli.cli.pose_rows import AskedPoses
     from gspcli.dynamics.analyses import Analysis
     from gspcli.geometry.instance import Instance
 
@@ -173,7 +173,7 @@ def command(
 
 def _analysis(
     instance: Instance,
-    asked: PoseRows,
+    asked: AskedPoses,
     load: str | None,
     stiffness: str | None,
     tolerance: str | None,

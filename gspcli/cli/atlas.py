@@ -18,7 +18,7 @@ from gspcli.cli.worker_options import resume_option, worker_options
 from gspcli.errors import CheckFailed, IncompleteError
 
 if TYPE_CHECKING:
-    from gspcli.atlas.records import Verdict
+    from gspcli.atlas.records import RecordVerdict
     from gspcli.atlas.task_counts import Result
     from gspcli.workers import Workers
 
@@ -146,7 +146,7 @@ def verify(
       gsp atlas verify --resume verify.jsonl
     """
     from gspcli.atlas.groebner import msolve_path
-    from gspcli.atlas.records import Verdict, recorded, verdict
+    from gspcli.atlas.records import RecordVerdict, recorded, verdict
     from gspcli.atlas.task_counts import count_all
     from gspcli.atlas.tasks import PRIMES, all_tasks
 
@@ -164,8 +164,8 @@ def verify(
         progress=progress,
     )
     verdicts = {result: verdict(result) for result in map(results.__getitem__, tasks)}
-    wrong = [result for result, v in verdicts.items() if v is Verdict.DIFFERENT]
-    unfinished = [result for result, v in verdicts.items() if v is Verdict.UNFINISHED]
+    wrong = [result for result, v in verdicts.items() if v is RecordVerdict.DIFFERENT]
+    unfinished = [result for result, v in verdicts.items() if v is RecordVerdict.UNFINISHED]
     emit(
         output,
         [_verified(verdicts), *([_differing(wrong)] if wrong else [])],
@@ -182,7 +182,7 @@ def verify(
         raise IncompleteError(message)
 
 
-def _verified(verdicts: Mapping[Result, Verdict]) -> Table:
+def _verified(verdicts: Mapping[Result, RecordVerdict]) -> Table:
     """Say for each method how many counts were as recorded."""
     rows: list[dict[str, Any]] = []
     for characteristic in dict.fromkeys(result.task.characteristic for result in verdicts):

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from gspcli.cli.dynamics_rows import Asked, asked_rows, start_of
+from gspcli.cli.dynamics_rows import AskedMotion, asked_rows, start_of
 from gspcli.cli.dynamics_tables import (
     force_rows,
     force_table,
@@ -50,7 +50,7 @@ if TYPE_CHECKING:
     from gspcli.dynamics import DriveForces, NaturalModes
     from gspcli.geometry.instance import Instance
     from gspcli.motion import PoseFormat
-    from gspcli.motion.files.requirements import Parts, Requirement, Verdict
+    from gspcli.motion.files.requirements import QuantityParts, Requirement, RequirementVerdict
 
     Array = NDArray[np.float64]
 
@@ -169,12 +169,12 @@ def command(
 
 
 def _forces(
-    instance: Instance, asked: Asked, requirements: list[Requirement], output: Output
+    instance: Instance, asked: AskedMotion, requirements: list[Requirement], output: Output
 ) -> None:
     import numpy as np
 
     from gspcli.dynamics import inverse_dynamics
-    from gspcli.motion.files.requirements import Parts
+    from gspcli.motion.files.requirements import QuantityParts
 
     motion = asked.motion
     found = inverse_dynamics(
@@ -187,24 +187,24 @@ def _forces(
         drives=asked.drives,
     )
     names = [f"drive {k}" for k in range(1, 7)]
-    known: dict[str, Array | Parts] = {"power": np.abs(found.power)}
+    known: dict[str, Array | QuantityParts] = {"power": np.abs(found.power)}
     for name, unit in (("force", "N"), ("moment", "N m")):
         which = [k for k, one in enumerate(found.units) if one == unit]
         if which:
-            known[name] = Parts(np.abs(found.forces[:, which]), [names[k] for k in which])
+            known[name] = QuantityParts(np.abs(found.forces[:, which]), [names[k] for k in which])
     if found.torques is not None and found.drives is not None:
         moved = [k for k, sort in enumerate(found.drives.sorts) if sort != "value"]
         called = [found.drives.names[k] for k in moved]
-        known["torque"] = Parts(np.abs(found.torques[:, moved]), called)
+        known["torque"] = QuantityParts(np.abs(found.torques[:, moved]), called)
     rows = force_rows(found, asked)
     _tell(found, asked, requirements, known, rows, partial(force_table, found, asked, rows), output)
 
 
 def _tell(
     found: DriveForces | NaturalModes,
-    asked: Asked,
+    asked: AskedMotion,
     requirements: list[Requirement],
-    known: Mapping[str, Array | Parts],
+    known: Mapping[str, Array | QuantityParts],
     rows: list[dict[str, Any]],
     tables: Callable[[list[Column], list[str]], Table | list[Table]],
     output: Output,
@@ -235,7 +235,7 @@ def _tell(
 
 
 def _document(
-    found: DriveForces | NaturalModes, verdicts: list[Verdict], asked: Asked
+    found: DriveForces | NaturalModes, verdicts: list[RequirementVerdict], asked: AskedMotion
 ) -> dict[str, Any]:
     document = found.to_json()
     for mode, row in zip(asked.modes, document["rows"], strict=False):
@@ -245,7 +245,7 @@ def _document(
     return document
 
 
-def _warn(found: DriveForces | NaturalModes, asked: Asked) -> None:
+def _warn(found: DriveForces | NaturalModes, asked: AskedMotion) -> None:
     """Say at which rows numbers have lost digits."""
     import numpy as np
 
@@ -261,7 +261,7 @@ def _warn(found: DriveForces | NaturalModes, asked: Asked) -> None:
         )
 
 
-def _refuse_singular(found: DriveForces | NaturalModes, asked: Asked) -> None:
+def _refuse_singular(found: DriveForces | NaturalModes, asked: AskedMotion) -> None:
     """Raise if there are singular poses, and name them."""
     rows = found.singular.nonzero()[0].tolist()
     if not rows:
@@ -274,7 +274,7 @@ def _refuse_singular(found: DriveForces | NaturalModes, asked: Asked) -> None:
 
 def _modes(
     instance: Instance,
-    asked: Asked,
+    asked: AskedMotion,
     stiffness: str | None,
     requirements: list[Requirement],
     output: Output,
@@ -295,7 +295,7 @@ def _modes(
 def _forward(
     instance: Instance,
     forces: str,
-    start: Asked,
+    start: AskedMotion,
     twist: str | None,
     form: PoseFormat,
     output: Output,
@@ -304,7 +304,7 @@ def _forward(
 
     from gspcli.dynamics import simulate
     from gspcli.dynamics.motion_files import read_forces
-    from gspcli.dynamics.trajectories import Motion, motion_of_platform
+    from gspcli.dynamics.trajectories import PoseRates, motion_of_platform
     from gspcli.motion.files.number_tables import numbers_of
 
     table = read_forces(*text_of(forces), instance, form)
@@ -313,7 +313,7 @@ def _forward(
     if twist is not None:
         first = angles * numbers_of(twist, (6,), "--twist")
         rows = first[None]
-        first = motion_of_platform(form.frame, start.R, Motion(rows, rows)).twists[0]
+        first = motion_of_platform(form.frame, start.R, PoseRates(rows, rows)).twists[0]
     with working("simulating"):
         found = simulate(
             instance,

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from gspcli.cli.mode_option import Mode
     from gspcli.cli.pose_type import GivenPose
     from gspcli.dynamics.motion_files import ValueRows
-    from gspcli.dynamics.trajectories import Motion
+    from gspcli.dynamics.trajectories import PoseRates
     from gspcli.geometry.instance import Instance
     from gspcli.motion import PoseFormat
 
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class Asked:
+class AskedMotion:
     """Poses, and what to call them.
 
     Attributes
@@ -47,7 +47,7 @@ class Asked:
     R: Array
     T: Array
     t: Array | None = None
-    motion: Motion | None = None
+    motion: PoseRates | None = None
     modes: tuple[int, ...] = ()
     drives: Array | None = None
 
@@ -89,7 +89,7 @@ class Asked:
 
 def start_of(
     instance: Instance, mode: Mode | None, pose: GivenPose | None, form: PoseFormat
-) -> Asked:
+) -> AskedMotion:
     """Return the one pose that a motion begins at."""
     return _without_file(instance, mode or HOME, pose, form)
 
@@ -101,7 +101,7 @@ def asked_rows(
     pose: GivenPose | None,
     near: GivenPose | None,
     form: PoseFormat,
-) -> Asked:
+) -> AskedMotion:
     """Return the poses of a file, the one that is given, or the real ones of the instance."""
     from gspcli.dynamics.motion_files import PoseRows, read_rows
 
@@ -115,22 +115,22 @@ def asked_rows(
         if not len(found.T):
             message = f"{rows}: found no poses, expected at least one"
             raise GspError(message)
-        return Asked(found.R, found.T, found.t, found.motion)
+        return AskedMotion(found.R, found.T, found.t, found.motion)
     return _followed(instance, found, mode, near, form)
 
 
 def _without_file(
     instance: Instance, mode: Mode | None, pose: GivenPose | None, form: PoseFormat
-) -> Asked:
+) -> AskedMotion:
     if pose is not None:
         start, place = pose.read(form)
-        return Asked(start[None], place[None])
+        return AskedMotion(start[None], place[None])
     if mode is not None:
         number, R, T = one_mode(instance, mode)
-        return Asked(R, T, modes=(number,), drives=_stated(instance, 1))
+        return AskedMotion(R, T, modes=(number,), drives=_stated(instance, 1))
     R, T = real_poses(instance)
     modes = tuple(range(1, len(R) + 1))
-    return Asked(R, T, modes=modes, drives=_stated(instance, len(R)))
+    return AskedMotion(R, T, modes=modes, drives=_stated(instance, len(R)))
 
 
 def _stated(instance: Instance, count: int) -> Array | None:
@@ -149,7 +149,7 @@ def _stated(instance: Instance, count: int) -> Array | None:
 
 def _followed(
     instance: Instance, rows: ValueRows, mode: Mode | None, near: GivenPose | None, form: PoseFormat
-) -> Asked:
+) -> AskedMotion:
     """Return the poses of one mode along rows of values."""
     from gspcli.dynamics.motion_files import motion_of_values
     from gspcli.motion import track
@@ -170,4 +170,4 @@ def _followed(
     motion = None
     if rows.rates is not None and rows.second_rates is not None:
         motion = motion_of_values(instance, R, T, rows.rates, rows.second_rates)
-    return Asked(R, T, rows.t, motion, drives=rows.drives(instance))
+    return AskedMotion(R, T, rows.t, motion, drives=rows.drives(instance))

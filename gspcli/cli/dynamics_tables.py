@@ -20,7 +20,7 @@ from gspcli.geometry.arrangement import Arrangement
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from gspcli.cli.dynamics_rows import Asked
+    from gspcli.cli.dynamics_rows import AskedMotion
     from gspcli.dynamics import DriveForces, NaturalModes, SimulatedMotion
     from gspcli.geometry.frames import PoseFrame
     from gspcli.geometry.instance import Instance
@@ -31,7 +31,7 @@ _TWIST = ("rx", "ry", "rz", "x", "y", "z")
 _ENERGIES = ("kinetic", "potential", "work")
 
 
-def force_rows(found: DriveForces, asked: Asked) -> list[dict[str, Any]]:
+def force_rows(found: DriveForces, asked: AskedMotion) -> list[dict[str, Any]]:
     """Return a row for each pose; cells are empty where no forces are known."""
     keys = (asked.first_column, *FORCES, "power")
     parts = zip(asked.labels, plain(found.forces), plain(found.power), strict=True)
@@ -42,7 +42,7 @@ def force_rows(found: DriveForces, asked: Asked) -> list[dict[str, Any]]:
 
 def force_table(
     found: DriveForces,
-    asked: Asked,
+    asked: AskedMotion,
     rows: list[dict[str, Any]],
     more: list[Column],
     lines: list[str],
@@ -79,7 +79,7 @@ def force_table(
     return Table(columns + more, rows, title=instance.title, notes=notes, summary=lines)
 
 
-def mode_rows(found: NaturalModes, asked: Asked) -> list[dict[str, Any]]:
+def mode_rows(found: NaturalModes, asked: AskedMotion) -> list[dict[str, Any]]:
     """Return a row of frequencies for each pose."""
     keys = (asked.first_column, *FREQUENCIES)
     parts = zip(asked.labels, plain(found.frequencies), strict=True)
@@ -88,7 +88,7 @@ def mode_rows(found: NaturalModes, asked: Asked) -> list[dict[str, Any]]:
 
 def mode_tables(
     found: NaturalModes,
-    asked: Asked,
+    asked: AskedMotion,
     rows: list[dict[str, Any]],
     more: list[Column],
     lines: list[str],

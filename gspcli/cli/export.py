@@ -16,12 +16,12 @@ from gspcli.cli.streams import say
 from gspcli.cli.value_options import Changes, value_options
 from gspcli.errors import GspError
 from gspcli.export.exported import COORDINATES, DIGITS, TRIES, exported
-from gspcli.export.format import ControllerFormat, PoseFormat, SystemFormat
+from gspcli.export.format import ControllerFormat, ModeFormat, SystemFormat
 from gspcli.export.formats import FORMATS
 from gspcli.wording import listed
 
 #: What is given a pose, what is a program, and what is given equations.
-_POSES = {name: form for name, form in FORMATS.items() if isinstance(form, PoseFormat)}
+_POSES = {name: form for name, form in FORMATS.items() if isinstance(form, ModeFormat)}
 _PROGRAMS = {name: form for name, form in FORMATS.items() if isinstance(form, ControllerFormat)}
 _SYSTEMS = {name: form for name, form in FORMATS.items() if isinstance(form, SystemFormat)}
 

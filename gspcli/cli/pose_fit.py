@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from gspcli.geometry.instance import Instance
     from gspcli.sensing import PoseFit
     from gspcli.sensing.notation import SensorReading
-    from gspcli.solver.results.columns import PoseColumn, Poses
+    from gspcli.solver.results.columns import PoseColumn, PosesOfColumns
 
 #: Decimals of residuals and of chi-squared: more are those of rounding.
 _DECIMALS = 3
@@ -110,7 +110,7 @@ def _poses(
     for one in rotation:
         title = f"{one.key} [{units[one.unit]}]" if one.unit else ""
         columns.append(Column(one.key, title, "right", True, aligned=True, decimals=decimals))
-        for row, cell in zip(rows, one.read(cast("Poses", poses)), strict=True):
+        for row, cell in zip(rows, one.read(cast("PosesOfColumns", poses)), strict=True):
             row[one.key] = float(cell)
     columns += [
         Column("chi_squared", "chi²", "right", essential=True),

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class PoseRows:
+class AskedPoses:
     """Poses, and what to call them.
 
     Attributes
@@ -100,7 +100,7 @@ def asked_poses(
     pose: GivenPose | None,
     near: GivenPose | None,
     form: PoseFormat,
-) -> PoseRows:
+) -> AskedPoses:
     """Return the poses of a file, the one that is given, or the real ones of the instance.
 
     Parameters
@@ -122,17 +122,17 @@ def asked_poses(
         return _of_file(instance, rows, mode, near, form)
     if pose is not None:
         R, T = pose.read(form)
-        return PoseRows(R[None], T[None], [None])
+        return AskedPoses(R[None], T[None], [None])
     if mode is not None:
         number, R, T = one_mode(instance, mode)
-        return PoseRows(R, T, [number])
+        return AskedPoses(R, T, [number])
     R, T = real_poses(instance)
-    return PoseRows(R, T, list(range(1, len(R) + 1)))
+    return AskedPoses(R, T, list(range(1, len(R) + 1)))
 
 
 def _of_file(
     instance: Instance, path: str, mode: Mode | None, near: GivenPose | None, form: PoseFormat
-) -> PoseRows:
+) -> AskedPoses:
     from gspcli.motion import read_poses, read_values, track
     from gspcli.motion.files.pose_files import has_poses
 
@@ -148,7 +148,7 @@ def _of_file(
             raise GspError(message)
         rows = list(range(1, len(table.R) + 1))
         t = [float(row) for row in rows] if table.t is None else table.t.tolist()
-        return PoseRows(table.R, table.T, [None] * len(rows), rows, t)
+        return AskedPoses(table.R, table.T, [None] * len(rows), rows, t)
     values = read_values(text, name, instance, form)
     if values.coordinates:
         moving = ", ".join(values.coordinates)
@@ -161,7 +161,7 @@ def _of_file(
     return _of_track(followed)
 
 
-def _of_track(followed: Track) -> PoseRows:
+def _of_track(followed: Track) -> AskedPoses:
     """Return a pose for each row and each mode that there is."""
     import numpy as np
 
@@ -169,7 +169,7 @@ def _of_track(followed: Track) -> PoseRows:
         message = "there is no real pose at the first row"
         raise GspError(message)
     rows, modes = np.nonzero(~np.isnan(followed.T[..., 0].T))
-    return PoseRows(
+    return AskedPoses(
         followed.R[modes, rows],
         followed.T[modes, rows],
         followed.modes[modes].tolist(),

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from gspcli.geometry.arrangement import Arrangement
     from gspcli.geometry.drives import Drives
     from gspcli.geometry.instance import Instance
-    from gspcli.motion.files.requirements import Parts, Requirement, Verdict
+    from gspcli.motion.files.requirements import QuantityParts, Requirement, RequirementVerdict
 
     Array = NDArray[np.float64]
 
@@ -62,8 +62,8 @@ def measured_quantities(
     values: Array,
     R: Array,
     T: Array,
-    known: Mapping[str, Array | Parts] | None = None,
-) -> dict[str, Array | Parts]:
+    known: Mapping[str, Array | QuantityParts] | None = None,
+) -> dict[str, Array | QuantityParts]:
     """Return the numbers that requirements are about.
 
     Parameters
@@ -89,7 +89,9 @@ def measured_quantities(
     return found
 
 
-def _measured(instance: Instance, name: str, values: Array, R: Array, T: Array) -> Array | Parts:
+def _measured(
+    instance: Instance, name: str, values: Array, R: Array, T: Array
+) -> Array | QuantityParts:
     if name in _SOURCES:
         message = f"--require {name}: not known here, use {_SOURCES[name]}"
         raise GspError(message)
@@ -129,7 +131,7 @@ def limits_of(
     R: Array,
     T: Array,
     at: tuple[Drives, Array] | None = None,
-) -> Parts:
+) -> QuantityParts:
     """Return shares of ranges or cones, or transmissions, of n poses.
 
     Parameters
@@ -149,7 +151,7 @@ def limits_of(
     """
     from gspcli.geometry.drive_numbers import is_driven
     from gspcli.geometry.limits import cone_shares, joint_cones, range_shares
-    from gspcli.motion.files.requirements import Parts
+    from gspcli.motion.files.requirements import QuantityParts
 
     drives, q = (None, None) if at is None else at
     if at is None and is_driven(instance):
@@ -159,7 +161,7 @@ def limits_of(
     if name == "cone":
         cones = joint_cones(instance)
         names = [f"leg {joint.constraint + 1} at the {joint.body}" for joint in cones]
-        parts = Parts(cone_shares(instance, R, T, q), names)
+        parts = QuantityParts(cone_shares(instance, R, T, q), names)
     elif name == "transmission":
         names, parts = _transmissions(drives, q, R, T)
     else:
@@ -167,7 +169,7 @@ def limits_of(
         moved = [False] * len(rows) if drives is None else drives.driven
         which = [k for k, row in enumerate(rows) if row.limits is not None and not moved[k]]
         names = [f"constraint {k + 1}" for k in which]
-        parts = Parts(range_shares(instance, values)[:, which], names)
+        parts = QuantityParts(range_shares(instance, values)[:, which], names)
         if drives is not None and q is not None:
             names, parts = _with_motors(drives, q, parts)
     if not names:
@@ -177,48 +179,48 @@ def limits_of(
     return parts
 
 
-def _with_motors(drives: Drives, q: Array, parts: Parts) -> tuple[list[str], Parts]:
+def _with_motors(drives: Drives, q: Array, parts: QuantityParts) -> tuple[list[str], QuantityParts]:
     """Return shares of ranges with those of cranks and slides; infinite out of reach."""
     import numpy as np
 
     from gspcli.geometry.limits import motor_shares
-    from gspcli.motion.files.requirements import Parts
+    from gspcli.motion.files.requirements import QuantityParts
 
     shares = motor_shares(drives, q)
     # A drive without a range can still be out of reach.
     shares = np.where(np.isnan(shares) & np.isinf(shares).any(axis=0), 0.0, shares)
     which = np.flatnonzero(~np.isnan(shares).all(axis=0)).tolist()
     names = [*parts.names, *(drives.names[k] for k in which)]
-    return names, Parts(np.concatenate((parts.values, shares[:, which]), axis=1), names)
+    return names, QuantityParts(np.concatenate((parts.values, shares[:, which]), axis=1), names)
 
 
 def _transmissions(
     drives: Drives | None, q: Array | None, R: Array, T: Array
-) -> tuple[list[str], Parts]:
+) -> tuple[list[str], QuantityParts]:
     import numpy as np
 
-    from gspcli.motion.files.requirements import Parts
+    from gspcli.motion.files.requirements import QuantityParts
 
     if drives is None or q is None:
-        return [], Parts(np.empty((len(R), 0)), ())
+        return [], QuantityParts(np.empty((len(R), 0)), ())
     which = np.flatnonzero(drives.driven).tolist()
     names = [f"{drives.names[drives.index[k]]}, rod {k + 1}" for k in which]
     numbers = drives.transmission(drives.gains(R, T, q))[:, which]
-    return names, Parts(numbers, names)
+    return names, QuantityParts(numbers, names)
 
 
 def add_quantities(
-    rows: Sequence[dict[str, Any]], quantities: Mapping[str, Array | Parts]
+    rows: Sequence[dict[str, Any]], quantities: Mapping[str, Array | QuantityParts]
 ) -> list[Column]:
     """Add quantities to rows, one number each, and return their columns."""
-    from gspcli.motion.files.requirements import Parts
+    from gspcli.motion.files.requirements import QuantityParts
 
     columns = []
     for name, given in quantities.items():
         key = name.replace("-", "_")
         heading = {"range": "of range", "cone": "of cone"}.get(name, name.replace("-", " "))
         columns.append(Column(key, heading, align="right", essential=True))
-        numbers = given.largest if isinstance(given, Parts) else given
+        numbers = given.largest if isinstance(given, QuantityParts) else given
         for row, number in zip(rows, numbers.tolist(), strict=True):
             row[key] = number if abs(number) < float("inf") else None
     return columns
@@ -230,8 +232,8 @@ def judged(
     R: Array,
     T: Array,
     rows: Sequence[dict[str, Any]],
-    known: Mapping[str, Array | Parts] | None = None,
-) -> tuple[list[Verdict], list[Column]]:
+    known: Mapping[str, Array | QuantityParts] | None = None,
+) -> tuple[list[RequirementVerdict], list[Column]]:
     """Return whether all poses keep what is required; what is computed for that is added to rows.
 
     Also the columns of what is added.
@@ -261,7 +263,9 @@ def judged(
     return judge(requirements, found), add_quantities(rows, more)
 
 
-def verdict_lines(verdicts: Sequence[Verdict], places: Callable[[int], str]) -> list[str]:
+def verdict_lines(
+    verdicts: Sequence[RequirementVerdict], places: Callable[[int], str]
+) -> list[str]:
     """Return each verdict in a line; `places` names a row."""
     lines = []
     for one in verdicts:
@@ -275,7 +279,7 @@ def verdict_lines(verdicts: Sequence[Verdict], places: Callable[[int], str]) -> 
 
 
 def verdict_entries(
-    verdicts: Sequence[Verdict], places: Callable[[int], Mapping[str, Any]]
+    verdicts: Sequence[RequirementVerdict], places: Callable[[int], Mapping[str, Any]]
 ) -> list[dict[str, Any]]:
     """Return verdicts for JSON; `places` names a row as data."""
     return [
@@ -290,7 +294,7 @@ def verdict_entries(
     ]
 
 
-def refuse(verdicts: Sequence[Verdict]) -> None:
+def refuse(verdicts: Sequence[RequirementVerdict]) -> None:
     """Raise `CheckFailed` if a requirement is not met."""
     if failed := [str(one.requirement) for one in verdicts if not one.met]:
         message = f"not met: {listed(failed, 'and')}"

@@ -18,9 +18,9 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from gspcli.cli.output import Column
-    from gspcli.cli.track_ways import Followed
+    from gspcli.cli.track_ways import FollowedTrack
     from gspcli.motion import Track
-    from gspcli.motion.files.requirements import Parts, Requirement, Verdict
+    from gspcli.motion.files.requirements import QuantityParts, Requirement, RequirementVerdict
 
     Array = NDArray[np.float64]
 
@@ -29,10 +29,10 @@ _KNOWN = ("condition", "clearance", "pose_clearance")
 
 
 def judged_track(
-    done: Followed,
+    done: FollowedTrack,
     requirements: Sequence[Requirement],
     rows: list[dict[str, Any]],
-) -> tuple[list[Verdict], list[Column]]:
+) -> tuple[list[RequirementVerdict], list[Column]]:
     """Return whether a track keeps what is required, and the columns that this adds to its rows.
 
     Parameters
@@ -57,7 +57,7 @@ def judged_track(
         for key in _KNOWN
         if all(key in row for row in rows)
     }
-    quantities: dict[str, Array | Parts] = dict(known)
+    quantities: dict[str, Array | QuantityParts] = dict(known)
     for one in requirements:
         if one.quantity not in quantities:
             quantities[one.quantity] = _at_all_rows(result, one)
@@ -66,17 +66,17 @@ def judged_track(
     return verdicts, add_quantities(rows, more)
 
 
-def _at_all_rows(result: Track, requirement: Requirement) -> Array | Parts:
+def _at_all_rows(result: Track, requirement: Requirement) -> Array | QuantityParts:
     """Return a quantity of each pose, in the order of the rows; the geometry may move."""
     import numpy as np
 
     from gspcli.geometry.drive_numbers import is_driven
-    from gspcli.motion.files.requirements import Parts
+    from gspcli.motion.files.requirements import QuantityParts
 
     name = requirement.quantity
     if name in ("range", "transmission") and is_driven(result.instance):
         return _of_drives(result, name)
-    found: list[Array | Parts] = []
+    found: list[Array | QuantityParts] = []
     for part, moved in result.instances():
         # What is followed has one side of each plane; ranges are those of the sides asked for.
         instance = result.instance if name == "range" else moved
@@ -85,13 +85,13 @@ def _at_all_rows(result: Track, requirement: Requirement) -> Array | Parts:
         R, T = (array[:, part][modes, rows] for array in (result.R, result.T))
         found.append(measured_quantities(instance, [requirement], values, R, T)[name])
     first = found[0]
-    if isinstance(first, Parts):
-        every = [part.values for part in found if isinstance(part, Parts)]
-        return Parts(np.concatenate(every), first.names)
-    return np.concatenate([part for part in found if not isinstance(part, Parts)])
+    if isinstance(first, QuantityParts):
+        every = [part.values for part in found if isinstance(part, QuantityParts)]
+        return QuantityParts(np.concatenate(every), first.names)
+    return np.concatenate([part for part in found if not isinstance(part, QuantityParts)])
 
 
-def _of_drives(result: Track, name: str) -> Parts:
+def _of_drives(result: Track, name: str) -> QuantityParts:
     """Return shares of ranges or transmissions of each pose where the drives are known."""
     import numpy as np
 
@@ -106,7 +106,7 @@ def _of_drives(result: Track, name: str) -> Parts:
     return limits_of(result.instance, name, result.values[rows], R, T, at)
 
 
-def _between(verdict: Verdict, done: Followed) -> Verdict:
+def _between(verdict: RequirementVerdict, done: FollowedTrack) -> RequirementVerdict:
     """Return a verdict that also holds between the rows, where that can be proved."""
     from gspcli.geometry.drive_numbers import is_driven
     from gspcli.motion.following.limit_events import cones_proved
@@ -131,7 +131,7 @@ def _between(verdict: Verdict, done: Followed) -> Verdict:
     return replace(verdict, met=False, part=where, between=known)
 
 
-def _bounded(verdict: Verdict, done: Followed) -> Verdict:
+def _bounded(verdict: RequirementVerdict, done: FollowedTrack) -> RequirementVerdict:
     """Return a verdict on a condition number or a clearance that also holds between the rows."""
     from gspcli.motion.paths.track_bounds import worst_between
 
@@ -146,7 +146,9 @@ def _bounded(verdict: Verdict, done: Followed) -> Verdict:
     return replace(verdict, met=False, part=where, between=True)
 
 
-def track_lines(verdicts: Sequence[Verdict], rows: list[dict[str, Any]], steps: int) -> list[str]:
+def track_lines(
+    verdicts: Sequence[RequirementVerdict], rows: list[dict[str, Any]], steps: int
+) -> list[str]:
     """Return the verdicts in lines; of `steps` rows of the track one is of the file."""
 
     def place(k: int) -> str:
@@ -157,7 +159,7 @@ def track_lines(verdicts: Sequence[Verdict], rows: list[dict[str, Any]], steps: 
 
 
 def track_entries(
-    verdicts: Sequence[Verdict], rows: list[dict[str, Any]], steps: int
+    verdicts: Sequence[RequirementVerdict], rows: list[dict[str, Any]], steps: int
 ) -> dict[str, Any]:
     """Return the verdicts for JSON, under their key; nothing if nothing was required."""
     if not verdicts:

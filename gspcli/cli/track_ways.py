@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class Followed:
+class FollowedTrack:
     """A track with what is said of it.
 
     Attributes
@@ -54,7 +54,7 @@ def along_values(
     everything: bool,
     certify: bool,
     jobs: int,
-) -> Followed:
+) -> FollowedTrack:
     """Follow modes while the values change linearly; arguments as for `gspcli.track`."""
     from gspcli.motion import departures, track
     from gspcli.motion.following.limit_events import limit_events
@@ -80,7 +80,7 @@ def along_values(
     with working("looking at limits"):
         limits = limit_events(result)
     left = [] if table.poses is None else departures(result, *table.poses)
-    return Followed(result, limits, left)
+    return FollowedTrack(result, limits, left)
 
 
 def along_poses(
@@ -89,7 +89,7 @@ def along_poses(
     form: PoseFormat,
     conventions: PoseConventions,
     steps: int,
-) -> Followed:
+) -> FollowedTrack:
     """Prove the straight ways in position and angles between the poses of a file."""
     from gspcli.geometry.coordinates import refuse_cranks
     from gspcli.geometry.expressed_instances import expressed_instance
@@ -118,4 +118,4 @@ def along_poses(
             mode=int(first.modes[0]),
             steps=steps,
         )
-    return Followed(found.track, list(found.limits), [], found.ways)
+    return FollowedTrack(found.track, list(found.limits), [], found.ways)

@@ -16,7 +16,7 @@ from gspcli.geometry.drives import Drives
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.lengths import METRES
 from gspcli.geometry.printed_numbers import printed_condition, printed_conditions
-from gspcli.motion.files.requirements import Parts
+from gspcli.motion.files.requirements import QuantityParts
 from gspcli.motion.poses.cranks import drive_values
 from gspcli.motion.statics.accuracy import Accuracy, accuracy
 from gspcli.motion.statics.driven_statics import DrivenStatics
@@ -131,9 +131,11 @@ class Analysis:
             "poses": [{**called[k], **self.entry(k)} for k in range(count)],
         }
 
-    def quantities(self) -> dict[str, Array | Parts]:
+    def quantities(self) -> dict[str, Array | QuantityParts]:
         """Return the numbers that may be required (`gspcli.motion.files.requirements`)."""
-        found: dict[str, Array | Parts] = {"condition": printed_conditions(self.given.conditions)}
+        found: dict[str, Array | QuantityParts] = {
+            "condition": printed_conditions(self.given.conditions)
+        }
         if self.reactions is not None:
             for load, chosen in (("force", ~self.given.angles), ("moment", self.given.angles)):
                 if chosen.any():
@@ -152,24 +154,24 @@ class Analysis:
         assert self.statics is not None
         return np.asarray(np.nanmin(self.statics.transmissions, axis=1))
 
-    def _of_motors(self, statics: DrivenStatics) -> dict[str, Array | Parts]:
+    def _of_motors(self, statics: DrivenStatics) -> dict[str, Array | QuantityParts]:
         """Return the transmissions of cranks and slides, and the torques of cranks."""
         drives = statics.drives
         moved = np.flatnonzero(drives.driven)
         names = [f"{drives.names[drives.index[k]]}, rod {k + 1}" for k in moved]
-        found: dict[str, Array | Parts] = {
-            "transmission": Parts(statics.transmissions[:, moved], names)
+        found: dict[str, Array | QuantityParts] = {
+            "transmission": QuantityParts(statics.transmissions[:, moved], names)
         }
         cranks = [k for k, sort in enumerate(drives.sorts) if sort == "crank"]
         if self.torques is not None and cranks:
             turned = [drives.names[k] for k in cranks]
-            found["torque"] = Parts(np.abs(self.torques[:, cranks]), turned)
+            found["torque"] = QuantityParts(np.abs(self.torques[:, cranks]), turned)
         return found
 
-    def _loads(self, chosen: NDArray[np.bool_]) -> Parts:
+    def _loads(self, chosen: NDArray[np.bool_]) -> QuantityParts:
         assert self.reactions is not None
         names = [f"constraint {k + 1}" for k in np.flatnonzero(chosen)]
-        return Parts(np.abs(self.reactions[:, chosen]), names)
+        return QuantityParts(np.abs(self.reactions[:, chosen]), names)
 
     def entry(self, k: int) -> dict[str, Any]:
         """Return all that is known of one pose, as plain data."""

@@ -9,15 +9,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gspcli.dynamics.arrays import by_chunks, checked_array, checked_rows, make_read_only, plain
-from gspcli.dynamics.drives import Drives, Flags
+from gspcli.dynamics.drives import DrivesAtPoses, Flags
 from gspcli.dynamics.mass_model import MassModel, named_drives
 from gspcli.dynamics.moved_points import given_numbers
 from gspcli.dynamics.moving_bodies import MovingBodies
 from gspcli.dynamics.shared_drives import check_shared
-from gspcli.dynamics.trajectories import Motion, at_rest, spline_motion
+from gspcli.dynamics.trajectories import PoseRates, at_rest, spline_motion
 from gspcli.errors import ArgumentError
 from gspcli.geometry.drive_numbers import is_driven
-from gspcli.geometry.drives import Drives as MachineDrives
+from gspcli.geometry.drives import Drives
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.lengths import METRES
 from gspcli.geometry.quaternions import apply
@@ -59,7 +59,7 @@ class DriveForces:
     R, T
         The poses, shapes (n, 3, 3) and (n, 3), in length units.
     twists, accelerations
-        How the platform moves there (`Motion`), in radians and length units, shape (n, 6).
+        How the platform moves there (`PoseRates`), in radians and length units, shape (n, 6).
     forces
         Forces of distances, N, and torques of angles, N m, shape (n, 6): positive if the drive
         pushes towards a greater value. NaN at singular poses. Where a crank or slide is the drive,
@@ -108,9 +108,9 @@ class DriveForces:
         return tuple("N" if row.kind.is_distance else "N m" for row in self.instance.constraints)
 
     @cached_property
-    def drives(self) -> MachineDrives | None:
+    def drives(self) -> Drives | None:
         """The cranks and slides; None if all drives are values."""
-        return MachineDrives.of(self.instance) if is_driven(self.instance) else None
+        return Drives.of(self.instance) if is_driven(self.instance) else None
 
     @property
     def torque_units(self) -> tuple[str, ...]:
@@ -288,7 +288,7 @@ def inverse_dynamics(
     wrench = checked_array(load, (len(R), 6), "load")
 
     def some(rows: slice) -> tuple[Any, ...]:
-        moving = Motion(motion.twists[rows], motion.accelerations[rows])
+        moving = PoseRates(motion.twists[rows], motion.accelerations[rows])
         own = None if numbers is None else numbers[rows]
         return _forces(model, (R[rows], T[rows]), moving, wrench[rows], own)
 
@@ -297,13 +297,13 @@ def inverse_dynamics(
 
 def _motion(
     R: Array, T: Array, t: Array | None, twists: ArrayLike | None, accelerations: ArrayLike | None
-) -> Motion:
+) -> PoseRates:
     if (twists is None) != (accelerations is None):
         message = "found one of twists and accelerations, expected both or none"
         raise ArgumentError(message)
     if twists is not None and accelerations is not None:
         shape = (len(R), 6)
-        return Motion(
+        return PoseRates(
             checked_array(twists, shape, "twists"),
             checked_array(accelerations, shape, "accelerations"),
         )
@@ -313,7 +313,7 @@ def _motion(
 def _forces(
     model: MassModel,
     pose: tuple[Array, Array],
-    motion: Motion,
+    motion: PoseRates,
     load: Array,
     numbers: Array | None,
 ) -> tuple[Any, ...]:
@@ -321,7 +321,7 @@ def _forces(
     R, T = pose
     twists, accelerations = model.in_metres(motion.twists), model.in_metres(motion.accelerations)
     T = T * model.metre
-    drives = Drives(model, R, T, numbers)
+    drives = DrivesAtPoses(model, R, T, numbers)
     bodies = MovingBodies(model, R, T, drives.points)
     needed = bodies.wrenches(twists, accelerations, model.gravity)
     wrench = needed.on_platform - load

@@ -34,7 +34,7 @@ _SINGULAR = 1e14
 PAIRS = np.eye(6)[:, None] + np.eye(6)[None]
 
 
-class Drives:
+class DrivesAtPoses:
     """The six values at n poses, shapes (n, 3, 3) and (n, 3), in metres and radians.
 
     Attributes
@@ -66,10 +66,10 @@ class Drives:
         if self.points is not None:
             self.pulls = self.rows / self.points.gains[..., None]
 
-    def some(self, rows: NDArray[np.bool_]) -> Drives:
+    def some(self, rows: NDArray[np.bool_]) -> DrivesAtPoses:
         """Return the drives at some of the poses."""
         numbers = None if self.points is None else self.points.numbers[rows]
-        return Drives(self.model, self.R[rows], self.T[rows], numbers)
+        return DrivesAtPoses(self.model, self.R[rows], self.T[rows], numbers)
 
     def _check_derivatives(self) -> None:
         """Refuse values without a derivative."""

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gspcli.dynamics.arrays import checked_array, checked_rows, make_read_only, plain
-from gspcli.dynamics.drives import Drives
+from gspcli.dynamics.drives import DrivesAtPoses
 from gspcli.dynamics.mass_model import MassModel
 from gspcli.dynamics.moved_points import Knees, driven_numbers, given_numbers
 from gspcli.dynamics.moving_bodies import MovingBodies, equation_of_motion
@@ -22,7 +22,7 @@ from gspcli.dynamics.shared_drives import check_shared, closed
 from gspcli.dynamics.trajectories import (
     ACCELERATION,
     VELOCITY,
-    Motion,
+    PoseRates,
     check_times,
     expressed_motion,
 )
@@ -127,7 +127,7 @@ class SimulatedMotion:
     def expressed(self, frame: PoseFrame = IDENTITY) -> dict[str, Array]:
         """Return `table` with poses and their motion as they are expressed in a frame."""
         R, T = frame.from_platform(self.R, self.T)
-        motion = expressed_motion(frame, self.R, Motion(self.twists, self.accelerations))
+        motion = expressed_motion(frame, self.R, PoseRates(self.twists, self.accelerations))
         angle = np.repeat([1 / self.instance.units.angle.in_radians, 1.0], 3)
         columns = {"t": self.t}
         columns |= zip(POSE, np.concatenate((T, _continuous(R)), axis=1).T, strict=True)
@@ -205,7 +205,7 @@ def _accelerations(
     model: MassModel, R: Array, T: Array, twists: Array, forces: Array, numbers: Array | None
 ) -> tuple[Array, Array]:
     """Return accelerations and what the drives do (W), in metres, shapes (n, 6) and (n,)."""
-    drives = Drives(model, R, T, numbers)
+    drives = DrivesAtPoses(model, R, T, numbers)
     forces = model.by_constraints(forces)
     columns = np.swapaxes(drives.pulls, -1, -2)
     mass, needed = equation_of_motion(model, R, T, twists, numbers)
@@ -283,7 +283,7 @@ def simulate(
     numbers = given_numbers(model, R, T * model.metre, drives)
     knees: Knees | None = None
     if numbers is not None:
-        moving = Drives(model, R, T * model.metre, numbers)
+        moving = DrivesAtPoses(model, R, T * model.metre, numbers)
         check_shared(moving, first[None])
         assert moving.points is not None
         knees = np.where(moving.points.gains[0] > 0, 1, -1)
@@ -355,7 +355,7 @@ def _described(
     T, R, twists = states[:, :3], rotation_from_quaternion(states[:, 3:7]), states[:, 7:13]
     numbers = driven_numbers(model, R, T, knees)
     accelerations, _ = _accelerations(model, R, T, twists, F, numbers)
-    drives = Drives(model, R, T, numbers)
+    drives = DrivesAtPoses(model, R, T, numbers)
     bodies = MovingBodies(model, R, T, drives.points)
     mass, _ = equation_of_motion(model, R, T, twists, numbers)
     rates = apply(drives.pulls, twists)

@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.dynamics.drive_forces import FORCES
-from gspcli.dynamics.drives import Drives
+from gspcli.dynamics.drives import DrivesAtPoses
 from gspcli.dynamics.mass_model import MassModel
-from gspcli.dynamics.trajectories import ACCELERATION, VELOCITY, Motion, motion_of_platform
+from gspcli.dynamics.trajectories import ACCELERATION, VELOCITY, PoseRates, motion_of_platform
 from gspcli.geometry.drive_numbers import is_driven
-from gspcli.geometry.drives import Drives as MachineDrives
+from gspcli.geometry.drives import Drives
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.readings import factors
 from gspcli.motion import PoseFormat, read_poses, read_values
@@ -37,7 +37,7 @@ class PoseRows:
     t: Array | None
     R: Array
     T: Array
-    motion: Motion | None
+    motion: PoseRates | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,7 +66,7 @@ class ValueRows:
         """Return the readings of all drives, shape (n, m); None if all drives are values."""
         if not is_driven(instance):
             return None
-        drives = MachineDrives.of(instance)
+        drives = Drives.of(instance)
         found = np.array(drives.readings(np.zeros((len(self.values), len(drives.names)))))
         for k, name in enumerate(drives.names):
             if name in self.coordinates:
@@ -100,7 +100,7 @@ def read_rows(text: str, name: str, instance: Instance, form: PoseFormat) -> Pos
     if names_poses(table):
         return _pose_rows(table, instance, form)
     values = read_values(text, name, instance, form)
-    names = MachineDrives.of(instance).names if is_driven(instance) else ()
+    names = Drives.of(instance).names if is_driven(instance) else ()
     other = [name for name in values.coordinates if name not in names]
     if other:
         expected = "only values and drives" if names else "only values"
@@ -142,20 +142,20 @@ def _pose_rows(table: NumberTable, instance: Instance, form: PoseFormat) -> Pose
     motion = None
     if velocity is not None and acceleration is not None:
         angles = np.repeat([instance.units.angle.in_radians, 1.0], 3)
-        at_pivot = Motion(velocity * angles, acceleration * angles)
+        at_pivot = PoseRates(velocity * angles, acceleration * angles)
         motion = motion_of_platform(form.pivot_frame, poses.R, at_pivot)
     return PoseRows(poses.t, poses.R, poses.T, motion)
 
 
 def motion_of_values(
     instance: Instance, R: Array, T: Array, rates: Array, second_rates: Array
-) -> Motion:
+) -> PoseRates:
     """Return how a platform moves at poses, (n, 3, 3) and (n, 3), where its readings move so.
 
     At singular poses, where that is not known, it is at rest.
     """
     model = MassModel.of(instance)
-    drives = Drives(model, R, T * model.metre)
+    drives = DrivesAtPoses(model, R, T * model.metre)
     distances = np.array([row.kind.is_distance for row in instance.constraints])
     unit = np.where(distances, model.metre, instance.units.angle.in_radians) * factors(instance)
     singular, _ = drives.conditions()
@@ -167,7 +167,7 @@ def motion_of_values(
     twists = solved(rates * unit)
     accelerations = solved(second_rates * unit - drives.bends(twists))
     lengths = np.repeat([1.0, model.metre], 3)
-    return Motion(twists / lengths, accelerations / lengths)
+    return PoseRates(twists / lengths, accelerations / lengths)
 
 
 def read_forces(text: str, name: str, instance: Instance, form: PoseFormat = _ANY) -> ForceRows:
@@ -192,7 +192,7 @@ def read_forces(text: str, name: str, instance: Instance, form: PoseFormat = _AN
     table = NumberTable(text, name, ignore=form.ignore, columns=form.columns)
     needed, said = _FORCES, "t and F1 ... F6"
     if is_driven(instance):
-        drives = [f"torque.{drive}" for drive in MachineDrives.of(instance).names]
+        drives = [f"torque.{drive}" for drive in Drives.of(instance).names]
         needed, said = tuple(drives), f"t and {drives[0]} ... {drives[-1]}"
     columns = table.choose(("t", *needed))
     table.refuse_others({"t", *needed}, said)

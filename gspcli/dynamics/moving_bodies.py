@@ -50,7 +50,7 @@ class LegMotion(NamedTuple):
     """Of the base's points: zero if they stand still."""
 
 
-class Wrenches(NamedTuple):
+class BodyWrenches(NamedTuple):
     """What moves the bodies, beside what the drives do for themselves."""
 
     on_platform: Array
@@ -119,7 +119,7 @@ class MovingBodies:
         at_ends = np.concatenate((cross(ends, f), np.broadcast_to(f, ends.shape)), axis=-1)
         return np.asarray(found.on_platform + (shares * at_ends).sum(axis=-2))
 
-    def wrenches(self, twists: Array, accelerations: Array, gravity: Array) -> Wrenches:
+    def wrenches(self, twists: Array, accelerations: Array, gravity: Array) -> BodyWrenches:
         """Return what moves the bodies so.
 
         Parameters
@@ -146,7 +146,7 @@ class MovingBodies:
                 own = points.drives.on_platform[rows, None]
                 by_drive = dot(np.where(own, at_end, -at_start), points.ways[..., rows, :])
                 on_drives[..., rows] += by_drive
-        return Wrenches(np.concatenate((moment, force), axis=-1), on_drives)
+        return BodyWrenches(np.concatenate((moment, force), axis=-1), on_drives)
 
     def _on_carriers(self, second_rates: Array, gravity: Array) -> Array:
         """Return what moves arms and carriages, by the numbers of their drives, (..., 6)."""

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.dynamics.arrays import RowError
-from gspcli.dynamics.drives import Drives
+from gspcli.dynamics.drives import DrivesAtPoses
 from gspcli.dynamics.mass_model import MassModel
 from gspcli.dynamics.moved_points import Knees
 from gspcli.geometry.quaternions import (
@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 _SAME = 1e-6
 
 
-def check_shared(drives: Drives, twists: Array) -> None:
+def check_shared(drives: DrivesAtPoses, twists: Array) -> None:
     """Refuse motions, shape (n, 6), at which the rods of one drive ask for different rates.
 
     Raises
@@ -64,7 +64,7 @@ def closed(model: MassModel, state: Array, knees: Knees | None) -> Array:
             known.driven, model.drive_metres, 0.0
         )
         means = wanted @ sharing / sharing.sum(axis=0) @ sharing.T
-        pulls = Drives(model, R[None], T[None], means[None]).pulls[0]
+        pulls = DrivesAtPoses(model, R[None], T[None], means[None]).pulls[0]
         twist = np.linalg.solve(pulls, means - wanted)
         R, T = rotation_from_vector(twist[:3]) @ R, T + twist[3:]
     state[:3], state[3:7] = T, quaternion_from_rotation(R)

@@ -26,7 +26,7 @@ ACCELERATION = ("alphax", "alphay", "alphaz", "ax", "ay", "az")
 _LARGEST_TURN = np.pi / 2
 
 
-class Motion(NamedTuple):
+class PoseRates(NamedTuple):
     """How a platform moves at n poses, each shape (n, 6): (omega, v) and its derivative.
 
     The angular velocity and the velocity of the origin of the platform, in the axes of the base;
@@ -37,7 +37,7 @@ class Motion(NamedTuple):
     accelerations: Array
 
 
-def motion_of_platform(frame: PoseFrame, R: Array, expressed: Motion) -> Motion:
+def motion_of_platform(frame: PoseFrame, R: Array, expressed: PoseRates) -> PoseRates:
     """Return the motion of the platform's origin from an expressed motion.
 
     Parameters
@@ -52,16 +52,16 @@ def motion_of_platform(frame: PoseFrame, R: Array, expressed: Motion) -> Motion:
     """
     axes, arm = frame.of_base.R, frame.of_platform.T
     if axes is not None:
-        expressed = Motion(*(_turned(part, axes.T) for part in expressed))
+        expressed = PoseRates(*(_turned(part, axes.T) for part in expressed))
     return expressed if arm is None else _at(expressed, R @ -arm)
 
 
-def expressed_motion(frame: PoseFrame, R: Array, motion: Motion) -> Motion:
+def expressed_motion(frame: PoseFrame, R: Array, motion: PoseRates) -> PoseRates:
     """Return how the motion of the platform's origin is expressed."""
     axes, arm = frame.of_base.R, frame.of_platform.T
     if arm is not None:
         motion = _at(motion, R @ arm)
-    return motion if axes is None else Motion(*(_turned(part, axes) for part in motion))
+    return motion if axes is None else PoseRates(*(_turned(part, axes) for part in motion))
 
 
 def _turned(vectors: Array, axes: Array) -> Array:
@@ -69,22 +69,22 @@ def _turned(vectors: Array, axes: Array) -> Array:
     return (vectors.reshape(-1, 3) @ axes).reshape(vectors.shape)
 
 
-def _at(motion: Motion, arm: Array) -> Motion:
+def _at(motion: PoseRates, arm: Array) -> PoseRates:
     """Return the motion of a point at an arm from the one whose motion is given."""
     omega, alpha = motion.twists[:, :3], motion.accelerations[:, :3]
     twists, accelerations = motion.twists.copy(), motion.accelerations.copy()
     turned = cross(omega, arm)
     twists[:, 3:] += turned
     accelerations[:, 3:] += cross(alpha, arm) + cross(omega, turned)
-    return Motion(twists, accelerations)
+    return PoseRates(twists, accelerations)
 
 
-def at_rest(poses: int) -> Motion:
+def at_rest(poses: int) -> PoseRates:
     """Return the motion of poses that stand still."""
-    return Motion(np.zeros((poses, 6)), np.zeros((poses, 6)))
+    return PoseRates(np.zeros((poses, 6)), np.zeros((poses, 6)))
 
 
-def spline_motion(t: Array, R: Array, T: Array) -> Motion:
+def spline_motion(t: Array, R: Array, T: Array) -> PoseRates:
     """Return twists and accelerations from quintic splines through positions and quaternions.
 
     Parameters
@@ -127,7 +127,7 @@ def spline_motion(t: Array, R: Array, T: Array) -> Motion:
     rate, bend = (quaternion_product(part[:, 3:], conjugate(e)) for part in (first, second))
     omega = 2 * rate[:, 1:]
     alpha = 2 * bend[:, 1:] - 2 * rate[:, :1] * omega
-    return Motion(
+    return PoseRates(
         np.concatenate((omega, first[:, :3]), axis=1),
         np.concatenate((alpha, second[:, :3]), axis=1),
     )

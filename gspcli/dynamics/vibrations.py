@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gspcli.dynamics.arrays import by_chunks, checked_array, checked_rows, make_read_only, plain
-from gspcli.dynamics.drives import PAIRS, Drives, Flags, polarized
+from gspcli.dynamics.drives import PAIRS, DrivesAtPoses, Flags, polarized
 from gspcli.dynamics.mass_model import MassModel, named_drives
 from gspcli.dynamics.moved_points import MovedPoints, given_numbers
 from gspcli.dynamics.moving_bodies import MovingBodies, equation_of_motion
@@ -181,7 +181,7 @@ def _modes(
     model: MassModel, R: Array, T: Array, stiffness: Array, numbers: Array | None
 ) -> tuple[Any, ...]:
     """Return squares, shapes, preload, what is singular and torques, as `NaturalModes` has them."""
-    drives = Drives(model, R, T, numbers)
+    drives = DrivesAtPoses(model, R, T, numbers)
     singular, conditions = drives.conditions()
     J, still = drives.pulls, np.zeros((len(T), 6))
     columns = np.where(singular[:, None, None], np.eye(6), np.swapaxes(J, -1, -2))

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.errors import Mistake, SpecError
-from gspcli.export.candidates import COMMENTS, Candidates
+from gspcli.export.candidates import COMMENTS, CandidatePoses
 from gspcli.export.motion_coordinates import DUAL, INVERSE, QUATERNION, ROTATION, TRANSLATION
 from gspcli.geometry.quaternions import dot, pose_from_study
 
@@ -27,7 +27,7 @@ _TOLERANCE = 1e-6
 _IMAGINARY = "_imag"
 
 
-def read_answer(text: str, name: str) -> Candidates | None:
+def read_answer(text: str, name: str) -> CandidatePoses | None:
     """Return the poses in what another program wrote, or None if it is of no known form.
 
     Known are the output files of msolve (real solutions, as boxes) and of PHCpack, and the CSV
@@ -130,7 +130,7 @@ def _names(points: Points, name: str) -> tuple[str, ...]:
 
 def _candidates(
     names: Sequence[str], points: Points, name: str, *, real: bool | None = None
-) -> Candidates:
+) -> CandidatePoses:
     known = dict(zip(names, points.T, strict=True)) if len(points) else {}
     if not len(points):
         R, T = np.zeros((0, 3, 3), complex), np.zeros((0, 3), complex)
@@ -146,7 +146,7 @@ def _candidates(
     else:
         message = f"{name}: found the unknowns {' '.join(names)}, expected those of `gsp export`"
         raise _unreadable(message)
-    return Candidates(R, T, (real,) * len(R), np.zeros((len(R), 6), int))
+    return CandidatePoses(R, T, (real,) * len(R), np.zeros((len(R), 6), int))
 
 
 def _first_of_pairs(points: Points) -> list[int]:

@@ -34,7 +34,7 @@ _EXPECTED = "R (3x3) or quaternion (4 numbers, scalar first), and T (3 numbers)"
 
 
 @dataclass(frozen=True)
-class Candidates:
+class CandidatePoses:
     """Poses to be certified.
 
     Attributes
@@ -54,7 +54,7 @@ class Candidates:
     claimed_sides: NDArray[np.int64]
 
 
-def read_candidates(text: str, name: str, frame: PoseFrame = IDENTITY) -> Candidates:
+def read_candidates(text: str, name: str, frame: PoseFrame = IDENTITY) -> CandidatePoses:
     """Read a list of poses.
 
     JSON is a list of poses or an object with one under ``solutions``. A pose is an object with
@@ -98,7 +98,7 @@ def read_candidates(text: str, name: str, frame: PoseFrame = IDENTITY) -> Candid
     T = np.array([pose.T for pose in poses], dtype=complex).reshape(-1, 3)
     if not frame.is_identity and _has_positions(text):
         R, T = frame.to_platform(R, T)
-    return Candidates(
+    return CandidatePoses(
         R,
         T,
         tuple(pose.claimed_real for pose in poses),

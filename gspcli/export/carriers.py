@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import DPP
 from gspcli.errors import ArgumentError
-from gspcli.export.chains import Joint
+from gspcli.export.chains import ChainJoint
 from gspcli.export.simulated_masses import Inertial, SimulatedMasses
 from gspcli.geometry.drive_numbers import is_driven
 from gspcli.geometry.drives import Drives
@@ -47,7 +47,7 @@ class Carrier:
 
     constraints: tuple[int, ...]
     on_platform: bool
-    joint: Joint
+    joint: ChainJoint
     lever: float | None
     inertial: Inertial
 
@@ -88,7 +88,7 @@ def carriers(instance: Instance, masses: SimulatedMasses, metre: float) -> tuple
             Carrier(
                 rows,
                 bool(drives.on_platform[k]),
-                Joint(kind, axis, drives.middle[k] * metre, 0.0, limits),
+                ChainJoint(kind, axis, drives.middle[k] * metre, 0.0, limits),
                 float(drives.arms[k]) * metre if turns else None,
                 masses.carrier(k, drives.across[k]),
             )

@@ -23,7 +23,7 @@ _AXES = np.eye(3)
 
 
 @dataclass(frozen=True, eq=False)
-class Joint:
+class ChainJoint:
     """A joint.
 
     Attributes
@@ -61,7 +61,7 @@ class Link:
     """
 
     origin: Vector
-    joints: tuple[Joint, ...]
+    joints: tuple[ChainJoint, ...]
 
 
 Chain = tuple[Link, ...]
@@ -99,7 +99,11 @@ def chain(kind: Kind, x: Vector, v: Vector, y: Vector, w: Vector) -> Chain:
 def _leg(x: Vector, y: Vector) -> Chain:
     e, distance = _direction(y - x, _AXES[2])
     first, second = _across(e)
-    joints = (Joint("hinge", first, x), Joint("hinge", second, x), Joint("slide", e, x, distance))
+    joints = (
+        ChainJoint("hinge", first, x),
+        ChainJoint("hinge", second, x),
+        ChainJoint("slide", e, x, distance),
+    )
     return Link(x, joints), _ball(y)
 
 
@@ -117,13 +121,13 @@ def driven_leg(x: Vector, y: Vector, axis: Vector | None) -> Chain:
     """
     e, distance = _direction(y - x, _AXES[2])
     cylinder = Link(x, socket(x, y, _across(e)[0] if axis is None else axis))
-    return cylinder, Link(y, (Joint("slide", e, x, distance),))
+    return cylinder, Link(y, (ChainJoint("slide", e, x, distance),))
 
 
-def socket(x: Vector, y: Vector, axis: Vector) -> tuple[Joint, ...]:
+def socket(x: Vector, y: Vector, axis: Vector) -> tuple[ChainJoint, ...]:
     """Return the two hinges of a universal joint at x of a leg to y, with its first axis."""
     second = np.cross(axis, _direction(y - x, _AXES[2])[0])
-    return Joint("hinge", axis, x), Joint("hinge", second / np.linalg.norm(second), x)
+    return ChainJoint("hinge", axis, x), ChainJoint("hinge", second / np.linalg.norm(second), x)
 
 
 def _above_base(x: Vector, v: Vector, y: Vector) -> Chain:
@@ -131,9 +135,9 @@ def _above_base(x: Vector, v: Vector, y: Vector) -> Chain:
     side = -1.0 if height < 0 else 1.0
     first, second = _across(v)
     joints = (
-        Joint("slide", first, y),
-        Joint("slide", second, y),
-        Joint("slide", side * v, y, abs(height)),
+        ChainJoint("slide", first, y),
+        ChainJoint("slide", second, y),
+        ChainJoint("slide", side * v, y, abs(height)),
     )
     return Link(y, joints), _ball(y)
 
@@ -145,9 +149,9 @@ def _above_platform(x: Vector, y: Vector, w: Vector) -> Chain:
     first, second = _across(w)
     # The plane recedes from the point against its normal.
     joints = (
-        Joint("slide", -side * w, foot, abs(height)),
-        Joint("slide", first, foot),
-        Joint("slide", second, foot),
+        ChainJoint("slide", -side * w, foot, abs(height)),
+        ChainJoint("slide", first, foot),
+        ChainJoint("slide", second, foot),
     )
     return _ball(x), Link(foot, joints)
 
@@ -155,14 +159,22 @@ def _above_platform(x: Vector, y: Vector, w: Vector) -> Chain:
 def _about_base_line(x: Vector, v: Vector, y: Vector) -> Chain:
     foot = x + ((y - x) @ v) * v
     e, distance = _direction(y - foot, _across(v)[0])
-    joints = (Joint("slide", v, foot), Joint("hinge", v, foot), Joint("slide", e, foot, distance))
+    joints = (
+        ChainJoint("slide", v, foot),
+        ChainJoint("hinge", v, foot),
+        ChainJoint("slide", e, foot, distance),
+    )
     return Link(foot, joints), _ball(y)
 
 
 def _about_platform_line(x: Vector, y: Vector, w: Vector) -> Chain:
     foot = y + ((x - y) @ w) * w
     e, distance = _direction(foot - x, _across(w)[0])
-    joints = (Joint("slide", e, foot, distance), Joint("hinge", w, foot), Joint("slide", w, foot))
+    joints = (
+        ChainJoint("slide", e, foot, distance),
+        ChainJoint("hinge", w, foot),
+        ChainJoint("slide", w, foot),
+    )
     return _ball(x), Link(foot, joints)
 
 
@@ -172,12 +184,12 @@ def _two_lines(x: Vector, v: Vector, y: Vector, w: Vector) -> Chain:
     spare = normal / np.linalg.norm(normal) if np.linalg.norm(normal) > _SMALL else _across(v)[0]
     n, distance = _direction(far - near, spare)
     joints = (
-        Joint("slide", v, near),
-        Joint("hinge", v, near),
-        Joint("slide", n, near, distance),
-        Joint("hinge", n, near),
-        Joint("hinge", w, far),
-        Joint("slide", w, far),
+        ChainJoint("slide", v, near),
+        ChainJoint("hinge", v, near),
+        ChainJoint("slide", n, near, distance),
+        ChainJoint("hinge", n, near),
+        ChainJoint("hinge", w, far),
+        ChainJoint("slide", w, far),
     )
     return (Link(far, joints),)
 
@@ -193,8 +205,12 @@ def _angle(law: Law, v: Vector, y: Vector, w: Vector) -> Chain:
         value, axis = between, n
     else:
         value, axis = (np.pi if law.is_cosine else np.pi / 2) - between, -n
-    slides = tuple(Joint("slide", unit, y) for unit in _AXES)
-    turns = (Joint("hinge", v, y), Joint("hinge", axis, y, value), Joint("hinge", w, y))
+    slides = tuple(ChainJoint("slide", unit, y) for unit in _AXES)
+    turns = (
+        ChainJoint("hinge", v, y),
+        ChainJoint("hinge", axis, y, value),
+        ChainJoint("hinge", w, y),
+    )
     return (Link(y, slides + turns),)
 
 
@@ -210,9 +226,9 @@ def feet(x: Vector, v: Vector, y: Vector, w: Vector) -> tuple[Vector, Vector]:
     return near, y + ((near - y) @ w) * w
 
 
-def ball(centre: Vector) -> tuple[Joint, ...]:
+def ball(centre: Vector) -> tuple[ChainJoint, ...]:
     """Return a ball joint."""
-    return (Joint("ball", _AXES[2], centre),)
+    return (ChainJoint("ball", _AXES[2], centre),)
 
 
 def _ball(centre: Vector) -> Link:

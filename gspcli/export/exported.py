@@ -6,7 +6,7 @@ import re
 from typing import TYPE_CHECKING
 
 from gspcli.errors import ArgumentError
-from gspcli.export.format import ControllerFormat, PoseFormat, SystemFormat
+from gspcli.export.format import ControllerFormat, ModeFormat, SystemFormat
 from gspcli.export.formats import FORMATS
 from gspcli.records import dataclass
 from gspcli.wording import counted, listed, shown
@@ -97,7 +97,7 @@ def exported(
     form = FORMATS[target]
     if isinstance(form, SystemFormat):
         return _system(instance, target, form, coordinates, digits)
-    pose, notes = _pose(instance, mode, needed=isinstance(form, PoseFormat))
+    pose, notes = _pose(instance, mode, needed=isinstance(form, ModeFormat))
     if instance.frames is not None and target not in _MARKED:
         notes += ("poses are those of the platform itself: the frames of SPEC are left out",)
     if isinstance(form, ControllerFormat):

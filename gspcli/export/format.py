@@ -39,7 +39,7 @@ class SystemFormat:
 
 
 @dataclass(frozen=True)
-class PoseFormat:
+class ModeFormat:
     """The input of a program that is given the platform in one real assembly mode.
 
     Attributes

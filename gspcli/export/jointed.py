@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from gspcli.errors import ArgumentError
 from gspcli.export.carriers import Carrier, carriers
-from gspcli.export.chains import Joint, ball, chain, driven_leg, socket
+from gspcli.export.chains import ChainJoint, ball, chain, driven_leg, socket
 from gspcli.export.simulated_masses import Inertial, SimulatedMasses
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
@@ -68,7 +68,7 @@ class LinkJoint:
     name: str
     parent: str
     child: str
-    joint: Joint
+    joint: ChainJoint
 
 
 Jointed: TypeAlias = "tuple[tuple[JointedLink, ...], tuple[LinkJoint, ...]]"
@@ -119,7 +119,7 @@ class JointedModel:
                 links = driven_leg(x, y, masses.leg_axis(k))
                 bodies = list(masses.leg_bodies(k, links[1].joints[0].axis))
                 joints = [(link.joints, body) for link, body in zip(links, bodies, strict=True)]
-                joints.append(((Joint("ball", np.eye(3)[2], y),), masses.link))
+                joints.append(((ChainJoint("ball", np.eye(3)[2], y),), masses.link))
             else:
                 joints = [(link.joints, masses.link) for link in chain(kind, x, v, y, w)]
             chains.append(_chain(k + 1, joints))
@@ -142,7 +142,7 @@ def _driven(
     e = (y - x) / np.linalg.norm(y - x)
     rod, drive = masses.rod(k, e), carrier.joint
     first = k == carrier.constraints[0]
-    links: list[tuple[tuple[Joint, ...], Inertial]] = []
+    links: list[tuple[tuple[ChainJoint, ...], Inertial]] = []
     if not carrier.on_platform:
         links += [((drive,), carrier.inertial)] if first else []
         links += [(ball(x), rod), (ball(y), masses.link)]
@@ -161,7 +161,7 @@ def _driven(
 
 def _chain(
     number: int,
-    links: list[tuple[tuple[Joint, ...], Inertial]],
+    links: list[tuple[tuple[ChainJoint, ...], Inertial]],
     carrier: str = "",
     parent: str = BASE,
 ) -> Jointed:

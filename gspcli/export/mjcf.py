@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from gspcli import __version__
 from gspcli.catalogue.kinds import Kind
 from gspcli.export.carriers import Carrier, carriers
-from gspcli.export.chains import Chain, Joint, Link, ball, chain, driven_leg, socket
+from gspcli.export.chains import Chain, ChainJoint, Link, ball, chain, driven_leg, socket
 from gspcli.export.simulated_masses import Inertial, SimulatedMasses
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.frames import Placement, PoseFrame
@@ -315,7 +315,9 @@ class _Model:
                 ET.SubElement(parent, "geom", rod, rgba=_CHAIN)
             parent, origin = body, link.origin
 
-    def _joint(self, body: ET.Element, joint: Joint, link: Link, name: str, number: int) -> None:
+    def _joint(
+        self, body: ET.Element, joint: ChainJoint, link: Link, name: str, number: int
+    ) -> None:
         attributes = {"name": name, "type": joint.type, "pos": _numbers(joint.point - link.origin)}
         driven = None if joint.value is None else number - 1
         attributes["armature"] = _numbers([self.masses.armature(joint.type, driven)])

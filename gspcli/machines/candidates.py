@@ -19,7 +19,7 @@ _SAME = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
-class Candidates:
+class CandidatePrimitives:
     """Primitives of a chain in the configuration of the file, in the frame of the base.
 
     Attributes
@@ -55,7 +55,7 @@ class Candidates:
         return sorts[kind[1]], sorts[kind[2]]
 
 
-def candidates(passive: list[Part], size: float, near: float) -> Candidates:
+def candidates(passive: list[Part], size: float, near: float) -> CandidatePrimitives:
     """Return the candidates of a chain.
 
     Parameters
@@ -88,7 +88,7 @@ def candidates(passive: list[Part], size: float, near: float) -> Candidates:
     normals = _normals(balls, hinges, slides) if passive else []
     normals = _different(normals, _SAME)
     directions = _different([hinge.axis for hinge in hinges], _SAME)
-    return Candidates(
+    return CandidatePrimitives(
         Primitives.of(centres),
         Primitives.of(points),
         Primitives.of([hinges[k].point for k in kept], [hinges[k].axis for k in kept]),

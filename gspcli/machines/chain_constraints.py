@@ -10,11 +10,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.machines.candidates import Candidates, candidates
+from gspcli.machines.candidates import CandidatePrimitives, candidates
 from gspcli.machines.frames import about, frame, inverse
 from gspcli.machines.graph import scaled
 from gspcli.machines.kinds import ORDER, Primitives, measured
-from gspcli.machines.structure import Chain
+from gspcli.machines.structure import BodyChain
 from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
@@ -58,7 +58,7 @@ class Held:
     change: float
 
 
-def held_constraints(chain: Chain, meet: float) -> tuple[list[Held], int]:
+def held_constraints(chain: BodyChain, meet: float) -> tuple[list[Held], int]:
     """Return the constraints that were found, and how many the chain holds.
 
     Parameters
@@ -87,7 +87,7 @@ def held_constraints(chain: Chain, meet: float) -> tuple[list[Held], int]:
 
 
 def random_changes(
-    chain: Chain, size: float, rng: np.random.Generator | None
+    chain: BodyChain, size: float, rng: np.random.Generator | None
 ) -> list[Array | float]:
     """Return changes of all coordinates: none of those that are held, else random ones, or none."""
     changes: list[Array | float] = []
@@ -102,7 +102,7 @@ def random_changes(
     return changes
 
 
-def moved(chain: Chain, changes: list[Array | float]) -> Array:
+def moved(chain: BodyChain, changes: list[Array | float]) -> Array:
     """Return the pose of the platform after changes of the coordinates, shape (4, 4)."""
     X = np.eye(4)
     for p, change in zip(chain.parts, changes, strict=True):
@@ -111,14 +111,14 @@ def moved(chain: Chain, changes: list[Array | float]) -> Array:
     return moved
 
 
-def pose_after(chain: Chain, place: int, change: float) -> Array:
+def pose_after(chain: BodyChain, place: int, change: float) -> Array:
     """Return the pose of the platform after the change of one coordinate, shape (4, 4)."""
     changes = random_changes(chain, 1.0, None)
     changes[place] = change
     return moved(chain, changes)
 
 
-def _rank(chain: Chain, size: float, least: float, rng: np.random.Generator) -> int:
+def _rank(chain: BodyChain, size: float, least: float, rng: np.random.Generator) -> int:
     """Return how many freedoms the platform has in the chain, in general configurations.
 
     Singular values of the screws up to `least` are none.
@@ -165,7 +165,7 @@ class _Search:
         self.held: list[Held] = []
         self.gradients: list[Array] = []
 
-    def run(self, found: Candidates, change: float) -> None:
+    def run(self, found: CandidatePrimitives, change: float) -> None:
         """Add what changes by at most a share of the size, until there are enough."""
         back = inverse(self.motions[0])
         for kind in ORDER:

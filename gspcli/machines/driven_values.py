@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from gspcli.machines.chain_constraints import Held, pose_after
 from gspcli.machines.kinds import Primitives, measured
-from gspcli.machines.structure import Chain, ChainPart
+from gspcli.machines.structure import BodyChain, ChainPart
 from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
@@ -104,7 +104,7 @@ class Found:
         return self.held.kind
 
 
-def with_drives(held: Held, chain: Chain, length: str) -> Found:
+def with_drives(held: Held, chain: BodyChain, length: str) -> Found:
     """Return a constraint with what is known of its drives.
 
     Parameters
@@ -157,7 +157,7 @@ def _sort(held: Held, position: int) -> str:
     return {"P": "point", "L": "line", "H": "plane"}[held.kind[position]]
 
 
-def _value(held: Held, chain: Chain, drive: int) -> Callable[[float], float]:
+def _value(held: Held, chain: BodyChain, drive: int) -> Callable[[float], float]:
     """Return what the constraint measures after a change of a drive."""
 
     def value(change: float) -> float:
@@ -167,21 +167,21 @@ def _value(held: Held, chain: Chain, drive: int) -> Callable[[float], float]:
     return value
 
 
-def _unit(held: Held, chain: Chain, drive: int) -> tuple[float, float]:
+def _unit(held: Held, chain: BodyChain, drive: int) -> tuple[float, float]:
     """Return the unit of the drive's coordinate and that of the value."""
     size = chain.size
     own = size if chain.parts[drive].part.letter == "P" else 1.0
     return own, 1.0 if held.kind[0] == "A" else size
 
 
-def _changes(held: Held, chain: Chain, drive: int) -> bool:
+def _changes(held: Held, chain: BodyChain, drive: int) -> bool:
     if chain.parts[drive].part.letter == "S":
         return True
     value, (step, unit) = _value(held, chain, drive), _unit(held, chain, drive)
     return any(abs(value(d * step) - held.value) > _CHANGED * unit for d in (0.05, -0.05, 0.1))
 
 
-def _linear(held: Held, chain: Chain, drive: int) -> bool:
+def _linear(held: Held, chain: BodyChain, drive: int) -> bool:
     """Return whether the value changes by as much as the coordinate, where it is."""
     if chain.parts[drive].part.letter == "S":
         return False
@@ -190,7 +190,7 @@ def _linear(held: Held, chain: Chain, drive: int) -> bool:
     return step == unit and all(abs(abs(slope) - 1) < _SLOPE for slope in slopes)
 
 
-def _at_the_coordinate(held: Held, chain: Chain, drive: int) -> Held:
+def _at_the_coordinate(held: Held, chain: BodyChain, drive: int) -> Held:
     """Return a distance to a plane that is the coordinate of its drive, signed.
 
     The chain does not say where the plane is: only its normal. Other kinds are unchanged.
@@ -208,7 +208,9 @@ def _at_the_coordinate(held: Held, chain: Chain, drive: int) -> Held:
     return replace(held, platform=own, base=base, value=sign * (held.value - shift))
 
 
-def _limits(held: Held, chain: Chain, drive: int, remarks: list[str]) -> tuple[float, float] | None:
+def _limits(
+    held: Held, chain: BodyChain, drive: int, remarks: list[str]
+) -> tuple[float, float] | None:
     """Return the values in the range of a drive, if they are between those at its ends."""
     part = chain.parts[drive].part
     if part.letter == "S" or not (math.isfinite(part.low) and math.isfinite(part.high)):

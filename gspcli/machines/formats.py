@@ -8,8 +8,8 @@ from pathlib import Path
 
 from gspcli.geometry.instance import Instance
 from gspcli.machines.graph import Graph
-from gspcli.machines.markup import Element, parse
-from gspcli.machines.source import Place, text_of
+from gspcli.machines.markup import MarkupElement, parse
+from gspcli.machines.source import SourceLine, text_of
 from gspcli.machines.stored import stored_text
 from gspcli.spec.reading import loads
 from gspcli.wording import listed, shown
@@ -55,7 +55,7 @@ def machine_of(path: Path, *, stored: bool = True) -> Graph | Instance:
     if tables.is_table(text):
         return tables.read(text, file, path.stem)
     first = next((line for line in text.splitlines() if line.strip()), "")
-    raise Place(file).error(f"found {shown(first)}, expected {listed(FORMATS)}")
+    raise SourceLine(file).error(f"found {shown(first)}, expected {listed(FORMATS)}")
 
 
 def _marked_up(text: str, path: Path, stored: bool) -> Graph | Instance:
@@ -85,7 +85,7 @@ def _marked_up(text: str, path: Path, stored: bool) -> Graph | Instance:
 
 
 def _or_stored(
-    root: Element, path: Path, stored: bool, read: Callable[[], Graph], *beside: str
+    root: MarkupElement, path: Path, stored: bool, read: Callable[[], Graph], *beside: str
 ) -> Graph | Instance:
     """Return the instance that gsp stored in a model, else what a reader makes of it."""
     text, same = stored_text(root, *beside)
@@ -98,7 +98,7 @@ def _or_stored(
     return replace(graph, notes=(*graph.notes, note))
 
 
-def _caspr(root: Element, path: Path) -> Graph:
+def _caspr(root: MarkupElement, path: Path) -> Graph:
     """Read the two files of a robot: NAME_bodies.xml and NAME_cables.xml."""
     from gspcli.machines.readers import caspr
 

@@ -13,7 +13,7 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.machines.source import Place
+from gspcli.machines.source import SourceLine
 from gspcli.wording import shown
 
 Array = NDArray[np.float64]
@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 MOST_ELEMENTS, DEEPEST = 100_000, 100
 
 
-class Element(Place):
+class MarkupElement(SourceLine):
     """An element.
 
     Attributes
@@ -44,7 +44,7 @@ class Element(Place):
         super().__init__(file, *at, f"<{tag}>{f' {shown(name)}' if name else ''}")
         self.tag, self.attributes = tag, attributes
         self.text = ""
-        self.children: list[Element] = []
+        self.children: list[MarkupElement] = []
 
     def get(self, name: str, otherwise: str = "") -> str:
         """Return an attribute."""
@@ -62,18 +62,18 @@ class Element(Place):
             raise self.error(f"found no attribute {name}, expected one")
         return self.attributes[name]
 
-    def all(self, tag: str) -> list[Element]:
+    def all(self, tag: str) -> list[MarkupElement]:
         """Return the children of a name."""
         return [child for child in self.children if child.tag == tag]
 
-    def first(self, path: str) -> Element | None:
+    def first(self, path: str) -> MarkupElement | None:
         """Return the first child of a name, or of a path such as ``limit/lower``."""
-        found: Element | None = self
+        found: MarkupElement | None = self
         for tag in path.split("/"):
             found = next((c for c in found.children if c.tag == tag), None) if found else None
         return found
 
-    def child(self, tag: str) -> Element:
+    def child(self, tag: str) -> MarkupElement:
         """Return the first child of a name, which must be there.
 
         Raises
@@ -91,7 +91,7 @@ class Element(Place):
         found = self.first(path)
         return None if found is None else found.text.strip()
 
-    def everywhere(self, *tags: str) -> Iterator[Element]:
+    def everywhere(self, *tags: str) -> Iterator[MarkupElement]:
         """Yield the elements of some names, in it and below, or all of them."""
         waiting = [self]
         while waiting:
@@ -112,7 +112,7 @@ class Element(Place):
         return self.numbers(self.attributes[name], len(otherwise))
 
 
-def parse(text: str, file: str) -> Element:
+def parse(text: str, file: str) -> MarkupElement:
     """Return the root of a document.
 
     Raises
@@ -126,9 +126,9 @@ def parse(text: str, file: str) -> Element:
 class _Tree:
     def __init__(self, text: str, file: str, above: int) -> None:
         self.text, self.file, self.above = text, file, above
-        self.open: list[Element] = []
+        self.open: list[MarkupElement] = []
         self.count = 0
-        self.top: Element | None = None
+        self.top: MarkupElement | None = None
         self.parser = parser = expat.ParserCreate()
         parser.buffer_text = True
         parser.StartElementHandler = self._start
@@ -137,15 +137,15 @@ class _Tree:
         parser.StartDoctypeDeclHandler = self._doctype
         parser.EntityDeclHandler = self._entity
 
-    def root(self) -> Element:
+    def root(self) -> MarkupElement:
         try:
             self.parser.Parse(self.text, True)
         except expat.ExpatError as error:
-            place = Place(self.file, error.lineno + self.above, error.offset + 1)
+            place = SourceLine(self.file, error.lineno + self.above, error.offset + 1)
             said = expat.ErrorString(error.code) or "unknown"
             raise place.error(f"no well-formed XML: {said}") from None
         except (UnicodeError, ValueError) as error:
-            raise Place(self.file).error(f"no well-formed XML: {error}") from None
+            raise SourceLine(self.file).error(f"no well-formed XML: {error}") from None
         assert self.top is not None
         return self.top
 
@@ -153,7 +153,7 @@ class _Tree:
         return self.parser.CurrentLineNumber + self.above, self.parser.CurrentColumnNumber + 1
 
     def _start(self, tag: str, attributes: dict[str, str]) -> None:
-        element = Element(tag, attributes, self.file, self._at())
+        element = MarkupElement(tag, attributes, self.file, self._at())
         self.count += 1
         if self.count > MOST_ELEMENTS or len(self.open) >= DEEPEST:
             limit = f"{MOST_ELEMENTS} elements, {DEEPEST} levels deep"
@@ -175,16 +175,16 @@ class _Tree:
     def _doctype(self, name: str, system: str | None, public: str | None, inner: int) -> None:
         del name, system, public
         if inner:
-            raise Place(self.file, *self._at()).error(_NO_ENTITIES)
+            raise SourceLine(self.file, *self._at()).error(_NO_ENTITIES)
 
     def _entity(self, *_: object) -> None:
-        raise Place(self.file, *self._at()).error(_NO_ENTITIES)
+        raise SourceLine(self.file, *self._at()).error(_NO_ENTITIES)
 
 
 _NO_ENTITIES = "found definitions in a DOCTYPE, expected none: entities are not read"
 
 
-def written(root: Element) -> str:
+def written(root: MarkupElement) -> str:
     """Return an element as XML, attributes and children only."""
     attributes = "".join(f" {name}={quoteattr(x)}" for name, x in root.attributes.items())
     inner = "".join(map(written, root.children))

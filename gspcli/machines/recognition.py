@@ -25,7 +25,7 @@ from gspcli.machines.frames import inverse
 from gspcli.machines.graph import Graph, Joint, NoPlatform, Part, extent
 from gspcli.machines.kinds import measured
 from gspcli.machines.source import LARGEST_NUMBER
-from gspcli.machines.structure import Chain, ChainPart, Structure, structure
+from gspcli.machines.structure import BodyChain, ChainPart, JoinedBodies, structure
 from gspcli.records import dataclass
 from gspcli.wording import counted, nearest, shown
 
@@ -63,7 +63,7 @@ class Machine:
     """
 
     graph: Graph
-    structure: Structure
+    structure: JoinedBodies
     constraints: tuple[Found, ...]
     pose: Array
     size: float
@@ -228,7 +228,7 @@ def _missed(found: Found, pose: Array, size: float) -> float:
 
 
 def _refusal(
-    shape: Structure, count: int, problems: list[str], missed: float, size: float, length: str
+    shape: JoinedBodies, count: int, problems: list[str], missed: float, size: float, length: str
 ) -> str:
     """Return why the chains are no six constraints, and what would make them that."""
     kinds = Counter(chain.letters for chain in shape.chains)
@@ -252,7 +252,7 @@ def _refusal(
     return f"{said}; {problems[0]}" if problems else said
 
 
-def _carried(clusters: Clusters, shape: Structure) -> tuple[tuple[str, Array], ...]:
+def _carried(clusters: Clusters, shape: JoinedBodies) -> tuple[tuple[str, Array], ...]:
     """Return the bodies that no joint and no drive separates from the platform."""
     cluster = clusters.of[shape.platform]
     carried = []
@@ -266,7 +266,7 @@ def _carried(clusters: Clusters, shape: Structure) -> tuple[tuple[str, Array], .
     return tuple(carried)
 
 
-def _meeting(chain: Chain, size: float, meet: float) -> tuple[Chain, float, float]:
+def _meeting(chain: BodyChain, size: float, meet: float) -> tuple[BodyChain, float, float]:
     """Return a chain whose neighbouring hinge axes meet where they nearly do.
 
     And by how much they were moved, and by how much axes that were not moved miss each other.

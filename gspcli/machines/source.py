@@ -22,7 +22,7 @@ LARGEST_NUMBER = 1e15
 _DECIMAL = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?")
 
 
-class Place:
+class SourceLine:
     """A line of a file, for errors.
 
     Parameters
@@ -94,7 +94,7 @@ def text_of(path: Path) -> str:
     SpecError
         If it is too large, or no text.
     """
-    place = Place(str(path))
+    place = SourceLine(str(path))
     try:
         content = content_of(path, LARGEST)
     except ValueError as error:

@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 from xml.etree import ElementTree as ET
 
-from gspcli.machines.markup import Element, parse
+from gspcli.machines.markup import MarkupElement, parse
 from gspcli.spec.writing import dumps
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ INSTANCE, DIGEST = "gsp", "gsp-model"
 _ELEMENT, _SPACE = "gsp:instance", "https://example.invalid/gsp"
 
 
-def digest(root: Element, *beside: str) -> str:
+def digest(root: MarkupElement, *beside: str) -> str:
     """Return a digest of a model: of its elements, attributes and texts, but not of what is stored.
 
     Parameters
@@ -37,7 +37,7 @@ def digest(root: Element, *beside: str) -> str:
     return hashlib.sha256("\n".join((*_lines(root), *beside)).encode()).hexdigest()
 
 
-def _lines(element: Element) -> Iterator[str]:
+def _lines(element: MarkupElement) -> Iterator[str]:
     if element.tag in ("custom", _ELEMENT):
         return
     yield repr((element.tag, sorted(element.attributes.items()), element.text.strip()))
@@ -46,7 +46,7 @@ def _lines(element: Element) -> Iterator[str]:
     yield "/"
 
 
-def stored_text(root: Element, *beside: str) -> tuple[str | None, bool]:
+def stored_text(root: MarkupElement, *beside: str) -> tuple[str | None, bool]:
     """Return the text of the instance that a model stores, and whether the model is the same still.
 
     Parameters

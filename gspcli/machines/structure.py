@@ -40,7 +40,7 @@ class ChainPart:
 
 
 @dataclass(frozen=True, eq=False)
-class Chain:
+class BodyChain:
     """What joins the base and the platform.
 
     Attributes
@@ -69,7 +69,7 @@ class Chain:
 
 
 @dataclass(frozen=True, eq=False)
-class Structure:
+class JoinedBodies:
     """Two bodies and what joins them.
 
     Attributes
@@ -84,11 +84,11 @@ class Structure:
 
     base: str
     platform: str
-    chains: tuple[Chain, ...]
+    chains: tuple[BodyChain, ...]
     reason: str
 
 
-def structure(clusters: Clusters, base: str | None, platform: str | None) -> Structure:
+def structure(clusters: Clusters, base: str | None, platform: str | None) -> JoinedBodies:
     """Return the base, the platform and the chains of a machine.
 
     Parameters
@@ -113,7 +113,7 @@ def structure(clusters: Clusters, base: str | None, platform: str | None) -> Str
     bottom = base or _own_body(clusters, first, starts)
     top = platform or _own_body(clusters, second, ends)
     chains = tuple(_chain(clusters, bottom, top, walk) for walk in walks)
-    return Structure(bottom, top, chains, reason)
+    return JoinedBodies(bottom, top, chains, reason)
 
 
 def _start(clusters: Clusters, step: Step) -> str:
@@ -274,7 +274,7 @@ def _own_body(clusters: Clusters, cluster: str, ends: Sequence[str]) -> str:
     return max(own, key=lambda body: (clusters.graph.bodies[body].mass or 0.0, body == cluster))
 
 
-def _chain(clusters: Clusters, base: str, platform: str, walk: list[Step]) -> Chain:
+def _chain(clusters: Clusters, base: str, platform: str, walk: list[Step]) -> BodyChain:
     legs: list[tuple[Joint, bool, str]] = []
 
     def through(start: str, end: str, where: str) -> None:
@@ -293,4 +293,4 @@ def _chain(clusters: Clusters, base: str, platform: str, walk: list[Step]) -> Ch
         X = X @ joint.relative
     driven = (p.part.name for p in parts if p.held and p.part.name)
     name = next(driven, clusters.joints[walk[0][0]].name)
-    return Chain(name, tuple(parts), X)
+    return BodyChain(name, tuple(parts), X)

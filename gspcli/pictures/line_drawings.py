@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from gspcli.catalogue.kinds import Primitive
 from gspcli.pictures.figures import ANGLE, BASE, DISTANCE, PLATFORM, SOFT, styled, written_drawing
 from gspcli.pictures.projection import Paper, View, separate
-from gspcli.pictures.scene import DrawnBody, Scene, Series, StrokeStyle
+from gspcli.pictures.scene import DrawnBody, Scene, SceneSeries, StrokeStyle
 
 Array = NDArray[np.float64]
 
@@ -150,7 +150,7 @@ def draw_body(
 
 
 def _constraints(
-    paper: Paper, scene: Scene, series: Series, pose: int, weight: float, *, named: bool
+    paper: Paper, scene: Scene, series: SceneSeries, pose: int, weight: float, *, named: bool
 ) -> None:
     for k, bond in enumerate(scene.bonds):
         color = DISTANCE if bond.kind.is_distance else ANGLE

@@ -40,7 +40,7 @@ from gspcli.motion.singularities.displacements import Displacements
 from gspcli.pictures.arms import drawn_drives
 from gspcli.resources import data_path
 from gspcli.solver.problem import Problem
-from gspcli.solver.starts.geometry_starts import Geometry
+from gspcli.solver.starts.geometry_starts import SolvedGeometry
 from gspcli.solver.starts.solved_starts import SolvedStarts
 from gspcli.solver.study_systems import coefficients_of
 
@@ -204,14 +204,14 @@ def _limits(instance: Instance) -> list[list[float | None]]:
     return [[x if math.isfinite(x) else None for x in pair] for pair in readings.tolist()]
 
 
-def _geometry(problem: Problem, rows: Array) -> Geometry | None:
+def _geometry(problem: Problem, rows: Array) -> SolvedGeometry | None:
     from gspcli.solver.all_poses import all_poses
     from gspcli.solver.strategies.row_groups import start_among
 
     return start_among(problem.with_rows(rows), all_poses)
 
 
-def _put_values(numbers: _Numbers, instance: Instance, geometry: Geometry) -> None:
+def _put_values(numbers: _Numbers, instance: Instance, geometry: SolvedGeometry) -> None:
     scale, shift = factors(instance), offsets(instance, signed=False)
     for i, row in enumerate(instance.constraints):
         kind = row.kind
@@ -226,7 +226,7 @@ def _put_values(numbers: _Numbers, instance: Instance, geometry: Geometry) -> No
     numbers.put(COSINE_ERROR, SINE_ERROR)
 
 
-def _put_pools(numbers: _Numbers, geometry: Geometry) -> None:
+def _put_pools(numbers: _Numbers, geometry: SolvedGeometry) -> None:
     near, first = geometry.near, geometry.start
     homotopy = near.homotopy
     if homotopy is None:
@@ -243,7 +243,7 @@ def _put_pools(numbers: _Numbers, geometry: Geometry) -> None:
         numbers.put(options.min_step, options.max_steps)
 
 
-def _put_whole(numbers: _Numbers, geometry: Geometry) -> None:
+def _put_whole(numbers: _Numbers, geometry: SolvedGeometry) -> None:
     inner, start = geometry.inner, geometry.start
     signs = np.where(geometry.given.values == 0, 0.0, 1.0)
     given = inner.kinds, inner.y, inner.x, inner.u, inner.v
@@ -266,7 +266,7 @@ def _put_whole(numbers: _Numbers, geometry: Geometry) -> None:
 
 
 def _put_proofs(
-    numbers: _Numbers, instance: Instance, proofs: ValueProofs, geometry: Geometry
+    numbers: _Numbers, instance: Instance, proofs: ValueProofs, geometry: SolvedGeometry
 ) -> None:
     given = geometry.given
     numbers.put(len(proofs.numbers[0]), *proofs.numbers, given.base_centre, given.platform_centre)
@@ -279,7 +279,7 @@ def _put_proofs(
     numbers.put(len(lines), *lines, ROUNDING)
 
 
-def _put_far(numbers: _Numbers, geometry: Geometry) -> None:
+def _put_far(numbers: _Numbers, geometry: SolvedGeometry) -> None:
     far = geometry.far
     if far is None:
         numbers.put(0)

@@ -14,7 +14,7 @@ from html import escape
 
 from gspcli import __version__
 from gspcli.pictures.projection import View
-from gspcli.pictures.scene import Scene, Series
+from gspcli.pictures.scene import Scene, SceneSeries
 from gspcli.resources import data_path
 
 #: Significant digits of the size of the scene in the list; the pose that is shown has more.
@@ -120,7 +120,7 @@ def _picture(scene: Scene) -> str:
     )
 
 
-def _modes(scene: Scene, modes: Series) -> str:
+def _modes(scene: Scene, modes: SceneSeries) -> str:
     if not len(modes):
         which = "isolated real" if len(scene.series) > 1 else "real"
         return f"<p>There is no {which} pose.</p>"
@@ -141,15 +141,15 @@ def _modes(scene: Scene, modes: Series) -> str:
 _COLUMNS = ("sides", "multiplicity")
 
 
-def _shown_names(modes: Series) -> list[str]:
+def _shown_names(modes: SceneSeries) -> list[str]:
     return [name for name, values in modes.facts.items() if name in _COLUMNS and len({*values}) > 1]
 
 
-def _shown(modes: Series) -> list[list[object]]:
+def _shown(modes: SceneSeries) -> list[list[object]]:
     return [modes.facts[name] for name in _shown_names(modes)]
 
 
-def _constraints(scene: Scene, modes: Series, start: int) -> str:
+def _constraints(scene: Scene, modes: SceneSeries, start: int) -> str:
     rows = "".join(
         f"<tr><td>{bond.number}</td>"
         f'<td class="text">{escape(bond.platform_name)} – {escape(bond.base_name)} '

@@ -135,7 +135,7 @@ class Stroke:
 
 
 @dataclass(frozen=True, eq=False)
-class Series:
+class SceneSeries:
     """Poses to look at one after the other: the assembly modes, or a motion.
 
     Attributes
@@ -193,7 +193,7 @@ class Scene:
     summary
         What was found, in a sentence or two.
     length_unit, angle_unit
-        The units of all numbers; angles of `DrawnConstraint.value` and `Series.measured` only.
+        The units of all numbers; angles of `DrawnConstraint.value` and `SceneSeries.measured` only.
     size
         The radius of base and platform together at a typical pose: the unit of all marks.
     platform, base
@@ -213,7 +213,7 @@ class Scene:
     platform: DrawnBody
     base: DrawnBody
     bonds: tuple[DrawnConstraint, ...]
-    series: tuple[Series, ...]
+    series: tuple[SceneSeries, ...]
 
     @cached_property
     def decimals(self) -> int:
@@ -259,7 +259,7 @@ class Scene:
             "faces": [self._drawn(face) for face in body.faces],
         }
 
-    def _series(self, series: Series) -> dict[str, Any]:
+    def _series(self, series: SceneSeries) -> dict[str, Any]:
         parameter = None
         if series.parameter is not None:
             name, values = series.parameter

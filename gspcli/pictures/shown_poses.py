@@ -15,7 +15,7 @@ from gspcli.geometry.instance import Constraint, Instance
 from gspcli.geometry.measurement import measured
 from gspcli.geometry.quaternions import quaternion_from_rotation
 from gspcli.geometry.residuals import condition_numbers, sides_of
-from gspcli.pictures.scene import DrawnBody, Series, Stroke
+from gspcli.pictures.scene import DrawnBody, SceneSeries, Stroke
 from gspcli.pictures.stage import Stage
 from gspcli.records import dataclass
 
@@ -29,7 +29,7 @@ class Poses:
     Attributes
     ----------
     title, item, note
-        As in `Series`.
+        As in `SceneSeries`.
     R, T
         Shapes (n, 3, 3) and (n, 3), real.
     facts
@@ -68,7 +68,7 @@ def names_of(constraints: Sequence[Constraint]) -> list[tuple[str, str]]:
 
 def series_of(
     arrangement: Arrangement, poses: Poses, strokes: Sequence[tuple[Stroke, ...]], labels: Array
-) -> Series:
+) -> SceneSeries:
     """Return poses as they are shown.
 
     Parameters
@@ -78,7 +78,7 @@ def series_of(
     poses
         The poses.
     strokes, labels
-        As in `Series`.
+        As in `SceneSeries`.
     """
     R, T = poses.R, poses.T
     values = np.asarray(measured(arrangement, R, T).real).copy()
@@ -93,7 +93,7 @@ def series_of(
     conditions = poses.conditions
     if conditions is None:
         conditions = condition_numbers(arrangement, R, T)
-    return Series(
+    return SceneSeries(
         title=poses.title,
         item=poses.item,
         R=R,
@@ -109,7 +109,7 @@ def series_of(
     )
 
 
-def moving_series(instance: Instance, poses: Poses, size: float) -> Series:
+def moving_series(instance: Instance, poses: Poses, size: float) -> SceneSeries:
     """Return poses at which primitives are elsewhere in their bodies; lines and planes as needed.
 
     Parameters
@@ -128,7 +128,7 @@ def moving_series(instance: Instance, poses: Poses, size: float) -> Series:
     """
     chosen = choose(instance, poses.coordinates)
     names = names_of(instance.constraints)
-    parts: list[Series] = []
+    parts: list[SceneSeries] = []
     for k, place in enumerate(poses.places):
         there = moved(instance, chosen, place)
         arrangement = Arrangement.of(there)
@@ -148,7 +148,7 @@ def moving_series(instance: Instance, poses: Poses, size: float) -> Series:
     return _joined(poses, parts, {one.body for one in chosen})
 
 
-def _joined(poses: Poses, parts: Sequence[Series], moving: set[str]) -> Series:
+def _joined(poses: Poses, parts: Sequence[SceneSeries], moving: set[str]) -> SceneSeries:
     """Return the series of single poses as one, with the bodies that move."""
     facts = {**poses.facts}
     if parts and "sides" in parts[0].facts:

@@ -15,8 +15,8 @@ from gspcli.pictures.guides import guides
 from gspcli.pictures.hulls import convex_hull
 from gspcli.pictures.scene import DrawnBody, DrawnPrimitive, Stroke
 from gspcli.pictures.strokes import (
-    Ends,
     Sizes,
+    StrokeEnds,
     angle_strokes,
     connection,
     distance_strokes,
@@ -41,7 +41,7 @@ class _Placed(NamedTuple):
     """A constraint at all poses of all series, in the frame of the base."""
 
     kind: Kind
-    ends: Ends
+    ends: StrokeEnds
     platform: str
     base: str
 
@@ -82,7 +82,7 @@ class Stage:
             w = R @ arrangement.u[i]
             x = np.broadcast_to(arrangement.x[i], (n, 3))
             v = np.broadcast_to(arrangement.v[i], (n, 3))
-            ends = connection(kind, p, w, x, v) if kind.is_distance else Ends(p, x, w, v)
+            ends = connection(kind, p, w, x, v) if kind.is_distance else StrokeEnds(p, x, w, v)
             self.placed.append(_Placed(kind, ends, *names[i]))
         #: Six digits, so that pages do not depend on rounding errors of poses.
         self.size = float(f"{self._size(arrangement):.6g}") if size is None else size

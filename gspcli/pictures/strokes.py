@@ -33,7 +33,7 @@ class Sizes(NamedTuple):
     arc: float
 
 
-class Ends(NamedTuple):
+class StrokeEnds(NamedTuple):
     """Where a constraint meets its primitives at n poses, in the frame of the base.
 
     Attributes
@@ -52,7 +52,7 @@ class Ends(NamedTuple):
     v: Array
 
 
-def connection(kind: Kind, p: Array, w: Array, x: Array, v: Array) -> Ends:
+def connection(kind: Kind, p: Array, w: Array, x: Array, v: Array) -> StrokeEnds:
     """Return the ends of the shortest connection of a distance.
 
     Parameters
@@ -66,13 +66,13 @@ def connection(kind: Kind, p: Array, w: Array, x: Array, v: Array) -> Ends:
     """
     r = p - x
     if kind is DPL:
-        return Ends(p, x + _along(r, v), w, v)
+        return StrokeEnds(p, x + _along(r, v), w, v)
     if kind is DLP:
-        return Ends(p - _along(r, w), x, w, v)
+        return StrokeEnds(p - _along(r, w), x, w, v)
     if kind is DPH:
-        return Ends(p, p - _along(r, v), w, v)
+        return StrokeEnds(p, p - _along(r, v), w, v)
     if kind is DHP:
-        return Ends(x + _along(r, w), x, w, v)
+        return StrokeEnds(x + _along(r, w), x, w, v)
     if kind is DLL:
         normal = cross(w, v)
         square = dot(normal, normal)[:, None]
@@ -82,13 +82,13 @@ def connection(kind: Kind, p: Array, w: Array, x: Array, v: Array) -> Ends:
         t = dot(cross(w, r), normal)[:, None] / safe
         at_platform = np.where(parallel, p, p + s * w)
         at_base = np.where(parallel, x + _along(r, v), x + t * v)
-        return Ends(at_platform, at_base, w, v)
+        return StrokeEnds(at_platform, at_base, w, v)
     if kind is not DPP:
         raise ValueError(kind)
-    return Ends(p, x, w, v)
+    return StrokeEnds(p, x, w, v)
 
 
-def distance_strokes(kind: Kind, ends: Ends, sizes: Sizes) -> Iterator[Stroke]:
+def distance_strokes(kind: Kind, ends: StrokeEnds, sizes: Sizes) -> Iterator[Stroke]:
     """Yield what is drawn for a distance."""
     style = StrokeStyle.LEG if kind is DPP else StrokeStyle.PERPENDICULAR
     yield Stroke(style, np.stack((ends.platform, ends.base), axis=1))
@@ -104,7 +104,7 @@ def distance_strokes(kind: Kind, ends: Ends, sizes: Sizes) -> Iterator[Stroke]:
         yield _square(ends.platform, -leg, aside, size)
 
 
-def angle_strokes(kind: Kind, ends: Ends, sizes: Sizes) -> Iterator[Stroke]:
+def angle_strokes(kind: Kind, ends: StrokeEnds, sizes: Sizes) -> Iterator[Stroke]:
     """Yield what is drawn for an angle at ``ends.base``: the arc first."""
     at = ends.base
     first, second = arms(kind, ends)
@@ -121,7 +121,7 @@ def angle_strokes(kind: Kind, ends: Ends, sizes: Sizes) -> Iterator[Stroke]:
         yield Stroke(StrokeStyle.RAY, np.stack((at, at + sizes.ray * arm), axis=1))
 
 
-def arms(kind: Kind, ends: Ends) -> tuple[Array, Array]:
+def arms(kind: Kind, ends: StrokeEnds) -> tuple[Array, Array]:
     """Return the unit directions between which an angle lies, from the base on, (n, 3) each."""
     w, v = ends.w, ends.v
     if kind.law.is_cosine:

@@ -20,8 +20,8 @@ from gspcli.sensing.sensor_kinds import (
     Inclinometer,
     JointSensor,
     LegSensor,
-    Place,
     Sensor,
+    SensorPoint,
 )
 from gspcli.ties import definite_sign
 
@@ -55,24 +55,28 @@ def candidates(instance: Instance, up: Vector | None = None) -> list[Sensor]:
     arrangement = Arrangement.of(instance)
     found: list[Sensor] = list(_legs(instance))
     found += _raised_legs(instance, arrangement)
-    middle = Place("platform", position=_rounded(arrangement.platform_centre, arrangement.extent))
+    middle = SensorPoint(
+        "platform", position=_rounded(arrangement.platform_centre, arrangement.extent)
+    )
     found += [CoordinateSensor(axis, middle) for axis in AXES.values()]
     for body in BODIES:
         found += _joints(instance, arrangement, body)
     return [*found, Inclinometer(up or AXES["z"])]
 
 
-def points_of(instance: Instance, body: Body) -> dict[Vector, Place]:
+def points_of(instance: Instance, body: Body) -> dict[Vector, SensorPoint]:
     """Return the different points of a body."""
-    places: dict[Vector, Place] = {}
+    places: dict[Vector, SensorPoint] = {}
     for row in instance.constraints:
         geometry, name = getattr(row, body), getattr(row, f"{body}_name")
         if isinstance(geometry, Point):
-            place = Place(body, name) if name else Place(body, position=geometry.position)
+            place = (
+                SensorPoint(body, name) if name else SensorPoint(body, position=geometry.position)
+            )
             places.setdefault(geometry.position, place)
     for where, name, geometry in instance.further:
         if where == body and isinstance(geometry, Point):
-            places.setdefault(geometry.position, Place(body, name))
+            places.setdefault(geometry.position, SensorPoint(body, name))
     return places
 
 
@@ -115,7 +119,7 @@ def _raised_legs(instance: Instance, arrangement: Arrangement) -> Iterator[LegSe
         if normal is None:
             continue
         raised = centres[body] + arrangement.extent / 2 * normal
-        place = Place(body, position=_rounded(raised, arrangement.extent))
+        place = SensorPoint(body, position=_rounded(raised, arrangement.extent))
         other: Body = "base" if body == "platform" else "platform"
         for end in points_of(instance, other).values():
             yield LegSensor(place, end) if body == "platform" else LegSensor(end, place)

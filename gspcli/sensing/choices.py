@@ -30,7 +30,7 @@ _CONSTRAINTS, _MOST_ANGLES = 6, 3
 
 
 @dataclass(frozen=True)
-class Candidate:
+class CandidateMeasurement:
     """A measurement as a constraint: which one it is, and its number among those of the fit."""
 
     owner: int
@@ -38,16 +38,18 @@ class Candidate:
     constraint: Constraint
 
 
-def candidates_of(instance: Instance, readings: Sequence[SensorReading]) -> list[Candidate]:
+def candidates_of(
+    instance: Instance, readings: Sequence[SensorReading]
+) -> list[CandidateMeasurement]:
     """Return the measurements that are distances or angles of primitives; angles of joints are not.
 
     Numbers are those of `PoseNumbers` with all measurements.
     """
-    found = [Candidate(k, k, row) for k, row in enumerate(instance.constraints)]
+    found = [CandidateMeasurement(k, k, row) for k, row in enumerate(instance.constraints)]
     number = _CONSTRAINTS
     for k, one in enumerate(readings, _CONSTRAINTS):
         for offset, row in enumerate(_constraints(instance, one)):
-            found.append(Candidate(k, number + offset, row))
+            found.append(CandidateMeasurement(k, number + offset, row))
         number += len(one.values)
     return found
 
@@ -84,8 +86,8 @@ def _constraints(instance: Instance, one: SensorReading) -> list[Constraint]:
 
 
 def next_choice(
-    candidates: Sequence[Candidate], slopes: Array, used: NDArray[np.int64]
-) -> list[Candidate] | None:
+    candidates: Sequence[CandidateMeasurement], slopes: Array, used: NDArray[np.int64]
+) -> list[CandidateMeasurement] | None:
     """Return six candidates that determine a pose well, those that were used least before others.
 
     Parameters
@@ -122,7 +124,7 @@ def next_choice(
     return [candidates[k] for k in sorted(chosen)]
 
 
-def platform_of(instance: Instance, chosen: Sequence[Candidate]) -> Instance | None:
+def platform_of(instance: Instance, chosen: Sequence[CandidateMeasurement]) -> Instance | None:
     """Return the platform whose six constraints these are; None if it is no platform."""
     from gspcli.geometry.checking import checked
 

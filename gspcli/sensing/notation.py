@@ -38,8 +38,8 @@ from gspcli.sensing.sensor_kinds import (
     Inclinometer,
     JointSensor,
     LegSensor,
-    Place,
     Sensor,
+    SensorPoint,
     ValueSensor,
     checked_joint,
     usual_zero,
@@ -260,11 +260,11 @@ class _Words:
             raise ArgumentError(message, f"column {first.column}")
         return LegSensor(here, there) if measured is DPP else ValueSensor(measured, here, there)
 
-    def part(self, body: Body) -> Place:
+    def part(self, body: Body) -> SensorPoint:
         """Return a point, a line or a plane of a body."""
         named = self.instance.named(body)
         if self.next < len(self.words) and self.words[self.next].text in named:
-            return Place(body, self.take("").text)
+            return SensorPoint(body, self.take("").text)
         return self.place(body, "point, line or plane")
 
     def joint(self) -> JointSensor:
@@ -304,11 +304,11 @@ class _Words:
             raise self.wrong(word, "a direction: any nonzero vector")
         return found
 
-    def place(self, body: Body, what: str = "point") -> Place:
+    def place(self, body: Body, what: str = "point") -> SensorPoint:
         """Return a point of a body; `what` is expected, in words."""
         word = self.take(f"a {what} of the {body}, or (x, y, z)")
         if word.text.startswith("("):
-            return Place(body, position=self.vector(word))
+            return SensorPoint(body, position=self.vector(word))
         named = self.instance.named(body)
         points = [
             name
@@ -316,7 +316,7 @@ class _Words:
             if isinstance(geometry, Point) or what != "point"
         ]
         if word.text in points:
-            return Place(body, word.text)
+            return SensorPoint(body, word.text)
         other = self.instance.named("base" if body == "platform" else "platform")
         hint = suggestion(word.text, points) or (f": {listed(points)}" if len(points) > 1 else "")
         if word.text in other:

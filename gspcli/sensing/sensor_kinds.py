@@ -31,7 +31,7 @@ AXES = {"x": vector(1, 0, 0), "y": vector(0, 1, 0), "z": vector(0, 0, 1)}
 
 
 @dataclass(frozen=True)
-class Place:
+class SensorPoint:
     """A point of a body.
 
     Attributes
@@ -96,8 +96,8 @@ class LegSensor:
         The ends of the leg.
     """
 
-    platform: Place
-    base: Place
+    platform: SensorPoint
+    base: SensorPoint
     kind: ClassVar[str] = "leg"
     unit: ClassVar[Unit] = "length"
 
@@ -133,7 +133,7 @@ class CoordinateSensor:
     """
 
     direction: Vector
-    platform: Place
+    platform: SensorPoint
     kind: ClassVar[str] = "coordinate"
     group: ClassVar[str] = "coordinate"
     unit: ClassVar[Unit] = "length"
@@ -256,8 +256,8 @@ class ValueSensor:
     """
 
     measured: Kind
-    platform: Place
-    base: Place
+    platform: SensorPoint
+    base: SensorPoint
 
     @property
     def kind(self) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
-from gspcli.certification.equations.frames import Frames
+from gspcli.certification.equations.frames import StudyFrames
 from gspcli.continuation.quadrics import ComplexArray
 
 if TYPE_CHECKING:
@@ -24,5 +24,5 @@ class Ends(NamedTuple):
     """
 
     points: ComplexArray
-    frames: Frames
+    frames: StudyFrames
     far: FarPoses | None = None

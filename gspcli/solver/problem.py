@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import ANGLE_KINDS, DHP, DPH, DPP
 from gspcli.catalogue.types import MAX_ANGLES
-from gspcli.certification.equations.frames import Frames
+from gspcli.certification.equations.frames import StudyFrames
 from gspcli.certification.equations.local_frames import LocalFrames
 from gspcli.certification.poses.many_values import ValueProofs
 from gspcli.continuation.systems import Coefficients, FineCoefficients, Structure, System
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from gspcli.certification.poses.locator import Locator
     from gspcli.continuation.tracked_paths import TrackedPaths
     from gspcli.solver.results.pose_set import PoseSet
-    from gspcli.solver.starts.geometry_starts import Geometry
+    from gspcli.solver.starts.geometry_starts import SolvedGeometry
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
@@ -75,7 +75,7 @@ class Problem:
         self.known_geometry_count: ExactCount | None = None
         self._has_counted = False
         #: From where paths lead to the sets of values, if they have a start together.
-        self.start: Geometry | None = None
+        self.start: SolvedGeometry | None = None
 
     def like(self, instance: Instance) -> Problem:
         """Return another platform, to be solved likewise."""
@@ -177,9 +177,9 @@ class Problem:
         return 2.0 ** ceil(log2(self.arrangement.length_with(self.arrangement.values[None])))
 
     @cached_property
-    def frames(self) -> Frames:
+    def frames(self) -> StudyFrames:
         """The coordinates of the equations of paths."""
-        return Frames.of(self.arrangement)
+        return StudyFrames.of(self.arrangement)
 
     @cached_property
     def equations(self) -> tuple[Structure, Coefficients]:

@@ -14,8 +14,8 @@ from typing import NamedTuple
 from gspcli.symbolic.eliminations import cramer, determinant
 from gspcli.symbolic.sparse_polynomials import Polynomial, coefficient, coefficients
 from gspcli.symbolic.triangular import (
-    Condition,
     Elimination,
+    NonVanishing,
     Relation,
     TriangularPolynomial,
     TriangularSet,
@@ -79,16 +79,16 @@ def derive_angles() -> TriangularSet:
             for i, (name, element) in enumerate(zip(ORDER, elements, strict=True))
         ),
         conditions=(
-            Condition(1 - d1**2, "the first two directions are parallel: d1 = ±1"),
-            Condition(
+            NonVanishing(1 - d1**2, "the first two directions are parallel: d1 = ±1"),
+            NonVanishing(
                 coefficient(first.h1, "r32", 8),
                 "s2 and s3, s4 and s5, or s4 and s6 are parallel (if all is real)",
                 ("h1",),
             ),
-            Condition(first.initial_2, "two solutions have the same r32", ("h2",)),
-            Condition(first.initial_3, "two solutions have the same r31 and r32", ("h3",)),
-            Condition(q1, "s1 and s2, or s4 and s5, are parallel", ("h4",)),
-            Condition(r31, "a solution has r31 = 0, where h5 does not give r21", ("h5",)),
+            NonVanishing(first.initial_2, "two solutions have the same r32", ("h2",)),
+            NonVanishing(first.initial_3, "two solutions have the same r31 and r32", ("h3",)),
+            NonVanishing(q1, "s1 and s2, or s4 and s5, are parallel", ("h4",)),
+            NonVanishing(r31, "a solution has r31 = 0, where h5 does not give r21", ("h5",)),
         ),
         steps=(
             Relation("r13", first.for_r13),
@@ -175,9 +175,9 @@ def derive_example_6_2() -> TriangularSet:
             for i, (name, element) in enumerate(zip(names, elements, strict=True))
         ),
         conditions=(
-            Condition(square, "r33 = ±1: the first two directions are parallel"),
-            Condition(r32, "h1 has the root 0: d3 = d1·d2", ("h3",)),
-            Condition(r31, "h2 has the root 0: d2 = d1·d3", ("h4", "h5")),
+            NonVanishing(square, "r33 = ±1: the first two directions are parallel"),
+            NonVanishing(r32, "h1 has the root 0: d3 = d1·d2", ("h3",)),
+            NonVanishing(r31, "h2 has the root 0: d2 = d1·d3", ("h4", "h5")),
         ),
         notes=(
             "r11 = d3, r22 = d2, r33 = d1.",

@@ -21,9 +21,9 @@ from gspcli.catalogue.kinds import Kind, Primitive
 from gspcli.records import dataclass
 from gspcli.symbolic.forms import (
     TRANSLATION,
-    Frame,
     Sum,
     Vector,
+    VectorFrame,
     base,
     degree,
     dot,
@@ -59,9 +59,9 @@ class SymbolicPrimitive:
     directions: tuple[Vector, ...]
 
 
-def element(primitive: Primitive, frame: Frame) -> SymbolicPrimitive:
+def element(primitive: Primitive, frame: VectorFrame) -> SymbolicPrimitive:
     """Return the vectors of a primitive of the platform or the base."""
-    vector, names = (platform, "YBv") if frame is Frame.PLATFORM else (base, "XAu")
+    vector, names = (platform, "YBv") if frame is VectorFrame.PLATFORM else (base, "XAu")
     point, axis = vector(names[1]), vector(names[2])
     match primitive:
         case Primitive.POINT:
@@ -101,8 +101,8 @@ class Setting:
 
 def setting(kind: Kind) -> Setting:
     """Return the vectors of a constraint."""
-    moving = element(kind.platform, Frame.PLATFORM)
-    fixed = element(kind.base, Frame.BASE)
+    moving = element(kind.platform, VectorFrame.PLATFORM)
+    fixed = element(kind.base, VectorFrame.BASE)
     offset = Sum(((_ONE, moving.point), (_ONE, TRANSLATION), (-_ONE, fixed.point)))
     return Setting(moving, fixed, offset)
 
@@ -198,7 +198,7 @@ def equations(kind: Kind, *, one_sided: bool = False) -> tuple[SymbolicEquation,
     )
 
 
-_FRAMES = {"base": Frame.BASE, "platform": Frame.PLATFORM}
+_FRAMES = {"base": VectorFrame.BASE, "platform": VectorFrame.PLATFORM}
 
 
 def _moments(offset: Sum, axis: Vector) -> dict[str, Expr]:

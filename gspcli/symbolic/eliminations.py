@@ -12,7 +12,7 @@ from collections.abc import Sequence
 
 from gspcli.records import dataclass
 from gspcli.symbolic.sparse_polynomials import Polynomial, coefficient, coefficients
-from gspcli.symbolic.triangular import Condition, Elimination, Relation
+from gspcli.symbolic.triangular import Elimination, NonVanishing, Relation
 
 _AT_INFINITY = "a solution has gone to infinity, or the surfaces meet in a curve"
 _SAME_X = "two solutions have the same x, or the surfaces meet in a curve"
@@ -23,7 +23,7 @@ class Reduction:
     """The elements h1, h2, h3, when they hold, and the steps that lead to them."""
 
     elements: tuple[Polynomial, Polynomial, Polynomial]
-    conditions: tuple[Condition, ...]
+    conditions: tuple[NonVanishing, ...]
     steps: tuple[Relation, ...] = ()
 
 
@@ -92,7 +92,7 @@ def three_planes(ring: Elimination, surfaces: Sequence[Polynomial]) -> Reduction
         for unknown, rest in zip(ring["x y z"], rests, strict=True)
     )
     meaning = "the normals of the planes are linearly dependent"
-    return Reduction((h1, h2, h3), (Condition(slope, meaning, ("h1", "h2", "h3")),))
+    return Reduction((h1, h2, h3), (NonVanishing(slope, meaning, ("h1", "h2", "h3")),))
 
 
 def line_and_quadric(ring: Elimination, surfaces: Sequence[Polynomial]) -> Reduction:
@@ -113,8 +113,8 @@ def line_and_quadric(ring: Elimination, surfaces: Sequence[Polynomial]) -> Reduc
     return Reduction(
         (h1, slope * y + at_y, slope * z + at_z),
         (
-            Condition(slope, "the planes are parallel, or x is constant on their line", _LINEAR),
-            Condition(coefficient(h1, "x", 2), _AT_INFINITY, ("h1",)),
+            NonVanishing(slope, "the planes are parallel, or x is constant on their line", _LINEAR),
+            NonVanishing(coefficient(h1, "x", 2), _AT_INFINITY, ("h1",)),
         ),
     )
 
@@ -173,9 +173,9 @@ def two_conics(ring: Elimination, surfaces: Sequence[Polynomial]) -> Reduction:
     return Reduction(
         (h1, h2, plane),
         (
-            Condition(depth, "the plane is parallel to the z axis", ("h3",)),
-            Condition(ab, _SAME_X, ("h2",)),
-            Condition(coefficient(h1, "x", 4), _AT_INFINITY, ("h1",)),
+            NonVanishing(depth, "the plane is parallel to the z axis", ("h3",)),
+            NonVanishing(ab, _SAME_X, ("h2",)),
+            NonVanishing(coefficient(h1, "x", 4), _AT_INFINITY, ("h1",)),
         ),
         (*map(Relation, ("conic 1", "conic 2"), conics), Relation("[bc]", bc)),
     )
@@ -223,9 +223,9 @@ def three_quadrics(ring: Elimination, surfaces: Sequence[Polynomial]) -> Reducti
     return Reduction(
         (h1, slope * y + at_y, slope * z + at_z),
         (
-            Condition(divisor, "the parts of the surfaces in y², yz, z² are linearly dependent"),
-            Condition(slope, _SAME_X, _LINEAR),
-            Condition(coefficient(h1, "x", 8), _AT_INFINITY, ("h1",)),
+            NonVanishing(divisor, "the parts of the surfaces in y², yz, z² are linearly dependent"),
+            NonVanishing(slope, _SAME_X, _LINEAR),
+            NonVanishing(coefficient(h1, "x", 8), _AT_INFINITY, ("h1",)),
         ),
         (
             *solved,

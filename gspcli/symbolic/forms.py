@@ -24,7 +24,7 @@ from gspcli.records import dataclass
 from gspcli.symbolic.coordinate_systems import SYMBOLS
 
 
-class Frame(Enum):
+class VectorFrame(Enum):
     """Where a vector belongs."""
 
     TRANSLATION = 0
@@ -45,7 +45,7 @@ class Vector:
     """
 
     name: Expr
-    frame: Frame
+    frame: VectorFrame
 
 
 @dataclass(frozen=True)
@@ -64,21 +64,21 @@ on_moment = Function("TxR")
 #: The atom T·T.
 RHO: Symbol = SYMBOLS["rho"][0]
 #: The translation as a vector.
-TRANSLATION = Vector(Symbol("T"), Frame.TRANSLATION)
+TRANSLATION = Vector(Symbol("T"), VectorFrame.TRANSLATION)
 _ATOMS = (on_rotation, on_translation, on_pullback, on_moment)
 
 
 def platform(name: str) -> Vector:
     """Return a vector of the platform."""
-    return Vector(Symbol(name), Frame.PLATFORM)
+    return Vector(Symbol(name), VectorFrame.PLATFORM)
 
 
 def base(name: str) -> Vector:
     """Return a vector of the base."""
-    return Vector(Symbol(name), Frame.BASE)
+    return Vector(Symbol(name), VectorFrame.BASE)
 
 
-def units(frame: Frame) -> tuple[Vector, ...]:
+def units(frame: VectorFrame) -> tuple[Vector, ...]:
     """Return the three unit vectors of the axes of a frame."""
     return tuple(Vector(Symbol(f"e{k}"), frame) for k in (1, 2, 3))
 
@@ -95,13 +95,13 @@ def inner(a: Vector | Sum, b: Vector | Sum) -> Expr:
 def _inner(a: Vector, b: Vector) -> Expr:
     x, y = sorted((a, b), key=lambda vector: (vector.frame.value, str(vector.name)))
     match x.frame, y.frame:
-        case Frame.TRANSLATION, Frame.TRANSLATION:
+        case VectorFrame.TRANSLATION, VectorFrame.TRANSLATION:
             return RHO
-        case Frame.TRANSLATION, Frame.PLATFORM:
+        case VectorFrame.TRANSLATION, VectorFrame.PLATFORM:
             return on_pullback(y.name)
-        case Frame.TRANSLATION, Frame.BASE:
+        case VectorFrame.TRANSLATION, VectorFrame.BASE:
             return on_translation(y.name)
-        case Frame.PLATFORM, Frame.BASE:
+        case VectorFrame.PLATFORM, VectorFrame.BASE:
             return on_rotation(y.name, x.name)
         case _:
             return dot(x.name, y.name)

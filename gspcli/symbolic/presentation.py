@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from gspcli.symbolic.notation import CODE, LATEX, TEXT, write_definition, write_polynomial
-from gspcli.symbolic.triangular import Condition, TriangularSet
+from gspcli.symbolic.triangular import NonVanishing, TriangularSet
 
 _LONG = 9  # terms from which a coefficient's length is worth saying
 _WIDEST = 100  # characters of LaTeX from which a sum goes on in the next line
@@ -161,7 +161,7 @@ def _count(triangular: TriangularSet) -> str:
     return f"{product} = {triangular.solutions} solution{plural}"
 
 
-def _role(condition: Condition) -> str:
+def _role(condition: NonVanishing) -> str:
     if not condition.elements:
         return "divisor in the elimination"
     plural = "s" if len(condition.elements) > 1 else ""

@@ -95,7 +95,7 @@ class TriangularPolynomial:
 
 
 @dataclass(frozen=True)
-class Condition:
+class NonVanishing:
     """Something that must not vanish, or the set does not describe all the solutions.
 
     Attributes
@@ -151,7 +151,7 @@ class TriangularSet:
     system: tuple[Relation, ...]
     definitions: tuple[Definition, ...]
     elements: tuple[TriangularPolynomial, ...]
-    conditions: tuple[Condition, ...]
+    conditions: tuple[NonVanishing, ...]
     steps: tuple[Relation, ...] = ()
     notes: tuple[str, ...] = ()
 

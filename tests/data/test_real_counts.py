@@ -10,7 +10,7 @@ from gspcli.catalogue.counts import family_counts
 from gspcli.catalogue.kinds import ALL, DHP, DLL, DPH
 from gspcli.catalogue.names import parse_type
 from gspcli.catalogue.real_counts import (
-    Place,
+    PlaceOnLine,
     platform_at,
     random_rows,
     real_counts,
@@ -80,8 +80,8 @@ FIRST = ["-14/25", "7/10", "23/50", "4/5", "-69/100", "-7/50", "183/100"]
 
 
 def test_places_are_read_back() -> None:
-    assert Place.read("38:7:0.4375") == Place(38, 7, "0.4375")
-    assert str(Place(38, 7, "0.4375")) == "38:7:0.4375"
+    assert PlaceOnLine.read("38:7:0.4375") == PlaceOnLine(38, 7, "0.4375")
+    assert str(PlaceOnLine(38, 7, "0.4375")) == "38:7:0.4375"
 
 
 @pytest.mark.parametrize(

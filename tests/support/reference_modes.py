@@ -11,7 +11,7 @@ import numpy as np
 from scipy.linalg import eigh
 
 from gspcli.dynamics import natural_modes
-from gspcli.dynamics.drives import Drives as RateDrives
+from gspcli.dynamics.drives import DrivesAtPoses
 from gspcli.dynamics.mass_model import MassModel
 from gspcli.dynamics.moved_points import driven_numbers
 from gspcli.dynamics.moving_bodies import equation_of_motion
@@ -104,7 +104,7 @@ def mass_off(tree, name, seed):
     at = R[None], T[None] * model.metre
     numbers = driven_numbers(model, *at)
     mass, _ = equation_of_motion(model, *at, np.zeros((1, 6)), numbers)
-    pulls = RateDrives(model, *at, numbers).pulls[0]
+    pulls = DrivesAtPoses(model, *at, numbers).pulls[0]
     twists = np.eye(6)[list(_free(len(q)))]
     found = twists @ (mass[0] + pulls.T * model.rotors @ pulls) @ twists.T
     expected = tree(rebased(instance, q), R, T).mass(twists)

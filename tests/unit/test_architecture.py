@@ -311,3 +311,14 @@ def test_code_for_an_instruction_set_stays_in_its_build():
         text = re.sub(r"namespace \{.*\n\}  // namespace\n", "", text, flags=re.S)
         body = re.search(r"\)( const)? \{", re.sub(r"//.*", "", text))
         assert body is None, f"{file.name}: a function outside of an anonymous namespace"
+
+
+def test_no_two_classes_have_one_name() -> None:
+    homes: dict[str, set[str]] = {}
+    for path in _sources():
+        for node in ast.parse(path.read_text(encoding="utf-8")).body:
+            if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
+                homes.setdefault(node.name, set()).add(str(path.relative_to(PACKAGE)))
+    shared = {name: places for name, places in homes.items() if len(places) > 1}
+    # The second is public: the masses of the drives of a file.
+    assert shared == {"Drives": {"geometry/drives.py", "geometry/masses.py"}}

@@ -20,8 +20,8 @@ from gspcli.symbolic.constraint_equations import (
 from gspcli.symbolic.coordinate_systems import CoordinateSystem
 from gspcli.symbolic.forms import (
     RHO,
-    Frame,
     Vector,
+    VectorFrame,
     cross,
     dot,
     on_moment,
@@ -244,5 +244,5 @@ def _name(vector: Expr, style: Signs) -> str:
 
 
 def _carried(vector: Vector, style: Signs) -> str:
-    prefix = f"R{style.gap}" if vector.frame is Frame.PLATFORM else ""
+    prefix = f"R{style.gap}" if vector.frame is VectorFrame.PLATFORM else ""
     return prefix + str(vector.name)

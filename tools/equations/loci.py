@@ -14,7 +14,7 @@ from gspcli.catalogue.kinds import Kind, Primitive
 from gspcli.records import dataclass
 from gspcli.symbolic.constraint_equations import setting, squared_distance
 from gspcli.symbolic.coordinate_systems import MOTIONS, motion_blocks
-from gspcli.symbolic.forms import Frame, Vector, evaluate, inner
+from gspcli.symbolic.forms import Vector, VectorFrame, evaluate, inner
 
 #: The surface by the rank of Q: plane, cylinder, sphere.
 SURFACES = {1: "P", 2: "C", 3: "S"}
@@ -126,7 +126,7 @@ def _describe(kind: Kind, surface: str) -> str:
 
 
 def _carried(axis: Vector) -> str:
-    return ("R" if axis.frame is Frame.PLATFORM else "") + str(axis.name)
+    return ("R" if axis.frame is VectorFrame.PLATFORM else "") + str(axis.name)
 
 
 def loci(kind: Kind) -> dict[str, DerivedLocus]:

@@ -17,7 +17,7 @@ from gspcli.symbolic.constraint_equations import (
     setting,
 )
 from gspcli.symbolic.coordinate_systems import MOTIONS, CoordinateSystem
-from gspcli.symbolic.forms import RHO, Frame, Vector, degree
+from gspcli.symbolic.forms import RHO, Vector, VectorFrame, degree
 
 #: Components for `written_equation`: special vectors could only lower the degree.
 _COMPONENTS = {
@@ -42,7 +42,7 @@ def written_equation(
 
     def carried(vector: Vector) -> Matrix:
         column = components[str(vector.name)]
-        return rotation * column if vector.frame is Frame.PLATFORM else column
+        return rotation * column if vector.frame is VectorFrame.PLATFORM else column
 
     offset = carried(where.platform.point) + translation - carried(where.base.point)
     axes = [carried(axis) for axis in where.axes]

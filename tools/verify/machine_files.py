@@ -27,7 +27,7 @@ from gspcli.geometry.primitives import Point
 from gspcli.machines.chain_constraints import moved
 from gspcli.machines.frames import frame
 from gspcli.machines.recognition import Machine
-from gspcli.machines.structure import Chain
+from gspcli.machines.structure import BodyChain
 from gspcli.resources import instance_files
 
 Array = NDArray[np.float64]
@@ -169,7 +169,7 @@ def gaps(machine: Machine, all_poses: Array, tries: int = 40) -> Array:
 
 
 def _gap(
-    chain: Chain,
+    chain: BodyChain,
     free: list[int],
     goal: Array,
     size: float,

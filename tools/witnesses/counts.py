@@ -21,7 +21,7 @@ from fractions import Fraction
 
 from gspcli.catalogue.counts import all_families, family_counts, mirrored
 from gspcli.catalogue.kinds import ALL, DHP, DLL, DPH
-from gspcli.catalogue.real_counts import Place, platform_at, recorded
+from gspcli.catalogue.real_counts import PlaceOnLine, platform_at, recorded
 from gspcli.catalogue.types import CONSTRAINTS, Family
 from gspcli.catalogue.witnesses import best_real
 from gspcli.geometry.instance import Instance
@@ -46,7 +46,7 @@ def possible(family: Family) -> range:
     return range(0, best + 1, 16 if flat and family.platform_class.angles == 3 else 2)
 
 
-def instance_at(family: Family, place: Place) -> Instance:
+def instance_at(family: Family, place: PlaceOnLine) -> Instance:
     """Return the platform of a place, its angles those of lines."""
     angles = (ALL,) * (CONSTRAINTS - len(family.distances))
     return witness_instance(platform_at(family, place), angles)
@@ -54,7 +54,7 @@ def instance_at(family: Family, place: Place) -> Instance:
 
 def found_at(family: Family, number: int, share: str) -> int | None:
     """Return how many real poses double precision finds at a place, None if that is unclear."""
-    found = poses(instance_at(family, Place(0, number, share)))
+    found = poses(instance_at(family, PlaceOnLine(0, number, share)))
     return int(found.real.sum()) if found.account.verdict == "complete" else None
 
 
@@ -74,7 +74,7 @@ class Hunt:
 
     family: Family
     is_late: Callable[[], bool]
-    known: dict[int, Place] = field(default_factory=dict)
+    known: dict[int, PlaceOnLine] = field(default_factory=dict)
 
     @property
     def missing(self) -> set[int]:
@@ -97,7 +97,7 @@ class Hunt:
         text = str(float(share)) if share else "0"
         count = found_at(self.family, number, text)
         if count in self.missing:
-            place = Place(count, number, text)
+            place = PlaceOnLine(count, number, text)
             if certified_real(instance_at(self.family, place)) == count:
                 self.known[count] = place
         return count
@@ -149,7 +149,7 @@ def build(most: int, minutes: float) -> None:
             sys.stderr.write(f"{family.id}: {len(hunt.known)}, missing {sorted(hunt.missing)}\n")
 
 
-def save(places: dict[Family, dict[int, Place]]) -> None:
+def save(places: dict[Family, dict[int, PlaceOnLine]]) -> None:
     """Write the records and their manifest."""
     rows = [(f.id, sorted(places[f].values())) for f in all_families() if places.get(f)]
     COUNTS.write(
@@ -165,7 +165,7 @@ def save(places: dict[Family, dict[int, Place]]) -> None:
     )
 
 
-def wrong(one: tuple[Family, Place]) -> str:
+def wrong(one: tuple[Family, PlaceOnLine]) -> str:
     """Return what is wrong with a record, after solving and certifying the platform again."""
     family, place = one
     real = certified_real(instance_at(family, place))

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 
 from flint import arb
 
-from gspcli.certification.branches.parametric_quadrics import Equation, Law, Shape
+from gspcli.certification.branches.parametric_quadrics import Equation, Shape, ValueFunction
 from gspcli.certification.branches.taylor import Element, MovingSystem
 from gspcli.certification.equations.quadratic_forms import base_height, platform_height, scaled
 from gspcli.certification.numbers.balls import ball, norm
@@ -60,4 +60,4 @@ class MovingCones(MovingSystem):
             else scaled(platform_height(a, b, axis), arb(-1))
         )
         cosine = (ball(joint.cone.half_angle) * self._unit).cos()
-        return (Shape.PLAIN, Law.LINEAR, 1.0, [height]), cosine * value / arb(self.scale)
+        return (Shape.PLAIN, ValueFunction.LINEAR, 1.0, [height]), cosine * value / arb(self.scale)

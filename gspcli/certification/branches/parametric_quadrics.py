@@ -53,7 +53,7 @@ class Shape(IntEnum):
     LINES = 2
 
 
-class Law(IntEnum):
+class ValueFunction(IntEnum):
     """The function that gives c for a value; numbers as in native/branch_follower.hpp."""
 
     SQUARE = 0
@@ -137,7 +137,7 @@ def moving_equations(instance: Instance) -> MovingEquations:
 
 
 #: Shape, law, sign of c, and the quadrics.
-Equation = tuple[Shape, Law, float, list[Form]]
+Equation = tuple[Shape, ValueFunction, float, list[Form]]
 
 
 def ball_equations(instance: Instance) -> tuple[list[Equation], list[arb]]:
@@ -174,16 +174,16 @@ def moving_equation(
         Whether the value is always zero.
     """
     if not kind.is_distance:
-        law = Law.COSINE if kind.law.is_cosine else Law.SINE
+        law = ValueFunction.COSINE if kind.law.is_cosine else ValueFunction.SINE
         return Shape.PLAIN, law, float(kind.law.sign), [rotation_form(v, u)]
     if kind.law is kinds.Law.MOMENT:
         moment = mutual_moment(a, b, u, v)
         if is_zero:
-            return Shape.PLAIN, Law.LINEAR, 1.0, [moment]
-        return Shape.LINES, Law.SQUARE, 1.0, [moment, rotation_form(v, u)]
+            return Shape.PLAIN, ValueFunction.LINEAR, 1.0, [moment]
+        return Shape.LINES, ValueFunction.SQUARE, 1.0, [moment, rotation_form(v, u)]
     if kind.law is kinds.Law.SQUARE and not (u or v):
-        return Shape.PLAIN, Law.SQUARE, 1.0, [square_distance(a, b, arb(0))]
+        return Shape.PLAIN, ValueFunction.SQUARE, 1.0, [square_distance(a, b, arb(0))]
     height = platform_height(a, b, u) if u else base_height(a, b, v)
     if kind.law is kinds.Law.SQUARE:
-        return Shape.PRODUCT, Law.SQUARE, 1.0, [square_distance(a, b, arb(0)), height]
-    return Shape.PLAIN, Law.LINEAR, 1.0, [scaled(height, arb(-1 if u else 1))]
+        return Shape.PRODUCT, ValueFunction.SQUARE, 1.0, [square_distance(a, b, arb(0)), height]
+    return Shape.PLAIN, ValueFunction.LINEAR, 1.0, [scaled(height, arb(-1 if u else 1))]

@@ -18,7 +18,12 @@ import numpy as np
 from flint import arb, arb_series
 from numpy.typing import NDArray
 
-from gspcli.certification.branches.parametric_quadrics import Equation, Law, Shape, moving_equation
+from gspcli.certification.branches.parametric_quadrics import (
+    Equation,
+    Shape,
+    ValueFunction,
+    moving_equation,
+)
 from gspcli.certification.equations import study
 from gspcli.certification.equations.local_frames import length_scale
 from gspcli.certification.numbers.balls import ball, cross, dot, norm
@@ -166,11 +171,11 @@ class MovingSystem:
         b, v = self._placed("base", row.base_name, row.base, moving)
         equation = moving_equation(row.kind, a, b, u, v, is_zero=row.value.fraction == 0)
         _, law, sign, _ = equation
-        if law in (Law.SQUARE, Law.LINEAR):
+        if law in (ValueFunction.SQUARE, ValueFunction.LINEAR):
             length = value / arb(self.scale)
-            return equation, length * length if law is Law.SQUARE else length
+            return equation, length * length if law is ValueFunction.SQUARE else length
         angle = value * self._unit
-        return equation, (angle.cos() if law is Law.COSINE else angle.sin()) * arb(sign)
+        return equation, (angle.cos() if law is ValueFunction.COSINE else angle.sin()) * arb(sign)
 
     @property
     def _unit(self) -> arb:

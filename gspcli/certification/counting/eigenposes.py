@@ -13,7 +13,7 @@ from contextlib import contextmanager
 from flint import acb, arb, arb_mat, ctx, fmpq
 
 from gspcli.certification.counting.coordinate_forms import NotFollowedError
-from gspcli.certification.counting.elements import Element, Sum
+from gspcli.certification.counting.elements import FieldElement, Sum
 from gspcli.certification.counting.exact_platform import evaluated
 from gspcli.certification.counting.followed import FollowedElimination
 from gspcli.certification.counting.modular_platform import (
@@ -129,7 +129,7 @@ def _precision(bits: int) -> Iterator[None]:
         ctx.prec = before
 
 
-def _real(element: Element) -> arb:
+def _real(element: FieldElement) -> arb:
     """Return a ball with a real element."""
     quotient: acb = _sum(element.numerator) / _sum(element.denominator)
     return quotient.real

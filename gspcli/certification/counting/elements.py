@@ -114,7 +114,7 @@ def _times(a: Sum, b: Sum) -> Sum:
 
 
 @dataclass(frozen=True)
-class Element:
+class FieldElement:
     """A number of the ring's quotient field.
 
     Attributes
@@ -127,7 +127,7 @@ class Element:
     denominator: Sum
 
     @classmethod
-    def of(cls, value: Fraction | int) -> Element:
+    def of(cls, value: Fraction | int) -> FieldElement:
         """Return the element of a rational number."""
         factor = value if type(value) is Fraction else Fraction(value)
         return cls({ONE: factor} if factor.numerator else {}, WHOLE)
@@ -157,11 +157,11 @@ class Element:
             root = _square_root(other.radicand * term.radicand)
             if root is not None and other[1:] == term[1:]:
                 quotient = x * Fraction(root, term.radicand) / factor
-                rest = self - Element(_scaled(self.denominator, quotient), self.denominator)
+                rest = self - FieldElement(_scaled(self.denominator, quotient), self.denominator)
                 return None if rest.numerator else quotient
         return None
 
-    def __add__(self, other: Element) -> Element:
+    def __add__(self, other: FieldElement) -> FieldElement:
         same = self.denominator is other.denominator
         if same or self.denominator == other.denominator:
             parts = [self.numerator, other.numerator]
@@ -172,20 +172,20 @@ class Element:
                 _times(other.numerator, self.denominator),
             ]
             denominator = _times(self.denominator, other.denominator)
-        return Element(collected(pair for part in parts for pair in part.items()), denominator)
+        return FieldElement(collected(pair for part in parts for pair in part.items()), denominator)
 
-    def __neg__(self) -> Element:
-        return Element(_scaled(self.numerator, Fraction(-1)), self.denominator)
+    def __neg__(self) -> FieldElement:
+        return FieldElement(_scaled(self.numerator, Fraction(-1)), self.denominator)
 
-    def __sub__(self, other: Element) -> Element:
+    def __sub__(self, other: FieldElement) -> FieldElement:
         return self + -other
 
-    def __mul__(self, other: Element) -> Element:
-        return Element(
+    def __mul__(self, other: FieldElement) -> FieldElement:
+        return FieldElement(
             _times(self.numerator, other.numerator), _times(self.denominator, other.denominator)
         )
 
-    def __truediv__(self, other: Element) -> Element:
+    def __truediv__(self, other: FieldElement) -> FieldElement:
         if other.is_zero:
             message = "a division by zero"
             raise NoElementError(message)
@@ -193,17 +193,17 @@ class Element:
             [(term, factor)] = other.numerator.items()
             if term is ONE:
                 inverse_times = _scaled(self.numerator, 1 / factor)
-                return Element(_times(inverse_times, other.denominator), self.denominator)
+                return FieldElement(_times(inverse_times, other.denominator), self.denominator)
             inverse = Term(term.radicand, -term.turn, -term.radians, -term.pi)
             one_over = collected([(inverse, 1 / (factor * term.radicand))])
-            return Element(
+            return FieldElement(
                 _times(_times(self.numerator, one_over), other.denominator), self.denominator
             )
-        return Element(
+        return FieldElement(
             _times(self.numerator, other.denominator), _times(self.denominator, other.numerator)
         )
 
-    def sqrt(self) -> Element:
+    def sqrt(self) -> FieldElement:
         """Return the nonnegative square root of a nonnegative rational element.
 
         Raises
@@ -218,7 +218,7 @@ class Element:
         if value == 0:
             return self
         radicand, root = _root(value.numerator * value.denominator)
-        return Element(
+        return FieldElement(
             {ONE._replace(radicand=radicand): Fraction(root, value.denominator)},
             WHOLE,
         )

@@ -9,7 +9,7 @@ from fractions import Fraction
 from flint import fmpq
 
 from gspcli.catalogue.kinds import DLL, DLP, DPL
-from gspcli.certification.counting.elements import ONE, WHOLE, Element, Term
+from gspcli.certification.counting.elements import ONE, WHOLE, FieldElement, Term
 from gspcli.certification.counting.exact_platform import ExactConstraint, evaluated
 from gspcli.certification.counting.motion_equations import (
     MotionEquation,
@@ -41,7 +41,7 @@ def _sum_height(terms: Iterable[tuple[Term, Fraction]]) -> float:
     return _log_above(denominator) + _log_above(size)
 
 
-def height(element: Element) -> float:
+def height(element: FieldElement) -> float:
     """Return a bound, in bits, of the absolute logarithmic height of a number.
 
     Roots of unity have modulus one in every embedding, and so formally have ``exp(i r)``; pi is
@@ -53,7 +53,7 @@ def height(element: Element) -> float:
     return _sum_height(element.numerator.items()) + _sum_height(element.denominator.items())
 
 
-def _vector_height(vector: Sequence[Element]) -> float:
+def _vector_height(vector: Sequence[FieldElement]) -> float:
     """Return a bound of the height of some numbers with 1."""
     if any(x.denominator is not WHOLE and x.denominator.keys() != {ONE} for x in vector):
         return sum(height(x) for x in vector)
@@ -92,7 +92,7 @@ def lines_height(row: ExactConstraint, bits: int) -> float:
     return 2 * vectors + height(row.value) + 2 * _CONSTANTS + bits
 
 
-def _fraction(element: Element) -> fmpq:
+def _fraction(element: FieldElement) -> fmpq:
     # This is quicker than the fractions of Python.
     value = element.fraction
     assert value is not None

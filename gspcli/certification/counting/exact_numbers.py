@@ -12,7 +12,7 @@ from gspcli.certification.counting.elements import (
     HALF,
     ONE,
     WHOLE,
-    Element,
+    FieldElement,
     NoElementError,
     Term,
     collected,
@@ -21,13 +21,13 @@ from gspcli.geometry.instance import AngleUnit
 from gspcli.geometry.numbers import Number
 from gspcli.records import dataclass
 
-_ZERO, _UNIT = Element.of(0), Element.of(1)
+_ZERO, _UNIT = FieldElement.of(0), FieldElement.of(1)
 _PI_TERM = ONE._replace(pi=1)
-_PI = Element({_PI_TERM: Fraction(1)}, WHOLE)
-_I = Element({ONE._replace(turn=Fraction(1, 4)): Fraction(1)}, WHOLE)
+_PI = FieldElement({_PI_TERM: Fraction(1)}, WHOLE)
+_I = FieldElement({ONE._replace(turn=Fraction(1, 4)): Fraction(1)}, WHOLE)
 
 
-def element(number: Number) -> Element:
+def element(number: Number) -> FieldElement:
     """Return the element of a number of an instance file.
 
     Raises
@@ -36,7 +36,7 @@ def element(number: Number) -> Element:
         If it has none.
     """
     if number.fraction is not None:
-        return Element.of(number.fraction)
+        return FieldElement.of(number.fraction)
     arguments = number.arguments
     match number.operation:
         case "pi":
@@ -64,7 +64,7 @@ def element(number: Number) -> Element:
             raise NoElementError(message)
 
 
-def squared(number: Number) -> Element:
+def squared(number: Number) -> FieldElement:
     """Return the square of a number; square roots of all elements have one.
 
     Raises
@@ -106,8 +106,8 @@ class Angle:
         Pairs of an arccosine, arcsine or arctangent and its factor.
     """
 
-    constant: Element
-    arcs: tuple[tuple[Number, Element], ...] = ()
+    constant: FieldElement
+    arcs: tuple[tuple[Number, FieldElement], ...] = ()
 
     @classmethod
     def of(cls, number: Number) -> Angle:
@@ -120,10 +120,10 @@ class Angle:
         """
         arguments = number.arguments
         if number.fraction is not None:
-            return cls(Element.of(number.fraction))
+            return cls(FieldElement.of(number.fraction))
         factor = _factor_of_pi(number)
         if factor is not None:
-            return cls(Element({_PI_TERM: factor} if factor else {}, WHOLE))
+            return cls(FieldElement({_PI_TERM: factor} if factor else {}, WHOLE))
         match number.operation:
             case "+":
                 return cls.of(arguments[0]) + cls.of(arguments[1])
@@ -145,7 +145,7 @@ class Angle:
         """Whether it contains no arcs."""
         return not self.arcs
 
-    def times(self, factor: Element) -> Angle:
+    def times(self, factor: FieldElement) -> Angle:
         """Return a multiple."""
         arcs = tuple((arc, coefficient * factor) for arc, coefficient in self.arcs)
         return Angle(self.constant * factor, arcs)
@@ -159,20 +159,20 @@ class Angle:
             raise NoElementError(message)
         return self.times(other.constant)
 
-    def cos(self) -> Element:
+    def cos(self) -> FieldElement:
         """Return the cosine."""
         if self.is_constant:
             return _cosine(*self._turn_and_radians())
         plus, minus = self._exponentials()
-        return (plus + minus) / Element.of(2)
+        return (plus + minus) / FieldElement.of(2)
 
-    def sin(self) -> Element:
+    def sin(self) -> FieldElement:
         """Return the sine."""
         if self.is_constant:
             turn, radians = self._turn_and_radians()
             return _cosine(turn - _QUARTER, radians)
         plus, minus = self._exponentials()
-        return (plus - minus) / (Element.of(2) * _I)
+        return (plus - minus) / (FieldElement.of(2) * _I)
 
     def _turn_and_radians(self) -> tuple[Fraction, Fraction]:
         """Return q and r of the constant part ``2 pi q + r``."""
@@ -190,11 +190,11 @@ class Angle:
         message = "an angle that is not rational in degrees or radians"
         raise NoElementError(message)
 
-    def _exponentials(self) -> tuple[Element, Element]:
+    def _exponentials(self) -> tuple[FieldElement, FieldElement]:
         """Return ``exp(i x)`` and ``exp(-i x)``."""
         turn, radians = self._turn_and_radians()
         results = [
-            Element(collected([(Term(1, s * turn, s * radians, 0), Fraction(1))]), WHOLE)
+            FieldElement(collected([(Term(1, s * turn, s * radians, 0), Fraction(1))]), WHOLE)
             for s in (1, -1)
         ]
         for arc, coefficient in self.arcs:
@@ -233,7 +233,7 @@ def _factor_of_pi(number: Number) -> Fraction | None:
     return None
 
 
-def _arc_exponentials(arc: Number) -> tuple[Element, Element]:
+def _arc_exponentials(arc: Number) -> tuple[FieldElement, FieldElement]:
     """Return ``exp(i x)`` and ``exp(-i x)`` of an arccosine, arcsine or arctangent."""
     x = element(arc.arguments[0])
     if arc.operation == "atan":
@@ -246,27 +246,27 @@ def _arc_exponentials(arc: Number) -> tuple[Element, Element]:
     return real + _I * imaginary, real - _I * imaginary
 
 
-def _cosine(turn: Fraction, radians: Fraction) -> Element:
+def _cosine(turn: Fraction, radians: Fraction) -> FieldElement:
     """Return the cosine of a part of a turn and some radians."""
     if radians:
         terms = [(Term(1, sign * turn, sign * radians, 0), HALF) for sign in (1, -1)]
-        return Element(collected(terms), WHOLE)
+        return FieldElement(collected(terms), WHOLE)
     whole = turn.denominator
     part = turn.numerator % whole
     part = min(part, whole - part)
     twentyfourths, rest = divmod(24 * part, whole)
     if not rest and twentyfourths in _SQUARED_COSINES:
-        square = Element.of(Fraction(_SQUARED_COSINES[twentyfourths], 4))
+        square = FieldElement.of(Fraction(_SQUARED_COSINES[twentyfourths], 4))
         return square.sqrt() if twentyfourths < 6 else -square.sqrt()
     # exp(-2 pi i q) is minus exp(2 pi i (1/2 - q)).
     terms_of_both = {
         Term(1, Fraction(part, whole), _NONE, 0): HALF,
         Term(1, Fraction(whole - 2 * part, 2 * whole), _NONE, 0): -HALF,
     }
-    return Element(terms_of_both, WHOLE)
+    return FieldElement(terms_of_both, WHOLE)
 
 
 def in_radians(angle: Number, unit: AngleUnit) -> Angle:
     """Return an angle of an instance in radians."""
     value = Angle.of(angle)
-    return value if unit is AngleUnit.RADIAN else value.times(_PI / Element.of(180))
+    return value if unit is AngleUnit.RADIAN else value.times(_PI / FieldElement.of(180))

@@ -7,13 +7,13 @@ from dataclasses import replace
 from typing import Any
 
 from gspcli.catalogue.kinds import Kind, Law
-from gspcli.certification.counting.elements import Element
+from gspcli.certification.counting.elements import FieldElement
 from gspcli.certification.counting.exact_numbers import Angle, element, in_radians, squared
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side
 from gspcli.geometry.primitives import Line, Plane, Point, Vector
 from gspcli.records import dataclass
 
-_ZERO, _ONE = Element.of(0), Element.of(1)
+_ZERO, _ONE = FieldElement.of(0), FieldElement.of(1)
 _SIGNS: dict[Side, tuple[int, ...]] = {
     Side.POSITIVE: (1,),
     Side.NEGATIVE: (-1,),
@@ -41,15 +41,15 @@ class ExactConstraint:
     """
 
     kind: Kind
-    a: tuple[Element, ...]
-    b: tuple[Element, ...]
-    u: tuple[Element, ...]
-    v: tuple[Element, ...]
-    value: Element
+    a: tuple[FieldElement, ...]
+    b: tuple[FieldElement, ...]
+    u: tuple[FieldElement, ...]
+    v: tuple[FieldElement, ...]
+    value: FieldElement
     sides: tuple[int, ...]
 
     @property
-    def numbers(self) -> Iterator[Element]:
+    def numbers(self) -> Iterator[FieldElement]:
         """All numbers of the constraint."""
         yield from (*self.a, *self.b, *self.u, *self.v, self.value)
 
@@ -95,11 +95,11 @@ def exact_constraints(
 
 
 def evaluated(
-    constraint: ExactConstraint, evaluate: Callable[[Element], Any]
+    constraint: ExactConstraint, evaluate: Callable[[FieldElement], Any]
 ) -> EvaluatedConstraint:
     """Return a constraint in other arithmetic, such as residues modulo a prime."""
 
-    def vector(numbers: tuple[Element, ...]) -> list[Any]:
+    def vector(numbers: tuple[FieldElement, ...]) -> list[Any]:
         return [evaluate(number) for number in numbers]
 
     return EvaluatedConstraint(
@@ -129,8 +129,11 @@ def _exact(constraint: Constraint, unit: AngleUnit, values_free: bool) -> ExactC
 
 
 def _value(
-    constraint: Constraint, unit: AngleUnit, u: tuple[Element, ...], v: tuple[Element, ...]
-) -> Element:
+    constraint: Constraint,
+    unit: AngleUnit,
+    u: tuple[FieldElement, ...],
+    v: tuple[FieldElement, ...],
+) -> FieldElement:
     kind = constraint.kind
     if not kind.is_distance:
         cosine = _cosine(kind.law, in_radians(constraint.value, unit))
@@ -141,21 +144,21 @@ def _value(
     return value if value.is_zero else value * _square(v or u).sqrt()
 
 
-def _elements(vector: Vector) -> tuple[Element, ...]:
+def _elements(vector: Vector) -> tuple[FieldElement, ...]:
     return tuple(element(number) for number in vector)
 
 
-def _direction(geometry: Point | Line | Plane) -> tuple[Element, ...]:
+def _direction(geometry: Point | Line | Plane) -> tuple[FieldElement, ...]:
     if isinstance(geometry, Point):
         return ()
     return _elements(geometry.vector)
 
 
-def _square(vector: tuple[Element, ...]) -> Element:
+def _square(vector: tuple[FieldElement, ...]) -> FieldElement:
     return sum((x * x for x in vector), _ZERO)
 
 
-def _cosine(law: Law, angle: Angle) -> Element:
+def _cosine(law: Law, angle: Angle) -> FieldElement:
     """Return the value of ``R u . v`` of unit vectors (paper, Section 4)."""
     value = angle.cos() if law.is_cosine else angle.sin()
     return value if law.sign > 0 else -value

@@ -24,7 +24,14 @@ from functools import cached_property
 
 from flint import fmpz, nmod
 
-from gspcli.certification.counting.elements import ONE, WHOLE, Element, NoElementError, Sum, Term
+from gspcli.certification.counting.elements import (
+    ONE,
+    WHOLE,
+    FieldElement,
+    NoElementError,
+    Sum,
+    Term,
+)
 
 #: Bits of the primes that prove counts, and of the primes that are tried before.
 LARGE, SMALL = 61, 30
@@ -63,7 +70,7 @@ class Requirements:
         If no such homomorphism is known.
     """
 
-    def __init__(self, elements: Iterable[Element]) -> None:
+    def __init__(self, elements: Iterable[FieldElement]) -> None:
         self.terms: set[Term] = {ONE}
         self.denominators: set[int] = {1}
         for element in elements:
@@ -182,7 +189,7 @@ class Homomorphism:
             inverse = self._inverses[denominator] = pow(denominator, -1, self.prime)
         return nmod(value.numerator * inverse % self.prime, self.prime)
 
-    def __call__(self, element: Element) -> nmod:
+    def __call__(self, element: FieldElement) -> nmod:
         """Return the image of an element.
 
         Raises

@@ -12,7 +12,7 @@ from gspcli.records import dataclass
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Frames:
+class StudyFrames:
     """Coordinates of Study points: ``T_instance = length T + base - R platform``.
 
     Attributes
@@ -28,7 +28,7 @@ class Frames:
     base: Sequence[float] | NDArray[np.float64]
 
     @classmethod
-    def of(cls, arrangement: Arrangement) -> Frames:
+    def of(cls, arrangement: Arrangement) -> StudyFrames:
         """Return the frames of the points of ``arrangement.normalized``."""
         return cls(
             length=arrangement.length,
@@ -38,4 +38,4 @@ class Frames:
 
 
 #: The frames of the instance.
-OWN = Frames(length=1.0, platform=(0.0, 0.0, 0.0), base=(0.0, 0.0, 0.0))
+OWN = StudyFrames(length=1.0, platform=(0.0, 0.0, 0.0), base=(0.0, 0.0, 0.0))

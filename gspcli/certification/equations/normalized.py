@@ -10,7 +10,7 @@ import numpy as np
 from flint import acb, arb, ctx
 from numpy.typing import NDArray
 
-from gspcli.certification.equations.frames import Frames
+from gspcli.certification.equations.frames import StudyFrames
 from gspcli.certification.equations.local_frames import length_scale
 from gspcli.certification.equations.statement import Statement, statements
 from gspcli.certification.numbers.balls import norm
@@ -49,7 +49,7 @@ def many_digits() -> Iterator[None]:
         ctx.prec = before
 
 
-def normalized(instance: Instance, frames: Frames) -> NormalizedNumbers:
+def normalized(instance: Instance, frames: StudyFrames) -> NormalizedNumbers:
     """Return the numbers of an instance in other frames.
 
     Parameters

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from gspcli.certification.equations import study
 from gspcli.certification.equations.ball_system import BallSystem
-from gspcli.certification.equations.frames import Frames
+from gspcli.certification.equations.frames import StudyFrames
 from gspcli.certification.equations.local_frames import length_scale
 from gspcli.certification.equations.measures import satisfies_constraints
 from gspcli.certification.equations.pose_balls import PoseBall, pose_of_point
@@ -147,7 +147,7 @@ class Locator:
         The length scale of the instance.
     """
 
-    def __init__(self, instance: Instance, frames: Frames) -> None:
+    def __init__(self, instance: Instance, frames: StudyFrames) -> None:
         self.instance = instance
         self.frames = frames
         self.scale = length_scale(instance)

@@ -27,7 +27,7 @@ from gspcli.catalogue.kinds import (
     Kind,
     Primitive,
 )
-from gspcli.certification.equations.frames import Frames
+from gspcli.certification.equations.frames import StudyFrames
 from gspcli.certification.equations.local_frames import LocalFrames, length_scale, length_scales
 from gspcli.certification.equations.skew_lines import are_skew
 from gspcli.certification.equations.study import form_hessians
@@ -175,7 +175,7 @@ class ValueProofs:
         self,
         choices: Array,
         points: Complex,
-        frames: Frames,
+        frames: StudyFrames,
         *,
         rows: Array | None = None,
         jobs: int = 1,
@@ -252,7 +252,7 @@ class ValueProofs:
         return Doubled.square(row.value).scaled(1 / self.scale**2)
 
     def _decide(
-        self, values: Array, units: Array, points: Complex, frames: Frames, jobs: int
+        self, values: Array, units: Array, points: Complex, frames: StudyFrames, jobs: int
     ) -> ProvedPoses:
         """Return the proofs of the kernel about points (b, k, m, 8) for values (b, k, 6, 6).
 

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from gspcli.catalogue.kinds import DLL
 from gspcli.certification.counting import by_points
-from gspcli.certification.equations.frames import Frames
+from gspcli.certification.equations.frames import StudyFrames
 from gspcli.certification.equations.statement import Statement
 from gspcli.certification.numbers.balls import cross, rotated
 from gspcli.certification.poses.locator import Located, Locator
@@ -48,7 +48,7 @@ def where_parallel(
         Shape (n,).
     """
     same = by_points(instance, lines)
-    locator = Locator(same, Frames.of(Arrangement.of(same)))
+    locator = Locator(same, StudyFrames.of(Arrangement.of(same)))
     located = [
         _located(locator, rotation, translation)
         for rotation, translation in zip(np.asarray(R), np.asarray(T), strict=True)

@@ -5,10 +5,10 @@ from __future__ import annotations
 import pkgutil
 from importlib import import_module
 
-from gspcli.export.format import ControllerFormat, PoseFormat, SystemFormat
+from gspcli.export.format import ControllerFormat, ModeFormat, SystemFormat
 
 #: By the names that the command line gives them.
-FORMATS: dict[str, ControllerFormat | PoseFormat | SystemFormat] = {
+FORMATS: dict[str, ControllerFormat | ModeFormat | SystemFormat] = {
     found.name: import_module(f"{__name__}.{found.name}").FORMAT
     for found in pkgutil.iter_modules(__path__)
 }

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from gspcli.export.format import PoseFormat
+from gspcli.export.format import ModeFormat
 
 if TYPE_CHECKING:
     from gspcli.geometry.instance import Instance
@@ -18,7 +18,7 @@ def write(instance: Instance, pose: Solution) -> tuple[str]:
     return (mjcf(instance, pose.R.real, pose.T.real),)
 
 
-FORMAT = PoseFormat(
+FORMAT = ModeFormat(
     write,
     "mjcf is a model for MuJoCo: the platform as a free body in one assembly mode, held by six "
     "chains of joints. The joint value_k is what constraint k measures, in metres or radians; the "

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from gspcli.export.format import PoseFormat
+from gspcli.export.format import ModeFormat
 
 if TYPE_CHECKING:
     from gspcli.geometry.instance import Instance
@@ -18,7 +18,7 @@ def write(instance: Instance, pose: Solution) -> tuple[str]:
     return (sdf(instance, pose.R.real, pose.T.real),)
 
 
-FORMAT = PoseFormat(
+FORMAT = ModeFormat(
     write,
     "sdf is a model for Gazebo and other readers of SDF 1.9: six chains of joints from the base to "
     "the platform, which close loops. The joint value_k is what constraint k measures, less its "

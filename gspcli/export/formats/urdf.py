@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from gspcli.export.format import PoseFormat
+from gspcli.export.format import ModeFormat
 
 if TYPE_CHECKING:
     from gspcli.geometry.instance import Instance
@@ -18,7 +18,7 @@ def write(instance: Instance, pose: Solution) -> tuple[str, str]:
     return urdf(instance, pose.R.real, pose.T.real)
 
 
-FORMAT = PoseFormat(
+FORMAT = ModeFormat(
     write,
     "urdf is NAME.urdf, a tree in which the first chain carries the platform, and NAME.yaml, which "
     "has the loops of the others: closed_loop, type and name_mot, as the robots of "

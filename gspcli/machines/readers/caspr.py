@@ -8,14 +8,14 @@ from numpy.typing import NDArray
 from gspcli.geometry.euler import rotation_from_euler
 from gspcli.machines.frames import frame, from_quaternion
 from gspcli.machines.graph import Body, Graph, NoPlatform
-from gspcli.machines.markup import Element
-from gspcli.machines.readers.legs import Leg, legs_graph
+from gspcli.machines.markup import MarkupElement
+from gspcli.machines.readers.legs import RowLeg, legs_graph
 from gspcli.wording import counted, listed, shown
 
 Array = NDArray[np.float64]
 
 
-def read(bodies: Element, cables: Element, name: str) -> Graph:
+def read(bodies: MarkupElement, cables: MarkupElement, name: str) -> Graph:
     """Return the graph of a robot with one rigid body.
 
     Parameters
@@ -71,11 +71,11 @@ def read(bodies: Element, cables: Element, name: str) -> Graph:
     )
 
 
-def _vector(element: Element) -> Array:
+def _vector(element: MarkupElement) -> Array:
     return element.numbers(element.text, 3)
 
 
-def _pose(joint: Element) -> Array:
+def _pose(joint: MarkupElement) -> Array:
     """Return the first pose of the body."""
     kind = joint.get("type")
     if kind == "SPATIAL_QUATERNION":
@@ -90,7 +90,7 @@ def _pose(joint: Element) -> Array:
     raise NoPlatform(message)
 
 
-def _cable(cable: Element, centre: Array) -> Leg:
+def _cable(cable: MarkupElement, centre: Array) -> RowLeg:
     name = cable.get("name") or cable.tag
     ends: dict[str, list[Array]] = {}
     attachments = list(cable.everywhere("attachment"))
@@ -103,10 +103,10 @@ def _cable(cable: Element, centre: Array) -> Leg:
     if set(ends) != {"0", "1"} or len(attachments) != 2:
         message = f"found {counted(len(attachments), 'attachment')} of the cable {shown(name)}, "
         raise NoPlatform(message + "expected two: one on the base (0), one on the platform (1)")
-    return Leg(name, ends["0"][0], ends["1"][0])
+    return RowLeg(name, ends["0"][0], ends["1"][0])
 
 
-def _inertia(physical: Element) -> Array:
+def _inertia(physical: MarkupElement) -> Array:
     found = physical.first("inertia")
     if found is None:
         return np.zeros((3, 3))

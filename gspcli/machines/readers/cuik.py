@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from gspcli.machines.arithmetic import value_of
 from gspcli.machines.frames import frame
 from gspcli.machines.graph import Graph, Joint, NoPlatform, ball
-from gspcli.machines.readers.legs import Leg, legs_graph
-from gspcli.machines.source import Place
+from gspcli.machines.readers.legs import RowLeg, legs_graph
+from gspcli.machines.source import SourceLine
 from gspcli.records import dataclass
 from gspcli.wording import counted, shown
 
@@ -118,7 +118,7 @@ class _World:
             for k, word in enumerate(words)
         )
         if len(text) > _LONGEST:
-            raise Place(self.file).error(f"found an expression of {len(text)} characters")
+            raise SourceLine(self.file).error(f"found an expression of {len(text)} characters")
         # A number needs no brackets, but as the argument of a function.
         return re.sub(r"(?<!\w)\((-?[0-9.]+)\)", r"\1", text).replace("--", "+")
 
@@ -127,7 +127,7 @@ class _World:
             return value_of(self.full(words), {})
         except ValueError as error:
             said = shown(" ".join(words))
-            raise Place(self.file, line).error(f"found {said}: {error}") from None
+            raise SourceLine(self.file, line).error(f"found {said}: {error}") from None
 
     def _entries(self) -> list[_Entry]:
         tokens = self.sections.get("JOINTS", [])
@@ -142,7 +142,7 @@ class _World:
         return found
 
     def _entry(self, tokens: list[_Token]) -> _Entry:
-        place = Place(self.file, tokens[0].line)
+        place = SourceLine(self.file, tokens[0].line)
         words = [token.text for token in tokens]
         colon = words.index(":")
         position = colon + 1
@@ -179,7 +179,7 @@ class _World:
             message = f"found joints between {counted(len(pairs), 'pair')} of links, expected one"
             raise NoPlatform(message + " pair of two: the base and the platform")
         exact: dict[tuple[float, ...], tuple[str, ...]] = {}
-        legs: list[Leg] = []
+        legs: list[RowLeg] = []
         balls: list[tuple[str, Array, Array]] = []
         for number, entry in enumerate(entries, 1):
             ends = entry.points if entry.links == first else entry.points[::-1]
@@ -211,14 +211,14 @@ class _World:
             else:
                 parts[-1].append(word)
         if len(parts) != 3:
-            raise Place(self.file, line).error(
+            raise SourceLine(self.file, line).error(
                 f"found {counted(len(parts), 'coordinate')}, expected three"
             )
         point = np.array([self.value(part, line) for part in parts])
         exact[tuple(float(x) for x in point)] = tuple(self.full(part) for part in parts)
         return point
 
-    def _leg(self, entry: _Entry, number: int, base: Array, platform: Array) -> Leg:
+    def _leg(self, entry: _Entry, number: int, base: Array, platform: Array) -> RowLeg:
         name = entry.name or f"{entry.kind} {number}"
         length, low, high = None, 0.0, np.inf
         for key in ("range", "length"):
@@ -231,12 +231,12 @@ class _World:
             elif words:
                 length = self.value(words, entry.line)
         if length is None or length <= 0 or low > high:
-            raise Place(self.file, entry.line).error("found no length above 0, expected one")
+            raise SourceLine(self.file, entry.line).error("found no length above 0, expected one")
         rod = entry.kind == "sph_sph"
-        return Leg(name, base, platform, length, low, float(high), rod)
+        return RowLeg(name, base, platform, length, low, float(high), rod)
 
 
-def _bracket(words: list[str], start: int, place: Place) -> tuple[int, list[str]]:
+def _bracket(words: list[str], start: int, place: SourceLine) -> tuple[int, list[str]]:
     """Return where a bracket that begins somewhere ends, and what is in it."""
     depth = 0
     for k in range(start, len(words)):

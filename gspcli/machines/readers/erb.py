@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 from gspcli.machines.arithmetic import value_of
-from gspcli.machines.source import Place
+from gspcli.machines.source import SourceLine
 from gspcli.wording import shown
 
 _BLOCK = re.compile(r"<%(.*?)%>", re.DOTALL)
@@ -33,12 +33,12 @@ def expanded(text: str, file: str) -> str:
         line = text.count("\n", 0, match.start()) + 1
         code = match[1]
         if code.startswith("="):
-            return repr(_value(code[1:], names, Place(file, line)))
+            return repr(_value(code[1:], names, SourceLine(file, line)))
         for number, said in enumerate(code.splitlines()):
             statement = said.split("#")[0]
             if not statement.strip():
                 continue
-            place = Place(file, line + number)
+            place = SourceLine(file, line + number)
             assigned = _ASSIGNED.fullmatch(statement)
             if assigned is None:
                 message = f"found {shown(statement.strip())}, expected NAME = an expression"
@@ -49,7 +49,7 @@ def expanded(text: str, file: str) -> str:
     return _BLOCK.sub(replaced, text)
 
 
-def _value(code: str, names: dict[str, float], place: Place) -> float:
+def _value(code: str, names: dict[str, float], place: SourceLine) -> float:
     plain = re.sub(r"\bPI\b", "pi", re.sub(r"\bMath(?:\.|::)", "", code))
     try:
         return value_of(plain, names, whole=True)

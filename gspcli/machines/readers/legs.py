@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class Leg:
+class RowLeg:
     """A leg.
 
     Attributes
@@ -46,7 +46,7 @@ class Leg:
 def legs_graph(
     format: str,
     name: str,
-    legs: Sequence[Leg],
+    legs: Sequence[RowLeg],
     pose: Array | None,
     *,
     length: str,
@@ -124,7 +124,7 @@ def legs_graph(
     )
 
 
-def _above(legs: Sequence[Leg]) -> Array:
+def _above(legs: Sequence[RowLeg]) -> Array:
     """Return a pose as far above the base as the longest leg, where the file states none."""
     longest = max((leg.length or leg.low for leg in legs), default=1.0)
     return frame(T=(0, 0, longest or 1.0))

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from gspcli.machines.frames import frame, roll_pitch_yaw
 from gspcli.machines.graph import Graph
-from gspcli.machines.readers.legs import Leg, legs_graph
-from gspcli.machines.source import Place, text_of
+from gspcli.machines.readers.legs import RowLeg, legs_graph
+from gspcli.machines.source import SourceLine, text_of
 from gspcli.wording import listed, shown
 
 Array = NDArray[np.float64]
@@ -47,8 +47,8 @@ def read(text: str, path: Path) -> Graph:
     notes = []
     for number, line in enumerate(text.splitlines(), 1):
         if match := _PIN.match(line):
-            pins[match[1], match[2], match[3]] = Place(file, number).number(match[4])
-        elif (match := _OTHER.match(line)) and Place(file, number).number(match[2]) != 0:
+            pins[match[1], match[2], match[3]] = SourceLine(file, number).number(match[4])
+        elif (match := _OTHER.match(line)) and SourceLine(file, number).number(match[2]) != 0:
             notes.append(f"{match[1]} is {match[2]}: not read")
     if len(pins) != 36:
         missing = [
@@ -58,7 +58,7 @@ def read(text: str, path: Path) -> Graph:
             for axis in "xyz"
             if (body, i, axis) not in pins
         ]
-        raise Place(file).error(f"found {len(pins)} of 36 pins, expected also {missing[0]}")
+        raise SourceLine(file).error(f"found {len(pins)} of 36 pins, expected also {missing[0]}")
     ends = [
         [np.array([pins[body, i, axis] for axis in "xyz"]) for i in "012345"]
         for body in ("base", "platform")
@@ -66,7 +66,7 @@ def read(text: str, path: Path) -> Graph:
     settings, where = _settings(path)
     if settings is None:
         message = "found no lengths: expected an INI file beside it, with KINEMATICS = genhexkins"
-        raise Place(file).error(message)
+        raise SourceLine(file).error(message)
     legs, pose, unit = _stated(settings, where, ends)
     notes.append(f"home, limits and unit are those of {where.name}")
     return legs_graph("LinuxCNC", path.stem, legs, pose, length=unit, notes=notes)
@@ -90,13 +90,13 @@ def _settings(path: Path) -> tuple[dict[tuple[str, str], tuple[str, int]] | None
 
 def _stated(
     settings: dict[tuple[str, str], tuple[str, int]], where: Path, ends: list[list[Array]]
-) -> tuple[list[Leg], Array | None, str]:
+) -> tuple[list[RowLeg], Array | None, str]:
     """Return the legs, the pose at home and the unit of length."""
     file = str(where)
 
-    def place(section: str, key: str) -> Place:
+    def place(section: str, key: str) -> SourceLine:
         line = settings.get((section, key), ("", 1))[1]
-        return Place(file, line, 1, f"[{section}]{key}")
+        return SourceLine(file, line, 1, f"[{section}]{key}")
 
     word = settings.get(("TRAJ", "LINEAR_UNITS"), ("mm", 1))[0]
     if word.lower() not in _UNITS:
@@ -117,7 +117,7 @@ def _stated(
         low = max(values.get("MIN_LIMIT", 0.0), 0.0)
         length = values.get("HOME") or None
         legs.append(
-            Leg(f"strut {i}", base, platform, length, low, values.get("MAX_LIMIT", math.inf))
+            RowLeg(f"strut {i}", base, platform, length, low, values.get("MAX_LIMIT", math.inf))
         )
     if pose is None and any(leg.length is None for leg in legs):
         message = "found neither a home of all struts nor of the pose, expected one of them"

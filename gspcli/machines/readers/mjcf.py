@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from gspcli.errors import GspError
 from gspcli.machines.frames import frame, from_quaternion, inverse, place, turn
 from gspcli.machines.graph import Body, Graph, Joint, NoPlatform, Part, ball
-from gspcli.machines.markup import Element, written
+from gspcli.machines.markup import MarkupElement, written
 from gspcli.wording import shown
 
 Array = NDArray[np.float64]
@@ -47,7 +47,7 @@ _COMPILER = {
 _LEAST = "1e-12"
 
 
-def read(root: Element, name: str) -> Graph:
+def read(root: MarkupElement, name: str) -> Graph:
     """Return the graph of a model.
 
     Parameters
@@ -86,7 +86,7 @@ def read(root: Element, name: str) -> Graph:
     return _Model(mujoco, model, data, weightless, root.get("model") or name).graph()
 
 
-def _cleaned(root: Element) -> bool:
+def _cleaned(root: MarkupElement) -> bool:
     """Leave out what is seen only; return whether masses come from shapes that are left out."""
     root.children = [child for child in root.children if child.tag not in _LEFT_OUT]
     weightless = False
@@ -116,7 +116,7 @@ def _cleaned(root: Element) -> bool:
         element.children = kept
         for key in ("material", "mesh", "hfield"):
             element.attributes.pop(key, None)
-    compiler = Element("compiler", {"boundmass": _LEAST, "boundinertia": _LEAST})
+    compiler = MarkupElement("compiler", {"boundmass": _LEAST, "boundinertia": _LEAST})
     root.children.append(compiler)
     return weightless
 

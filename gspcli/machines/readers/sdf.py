@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from gspcli.machines.frames import frame, inverse, place, roll_pitch_yaw, turn, unit
 from gspcli.machines.graph import Body, Graph, Joint, NoPlatform, Part, ball
-from gspcli.machines.markup import Element
+from gspcli.machines.markup import MarkupElement
 from gspcli.machines.readers.inertias import matrix
 from gspcli.wording import listed, shown
 
@@ -29,7 +29,7 @@ _TYPES = {
 _MOVES = re.compile("controller|apply_?joint_?force|applyjoint|apply-joint", re.IGNORECASE)
 
 
-def read(root: Element, name: str) -> Graph:
+def read(root: MarkupElement, name: str) -> Graph:
     """Return the graph of a file.
 
     Parameters
@@ -59,11 +59,11 @@ def read(root: Element, name: str) -> Graph:
 class _Model:
     """A model."""
 
-    def __init__(self, model: Element, version: str, name: str) -> None:
+    def __init__(self, model: MarkupElement, version: str, name: str) -> None:
         self.model, self.name, self.version = model, model.get("name") or name, version
         numbers = re.findall(r"\d+", version)[:2]
         self.old = [int(n[:6]) for n in numbers] < [1, 5]
-        self.frames: dict[str, Element] = {}
+        self.frames: dict[str, MarkupElement] = {}
         for element in (*model.all("link"), *model.all("joint"), *model.all("frame")):
             own = element.needed("name")
             if own in self.frames:
@@ -118,7 +118,7 @@ class _Model:
             self.poses[name] = self.pose(to, (*seen, name)) @ self._own(element, element)
         return self.poses[name]
 
-    def _own(self, element: Element, place_: Element) -> Array:
+    def _own(self, element: MarkupElement, place_: MarkupElement) -> Array:
         """Return what the element ``pose`` of an element says, shape (4, 4)."""
         found = element.first("pose")
         if found is None or not found.text.strip():
@@ -131,7 +131,7 @@ class _Model:
             angles = np.radians(angles)
         return frame(roll_pitch_yaw(angles), numbers[:3])
 
-    def _body(self, link: Element) -> Body:
+    def _body(self, link: MarkupElement) -> Body:
         X = self.pose(link.get("name"))
         inertial = link.first("inertial")
         if inertial is None:
@@ -140,7 +140,7 @@ class _Model:
         tensor = matrix(lambda key: inertial.decimal(f"inertia/{key}"), own)
         return Body(link.get("name"), X, inertial.decimal("mass", 1.0), own[:3, 3], tensor)
 
-    def _joint(self, joint: Element, bodies: dict[str, Body], driven: set[str]) -> Joint:
+    def _joint(self, joint: MarkupElement, bodies: dict[str, Body], driven: set[str]) -> Joint:
         name, kind = joint.get("name"), joint.get("type")
         ends = []
         for end in ("parent", "child"):
@@ -169,7 +169,7 @@ class _Model:
     def _known(self) -> str:
         return listed([shown(link) for link in self.links[:8]] or ["a link"])
 
-    def _axis(self, joint: Element, tag: str, X: Array) -> tuple[Array, float, float]:
+    def _axis(self, joint: MarkupElement, tag: str, X: Array) -> tuple[Array, float, float]:
         """Return a unit axis in the model, and the ends of the range."""
         element = joint.first(tag)
         if element is None:

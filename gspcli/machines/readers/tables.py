@@ -12,8 +12,8 @@ import numpy as np
 
 from gspcli.errors import SpecError
 from gspcli.machines.graph import Graph
-from gspcli.machines.readers.legs import Leg, legs_graph
-from gspcli.machines.source import Place
+from gspcli.machines.readers.legs import RowLeg, legs_graph
+from gspcli.machines.source import SourceLine
 from gspcli.records import dataclass
 from gspcli.wording import listed, shown
 
@@ -58,16 +58,16 @@ def read(text: str, file: str, name: str) -> Graph:
     """
     lines = [(i, line) for i, line in enumerate(text.splitlines(), 1) if _counts(line)]
     if not lines:
-        raise Place(file).error("found an empty table")
+        raise SourceLine(file).error("found an empty table")
     delimiter = max("\t;,", key=lines[0][1].count)
     head, *rows = [(i, _cells(line, delimiter)) for i, line in lines]
-    columns = _columns(head[1], Place(file, head[0]))
+    columns = _columns(head[1], SourceLine(file, head[0]))
     units = {column.unit for column in columns if column.unit}
     if len(units) > 1:
         message = f"found columns in {listed(sorted(units), 'and')}, expected one unit"
-        raise Place(file, head[0]).error(message)
+        raise SourceLine(file, head[0]).error(message)
     comma = delimiter != ","
-    legs = [_leg(number, cells, columns, Place(file, i), comma)
+    legs = [_leg(number, cells, columns, SourceLine(file, i), comma)
             for number, (i, cells) in enumerate(rows, 1)]  # fmt: skip
     ignored = [shown(c) for c, m in zip(head[1], columns, strict=True) if not m.meaning]
     notes = ["the table states no pose: no home is written"]
@@ -79,7 +79,7 @@ def read(text: str, file: str, name: str) -> Graph:
         notes.append("the table states no unit: lengths are taken for mm")
     if any(leg.length is None for leg in legs):
         message = "found no length of each leg, expected a column length, or columns min and max"
-        raise Place(file, head[0]).error(message)
+        raise SourceLine(file, head[0]).error(message)
     return legs_graph("table", name, legs, None, length=units.pop() if units else "mm", notes=notes)
 
 
@@ -129,7 +129,7 @@ def _meaning(heading: str) -> str:
     return ""
 
 
-def _columns(headings: Sequence[str], place: Place) -> list[_Column]:
+def _columns(headings: Sequence[str], place: SourceLine) -> list[_Column]:
     columns = []
     for heading in headings:
         words, unit = _split(heading)
@@ -149,7 +149,9 @@ def _columns(headings: Sequence[str], place: Place) -> list[_Column]:
     return columns
 
 
-def _leg(number: int, cells: list[str], columns: list[_Column], place: Place, comma: bool) -> Leg:
+def _leg(
+    number: int, cells: list[str], columns: list[_Column], place: SourceLine, comma: bool
+) -> RowLeg:
     if len(cells) != len(columns):
         raise place.error(f"found {len(cells)} cells, expected {len(columns)}")
     found: dict[str, str] = {}
@@ -158,7 +160,7 @@ def _leg(number: int, cells: list[str], columns: list[_Column], place: Place, co
         found[column.meaning] = cell
         if column.meaning not in ("", "name") and cell:
             values[column.meaning] = _number(
-                cell, Place(place.location.file, place.location.line, k), comma
+                cell, SourceLine(place.location.file, place.location.line, k), comma
             )
     missing = [m for m in _POINTS if m not in values]
     if missing:
@@ -172,7 +174,7 @@ def _leg(number: int, cells: list[str], columns: list[_Column], place: Place, co
     ):
         raise place.error("found a length of zero or less, or a smallest above the largest")
     ends = [np.array([values[body + axis] for axis in "xyz"]) for body in "bp"]
-    return Leg(
+    return RowLeg(
         found.get("name") or f"leg {number}",
         ends[0],
         ends[1],
@@ -182,7 +184,7 @@ def _leg(number: int, cells: list[str], columns: list[_Column], place: Place, co
     )
 
 
-def _number(cell: str, place: Place, comma: bool) -> float:
+def _number(cell: str, place: SourceLine, comma: bool) -> float:
     """Return a number; its decimal point may be a comma where cells are not divided by commas."""
     text = cell.replace(",", ".") if comma and cell.count(",") == 1 and "." not in cell else cell
     if not _NUMBER.fullmatch(text):

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from gspcli.errors import Mistake, SpecError
 from gspcli.machines.frames import frame, inverse, place, roll_pitch_yaw, turn, unit
 from gspcli.machines.graph import Body, Graph, Joint, NoPlatform, Part, ball
-from gspcli.machines.markup import Element
+from gspcli.machines.markup import MarkupElement
 from gspcli.machines.readers.inertias import matrix
 from gspcli.machines.source import text_of
 from gspcli.spec.any_yaml import parse
@@ -25,7 +25,7 @@ _TYPES = {"revolute": "R", "continuous": "R", "prismatic": "P", "fixed": "", "sp
 _UNIVERSAL = re.compile(r"UJOINT_?([XYZ])([XYZ])", re.IGNORECASE)
 
 
-def read(root: Element, path: Path) -> Graph:
+def read(root: MarkupElement, path: Path) -> Graph:
     """Return the graph of a robot.
 
     Parameters
@@ -98,10 +98,10 @@ class _Loops:
 class _Robot:
     """A robot."""
 
-    def __init__(self, root: Element, loops: _Loops, name: str) -> None:
+    def __init__(self, root: MarkupElement, loops: _Loops, name: str) -> None:
         self.root, self.loops, self.name = root, loops, root.get("name") or name
         self.types = dict(zip(loops.words("joint_name"), loops.words("joint_type"), strict=False))
-        self.links: dict[str, Element] = {}
+        self.links: dict[str, MarkupElement] = {}
         for link in root.all("link"):
             if link.needed("name") in self.links:
                 raise link.error("found the name twice")
@@ -135,7 +135,7 @@ class _Robot:
             driven |= {j.get("name") for j in control.all("joint") if j.first("command_interface")}
         return driven & set(names)
 
-    def _end(self, joint: Element, end: str, attribute: str = "link") -> str:
+    def _end(self, joint: MarkupElement, end: str, attribute: str = "link") -> str:
         element = joint.child(end)
         link = element.needed(attribute)
         if link not in self.links:
@@ -175,7 +175,7 @@ class _Robot:
         value = mass.number(mass.needed("value"))
         return Body(name, self.poses[name], value, own[:3, 3], tensor)
 
-    def _joint(self, joint: Element) -> Joint | None:
+    def _joint(self, joint: MarkupElement) -> Joint | None:
         name, kind = joint.get("name"), joint.get("type")
         if joint.first("mimic") is not None:
             message = f"found the joint {shown(name)} geared to another, expected it by itself"
@@ -216,7 +216,7 @@ class _Robot:
             raise NoPlatform(message)
         return Joint(name, parent, child, X, tuple(parts))
 
-    def _axis(self, joint: Element, X: Array) -> Array:
+    def _axis(self, joint: MarkupElement, X: Array) -> Array:
         element = joint.first("axis")
         if element is None or joint.get("type") in ("fixed", "spherical"):
             return turn(X, np.eye(3)[0])
@@ -258,20 +258,20 @@ class _Robot:
         closed = frame(R, ends[0] - R @ ends[1])
         return Joint(name, first, second, closed, (ball(ends[0], name),), True, gap)
 
-    def _loop_joint(self, joint: Element) -> Joint:
+    def _loop_joint(self, joint: MarkupElement) -> Joint:
         """Return a ``loop_joint``: the frames of two links that a joint closes."""
         links = self._end(joint, "link1"), self._end(joint, "link2")
         frames = _placed_at(joint.child("link1")), _placed_at(joint.child("link2"))
         return self._closed(joint.needed("name"), links, frames, joint.get("type"))
 
 
-def _origin(element: Element) -> Array:
+def _origin(element: MarkupElement) -> Array:
     """Return the pose of the element ``origin``, shape (4, 4)."""
     origin = element.first("origin")
     return np.eye(4) if origin is None else _placed_at(origin)
 
 
-def _placed_at(element: Element) -> Array:
+def _placed_at(element: MarkupElement) -> Array:
     """Return the pose that an element has in attributes, shape (4, 4)."""
     zero = (0.0, 0.0, 0.0)
     angles = element.attribute_numbers("rpy", zero)

@@ -18,7 +18,7 @@ from gspcli.records import dataclass
 from gspcli.wording import listed, shown
 
 
-class Quantity(NamedTuple):
+class ColumnQuantity(NamedTuple):
     """A kind of quantity: its name in messages, its units by lower-case names, examples."""
 
     what: str
@@ -27,7 +27,7 @@ class Quantity(NamedTuple):
     examples: tuple[str, ...]
 
 
-_LENGTH = Quantity(
+_LENGTH = ColumnQuantity(
     "a length",
     {
         **{unit.lower(): size for unit, size in METRES.items()},
@@ -36,7 +36,7 @@ _LENGTH = Quantity(
     },
     ("m", "mm", "in"),
 )
-_ANGLE = Quantity(
+_ANGLE = ColumnQuantity(
     "an angle",
     {
         **dict.fromkeys(("deg", "degree", "degrees", "°"), math.pi / 180),
@@ -45,19 +45,19 @@ _ANGLE = Quantity(
     },
     ("deg", "rad", "mrad"),
 )
-_TIME = Quantity(
+_TIME = ColumnQuantity(
     "a time",
     {**dict.fromkeys(("s", "sec", "second", "seconds"), 1.0), "ms": 1e-3, "min": 60.0},
     ("s", "ms", "min"),
 )
-_FORCE = Quantity("a force", {"n": 1.0, "kn": 1e3}, ("N", "kN"))
-_TORQUE = Quantity("a torque", {"nm": 1.0, "n m": 1.0}, ("N m",))
-_NUMBER = Quantity("a number without a unit", {"-": 1.0, "1": 1.0}, ())
+_FORCE = ColumnQuantity("a force", {"n": 1.0, "kn": 1e3}, ("N", "kN"))
+_TORQUE = ColumnQuantity("a torque", {"nm": 1.0, "n m": 1.0}, ("N m",))
+_NUMBER = ColumnQuantity("a number without a unit", {"-": 1.0, "1": 1.0}, ())
 _VALUE = (_LENGTH, _ANGLE)
 
 #: The kinds of quantities of columns, by their names as `Heading.name`, and how often the quantity
 #: is derived by time; the first pattern that fits counts.
-_COLUMNS: tuple[tuple[str, tuple[Quantity, ...], int], ...] = (
+_COLUMNS: tuple[tuple[str, tuple[ColumnQuantity, ...], int], ...] = (
     ("t", (_TIME,), 0),
     ("t?[xyz]", (_LENGTH,), 0),
     ("r[xyz]", (_ANGLE,), 0),
@@ -139,7 +139,7 @@ class FileUnits:
         """Whether the size of the unit of lengths is known."""
         return self.length.lower() in _LENGTH.units
 
-    def _quantities(self, column: str) -> tuple[tuple[Quantity, ...], int]:
+    def _quantities(self, column: str) -> tuple[tuple[ColumnQuantity, ...], int]:
         """Return what a column can be, and how often it is derived by time."""
         for pattern, quantities, order in _COLUMNS:
             if re.fullmatch(pattern, column, re.IGNORECASE):
@@ -148,13 +148,13 @@ class FileUnits:
                 return quantities, order
         return (_NUMBER,), 0
 
-    def _size(self, quantity: Quantity) -> float:
+    def _size(self, quantity: ColumnQuantity) -> float:
         """Return the unit in which numbers of a kind are wanted, in metres, radians, …."""
         if quantity is _LENGTH:
             return _LENGTH.units[self.length.lower()]
         return self.in_radians if quantity is _ANGLE else 1.0
 
-    def _examples(self, quantity: Quantity) -> tuple[str, ...]:
+    def _examples(self, quantity: ColumnQuantity) -> tuple[str, ...]:
         if quantity is _LENGTH and self.length and not self._metric:
             return (self.length,)
         return quantity.examples

@@ -23,7 +23,7 @@ from gspcli.wording import listed, shown, suggestion
 Array = NDArray[np.float64]
 
 
-class Quantity(NamedTuple):
+class RequiredQuantity(NamedTuple):
     """A quantity on which a pose can have a requirement."""
 
     least: bool
@@ -35,19 +35,25 @@ class Quantity(NamedTuple):
 
 
 QUANTITIES = {
-    "range": Quantity(False, 1.0, "the share of its range that a value takes, 1 at the ends"),
-    "transmission": Quantity(True, None, "how much of a motor's motion acts along its rod, 0 to 1"),
-    "cone": Quantity(False, 1.0, "the tilt of a leg by the half angle of its cone"),
-    "clearance": Quantity(True, None, "proved, as gsp clearance"),
-    "pose-clearance": Quantity(True, None, "proved, as gsp clearance --of pose"),
-    "condition": Quantity(False, None, "the condition number"),
-    "force": Quantity(False, None, "the largest force in a constraint under the load"),
-    "moment": Quantity(False, None, "the largest moment in an angle under the load"),
-    "torque": Quantity(False, None, "the largest torque of a crank under the load"),
-    "stiffness": Quantity(True, None, "the least stiffness of the point"),
-    "power": Quantity(False, None, "what all drives do, as gsp dynamics"),
-    "frequency": Quantity(True, None, "the lowest natural frequency, as gsp dynamics --modes"),
-    "error": Quantity(False, None, "the proved error of the point from the tolerances"),
+    "range": RequiredQuantity(
+        False, 1.0, "the share of its range that a value takes, 1 at the ends"
+    ),
+    "transmission": RequiredQuantity(
+        True, None, "how much of a motor's motion acts along its rod, 0 to 1"
+    ),
+    "cone": RequiredQuantity(False, 1.0, "the tilt of a leg by the half angle of its cone"),
+    "clearance": RequiredQuantity(True, None, "proved, as gsp clearance"),
+    "pose-clearance": RequiredQuantity(True, None, "proved, as gsp clearance --of pose"),
+    "condition": RequiredQuantity(False, None, "the condition number"),
+    "force": RequiredQuantity(False, None, "the largest force in a constraint under the load"),
+    "moment": RequiredQuantity(False, None, "the largest moment in an angle under the load"),
+    "torque": RequiredQuantity(False, None, "the largest torque of a crank under the load"),
+    "stiffness": RequiredQuantity(True, None, "the least stiffness of the point"),
+    "power": RequiredQuantity(False, None, "what all drives do, as gsp dynamics"),
+    "frequency": RequiredQuantity(
+        True, None, "the lowest natural frequency, as gsp dynamics --modes"
+    ),
+    "error": RequiredQuantity(False, None, "the proved error of the point from the tolerances"),
 }
 
 _PART = re.compile(r"([a-z-]+)\s*(?:(<=|>=|≤|≥)\s*(.*))?", re.DOTALL)
@@ -117,7 +123,7 @@ def parse_requirements(text: str, option: str = "--require") -> list[Requirement
     return found
 
 
-class Parts(NamedTuple):
+class QuantityParts(NamedTuple):
     """A quantity of n poses that is the largest of several parts."""
 
     values: Array
@@ -132,7 +138,7 @@ class Parts(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Verdict:
+class RequirementVerdict:
     """Whether all rows keep a requirement, and the worst row.
 
     Attributes
@@ -161,13 +167,13 @@ class Verdict:
 
 
 def keeping(
-    requirements: Sequence[Requirement], quantities: Mapping[str, Array | Parts]
+    requirements: Sequence[Requirement], quantities: Mapping[str, Array | QuantityParts]
 ) -> NDArray[np.bool_]:
     """Return which of n poses keep all requirements, shape (n,); arguments as for `judge`."""
     kept = np.ones(1, bool)
     for one in requirements:
         given = quantities[one.quantity]
-        parts = given.values if isinstance(given, Parts) else given[:, None]
+        parts = given.values if isinstance(given, QuantityParts) else given[:, None]
         least = QUANTITIES[one.quantity].least
         # What is not known is not kept.
         kept = kept & (parts >= one.limit if least else parts <= one.limit).all(axis=1)
@@ -175,8 +181,8 @@ def keeping(
 
 
 def judge(
-    requirements: Sequence[Requirement], quantities: Mapping[str, Array | Parts]
-) -> list[Verdict]:
+    requirements: Sequence[Requirement], quantities: Mapping[str, Array | QuantityParts]
+) -> list[RequirementVerdict]:
     """Return for each requirement whether all rows keep it, and the first worst row.
 
     Parameters
@@ -195,7 +201,7 @@ def judge(
     verdicts = []
     for one in requirements:
         given = quantities[one.quantity]
-        parts = given if isinstance(given, Parts) else Parts(given[:, None], ("",))
+        parts = given if isinstance(given, QuantityParts) else QuantityParts(given[:, None], ("",))
         if not parts.values.size:
             message = f"there is no pose of which {one} could be required"
             raise GspError(message)
@@ -208,5 +214,5 @@ def judge(
         row, part = np.unravel_index(int(first_largest(bad.ravel())), bad.shape)
         worst = float(parts.values[row, part])
         met = worst >= one.limit if least else worst <= one.limit
-        verdicts.append(Verdict(one, met, worst, int(row), parts.names[int(part)]))
+        verdicts.append(RequirementVerdict(one, met, worst, int(row), parts.names[int(part)]))
     return verdicts

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from gspcli import _kernel
 from gspcli.catalogue.kinds import DLL
 from gspcli.certification.branches.parametric_quadrics import (
-    Law,
     MovingEquations,
     Shape,
+    ValueFunction,
     moving_equations,
 )
 from gspcli.certification.branches.taylor import MovingSystem
@@ -160,7 +160,7 @@ class MovingPlatform(StudyUnits):
         self.near = local_frames.applied(instance)
         self.equations: MovingEquations = moving_equations(self.near)
         super().__init__(self.equations.scale, local_frames)
-        self._angles = np.isin(self.equations.laws, (Law.COSINE, Law.SINE))
+        self._angles = np.isin(self.equations.laws, (ValueFunction.COSINE, ValueFunction.SINE))
         radian = instance.units.angle.in_radians
         self._units = np.where(self._angles, radian, 1 / self.equations.scale)
 
@@ -181,7 +181,11 @@ class MovingPlatform(StudyUnits):
         """Return c of the equations for internal values, shape (..., 6)."""
         laws, signs = self.equations.laws, self.equations.signs
         return np.select(
-            [laws == Law.SQUARE, laws == Law.LINEAR, laws == Law.COSINE],
+            [
+                laws == ValueFunction.SQUARE,
+                laws == ValueFunction.LINEAR,
+                laws == ValueFunction.COSINE,
+            ],
             [values**2, values, signs * np.cos(values)],
             signs * np.sin(values),
         )
@@ -190,7 +194,11 @@ class MovingPlatform(StudyUnits):
         """Return the derivatives of c by internal values, shape (..., 6)."""
         laws, signs = self.equations.laws, self.equations.signs
         return np.select(
-            [laws == Law.SQUARE, laws == Law.LINEAR, laws == Law.COSINE],
+            [
+                laws == ValueFunction.SQUARE,
+                laws == ValueFunction.LINEAR,
+                laws == ValueFunction.COSINE,
+            ],
             [2 * values, np.ones_like(values), -signs * np.sin(values)],
             signs * np.cos(values),
         )
@@ -272,7 +280,7 @@ class MovingPlatform(StudyUnits):
         """Return bounds of c over all trajectories, shapes (6,); the trivial ones for angles."""
         least, most = values.min(axis=(0, 1)), values.max(axis=(0, 1))
         laws = self.equations.laws
-        square = laws == Law.SQUARE
+        square = laws == ValueFunction.SQUARE
         far = np.maximum(np.abs(least), np.abs(most))
         # A distance changes its sign along a segment only if its signs at the ends differ.
         low = np.where(square, np.where(least * most > 0, np.minimum(least**2, most**2), 0), least)

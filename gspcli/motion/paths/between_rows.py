@@ -39,7 +39,7 @@ _INWARD = 1 - 2.0**-30
 
 
 @dataclass(frozen=True, eq=False)
-class Rows:
+class PathRows:
     """Rows of a proved path.
 
     Attributes
@@ -84,7 +84,7 @@ class Rows:
         """The platform."""
         return self.ways.instance
 
-    def halved(self, gaps: NDArray[np.int64]) -> Rows | None:
+    def halved(self, gaps: NDArray[np.int64]) -> PathRows | None:
         """Return the rows with one more in the middle of some ways; None if one is not found.
 
         Parameters
@@ -109,7 +109,7 @@ class Rows:
             return None
         return self._with(gaps, middle, *self.ways.poses(found.points[:, -1]))
 
-    def _with(self, gaps: NDArray[np.int64], values: Array, R: Array, T: Array) -> Rows:
+    def _with(self, gaps: NDArray[np.int64], values: Array, R: Array, T: Array) -> PathRows:
         more = {"values": values, "R": R, "T": T}
         bulges = self.bulges
         return replace(
@@ -210,7 +210,9 @@ class Rows:
         return np.asarray((found / self.units).max(axis=1) * _OUTWARD)
 
 
-def least_clearances(rows: Rows, wanted: float, halvings: int = HALVINGS) -> tuple[Array, Array]:
+def least_clearances(
+    rows: PathRows, wanted: float, halvings: int = HALVINGS
+) -> tuple[Array, Array]:
     """Return proved clearances at rows, (r,), and on the ways between them, (r - 1,).
 
     Where they are below what is wanted ways are halved, as long as that may help.
@@ -247,7 +249,7 @@ def least_clearances(rows: Rows, wanted: float, halvings: int = HALVINGS) -> tup
     return first, np.maximum(found, 0.0)
 
 
-def largest_conditions(rows: Rows, wanted: float) -> tuple[Array, Array]:
+def largest_conditions(rows: PathRows, wanted: float) -> tuple[Array, Array]:
     """Return condition numbers at rows, (r,), and bounds on the ways between them, (r - 1,).
 
     Where the bounds are above what is wanted ways are halved, as long as that may help.

@@ -10,7 +10,7 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
 from gspcli.motion.paths.between_rows import HALVINGS, least_clearances
 from gspcli.motion.paths.ends import PathEnd
-from gspcli.motion.paths.guides import PROVED_ROWS, Guide, Trace
+from gspcli.motion.paths.guides import PROVED_ROWS, Guide, GuideRows
 from gspcli.motion.paths.planned_paths import PathPart, PlannedPath
 from gspcli.motion.paths.timing import PathLimits, timed
 from gspcli.motion.paths.way_costs import steps
@@ -97,7 +97,7 @@ def finished(
     )  # fmt: skip
 
 
-def _lengths(instance: Instance, trace: Trace) -> Array:
+def _lengths(instance: Instance, trace: GuideRows) -> Array:
     """Return the length of each straight part."""
     moved = steps(instance, trace.R, trace.T)
     return np.asarray(

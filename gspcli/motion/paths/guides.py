@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.geometry.limits import within_limits
-from gspcli.motion.paths.between_rows import Rows, least_clearances
+from gspcli.motion.paths.between_rows import PathRows, least_clearances
 from gspcli.motion.paths.pose_ways import PoseWays, WayProof
 from gspcli.motion.paths.value_ways import ValueWays
 from gspcli.motion.poses.inverse_kinematics import values_at
@@ -25,7 +25,7 @@ _MARGIN = 1e-4
 _DIGITS = 6
 
 
-class Trace(NamedTuple):
+class GuideRows(NamedTuple):
     """Rows along a proved path."""
 
     part: NDArray[np.int64]
@@ -39,7 +39,7 @@ class Trace(NamedTuple):
     """Poses, shapes (r, 3, 3) and (r, 3)."""
     proofs: NDArray[np.int64]
     """How many pieces the proof of each straight part has, shape (parts,)."""
-    rows: Rows
+    rows: PathRows
     """The rows, for what holds between them."""
 
     def keeps(self, clearance: float) -> bool:
@@ -70,7 +70,7 @@ class Guide(Protocol):
     clear: float
     """The clearance that every pose must have."""
 
-    def trace(self, corners: Array, rows: NDArray[np.int64]) -> Trace | None:
+    def trace(self, corners: Array, rows: NDArray[np.int64]) -> GuideRows | None:
         """Return rows along a polygon, or None if it is not proved.
 
         Parameters
@@ -82,7 +82,7 @@ class Guide(Protocol):
         """
         ...
 
-    def through(self, given: RowsOnWay) -> Trace | None:
+    def through(self, given: RowsOnWay) -> GuideRows | None:
         """Return given rows with their poses, or None if the way through them is not proved."""
         ...
 
@@ -134,7 +134,7 @@ class ValueGuide:
         if lost.any():
             return [int(lost.argmax()) - 1]
         R, T = self.ways.poses(found.points[0])
-        between = least_clearances(Rows(self.ways, values, R, T, bulges=bulges), 0.0, 0)[1]
+        between = least_clearances(PathRows(self.ways, values, R, T, bulges=bulges), 0.0, 0)[1]
         curved = np.zeros(len(between), bool) if bulges is None else bulges.any(axis=1)
         return np.flatnonzero((curved & (between <= 0)) | (between < self.clear)).tolist()
 
@@ -144,12 +144,12 @@ class ValueGuide:
         self.sizes = np.where(np.isfinite(self._high - self._low), self.sizes, span)
         self._digits = _digits(self.sizes)
 
-    def trace(self, corners: Array, rows: NDArray[np.int64]) -> Trace | None:
+    def trace(self, corners: Array, rows: NDArray[np.int64]) -> GuideRows | None:
         """Return rows along a polygon, or None; see `Guide`."""
         part, fraction = _places(rows)
         return self.through(RowsOnWay(part, fraction, _on_polygon(corners, part, fraction)))
 
-    def through(self, given: RowsOnWay) -> Trace | None:
+    def through(self, given: RowsOnWay) -> GuideRows | None:
         """Return given rows with their poses, or None; see `Guide`."""
         part, fraction, values, bulges = given
         if not self.ways.kept(values).all():
@@ -164,8 +164,8 @@ class ValueGuide:
             return None
         R, T = self.ways.poses(points)
         proofs = _shared(int(found.parts[0]), np.bincount(part[:-1]))
-        between = Rows(self.ways, values, R, T, bulges=bulges)
-        trace = Trace(part, fraction, values, R, T, proofs, between)
+        between = PathRows(self.ways, values, R, T, bulges=bulges)
+        trace = GuideRows(part, fraction, values, R, T, proofs, between)
         if bulges is not None and not _enclosed(trace, bulges):
             return None
         return trace if trace.keeps(self.clear) else None
@@ -202,7 +202,7 @@ class PoseGuide:
         self._digits = _digits(self.sizes)
         self._proved: dict[tuple[bytes, bytes], int] = {}
 
-    def trace(self, corners: Array, rows: NDArray[np.int64]) -> Trace | None:
+    def trace(self, corners: Array, rows: NDArray[np.int64]) -> GuideRows | None:
         """Return rows along a polygon, or None; see `Guide`."""
         proofs = []
         for first, last in pairwise(corners):
@@ -217,7 +217,7 @@ class PoseGuide:
         given = RowsOnWay(part, fraction, _on_polygon(corners, part, fraction))
         return self._through(given, np.array(proofs))
 
-    def through(self, given: RowsOnWay) -> Trace | None:
+    def through(self, given: RowsOnWay) -> GuideRows | None:
         """Return given rows with their poses, or None; see `Guide`."""
         proofs = np.zeros(int(given.part[-1]) + 1, np.int64)
         for part, proof in zip(given.part.tolist(), self._proofs(given), strict=False):
@@ -240,12 +240,12 @@ class PoseGuide:
             else:
                 yield self.ways.prove(first, last)
 
-    def _through(self, given: RowsOnWay, proofs: NDArray[np.int64]) -> Trace | None:
+    def _through(self, given: RowsOnWay, proofs: NDArray[np.int64]) -> GuideRows | None:
         part, fraction, parameters, bulges = given
         R, T = self.ways.poses(parameters)
         values = values_at(self.ways.instance, R, T)
-        between = Rows(self.ways, values, R, T, parameters, bulges=bulges)
-        trace = Trace(part, fraction, values, R, T, proofs, between)
+        between = PathRows(self.ways, values, R, T, parameters, bulges=bulges)
+        trace = GuideRows(part, fraction, values, R, T, proofs, between)
         return trace if trace.keeps(self.clear) else None
 
     def placed(self, corner: Array) -> Array:
@@ -262,7 +262,7 @@ class PoseGuide:
         return within_limits(instance, values_at(instance, R, T), R, T)
 
 
-def _enclosed(trace: Trace, bulges: Array) -> bool:
+def _enclosed(trace: GuideRows, bulges: Array) -> bool:
     """Whether curved ways are in the boxes about their rows in which the mode is proved alone.
 
     Each place is in the box of one of both rows, and so is the straight way, which is followed.

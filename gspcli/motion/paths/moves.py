@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
 
-class Line(NamedTuple):
+class LineMove(NamedTuple):
     """A straight part with its limits."""
 
     way: Array
@@ -92,7 +92,7 @@ class Moves:
         return p + v * since + a * since**2 / 2, v + a * since, a
 
 
-def moves_of(places: Array, lines: list[Line], corners: list[Corner]) -> Moves:
+def moves_of(places: Array, lines: list[LineMove], corners: list[Corner]) -> Moves:
     """Return the moves along straight parts, from rest to rest.
 
     Parameters
@@ -129,7 +129,7 @@ def moves_of(places: Array, lines: list[Line], corners: list[Corner]) -> Moves:
     return found.moves(rates)
 
 
-def _rates(lines: list[Line], corners: list[Corner]) -> Array:
+def _rates(lines: list[LineMove], corners: list[Corner]) -> Array:
     """Return the rates at all corners."""
     most = np.zeros(len(lines) + 1)
     for k, corner in enumerate(corners, 1):

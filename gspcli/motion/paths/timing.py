@@ -17,8 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.errors import ArgumentError
-from gspcli.motion.paths.guides import Guide, PoseGuide, RowsOnWay, Trace, ValueGuide
-from gspcli.motion.paths.moves import Corner, Line, Moves, moves_of
+from gspcli.motion.paths.guides import Guide, GuideRows, PoseGuide, RowsOnWay, ValueGuide
+from gspcli.motion.paths.moves import Corner, LineMove, Moves, moves_of
 from gspcli.motion.paths.rate_bounds import Rates
 from gspcli.records import dataclass
 
@@ -143,7 +143,7 @@ class Timing:
 class TimedTrace(NamedTuple):
     """Rows of a path with their times."""
 
-    trace: Trace
+    trace: GuideRows
     t: Array
     """Seconds, shape (r,)."""
     timing: Timing
@@ -154,7 +154,7 @@ class TimedTrace(NamedTuple):
 class _Law(Protocol):
     """What limits the moves along the parts of a path."""
 
-    def line(self, first: Array, last: Array) -> Line:
+    def line(self, first: Array, last: Array) -> LineMove:
         """Return a straight part with its limits."""
         ...
 
@@ -173,12 +173,12 @@ class _ValueLaw:
     def __init__(self, speed: Array, acceleration: Array) -> None:
         self._speed, self._acceleration = speed, acceleration
 
-    def line(self, first: Array, last: Array) -> Line:
+    def line(self, first: Array, last: Array) -> LineMove:
         way = last - first
         duration = float((np.abs(way) / self._speed).max()) * _OUTWARD
         with np.errstate(divide="ignore"):
             rise = float((self._acceleration * duration / np.abs(way)).min()) / _OUTWARD
-        return Line(way, duration, rise)
+        return LineMove(way, duration, rise)
 
     def bend(self, corner: Array, change: Array) -> float:
         del corner
@@ -195,11 +195,11 @@ class _PoseLaw:
     def __init__(self, rates: Rates, speed: Array, acceleration: Array) -> None:
         self._rates, self._speed, self._acceleration = rates, speed, acceleration
 
-    def line(self, first: Array, last: Array) -> Line:
+    def line(self, first: Array, last: Array) -> LineMove:
         way = last - first
         speeds, bends = self._rates.bounds(first, way, 0 * way, 1.0)
         v, a = self._speed, self._acceleration
-        best = Line(way, np.inf, 0.0)
+        best = LineMove(way, np.inf, 0.0)
         time = np.inf
         for share in _BENT:
             duration = max(float((speeds / v).max()), float(np.sqrt((bends / (share * a)).max())))
@@ -210,7 +210,7 @@ class _PoseLaw:
             quick = rise * duration >= 1
             here = duration + 1 / rise if quick else 2 * np.sqrt(duration / rise)
             if here < time:
-                best, time = Line(way, duration, rise), here
+                best, time = LineMove(way, duration, rise), here
         if not np.isfinite(time):
             message = "the speeds of the motors have no bound on the path: a distance is zero there"
             raise ArgumentError(message, "speed")

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from gspcli.geometry.readings import without_corrections
 from gspcli.motion.following.tracks import Track
-from gspcli.motion.paths.between_rows import Rows, largest_conditions, least_clearances
+from gspcli.motion.paths.between_rows import PathRows, largest_conditions, least_clearances
 from gspcli.motion.paths.pose_ways import PoseWays
 from gspcli.motion.paths.value_ways import ValueWays
 from gspcli.records import dataclass
@@ -78,13 +78,13 @@ def _badness(one: Between, quantity: str) -> float:
     return one.bound if quantity == "condition" else -one.bound
 
 
-def _rows(track: Track, k: int, there: NDArray[np.int64], ways: PoseWays | None) -> Rows:
+def _rows(track: Track, k: int, there: NDArray[np.int64], ways: PoseWays | None) -> PathRows:
     """Return the rows of one mode."""
     R, T, values = track.R[k, there], track.T[k, there], track.values[there]
     if ways is not None:
-        return Rows(ways, values, R, T, ways.continued(R, T))
+        return PathRows(ways, values, R, T, ways.continued(R, T))
     # Limits are judged apart: a way that leaves them has its condition numbers all the same.
     instance = without_corrections(track.followed)
     rows = tuple(replace(row, limits=None) for row in instance.constraints)
     free = ValueWays(replace(instance, constraints=rows), np.sign(values[0]))
-    return Rows(free, values, R, T, weights=Rows.weights_of(track.instance))
+    return PathRows(free, values, R, T, weights=PathRows.weights_of(track.instance))

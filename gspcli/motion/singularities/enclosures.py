@@ -26,7 +26,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.certification.branches.parametric_quadrics import Law, Shape
+from gspcli.certification.branches.parametric_quadrics import Shape, ValueFunction
 from gspcli.motion.following.branch_follower import MovingPlatform
 from gspcli.records import dataclass
 from gspcli.ties import definite_pairs
@@ -162,9 +162,9 @@ class Neighbourhood:
         """Return first-order and whole changes of c by a width, shape (n, 6) each."""
         equations, v = self.platform.equations, self.values
         laws = equations.laws
-        angle = np.isin(laws, (Law.COSINE, Law.SINE))
+        angle = np.isin(laws, (ValueFunction.COSINE, ValueFunction.SINE))
         first = self.platform.slopes(v) * widths
-        second = np.select([laws == Law.SQUARE, angle], [widths**2, widths**2 / 2], 0.0)
+        second = np.select([laws == ValueFunction.SQUARE, angle], [widths**2, widths**2 / 2], 0.0)
         return first, np.abs(first) + second
 
     def box(self, widths: Array) -> Box:

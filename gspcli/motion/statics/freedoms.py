@@ -69,7 +69,7 @@ class Screw:
 
 
 @dataclass(frozen=True, eq=False)
-class Candidate:
+class AbsentConstraint:
     """A constraint that is not there, and which freedoms it would touch.
 
     Attributes
@@ -124,7 +124,7 @@ class Freedoms:
     screws: tuple[Screw, ...]
     redundant: dict[int, tuple[int, ...]]
     off: Array
-    candidates: tuple[Candidate, ...]
+    candidates: tuple[AbsentConstraint, ...]
 
     def __repr__(self) -> str:
         return f"<Freedoms: {self.sentences[0]}>"
@@ -417,7 +417,7 @@ def _off(instance: Instance, R: Array, T: Array) -> Array:
     return np.asarray(np.where(signed, values * sides, values) / units - arrangement.values)
 
 
-def _candidates(found: Freedoms, length: float) -> list[Candidate]:
+def _candidates(found: Freedoms, length: float) -> list[AbsentConstraint]:
     """Return the constraints between primitives of the file that would remove a freedom."""
     instance = found.instance
     bodies = [instance.named(body) for body in ("platform", "base")]
@@ -440,7 +440,7 @@ def _candidates(found: Freedoms, length: float) -> list[Candidate]:
             if strong.any():
                 touches = tuple((np.flatnonzero(strong) + 1).tolist())
                 result.append(
-                    Candidate(kind, here, where, _rank(acts @ np.eye(len(twists))), touches)
+                    AbsentConstraint(kind, here, where, _rank(acts @ np.eye(len(twists))), touches)
                 )
     result.sort(key=lambda one: (len(one.touches), one.touches))
     return result

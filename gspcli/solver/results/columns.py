@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from gspcli.solver.results.solution import Solution
 
 
-class Poses(Protocol):
+class PosesOfColumns(Protocol):
     """Poses of which something is said, and of what they are: a `SolveResult`."""
 
     @property
@@ -72,7 +72,7 @@ class Poses(Protocol):
         """The poses one by one."""
 
 
-Reader = Callable[[Poses], Sequence[Any] | NDArray[Any]]
+Reader = Callable[[PosesOfColumns], Sequence[Any] | NDArray[Any]]
 #: How rotations can be written besides as Euler angles, which are named by their axes.
 ROTATIONS = ("quaternion", "matrix", "rotvec")
 
@@ -99,12 +99,12 @@ class PoseColumn:
     of_pose: bool = False
 
 
-def _part(read: Callable[[Poses], NDArray[Any]], entry: int) -> Reader:
+def _part(read: Callable[[PosesOfColumns], NDArray[Any]], entry: int) -> Reader:
     """Read one of the entries that there are for each pose."""
     return lambda result: read(result)[:, entry]
 
 
-def _sides(result: Poses) -> list[list[str]]:
+def _sides(result: PosesOfColumns) -> list[list[str]]:
     return [
         [f"{constraint}:{side}" for constraint, side in solution.sides.items()]
         for solution in result.solutions
@@ -146,7 +146,7 @@ COLUMNS = (*TRANSLATION, *QUATERNION, *FACTS)
 class _Expressed:
     """Poses of a result as they are expressed in a frame, for the columns of poses."""
 
-    result: Poses
+    result: PosesOfColumns
     frame: PoseFrame
 
     @property
@@ -186,7 +186,9 @@ def expressed_columns(columns: Sequence[PoseColumn], frame: PoseFrame) -> Sequen
     ]
 
 
-def _expressed(read: Reader, frame: PoseFrame, result: Poses) -> Sequence[Any] | NDArray[Any]:
+def _expressed(
+    read: Reader, frame: PoseFrame, result: PosesOfColumns
+) -> Sequence[Any] | NDArray[Any]:
     return read(_Expressed(result, frame))  # type: ignore[arg-type]
 
 
@@ -225,16 +227,16 @@ def rotation_columns(form: str) -> tuple[PoseColumn, ...]:
     )
 
 
-def _vectors(result: Poses) -> NDArray[np.float64]:
+def _vectors(result: PosesOfColumns) -> NDArray[np.float64]:
     return _of_real(result, vector_from_rotation)
 
 
-def _angles(sequence: str, result: Poses) -> NDArray[np.float64]:
+def _angles(sequence: str, result: PosesOfColumns) -> NDArray[np.float64]:
     return _of_real(result, partial(euler_from_rotation, sequence))
 
 
 def _of_real(
-    result: Poses, written: Callable[[NDArray[np.float64]], NDArray[np.float64]]
+    result: PosesOfColumns, written: Callable[[NDArray[np.float64]], NDArray[np.float64]]
 ) -> NDArray[np.float64]:
     """Return angles of the real poses in the unit of the instance, others are not numbers."""
     values = np.full((len(result.R), 3), np.nan)
@@ -242,7 +244,7 @@ def _of_real(
     return values
 
 
-def plain_table(result: Poses, account: str) -> str:
+def plain_table(result: PosesOfColumns, account: str) -> str:
     """Return the real poses as a table of plain text, and what became of every path below it."""
     units = {
         "length": f" [{result.instance.units.length}]",

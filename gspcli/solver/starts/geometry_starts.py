@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.certification.equations.frames import Frames
+from gspcli.certification.equations.frames import StudyFrames
 from gspcli.continuation.quadrics import ComplexArray
 from gspcli.continuation.start import path_count
 from gspcli.continuation.systems import Coefficients
@@ -62,7 +62,7 @@ def geometry_among(
     seed: int,
     jobs: int,
     starts: SolvedStarts,
-) -> Geometry | None:
+) -> SolvedGeometry | None:
     """Return a geometry with a start among sets of values; None if that is not safe.
 
     Parameters
@@ -103,7 +103,7 @@ def geometry_about(
     ways: Iterable[StartMethod],
     solved: tuple[Array, ComplexArray] | None = None,
     far: FarPoses | None = None,
-) -> Geometry | None:
+) -> SolvedGeometry | None:
     """Return a geometry with a start about some parameters; None if that is not safe.
 
     Parameters
@@ -140,7 +140,7 @@ def geometry_about(
             proof = (
                 Proof.modulo(CountKind.GEOMETRY, counted.error) if counted.has_lone_lines else None
             )
-        return Geometry(given, inner, length, choices, start, start, far, expected, proof)
+        return SolvedGeometry(given, inner, length, choices, start, start, far, expected, proof)
     return None
 
 
@@ -175,7 +175,7 @@ def _squared(given: Arrangement, values: Array) -> Array:
 
 
 @dataclass(frozen=True, eq=False)
-class Geometry:
+class SolvedGeometry:
     """A geometry with the solutions of its start.
 
     Attributes
@@ -217,7 +217,7 @@ class Geometry:
         """How many sets of values are solved together."""
         return max(1, _BATCH_PATHS // self.found)
 
-    def among(self, rows: Array, jobs: int) -> Geometry:
+    def among(self, rows: Array, jobs: int) -> SolvedGeometry:
         """Return the geometry with starts among sets of values (b, 6)."""
         if self.start.homotopy is None:
             return self
@@ -249,7 +249,7 @@ class Geometry:
             Study points for each set of values and choice of sides, and their unit of f.
         """
         choices, given = len(self.choices), self.given
-        frames = Frames(length=unit, platform=given.platform_centre, base=given.base_centre)
+        frames = StudyFrames(length=unit, platform=given.platform_centre, base=given.base_centre)
         points = points.reshape(-1, choices, len(self.start.points), 8)
         return Ends(points, frames, self.far)
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from gspcli.certification.equations.frames import Frames
+from gspcli.certification.equations.frames import StudyFrames
 from gspcli.geometry.three_angles import study_points
 from gspcli.solver.ends import Ends
 from gspcli.solver.problem import Problem
@@ -31,4 +31,4 @@ def closed_form(problem: Problem) -> Iterator[Ends]:
     points = np.stack(each, axis=1).reshape(len(values), len(each), -1, 8)
     points[~found.general] = np.nan
     centres = arrangement.platform_centre, arrangement.base_centre
-    yield Ends(points, Frames(length=length, platform=centres[0], base=centres[1]))
+    yield Ends(points, StudyFrames(length=length, platform=centres[0], base=centres[1]))

@@ -20,7 +20,7 @@ from gspcli.solver.ledger import Ledger
 from gspcli.solver.problem import Problem
 from gspcli.solver.results.pose_set import PoseSet, are_far
 from gspcli.solver.starts.geometry_starts import (
-    Geometry,
+    SolvedGeometry,
     geometry_about,
     parameters_in,
     solved_system,
@@ -47,10 +47,10 @@ class _Entry(NamedTuple):
     """A geometry with far poses, and the solved platform that it was made from."""
 
     made_from: SolvedPlatform
-    geometry: Geometry | None
+    geometry: SolvedGeometry | None
 
 
-def kept_geometry(problem: Problem) -> Geometry | None:
+def kept_geometry(problem: Problem) -> SolvedGeometry | None:
     """Return the geometry of a platform with a start; None where none is kept, or none is safe."""
     known = problem.starts.platform(problem.arrangement)
     if known is None:
@@ -71,7 +71,7 @@ def kept_geometry(problem: Problem) -> Geometry | None:
 
 def kept_among(
     problem: Problem, solve: Callable[[Problem], PoseSet], *, begin: bool
-) -> Geometry | None:
+) -> SolvedGeometry | None:
     """Return a geometry with poses far away and starts among sets of values; None if it has none.
 
     Parameters
@@ -97,7 +97,7 @@ def kept_among(
 
 def _with_far_poses(
     problem: Problem, known: SolvedPlatform, is_far: NDArray[np.bool_]
-) -> Geometry | None:
+) -> SolvedGeometry | None:
     """Return the geometry with a start of the near poses, and with the far ones."""
     solved = problem.like(known.instance)
     if len(solved.choices) > 1 or solved.proofs is None or is_far.all():
@@ -137,7 +137,7 @@ def _about(
     poses: PoseSet,
     seed: int,
     far: FarPoses | None = None,
-) -> Geometry | None:
+) -> SolvedGeometry | None:
     """Return the geometry with a start from a solved platform; None if that is not safe."""
     length = problem.unit
     square = [kind.is_distance and not kind.has_sides for kind in known.kinds]

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.solver.problem import Problem
 from gspcli.solver.results.pose_set import PoseSet
-from gspcli.solver.starts.geometry_starts import Geometry, geometry_among
+from gspcli.solver.starts.geometry_starts import SolvedGeometry, geometry_among
 from gspcli.solver.strategies.kept_geometry import kept_among
 
 Array = NDArray[np.float64]
@@ -65,7 +65,7 @@ def groups_of(
         yield np.array(members, np.intp), group
 
 
-def start_among(problem: Problem, solve: Callable[[Problem], PoseSet]) -> Geometry | None:
+def start_among(problem: Problem, solve: Callable[[Problem], PoseSet]) -> SolvedGeometry | None:
     """Return the geometry with a start for sets of values of one size; None if none is safe."""
     among = problem.arrangement, problem.values, problem.count_geometry
     return (

@@ -13,7 +13,7 @@ from gspcli.atlas import task_counts as module
 from gspcli.atlas.journal import Journal
 from gspcli.atlas.task_counts import Result, count_all
 from gspcli.atlas.tasks import Task
-from gspcli.atlas.trace import Trace
+from gspcli.atlas.trace import TraceTest
 from gspcli.atlas.tracked_counts import Tracked
 from gspcli.errors import GspError
 from gspcli.workers import Workers
@@ -50,7 +50,7 @@ def test_results_come_back(tmp_path: Path) -> None:
 def test_what_tracking_gave_comes_back(tmp_path: Path) -> None:
     path = tmp_path / "work.jsonl"
     results = [
-        Result(TASKS[0], 16, 0.5, Tracked(16, Trace(1e-14, 1e-5))),
+        Result(TASKS[0], 16, 0.5, Tracked(16, TraceTest(1e-14, 1e-5))),
         Result(TASKS[1], 16, 0.5, Tracked(16, None)),
     ]
     for result in results:

@@ -7,10 +7,10 @@ import io
 
 import pytest
 
-from gspcli.atlas.records import Verdict, contents, verdict
+from gspcli.atlas.records import RecordVerdict, contents, verdict
 from gspcli.atlas.task_counts import Result
 from gspcli.atlas.tasks import PRIMES, Task
-from gspcli.atlas.trace import Trace
+from gspcli.atlas.trace import TraceTest
 from gspcli.atlas.tracked_counts import Tracked
 from gspcli.defaults import SEED
 from gspcli.errors import CheckFailed
@@ -18,12 +18,12 @@ from gspcli.errors import CheckFailed
 SUBJECT, FAMILY = "DPP DPP DPL", "3D3A PP PP PL"
 
 
-PASSED, FAILED = Trace(1e-14, 1e-5), Trace(2e-5, 1e-5)
+PASSED, FAILED = TraceTest(1e-14, 1e-5), TraceTest(2e-5, 1e-5)
 
 Key = tuple[str, int, int]
 
 
-def _results(counts: dict[Key, int | None], trace: Trace | None = None) -> dict[Task, Result]:
+def _results(counts: dict[Key, int | None], trace: TraceTest | None = None) -> dict[Task, Result]:
     results = {}
     for (subject, sides, characteristic), count in counts.items():
         task = Task(subject, sides, characteristic)
@@ -32,7 +32,9 @@ def _results(counts: dict[Key, int | None], trace: Trace | None = None) -> dict[
     return results
 
 
-def _rows(counts: dict[Key, int | None], trace: Trace | None = None) -> dict[str, dict[str, str]]:
+def _rows(
+    counts: dict[Key, int | None], trace: TraceTest | None = None
+) -> dict[str, dict[str, str]]:
     text = contents(_results(counts, trace))["families.csv"]
     return {row["family"]: row for row in csv.DictReader(io.StringIO(text))}
 
@@ -71,7 +73,11 @@ def test_verdicts() -> None:
         verdict(_results({(SUBJECT, 1, 0): count}, trace)[Task(SUBJECT, 1, 0)])
         for count, trace in ((32, PASSED), (32, FAILED), (31, PASSED), (33, PASSED))
     ]
-    equal, unfinished, different = Verdict.EQUAL, Verdict.UNFINISHED, Verdict.DIFFERENT
+    equal, unfinished, different = (
+        RecordVerdict.EQUAL,
+        RecordVerdict.UNFINISHED,
+        RecordVerdict.DIFFERENT,
+    )
     assert verdicts == [equal, unfinished, unfinished, different]
 
 

@@ -42,7 +42,7 @@ from gspcli.symbolic.coordinate_systems import (
     motion_blocks,
     system,
 )
-from gspcli.symbolic.forms import Frame, Vector, base, evaluate, inner, platform, triple
+from gspcli.symbolic.forms import Vector, VectorFrame, base, evaluate, inner, platform, triple
 from gspcli.symbolic.rational_motions import RationalMotion, random_motion
 from gspcli.symbolic.varieties import hilbert_function, motion_variables
 from tools.build.constraints import constraint_facts, unproved_degrees
@@ -133,7 +133,7 @@ def test_the_gram_quotient_is_the_least_distance(kind: Kind) -> None:
 
     def carried(vector: Vector) -> Matrix:
         column = vectors[str(vector.name)]
-        return blocks["R"] * column if vector.frame is Frame.PLATFORM else column
+        return blocks["R"] * column if vector.frame is VectorFrame.PLATFORM else column
 
     offset = carried(where.platform.point) + blocks["T"] - carried(where.base.point)
     directions = [carried(direction) for direction in where.directions]
@@ -153,13 +153,13 @@ def test_inner_and_triple_products_of_moving_vectors() -> None:
         platform("b"): blocks["R"] * vectors["b"],
         base("c"): vectors["c"],
         base("d"): vectors["d"],
-        Vector(sympy.Symbol("T"), Frame.TRANSLATION): blocks["T"],
+        Vector(sympy.Symbol("T"), VectorFrame.TRANSLATION): blocks["T"],
     }
     for x, x_value in moved.items():
         for y, y_value in moved.items():
             assert evaluate(inner(x, y), vectors, blocks) == x_value.dot(y_value)
             for z, z_value in moved.items():
-                if [x, y, z].count(Vector(sympy.Symbol("T"), Frame.TRANSLATION)) > 1:
+                if [x, y, z].count(Vector(sympy.Symbol("T"), VectorFrame.TRANSLATION)) > 1:
                     continue
                 expected = Matrix.hstack(x_value, y_value, z_value).det()
                 assert evaluate(triple(x, y, z), vectors, blocks) == expected

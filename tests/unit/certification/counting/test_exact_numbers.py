@@ -2,13 +2,13 @@ from fractions import Fraction
 
 import pytest
 
-from gspcli.certification.counting.elements import Element, NoElementError
+from gspcli.certification.counting.elements import FieldElement, NoElementError
 from gspcli.certification.counting.exact_numbers import element, in_radians
 from gspcli.geometry.instance import AngleUnit
 from gspcli.geometry.numbers import Number, parse_number
 
 
-def of(text: str) -> Element:
+def of(text: str) -> FieldElement:
     return element(parse_number(text))
 
 

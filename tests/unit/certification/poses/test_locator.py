@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from flint import acb, arb, ctx
 
-from gspcli.certification.equations.frames import OWN, Frames
+from gspcli.certification.equations.frames import OWN, StudyFrames
 from gspcli.certification.equations.pose_balls import pose_of_point
 from gspcli.certification.poses.isolation import Isolation
 from gspcli.certification.poses.locator import Located, Locator
@@ -37,7 +37,7 @@ def test_an_approximate_pose_becomes_a_proved_one(known, names):
 def test_frames_move_points_to_those_of_the_instance(known):
     platform = known("DPP DPL DPH DLP DLL DHP", 4)
     R, T = platform.floats
-    frames = Frames(length=2.5, platform=(1.0, -2.0, 0.5), base=(0.25, 3.0, -1.0))
+    frames = StudyFrames(length=2.5, platform=(1.0, -2.0, 0.5), base=(0.25, 3.0, -1.0))
     inner = (T - np.array(frames.base) + R @ np.array(frames.platform)) / frames.length
     [pose] = Locator(platform.instance, frames).locate(point(R, inner)[None], None, (0,) * 6)
     assert pose is not None

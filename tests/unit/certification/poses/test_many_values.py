@@ -12,7 +12,7 @@ from gspcli import _kernel, hexapod
 from gspcli.catalogue.names import parse_type
 from gspcli.certification import certify
 from gspcli.certification.equations.ball_system import BallSystem
-from gspcli.certification.equations.frames import OWN, Frames
+from gspcli.certification.equations.frames import OWN, StudyFrames
 from gspcli.certification.equations.study import form_hessians
 from gspcli.certification.poses.many_values import ValueProofs
 from gspcli.geometry.arrangement import Arrangement
@@ -47,7 +47,7 @@ class Batch:
             np.array([getattr(p, name) for p in poses]) for name in ("R", "T", "real")
         )
         # Other frames, another unit and another factor for each point, as paths end.
-        self.frames = Frames(length=0.7, platform=(0.2, 0.1, -0.3), base=(0.1, -0.2, 0.3))
+        self.frames = StudyFrames(length=0.7, platform=(0.2, 0.1, -0.3), base=(0.1, -0.2, 0.3))
         moved = (T - self.frames.base + R @ self.frames.platform) / self.frames.length
         points = np.concatenate(study_from_pose(R, moved), axis=-1)
         factors = rng.normal(size=R.shape[:2]) + 1j * rng.normal(size=R.shape[:2])

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from gspcli.errors import GspError
-from gspcli.motion.files.requirements import Parts, judge, parse_requirements
+from gspcli.motion.files.requirements import QuantityParts, judge, parse_requirements
 
 
 def test_names_numbers_and_signs():
@@ -47,7 +47,9 @@ def test_the_worst_row_of_each():
     numbers = {
         "condition": np.array([3.0, 50.0, 7.0]),
         "clearance": np.array([0.7, 0.6, 0.4]),
-        "force": Parts(np.array([[1.0, 2.0], [3.0, 201.0], [0.0, 4.0]]), ["leg 1", "leg 2"]),
+        "force": QuantityParts(
+            np.array([[1.0, 2.0], [3.0, 201.0], [0.0, 4.0]]), ["leg 1", "leg 2"]
+        ),
     }
     condition, clearance, force = judge(requirements, numbers)
     assert (condition.met, condition.worst, condition.row) == (True, 50.0, 1)

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from gspcli import _kernel
-from gspcli.certification.branches.parametric_quadrics import Law, Shape
+from gspcli.certification.branches.parametric_quadrics import Shape, ValueFunction
 from gspcli.certification.branches.taylor import MovingQuadrics
 from gspcli.motion.following.branch_follower import FollowOptions, Stop
 from gspcli.motion.following.branch_steps import BranchSteps, Segment
@@ -37,13 +37,13 @@ NORM = quadric(e00=1, e11=1, e22=1, e33=1)
 OTHERS = [quadric(**{f"e0{k}": 1}) for k in (2, 3, 5, 6, 7)]
 #: Shape and law of the sixth equation, its quadrics A and B, and bounds of c and of A - c N.
 EQUATIONS = {
-    "square": (Shape.PLAIN, Law.SQUARE, quadric(e11=1), None),
-    "cosine": (Shape.PLAIN, Law.COSINE, quadric(e00=1), None),
-    "product": (Shape.PRODUCT, Law.SQUARE, quadric(e11=2), quadric(e01=1)),
-    "product of squares": (Shape.PRODUCT, Law.SQUARE, quadric(e11=1), quadric(e11=3)),
-    "product without A": (Shape.PRODUCT, Law.COSINE, NORM, quadric(e01=1)),
-    "lines": (Shape.LINES, Law.SQUARE, quadric(e01=1), quadric(e01=1)),
-    "lines that turn": (Shape.LINES, Law.SQUARE, quadric(e01=1), quadric(e11=3)),
+    "square": (Shape.PLAIN, ValueFunction.SQUARE, quadric(e11=1), None),
+    "cosine": (Shape.PLAIN, ValueFunction.COSINE, quadric(e00=1), None),
+    "product": (Shape.PRODUCT, ValueFunction.SQUARE, quadric(e11=2), quadric(e01=1)),
+    "product of squares": (Shape.PRODUCT, ValueFunction.SQUARE, quadric(e11=1), quadric(e11=3)),
+    "product without A": (Shape.PRODUCT, ValueFunction.COSINE, NORM, quadric(e01=1)),
+    "lines": (Shape.LINES, ValueFunction.SQUARE, quadric(e01=1), quadric(e01=1)),
+    "lines that turn": (Shape.LINES, ValueFunction.SQUARE, quadric(e01=1), quadric(e11=3)),
 }
 #: Up to there all of the equations have solutions.
 FARTHEST = 0.16
@@ -65,15 +65,16 @@ def follow(name: str, rows, x: float, *, near=0.0, halvings=0, moduli=1.0, build
     sizes = np.linalg.norm(hessians, ord=2, axis=(2, 3))
     values = np.zeros((1, len(rows), 6))
     values[0, :, 0] = rows
-    laws = np.array([law, *[Law.LINEAR] * 5], np.int32)
-    largest = np.array([1.0 if law is Law.COSINE else np.max(np.square(rows)), *[0.0] * 5])
+    laws = np.array([law, *[ValueFunction.LINEAR] * 5], np.int32)
+    most = 1.0 if law is ValueFunction.COSINE else np.max(np.square(rows))
+    largest = np.array([most, *[0.0] * 5])
     found = _kernel.follow(
         np.array([shape, *[Shape.PLAIN] * 5], np.int32),
         laws,
         np.ones(6),
         largest,
         np.maximum(sizes[:, 0], np.abs(sizes[:, 0] - 2 * largest))
-        + 2 * largest * (law is Law.COSINE),
+        + 2 * largest * (law is ValueFunction.COSINE),
         hessians,
         sizes,
         sizes * moduli,
@@ -122,7 +123,9 @@ def test_where_the_pose_may_be_another_one_no_branch_begins(name: str) -> None:
         assert follow(name, [0.05, 0.052], x, near=share * alone, halvings=3).stop != Stop.END
 
 
-@pytest.mark.parametrize("name", [x for x, row in EQUATIONS.items() if row[1] is Law.SQUARE])
+@pytest.mark.parametrize(
+    "name", [x for x, row in EQUATIONS.items() if row[1] is ValueFunction.SQUARE]
+)
 def test_terms_that_cancel_make_errors(name: str) -> None:
     """Entries are sums of terms whose moduli may be much larger than the entries."""
     exact, rough = (follow(name, [0.1, 0.103], 0.1, moduli=m) for m in (1.0, 1e4))
@@ -140,7 +143,7 @@ def piece(name: str, begin: float, end: float) -> MovingQuadrics:
         quadrics[0, 1, 0] = b
     middle, change = (begin + end) / 2, end - begin
     c = np.array([middle**2, 2 * middle * change, change**2, 0])
-    if law is Law.COSINE:
+    if law is ValueFunction.COSINE:
         # 1 - v^2 / 2 instead.
         c = np.array([1, 0, 0, 0]) - c / 2
     factors = np.zeros((6, DEGREE + 1))
@@ -160,7 +163,7 @@ def shapes_of(name: str) -> np.ndarray:
 def solution(name: str, v: float, sign: int) -> float:
     """Return x for a value."""
     shape, law, a, b = EQUATIONS[name]
-    c = 1 - v * v / 2 if law is Law.COSINE else v * v
+    c = 1 - v * v / 2 if law is ValueFunction.COSINE else v * v
 
     def value(x: float) -> float:
         z = np.array([1, x, 0, 0, 0, 0, 0, 0])

@@ -12,7 +12,7 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.quaternions import rotation_from_quaternion
 from gspcli.geometry.residuals import condition_numbers
 from gspcli.motion.following.trajectories import track_from
-from gspcli.motion.paths.between_rows import Rows, largest_conditions, least_clearances
+from gspcli.motion.paths.between_rows import PathRows, largest_conditions, least_clearances
 from gspcli.motion.paths.condition_bounds import condition_bounds
 from gspcli.motion.paths.pose_ways import PoseWays
 from gspcli.motion.paths.track_bounds import can_be_bounded, worst_between
@@ -68,7 +68,7 @@ def rows_on_values(name, change, count=4):
     )
     ways = ValueWays(free, np.sign(values))
     weights = range_weights(instance)
-    return Rows(ways, *found[0], weights=weights), found[1], weights
+    return PathRows(ways, *found[0], weights=weights), found[1], weights
 
 
 @pytest.mark.parametrize(
@@ -107,7 +107,7 @@ def test_bounds_along_poses_hold_at_samples(name):
     parts = np.linspace(0, 1, 3)[:, None]
     parameters = begin + (end - begin) * parts
     R, T = ways.poses(parameters)
-    rows = Rows(ways, values_at(instance, R, T), R, T, parameters)
+    rows = PathRows(ways, values_at(instance, R, T), R, T, parameters)
     many = begin + (end - begin) * np.linspace(0, 1, 300)[:, None]
     R, T = ways.poses(many)
     worst = condition_numbers(Arrangement.of(instance), R, T).max()
@@ -138,7 +138,7 @@ def test_a_peak_between_two_rows_is_found():
     before = int(np.flatnonzero(conditions[:peak] < 0.6 * conditions[peak])[-1])
     parameters = line[[ends, before]] if ends != before else line[[ends - 20, before]]
     R, T = ways.poses(parameters)
-    rows = Rows(ways, values_at(platform, R, T), R, T, parameters)
+    rows = PathRows(ways, values_at(platform, R, T), R, T, parameters)
     inner = condition_numbers(
         Arrangement.of(platform),
         *ways.poses(

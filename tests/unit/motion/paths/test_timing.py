@@ -13,7 +13,7 @@ from gspcli.motion.following.trajectories import track_from
 from gspcli.motion.paths import guides
 from gspcli.motion.paths.ends import PathEnd
 from gspcli.motion.paths.finished_paths import finished
-from gspcli.motion.paths.moves import Corner, Line, moves_of
+from gspcli.motion.paths.moves import Corner, LineMove, moves_of
 from gspcli.motion.paths.planner import Planner
 from gspcli.motion.paths.timing import PathLimits
 from gspcli.motion.poses.inverse_kinematics import values_at
@@ -175,7 +175,7 @@ def test_nothing_moves_in_no_time(study):
 
 def test_rates_at_corners_are_those_that_can_be_reached():
     # A short part between two long ones: from its end the rate must fall on the third part.
-    lines = [Line(np.array([w, 0.0]), w, 2.0) for w in (10.0, 0.1, 0.1)]
+    lines = [LineMove(np.array([w, 0.0]), w, 2.0) for w in (10.0, 0.1, 0.1)]
     moves = moves_of(
         np.array([[0, 0], [10, 0], [10.1, 0], [10.2, 0]]), lines, [Corner(0.0, 0.5)] * 2
     )

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from gspcli.certification.branches.parametric_quadrics import Law, MovingEquations, Shape
+from gspcli.certification.branches.parametric_quadrics import MovingEquations, Shape, ValueFunction
 from gspcli.motion.following.branch_follower import MovingPlatform
 from gspcli.motion.singularities.enclosures import Neighbourhood
 
@@ -15,7 +15,7 @@ def test_a_cosine_changes_at_an_angle_of_zero() -> None:
         hessians[k, 0, 0, j] = hessians[k, 0, j, 0] = 1
     sizes = np.linalg.norm(hessians, ord=2, axis=(2, 3))
     platform = MovingPlatform.__new__(MovingPlatform)
-    laws = np.array([Law.COSINE, *[Law.LINEAR] * 5], np.int32)
+    laws = np.array([ValueFunction.COSINE, *[ValueFunction.LINEAR] * 5], np.int32)
     shapes = np.full(6, Shape.PLAIN, np.int32)
     platform.equations = MovingEquations(1.0, shapes, laws, np.ones(6), hessians, sizes, sizes)
     x = np.sqrt(0.01 / 0.99)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from gspcli.catalogue.names import parse_type
-from gspcli.certification.branches.parametric_quadrics import Law, MovingEquations, Shape
+from gspcli.certification.branches.parametric_quadrics import MovingEquations, Shape, ValueFunction
 from gspcli.geometry.quaternions import cross
 from gspcli.motion.following.branch_follower import MovingPlatform
 from gspcli.motion.singularities import pose_clearances
@@ -40,9 +40,9 @@ EQUATIONS = {
 }
 #: The law of the value, and the value at which c is some number.
 LAWS = {
-    "linear": (Law.LINEAR, lambda c: c),
-    "square": (Law.SQUARE, np.sqrt),
-    "sine": (Law.SINE, np.arcsin),
+    "linear": (ValueFunction.LINEAR, lambda c: c),
+    "square": (ValueFunction.SQUARE, np.sqrt),
+    "sine": (ValueFunction.SINE, np.arcsin),
 }
 
 
@@ -80,7 +80,7 @@ def near(name: str, law: str, c: float) -> tuple[Neighbourhood, float]:
     platform.equations = MovingEquations(
         1.0,
         np.array([shape, *[Shape.PLAIN] * 5], np.int32),
-        np.array([LAWS[law][0], *[Law.LINEAR] * 5], np.int32),
+        np.array([LAWS[law][0], *[ValueFunction.LINEAR] * 5], np.int32),
         np.ones(6),
         hessians,
         sizes,
