@@ -131,7 +131,7 @@ def _mutated(module, old, new):
 
 @pytest.mark.parametrize(("module", "old", "new"), MUTATIONS, ids=[m[1] for m in MUTATIONS])
 def test_wrong_formulas_are_seen(module, old, new, monkeypatch):
-    name = "MovingBodies" if module is bodies_module else "Drives"
+    name = "MovingBodies" if module is bodies_module else "DrivesAtPoses"
     monkeypatch.setattr(forces_module, name, getattr(_mutated(module, old, new), name))
     rng = np.random.default_rng(4)
     instance, R, T = random_platform("6DPP", rng)
