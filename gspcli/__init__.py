@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from gspcli.geometry.masses import Arm, Carriage, Drives, Dynamics, Leg, LegBody, RigidBody
     from gspcli.geometry.numbers import Number
     from gspcli.geometry.primitives import Cone, Crank, Line, Plane, Point, Slide
+    from gspcli.geometry.shapes import Shapes
     from gspcli.machines.api import import_machine
     from gspcli.motion import Follower, track
     from gspcli.motion.paths.api import path
@@ -92,6 +93,7 @@ _HOMES = {
     "Point": "gspcli.geometry.primitives",
     "PoseFrame": "gspcli.geometry.frames",
     "RigidBody": "gspcli.geometry.masses",
+    "Shapes": "gspcli.geometry.shapes",
     "Slide": "gspcli.geometry.primitives",
     "SpecError": "gspcli.errors",
     "TypeList": "gspcli.catalogue.listing",
@@ -180,6 +182,7 @@ __all__ = [
     "Point",
     "PoseFrame",
     "RigidBody",
+    "Shapes",
     "Slide",
     "SpecError",
     "TypeList",

@@ -228,6 +228,9 @@ def judge_boxes(
     ]
     | None = None,
 ) -> tuple[NDArray[np.uint64], NDArray[np.uint32], NDArray[np.uint64], NDArray[np.uint32]]: ...
+def hull_gaps(
+    points: NDArray[np.float64], starts: NDArray[np.int64], pairs: NDArray[np.int64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
 def connected_boxes(
     keys: NDArray[np.uint64],
     levels: NDArray[np.int32],

@@ -25,6 +25,7 @@
 #include "counting.hpp"
 #include "ends_module.hpp"
 #include "far_module.hpp"
+#include "gaps_module.hpp"
 #include "homotopy.hpp"
 #include "reduced_module.hpp"
 #include "ordering_module.hpp"
@@ -334,6 +335,7 @@ NB_MODULE(_kernel, m) {
   gsp::bind_closed_form(m, [](const std::string& name) { return gsp::build_named(name).intersect; });
   gsp::bind_ordering(m);
   gsp::bind_reach(m);
+  gsp::bind_gaps(m);
   gsp::bind_controller(m);
   gsp::bind_branches(m, [](const std::string& name) { return gsp::build_named(name).follow; });
   gsp::bind_ends(m, [](const std::string& name) { return gsp::build_named(name).decide; });

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
+from gspcli.cli.gap_columns import add_gaps
 from gspcli.cli.output import Column, Output, Table, emit
 from gspcli.cli.requirements import judged, refuse, verdict_entries, verdict_lines
 from gspcli.errors import GspError
@@ -82,7 +83,9 @@ def emit_drives(
         for row, least in zip(rows, share.min(axis=1).tolist(), strict=True):
             row["transmission"] = least
         shown = [Column("transmission", align="right", essential=True)]
-    verdicts, more = judged(instance, requirements, table.R, table.T, rows)
+    gaps, known = add_gaps(instance, table.R, table.T, rows)
+    verdicts, more = judged(instance, requirements, table.R, table.T, rows, known)
+    more = [*gaps, *more]
     more = [column for column in more if column.key != "transmission"]
     document = None
     if output.format == "json":

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from gspcli.cli.drive_rows import times_of
+from gspcli.cli.gap_columns import add_gaps
 from gspcli.cli.names import load_instance
 from gspcli.cli.output import Column, Output, Table, emit, output_options
 from gspcli.cli.pose_options import (
@@ -91,6 +92,9 @@ def command(
     a home that nearer to zero at the first pose. transmission is the least part of a motor's motion
     that acts along its rod. `gsp track` takes these columns. --cranks has the cranks only.
 
+    If SPEC states shapes of its legs, each row has the least gap between two of them, or between a
+    leg and a body, and names the two. A negative gap is an overlap.
+
     With --nearest each row is the nearest pose that was found within all ranges and cones, with its
     values and the limits that it meets. The platform goes there from home, then from row to row.
     The pose is proved to keep the limits, and so is a straight way to it, without a singular pose.
@@ -98,7 +102,7 @@ def command(
 
     With --require the worst row is named, and the exit code is 1 unless all rows keep it: range (as
     the share that a value or drive takes of its range, 1 at its ends), cone (likewise), condition,
-    transmission of cranks and slides, clearance and pose-clearance, which become columns.
+    transmission of cranks and slides, gap, clearance and pose-clearance, which become columns.
 
     \b
     Examples:
@@ -111,6 +115,7 @@ def command(
       gsp measure rotary.yaml poses.csv --drives -o angles.csv
       gsp measure rotary.yaml poses.csv --drives --require "transmission>=0.3"
       gsp measure machine.yaml --pose 0,0,200,1,0,0,0 --nearest
+      gsp measure thick.yaml poses.csv --require "gap>=2"
     """
     _check_options(spec, poses, pose, (drives, cranks, nearest), require)
     from gspcli.motion import PoseTable, read_poses
@@ -139,7 +144,9 @@ def command(
         return
     values = measure(instance, table.R, table.T)
     rows = _rows(instance, table, values.tolist())
-    verdicts, more = judged(instance, requirements, table.R, table.T, rows)
+    gaps, known = add_gaps(instance, table.R, table.T, rows)
+    verdicts, more = judged(instance, requirements, table.R, table.T, rows, known)
+    more = [*gaps, *more]
     times = times_of(table)
     document = None
     if output.format == "json":

@@ -97,6 +97,8 @@ def _measured(
         raise GspError(message)
     if name in ("range", "cone", "transmission"):
         return limits_of(instance, name, values, R, T)
+    if name == "gap":
+        return _gaps(instance, R, T)
     if name == "condition":
         from gspcli.geometry.printed_numbers import printed_conditions
         from gspcli.geometry.residuals import condition_numbers
@@ -109,6 +111,17 @@ def _measured(
     from gspcli.motion.singularities.pose_clearances import pose_clearances
 
     return pose_clearances(instance, R, T)
+
+
+def _gaps(instance: Instance, R: Array, T: Array) -> QuantityParts:
+    from gspcli.motion.collisions.leg_gaps import gaps
+    from gspcli.motion.files.requirements import QuantityParts
+
+    if instance.shapes is None:
+        message = "--require gap: SPEC states no shapes of its legs (shapes: {diameter: ...})"
+        raise GspError(message)
+    found = gaps(instance, R, T)
+    return QuantityParts(found.values, found.pairs)
 
 
 def _arrangement(instance: Instance, R: Array, T: Array) -> Arrangement:
@@ -213,14 +226,17 @@ def add_quantities(
     rows: Sequence[dict[str, Any]], quantities: Mapping[str, Array | QuantityParts]
 ) -> list[Column]:
     """Add quantities to rows, one number each, and return their columns."""
-    from gspcli.motion.files.requirements import QuantityParts
+    from gspcli.motion.files.requirements import QUANTITIES, QuantityParts
 
     columns = []
     for name, given in quantities.items():
         key = name.replace("-", "_")
         heading = {"range": "of range", "cone": "of cone"}.get(name, name.replace("-", " "))
         columns.append(Column(key, heading, align="right", essential=True))
-        numbers = given.largest if isinstance(given, QuantityParts) else given
+        if isinstance(given, QuantityParts):
+            numbers = given.least if QUANTITIES[name].least else given.largest
+        else:
+            numbers = given
         for row, number in zip(rows, numbers.tolist(), strict=True):
             row[key] = number if abs(number) < float("inf") else None
     return columns

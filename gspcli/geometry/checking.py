@@ -79,6 +79,10 @@ def checked(instance: Instance) -> Instance:
         raise ArgumentError(message, "constraints")
     if instance.dynamics is not None:
         _check_masses(instance)
+    if instance.shapes is not None:
+        from gspcli.geometry.shape_mistakes import refuse_mistakes
+
+        refuse_mistakes(instance.shapes, rows)
     return instance
 
 

@@ -17,6 +17,7 @@ from gspcli.geometry.instance import AngleUnit, Instance
 from gspcli.geometry.numbers import Number, Real
 from gspcli.geometry.primitives import Geometry, Line, Plane, Point
 from gspcli.geometry.primitives import Vector as Triple
+from gspcli.geometry.shapes import Shapes
 from gspcli.records import dataclass
 
 _ZERO, _ONE = Number.of(0), Number.of(1)
@@ -96,8 +97,19 @@ def _in_frames(instance: Instance, frames: dict[str, _Exact]) -> Instance:
         for row in instance.constraints
     )
     further = tuple((where, name, there(where, one)) for where, name, one in instance.further)
+    shapes = instance.shapes
+    if shapes is not None:
+        hulls = ("platform", "base")
+        points = {key: tuple(map(frames[key].inside, getattr(shapes, key))) for key in hulls}
+        shapes = Shapes(shapes.diameters, **points, near_joint=shapes.near_joint)
     return replace(
-        instance, constraints=rows, further=further, home=None, frames=None, dynamics=None
+        instance,
+        constraints=rows,
+        further=further,
+        home=None,
+        frames=None,
+        dynamics=None,
+        shapes=shapes,
     )
 
 

@@ -21,6 +21,7 @@ from gspcli.records import dataclass
 if TYPE_CHECKING:
     from gspcli.geometry.home_pose import Frames, HomePose
     from gspcli.geometry.masses import Dynamics
+    from gspcli.geometry.shapes import Shapes
 
 
 class Side(Enum):
@@ -166,6 +167,8 @@ class Instance:
         change no pose.
     readings
         What further sensors read at the pose of the values, as `gspcli.sensing.notation` has it.
+    shapes
+        The diameters of legs and the hulls of bodies, or None. They change no pose.
     """
 
     constraints: tuple[Constraint, ...]
@@ -177,6 +180,7 @@ class Instance:
     home: HomePose | None = None
     frames: Frames | None = None
     readings: tuple[str, ...] = ()
+    shapes: Shapes | None = None
 
     def __repr__(self) -> str:
         kinds = " ".join(row.kind.name for row in self.constraints)

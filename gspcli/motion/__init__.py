@@ -10,6 +10,7 @@ from gspcli.motion.poses.cranks import crank_angles, drive_values
 from gspcli.motion.poses.inverse_kinematics import measure
 
 if TYPE_CHECKING:
+    from gspcli.motion.collisions.leg_gaps import Gaps, gaps
     from gspcli.motion.following.branch_follower import FollowOptions, MovingPlatform
     from gspcli.motion.following.departures import Departure, departures
     from gspcli.motion.following.follower import Follower, FollowerReport, FollowerStatus
@@ -30,6 +31,7 @@ _HOMES = {
     "Follower": "following.follower",
     "FollowerReport": "following.follower",
     "FollowerStatus": "following.follower",
+    "Gaps": "collisions.leg_gaps",
     "ModeGroups": "paths.mode_groups",
     "MovingPlatform": "following.branch_follower",
     "PlannedPath": "paths.planned_paths",
@@ -37,6 +39,7 @@ _HOMES = {
     "Travel": "workspace.travels",
     "Workspace": "workspace.workspaces",
     "departures": "following.departures",
+    "gaps": "collisions.leg_gaps",
     "mode_groups": "paths.api",
     "path": "paths.api",
     "track": "following.trajectories",
@@ -50,6 +53,7 @@ __all__ = [
     "Follower",
     "FollowerReport",
     "FollowerStatus",
+    "Gaps",
     "ModeGroups",
     "MovingPlatform",
     "PlannedPath",
@@ -62,6 +66,7 @@ __all__ = [
     "crank_angles",
     "departures",
     "drive_values",
+    "gaps",
     "measure",
     "mode_groups",
     "out_of_range",

@@ -30,6 +30,7 @@ from gspcli.wording import listed, shown, suggestion
 if TYPE_CHECKING:
     from gspcli.geometry.home_pose import Frames, HomePose
     from gspcli.geometry.masses import Dynamics
+    from gspcli.geometry.shapes import Shapes
     from gspcli.spec.models import ConstraintModel, InstanceModel, PrimitiveModel
 
     #: The content of a constraint, read by `plain` or by `models`.
@@ -127,6 +128,7 @@ class FileChecker:
         self._check_numbers(nodes)
         self._check_cones(constraints)
         self._check_drives()
+        shapes = self._shapes(constraints)
         complete = tuple(constraint for constraint in constraints if constraint is not None)
         units = self.model.units
         dynamics = self._dynamics(constraints)
@@ -142,6 +144,7 @@ class FileChecker:
             self._home(),
             self._frames(),
             tuple(one for one in self.model.readings or () if one is not None),
+            shapes,
         )
         if not self.any_number:
             self._check_type(instance)
@@ -350,6 +353,26 @@ class FileChecker:
             length = self.model.units.length
             self.mistakes += mistakes_of_masses(self.root, dynamics, rows, length)
         return dynamics
+
+    def _shapes(self, constraints: list[Constraint | None]) -> Shapes | None:
+        """Return the shapes of legs and bodies, and note their mistakes."""
+        stated = self.model.shapes
+        if stated is None:
+            return None
+        from gspcli.geometry.shape_mistakes import mistakes
+        from gspcli.geometry.shapes import Shapes
+
+        shapes = Shapes(
+            stated.diameter, stated.platform or (), stated.base or (), stated.near_joint
+        )
+        rows = [row for row in constraints if row is not None]
+        if len(rows) == len(constraints):
+            for place, message in mistakes(shapes, rows):
+                node: Any = self.root[Scalar("shapes")]
+                for part in place:
+                    node = node[Scalar(part) if isinstance(part, str) else part]
+                self._note(node, message)
+        return shapes
 
     def _home(self) -> HomePose | None:
         stated = self.model.home

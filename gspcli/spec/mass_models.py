@@ -18,7 +18,7 @@ def _several(value: Value) -> Value:
     return locate(Sequence([value]), value.location, value.path)
 
 
-def _one_or_several(schema: dict[str, Any]) -> None:
+def one_or_several(schema: dict[str, Any]) -> None:
     """Allow one entry without brackets in the schema of a list."""
     listed = {key: schema.pop(key) for key in ("type", "items")}
     schema["anyOf"] = [listed["items"], listed]
@@ -93,12 +93,12 @@ class DrivesModel(Section):
     inertia: Numbers | SkipJsonSchema[None] = Field(
         None,
         description="What each adds to the inertia of what it moves. Default: 0.",
-        json_schema_extra=_one_or_several,
+        json_schema_extra=one_or_several,
     )
     stiffness: Numbers | SkipJsonSchema[None] = Field(
         None,
         description="How stiff each holds its length or angle, N/m or N m/rad.",
-        json_schema_extra=_one_or_several,
+        json_schema_extra=one_or_several,
     )
 
 
@@ -116,7 +116,7 @@ class DynamicsModel(Section):
             None,
             description="The legs, distances of two points: one for all of them, or a list in "
             "their order.",
-            json_schema_extra=_one_or_several,
+            json_schema_extra=one_or_several,
         )
     )
     drives: DrivesModel | SkipJsonSchema[None] = Field(None, description="The drives.")
@@ -125,7 +125,7 @@ class DynamicsModel(Section):
             None,
             description="The arms of cranks: one for all of them, or a list in the order of the "
             "constraints.",
-            json_schema_extra=_one_or_several,
+            json_schema_extra=one_or_several,
         )
     )
     carriages: (
@@ -133,5 +133,5 @@ class DynamicsModel(Section):
     ) = Field(
         None,
         description="The carriages of slides, likewise.",
-        json_schema_extra=_one_or_several,
+        json_schema_extra=one_or_several,
     )

@@ -28,6 +28,7 @@ from gspcli.spec.sections import (
     list_of,
     mistakes_of,
 )
+from gspcli.spec.shape_models import ShapesModel
 from gspcli.wording import shown
 
 _NAME_PATTERN = rf"^\S{{1,{MAX_NAME}}}$"
@@ -307,4 +308,7 @@ class InstanceModel(Section):
         None,
         description="What further sensors read at the pose of the values, such as "
         "'leg P7 B7 = 212.4 ± 0.1': for gsp solve --fit.",
+    )
+    shapes: Tolerant[ShapesModel] = Field(
+        None, description="The diameters of legs and the hulls of bodies, for gaps between them."
     )

@@ -26,6 +26,7 @@ from gspcli.spec.entries import (
 
 #: Optional texts about a platform.
 _SAID = ("name", "source", "type")
+_SECTIONS = ("dynamics", "home", "frames", "readings", "shapes")
 Fields_ = TypeVar("Fields_")
 #: Entries by their keys.
 Fields = dict[str, Any]
@@ -169,6 +170,15 @@ class DynamicsFields(NamedTuple):
     carriages: list[CarriageFields] | None
 
 
+class ShapesFields(NamedTuple):
+    """As `shape_models.ShapesModel`."""
+
+    diameter: list[Number]
+    platform: list[list[Number]] | None
+    base: list[list[Number]] | None
+    near_joint: Number | None
+
+
 class HomeFields(NamedTuple):
     """As `models.HomeModel`."""
 
@@ -212,6 +222,7 @@ class InstanceFields(NamedTuple):
     home: HomeFields | None = None
     frames: FramesFields | None = None
     readings: list[str] | None = None
+    shapes: ShapesFields | None = None
 
 
 def read_plainly(root: Value) -> InstanceFields | None:
@@ -252,7 +263,7 @@ def _direction(value: Value) -> list[Number]:
 
 def _instance(root: Value) -> InstanceFields:
     needed = ("gsp", "units", "platform", "base", "constraints")
-    given = _section(root, needed, (*_SAID, "dynamics", "home", "frames", "readings"))
+    given = _section(root, needed, (*_SAID, *_SECTIONS))
     version(given["gsp"])
     units = _section(given["units"], ("length", "angle"))
     said = [optional_text(given[key]) if key in given else None for key in _SAID]
@@ -268,6 +279,7 @@ def _instance(root: Value) -> InstanceFields:
         HomeFields(*_placed(given["home"], "position")) if "home" in given else None,
         _frames(given["frames"]) if "frames" in given else None,
         [text(entry) for entry in _list(given["readings"])] if "readings" in given else None,
+        _shapes(given["shapes"]) if "shapes" in given else None,
     )
 
 
@@ -355,6 +367,19 @@ def _frames(value: Value) -> FramesFields:
     return FramesFields(
         **{key: FrameFields(*_placed(entry, "point")) for key, entry in given.items()}
     )
+
+
+def _shapes(value: Value) -> ShapesFields:
+    given = _section(value, ("diameter",), ("platform", "base", "near_joint"))
+    platform, base = (
+        [_numbers(point) for point in _list(given[key])] if key in given else None
+        for key in ("platform", "base")
+    )
+    if any(body == [] for body in (platform, base)):
+        raise ValueError
+    diameters = _several(given["diameter"])
+    near = number(given["near_joint"]) if "near_joint" in given else None
+    return ShapesFields(diameters or [], platform, base, near)
 
 
 def _choice(value: Value, *choices: str) -> str:

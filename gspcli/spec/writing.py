@@ -16,6 +16,7 @@ from gspcli.geometry.primitives import Crank, Geometry, Line, Plane, Point, Slid
 if TYPE_CHECKING:
     from gspcli.geometry.home_pose import HomePose
     from gspcli.geometry.masses import Dynamics, Leg
+    from gspcli.geometry.shapes import Shapes
 
 _PLAIN = re.compile(r"[A-Za-z][A-Za-z0-9_.']*( [A-Za-z0-9_.']+)*")
 _BODIES = ("platform", "base")
@@ -82,6 +83,8 @@ def dumps(instance: Instance) -> str:
         lines.append(f"frames: {{{', '.join(given)}}}")
     if instance.readings:
         lines += ["readings:", *(f"  - {scalar(one)}" for one in instance.readings)]
+    if instance.shapes is not None:
+        lines.append(f"shapes: {{{_shapes(instance.shapes)}}}")
     if instance.dynamics is not None:
         lines += ["dynamics:", *_dynamics(instance.dynamics)]
     return "\n".join(lines) + "\n"
@@ -188,6 +191,16 @@ def _placed(home: HomePose, origin: str) -> str:
         turns = zip(("rx", "ry", "rz"), home.angles, strict=True)
         return ", ".join((said, *(f"{key}: {x}" for key, x in turns), f"euler: {home.euler}"))
     return f"{said}, quaternion: {_vector(home.quaternion)}"
+
+
+def _shapes(shapes: Shapes) -> str:
+    said = [f"diameter: {_several(shapes.diameters)}"]
+    for key, points in (("platform", shapes.platform), ("base", shapes.base)):
+        if points:
+            said.append(f"{key}: [{', '.join(map(_vector, points))}]")
+    if shapes.near_joint is not None:
+        said.append(f"near_joint: {shapes.near_joint}")
+    return ", ".join(said)
 
 
 def _dynamics(dynamics: Dynamics) -> list[str]:

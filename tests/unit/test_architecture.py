@@ -58,7 +58,16 @@ ROOMS = {
 #: Rooms and files within rooms, the lowest first: each imports itself and those before it.
 INNER_ROOMS = {
     "certification": ("numbers", "equations", "counting", "poses", "branches"),
-    "motion": ("poses", "files", "following", "workspace", "singularities", "paths", "statics"),
+    "motion": (
+        "poses",
+        "files",
+        "collisions",
+        "following",
+        "workspace",
+        "singularities",
+        "paths",
+        "statics",
+    ),
     "solver": (
         "study_systems",
         "arguments",

@@ -1,5 +1,6 @@
 """What the keys of JSON and the columns of CSV mean, also by ``command.name`` where it differs."""
 
+_GAP = "the least gap between two legs, or a leg and a body; negative where they overlap"
 KEYS: dict[str, str] = {
     "schema": "form and version of this object",
     "version": "version of gsp",
@@ -288,6 +289,9 @@ KEYS: dict[str, str] = {
     "1…6": "what the constraint of that number measures",
     **{str(k): f"what constraint {k} measures" for k in range(1, 7)},
     "measure.drives": "the drives whose numbers are given, where they are asked for",
+    "measure.poses.gap": _GAP,
+    "measure.gap": _GAP,
+    "gap_between": "between what that gap is",
     "measure.numbers": "places of cranks and slides from where they are stated; other values",
     "transmission": "the least part of a motion of cranks and slides along their rods, 0 to 1",
     "cranks": "the cranks whose angles are given, where they are asked for",

@@ -18,7 +18,7 @@ from gspcli.spec import load
 from tools.recording import ROOT
 
 #: Runs that together print all keys of a command, where the examples of its help do not; POSES,
-#: TWICE, VALUES, REACH, LOOP, STATE, MASSES, PATH, FORCES and ROTARY are files made here.
+#: TWICE, VALUES, REACH, LOOP, STATE, MASSES, PATH, FORCES, ROTARY and THICK are files made here.
 SAMPLES: dict[str, tuple[str, ...]] = {
     "enumerate": (
         "--class 6D --only PP,PH",
@@ -77,6 +77,7 @@ SAMPLES: dict[str, tuple[str, ...]] = {
         "@t-top-head --pose 0,0,0.17,1,0,0,0 --cranks",
         "@t-top-head --pose 0,0,0.17,1,0,0,0 --drives",
         "@workspace-study --pose 0,0,900,1,0,0,0 --nearest",
+        "THICK --pose 0,0,400,1,0,0,0 --require gap>=2",
     ),
     "track": (
         "@rubin-m2 VALUES",
@@ -242,6 +243,10 @@ def words(name: str, sample: str, folder: Path) -> list[str]:
         for (word, file), content in zip(files.items(), blocks, strict=True):
             paths[word] = folder / file
             paths[word].write_text(content, encoding="utf-8")
+    if "THICK" in sample:
+        paths["THICK"] = folder / "thick.yaml"
+        text = instance_files()["workspace-study"].read_text(encoding="utf-8")
+        paths["THICK"].write_text(f"{text}\nshapes: {{diameter: 20}}\n", encoding="utf-8")
     sample = sample.replace("LOOP", f"{_LOOP}.yaml {_LOOP}.csv")
     for word, path in paths.items():
         sample = sample.replace(word, str(path))

@@ -128,6 +128,13 @@ def _framed(shown: Shown) -> str:
     return instance_files()["workspace-study"].read_text(encoding="utf-8") + stated
 
 
+def _thick(shown: Shown) -> str:
+    """Return a machine with the diameter of legs that the page about gaps adds to it."""
+    del shown
+    stated = _block(ROOT / "docs" / "collisions.md", "yaml", 0)
+    return instance_files()["workspace-study"].read_text(encoding="utf-8") + stated
+
+
 def _copied(path: Path) -> Callable[[Shown], str]:
     return lambda shown: path.read_text(encoding="utf-8")
 
@@ -145,6 +152,7 @@ _FILES: dict[str, Callable[[Shown], str]] = {
     "sketch.yaml": _platform,
     "machine.yaml": _copied(data_path("platforms", "workspace-study-cones.yaml")),
     "framed.yaml": _framed,
+    "thick.yaml": _thick,
     "rotary.yaml": _copied(data_path("platforms", "t-top-head.yaml")),
     "head.yaml": _copied(data_path("platforms", "t-top-head.yaml")),
     "path.csv": _path,

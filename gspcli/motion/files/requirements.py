@@ -45,6 +45,7 @@ QUANTITIES = {
     "clearance": RequiredQuantity(True, None, "proved, as gsp clearance"),
     "pose-clearance": RequiredQuantity(True, None, "proved, as gsp clearance --of pose"),
     "condition": RequiredQuantity(False, None, "the condition number"),
+    "gap": RequiredQuantity(True, None, "the least gap between legs and bodies, by shapes in SPEC"),
     "force": RequiredQuantity(False, None, "the largest force in a constraint under the load"),
     "moment": RequiredQuantity(False, None, "the largest moment in an angle under the load"),
     "torque": RequiredQuantity(False, None, "the largest torque of a crank under the load"),
@@ -124,7 +125,7 @@ def parse_requirements(text: str, option: str = "--require") -> list[Requirement
 
 
 class QuantityParts(NamedTuple):
-    """A quantity of n poses that is the largest of several parts."""
+    """A quantity of n poses that is the worst of several parts."""
 
     values: Array
     """Shape (n, parts)."""
@@ -133,8 +134,13 @@ class QuantityParts(NamedTuple):
 
     @property
     def largest(self) -> Array:
-        """The quantity, shape (n,)."""
+        """The largest part, shape (n,)."""
         return np.asarray(self.values.max(axis=1))
+
+    @property
+    def least(self) -> Array:
+        """The least part, shape (n,)."""
+        return np.asarray(self.values.min(axis=1))
 
 
 @dataclass(frozen=True)

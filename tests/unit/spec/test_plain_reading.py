@@ -60,6 +60,9 @@ LEGS = "  legs:\n" + "    - {rod: {mass: 0.2, centre: 50}}\n" * 6
 TEXTS_OF_FILES = {
     **{name: path.read_text(encoding="utf-8") for name, path in FILES.items()},
     "one-leg": WITH_MASSES,
+    "thick": FILES["workspace-study"].read_text(encoding="utf-8") + "shapes: {diameter: 20}\n",
+    "thick-legs": FILES["workspace-study"].read_text(encoding="utf-8")
+    + "shapes: {diameter: [1, 2, 3, 4, 5, 6], platform: [[1, 2, 3]], near_joint: 1/2}\n",
     "six-legs": re.sub(r"  legs:.*?(?=  drives)", LEGS, WITH_MASSES, flags=re.DOTALL),
 }
 

@@ -54,6 +54,7 @@ frames:
   tool: {point: [0, 0, 10], rz: 30, euler: xyz}
   work: {point: [0, 0, 10], quaternion: [1, 0, 0, 1]}
 readings: [leg P7 B7 = 110 ± 1, z = 100 ± 2]
+shapes: {diameter: [1, 2, 3, 4, 5, 1/3], platform: [[0, 0, 1]], base: [[0, 0, 0]], near_joint: 1}
 dynamics:
   gravity: [0, 0, -9.81]
   platform: {mass: 3, centre: [0, 0, 1], inertia: [1, 1, 1, 0, 0, 0]}

@@ -1,0 +1,1 @@
+"""How far legs and bodies are from each other."""

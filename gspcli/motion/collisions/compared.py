@@ -1,0 +1,257 @@
+"""The shapes that are compared: which pairs, how far apart they are, and how far they move.
+
+A leg is the straight line between its joints, with a radius; a body is a convex hull. The gap of a
+pair is the distance of the lines or hulls less the radii: negative if they overlap. Legs that share
+a joint always touch there, and so do a leg and the bodies that it joins. Of these the part of the
+leg beyond `Shapes.near_joint` is compared, or nothing if that is not stated.
+"""
+
+from __future__ import annotations
+
+import math
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gspcli import _kernel
+from gspcli.catalogue.kinds import DPP
+from gspcli.errors import ArgumentError
+from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.drive_numbers import is_driven
+from gspcli.geometry.instance import Constraint, Instance
+from gspcli.geometry.shape_mistakes import refuse_mistakes
+from gspcli.motion.poses.cranks import drive_values
+
+Array = NDArray[np.float64]
+
+#: Poses whose gaps are computed at a time.
+_PIECE = 4096
+_OUTWARD = 1 + 2.0**-50
+#: Digits of gaps that are shown, relative to the length of the platform.
+_DIGITS = 11
+#: Rounding errors of positions, relative to the largest coordinate.
+_ROUNDING = 2.0**-46
+NO_SHAPES = "the platform states no shapes of its legs (shapes: {diameter: ...})"
+
+
+class GapBounds(NamedTuple):
+    """GapBounds of the gaps of p pairs at n poses."""
+
+    low: Array
+    """Proved lower bounds, shape (n, p)."""
+    high: Array
+    """Proved upper bounds, shape (n, p)."""
+
+
+class _ComparedHull(NamedTuple):
+    """A hull that is compared: a leg, a part of one, or a body."""
+
+    leg: int | None
+    """The index of the leg's constraint; None for a body."""
+    beyond: str
+    """The body beyond whose joint the leg counts; empty for the whole leg."""
+    body: str
+    """``platform`` or ``base``; empty for a leg."""
+
+
+class ComparedShapes:
+    """The pairs of an instance that are compared.
+
+    Parameters
+    ----------
+    instance
+        The platform, with its shapes.
+
+    Raises
+    ------
+    ArgumentError
+        If it states no shapes, there is something wrong with them, or there is no pair.
+    """
+
+    def __init__(self, instance: Instance) -> None:
+        if instance.shapes is None:
+            raise ArgumentError(NO_SHAPES)
+        self.instance = instance
+        shapes, rows = instance.shapes, instance.constraints
+        refuse_mistakes(shapes, rows)
+        self._near = 0.0 if shapes.near_joint is None else shapes.near_joint.value
+        self.legs = [k for k, row in enumerate(rows) if row.kind is DPP]
+        diameters = [one.value for one in shapes.diameters]
+        if len(diameters) == 1:
+            diameters *= len(self.legs)
+        self._radii = dict(zip(self.legs, (d / 2 for d in diameters), strict=True))
+        self._points = {
+            name: np.array([[x.value for x in point] for point in getattr(shapes, name)])
+            for name in ("platform", "base")
+        }
+        self._hulls: list[_ComparedHull] = []
+        self.pairs = np.array(self._pairs(), np.int64).reshape(-1, 2)
+        if not len(self.pairs):
+            message = "no two legs of the platform are compared: all of them share joints"
+            raise ArgumentError(message)
+        #: What the pairs are called, such as ``legs 2 and 5``.
+        self.names = tuple(self._name(*(self._hulls[k] for k in pair)) for pair in self.pairs)
+        radii = np.array([0.0 if one.leg is None else self._radii[one.leg] for one in self._hulls])
+        self._thick = radii[self.pairs].sum(axis=1)
+
+    def _pairs(self) -> list[tuple[int, int]]:
+        rows, found = self.instance.constraints, []
+        for i, first in enumerate(self.legs):
+            for second in self.legs[i + 1 :]:
+                shared = _shared(rows[first], rows[second])
+                if not shared or self._near > 0:
+                    found.append((self._hull(first, shared), self._hull(second, shared)))
+        bodies = [name for name in ("platform", "base") if len(self._points[name])]
+        found += [(self._hull(leg, body), self._body(body)) for leg in self.legs for body in bodies]
+        if len(bodies) == 2:
+            found.append((self._body("platform"), self._body("base")))
+        return found
+
+    def _hull(self, leg: int, beyond: str) -> int:
+        return self._number(_ComparedHull(leg, beyond if self._near > 0 else "", ""))
+
+    def _body(self, name: str) -> int:
+        return self._number(_ComparedHull(None, "", name))
+
+    def _number(self, hull: _ComparedHull) -> int:
+        if hull not in self._hulls:
+            self._hulls.append(hull)
+        return self._hulls.index(hull)
+
+    @staticmethod
+    def _name(first: _ComparedHull, second: _ComparedHull) -> str:
+        if second.leg is not None:
+            assert first.leg is not None
+            return f"legs {first.leg + 1} and {second.leg + 1}"
+        one = "the platform" if first.leg is None else f"leg {first.leg + 1}"
+        return f"{one} and the {second.body}"
+
+    @cached_property
+    def _arrangement(self) -> Arrangement:
+        return Arrangement.of(self.instance)
+
+    @cached_property
+    def _starts(self) -> NDArray[np.int64]:
+        sizes = [2 if one.leg is not None else len(self._points[one.body]) for one in self._hulls]
+        return np.concatenate(([0], np.cumsum(sizes))).astype(np.int64)
+
+    def bounds(self, R: Array, T: Array, q: Array | None = None) -> GapBounds:
+        """Return bounds of the gaps at poses; NaN where a pose is.
+
+        Parameters
+        ----------
+        R, T
+            Poses, shapes (n, 3, 3) and (n, 3).
+        q
+            The numbers of cranks and slides there, shape (n, m); if None, where the poses ask them
+            to be.
+        """
+        low, high = np.empty((2, len(T), len(self.pairs)))
+        if is_driven(self.instance) and q is None:
+            q = drive_values(self.instance, R, T)[1]
+        for begin in range(0, len(T), _PIECE):
+            part = slice(begin, begin + _PIECE)
+            points = self._placed(R[part], T[part], None if q is None else q[part])
+            found = _kernel.hull_gaps(points, self._starts, self.pairs)
+            # Radii are sums and halves of doubles.
+            low[part] = found[0] - self._thick * _OUTWARD
+            high[part] = found[1] - self._thick / _OUTWARD
+        return GapBounds(low, high)
+
+    def gaps(self, R: Array, T: Array, q: Array | None = None) -> Array:
+        """Return the gaps at poses, without digits that are rounding errors, shape (n, p)."""
+        decimals = _DIGITS - math.ceil(math.log10(self._arrangement.length))
+        return np.round(self.bounds(R, T, q).high, decimals)
+
+    def _placed(self, R: Array, T: Array, q: Array | None) -> Array:
+        """Return the points of the hulls at poses, one hull after the other, shape (n, m, 3)."""
+        if q is None:
+            a = self._arrangement
+            ends = a.y @ np.swapaxes(R, -1, -2) + T[:, None], np.broadcast_to(a.x, (len(T), 6, 3))
+        else:
+            from gspcli.geometry.drives import Drives
+
+            base, arm, _ = Drives.of(self.instance).ends(R, T, q)
+            ends = arm + T[:, None], base
+        found = []
+        for hull in self._hulls:
+            if hull.leg is None:
+                points = self._points[hull.body]
+                if hull.body == "platform":
+                    found.append(points @ np.swapaxes(R, -1, -2) + T[:, None])
+                else:
+                    found.append(np.broadcast_to(points, (len(T), *points.shape)))
+                continue
+            platform, base = (end[:, hull.leg] for end in ends)
+            if hull.beyond == "platform":
+                platform = self._beyond(platform, base)
+            elif hull.beyond == "base":
+                base = self._beyond(base, platform)
+            found.append(np.stack((platform, base), axis=1))
+        return np.ascontiguousarray(np.concatenate(found, axis=1))
+
+    def _beyond(self, joint: Array, end: Array) -> Array:
+        """Return the point of a leg at the stated length from a joint, but not beyond its end."""
+        along = end - joint
+        length = np.linalg.norm(along, axis=-1, keepdims=True)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            part = np.where(length > self._near, self._near / length, 1.0)
+        return np.where(np.isfinite(length), joint + part * along, np.nan)
+
+    def moves(self, shifts: Array, turns: Array, centre: Array, places: Array) -> Array:
+        """Bound how much each gap changes while the platform moves a little, shape (n, p).
+
+        Parameters
+        ----------
+        shifts, turns
+            How far a point of the platform moves, and by which angle, in radians, the platform
+            turns, at most; shapes (n,).
+        centre
+            This point, in the frame of the platform, shape (3,).
+        places
+            Where it is at the poses, shape (n, 3).
+
+        Notes
+        -----
+        No point of a hull moves farther than its corners do, and a gap changes at most by the sum
+        of what its two hulls do. Seen from the base the joints of the base stay; seen from the
+        platform those of the platform do. The smaller sum is taken. The part of a leg beyond a
+        joint moves no farther than the end that moves: with the other end fixed, the map to the
+        nearest point of a ball, and what it takes away, move points together or keep distances.
+        """
+        a = self._arrangement
+        own = np.linalg.norm(a.y - centre, axis=1)
+        away = np.linalg.norm(places[:, None] - a.x, axis=-1)
+        far = {
+            "platform": np.linalg.norm(self._points["platform"] - centre, axis=-1).max()
+            if len(self._points["platform"])
+            else 0.0
+        }
+        count = len(self._hulls)
+        from_base, from_platform = np.zeros((2, len(shifts), count))
+        for k, hull in enumerate(self._hulls):
+            if hull.leg is not None:
+                from_base[:, k] = shifts + turns * own[hull.leg]
+                from_platform[:, k] = shifts + turns * away[:, hull.leg]
+            elif hull.body == "platform":
+                from_base[:, k] = shifts + turns * far["platform"]
+            else:
+                points = self._points["base"]
+                there = np.linalg.norm(places[:, None] - points, axis=-1).max(axis=1)
+                from_platform[:, k] = shifts + turns * there
+        sums = [one[:, self.pairs].sum(axis=2) for one in (from_base, from_platform)]
+        size = np.abs(places).max(axis=1) + max(np.abs(a.x).max(), np.abs(a.y).max())
+        room = _ROUNDING * size[:, None]
+        return np.asarray(np.minimum(*sums) * _OUTWARD + room)
+
+
+def _shared(first: Constraint, second: Constraint) -> str:
+    """Return the body on which two legs have one joint; empty if there is none."""
+    for body in ("platform", "base"):
+        names = {getattr(row, f"{body}_name") for row in (first, second)}
+        one, other = (getattr(row, body) for row in (first, second))
+        if (len(names) == 1 and "" not in names) or one.position == other.position:
+            return body
+    return ""

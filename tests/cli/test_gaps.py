@@ -1,0 +1,74 @@
+"""Gaps between legs in the commands that know them."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+
+import pytest
+
+from gspcli.resources import instance_files
+
+
+@pytest.fixture
+def thick(tmp_path):
+    """A machine whose legs are 20 mm thick."""
+    text = instance_files()["workspace-study"].read_text(encoding="utf-8")
+    path = tmp_path / "thick.yaml"
+    path.write_text(f"{text}\nshapes: {{diameter: 20}}\n", encoding="utf-8")
+    return path
+
+
+def table(text):
+    return [*csv.DictReader(io.StringIO(text))]
+
+
+def test_measure_names_the_two_legs_that_are_nearest(gsp, thick):
+    run = gsp("measure", thick, "--pose", "0,0,400,1,0,0,0", "--format", "csv")
+    assert (run.code, run.err) == (0, "")
+    (row,) = table(run.out)
+    assert float(row["gap"]) == pytest.approx(23.412044, abs=1e-5)
+    assert row["gap_between"] == "legs 1 and 6"
+    run = gsp("measure", thick, "--pose", "0,0,400,1,0,0,0", "--format", "json")
+    (pose,) = json.loads(run.out)["poses"]
+    assert (pose["gap"], pose["gap_between"]) == (float(row["gap"]), "legs 1 and 6")
+    run = gsp("measure", thick, "--pose", "0,0,400,1,0,0,0")
+    assert "gap  between" in run.out
+
+
+def test_nothing_changes_without_shapes(gsp):
+    run = gsp("measure", "@workspace-study", "--pose", "0,0,400,1,0,0,0", "--format", "csv")
+    assert run.out.splitlines()[0] == "t,1,2,3,4,5,6"
+
+
+def test_a_gap_can_be_required(gsp, thick):
+    pose = ("measure", thick, "--pose", "0,0,400,1,0,0,0")
+    run = gsp(*pose, "--require", "gap>=23.4")
+    assert run.code == 0
+    assert "gap >= 23.4: met; worst 23.412 in row 1 (t = 1), legs 1 and 6" in run.out
+    run = gsp(*pose, "--require", "gap>=23.5", "--format", "json")
+    assert run.code == 1
+    assert run.err == "error: not met: gap >= 23.5\n"
+    (judged,) = json.loads(run.out)["requirements"]
+    assert (judged["met"], judged["part"]) == (False, "legs 1 and 6")
+    for wrong in ("gap", "gap<=2", "gap>=wide"):
+        assert gsp(*pose, "--require", wrong).code == 2
+    run = gsp("measure", "@workspace-study", "--pose", "0,0,400,1,0,0,0", "--require", "gap>=2")
+    assert run.code == 2
+    assert run.err == (
+        "error: --require gap: SPEC states no shapes of its legs (shapes: {diameter: ...})\n"
+    )
+
+
+def test_rods_of_cranks_begin_at_their_arms(gsp, tmp_path):
+    text = instance_files()["t-top-head"].read_text(encoding="utf-8").rstrip()
+    path = tmp_path / "thick.yaml"
+    path.write_text(f"{text}\nshapes: {{diameter: 0}}\n", encoding="utf-8")
+    pose = ("--pose", "0,0,0.17,1,0,0,0")
+    plain = gsp("measure", path, *pose, "--format", "csv")
+    driven = gsp("measure", path, *pose, "--drives", "--format", "csv")
+    assert (plain.code, driven.code) == (0, 0), plain.err + driven.err
+    first, second = (table(run.out)[0] for run in (plain, driven))
+    assert first["gap"] == second["gap"]
+    assert first["gap_between"] == second["gap_between"]
