@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from itertools import product
+from itertools import permutations, product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,9 @@ Array = NDArray[np.float64]
 #: Orders of the axes, about the axes of the platform; usual ones first. Those about the axes of the
 #: base are the same, written backwards.
 ORDERS = ("ZYX", "XYZ", "ZXY", "YXZ", "XZY", "YZX")
+#: About which axes the three columns turn. As named, then the reverse, as in A B C of KUKA, come
+#: first.
+_AXES = ((0, 1, 2), (2, 1, 0), *(p for p in permutations(range(3)) if p[1] != 1))
 _SENSES = tuple((x, y, z) for x, y, z in product((1, -1), repeat=3))
 #: How long a unit of positions is in units of lengths of legs, and what these units may be.
 FACTORS = {
@@ -48,12 +51,18 @@ class Turns:
         The unit of angles.
     transposed
         Whether rotations are from the base's frame to the platform's.
+    axes
+        About which axis the angle of each column turns, 0 to 2 for x to z.
+    heads
+        The headings of these columns if they do not name axes, such as ``A``; empty otherwise.
     """
 
     order: str = ""
     senses: tuple[int, int, int] = (1, 1, 1)
     in_radians: float = 1.0
     transposed: bool = False
+    axes: tuple[int, int, int] = (0, 1, 2)
+    heads: tuple[str, ...] = ()
 
     def rotations(self, log: Log, rows: NDArray[np.intp]) -> Array:
         """Return the rotations of some rows of a log, shape (n, 3, 3)."""
@@ -61,13 +70,15 @@ class Turns:
             found = log.rotations[rows]
             return np.swapaxes(found, 1, 2) if self.transposed else found
         assert log.angles is not None
-        turned = log.angles[rows] * (np.array(self.senses) * self.in_radians)
+        turned = np.empty((len(rows), 3))
+        turned[:, self.axes] = log.angles[rows]
+        turned *= np.array(self.senses) * self.in_radians
         return rotation_from_euler(self.order, turned)
 
     @property
     def unusual(self) -> int:
-        """How many senses are not those of the right-hand rule."""
-        return self.senses.count(-1) + self.transposed
+        """How many senses are not those of the right-hand rule, and axes not in order."""
+        return self.senses.count(-1) + self.transposed + (self.axes != (0, 1, 2))
 
     def words(self, *, unit: bool = True) -> str:
         """Return the convention in words."""
@@ -79,6 +90,9 @@ class Turns:
         of = "degrees" if self.in_radians != 1 else "radians"
         said = f"--euler {self.order}"
         said += f", {of}" if unit else ""
+        if self.axes != (0, 1, 2):
+            there = " ".join("xyz"[axis] for axis in self.axes)
+            said += f", {' '.join(self.heads)} about {there}"
         return f"{said}, {listed(wrong, 'and')} left-handed" if wrong else said
 
 
@@ -105,5 +119,7 @@ def turns_of(log: Log, euler: str | None) -> Iterator[Turns]:
         senses = ((1, 1, 1),)
     elif log.order is not None:
         orders = tuple(dict.fromkeys((log.order, *ORDERS)))
-    for unit, order, sense in product(units, orders, senses):
-        yield Turns(order, sense, unit)
+    for unit, axes, order, sense in product(
+        units, _AXES if log.heads else _AXES[:1], orders, senses
+    ):
+        yield Turns(order, sense, unit, axes=axes, heads=log.heads)

@@ -128,6 +128,7 @@ class Identification:
             "log": {
                 "euler": turns.order,
                 "senses": list(turns.senses),
+                "axes": "".join("xyz"[axis] for axis in turns.axes) if turns.order else "",
                 "angle_unit": "" if not turns.order else "rad" if turns.in_radians == 1 else "deg",
                 "transposed": turns.transposed,
                 "leg_unit": self.leg_unit,

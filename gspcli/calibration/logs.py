@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.motion.files.column_units import FileUnits
-from gspcli.motion.files.headings import ORDERS, ROLL_PITCH_YAW
+from gspcli.motion.files.headings import order_of
 from gspcli.motion.files.number_tables import NumberTable
 from gspcli.motion.files.pose_files import (
     ANGLES,
@@ -50,6 +50,8 @@ class Log:
         Whether it names that of angles: these are in radians then.
     order
         The order of the axes that the heading says; None if it says none.
+    heads
+        The headings of angles that do not name their axes, such as A, B, C; empty for others.
     lines
         Where each row stands, for people: its t or its number.
     """
@@ -62,6 +64,7 @@ class Log:
     place_unit: str
     angle_known: bool
     order: str | None
+    heads: tuple[str, ...]
     lines: tuple[str, ...]
 
     @property
@@ -119,7 +122,7 @@ def read_log(
     if "t" in table.heading:
         lines = [text or line for text, line in zip(table.texts("t"), lines, strict=True)]
     table.check()
-    names = {one.lower().strip() for one in table.names}
+    order = None if rotations is not None else order_of(table.names)
     return Log(
         lengths,
         positions,
@@ -128,7 +131,8 @@ def read_log(
         units[0],
         units[1],
         bool(units[2]),
-        ORDERS[0].sequence if set(ROLL_PITCH_YAW) <= names else None,
+        order.sequence if order else None,
+        tuple(table.names[table.heading.index(one)] for one in ANGLES) if order else (),
         tuple(lines),
     )
 

@@ -136,7 +136,7 @@ def pose_options(function: Function) -> Function:
         "--euler",
         metavar="AXES",
         help="Order of the axes of rx, ry, rz: capitals turn with the platform (ZYX), small "
-        "letters about the axes of the base (xyz); or PI, LinuxCNC.",
+        "letters about the axes of the base (xyz); or PI, LinuxCNC, Symetrie.",
     )
     @click.option(
         "--pivot",

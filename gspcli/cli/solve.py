@@ -71,7 +71,7 @@ _READABLE = ("table", "markdown", "latex")
     show_default=True,
     metavar="FORM",
     help="Write rotations as quaternion, matrix, rotvec, or angles about axes: ZYX and the like "
-    "about those of the platform, xyz about those of the base, PI or LinuxCNC.",
+    "about those of the platform, xyz about those of the base, PI, LinuxCNC or Symetrie.",
 )
 @decimals_option(None, 0, 17, ": positions and rotations, whatever the width")
 @near_option("poses are sorted by their distance from it")

@@ -19,9 +19,14 @@ _LOCKED = 1e-9
 
 
 #: The orders of makers that a public source states (`docs/orders.md`), by lower-case names.
-MAKERS = {"pi": "XYZ", "linuxcnc": "ZYX"}
-#: Those that were looked for and not found in one.
-NOT_FOUND = ("symetrie", "symétrie", "simhub")
+MAKERS = {"pi": "XYZ", "linuxcnc": "ZYX", "symetrie": "ZYX", "symétrie": "ZYX"}
+#: Names that are refused, and why.
+_REFUSED = {
+    "simhub": "was found in no public source: look in the manual of the controller, and give the "
+    "axes, such as ZYX",
+    "kuka": "begins with z: A is about z, B about y, C about x. Name the columns rz, ry, rx in the "
+    "place of A, B, C (--columns does), and give the order ZYX",
+}
 
 
 def named_order(text: str) -> str:
@@ -35,11 +40,8 @@ def named_order(text: str) -> str:
     name = text.strip().lower()
     if name in MAKERS:
         return MAKERS[name]
-    if name in NOT_FOUND:
-        message = (
-            f"the order of {shown(text)} was found in no public source: look in the manual of the "
-            "controller, and give the axes, such as ZYX"
-        )
+    if name in _REFUSED:
+        message = f"the order of {shown(text)} {_REFUSED[name]}"
         raise GspError(message)
     return check_sequence(text)
 

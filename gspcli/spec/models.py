@@ -206,12 +206,11 @@ Quaternion = Annotated[
     list_of("four numbers [w, x, y, z]", 4),
     AfterValidator(entries.turning),
 ]
+_MAKERS = "PI|pi|LinuxCNC|linuxcnc|Symetrie|symetrie|Symétrie|symétrie"
 Order = Annotated[
     str | SkipJsonSchema[None],
     BeforeValidator(entries.axes),
-    WithJsonSchema(
-        {"type": "string", "pattern": "^([xyz]{3}|[XYZ]{3}|[Pp][Ii]|[Ll]inux[Cc][Nn][Cc])$"}
-    ),
+    WithJsonSchema({"type": "string", "pattern": f"^([xyz]{{3}}|[XYZ]{{3}}|{_MAKERS})$"}),
 ]
 #: Angles need the order of their axes, and are given instead of a quaternion.
 _ORDERED = {"rx": "euler", "ry": "euler", "rz": "euler"}

@@ -666,6 +666,8 @@ KEYS: dict[str, str] = {
     "calibrate.log": "with --from: the conventions of the log that were found",
     "calibrate.log.euler": "the order of the axes of angles, as --euler; empty for rotations",
     "calibrate.log.senses": "of the angles about x, y, z: 1, or -1 where they are left-handed",
+    "calibrate.log.axes": "about which axes the three columns of angles turn, such as `zyx` where "
+    "A is about z; empty without angles",
     "calibrate.log.angle_unit": "deg or rad; empty for rotations",
     "calibrate.log.transposed": "whether rotations are from the base to the platform",
     "calibrate.log.leg_unit": "of lengths of legs, and of the result",

@@ -200,7 +200,7 @@ def rotation_columns(form: str) -> tuple[PoseColumn, ...]:
     form
         One of `ROTATIONS`, or three axes as `gspcli.geometry.euler` takes them: ``ZYX`` for
         turns about the axes of the platform, ``xyz`` about those of the base; or the name of a
-        maker, ``PI``, ``LinuxCNC``. Vectors and
+        maker, ``PI``, ``LinuxCNC``, ``Symetrie``. Vectors and
         angles are in the angle unit of the instance, and say nothing of poses that are not real.
 
     Raises

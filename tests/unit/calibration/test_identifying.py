@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from itertools import permutations
 from pathlib import Path
 
 import numpy as np
@@ -223,6 +224,31 @@ def test_angles_about_one_axis(tmp_path: Path) -> None:
     lengths = values_at(log.machine, log.R, log.T)
     with pytest.raises(IncompleteError, match="turn the platform, about axes that differ"):
         identify(log.write(tmp_path / "log.csv", lengths, log.T, log.angles))
+
+
+@pytest.mark.parametrize("heads", [("A", "B", "C"), ("Roll", "Pitch", "Yaw")])
+@pytest.mark.parametrize("axes", list(permutations(range(3))))
+def test_columns_that_do_not_name_their_axes(
+    heads: tuple[str, ...], axes: tuple[int, int, int], tmp_path: Path
+) -> None:
+    """Which column turns about which axis is found; what is as named is said in no word."""
+    log = Simulated(order="ZYX")
+    head = HEAD.replace("rx,ry,rz", ",".join(heads))
+    path = log.write(tmp_path / "log.csv", log.lengths, log.T, log.angles[:, axes], head=head)
+    found = identify(path)
+    assert (found.turns.order, found.turns.axes) == ("ZYX", axes)
+    assert found.ambiguous == ()
+    assert log.error(found) < 2e-4
+    about = f"{' '.join(heads)} about {' '.join('xyz'[k] for k in axes)}"
+    assert (about in found.sentences[1]) == (axes != (0, 1, 2))
+    assert found.to_json()["log"]["axes"] == "".join("xyz"[k] for k in axes)
+
+
+def test_columns_that_name_their_axes_are_believed(tmp_path: Path) -> None:
+    log = Simulated(order="ZYX")
+    path = log.write(tmp_path / "log.csv", log.lengths, log.T, log.angles[:, ::-1])
+    with pytest.raises(IncompleteError, match="no machine with six legs explains the log"):
+        identify(path)
 
 
 def test_too_little(tmp_path: Path) -> None:

@@ -1,5 +1,6 @@
 """Orders of makers, against formulas of their sources written anew."""
 
+from itertools import permutations
 from math import cos, radians, sin
 
 import numpy as np
@@ -59,6 +60,35 @@ def test_pi_turns_u_then_v_then_w_about_axes_that_move():
         assert not np.allclose(found, of_posemath(u, v, w), atol=1e-3)
 
 
+def pose(order, numbers):
+    """Return the matrix of x y z, Rx Ry Rz in degrees."""
+    X = np.eye(4)
+    X[:3, :3] = rotation_from_euler(order, np.deg2rad(numbers[3:]))
+    X[:3, 3] = numbers[:3]
+    return X
+
+
+def test_symetrie():
+    """Numbers of `test_puna.py` of the control software of KU Leuven, to 1e-4 as there.
+
+    The frames User and Object are set, the platform stays at zero: where Object is in User. Only
+    one order gives these numbers.
+    """
+    user, tool = (-2, -2, -2, -3, -4, -5), (0, 0, 3, 30, 30, 0)
+    wanted = (2.162431533, 1.9093265385, 4.967732082, 34.01008683, 33.65884585, 7.22137656)
+
+    def reading(order):
+        X = np.linalg.inv(pose(order, user)) @ pose(order, tool)
+        return (*X[:3, 3], *np.rad2deg(euler_from_rotation(order, X[:3, :3])))
+
+    agree = [
+        order
+        for order in map("".join, permutations("XYZ"))
+        if np.allclose(reading(order), wanted, rtol=1e-4, atol=1e-4)
+    ]
+    assert agree == [named_order("Symetrie")] == [named_order("symétrie")]
+
+
 @pytest.mark.parametrize("name", MAKERS)
 def test_angles_come_back(name):
     order = named_order(name.upper())
@@ -66,10 +96,20 @@ def test_angles_come_back(name):
     assert np.rad2deg(euler_from_rotation(order, turned)) == pytest.approx(ANGLES, abs=1e-9)
 
 
-@pytest.mark.parametrize("name", ["Symetrie", "Symétrie", "SimHub"])
-def test_what_no_source_states_is_not_claimed(name):
+def test_what_no_source_states_is_not_claimed():
     with pytest.raises(GspError, match="found in no public source"):
-        named_order(name)
+        named_order("SimHub")
+
+
+def test_kuka_is_refused_with_the_columns_to_write():
+    """Its A is about z: to read the columns A B C as turns about x y z would be another pose."""
+    with pytest.raises(GspError, match="Name the columns rz, ry, rx in the place of A, B, C"):
+        named_order("KUKA")
+    form = PoseFormat(
+        "ZYX", in_radians=np.pi / 180, columns=tuple(["x", "y", "z", "rz", "ry", "rx"])
+    )
+    found = read_poses("X,Y,Z,A,B,C\n1,2,3,10,20,30\n", "f", form)
+    assert np.allclose(found.R[0], one_after_the_other([(2, 10), (1, 20), (0, 30)]), atol=1e-14)
 
 
 @pytest.mark.parametrize(
