@@ -105,9 +105,7 @@ def test_kuka_is_refused_with_the_columns_to_write():
     """Its A is about z: to read the columns A B C as turns about x y z would be another pose."""
     with pytest.raises(GspError, match="Name the columns rz, ry, rx in the place of A, B, C"):
         named_order("KUKA")
-    form = PoseFormat(
-        "ZYX", in_radians=np.pi / 180, columns=tuple(["x", "y", "z", "rz", "ry", "rx"])
-    )
+    form = PoseFormat("ZYX", in_radians=np.pi / 180, columns=("x", "y", "z", "rz", "ry", "rx"))
     found = read_poses("X,Y,Z,A,B,C\n1,2,3,10,20,30\n", "f", form)
     assert np.allclose(found.R[0], one_after_the_other([(2, 10), (1, 20), (0, 30)]), atol=1e-14)
 
