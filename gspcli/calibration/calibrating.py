@@ -44,6 +44,7 @@ def calibrate(
     targets: Mapping[str, ArrayLike] | None = None,
     inclinations: ArrayLike | None = None,
     cranks: ArrayLike | None = None,
+    drives: ArrayLike | None = None,
     sigma: Mapping[str, float] | None = None,
     estimate: Iterable[str] = (),
     hold: Iterable[str] = (),
@@ -62,7 +63,8 @@ def calibrate(
         The platform as stated.
     values
         Readings in the units and order of the instance; DPH and DHP signed. Shape (n, 6). A leg
-        with a crank that has no reading in any row is a rod of constant length, without noise.
+        with a crank or slide that has no reading in any row is a rod of constant length, without
+        noise.
     R, T
         Rotations (n, 3, 3) and positions of the platform's origin (n, 3), as far as measured.
     points
@@ -73,16 +75,20 @@ def calibrate(
     inclinations
         Angles of the platform's x and y axes above the horizontal, in the angle unit, (n, 2).
     cranks
-        Angles of the cranks in their order, in the angle unit, shape (n, m).
+        `drives` of a platform whose drives are cranks.
+    drives
+        Readings of the cranks and slides in the order of the constraints that they move, in the
+        angle unit and lengths, shape (n, m). Points that share a drive have one column.
     sigma
         Standard deviations: ``value`` and ``position`` (lengths); ``angle``, ``rotation``,
-        ``inclination`` and ``crank`` (in the angle unit). Poses are exact if those of position and
-        rotation are 0; value may be 0 where all legs have cranks. What is not stated is 1e-5 of a
-        typical length or of a radian; if nothing is stated the scatter of the data says how large
-        all are.
+        ``inclination`` and ``crank`` (in the angle unit), ``slide`` (a length). Poses are exact if
+        those of position and rotation are 0; value may be 0 where all legs have drives. What is not
+        stated is 1e-5 of a typical length or of a radian; if nothing is stated the scatter of the
+        data says how large all are.
     estimate
         What is estimated besides primitives and offsets: ``scales``, ``frames`` (of the measuring
-        device and the target), or parameters by name, as ``offset.2`` of a plane.
+        device and the target), or parameters by name, as ``offset.2`` of a plane, or
+        ``base.B1.slide.offset`` in place of a shift of B1 along its rail.
     hold
         What keeps what is stated: ``offsets``, ``platform``, ``base``, or names such as
         ``platform.P1``, ``offset.3``.
@@ -106,7 +112,16 @@ def calibrate(
     ArgumentError
         If an argument has a wrong shape or name.
     """
-    seen = _measurements(instance, values, R, T, points, targets, inclinations, cranks)
+    if drives is None:
+        drives, where = cranks, "cranks"
+    elif cranks is None:
+        where = "drives"
+    else:
+        message = "found both drives and cranks, expected drives"
+        raise ArgumentError(message, "cranks")
+    seen = _measurements(instance, values, R, T, points, targets, inclinations)
+    if drives is not None:
+        seen = replace(seen, drives=_readings_of_drives(instance, drives, len(seen), where))
     options = Options(tuple(estimate), tuple(hold), robust, prior, hold_unknown)
     return calibrate_rows(instance, seen, sigma or {}, options)
 
@@ -128,7 +143,7 @@ def calibrate_rows(
         What is estimated, and how.
     """
     checked(instance)
-    model = chosen_model(instance, options, cranks=seen.cranks is not None)
+    model = chosen_model(instance, options, drives=seen.drives is not None)
     noise, seen = noise_of(model, sigma), constant_rods(instance, model, seen)
     if noise.exact and not (seen.whole.all() and len(seen)):
         message = "found poses that are not whole, expected whole ones where they are exact"
@@ -242,7 +257,7 @@ def _refusal(instance: Instance, unknown: Unknowns, found: Fit, seen: Measuremen
         rest = "; ".join(unknown.sentences[_MOST_LINES - 1 :])
         lines += [f"  {sentence}" for sentence in (*unknown.sentences[: _MOST_LINES - 1], rest)]
     lines = [line for line in lines if line.strip()]
-    stated = Model.of(instance, cranks=seen.cranks is not None)
+    stated = Model.of(instance, drives=seen.drives is not None)
     cause = None
     if not found.model.with_frames:
         cause = likely_cause(stated, seen, instance.units.length)
@@ -262,7 +277,6 @@ def _measurements(
     points: Mapping[str, ArrayLike] | None,
     targets: Mapping[str, ArrayLike] | None,
     inclinations: ArrayLike | None,
-    cranks: ArrayLike | None,
 ) -> Measurements:
     """Return what was measured, checked and in radians."""
     readings = _shaped(values, "values", (None, 6)).copy()
@@ -283,9 +297,19 @@ def _measurements(
         np.zeros((0, 2))
         if inclinations is None
         else _shaped(inclinations, "inclinations", (n, 2)) * unit,
-        None if cranks is None else _shaped(cranks, "cranks", (n, None)) * unit,
-        tuple(str(k) for k in range(1, n + 1)),
+        lines=tuple(str(k) for k in range(1, n + 1)),
     )
+
+
+def _readings_of_drives(instance: Instance, given: ArrayLike, rows: int, where: str) -> Array:
+    """Return readings of drives in radians and lengths, shape (rows, m)."""
+    motors = Model.of(instance, drives=True).drives
+    if where == "cranks" and any(drive.sort == "slide" for drive in motors):
+        message = "found cranks of a platform with slides, expected drives"
+        raise ArgumentError(message, where)
+    units = [instance.units.angle.in_radians if one.sort == "crank" else 1.0 for one in motors]
+    readings: Array = _shaped(given, where, (rows, len(motors))) * np.array(units)
+    return readings
 
 
 def check_points(

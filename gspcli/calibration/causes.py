@@ -26,11 +26,15 @@ Array = NDArray[np.float64]
 
 #: What a file without its mistake differs by from the stated machine, of what it does with it.
 _LESS = 1 / 3
+#: Data that scatter by less than this part of a typical length have no mistake.
+_ROUNDING = 1e-9
 #: At most so many rows are looked at.
 _ROWS = 1000
 #: Units that are taken for another: powers of ten, inches and millimetres; degrees and radians.
 _LENGTHS = (1000.0, 100.0, 10.0, 25.4)
 _ANGLES = (180 / np.pi,)
+#: What is read of drives.
+_READ = {"crank": "angles of cranks", "slide": "places of slides"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,6 +64,8 @@ def likely_cause(model: Model, seen: Measurements, unit: str) -> str | None:
     rows = np.flatnonzero(seen.whole)
     seen = seen.taken(rows[:: -(-len(rows) // _ROWS)])
     before = _apart(model, seen)
+    if not before > _ROUNDING * model.length:
+        return None
     tried = [(_apart(model, one.seen), one) for one in _causes(model, seen)]
     after, best = min(tried, key=lambda pair: pair[0])
     if not after < _LESS * before:
@@ -76,7 +82,7 @@ def _apart(model: Model, seen: Measurements) -> float:
     The median of its rows, a length: wrong rows do not count, and an offset does not either.
     """
     seen = seen.taken(seen.whole)
-    noise = Noise(1.0, 1 / model.length, 1.0, 1.0, 1.0, 0.0)
+    noise = Noise(1.0, 1 / model.length, 1.0, 1.0, 1.0, 0.0, 0.0)
     T = seen.positions - apply(seen.rotations, seen.pivot)
     with np.errstate(all="ignore"):
         left = value_rows(model, seen.rotations, T, seen, noise).residual
@@ -95,7 +101,7 @@ def _causes(model: Model, seen: Measurements) -> Iterator[Cause]:
 def _units(model: Model, seen: Measurements) -> Iterator[Cause]:
     distances = np.array([kind.is_distance for kind in model.kinds])
     for columns, factors, what in (
-        (distances, _LENGTHS, "lengths"),
+        (distances & ~seen.rods, _LENGTHS, "lengths"),
         (~distances, _ANGLES, "angles"),
     ):
         for factor in (*factors, *(1 / one for one in factors)) if columns.any() else ():
@@ -110,11 +116,18 @@ def _units(model: Model, seen: Measurements) -> Iterator[Cause]:
                 points={name: one * factor for name, one in seen.points.items()},
             ),
         )
-    for factor in (*_ANGLES, *(1 / one for one in _ANGLES)) if seen.cranks is not None else ():
-        assert seen.cranks is not None
-        yield Cause(
-            _in_another_unit("angles of cranks", factor), replace(seen, cranks=seen.cranks * factor)
-        )
+    for sort, factors in (("crank", _ANGLES), ("slide", _LENGTHS)):
+        columns = _of_sort(model, sort)
+        if seen.drives is None or not columns.any():
+            continue
+        for factor in (*factors, *(1 / one for one in factors)):
+            drives = np.where(columns, seen.drives * factor, seen.drives)
+            yield Cause(_in_another_unit(_READ[sort], factor), replace(seen, drives=drives))
+
+
+def _of_sort(model: Model, sort: str) -> NDArray[np.bool_]:
+    """Return which drives are cranks, or slides, shape (m,)."""
+    return np.array([drive.sort == sort for drive in model.drives], bool)
 
 
 def _in_another_unit(what: str, factor: float) -> str:
@@ -123,7 +136,7 @@ def _in_another_unit(what: str, factor: float) -> str:
 
 
 def _columns(model: Model, seen: Measurements) -> Iterator[Cause]:
-    for j, k in combinations(range(len(model.kinds)), 2):
+    for j, k in combinations(np.flatnonzero(~seen.rods).tolist(), 2):
         order = np.arange(len(model.kinds))
         order[[j, k]] = order[[k, j]]
         what = f"the readings {j + 1} and {k + 1} are exchanged"
@@ -134,15 +147,30 @@ def _columns(model: Model, seen: Measurements) -> Iterator[Cause]:
             yield Cause(
                 f"the readings {k + 1} have the wrong sign", _with(seen, seen.readings * sign)
             )
-    if seen.cranks is None:
-        return
-    names = [crank.name for crank in model.cranks]
-    yield Cause("the angles of cranks have the wrong sign", replace(seen, cranks=-seen.cranks))
-    for j, k in combinations(range(len(names)), 2):
-        order = np.arange(len(names))
-        order[[j, k]] = order[[k, j]]
-        what = f"the angles of the cranks {names[j]} and {names[k]} are exchanged"
-        yield Cause(what, replace(seen, cranks=seen.cranks[:, order]))
+    if seen.drives is not None:
+        yield from _drives(model, seen, seen.drives)
+
+
+def _drives(model: Model, seen: Measurements, readings: Array) -> Iterator[Cause]:
+    """Yield data with readings of drives of the other sign, and exchanged ones."""
+    for sort, what in _READ.items():
+        columns = _of_sort(model, sort)
+        at = np.flatnonzero(columns).tolist()
+        if not at:
+            continue
+        turned = np.where(columns, -readings, readings)
+        yield Cause(f"the {what} have the wrong sign", replace(seen, drives=turned))
+        for k in at:
+            sign = np.where(np.arange(len(columns)) == k, -1.0, 1.0)
+            name = model.drives[k].drive_name
+            one = f"the readings of {name} have the wrong sign"
+            yield Cause(one, replace(seen, drives=readings * sign))
+        for j, k in combinations(at, 2):
+            order = np.arange(len(columns))
+            order[[j, k]] = order[[k, j]]
+            names = f"{model.drives[j].name} and {model.drives[k].name}"
+            exchanged = f"the {what.replace('of', 'of the')} {names} are exchanged"
+            yield Cause(exchanged, replace(seen, drives=readings[:, order]))
 
 
 def _poses(seen: Measurements) -> Iterator[Cause]:

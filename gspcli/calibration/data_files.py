@@ -35,7 +35,9 @@ _INCLINATIONS = ("incl.x", "incl.y")
 _NUMBERS = tuple("123456")
 #: What coordinates that move begin with in `gsp track`: no target has such a name.
 _MOVING = ("base", "platform")
-_EXPECTED = "t, 1 ... 6, x y z, qw qx qy qz or rx ry rz, NAME.x, incl.x or crank.NAME"
+_EXPECTED = "t, 1 ... 6, x y z, qw qx qy qz or rx ry rz, NAME.x, incl.x, crank.NAME or slide.NAME"
+#: What columns of drives begin with.
+_DRIVES = ("crank", "slide")
 
 
 def read_measurements(
@@ -50,8 +52,8 @@ def read_measurements(
     Columns ``1`` to ``6`` are readings of the constraints (DPH and DHP signed), ``x y z`` and a
     rotation the pose as `gsp measure` reads it, ``P1.x P1.y P1.z`` the position of a point of the
     platform or a target, ``incl.x incl.y`` the inclinations of the platform's axes, ``crank.B1``
-    the angle of a crank. Where cranks have columns a leg without one keeps its stated length.
-    Columns that are not known are mistakes.
+    and ``slide.B1`` the readings of drives. Where drives have columns a leg without one keeps its
+    stated length. Columns that are not known are mistakes.
 
     Parameters
     ----------
@@ -82,7 +84,7 @@ def read_measurements(
     note_legs(table, instance)
     found = [number for number in _NUMBERS if number in table.heading]
     readings[:, [int(number) - 1 for number in found]] = table.numbers(found, blanks=True)
-    cranks = _cranks(table, instance)
+    drives = _drives(table, instance)
     expressed, (positions, rotations) = form.pivot_frame, _poses(table, form)
     positions, rotations = expressed.point_to_base(positions), expressed.turn_to_platform(rotations)
     seen = {one: table.numbers([f"{one}.{axis}" for axis in "xyz"], blanks=True) for one in groups}
@@ -97,7 +99,7 @@ def read_measurements(
         lines = [text or line for text, line in zip(table.texts("t"), lines, strict=True)]
     angles = Arrangement.of(instance).angles
     readings[:, angles] *= form.in_radians
-    if not table.mistakes and not found and cranks is None:
+    if not table.mistakes and not found and drives is None:
         table.note_heading("found no readings, expected some of the columns 1 2 3 4 5 6")
     table.check()
     return Measurements(
@@ -108,7 +110,7 @@ def read_measurements(
         seen,
         dict(targets),
         tilts,
-        cranks,
+        drives,
         tuple(lines),
     )  # fmt: skip
 
@@ -120,7 +122,7 @@ def _groups(table: NumberTable, instance: Instance, targets: Mapping[str, Array]
         head, dot, axis = name.rpartition(".")
         if re.fullmatch(r"[0-9]+", name) and name not in _NUMBERS:
             table.note_column(written, f"found {written}, expected a constraint from 1 to 6")
-        elif not dot or head == "crank" or name in _INCLINATIONS:
+        elif not dot or head in _DRIVES or name in _INCLINATIONS:
             continue
         elif head.partition(".")[0].lower() in _MOVING:
             message = (
@@ -136,7 +138,8 @@ def _groups(table: NumberTable, instance: Instance, targets: Mapping[str, Array]
                 table.note_column(written, error.message)
         else:
             message = (
-                f"found {shown(written)}, expected NAME.x, NAME.y, NAME.z, incl.x or crank.NAME"
+                f"found {shown(written)}, expected NAME.x, NAME.y, NAME.z, incl.x, crank.NAME or "
+                "slide.NAME"
             )
             table.note_column(written, message)
     for head, axes in found.items():
@@ -145,26 +148,31 @@ def _groups(table: NumberTable, instance: Instance, targets: Mapping[str, Array]
     return [head for head, axes in found.items() if len(axes) == 3] if not table.mistakes else []
 
 
-def _cranks(table: NumberTable, instance: Instance) -> Array | None:
-    """Return the angles of cranks in radians, if any."""
+def _drives(table: NumberTable, instance: Instance) -> Array | None:
+    """Return the readings of cranks and slides in radians and lengths, if any."""
     written = {
         name: one
         for one, name in zip(table.written, table.heading, strict=True)
-        if name.lower().startswith("crank.")
+        if name.lower().startswith(tuple(f"{sort}." for sort in _DRIVES))
     }
     if not written:
         return None
-    cranks = Model.of(instance, cranks=True).cranks
-    names = [f"crank.{crank.name}" for crank in cranks]
-    expected = listed(names) if names else "no cranks, for SPEC has none"
+    drives = Model.of(instance, drives=True).drives
+    names = [drive.drive_name for drive in drives]
+    sorts = {drive.sort for drive in drives}
+    what = {"crank": "cranks", "slide": "slides"}[sorts.pop()] if len(sorts) == 1 else "drives"
     for name, one in written.items():
         if name not in names:
-            table.note_column(one, f"found {shown(one)}, expected {expected}")
+            known = listed(names) if names else f"no {name.partition('.')[0]}s, for SPEC has none"
+            table.note_column(one, f"found {shown(one)}, expected {known}")
     if lacking := [one for one in names if one not in written]:
-        table.note_heading(f"the columns of cranks lack {listed(lacking, 'and')}")
+        table.note_heading(f"the columns of {what} lack {listed(lacking, 'and')}")
     if table.mistakes:
         return None
-    return table.numbers(names, blanks=True) * instance.units.angle.in_radians
+    angle = instance.units.angle.in_radians
+    units = np.array([angle if drive.sort == "crank" else 1.0 for drive in drives])
+    readings: Array = table.numbers(names, blanks=True) * units
+    return readings
 
 
 def _poses(table: NumberTable, form: PoseFormat) -> tuple[Array, Array]:

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.calibration.blocks import Block
+from gspcli.calibration.blocks import Body
 from gspcli.calibration.parameters import Model
 from gspcli.catalogue.kinds import DLL
 from gspcli.geometry.constraint_polynomials import Gradient
@@ -40,12 +40,12 @@ class Noise:
     Attributes
     ----------
     value, angle
-        Of readings of distances and of angles; value may be zero where cranks have all the noise.
+        Of readings of distances and of angles; value may be zero where drives have all the noise.
     position, rotation
         Of a coordinate of a position (or point), and of a turn of a pose about an axis; both zero
         if poses are exact.
-    inclination, crank
-        Of an inclination, and of the angle of a crank.
+    inclination, crank, slide
+        Of an inclination, and of the readings of cranks and slides.
     """
 
     value: float
@@ -54,6 +54,7 @@ class Noise:
     rotation: float
     inclination: float
     crank: float
+    slide: float
 
     @property
     def exact(self) -> bool:
@@ -63,7 +64,12 @@ class Noise:
     @classmethod
     def usual(cls, length: float) -> Noise:
         """Return what is assumed if nothing is said: 1e-5 of a typical length and of a radian."""
-        return cls(1e-5 * length, 1e-5, 1e-5 * length, 1e-5, 1e-5, 1e-5)
+        return cls(1e-5 * length, 1e-5, 1e-5 * length, 1e-5, 1e-5, 1e-5, 1e-5 * length)
+
+    def of_drives(self, model: Model) -> Array:
+        """Return the deviations of the readings of a model's drives, shape (m,)."""
+        sorts = {"crank": self.crank, "slide": self.slide}
+        return np.array([sorts[drive.sort] for drive in model.drives])
 
 
 class WhitenedRows(NamedTuple):
@@ -97,13 +103,14 @@ class Measurements:
         Where the latter are on the target, by name, each (3,).
     inclinations
         Angles of the platform's x and y axes above the horizontal, in radians, shape (n, 2).
-    cranks
-        Angles of the cranks, radians, a column for each, shape (n, m); None if there are none.
+    drives
+        Readings of the cranks and slides, in radians and lengths, a column for each, shape (n, m);
+        None if there are none.
     lines
         Where each row stands, for people: its t or its number, shape (n,).
     rods
         Which values are those of rods without readings, which are constants of the machine and
-        have no noise but that of the cranks that turn them, shape (6,); see `constant_rods`.
+        have no noise but that of the drives that move them, shape (6,); see `constant_rods`.
     sorts
         Of a part of the rows: `measured_sorts` of all; None of all.
     """
@@ -115,7 +122,7 @@ class Measurements:
     points: Mapping[str, Array] = field(default_factory=dict)
     targets: Mapping[str, Array] = field(default_factory=dict)
     inclinations: Array = field(default_factory=lambda: np.zeros((0, 2)))
-    cranks: Array | None = None
+    drives: Array | None = None
     lines: tuple[str, ...] = ()
     rods: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(6, bool))
     sorts: tuple[bool, bool] | None = None
@@ -151,7 +158,7 @@ class Measurements:
 
     @cached_property
     def numbers(self) -> NDArray[np.int64]:
-        """How many numbers each row has, crank angles not counted, shape (n,)."""
+        """How many numbers each row has, those of drives not counted, shape (n,)."""
         parts = [self.readings, self.positions, self.rotations[:, 0], *self.points.values()]
         if len(self.inclinations):
             parts.append(self.inclinations)
@@ -187,28 +194,28 @@ class Measurements:
 
 
 def constant_rods(instance: Instance, model: Model, seen: Measurements) -> Measurements:
-    """Return what was measured, with the stated lengths of unread rods that cranks turn.
+    """Return what was measured, with the stated lengths of unread rods that drives move.
 
     Parameters
     ----------
     instance
         The platform as stated.
     model
-        With its cranks, if their angles were measured.
+        With its drives, if they were read.
     seen
-        What was measured; a leg with a crank is a rod if it has no reading in any row.
+        What was measured; a leg with a crank or a slide is a rod if it has no reading in any row.
     """
     unread = ~np.asarray(np.isfinite(seen.readings).any(axis=0))
     rods: NDArray[np.bool_] = np.zeros(len(unread), np.bool_)
-    for crank in model.cranks if seen.cranks is not None else ():
-        rods[list(crank.rows)] = unread[list(crank.rows)]
+    for drive in model.drives if seen.drives is not None else ():
+        rods[list(drive.rows)] = unread[list(drive.rows)]
     if not rods.any():
         return seen
     readings = np.where(rods, nominal_values(instance), seen.readings)
     return replace(seen, readings=readings, rods=seen.rods | rods)
 
 
-def alike(seen: Measurements, R: Array, T: Array, cranks: Array | None) -> Measurements:
+def alike(seen: Measurements, R: Array, T: Array, drives: Array | None) -> Measurements:
     """Return measurements at n poses of the sorts that were made, as they would be without errors.
 
     Readings and points are zero: only derivatives mean something.
@@ -224,7 +231,7 @@ def alike(seen: Measurements, R: Array, T: Array, cranks: Array | None) -> Measu
         positions=T + R @ seen.pivot if placed else np.full((n, 3), nothing),
         points={name: np.zeros((n, 3)) for name in seen.points},
         inclinations=np.zeros((n if len(seen.inclinations) else 0, 2)),
-        cranks=cranks,
+        drives=drives,
         lines=("",) * n,
     )
 
@@ -238,7 +245,7 @@ def hat(a: Array) -> Array:
 
 def value_rows(model: Model, R: Array, T: Array, seen: Measurements, noise: Noise) -> WhitenedRows:
     """Return ``f - v (1 + s) - o`` for each reading v of each pose."""
-    bodies = model.bodies(seen.cranks)
+    bodies = model.bodies(seen.drives)
     values, by = measured(bodies, R, T), gradients(bodies, bodies.placed(R, T))
     skew = [k for k, kind in enumerate(model.kinds) if kind is DLL]
     if skew:
@@ -250,41 +257,82 @@ def value_rows(model: Model, R: Array, T: Array, seen: Measurements, noise: Nois
     residual = values - seen.readings * (1 + model.scales) - model.offsets
     by_model = np.zeros((*residual.shape, len(model.free)))
     for block, span in model.spans():
-        rows = list(block.rows)
-        by_point, by_unit = _in_body(by, R, block)
-        moves, turns = model.displacements(block, seen.cranks)
-        by_model[:, rows, span] = by_point @ np.swapaxes(moves, 1, 2) + by_unit @ turns.T
+        for rows, moves, turns in model.displacements(block, seen.drives):
+            by_point, by_unit = _in_body(by, R, block.body, rows)
+            by_model[:, rows, span] = by_point @ np.swapaxes(moves, 1, 2) + by_unit @ turns.T
     at, numbers = model.geometry, np.arange(6)
     by_model[:, numbers, at + numbers] = -1
     by_model[:, numbers, at + 6 + numbers] = -seen.readings
     sigma = np.array([noise.value if kind.is_distance else noise.angle for kind in model.kinds])
-    weight = 1 / np.broadcast_to(sigma, residual.shape)
-    if seen.cranks is not None:
-        if noise.crank > 0:
-            sigma = np.maximum(np.where(seen.rods, 0.0, sigma), _ROUNDING * model.length)
-        weight = 1 / np.hypot(sigma, noise.crank * _by_cranks(model, R, by, seen.cranks))
     _, w, arm = bodies.placed(R, T)
-    by_pose = by_twist(by, arm, w)
+    found = WhitenedRows(residual, by_model, by_twist(by, arm, w))
+    if seen.drives is not None and model.drives:
+        return _whitened(found, *_errors(model, R, by, seen, noise, sigma), model)
+    weight = 1 / np.broadcast_to(sigma, residual.shape)
     return WhitenedRows(
-        residual * weight, by_model * weight[..., None], by_pose * weight[..., None]
+        residual * weight, by_model * weight[..., None], found.by_pose * weight[..., None]
     )
 
 
-def _in_body(by: Gradient, R: Array, block: Block) -> tuple[Array, Array]:
+def _in_body(by: Gradient, R: Array, body: Body, rows: list[int]) -> tuple[Array, Array]:
     """Return the derivatives by a point and a direction in the frame of their body, (n, k, 3)."""
-    rows = list(block.rows)
-    if block.body == "base":
+    if body == "base":
         return -by.r[:, rows], by.v[:, rows]
     return by.r[:, rows] @ R, by.w[:, rows] @ R
 
 
-def _by_cranks(model: Model, R: Array, by: Gradient, angles: Array) -> Array:
-    """Return the derivatives of the values by the angle of their crank, shape (n, 6)."""
-    found = np.zeros(by.r.shape[:2])
-    for axis, move in model.by_angles(angles):
-        by_point, _ = _in_body(by, R, axis)
-        found[:, list(axis.rows)] += np.einsum("nka,na->nk", by_point, move)
-    return found
+def _errors(
+    model: Model, R: Array, by: Gradient, seen: Measurements, noise: Noise, sigma: Array
+) -> tuple[Array, Array]:
+    """Return the deviations of values by themselves, (6,), and by those of their drive, (n, 6)."""
+    assert seen.drives is not None
+    by_reading = np.zeros(by.r.shape[:2])
+    deviations, moved = noise.of_drives(model), np.zeros(len(model.kinds), bool)
+    for k, point, rate in model.by_drives(seen.drives):
+        rows = list(point.rows)
+        by_point, _ = _in_body(by, R, point.body, rows)
+        by_reading[:, rows] = deviations[k] * np.einsum("nka,na->nk", by_point, rate)
+        moved[rows] = deviations[k] > 0
+    exact = np.maximum(np.where(seen.rods, 0.0, sigma), _ROUNDING * model.length)
+    return np.where(moved, exact, sigma), by_reading
+
+
+def _whitened(rows: WhitenedRows, sigma: Array, by_reading: Array, model: Model) -> WhitenedRows:
+    """Return rows whose errors are independent and have the deviation one.
+
+    Errors of one drive are common to all legs that it moves: the covariance of their rows is
+    ``S (1 + h h^T) S`` with the diagonal S of their own deviations, and its root is known.
+
+    Parameters
+    ----------
+    rows
+        As they are.
+    sigma
+        The deviations of values without those of drives, shape (6,).
+    by_reading
+        Those that come from the reading of the drive, with their signs, shape (n, 6).
+    model
+        With its drives.
+    """
+    weight = 1 / np.hypot(sigma, by_reading)
+    groups = [list(drive.rows) for drive in model.drives if len(drive.rows) > 1]
+    for group in groups:
+        weight[:, group] = 1 / sigma[group]
+    found = [part * weight.reshape(*weight.shape, *[1] * (part.ndim - 2)) for part in rows]
+    for group in groups:
+        # A leg without a reading has no part in the error of the others.
+        there = np.isfinite(rows.residual[:, group])
+        h = np.where(there, by_reading[:, group] / sigma[group], 0.0)
+        square = np.einsum("nk,nk->n", h, h)
+        # (1 + h h^T)^(-1/2) = 1 - factor h h^T
+        root = np.sqrt(1 + square)
+        factor = 1 / (root * (1 + root))
+        for part in found:
+            own = part[:, group].reshape(*there.shape, -1)
+            common = np.einsum("nk,nka->na", h, np.where(there[..., None], own, 0.0))
+            own = own - (factor[:, None] * h)[..., None] * common[:, None]
+            part[:, group] = own.reshape(part[:, group].shape)
+    return WhitenedRows(*found)
 
 
 def _frames(model: Model) -> tuple[Array, Array, Array, Array]:

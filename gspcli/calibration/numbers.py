@@ -8,11 +8,20 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.calibration.blocks import Block
+from gspcli.calibration.blocks import CORRECTIONS, Block
 from gspcli.calibration.parameters import Model
 from gspcli.geometry.instance import Constraint, Instance, as_read
 from gspcli.geometry.numbers import Number
-from gspcli.geometry.primitives import Crank, Geometry, Line, Plane, Point, Vector, as_array
+from gspcli.geometry.primitives import (
+    Crank,
+    Geometry,
+    Line,
+    Plane,
+    Point,
+    Slide,
+    Vector,
+    as_array,
+)
 from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
@@ -31,8 +40,8 @@ class FileNumbers:
     Attributes
     ----------
     names
-        ``base.B1.x``, ``platform.L2.direction.z``, ``base.B1.crank.centre.x``, ``offset.3`` …, m of
-        them.
+        ``base.B1.x``, ``platform.L2.direction.z``, ``base.B1.crank.centre.x``,
+        ``base.B1.slide.scale``, ``offset.3`` …, m of them.
     values
         In the units of the file (frames: lengths and the angle unit), shape (m,).
     slopes
@@ -62,6 +71,11 @@ def file_numbers(instance: Instance, model: Model) -> FileNumbers:
             names += [f"{block.body}.{block.name}.{label}{axis}" for axis in _AXES]
             values.append(vector)
             slopes.append(whole)
+        if block.is_drive:
+            unit = np.array([model.in_radians if block.sort == "crank" else 1.0, 1.0])
+            names += block.names[-len(unit) :]
+            values.append(block.corrections / unit)
+            slopes.append(np.eye(count)[span.stop - len(unit) : span.stop] / unit[:, None])
     at = model.geometry
     angle = np.array([1.0 if kind.is_distance else model.in_radians for kind in model.kinds])
     turn = np.array(([model.in_radians] * 3 + [1.0] * 3) * 2)
@@ -78,21 +92,20 @@ def _geometry(instance: Instance, block: Block) -> Geometry:
 
 
 def _vectors(stated: Geometry, block: Block) -> list[tuple[str, Array, Array]]:
-    """Return name, numbers and derivatives by parameters (3, s + t) of a primitive's vectors."""
-    turns = np.vstack((np.zeros_like(block.shifts), np.cross(block.tilts, block.unit)))
-    shifts = np.vstack((block.shifts, np.zeros_like(block.tilts)))
+    """Return name, numbers and derivatives by parameters (3, p) of a primitive's vectors."""
+    none = np.zeros((len(block.corrections), 3))
+    turns = np.vstack((np.zeros_like(block.shifts), np.cross(block.tilts, block.unit), none))
+    shifts = np.vstack((block.shifts, np.zeros_like(block.tilts), none))
     if block.sort == "point":
         return [("", block.point, shifts.T)]
-    if block.sort == "crank":
-        assert isinstance(stated, Point)
-        assert stated.crank is not None
-        place, vector, names = (
-            stated.crank.centre,
-            stated.crank.axis,
-            ("crank.centre.", "crank.axis."),
-        )
+    if isinstance(stated, Point):
+        drive = stated.drive
+        if isinstance(drive, Crank):
+            place, vector, names = drive.centre, drive.axis, ("crank.centre.", "crank.axis.")
+        else:
+            assert drive is not None
+            place, vector, names = stated.position, drive.direction, ("", "slide.direction.")
     else:
-        assert isinstance(stated, Line | Plane)
         place, vector = stated.position, stated.vector
         names = ("", "direction." if block.sort == "line" else "normal.")
     length = float(np.linalg.norm(as_array(vector)))
@@ -143,10 +156,32 @@ def calibrated(instance: Instance, model: Model, deviations: dict[str, float]) -
             fields["direction"] = vector(f"{label}direction.", stated.direction)
         elif isinstance(stated, Plane):
             fields["normal"] = vector(f"{label}normal.", stated.normal)
-        elif stated.crank is not None:
-            centre = vector(f"{label}crank.centre.", stated.crank.centre)
-            fields["crank"] = Crank(centre, vector(f"{label}crank.axis.", stated.crank.axis))
+        elif stated.drive is not None:
+            owner = f"{label.partition('.')[0]}.{stated.partner}." if stated.partner else label
+            fields[stated.drive.sort] = drive(f"{owner}{stated.drive.sort}.", stated.drive)
         return replace(stated, **fields)
+
+    def drive(label: str, stated: Crank | Slide) -> Crank | Slide:
+        corrections = {
+            what: number(f"{label}{what}", Number.of(0))
+            if f"{label}{what}" in deviations
+            else getattr(stated, what)
+            for what in CORRECTIONS
+        }
+        # The readings of the range stay the same, and mean other values.
+        read = stated.limits and [stated.reading_of(end) for end in stated.limits]
+        found: Crank | Slide
+        if isinstance(stated, Crank):
+            centre = vector(f"{label}centre.", stated.centre)
+            axis = vector(f"{label}axis.", stated.axis)
+            found = Crank(centre, axis, None, stated.tolerance, **corrections)
+        else:
+            along = vector(f"{label}direction.", stated.direction)
+            found = Slide(along, None, stated.tolerance, **corrections)
+        limits = stated.limits
+        if read and any(getattr(stated, what) != corrections[what] for what in CORRECTIONS):
+            limits = (found.value_of(read[0]), found.value_of(read[1]))
+        return replace(found, limits=limits)
 
     rows = []
     for k, row in enumerate(instance.constraints, 1):

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from gspcli.calibration.blocks import CORRECTIONS
 from gspcli.calibration.measurements import Noise
 from gspcli.calibration.parameters import Model
 from gspcli.errors import ArgumentError
@@ -21,7 +22,7 @@ from gspcli.wording import listed, shown, suggestion
 #: made to a two-hundredth of the machine, and what is known less well from data is not known.
 PRIOR = 1 / 200
 #: What noise can be stated of.
-SIGMAS = ("value", "angle", "position", "rotation", "inclination", "crank")
+SIGMAS = ("value", "angle", "position", "rotation", "inclination", "crank", "slide")
 _ANGLES = {"angle", "rotation", "inclination", "crank"}
 
 
@@ -32,7 +33,8 @@ class Options:
     Attributes
     ----------
     estimate
-        What is estimated besides primitives and offsets: ``scales``, ``frames``, or parameters.
+        What is estimated besides primitives and offsets: ``scales``, ``frames``, or parameters, as
+        ``base.B1.slide.offset``.
     hold
         What keeps what is stated: ``offsets``, ``platform``, ``base``, ``platform.P1``,
         ``offset.3`` ….
@@ -67,7 +69,7 @@ def prior_of(options: Options, model: Model) -> float:
     return float(options.prior)
 
 
-def chosen_model(instance: Instance, options: Options, *, cranks: bool) -> Model:
+def chosen_model(instance: Instance, options: Options, *, drives: bool) -> Model:
     """Return the model with the parameters free that are to be estimated.
 
     Raises
@@ -75,18 +77,29 @@ def chosen_model(instance: Instance, options: Options, *, cranks: bool) -> Model
     ArgumentError
         If a name is that of no parameter.
     """
-    model = Model.of(instance, cranks=cranks)
+    model = Model.of(instance, drives=drives)
+    zeros = {f"{d.body}.{d.name}.{d.sort}.offset": d.drive_name for d in model.drives}
+    if asked := [zeros[name] for name in options.estimate if name in zeros]:
+        model = Model.of(instance, drives=drives, zeros=asked)
     free = model.free.copy()
-    for names, where, value in (
-        (options.estimate, "estimate", True),
-        (options.hold, "hold", False),
-    ):
-        for name in names:
-            free[_meant(model, name, where)] = value
+    for name in options.estimate:
+        meant = _meant(model, name, "estimate")
+        # A whole primitive has no corrections of readings in it.
+        free |= meant & ~_corrections(model, name)
+    for name in options.hold:
+        free[_meant(model, name, "hold")] = False
     if not free.any():
         message = "found nothing that is to be estimated"
         raise ArgumentError(message, "hold")
     return replace(model, free=free)
+
+
+def _corrections(model: Model, but: str) -> NDArray[np.bool_]:
+    """Return which parameters correct readings of drives, but for those with the name."""
+    drives = {name for drive in model.drives for name in drive.names[-len(CORRECTIONS) :]}
+    if but == "scales":
+        drives = {name for name in drives if not name.endswith(".scale")}
+    return np.array([name in drives and name != but for name in model.names])
 
 
 def _meant(model: Model, name: str, where: str) -> NDArray[np.bool_]:
@@ -98,6 +111,11 @@ def _meant(model: Model, name: str, where: str) -> NDArray[np.bool_]:
     }
     prefixes = sorts.get(name, (f"{name}.",))
     meant = np.array([one == name or one.startswith(prefixes) for one in model.names])
+    if name == "scales":
+        meant |= np.array([one.endswith(".scale") for one in model.names])
+        # A rod that a drive moves is not read, but the drive is.
+        rods = {f"scale.{k + 1}" for drive in model.drives for k in drive.rows}
+        meant &= np.array([one not in rods for one in model.names])
     if not meant.any():
         parts = {one.rpartition(".")[0] for one in model.names} | set(model.names)
         known = sorted(parts | set(sorts) | {"platform", "base"})
@@ -118,9 +136,9 @@ def noise_of(model: Model, sigma: Mapping[str, float]) -> Noise:
         If a name or a number is wrong.
     """
     changes: dict[str, Any] = {}
-    exact = {"position", "rotation", "crank"}
-    turned = {k for crank in model.cranks for k in crank.rows}
-    if all(k in turned for k, kind in enumerate(model.kinds) if kind.is_distance):
+    exact = {"position", "rotation", "crank", "slide"}
+    moved = {k for drive in model.drives for k in drive.rows}
+    if all(k in moved for k, kind in enumerate(model.kinds) if kind.is_distance):
         exact.add("value")
     for name, number in sigma.items():
         if name not in SIGMAS:
@@ -133,9 +151,10 @@ def noise_of(model: Model, sigma: Mapping[str, float]) -> Noise:
             raise ArgumentError(message, f"sigma[{name!r}]")
         changes[name] = float(number) * (model.in_radians if name in _ANGLES else 1.0)
     noise = replace(Noise.usual(model.length), **changes)
-    if noise.value == noise.crank == 0:
-        message = "found both value and crank zero, expected one of them positive"
-        raise ArgumentError(message, "sigma")
+    for drive, deviation in zip(model.drives, noise.of_drives(model), strict=True):
+        if noise.value == deviation == 0:
+            message = f"found both value and {drive.sort} zero, expected one of them positive"
+            raise ArgumentError(message, "sigma")
     if (noise.position == 0) != (noise.rotation == 0):
         message = "found one of position and rotation zero, expected both (poses are exact) or none"
         raise ArgumentError(message, "sigma")

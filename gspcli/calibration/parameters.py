@@ -1,11 +1,11 @@
 """What a calibration estimates: changes of primitives, offsets, scales, and two unknown frames.
 
-The parameters of the primitives are those of their blocks.
+The parameters of primitives and drives are those of their blocks.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import field, replace
 
 import numpy as np
@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from gspcli.calibration.blocks import Block, Body, blocks_of
 from gspcli.catalogue.kinds import Kind
 from gspcli.geometry.arrangement import Arrangement, Bodies
+from gspcli.geometry.drive_numbers import drive_numbers
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.geometry.readings import factors, offsets
@@ -62,16 +63,25 @@ class Model:
     free: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, bool))
 
     @classmethod
-    def of(cls, instance: Instance, *, cranks: bool = False) -> Model:
+    def of(cls, instance: Instance, *, drives: bool = False, zeros: Collection[str] = ()) -> Model:
         """Return the model of an instance, all parameters free but scales and frames.
 
         Parameters
         ----------
         instance
             The platform as stated.
-        cranks
-            Whether the angles of its cranks are known, so that their axes are estimated, too.
+        drives
+            Whether its cranks and slides are read, so that axes and rails are estimated, too.
+        zeros
+            The drives whose offset is estimated in place of a shift of their point along them.
+
+        Raises
+        ------
+        ArgumentError
+            If both points of a constraint have drives.
         """
+        if drives:
+            drive_numbers(instance)
         arrangement = Arrangement.of(instance)
         shifts = offsets(instance)
         shifts[arrangement.angles] *= arrangement.in_radians
@@ -79,7 +89,7 @@ class Model:
             arrangement.kinds,
             arrangement.length,
             arrangement.in_radians,
-            tuple(blocks_of(instance, arrangement, cranks=cranks)),
+            tuple(blocks_of(instance, arrangement, drives=drives, zeros=zeros)),
             shifts,
             factors(instance) - 1,
             np.zeros(FRAMES),
@@ -89,6 +99,11 @@ class Model:
         # The offset of a distance to a plane is a shift of the plane: one of both is enough.
         planes = [k for k, kind in enumerate(model.kinds) if kind.has_sides]
         free[[model.geometry + k for k in planes]] = False
+        # So is that of a drive along which its points shift.
+        for block, span in model.spans():
+            if block.is_drive:
+                free[span.stop - 2] = block.drive_name in zeros
+                free[span.stop - 1] = False
         return replace(model, free=free)
 
     @property
@@ -108,7 +123,7 @@ class Model:
     def sizes(self) -> Array:
         """The change of each parameter that moves values by about a length of one, shape (p,)."""
         turn = 1 / self.length
-        parts = [[1.0] * len(b.shifts) + [turn] * len(b.tilts) for b in self.blocks]
+        parts = [block.sizes(turn) for block in self.blocks]
         parts.append([1.0 if kind.is_distance else turn for kind in self.kinds])
         parts.append([turn] * len(self.kinds))
         parts.append(([turn] * 3 + [1.0] * 3) * 2)
@@ -139,7 +154,7 @@ class Model:
 
     def anchored(self, R: Array, T: Array) -> Model:
         """Return the same with the points of lines and planes near what is measured at poses."""
-        places = {(b.body, k): b for b in self.blocks if b.sort != "crank" for k in b.rows}
+        places = {(b.body, k): b for b in self.blocks if not b.is_drive for k in b.rows}
         found = []
         for block in self.blocks:
             if block.sort in ("line", "plane"):
@@ -157,88 +172,125 @@ class Model:
         return replace(self, blocks=tuple(found))
 
     @property
-    def cranks(self) -> tuple[Block, ...]:
-        """The blocks of cranks."""
-        return tuple(block for block in self.blocks if block.sort == "crank")
+    def drives(self) -> tuple[Block, ...]:
+        """The blocks of cranks and slides."""
+        return tuple(block for block in self.blocks if block.is_drive)
 
-    def bodies(self, angles: Array | None = None) -> Bodies:
+    def bodies(self, readings: Array | None = None) -> Bodies:
         """Return the primitives as they are now.
 
         Parameters
         ----------
-        angles
-            Of the cranks, in radians, a column for each, shape (n, m): the points are then those of
-            each pose, shape (n, 6, 3).
+        readings
+            Of the drives, in radians and lengths, a column for each, shape (n, m): the points are
+            then those of each pose, shape (n, 6, 3).
         """
-        y, x = np.zeros((2, 1 if angles is None else len(angles), 6, 3))
+        y, x = np.zeros((2, 1 if readings is None else len(readings), 6, 3))
         u, v = np.zeros((2, 6, 3))
         for block in self.blocks:
-            if block.sort != "crank":
+            if not block.is_drive:
                 points, units = (y, u) if block.body == "platform" else (x, v)
                 rows = list(block.rows)
-                points[:, rows] = self._placed(block, angles)[:, None]
+                points[:, rows] = self._placed(block, readings)[:, None]
                 units[rows] = block.unit
-        if angles is None:
+        if readings is None:
             y, x = y[0], x[0]
         return Bodies(self.kinds, y, x, u, v)
 
-    def displacements(self, block: Block, angles: Array | None = None) -> tuple[Array, Array]:
-        """Return how the parameters of a block move its point and turn its direction.
+    def displacements(
+        self, block: Block, readings: Array | None = None
+    ) -> Iterator[tuple[list[int], Array, Array]]:
+        """Yield how the parameters of a block move points and turn its direction.
 
         Parameters
         ----------
         block
             One of the model.
-        angles
+        readings
             As for `bodies`.
 
-        Returns
-        -------
-        moves, turns
-            Derivatives by each of the s parameters, in the frame of the body: of the point, shape
-            (n or 1, s, 3), and of the direction, shape (s, 3). The parameters of a crank move the
-            point that it turns.
+        Yields
+        ------
+        rows, moves, turns
+            Constraints, and derivatives by each of the s parameters, in the frame of the body: of
+            their point, shape (n or 1, s, 3), and of the direction, shape (s, 3). A drive has one
+            for each of the points that it moves.
         """
         still = np.zeros((block.size, 3))
-        s = len(block.shifts)
-        if block.sort == "crank":
-            turn = self._turn(block, angles)
-            arm = self._point_of(block).point - block.point
-            lever = np.cross(block.tilts, (turn @ arm)[:, None])
-            tilted = lever - np.cross(block.tilts, arm) @ np.swapaxes(turn, 1, 2)
-            shifted = block.shifts - block.shifts @ np.swapaxes(turn, 1, 2)
-            return np.concatenate((shifted, tilted), axis=1), still
-        moves, turns = still.copy(), still
+        if block.is_drive:
+            for point in self._points_of(block):
+                yield list(point.rows), self._by_drive(block, point, readings), still
+            return
+        moves, turns, s = still.copy(), still, len(block.shifts)
         moves[:s], turns[s:] = block.shifts, np.cross(block.tilts, block.unit)
-        axis = self._crank_of(block)
-        if axis is None or angles is None:
-            return moves[None], turns
-        return moves @ np.swapaxes(self._turn(axis, angles), 1, 2), turns
+        drive = self._drive_of(block)
+        if drive is None or drive.sort == "slide":
+            yield list(block.rows), moves[None], turns
+        else:
+            turned = moves @ np.swapaxes(self._turn(drive, readings), 1, 2)
+            yield list(block.rows), turned, turns
 
-    def by_angles(self, angles: Array) -> Iterator[tuple[Block, Array]]:
-        """Yield each crank and the derivative of its point by its angle, shape (n, 3)."""
-        for axis in self.cranks:
-            arm = self._placed(self._point_of(axis), angles) - axis.point
-            yield axis, np.cross(axis.unit, arm)
+    def by_drives(self, readings: Array) -> Iterator[tuple[int, Block, Array]]:
+        """Yield the number of a drive, a point of it, and its derivative by the reading, (n, 3)."""
+        for k, drive in enumerate(self.drives):
+            for point in self._points_of(drive):
+                rate = self._velocity(drive, point, readings) * (1 + drive.corrections[1])
+                yield k, point, np.broadcast_to(rate, (len(readings), 3))
 
-    def _placed(self, block: Block, angles: Array | None) -> Array:
-        """Return the point of a block, turned by its crank, shape (n or 1, 3)."""
-        axis = self._crank_of(block)
-        if axis is None or angles is None:
+    def _by_drive(self, drive: Block, point: Block, readings: Array | None) -> Array:
+        """Return the derivatives of a point by the parameters of its drive, (n or 1, s, 3)."""
+        read, q = self._reading(drive, readings), self._number(drive, readings)
+        rate = self._velocity(drive, point, readings)
+        corrected = np.stack((rate, rate * read[:, None]), axis=1)
+        if drive.sort == "slide":
+            tilted = np.cross(drive.tilts, drive.unit) * q[:, None, None]
+            return np.concatenate((tilted, corrected), axis=1)
+        turn, arm = self._turn(drive, readings), point.point - drive.point
+        back = np.swapaxes(turn, 1, 2)
+        lever = np.cross(drive.tilts, (turn @ arm)[:, None])
+        tilted = lever - np.cross(drive.tilts, arm) @ back
+        shifted = drive.shifts - drive.shifts @ back
+        return np.concatenate((shifted, tilted, corrected), axis=1)
+
+    def _velocity(self, drive: Block, point: Block, readings: Array | None) -> Array:
+        """Return the derivative of a point by the number of its drive, shape (n or 1, 3)."""
+        if drive.sort == "slide":
+            q = self._number(drive, readings)
+            return np.broadcast_to(drive.unit, (len(q), 3))
+        arm = self._placed(point, readings) - drive.point
+        return np.asarray(np.cross(drive.unit, arm))
+
+    def _placed(self, block: Block, readings: Array | None) -> Array:
+        """Return the point of a block, moved by its drive, shape (n or 1, 3)."""
+        drive = self._drive_of(block)
+        if drive is None or readings is None:
             return block.point[None]
-        placed: Array = axis.point + self._turn(axis, angles) @ (block.point - axis.point)
-        return placed
+        if drive.sort == "slide":
+            return np.asarray(block.point + self._number(drive, readings)[:, None] * drive.unit)
+        turned = self._turn(drive, readings) @ (block.point - drive.point)
+        return np.asarray(drive.point + turned)
 
-    def _turn(self, axis: Block, angles: Array | None) -> Array:
-        if angles is None:
-            return np.eye(3)[None]
-        column = [one is axis for one in self.cranks].index(True)
-        return rotation_from_vector(angles[:, column, None] * axis.unit)
+    def _reading(self, drive: Block, readings: Array | None) -> Array:
+        """Return the readings of a drive, shape (n,)."""
+        if readings is None:
+            return np.zeros(1)
+        return np.asarray(readings[:, [one is drive for one in self.drives].index(True)])
 
-    def _crank_of(self, block: Block) -> Block | None:
-        same = [b for b in self.cranks if (b.body, b.name) == (block.body, block.name)]
-        return same[0] if same else None
+    def _number(self, drive: Block, readings: Array | None) -> Array:
+        """Return the numbers q of a drive, zero as stated, shape (n,)."""
+        read = self._reading(drive, readings)
+        return read if readings is None else drive.numbers(read)
 
-    def _point_of(self, axis: Block) -> Block:
-        key = axis.body, axis.name, "point"
-        return next(b for b in self.blocks if (b.body, b.name, b.sort) == key)
+    def _turn(self, axis: Block, readings: Array | None) -> Array:
+        return rotation_from_vector(self._number(axis, readings)[:, None] * axis.unit)
+
+    def _drive_of(self, block: Block) -> Block | None:
+        same = (b for b in self.drives if b.body == block.body and block.name in b.carried)
+        return next(same, None)
+
+    def _points_of(self, drive: Block) -> list[Block]:
+        return [
+            b
+            for b in self.blocks
+            if b.body == drive.body and b.sort == "point" and b.name in drive.carried
+        ]

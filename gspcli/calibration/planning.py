@@ -16,7 +16,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.calibration.candidate_poses import CRANK_TURN, Allowed, Places, candidates
+from gspcli.calibration.candidate_poses import (
+    CRANK_TURN,
+    SLIDE_SHIFT,
+    Allowed,
+    Places,
+    candidates,
+)
 from gspcli.calibration.fitting import fit, reduced
 from gspcli.calibration.measurements import (
     Measurements,
@@ -33,7 +39,9 @@ from gspcli.calibration.parameters import Model
 from gspcli.calibration.starts import started
 from gspcli.defaults import SEED
 from gspcli.errors import IncompleteError
-from gspcli.geometry.coordinates import coordinates
+from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.drive_numbers import is_driven
+from gspcli.geometry.drives import Drives
 from gspcli.geometry.frames import IDENTITY, PoseFrame
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.limits import has_limits
@@ -63,9 +71,9 @@ class Plan:
         The poses, shapes (n, 3, 3) and (n, 3).
     readings
         What the machine reads there as it is stated, in the units of the instance, shape (n, 6).
-    crank_names, crank_rows, cranks
-        The cranks that drive it, the constraints of their legs, from 0, and their angles, in the
-        unit of the instance, shape (n, m); m is 0 where no crank does.
+    drive_names, driven, drives
+        The cranks and slides that drive it, the constraints of their legs, from 0, and their
+        readings, in the units of the instance, shape (n, m); m is 0 where none does.
     names, sigma
         The numbers that will be found, and their standard deviations, shape (m,).
     before
@@ -82,9 +90,9 @@ class Plan:
     R: Array
     T: Array
     readings: Array
-    crank_names: tuple[str, ...]
-    crank_rows: tuple[int, ...]
-    cranks: Array
+    drive_names: tuple[str, ...]
+    driven: tuple[int, ...]
+    drives: Array
     names: tuple[str, ...]
     sigma: Array
     before: Array
@@ -110,9 +118,8 @@ class Plan:
         """What will be known, in words."""
         units = self.instance.units
         how = "within ranges and cones" if self.limited else "near home: SPEC states no limits"
-        if self.crank_names:
-            quarter = np.rad2deg(CRANK_TURN)
-            how = f"within reach of the cranks, turned by up to {quarter:g} deg"
+        if self.drive_names:
+            how = f"within reach of the {self._how_far()}"
         lines = [f"{len(self.R)} of {self.candidates} poses {how}"]
         lengths = [
             k for k, name in enumerate(self.names) if not any(w in name for w in _NO_LENGTHS)
@@ -131,18 +138,39 @@ class Plan:
             )
         return lines
 
+    def _how_far(self) -> str:
+        """Return which drives there are, and how far those without a range move."""
+        drives = Drives.of(self.instance)
+        free = ~(np.isfinite(drives.low) & np.isfinite(drives.high))
+        open_ended = {sort for sort, one in zip(drives.sorts, free, strict=True) if one}
+        sorts = [sort for sort in ("crank", "slide") if sort in drives.sorts]
+        parts = {
+            "crank": f"turned by up to {np.rad2deg(CRANK_TURN):g} deg",
+            "slide": f"moved by up to {SLIDE_SHIFT * Arrangement.of(self.instance).length:.3g} "
+            f"{self.instance.units.length}",
+        }
+        limits = [parts[sort] for sort in sorts if sort in open_ended]
+        return ", ".join([" and ".join(f"{sort}s" for sort in sorts), *limits])
+
+    def _driven_json(self, readings: list[float]) -> dict[str, dict[str, float]]:
+        """Return the readings of the drives of a pose by their names; those of cranks twice."""
+        if not readings:
+            return {}
+        drives = dict(zip(self.drive_names, readings, strict=True))
+        cranks = {name: angle for name, angle in drives.items() if name.startswith("crank.")}
+        return {"drives": drives} | ({"cranks": cranks} if cranks else {})
+
     def to_json(self) -> dict[str, Any]:
         """Return the plan as plain data."""
         return {
             **self.instance.to_json(),
             "plan": [
-                {"R": R, "T": T, "values": row}
-                | ({"cranks": dict(zip(self.crank_names, angles, strict=True))} if angles else {})
-                for R, T, row, angles in zip(
+                {"R": R, "T": T, "values": row} | self._driven_json(drives)
+                for R, T, row, drives in zip(
                     self.R.tolist(),
                     self.T.tolist(),
                     self.readings.tolist(),
-                    self.cranks.tolist(),
+                    self.drives.tolist(),
                     strict=True,
                 )
             ],
@@ -157,7 +185,7 @@ class Plan:
         }
 
 
-_NO_LENGTHS = ("direction.", "normal.", "axis.", "scale.", ".rx", ".ry", ".rz")
+_NO_LENGTHS = ("direction.", "normal.", "axis.", "scale", "crank.offset", ".rx", ".ry", ".rz")
 
 
 def _too_much_alike(count: int) -> IncompleteError:
@@ -209,10 +237,8 @@ def planned(
         If the poses there are so much alike that they tell nothing.
     """
     options = options or Options()
-    driven = any(one.vector == "crank" for one in coordinates(instance))
-    if seen is not None:
-        driven = seen.cranks is not None
-    model = chosen_model(instance, options, cranks=driven)
+    driven = is_driven(instance) if seen is None else seen.drives is not None
+    model = chosen_model(instance, options, drives=driven)
     noise = noise_of(model, sigma or {})
     places = candidates(instance, model, R, T, seed, allowed=allowed)
     prior = prior_of(options, model)
@@ -246,9 +272,9 @@ def planned(
         R=there.R,
         T=there.T,
         readings=readings_of(instance, _values(instance, model, there)),
-        crank_names=tuple(f"crank.{one.name}" for one in model.cranks),
-        crank_rows=tuple(k for one in model.cranks for k in one.rows),
-        cranks=np.zeros((count, 0)) if there.cranks is None else there.cranks / model.in_radians,
+        drive_names=tuple(one.drive_name for one in model.drives),
+        driven=tuple(k for one in model.drives for k in one.rows),
+        drives=np.zeros((count, 0)) if there.drives is None else there.drives / _units(model),
         names=tuple(np.array(numbers.names)[told].tolist()),
         sigma=known,
         before=deviations(before),
@@ -258,11 +284,16 @@ def planned(
     )
 
 
+def _units(model: Model) -> Array:
+    """Return the units of the readings of drives in radians and lengths, shape (m,)."""
+    return np.array([model.in_radians if one.sort == "crank" else 1.0 for one in model.drives])
+
+
 def _values(instance: Instance, model: Model, places: Places) -> Array:
-    """Return the values at poses; those of legs with cranks, which turn, are as stated."""
+    """Return the values at poses; those of legs with drives are as stated."""
     values = values_at(instance, places.R, places.T)
-    for crank in model.cranks:
-        rows = list(crank.rows)
+    for drive in model.drives:
+        rows = list(drive.rows)
         values[:, rows] = [instance.constraints[k].value.value for k in rows]
     return values
 
@@ -278,15 +309,15 @@ def told_by(model: Model, places: Places, seen: Measurements | None, noise: Nois
 
 
 def _whole(model: Model, places: Places) -> Measurements:
-    """Return measurements of whole poses and of all values; rods that cranks turn are not read."""
+    """Return measurements of whole poses and of all values; rods that drives move are not read."""
     n, rods = len(places.T), np.zeros(len(model.kinds), bool)
-    rods[[k for crank in model.cranks for k in crank.rows]] = True
+    rods[[k for drive in model.drives for k in drive.rows]] = True
     return Measurements(
         np.zeros((n, 6)),
         places.R,
         places.T,
         np.zeros(3),
-        cranks=places.cranks,
+        drives=places.drives,
         rods=rods,
         lines=("",) * n,
     )
@@ -300,7 +331,7 @@ def pose_errors(model: Model, places: Places) -> Array:
     """
     some = places.taken(slice(0, _ERRORS))
     R, T, _ = some
-    _, by_model, by_pose = value_rows(model, R, T, _whole(model, some), Noise(1, 1, 1, 1, 1, 0))
+    _, by_model, by_pose = value_rows(model, R, T, _whole(model, some), Noise(1, 1, 1, 1, 1, 0, 0))
     free = model.free.copy()
     free[model.geometry + 6 :] = False
     scaled = np.where(free, by_model * model.sizes, 0.0)[..., model.free]

@@ -75,8 +75,8 @@ class Calibration:
 
     @cached_property
     def _stated(self) -> FileNumbers:
-        cranks = self.seen.cranks is not None
-        return file_numbers(self.stated, Model.of(self.stated, cranks=cranks))
+        drives = self.seen.drives is not None
+        return file_numbers(self.stated, Model.of(self.stated, drives=drives))
 
     @cached_property
     def estimated(self) -> NDArray[np.bool_]:
@@ -90,7 +90,7 @@ class Calibration:
         seen = self.seen
         parts = [seen.readings, seen.rotations.reshape(len(seen), -1), seen.positions]
         parts += [*seen.points.values(), *([seen.inclinations] if len(seen.inclinations) else [])]
-        parts += [] if seen.cranks is None else [seen.cranks]
+        parts += [] if seen.drives is None else [seen.drives]
         rows = {row.tobytes() for row in np.hstack(parts)}
         return len(seen) - len(rows)
 
@@ -113,7 +113,7 @@ class Calibration:
         """Which mistake of the data probably is the cause of doubts; None if none is likely."""
         if not self.doubts or self.fit.model.with_frames:
             return None
-        model = Model.of(self.stated, cranks=self.seen.cranks is not None)
+        model = Model.of(self.stated, drives=self.seen.drives is not None)
         return likely_cause(model, self.seen, self.stated.units.length)
 
     @cached_property
@@ -238,6 +238,7 @@ class Calibration:
                 "rotation": self.noise.rotation / model.in_radians,
                 "inclination": self.noise.inclination / model.in_radians,
                 "crank": self.noise.crank / model.in_radians,
+                "slide": self.noise.slide,
             },
             "numbers": [
                 {"name": name, "stated": a, "found": b, "sigma": s}

@@ -8,6 +8,7 @@ Newton's method comes nearest to what they tell.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -18,10 +19,13 @@ from gspcli.calibration.fitting import Fit, fit
 from gspcli.calibration.measurements import Measurements, Noise, WhitenedRows, value_rows
 from gspcli.calibration.parameters import Model
 from gspcli.errors import GspError
+from gspcli.geometry.drives import Drives
 from gspcli.geometry.instance import Instance, Side
+from gspcli.geometry.numbers import Number
 from gspcli.geometry.quaternions import apply, rotation_from_vector, vector_from_rotation
 from gspcli.geometry.readings import values_of, without_corrections
-from gspcli.solver import solve, solve_values
+from gspcli.solver import SolveResult, solve, solve_values
+from gspcli.solver.results.pose_set import PoseSet
 
 Array = NDArray[np.float64]
 #: Poses R, T of a row.
@@ -56,6 +60,8 @@ def started(instance: Instance, model: Model, seen: Measurements, noise: Noise) 
         If no pose agrees with a row.
     """
     read = np.asarray(np.isfinite(seen.readings).all(axis=1))
+    if seen.drives is not None:
+        read &= np.isfinite(seen.drives).all(axis=1)
     R, T = seen.rotations.copy(), seen.positions - apply(seen.rotations, seen.pivot)
     if not model.with_frames:
         rest = ~seen.whole & read
@@ -188,15 +194,13 @@ def _of_frames(model: Model) -> NDArray[np.bool_]:
 def _modes(instance: Instance, model: Model, seen: Measurements, noise: Noise) -> list[Poses]:
     """Return for each row the real poses of its readings."""
     found = []
-    values = values_of(instance, _in_file_units(model, seen.readings))
-    sided = [row.kind.has_sides for row in instance.constraints]
-    rows = solve_values(_both_sides(instance), np.where(sided, np.abs(values), values))
-    for k, poses in enumerate(rows):
+    plain = replace(noise, crank=0.0, slide=0.0, value=noise.value or noise.position)
+    for k, poses in enumerate(_solved(instance, model, seen)):
         R, T = poses.R[poses.real].real, poses.T[poses.real].real
         same = seen.taken(np.full(len(R), k))
-        apart = np.abs(value_rows(model, R, T, same, noise).residual).max(axis=1, initial=0.0)
+        apart = np.abs(value_rows(model, R, T, same, plain).residual).max(axis=1, initial=0.0)
         # Readings of distances to planes have a sign.
-        right = apart * noise.value < 1e-3 * model.length
+        right = apart * plain.value < 1e-3 * model.length
         if not right.any():
             message = (
                 f"row {seen.lines[k]}: no real pose has these readings with the stated geometry: "
@@ -205,6 +209,25 @@ def _modes(instance: Instance, model: Model, seen: Measurements, noise: Noise) -
             raise GspError(message)
         found.append((R[right], T[right]))
     return found
+
+
+def _solved(
+    instance: Instance, model: Model, seen: Measurements
+) -> Iterator[PoseSet | SolveResult]:
+    """Yield all poses of each row for its readings, with the drives where they are."""
+    values = values_of(instance, _in_file_units(model, seen.readings))
+    sided = [row.kind.has_sides for row in instance.constraints]
+    values = np.where(sided, np.abs(values), values)
+    if seen.drives is None or not model.drives:
+        yield from solve_values(_both_sides(instance), values)
+        return
+    drives = Drives.of(instance)
+    q = np.zeros((len(seen), drives.count))
+    for one, readings in zip(model.drives, seen.drives.T, strict=True):
+        q[:, drives.names.index(one.drive_name)] = one.numbers(readings)
+    for numbers, row in zip(q, values.tolist(), strict=True):
+        there = _both_sides(drives.instance_at(numbers))
+        yield solve(there.with_values(dict(enumerate(map(Number.of, row)))))
 
 
 def _agreeing(

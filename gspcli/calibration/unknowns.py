@@ -219,7 +219,7 @@ def _planes(model: Model) -> Iterator[ParameterMotion]:
 
 def _legs(model: Model, R: Array, T: Array, seen: Measurements) -> Iterator[ParameterMotion]:
     """Yield the ends of legs along them, with their offsets; and offsets with scales."""
-    bodies = model.bodies(seen.cranks)
+    bodies = model.bodies(seen.drives)
     directions = bodies.placed(R, T).r
     directions = directions / np.linalg.norm(directions, axis=-1, keepdims=True)
     for k, kind in enumerate(model.kinds):
@@ -250,6 +250,9 @@ def _sizes(model: Model, seen: Measurements) -> Iterator[ParameterMotion]:
     change = np.zeros(len(model.free))
     for block, span in model.spans():
         change += _in(model, span, block, block.point)
+        if block.is_drive:
+            # Angles stay as they are; the readings of rails become longer with everything.
+            change[span.stop - 1] = 1.0 if block.sort == "slide" else 0.0
     for k, kind in enumerate(model.kinds):
         change[model.geometry + 6 + k] = 1.0 if kind.is_distance else 0.0
     yield ParameterMotion("the size of everything with", "the scales", change)
@@ -265,7 +268,7 @@ def _of(model: Model, k: int, body: str) -> tuple[slice, Block]:
     return next(
         (span, block)
         for block, span in model.spans()
-        if block.body == body and k in block.rows and block.sort != "crank"
+        if block.body == body and k in block.rows and not block.is_drive
     )
 
 
@@ -275,7 +278,8 @@ def _in(model: Model, span: slice, block: Block, shift: Array, turn: Array | Non
     part = change[span]
     part[: len(block.shifts)] = block.shifts @ shift
     if turn is not None:
-        part[len(block.shifts) :] = block.tilts @ turn
+        first = len(block.shifts)
+        part[first : first + len(block.tilts)] = block.tilts @ turn
     return change
 
 
@@ -316,7 +320,7 @@ def advice(instance: Instance, found: Fit, seen: Measurements) -> str:
     motion = _motion(found)
     measured = _measured(seen)
     most = None
-    if not model.cranks and not model.with_frames:
+    if not model.drives and not model.with_frames:
         if measured:
             most = exact_rank(instance, model, motion=motion, measured=measured)
         elif motion == "all":

@@ -55,13 +55,14 @@ _MOST_PLANNED = 300
     metavar="WHAT=NUMBER",
     multiple=True,
     help="Standard deviation of what is measured: value, position (lengths), angle, rotation, "
-    "inclination, crank (angles); may be repeated.",
+    "inclination, crank (angles), slide; may be repeated.",
 )
 @click.option(
     "--estimate",
     metavar="WHAT",
     multiple=True,
-    help="Also estimate scales, frames (of device and target), or a number such as offset.2.",
+    help="Also estimate scales, frames (of device and target), or a number such as offset.2 or "
+    "base.B1.slide.offset.",
 )
 @click.option(
     "--hold",
@@ -131,8 +132,8 @@ def command(
     DATA, in which any cell may be blank: 1 ... 6 are what the machine reads for the constraints
     (DPH, DHP signed); x, y, z and a rotation the pose as `gsp measure` reads it; P1.x, P1.y, P1.z
     the measured position of the point P1 of the platform (or of a --target); incl.x, incl.y the
-    angles of the platform's axes x and y above the horizontal; crank.B1 the angle of a crank;
-    and t a name of the row.
+    angles of the platform's axes x and y above the horizontal; crank.B1, slide.B1 what a drive
+    reads; and t a name of the row.
 
     All of it has errors, poses too: the coordinates of all points, lines and planes and the offsets
     of the values are found by least squares together with the poses. What DATA does not
@@ -151,7 +152,7 @@ def command(
     With --plan N nothing is fitted but the geometry that is known so far: N poses within ranges and
     cones (and --require) are chosen so that their measurement tells most (D-optimal), with what
     will be known then.
-    Where cranks drive the machine the plan has their angles.
+    Where cranks or slides drive the machine the plan has their readings.
 
     With --from LOG there is no file to start from: LOG has the columns 1 ... 6 (lengths of legs
     from joint to joint), x y z and a rotation, of at least 18 poses. The order, sense and unit of

@@ -79,9 +79,8 @@ def _summary(result: Calibration) -> list[str]:
         units, noise = result.stated.units, f"{result.noise.value * result.scatter:.2g}"
         noise += f" {units.length}"
         if result.seen.rods.all():
-            # Nothing is read but cranks.
-            crank = result.noise.crank / units.angle.in_radians * result.scatter
-            noise = f"{crank:.2g} {units.angle.value} of cranks"
+            # Nothing is read but drives.
+            noise = _noise_of_drives(result)
         lines.append(
             f"the noise was not stated: {noise} by the scatter ({freedom} degrees of freedom)"
         )
@@ -110,6 +109,18 @@ def _summary(result: Calibration) -> list[str]:
     return lines
 
 
+def _noise_of_drives(result: Calibration) -> str:
+    """Return the deviations of the readings of cranks and slides by the scatter."""
+    units, sorts = result.stated.units, {drive.sort for drive in result.fit.model.drives}
+    crank = result.noise.crank / units.angle.in_radians * result.scatter
+    parts = []
+    if "crank" in sorts:
+        parts.append(f"{crank:.2g} {units.angle.value} of cranks")
+    if "slide" in sorts:
+        parts.append(f"{result.noise.slide * result.scatter:.2g} {units.length} of slides")
+    return listed(parts, "and")
+
+
 def calibration_document(result: Calibration) -> dict[str, Any]:
     """Return the JSON document of a calibration."""
     return {"schema": "gsp.calibrate/1", **result.to_json()}
@@ -124,9 +135,9 @@ def plan_table(plan: Plan, frame: PoseFrame) -> Table:
     columns += [
         Column(str(k), f"{k} {row.kind.name}", align="right", aligned=True, minor=1)
         for k, row in enumerate(plan.instance.constraints, 1)
-        if k - 1 not in plan.crank_rows
+        if k - 1 not in plan.driven
     ]
-    columns += [Column(name, align="right", aligned=True, minor=1) for name in plan.crank_names]
+    columns += [Column(name, align="right", aligned=True, minor=1) for name in plan.drive_names]
     read = [column.key for column in columns[1 + len(_POSE) :]]
     return Table(
         columns,
@@ -135,13 +146,13 @@ def plan_table(plan: Plan, frame: PoseFrame) -> Table:
                 "t": k,
                 **dict(zip(_POSE, pose, strict=True)),
                 **{str(j): value for j, value in enumerate(readings, 1)},
-                **dict(zip(plan.crank_names, angles, strict=True)),
+                **dict(zip(plan.drive_names, angles, strict=True)),
             }
             for k, (pose, readings, angles) in enumerate(
                 zip(
                     plan.expressed(frame).tolist(),
                     plan.readings.tolist(),
-                    plan.cranks.tolist(),
+                    plan.drives.tolist(),
                     strict=True,
                 ),
                 1,

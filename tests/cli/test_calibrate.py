@@ -287,3 +287,56 @@ def test_wrong_use_of_from(gsp):
         run = gsp(*words)
         assert run.code == 2
         assert message in run.err
+
+
+@pytest.mark.parametrize(
+    ("words", "columns"),
+    [
+        (("base=200,10", "platform=60,15", "rod=250", "tilt=20", "range=-100:100"), 6),
+        (("base=200,0", "platform=50,30", "rod=250", "rails=3", "range=-150:150"), 3),
+    ],
+)
+def test_a_plan_of_rails_is_measured_and_fitted(gsp, tmp_path, monkeypatch, words, columns):
+    """The plan has the readings of the carriages; a file with a wrong rail is found from it."""
+    monkeypatch.chdir(tmp_path)
+    assert gsp("new", "--linear", *words, "-o", "rails.yaml").code == 0
+    hold = () if columns == 6 else ("--hold", "platform")
+    run = gsp("calibrate", "rails.yaml", "--plan", "16", *hold, "-o", "plan.csv")
+    assert run.code == 0
+    assert "poses within reach of the slides\n" in run.err
+    head, *rows = Path("plan.csv").read_text(encoding="utf-8").splitlines()
+    names = head.split(",")[8:]
+    assert len(names) == columns
+    assert all(name.startswith("slide.B") for name in names)
+    reach = 100 if columns == 6 else 150
+    places = [list(map(float, row.split(",")[8:])) for row in rows]
+    assert all(abs(x) <= reach for row in places for x in row)
+    assert len(rows) == 16
+    # The first rail reads from 0.2 mm beside where it is stated.
+    wrong = [",".join((*row.split(",")[:8], str(p[0] + 0.2), *map(str, p[1:]))) for row, p in
+             zip(rows, places, strict=True)]  # fmt: skip
+    Path("data.csv").write_text("\n".join([head, *wrong, ""]), encoding="utf-8")
+    zero = ("--estimate", "base.B1.slide.offset")
+    sigma = ("--sigma", "slide=0.001", "--sigma", "position=0.001", "--sigma", "rotation=0.001")
+    run = gsp("calibrate", "rails.yaml", "data.csv", *hold, *zero, *sigma, "-o", "found.yaml")
+    assert (run.code, run.err) == (0, "")
+    found = gspcli.load("found.yaml")
+    slide = found.constraints[0].base.slide
+    assert slide.offset.value == pytest.approx(-0.2, abs=2e-6)
+    assert slide.reading_of(slide.limits[1]).value == pytest.approx(reach)
+    text = Path("found.yaml").read_text(encoding="utf-8")
+    assert ("with: " in text) == (columns == 3)
+    document = json.loads(gsp("calibrate", "rails.yaml", "--plan", "8", "--format", "json").out)
+    assert list(document["plan"][0]["drives"]) == names
+    assert "cranks" not in document["plan"][0]
+
+
+def test_columns_of_drives_that_do_not_fit(gsp, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("data.csv").write_text("x,y,z,slide.B1,crank.B2\n0,0,0,0,0\n", encoding="utf-8")
+    run = gsp("calibrate", "@modified-paradex", "data.csv")
+    assert run.code == 2
+    assert "1:16: found 'crank.B2', expected slide." in run.err
+    assert "the columns of slides lack slide." in run.err
+    run = gsp("calibrate", MACHINE, "data.csv")
+    assert "found 'slide.B1', expected no slides, for SPEC has none" in run.err

@@ -22,7 +22,7 @@ def test_least_squares(robust):
     values[2, 3] += 0.02
     model = Model.of(nominal())
     seen = seen_of(values, R, T)
-    noise = Noise(1e-3, 1, 5e-3, np.deg2rad(SIGMA["rotation"]), 1, 1)
+    noise = Noise(1e-3, 1, 5e-3, np.deg2rad(SIGMA["rotation"]), 1, 1, 1)
     found = gspcli.calibrate(nominal(), values, R, T, sigma=SIGMA, robust=robust, hold_unknown=True)
     assert found.unknowns.count == 0
     size = model.sizes[model.free]

@@ -113,7 +113,7 @@ def rotary(rng, count):
 
     instance = gspcli.load(data_path("platforms", "t-top-head.yaml"))
     home = gspcli.solve(instance).home
-    model = Model.of(instance, cranks=True)
+    model = Model.of(instance, drives=True)
     turns = rotation_from_vector(0.12 * rng.normal(size=(4 * count, 3)))
     R, T = turns @ home.R, home.T + 0.08 * model.length * rng.uniform(-1, 1, (4 * count, 3))
     _, angles = crank_angles(instance, R, T)

@@ -18,7 +18,8 @@ from gspcli.spec import load
 from tools.recording import ROOT
 
 #: Runs that together print all keys of a command, where the examples of its help do not; POSES,
-#: TWICE, VALUES, REACH, LOOP, STATE, MASSES, PATH, FORCES, ROTARY and THICK are files made here.
+#: TWICE, VALUES, REACH, LOOP, STATE, MASSES, PATH, FORCES, ROTARY, THICK and RAILS are files made
+#: here.
 SAMPLES: dict[str, tuple[str, ...]] = {
     "enumerate": (
         "--class 6D --only PP,PH",
@@ -86,6 +87,7 @@ SAMPLES: dict[str, tuple[str, ...]] = {
         "REACH --require range,cone",
         "@apo-tertiary FAR --euler xyz",
         "@rubin-m2 VALUES --relative-to home",
+        "@modified-paradex RAILS",
     ),
     "path": (
         "@rubin-m2 --from home --to 2",
@@ -115,6 +117,7 @@ SAMPLES: dict[str, tuple[str, ...]] = {
         "MASSES --pose 0,0,1e-7,1,0,0,0 --modes",
         "MASSES --pose 0,0,0,1,0,0,0 --modes",
         "MASSES --pose 5,0,190,1,0,0,0 --forward FORCES",
+        "MASSES --pose 5,0,190,1,0,0,0 --pivot 0,0,5 --forward FORCES",
         "ROTARY --mode home --require torque<=2",
         "ROTARY --mode home --modes",
     ),
@@ -151,6 +154,8 @@ SAMPLES: dict[str, tuple[str, ...]] = {
         "@workspace-study-cones MEASURED --sigma value=0.002 --sigma position=0.005",
         "@workspace-study-cones MEASURED --robust --hold offset.1",
         "@workspace-study-cones --plan 3",
+        "@t-top-head --plan 3",
+        "@modified-paradex --plan 3",
         "--from CONTROLLER",
     ),
 }
@@ -163,6 +168,10 @@ _LOOP = data_directory() / "trajectories" / "mode-change"
 #: Made-up measurements of a real machine.
 _MEASURED = ROOT / "docs" / "calibration" / "measured.csv"
 _FAR = "x,y,z,rx,ry,rz\n2,-2,-43,21,0,0\n9,-12,-81,-21,0,0\n"
+#: All carriages go up, in the end beyond their ranges.
+_RAILS = "\n".join(
+    [",".join(f"slide.B{k}" for k in range(1, 7)), *(",".join([x] * 6) for x in ("0", "1.6")), ""]
+)
 #: Exit codes that go with complete output: done, a check failed, not finite, not completed.
 _ANSWERS = (0, 1, 3, 4)
 #: What stands in examples for a file of the reader, or needs a shell.
@@ -211,6 +220,7 @@ def words(name: str, sample: str, folder: Path) -> list[str]:
         "VALUES": "values.csv",
         "STATE": "s.json",
         "FAR": "far.csv",
+        "RAILS": "rails.csv",
     }
     paths = {word: folder / name for word, name in names.items()}
     paths["MEASURED"] = _MEASURED
@@ -235,6 +245,8 @@ def words(name: str, sample: str, folder: Path) -> list[str]:
     if "FAR" in sample:
         # Two poses so far apart that the way of the values leads to another pose.
         paths["FAR"].write_text(_FAR, encoding="utf-8")
+    if "RAILS" in sample:
+        paths["RAILS"].write_text(_RAILS, encoding="utf-8")
     if "MASSES" in sample or "ROTARY" in sample:
         page = _PAGE.read_text(encoding="utf-8")
         blocks = re.findall(r"```(?:yaml|csv)\n(.*?)```", page, re.DOTALL)

@@ -309,7 +309,7 @@ def test_other_machines(folder, name):
 def test_a_rotary_hexapod():
     """Eleven numbers a leg: axis and point of the crank (7), rod, joint of the platform (3)."""
     instance, truth, angles, R, T = rotary(np.random.default_rng(10), 60)
-    assert Model.of(instance, cranks=True).free.sum() == 66
+    assert Model.of(instance, drives=True).free.sum() == 66
     stated = [float(row.value.value) for row in instance.constraints]
     values = np.tile(stated, (len(T), 1))
     result = gspcli.calibrate(instance, values, R, T, cranks=np.rad2deg(angles))

@@ -38,7 +38,7 @@ def test_hat_is_the_cross_product():
 @pytest.mark.parametrize(("folder", "name"), MACHINES)
 def test_derivatives(folder, name):
     rng = np.random.default_rng(2)
-    model = Model.of(_load(folder, name), cranks=True)
+    model = Model.of(_load(folder, name), drives=True)
     model = replace(model, frames=0.3 * rng.normal(size=12))
     n, length = 3, model.length
     R = rotation_from_vector(0.5 * rng.normal(size=(n, 3)))
@@ -55,10 +55,10 @@ def test_derivatives(folder, name):
         points,
         {"Q": length * np.array([0.3, 0.1, 0.2])},
         0.1 * rng.normal(size=(n, 2)),
-        0.3 * rng.normal(size=(n, len(model.cranks))) if model.cranks else None,
+        0.3 * rng.normal(size=(n, len(model.drives))) if model.drives else None,
     )
     # The weight of a row with a crank depends on the geometry a little, which is no derivative.
-    noise = Noise(1, 1, 1, 1, 1, 0)
+    noise = Noise(1, 1, 1, 1, 1, 0, 0)
 
     def residual(model, R, T):
         return seen.rows(model, R, T, noise).residual
@@ -82,7 +82,7 @@ def test_derivatives(folder, name):
 def test_numbers_of_a_file_are_those_of_the_model(folder, name):
     rng = np.random.default_rng(3)
     instance = _load(folder, name)
-    model = Model.of(instance, cranks=True)
+    model = Model.of(instance, drives=True)
     step = 0.01 * model.length * rng.normal(size=len(model.free)) * model.sizes
     step[model.geometry + 6 :] = 0
     step[~model.free] = 0
@@ -101,10 +101,10 @@ def test_numbers_of_a_file_are_those_of_the_model(folder, name):
     }
     planes = [k + 1 for k, kind in enumerate(model.kinds) if kind.has_sides]
     known = {one: s for one, s in known.items() if one not in {f"offset.{k}" for k in planes}}
-    again = Model.of(calibrated(instance, model, known), cranks=True)
+    again = Model.of(calibrated(instance, model, known), drives=True)
     R = rotation_from_vector(0.2 * rng.normal(size=(4, 3)))
     T = model.length * rng.normal(size=(4, 3))
-    angles = rng.normal(size=(4, len(model.cranks))) if model.cranks else None
+    angles = rng.normal(size=(4, len(model.drives))) if model.drives else None
     one, other = (measured(m.bodies(angles), R, T) for m in (model, again))
     assert np.abs(one - other).max() < 1e-11 * max(1, model.length)
     assert np.abs(model.offsets - again.offsets).max() < 1e-12

@@ -101,15 +101,15 @@ def test_cranks_drive_a_rotary_machine():
     sigma = {"position": 5e-6, "rotation": 1e-3, "crank": 0.02, "value": 2e-6}
     plan = planned(machine, 16, *home, sigma=sigma)
     chosen = tuple(one for one in coordinates(machine) if one.vector == "crank")
-    assert plan.crank_names == tuple(f"crank.{one.primitive}" for one in chosen)
-    assert np.abs(plan.cranks).max() <= np.rad2deg(CRANK_TURN) + 1e-9
-    assert np.abs(plan.cranks).max() > 20
+    assert plan.drive_names == tuple(f"crank.{one.primitive}" for one in chosen)
+    assert np.abs(plan.drives).max() <= np.rad2deg(CRANK_TURN) + 1e-9
+    assert np.abs(plan.drives).max() > 20
     stated = [row.value.value for row in machine.constraints]
-    for R, T, angles in zip(plan.R, plan.T, plan.cranks, strict=True):
+    for R, T, angles in zip(plan.R, plan.T, plan.drives, strict=True):
         assert values_at(moved(machine, chosen, angles), R, T) == pytest.approx(stated, rel=1e-9)
     assert "within reach of the cranks" in plan.sentences[0]
     # Better known than by as many poses that come as they do.
-    model = Model.of(machine, cranks=True)
+    model = Model.of(machine, drives=True)
     noise = noise_of(model, sigma)
     places = candidates(machine, model, *home, 1, count=400)
     slopes, errors = told_by(model, places, None, noise), pose_errors(model, places)
