@@ -24,14 +24,12 @@ def path_table(found: PlannedPath, frame: PoseFrame) -> Table:
 
     columns = [
         Column("t", align="right", essential=True),
-        *(
-            Column(str(k), f"{k} {row.kind.name}", align="right", minor=1)
-            for k, row in enumerate(found.instance.constraints, 1)
-        ),
+        *(Column(name, _titled(found, name), align="right", minor=1) for name in found.motors),
         *pose_columns(_POSE, Arrangement.of(found.instance).length),
         Column("condition", align="right"),
-        Column("clearance", align="right", minor=2),
     ]
+    if found.drives is None:
+        columns.append(Column("clearance", align="right", minor=2))
     return Table(
         columns,
         found.rows(frame),
@@ -39,6 +37,13 @@ def path_table(found: PlannedPath, frame: PoseFrame) -> Table:
         notes=frame_note(frame),
         summary=_summary(found),
     )
+
+
+def _titled(found: PlannedPath, name: str) -> str:
+    """Return the title of a column of a motor."""
+    if not name.isdecimal():
+        return name.replace(".", " ")
+    return f"{name} {found.instance.constraints[int(name) - 1].kind.name}"
 
 
 def _summary(found: PlannedPath) -> list[str]:
@@ -50,7 +55,7 @@ def _summary(found: PlannedPath) -> list[str]:
     worst = found.parts[int(first_largest([part.condition for part in found.parts]))]
     unit = found.instance.units.length
     straight = f", {found.length / found.straight_length:.2f} times the straight line"
-    ways = "the values change" if found.along == "values" else "position and angles change"
+    ways = f"the {found.along} change" if found.along != "poses" else "position and angles change"
     lines = [
         f"from {found.start} to {found.goal}: proved, "
         f"{counted(found.straight, 'straight part')} ({ways} linearly)",
@@ -66,11 +71,21 @@ def _summary(found: PlannedPath) -> list[str]:
     return lines
 
 
+def _unit(found: PlannedPath, motor: str) -> str:
+    """Return the unit of what a motor moves."""
+    if motor.isdecimal():
+        is_length = found.instance.constraints[int(motor) - 1].kind.is_distance
+    else:
+        is_length = motor.startswith("slide")
+    units = found.instance.units
+    return str(units.length) if is_length else units.angle.value
+
+
 def _time(found: PlannedPath, timing: Timing) -> str:
     """Return how long a path takes, and what is below which limits."""
     units = found.instance.units
     angle, length = units.angle.value, str(units.length)
-    lengths = {length if row.kind.is_distance else angle for row in found.instance.constraints}
+    lengths = {_unit(found, name) for name in found.motors}
     of = {"motors": " or ".join(sorted(lengths, key=length.__ne__)), "platform": length}
     of["turn"] = angle
     names = {"motors": "each motor", "platform": "the platform", "turn": "its turn"}

@@ -132,7 +132,27 @@ def test_mistakes(gsp, words, message):
     assert message in run.err
 
 
-def test_cranks_are_refused(gsp):
+def test_cranks_move_linearly(gsp, tmp_path):
+    file = str(tmp_path / "path.csv")
+    run = gsp("path", "@t-top-head", "--from", "home", "--to", "0,0,0.175,1,0,0,0", "-o", file)
+    assert run.code == 0
+    assert "1 straight part (the drives change linearly)" in run.err
+    rows = (tmp_path / "path.csv").read_text(encoding="utf-8").splitlines()
+    assert rows[0].startswith("t,crank.B1,crank.B2,")
+    assert rows[0].endswith(",qz,condition")
+    # The drives beside the poses are what the poses ask for.
+    assert gsp("track", "@t-top-head", file, "--require", "condition<=20").code == 0
+    words = rows[-1].split(",")
+    words[1] = str(float(words[1]) + 1)
+    (tmp_path / "path.csv").write_text("\n".join([*rows[:-1], ",".join(words)]), encoding="utf-8")
+    run = gsp("track", "@t-top-head", file)
+    assert run.code == 2
+    assert "beside a pose that asks for" in run.err
+
+
+def test_a_mode_beyond_a_dead_point_is_outside_the_limits(gsp):
     run = gsp("path", "@t-top-head", "--from", "home", "--to", "1")
-    assert (run.code, run.out) == (2, "")
-    assert run.err.startswith("error: found 6 cranks (crank.B1, ")
+    assert (run.code, run.out) == (1, "")
+    assert run.err.endswith(
+        "mode 1 is outside the limits: crank B1 is beyond a dead point from home\n"
+    )

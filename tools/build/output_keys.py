@@ -314,8 +314,9 @@ KEYS: dict[str, str] = {
     "path.to": "where it ends",
     "path.verdict": "proved, impossible (it is proved that there is no path) or not found",
     "path.reason": "why there is no path; null if there is one",
-    "path.along": "what changes linearly between the rows: values, or poses (position and angles); "
-    "null without a path",
+    "path.along": "what changes linearly between the rows: values, drives or poses (position and "
+    "angles); null without a path",
+    **{f"slide.B{k}": f"place of the slide that moves B{k}" for k in range(1, 4)},
     "path.length": "way of the points of the platform, as a root mean square",
     "path.straight_length": "how far the ends are from each other, by the same measure",
     "path.timing": "what is known of the time; there with --speed, and t is in seconds then",

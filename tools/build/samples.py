@@ -95,6 +95,7 @@ SAMPLES: dict[str, tuple[str, ...]] = {
         "@surfaces-sss --from 1 --to 5",
         "@workspace-study --from home --to 3 --speed 50 --acceleration 200 --round",
         "@surfaces-sss --from 1 --to 5 --speed motors=1,platform=1,turn=9 --acceleration 1",
+        "@three-prs --from home --to 0,0,4.5,1,0,0,0 --speed 1 --acceleration 1",
         "@surfaces-sss --all",
         "@workspace-study --all --time 0.01",
         "@workspace-study-cones --all",

@@ -91,7 +91,8 @@ def read_values(
     drives reach, with the rods of the instance. Columns with names such as ``base.B1.x``,
     ``base.L1.direction.z`` or ``crank.B1`` are coordinates that move
     (`gspcli.geometry.coordinates`). A file with columns x, y, z has poses (`read_poses`); values
-    beside them must be what the poses measure. Columns that are not known are mistakes.
+    and readings of cranks and slides beside them must be what the poses measure and ask for.
+    Columns that are not known are mistakes.
 
     Parameters
     ----------
@@ -118,6 +119,8 @@ def read_values(
         if delta:
             table.note_heading("found poses, expected values with --relative")
         for one in moving:
+            if moving[one].is_drive and is_driven(instance):
+                continue
             table.note_column(
                 table.written[table.heading.index(one)],
                 "found a coordinate that moves beside poses, expected values",
@@ -129,6 +132,7 @@ def read_values(
             values, coordinates = _of_poses(instance, poses.R, poses.T)
             of_file = poses.R, poses.T
             _compare(table, instance, values)
+            _compare_drives(table, instance, moving, coordinates)
     else:
         note_legs(table, instance)
         found = [name for name in numbers if name in table.heading]
@@ -173,6 +177,32 @@ def _compare(table: NumberTable, instance: Instance, measured: Array) -> None:
             message = (
                 f"found {column[row]:.12g} beside a pose that measures {measured[row, k]:.6g} "
                 "(see --ignore)"
+            )
+            table.note_cell(row, name, message)
+
+
+def _compare_drives(
+    table: NumberTable,
+    instance: Instance,
+    moving: Mapping[str, Coordinate],
+    reached: Mapping[str, Array],
+) -> None:
+    """Note readings of cranks and slides beside poses that they do not reach."""
+    size, radian = Arrangement.of(instance).length, instance.units.angle.in_radians
+    for name, column in zip(moving, table.numbers(list(moving)).T, strict=True):
+        one = moving[name]
+        if one.name not in reached:
+            continue
+        turns = one.vector == "crank"
+        away = column - reached[one.name]
+        if turns:
+            whole = 2 * np.pi / radian
+            away -= whole * np.round(away / whole)
+        room = _ROUNDED * (1 / radian if turns else size)
+        for row in np.flatnonzero(~(np.abs(away) <= room)).tolist():
+            message = (
+                f"found {column[row]:.12g} beside a pose that asks for "
+                f"{reached[one.name][row]:.6g} (see --ignore)"
             )
             table.note_cell(row, name, message)
 

@@ -46,7 +46,8 @@ def path(
     along
         Whether the ``values`` change linearly between the corners of the path, or position and
         angles (``poses``). None tries both straight ways; paths with corners are along values if
-        each value has a range, else along poses.
+        each value has a range, else along poses. With cranks or slides ``values`` are the numbers
+        of all drives, and paths with corners are along poses.
     clear
         The clearance that every pose must have, in the units of `clearance`.
     time
@@ -68,7 +69,7 @@ def path(
     Raises
     ------
     ArgumentError
-        If an argument is wrong, or the platform has cranks.
+        If an argument is wrong.
 
     Examples
     --------

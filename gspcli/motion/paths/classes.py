@@ -91,7 +91,8 @@ class Classes:
     def __init__(self, instance: Instance, ways: PoseWays) -> None:
         self.arrangement = Arrangement.of(instance)
         self.ways = ways
-        found = list(_factors(self.arrangement))
+        # Points that cranks and slides move are at no time those of the file.
+        found = [] if ways.motors else list(_factors(self.arrangement))
         self.factors = tuple(factor for factor, _ in found)
         self._determinants = [determinant for _, determinant in found]
 

@@ -38,6 +38,11 @@ class PathEnd:
     R: Array
     T: Array
 
+    @property
+    def is_mode(self) -> bool:
+        """Whether it is a mode of the stated values, with all drives where they are stated."""
+        return self.name.startswith("mode ")
+
 
 class Modes:
     """The real poses of a platform as ends of paths, solved when they are first needed."""

@@ -93,7 +93,7 @@ def finished(
     return PlannedPath(
         given, start.name, goal.name, "proved", "", guide.along,
         trace.part + trace.fraction if t is None else t,
-        trace.values, trace.R, trace.T, conditions, at, parts, timing,
+        trace.values, trace.R, trace.T, conditions, at, parts, timing, trace.drives,
     )  # fmt: skip
 
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from gspcli.geometry.limits import within_limits
 from gspcli.motion.paths.between_rows import PathRows, least_clearances
+from gspcli.motion.paths.driven_rows import DrivenRows
 from gspcli.motion.paths.pose_ways import PoseWays, WayProof
 from gspcli.motion.paths.value_ways import ValueWays
 from gspcli.motion.poses.inverse_kinematics import values_at
@@ -41,6 +42,8 @@ class GuideRows(NamedTuple):
     """How many pieces the proof of each straight part has, shape (parts,)."""
     rows: PathRows
     """The rows, for what holds between them."""
+    drives: Array | None = None
+    """The m drives of a machine with cranks or slides, lengths and radians, shape (r, m)."""
 
     def keeps(self, clearance: float) -> bool:
         """Whether it is proved that all poses have a clearance, between the rows, too."""
@@ -146,8 +149,7 @@ class ValueGuide:
 
     def trace(self, corners: Array, rows: NDArray[np.int64]) -> GuideRows | None:
         """Return rows along a polygon, or None; see `Guide`."""
-        part, fraction = _places(rows)
-        return self.through(RowsOnWay(part, fraction, _on_polygon(corners, part, fraction)))
+        return self.through(on_polygon(corners, rows))
 
     def through(self, given: RowsOnWay) -> GuideRows | None:
         """Return given rows with their poses, or None; see `Guide`."""
@@ -213,9 +215,7 @@ class PoseGuide:
             if not self._proved[key]:
                 return None
             proofs.append(self._proved[key])
-        part, fraction = _places(rows)
-        given = RowsOnWay(part, fraction, _on_polygon(corners, part, fraction))
-        return self._through(given, np.array(proofs))
+        return self._through(on_polygon(corners, rows), np.array(proofs))
 
     def through(self, given: RowsOnWay) -> GuideRows | None:
         """Return given rows with their poses, or None; see `Guide`."""
@@ -243,6 +243,13 @@ class PoseGuide:
     def _through(self, given: RowsOnWay, proofs: NDArray[np.int64]) -> GuideRows | None:
         part, fraction, parameters, bulges = given
         R, T = self.ways.poses(parameters)
+        motors = self.ways.motors
+        if motors is not None:
+            values, q = motors.values(R, T), motors.numbers(R, T)
+            if np.isnan(q).any():
+                return None
+            driven = DrivenRows(self.ways, values, R, T, parameters, bulges=bulges, motors=motors)
+            return GuideRows(part, fraction, values, R, T, proofs, driven, q)
         values = values_at(self.ways.instance, R, T)
         between = PathRows(self.ways, values, R, T, parameters, bulges=bulges)
         trace = GuideRows(part, fraction, values, R, T, proofs, between)
@@ -254,11 +261,13 @@ class PoseGuide:
 
     def unproved(self, corners: Array, rows: NDArray[np.int64]) -> tuple[Array, Array] | None:
         """Return poses along a polygon without a proof."""
-        return self.ways.poses(_on_polygon(corners, *_places(rows)))
+        return self.ways.poses(on_polygon(corners, rows).numbers)
 
     def kept(self, R: Array, T: Array) -> NDArray[np.bool_]:
         """Return whether poses keep the limits, shape (n,)."""
         instance = self.ways.instance
+        if self.ways.motors is not None:
+            return self.ways.motors.kept(R, T)
         return within_limits(instance, values_at(instance, R, T), R, T)
 
 
@@ -276,18 +285,14 @@ def _digits(sizes: Array) -> list[int]:
     return [_DIGITS - int(x) for x in np.floor(np.log10(positive)).tolist()]
 
 
-def _places(rows: NDArray[np.int64]) -> tuple[NDArray[np.int64], Array]:
-    """Return the part and the place on it of each row."""
-    part = np.repeat(np.arange(len(rows)), rows)
-    fraction = np.concatenate([np.arange(n) / n for n in rows.tolist()])
-    return np.append(part, len(rows) - 1), np.append(fraction, 1.0)
-
-
-def _on_polygon(corners: Array, part: NDArray[np.int64], fraction: Array) -> Array:
+def on_polygon(corners: Array, rows: NDArray[np.int64]) -> RowsOnWay:
+    """Return rows along a polygon, evenly on each straight part; arguments as for `Guide.trace`."""
+    part = np.append(np.repeat(np.arange(len(rows)), rows), len(rows) - 1)
+    fraction = np.append(np.concatenate([np.arange(n) / n for n in rows.tolist()]), 1.0)
     first, last = corners[part], corners[part + 1]
     found = first + (last - first) * fraction[:, None]
     found[-1] = corners[-1]
-    return found
+    return RowsOnWay(part, fraction, found)
 
 
 def _shared(count: int, rows: NDArray[np.int64]) -> NDArray[np.int64]:

@@ -17,7 +17,6 @@ from gspcli.motion.paths.planner import Planner
 from gspcli.motion.paths.pose_map import PoseMap
 from gspcli.motion.paths.sheets import Sheet, whole_sheet
 from gspcli.motion.paths.value_map import ValueMap
-from gspcli.motion.workspace.travels import violations
 from gspcli.records import dataclass
 from gspcli.wording import counted
 
@@ -139,7 +138,7 @@ def mode_groups(planner: Planner) -> ModeGroups:
     deadline = time.monotonic() + planner.seconds
     ends = Modes(planner.given).all()
     classes = [planner.classes.of(end.R, end.T) for end in ends]
-    left = [next(iter(violations(planner.instance, end.R, end.T)), "") for end in ends]
+    left = [planner.left(end) for end in ends]
     inside = [k for k, reason in enumerate(left) if not reason]
     alone = {k for k in inside if _is_alone(planner, ends[k])}
     joined = Connections()
@@ -170,6 +169,8 @@ def _groups_differ(classes: list[PoseClass], group: dict[int, int], i: int, j: i
 
 
 def _is_alone(planner: Planner, end: PathEnd) -> bool:
+    if planner.motors is not None:
+        return False
     ways = planner.values(end)
     if not ways.ranged:
         return False
@@ -186,10 +187,11 @@ def _join(
     deadline: float,
 ) -> None:
     """Join modes on maps, one for the modes of each side of planes."""
+    motors = planner.motors
     sides: dict[bytes, list[int]] = {}
     for k in open_:
         sides.setdefault(np.sign(ends[k].values).tobytes(), []).append(k)
-    ranged = bool(open_) and planner.values(ends[open_[0]]).ranged
+    ranged = motors is None and bool(open_) and planner.values(ends[open_[0]]).ranged
     parts = [open_] if planner.along == "poses" or not ranged else list(sides.values())
     for members in parts:
         if len(members) < 2:
@@ -197,8 +199,12 @@ def _join(
         found = _map(planner, [ends[k] for k in members], [classes[k] for k in members], ranged)
         found.join_given()
         tried = _tried_pairs(classes, members)
-        while time.monotonic() < deadline and not all(
-            found.connections.joined(i, j) for i, j in tried
+        # Random poses change what must stay.
+        grows = motors is None or not (motors.shared or planner.stays)
+        while (
+            grows
+            and time.monotonic() < deadline
+            and not all(found.connections.joined(i, j) for i, j in tried)
         ):
             found.grow()
         for i, a in enumerate(members):
@@ -223,7 +229,8 @@ def _map(
     """Return a map of the ends."""
     R, T = np.stack([end.R for end in ends]), np.stack([end.T for end in ends])
     if planner.along == "poses" or not ranged:
-        kept = planner.pose_guide().kept if has_limits(planner.instance) else None
+        limited = has_limits(planner.instance) or planner.motors is not None
+        kept = planner.pose_guide().kept if limited else None
         return PoseMap(
             planner.ways, R, T, classes, planner.classes.of, seed=planner.seed, kept=kept
         )

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from gspcli.geometry.drives import Drives
 from gspcli.geometry.frames import IDENTITY, PoseFrame
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.printed_numbers import printed_conditions
@@ -102,6 +103,9 @@ class PlannedPath:
         The straight parts, and the rounded corners between them.
     timing
         What is known of the time; None without a speed.
+    drives
+        What the m drives of a machine with cranks or slides are at in the rows, lengths and
+        radians, shape (r, m); else None.
     """
 
     instance: Instance
@@ -118,6 +122,7 @@ class PlannedPath:
     clearances: Array = field(default_factory=lambda: np.zeros(0))
     parts: tuple[PathPart, ...] = ()
     timing: Timing | None = None
+    drives: Array | None = None
 
     def __repr__(self) -> str:
         kinds = self.instance.name or self.instance.type.id
@@ -146,6 +151,16 @@ class PlannedPath:
         ends = [0, -1]
         return float(steps(self.instance, self.R[ends], self.T[ends])[0])
 
+    @property
+    def motors(self) -> tuple[str, ...]:
+        """The names of the columns of what the motors move: constraints, or cranks and slides."""
+        return tuple("123456") if self.drives is None else Drives.of(self.instance).names
+
+    def _readings(self) -> Array:
+        if self.drives is None:
+            return readings_of(self.instance, self.values)
+        return Drives.of(self.instance).readings(self.drives)
+
     def rows(self, frame: PoseFrame = IDENTITY) -> list[dict[str, Any]]:
         """Return the rows as plain data: t, readings, pose, condition, clearance.
 
@@ -157,15 +172,18 @@ class PlannedPath:
         if not len(self.t):
             return []
         R, T = frame.from_platform(self.R, self.T)
-        keys = ("t", *"123456", *POSE, "condition", "clearance")
+        keys = ("t", *self.motors, *POSE, "condition")
+        # Of machines with cranks or slides clearances along paths are not computed.
+        clearances = [] if self.drives is not None else [self.clearances]
+        keys += ("clearance",) * len(clearances)
         numbers = np.column_stack(
             (
                 self.t,
-                readings_of(self.instance, self.values),
+                self._readings(),
                 T,
                 _continuous(R),
                 printed_conditions(self.conditions),
-                self.clearances,
+                *clearances,
             )
         )
         return [dict(zip(keys, row, strict=True)) for row in numbers.tolist()]

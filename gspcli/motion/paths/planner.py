@@ -19,14 +19,16 @@ from numpy.typing import ArrayLike, NDArray
 from gspcli.defaults import PATH_SECONDS, SEED
 from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.coordinates import refuse_cranks
+from gspcli.geometry.drive_numbers import is_driven
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.limits import has_limits
 from gspcli.geometry.readings import without_corrections
 from gspcli.motion.paths.classes import Classes
+from gspcli.motion.paths.drive_guide import DriveGuide
 from gspcli.motion.paths.ends import PathEnd
 from gspcli.motion.paths.finished_paths import finished
 from gspcli.motion.paths.guides import PROVED_ROWS, Guide, PoseGuide, ValueGuide
+from gspcli.motion.paths.motors import Motors
 from gspcli.motion.paths.planned_paths import PlannedPath
 from gspcli.motion.paths.pose_map import PoseMap
 from gspcli.motion.paths.pose_ways import PoseWays
@@ -38,9 +40,6 @@ from gspcli.motion.paths.value_ways import ValueWays
 from gspcli.motion.workspace.travels import violations
 
 Array = NDArray[np.float64]
-
-#: Why machines with cranks or slides are refused.
-CRANKS = "paths of machines that are driven so are not planned yet, only of those whose values move"
 
 
 class Planner:
@@ -77,7 +76,6 @@ class Planner:
         limits: PathLimits | None = None,
         rounded: bool = False,
     ) -> None:
-        refuse_cranks(instance, CRANKS)
         if along not in (None, "values", "poses"):
             message = f"found {along!r}, expected values or poses"
             raise ArgumentError(message, "along")
@@ -93,21 +91,41 @@ class Planner:
                 raise ArgumentError(message, "speed")
             along = "poses"
         self.limits, self.rounded = limits, rounded
+        if clear and is_driven(instance):
+            message = "clearances along paths of machines with cranks or slides are not computed"
+            raise ArgumentError(message, "clear")
         self.given = instance
         self.instance = without_corrections(instance)
         self.along, self.clear, self.seed = along, clear, seed
         self.seconds = seconds
+        self._first: PathEnd | None = None
         self._axes = {"pivot": pivot, "sequence": sequence}
+
+    @cached_property
+    def motors(self) -> Motors | None:
+        """The cranks and slides on the knees of the stated home, or without one of the start."""
+        if not is_driven(self.instance):
+            return None
+        if self._first is None and self.instance.home is None:
+            message = "the file states no home: the knees of its cranks and slides are not known"
+            raise ArgumentError(message)
+        pose = (None, None) if self._first is None else (self._first.R, self._first.T)
+        return Motors(self.instance, *pose)
 
     @cached_property
     def ways(self) -> PoseWays:
         """Straight ways in position and angles that keep the limits."""
-        return PoseWays(self.instance, limits=True, **self._axes)  # type: ignore[arg-type]
+        return PoseWays(
+            self.instance,
+            limits=True,
+            motors=self.motors,
+            **self._axes,  # type: ignore[arg-type]
+        )
 
     @cached_property
     def classes(self) -> Classes:
         """The signs that regular paths keep."""
-        return Classes(self.instance, PoseWays(self.instance, limits=False))
+        return Classes(self.instance, PoseWays(self.instance, limits=False, motors=self.motors))
 
     def values(self, end: PathEnd) -> ValueWays:
         """Return straight ways of values on the sides of a pose."""
@@ -115,10 +133,13 @@ class Planner:
 
     def path(self, start: PathEnd, goal: PathEnd) -> PlannedPath:
         """Plan a path from one pose to another."""
+        self._first = start
         reason = self._impossible(start, goal)
         if reason:
             return PlannedPath(self.given, start.name, goal.name, "impossible", reason)
         deadline = time.monotonic() + self.seconds
+        if self.motors is not None:
+            return self._driven(self.motors, start, goal, lambda: time.monotonic() < deadline)
         ways = self.values(start)
         guide, corners = next(self._straight(ways, start, goal), (None, None))
         if guide is None and (self._is_sheet(ways, start) or self._is_sheet(ways, goal)):
@@ -127,18 +148,66 @@ class Planner:
         if guide is None:
             guide, corners = self._on_map(ways, start, goal, lambda: time.monotonic() < deadline)
         if guide is None or corners is None:
-            reason = "no path was found in the time given, and none is proved to be impossible"
-            return PlannedPath(self.given, start.name, goal.name, "not found", reason)
+            return self._not_found(start, goal)
         if len(corners) > 2:
             corners = smoothed(self.instance, guide, corners, self.seed)
         return finished(self.given, guide, corners, start, goal, self.limits, rounded=self.rounded)
 
+    def _driven(
+        self, motors: Motors, start: PathEnd, goal: PathEnd, more: Callable[[], bool]
+    ) -> PlannedPath:
+        """Plan a path of a machine with cranks or slides: drives, poses, then a map of poses."""
+        guide: Guide | None = None
+        corners: Array | None = None
+        if self.along != "poses":
+            drives = DriveGuide(motors, self.ways, start, goal)
+            if drives.trace(drives.corners, np.array([PROVED_ROWS])) is not None:
+                guide, corners = drives, drives.corners
+        if guide is None and self.along != "values":
+            poses = self.pose_guide()
+            straight = np.stack(self._parameters(start, goal))
+            if poses.trace(straight, np.array([PROVED_ROWS])) is not None:
+                guide, corners = poses, straight
+            elif not motors.shared and not self.stays:
+                guide, corners = self._on_poses(start, goal, more)
+        if guide is None or corners is None:
+            return self._not_found(start, goal)
+        if len(corners) > 2:
+            corners = smoothed(self.instance, guide, corners, self.seed)
+        return finished(self.given, guide, corners, start, goal, self.limits, rounded=self.rounded)
+
+    @property
+    def stays(self) -> bool:
+        """Whether some value that no crank or slide moves must stay: random poses change it."""
+        assert self.motors is not None
+        driven = self.motors.drives.driven
+        return any(
+            not driven[k] and row.limits is not None and row.limits[0].value == row.limits[1].value
+            for k, row in enumerate(self.instance.constraints)
+        )
+
+    def _not_found(self, start: PathEnd, goal: PathEnd) -> PlannedPath:
+        reason = "no path was found in the time given, and none is proved to be impossible"
+        return PlannedPath(self.given, start.name, goal.name, "not found", reason)
+
+    def left(self, end: PathEnd) -> str:
+        """Return the first limit that a pose violates, in words, or nothing."""
+        motors = self.motors
+        if motors is None:
+            return next(iter(violations(self.instance, end.R, end.T)), "")
+        if end.is_mode and self.instance.home is not None:
+            other = motors.drives.on_other_knees(end.R[None], end.T[None])[0]
+            if other.any():
+                name = motors.drives.names[motors.drives.index[int(other.argmax())]]
+                return f"{name.replace('.', ' ')} is beyond a dead point from home"
+        return next(iter(violations(self.instance, end.R, end.T, motors.knees)), "")
+
     def _impossible(self, start: PathEnd, goal: PathEnd) -> str:
         """Return why there can be no path, or nothing."""
         for end in (start, goal):
-            wrong = violations(self.instance, end.R, end.T)
+            wrong = self.left(end)
             if wrong:
-                return f"{end.name} is outside the limits: {wrong[0]}"
+                return f"{end.name} is outside the limits: {wrong}"
         first, last = (self.classes.of(end.R, end.T) for end in (start, goal))
         place = first.differs(last)
         if place is not None:
@@ -232,7 +301,8 @@ class Planner:
     ) -> tuple[Guide | None, Array | None]:
         guide = self.pose_guide()
         R, T = np.stack((start.R, goal.R)), np.stack((start.T, goal.T))
-        kept = guide.kept if has_limits(self.instance) else None
+        limited = has_limits(self.instance) or self.motors is not None
+        kept = guide.kept if limited else None
         classes = [self.classes.of(end.R, end.T) for end in (start, goal)]
         found = PoseMap(self.ways, R, T, classes, self.classes.of, seed=self.seed, kept=kept)
         found.join_given()

@@ -85,10 +85,10 @@ class PoseMap:
 
     def determinants(self, parameters: Array) -> Array:
         """Return determinants of J with rows of norm one, about the pivot, ``(n, 6) -> (n,)``."""
-        a, length = self.arrangement, self.arrangement.length
+        length = self.arrangement.length
         R, T = self.ways.poses(parameters)
         with np.errstate(all="ignore"):
-            rows = jacobian(a, R, T)
+            rows = jacobian(self.ways.arrangement(R, T), R, T)
             offset = apply(R, np.broadcast_to(self.ways.pivot, T.shape))[..., None, :]
             rows[..., :3] -= cross(np.broadcast_to(offset, rows[..., 3:].shape), rows[..., 3:])
             rows[..., :3] /= length

@@ -13,12 +13,14 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.euler import euler_from_rotation
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.quaternions import apply
+from gspcli.motion.paths.motors import Motors
 from gspcli.motion.paths.rate_bounds import Rates
-from gspcli.motion.workspace.pose_boxes import NEGATIVE, PARAMETERS, REGULAR, PoseBoxes
+from gspcli.motion.workspace.pose_boxes import NEGATIVE, PARAMETERS, PoseBoxes
 from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
@@ -71,6 +73,9 @@ class PoseWays:
         The order of the axes of the angles, as in `gspcli.geometry.euler`.
     limits
         Whether ranges and cones must be kept, too.
+    motors
+        The cranks and slides, if the platform has some. They must reach all poses of a way on their
+        knees. Rods that share one are parallel at one orientation only, which stays.
     """
 
     def __init__(
@@ -80,21 +85,45 @@ class PoseWays:
         pivot: ArrayLike | None = None,
         sequence: str = "ZYX",
         limits: bool = True,
+        motors: Motors | None = None,
     ) -> None:
         self.instance = instance
         arrangement = Arrangement.of(instance)
         self.pivot = np.asarray(arrangement.platform_centre if pivot is None else pivot, float)
+        self.motors = motors
+        knees = None if motors is None else motors.knees
         self.boxes = PoseBoxes(
-            instance, np.eye(3), np.zeros(3), pivot=self.pivot, sequence=sequence, regular=True
-        )
-        self._conditions = self.boxes.conditions if limits else REGULAR
+            instance, np.eye(3), np.zeros(3), pivot=self.pivot, sequence=sequence, regular=True,
+            knees=knees,
+        )  # fmt: skip
+        self._conditions = self.boxes.conditions if limits else self.boxes.reached
         #: Sizes of the six parameters: lengths of the platform, and radians.
         self.sizes = np.array([arrangement.length] * 3 + [1.0] * 3)
 
     @cached_property
     def rates(self) -> Rates:
         """Bounds of what the motors do."""
-        return Rates(self.instance, self.pivot, self.boxes.sequence)
+        motors = self.motors
+        drives = None if motors is None else (motors.drives, motors.knees)
+        return Rates(self.instance, self.pivot, self.boxes.sequence, drives)
+
+    def arrangement(self, R: Array, T: Array) -> Arrangement:
+        """Return the platform at poses: points of cranks and slides are where they reach them."""
+        if self.motors is None:
+            return Arrangement.of(self.instance)
+        return self.motors.arrangement(R, T)
+
+    def _is_apart(self, begin: Array, end: Array) -> str:
+        """Return why rods that share a drive may not agree on a way, or nothing."""
+        if self.motors is None or not self.motors.shared:
+            return ""
+        assert self.boxes.drives is not None
+        free = [name for name, a, b in zip(PARAMETERS, begin, end, strict=True) if a != b]
+        try:
+            self.boxes.drives.refuse_shared(self.poses(begin)[0], free)
+        except ArgumentError:
+            return "rods that share a drive are not parallel"
+        return ""
 
     def parameters(self, R: ArrayLike, T: ArrayLike) -> Array:
         """Return the parameters of poses, ``(..., 3, 3), (..., 3) -> (..., 6)``.
@@ -137,6 +166,9 @@ class PoseWays:
 
     def prove(self, begin: Array, end: Array) -> WayProof:
         """Prove the straight way between two sets of parameters, shape (6,) each."""
+        reason = self._is_apart(begin, end)
+        if reason:
+            return WayProof(0, 0, reason)
         steps = max(1, int(np.ceil(np.abs(end - begin)[3:].max() / _TURN)))
         knots = begin + (end - begin) * (np.arange(steps + 1) / steps)[:, None]
         knots[-1] = end
@@ -204,8 +236,9 @@ class PoseWays:
         while boxes:
             low, high, left = boxes.pop()
             bounds = np.stack((low, high), axis=1)
+            free = np.flatnonzero(low < high).tolist()
             found = self.boxes.judge(
-                bounds, range(6), 0, one, np.array([self._conditions]), split=False
+                bounds, free, 0, one, np.array([self._conditions]), split=False
             )
             if len(found.inside):
                 here = -1 if found.inside_signs[0] & NEGATIVE else 1
@@ -225,4 +258,9 @@ class PoseWays:
     def at(self, parameters: Array) -> WayProof:
         """Prove that a pose is regular and within the limits, with poses very near to it."""
         half = _NEAR * (self.sizes + np.abs(parameters))
+        if self.motors is not None and self.motors.shared:
+            half[3:] = 0
+        reason = self._is_apart(parameters - half, parameters + half)
+        if reason:
+            return WayProof(0, 0, reason)
         return self.contains(parameters - half, parameters + half, cuts=0)

@@ -259,7 +259,8 @@ def timed(
     turns = [b.full - a.full for a, b in pairwise(lines)]
     bends = [law.bend(place, turn) for place, turn in zip(places[1:-1], turns, strict=True)]
     # Of curved ways of values the cones are not proved.
-    round_ = rounded and not (isinstance(guide, ValueGuide) and guide.ways.cones)
+    cones = isinstance(guide, ValueGuide) and bool(guide.ways.cones)
+    round_ = rounded and not cones
     levels = [0 if round_ else len(_SHARES)] * len(bends)
     most = [1.0] * len(bends)
     while True:
@@ -303,7 +304,7 @@ def _law(guide: Guide, limits: PathLimits) -> _Law:
         rates = guide.ways.rates
         in_radians = guide.ways.instance.units.angle.in_radians
         return _PoseLaw(rates, *limits.arrays(rates.count, in_radians))
-    motors = len(guide.sizes)
+    motors = guide.sizes.size
     speed, acceleration = limits.arrays(motors, 1.0)
     return _ValueLaw(speed[:motors], acceleration[:motors])
 

@@ -6,6 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.drive_numbers import is_driven
+from gspcli.geometry.drives import Drives
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.residuals import condition_numbers
 
@@ -35,7 +37,7 @@ def cost(instance: Instance, R: Array, T: Array) -> float:
         Poses along the path, shapes (r, 3, 3) and (r, 3).
     """
     a = Arrangement.of(instance)
-    regular = 1 / condition_numbers(a, R, T)
+    regular = 1 / condition_numbers(_driven(instance, R, T), R, T)
     if not regular.all():
         return np.inf
     # The harmonic mean between rows: 1 / condition is nearly linear.
@@ -55,13 +57,22 @@ class WayCosts:
     def add(self, R: Array, T: Array) -> None:
         """Add nodes, shapes (n, 3, 3) and (n, 3)."""
         self._places += [*_places(self.instance, R, T)]
-        self._regular += (1 / condition_numbers(self._arrangement, R, T)).tolist()
+        conditions = condition_numbers(_driven(self.instance, R, T), R, T)
+        self._regular += (1 / conditions).tolist()
 
     def between(self, i: int, j: int) -> float:
         """Return the cost of a way between two nodes."""
         moved = self._places[j] - self._places[i]
         length = float(np.sqrt((moved**2).sum(axis=1).mean())) / self._arrangement.length
         return round(2 * length / max(self._regular[i] + self._regular[j], 1e-12), _DECIMALS)
+
+
+def _driven(instance: Instance, R: Array, T: Array) -> Arrangement:
+    """Return the platform at poses: points of cranks and slides are where they reach them."""
+    if not is_driven(instance):
+        return Arrangement.of(instance)
+    drives = Drives.of(instance)
+    return drives.arrangement(drives.inverse(R, T))
 
 
 def _places(instance: Instance, R: Array, T: Array) -> Array:

@@ -137,6 +137,12 @@ class PoseBoxes:
             bits += [_REACH + k for k in self.drives.rows]
         return np.uint32(sum(1 << bit for bit in bits) | (int(REGULAR) if self.regular else 0))
 
+    @property
+    def reached(self) -> np.uint32:
+        """Of these, that rods reach the points of their motors, and regularity."""
+        rows = self.drives.rows if self.drives else []
+        return np.uint32(sum(1 << (_REACH + k) for k in rows) | int(REGULAR))
+
     def names(self, conditions: int) -> list[str]:
         """Return the conditions of some bits in words."""
         found = []

@@ -185,13 +185,6 @@ def test_wrong_arguments(study, arguments, match):
         gspcli.path(study, given.pop("start"), given.pop("goal"), **given)
 
 
-def test_machines_with_cranks_are_refused():
-    with pytest.raises(
-        ArgumentError, match=r"found 6 cranks .*: paths of machines that are driven"
-    ):
-        gspcli.path(gspcli.example("t-top-head"), "home", 1)
-
-
 def test_a_distance_of_lines_does_not_pass_zero_along_values():
     """The value turns at zero: the way there and back is no path of values."""
     platform = gspcli.example("surfaces-ppp")
