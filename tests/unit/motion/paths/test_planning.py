@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import gspcli
-from gspcli.errors import ArgumentError, GspError
+from gspcli.errors import GspError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.limits import within_limits
 from gspcli.geometry.numbers import Number
