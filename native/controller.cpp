@@ -53,6 +53,13 @@ int Controller::start(const double* pose) {
   return begin(&parts_->numbers, &p, &parts_->state, &parts_->report);
 }
 
+int Controller::start(const double* pose, double* near) {
+  platform_pose p;
+  std::copy(pose, pose + 3, p.position);
+  std::copy(pose + 3, pose + 7, p.rotation);
+  return begin_near(&parts_->numbers, &p, near, &parts_->state, &parts_->report);
+}
+
 int Controller::forward(const double* values) {
   return follow(&parts_->numbers, values, &parts_->state, &parts_->report);
 }

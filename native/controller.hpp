@@ -23,6 +23,7 @@ class Controller {
 
   // The statuses are those of platform.h.
   int start(const double* pose);      // position and quaternion
+  int start(const double* pose, double* near);  // of the numbers of cranks and slides those near these
   int forward(const double* values);
   int jacobian(double* J) const;      // of the values by a twist, 6 x 6
 

@@ -89,7 +89,8 @@ def drawn_drives(instance: Instance) -> list[dict[str, Any] | None]:
     -------
     list
         None without one, else its ``sort``, the ``body`` of the point, ``middle``, ``across`` and
-        ``beside`` (`gspcli.geometry.drives.Drives`), and the ``range`` of a slide or None.
+        ``beside``, ``unit``, ``factor`` and ``offset`` (`gspcli.geometry.drives.Drives`), and its
+        ``range`` in radians or lengths, or None.
     """
     if not is_driven(instance):
         return [None] * len(instance.constraints)
@@ -103,6 +104,9 @@ def drawn_drives(instance: Instance) -> list[dict[str, Any] | None]:
             "body": BODIES[0] if drives.on_platform[k] else BODIES[1],
             **{name: getattr(drives, name)[k].tolist() for name in ("middle", "across", "beside")},
             "range": ends if np.isfinite(ends).all() else None,
+            "unit": drives.units[drive].item(),
+            "factor": drives.factors[drive].item(),
+            "offset": drives.offsets[drive].item(),
         }
         found.append(one if driven else None)
     return found

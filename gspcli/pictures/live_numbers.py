@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import base64
 import math
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -30,14 +29,16 @@ from gspcli.continuation.tracker_options import (
 )
 from gspcli.defaults import SEED, TOLERANCE
 from gspcli.errors import ArgumentError, GspError
+from gspcli.geometry.coordinates import BODIES
 from gspcli.geometry.drive_numbers import driven_points
 from gspcli.geometry.instance import AngleUnit, Instance
-from gspcli.geometry.primitives import Line, Point
+from gspcli.geometry.primitives import Line
 from gspcli.geometry.ranges import value_range
 from gspcli.geometry.readings import factors, offsets, readings_of
 from gspcli.motion.following.platform_numbers import platform_numbers
 from gspcli.motion.singularities.displacements import Displacements
 from gspcli.pictures.arms import drawn_drives
+from gspcli.pictures.live_drives import LiveMotors, apart
 from gspcli.resources import data_path
 from gspcli.solver.problem import Problem
 from gspcli.solver.starts.geometry_starts import SolvedGeometry
@@ -54,6 +55,8 @@ Array = NDArray[np.float64]
 _ROWS = 1024
 #: Where a value has no range: this part of it to either side, of angles of the way to their ends.
 _PART = 0.3
+#: So many where motors move joints.
+_FEW = 16
 #: A page that says more needs a moment for each set of values.
 _QUICK = 100
 
@@ -93,18 +96,22 @@ def live_numbers(result: SolveResult) -> dict[str, Any]:
         index of the ``home`` mode or None, the ``sides`` of values (1, -1, 0 for both; None without
         sides), whether a solve is ``quick``, the ``proof`` of the count or None and its
         ``reservation`` in words, the ``drives`` (`drawn_drives`), and the ``numbers``, doubles in
-        base64.
+        base64. Where motors move joints, these are of the m motors (`LiveMotors.moved`).
 
     Raises
     ------
     GspError
         If there is no start from which all poses for other values are found.
     """
-    instance = standing(result.instance)
+    given = result.instance
+    motors = LiveMotors.of(given)
+    instance = given if motors is None else motors.family
     rows, ranges = _rows(instance)
-    # Cranks are no part of this geometry.
     problem = Problem(instance, seed=SEED, starts=SolvedStarts())
     corrected = rows * factors(instance) + offsets(instance, signed=False)
+    if motors is not None:
+        # Members among the sets of values are of no use: their joints are elsewhere.
+        corrected = corrected[:_FEW]
     if not problem.local_frames.is_none:
         raise _cannot("its frames are far away from its bodies")
     proofs = ValueProofs.of(instance, corrected)
@@ -114,33 +121,37 @@ def live_numbers(result: SolveResult) -> dict[str, Any]:
         if count is not None and not count.solutions:
             raise _cannot("its geometry has poses for special values alone")
         raise _cannot("no start was found that leads to all its poses")
+    if motors is not None and geometry.far is not None:
+        raise _cannot("some of its poses are far away wherever its joints are")
     numbers = _Numbers()
-    _put_values(numbers, instance, geometry)
-    _put_pools(numbers, geometry)
-    _put_whole(numbers, geometry)
+    _put_values(numbers, instance, geometry, motors)
+    if motors is None:
+        _put_pools(numbers, geometry)
+    else:
+        numbers.put(0)
+    _put_whole(numbers, geometry, motors)
     _put_proofs(numbers, instance, proofs, geometry)
     _put_far(numbers, geometry)
-    controller = platform_numbers(instance)
+    controller = platform_numbers(given if motors is None else apart(given))
     numbers.put(controller.kind, controller.either, controller.doubles)
-    given = problem.arrangement
-    numbers.put(geometry.found, given.platform_centre, given.extent)
-    _put_clearance(numbers, instance)
-    written, sides = instance.constraints, zip(given.kinds, given.signs, strict=True)
+    arrangement = result.arrangement
+    numbers.put(geometry.found, arrangement.platform_centre, arrangement.extent)
+    _put_clearance(numbers, given)
+    numbers.put(*([0] if motors is None else [1, *motors.numbers(proofs)]))
+    found, proof = _said(problem, ranges), geometry.proof
+    reservation = "" if proof is None else proof.reservation
+    if motors is not None:
+        found, proof = motors.moved(found, geometry)
+        found["stated"] = _stated(result)
+        if proof is not None and proof.error:
+            reservation = f"{proof.reservation}, counted with its joints at random places"
     return {
-        "values": readings_of(instance, _values(instance), signed=False).tolist(),
-        "ranges": ranges,
-        "limits": _limits(instance),
-        "kinds": [row.kind.name for row in written],
-        "units": [
-            instance.units.length if row.kind.is_distance else instance.units.angle.value
-            for row in written
-        ],
-        "sides": [side.item() if kind.has_sides else None for kind, side in sides],
+        **found,
         "home": None if result.home is None else result.home.number - 1,
         "quick": geometry.found <= _QUICK,
-        "proof": geometry.proof and geometry.proof.to_json(),
-        "reservation": "" if geometry.proof is None else geometry.proof.reservation,
-        "drives": drawn_drives(result.instance),
+        "proof": proof and proof.to_json(),
+        "reservation": reservation,
+        "drives": drawn_drives(given),
         "numbers": numbers.text(),
     }
 
@@ -150,20 +161,33 @@ def live_module() -> str:
     return base64.b64encode(data_path("live", "kernel.wasm.gz").read_bytes()).decode()
 
 
+def _said(problem: Problem, ranges: list[list[float]]) -> dict[str, Any]:
+    """Return what a page says of the six values."""
+    instance, stated = problem.instance, problem.arrangement
+    units, rows = instance.units, instance.constraints
+    return {
+        "values": readings_of(instance, _values(instance), signed=False).tolist(),
+        "ranges": ranges,
+        "limits": _limits(instance),
+        "kinds": [row.kind.name for row in rows],
+        "units": [units.length if row.kind.is_distance else units.angle.value for row in rows],
+        "sides": [
+            side.item() if kind.has_sides else None
+            for kind, side in zip(stated.kinds, stated.signs, strict=True)
+        ],
+    }
+
+
+def _stated(result: SolveResult) -> dict[str, int] | None:
+    """Return how many poses there are where the file has the joints, if that is proved."""
+    counts = result.counts
+    if result.proof is None or result.verdict != "complete" or counts.certified < counts.found:
+        return None
+    return {"poses": counts.found, "real": counts.real}
+
+
 def _cannot(why: str) -> GspError:
     return GspError(f"a page cannot solve this platform: {why}")
-
-
-def standing(instance: Instance) -> Instance:
-    """Return the platform of a live page: cranks and slides stand still, and rods change."""
-    given = instance.constraints
-    rows = []
-    for row in given:
-        still: dict[str, Any] = {
-            one.body: Point(one.point.position, one.point.cone) for one in driven_points(row)
-        }
-        rows.append(replace(row, limits=None, **still) if still else row)
-    return instance if rows == list(given) else replace(instance, constraints=tuple(rows))
 
 
 def _values(instance: Instance) -> Array:
@@ -211,8 +235,12 @@ def _geometry(problem: Problem, rows: Array) -> SolvedGeometry | None:
     return start_among(problem.with_rows(rows), all_poses)
 
 
-def _put_values(numbers: _Numbers, instance: Instance, geometry: SolvedGeometry) -> None:
+def _put_values(
+    numbers: _Numbers, instance: Instance, geometry: SolvedGeometry, motors: LiveMotors | None
+) -> None:
     scale, shift = factors(instance), offsets(instance, signed=False)
+    if motors is not None:
+        scale, shift = motors.corrections(scale, shift)
     for i, row in enumerate(instance.constraints):
         kind = row.kind
         square = kind.is_distance and not kind.has_sides
@@ -243,7 +271,7 @@ def _put_pools(numbers: _Numbers, geometry: SolvedGeometry) -> None:
         numbers.put(options.min_step, options.max_steps)
 
 
-def _put_whole(numbers: _Numbers, geometry: SolvedGeometry) -> None:
+def _put_whole(numbers: _Numbers, geometry: SolvedGeometry, motors: LiveMotors | None) -> None:
     inner, start = geometry.inner, geometry.start
     signs = np.where(geometry.given.values == 0, 0.0, 1.0)
     given = inner.kinds, inner.y, inner.x, inner.u, inner.v
@@ -255,9 +283,20 @@ def _put_whole(numbers: _Numbers, geometry: SolvedGeometry) -> None:
     one, two, three = np.concatenate([x.reshape(3, -1) for x in systems], axis=1)
     square = (one - 2 * two + three) / 2
     slope = two - one - 3 * square
+    parts = np.stack((one - slope - square, slope, square))
+    if motors is not None:
+        terms = [x[:, order] for x in motors.terms(geometry)]
+        moved = [
+            np.broadcast_to(
+                motors.drives.driven[order].reshape(-1, *(1,) * (x.ndim - 2)), x.shape
+            ).reshape(3, -1)
+            for x in terms
+        ]
+        own = np.concatenate([x.reshape(3, -1) for x in terms], axis=1)
+        parts = np.where(np.concatenate(moved, axis=1), own, parts)
     system = start.system
     numbers.put(system.structure.is_product, order, *system.coefficients)
-    numbers.put(len(start.points), start.points, one - slope - square, slope, square)
+    numbers.put(len(start.points), start.points, *parts)
     numbers.put(geometry.length * float(start.scale))
     for options in (SHORT, CAREFUL):
         numbers.put(options.predictor_tolerance, options.contraction, options.arrival)
@@ -289,6 +328,10 @@ def _put_far(numbers: _Numbers, geometry: SolvedGeometry) -> None:
 
 
 def _put_clearance(numbers: _Numbers, instance: Instance) -> None:
+    if any(one.body == BODIES[0] for row in instance.constraints for one in driven_points(row)):
+        # The ellipsoid of the platform's points would move.
+        numbers.put(0)
+        return
     try:
         home = Displacements(instance, np.eye(3)[None], np.zeros((1, 3)))
     except ArgumentError:

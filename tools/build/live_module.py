@@ -58,6 +58,7 @@ PARTS: list[tuple[str, list[str]]] = [
     ("fine_far_poses", [_EXACT, "-DGSP_FINE_FAR=fine_far_portable", "-DGSP_PARTS=2"]),
     ("homotopy", [_EXACT]),
     ("controller", [_EXACT]),
+    ("open_equations", [_EXACT]),
 ]
 _INCLUDED = re.compile(r'^#include "([^"]+)"', re.MULTILINE)
 

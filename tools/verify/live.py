@@ -2,12 +2,12 @@
 
     python -m tools.verify.live [--states 1000] [--jobs 2] [--check [--sample N]]
 
-Each machine of ``data/platforms`` is dragged: its values move a little at a time within their
-ranges, now and then to any place in them. At each state the kernel of live pages (in Node) and
-`gspcli.solve_batch` must agree in the number of real poses and in the poses, and what the page
-calls complete must be so. Condition numbers and clearances must be those of gsp, and the poses must
-measure the values. What differs is counted, and the exit code is then 1. The record is
-``data/verification/live.csv``.
+Each machine of ``data/platforms`` is dragged: its values, or its motors, move a little at a time
+within their ranges, now and then to any place in them. At each state the kernel of live pages (in
+Node) and `gspcli.solve_batch` (of machines whose motors move joints `gspcli.solve`) must agree in
+the number of real poses and in the poses, and what the page calls complete must be so. Condition
+numbers and clearances must be those of gsp, and the poses must measure the values. What differs is
+counted, and the exit code is then 1. The record is ``data/verification/live.csv``.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ import sys
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,11 +27,15 @@ from numpy.typing import NDArray
 import gspcli
 from gspcli.defaults import SEED
 from gspcli.errors import ArgumentError, GspError
+from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.drive_numbers import is_driven
+from gspcli.geometry.drives import Drives
 from gspcli.geometry.instance import Instance
+from gspcli.geometry.residuals import condition_numbers
 from gspcli.motion.singularities.displacements import Displacements
 from gspcli.motion.singularities.pose_clearances import pose_clearance, pose_clearances
 from gspcli.motion.singularities.screw_forms import ScrewForms
-from gspcli.pictures.live_numbers import live_module, live_numbers, standing
+from gspcli.pictures.live_numbers import live_module, live_numbers
 from tools.recording import ROOT, UNABLE, csv_text, sampled
 from tools.verify.campaigns import conclude, options, results
 
@@ -100,16 +104,18 @@ class Row:
 
 
 def dragged(ranges: Array, values: Array, states: int) -> Array:
-    """Return sets of values as somebody drags them, shape (states, 6)."""
+    """Return sets of values as somebody drags them, shape (states, m)."""
     rng = np.random.default_rng(SEED)
     low, high = ranges.T
-    rows = np.empty((states, 6))
+    count = len(values)
+    rows = np.empty((states, count))
     here = values
     for k in range(states):
         if k % JUMP == JUMP - 1:
-            here = low + (high - low) * rng.random(6)
+            here = low + (high - low) * rng.random(count)
         else:
-            here = here + STEP * (high - low) * rng.uniform(-1, 1, 6) * (rng.random(6) < 0.5)
+            change = rng.uniform(-1, 1, count) * (rng.random(count) < 0.5)
+            here = here + STEP * (high - low) * change
         rows[k] = here = np.clip(here, low, high)
     rows[0] = values
     return rows
@@ -138,32 +144,76 @@ def compared(
         return Row(name, refused=str(error))
     rows = dragged(np.array(live["ranges"]), np.array(live["values"]), states)
     page = run(live, rows)
-    still = standing(instance)
-    batch = gspcli.solve_batch(still, rows)
+    is_moved = is_driven(instance)
+    solved = _solved_anew(instance, rows) if is_moved else _solved_together(instance, rows)
     row = Row(name, len(rows))
-    conditions = batch.conditions
     compared_poses: list[tuple[int, Array, Array, Array]] = []
-    for k, found in enumerate(page["found"]):
-        chosen = batch.real[k]
-        R, T = batch.R[k][chosen].real, batch.T[k][chosen].real
+    for k, (found, other) in enumerate(zip(page["found"], solved, strict=True)):
+        R, T = other.R, other.T
         here = np.array(found["poses"], float).reshape(-1, 12)
         row.complete += found["complete"]
         row.real += len(R)
-        row.verdicts += bool(found["complete"]) and not batch.proved[k]
-        row.missed += bool(batch.proved[k]) and not found["complete"]
+        row.verdicts += bool(found["complete"]) and not other.is_proved
+        row.missed += other.is_proved and not found["complete"]
         if len(here) != len(R):
             row.numbers += 1
         if len(here) != len(R) or not len(R):
             continue
-        length = batch.arrangement.length
+        length = other.arrangement.length
         there = np.concatenate((R.reshape(-1, 9), T / length), axis=1)
         here[:, 9:] /= length
         order = np.abs(here[:, None] - there).max(axis=2).argmin(axis=1)
         off = np.abs(here - there[order]).max(initial=0)
         row.poses += bool(off > SAME) or len({*order.tolist()}) < len(order)
-        compared_poses.append((k, R[order], T[order], conditions[k][chosen][order]))
-    row.conditions = _others(still, rows, page["measured"], compared_poses)
+        compared_poses.append((k, R[order], T[order], other.conditions[order]))
+    parts = [[each] for each in compared_poses] if is_moved else [compared_poses]
+    row.conditions = sum(
+        _others(solved[part[0][0]].instance, rows, page["measured"], part) for part in parts if part
+    )
     return row
+
+
+class _Solved(NamedTuple):
+    """The real poses of a platform at one state."""
+
+    instance: Instance
+    arrangement: Arrangement
+    R: Array
+    T: Array
+    conditions: Array
+    is_proved: bool
+
+
+def _solved_together(instance: Instance, rows: Array) -> list[_Solved]:
+    """Return the poses for sets of values."""
+    batch = gspcli.solve_batch(instance, rows)
+    conditions = batch.conditions
+    return [
+        _Solved(
+            instance,
+            batch.arrangement,
+            batch.R[k][chosen].real,
+            batch.T[k][chosen].real,
+            conditions[k][chosen],
+            bool(batch.proved[k]),
+        )
+        for k, chosen in enumerate(batch.real)
+    ]
+
+
+def _solved_anew(instance: Instance, rows: Array) -> list[_Solved]:
+    """Return the poses with the joints where motors bring them, each solved alone."""
+    drives = Drives.of(instance)
+    found = []
+    for q in drives.from_readings(rows):
+        there = drives.instance_at(q)
+        result = gspcli.solve(there)
+        R, T = result.R[result.real].real, result.T[result.real].real
+        # Their unit of length is that of the joints where the file has them.
+        arrangement = drives.arrangement(q)
+        conditions = condition_numbers(arrangement, R, T)
+        found.append(_Solved(there, arrangement, R, T, conditions, result.proof is not None))
+    return found
 
 
 def _others(
@@ -180,17 +230,18 @@ def _others(
     free, wrong = _clearances(instance, R, T), 0
     known = _have_one_basis(instance, R, T)
     for k, there, _, expected in poses:
-        found = np.array(measured[k]).reshape(-1, 8)
+        count = rows.shape[1]
+        found = np.array(measured[k], float).reshape(-1, count + 2)
         here, free = free[: len(there)], free[len(there) :]
         has_one, known = known[: len(there)], known[len(there) :]
         expected = np.minimum(expected, 1e300)
-        values = np.abs(found[:, :6] - rows[k]).max(axis=1)
-        differ = values > SAME * np.abs(rows).max()
-        differ |= np.abs(found[:, 6] - expected) > CONDITION * expected**2
-        differ |= has_one & (np.abs(found[:, 7] - here) > NEAR * here)
-        for other in np.flatnonzero(~has_one & (found[:, 7] > here)):
+        values = np.abs(found[:, :count] - rows[k]).max(axis=1)
+        differ = ~(values <= SAME * np.abs(rows).max())
+        differ |= np.abs(found[:, -2] - expected) > CONDITION * expected**2
+        differ |= has_one & (np.abs(found[:, -1] - here) > NEAR * here)
+        for other in np.flatnonzero(~has_one & (found[:, -1] > here)):
             nearest = pose_clearance(instance, R[first + other], T[first + other]).upper
-            differ[other] |= found[other, 7] > nearest
+            differ[other] |= found[other, -1] > nearest
         first += len(there)
         wrong += bool(differ.any())
     return wrong

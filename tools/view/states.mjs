@@ -12,11 +12,14 @@ const found = states.map((values) => {
   return { complete, proved, poses: poses.map(({ R, T }) => [...R, ...T]) };
 });
 const milliseconds = (performance.now() - begin) / states.length;
-const measured = found.map(({ poses }) =>
-  poses.map((x) => [
-    ...kernel.measure(x.slice(0, 9), x.slice(9)),
-    Math.min(kernel.condition(x.slice(0, 9), x.slice(9)), 1e300),
-    kernel.clearance(x.slice(0, 9), x.slice(9)),
-  ]),
+const measured = found.map(({ poses }, k) =>
+  poses.map((x) => {
+    const given = [x.slice(0, 9), x.slice(9), states[k]];
+    return [
+      ...(kernel.measure(...given) ?? states[k].map(() => null)),
+      Math.min(kernel.condition(...given), 1e300),
+      kernel.clearance(...given),
+    ];
+  }),
 );
 process.stdout.write(JSON.stringify({ found, measured, milliseconds }));

@@ -128,10 +128,10 @@ class ValueProofs:
         numbers = _numbers(instance, self.kinds)
         # Exact: a power of two.
         numbers[:, :, :2] /= self.scale
+        #: Relations, primitives (3, 6, 4, 3), Hessian matrices of forms, what is added to bounds.
+        self.opened = _relations(self.kinds, meeting), numbers, form_hessians(), TINY / CONVERSION
         #: Hessian matrices with their low parts and moduli, equations, weights, turning parts.
-        self.numbers = _kernel.open(
-            _relations(self.kinds, meeting), numbers, form_hessians(), tiny=TINY / CONVERSION
-        )
+        self.numbers = _kernel.open(*self.opened[:3], tiny=self.opened[3])
 
     @classmethod
     def of(cls, instance: Instance, rows: Array | None) -> ValueProofs | None:

@@ -1054,15 +1054,14 @@ static int differentiate(const geometry *g, const platform_pose *pose, const dou
   return PLATFORM_PROVED;
 }
 
-static int begin(const geometry *g, const platform_pose *pose, platform_state *state,
-                 platform_report *report) {
-  double values[6], c[6], inverse[6][6], defect;
+/* With cranks and slides as near as can be to the given values; those of the pose are there then. */
+static int begin_near(const geometry *g, const platform_pose *pose, double *values, platform_state *state,
+                      platform_report *report) {
+  double c[6], inverse[6][6], defect;
   frame f;
   segment still;
   proof found = {8.0, 0.0, 0.0};
-  int k, status;
-  for (k = 0; k < 6; ++k) values[k] = -g->offset[k];
-  status = measure(g, pose, values);
+  int k, status = measure(g, pose, values);
   if (status || !load(g, pose, &f)) return status;
 #if HAS_DLL
   for (k = 0; k < 6; ++k) /* lines that meet */
@@ -1091,6 +1090,14 @@ static int begin(const geometry *g, const platform_pose *pose, platform_state *s
     report->steps = report->tries = 0;
   }
   return status;
+}
+
+static int begin(const geometry *g, const platform_pose *pose, platform_state *state,
+                 platform_report *report) {
+  double values[6];
+  int k;
+  for (k = 0; k < 6; ++k) values[k] = -g->offset[k];
+  return begin_near(g, pose, values, state, report);
 }
 
 static const char *text(int status) {

@@ -12,7 +12,7 @@ import pytest
 
 import gspcli
 from gspcli.geometry.numbers import Number
-from gspcli.pictures.live_numbers import live_numbers, standing
+from gspcli.pictures.live_numbers import live_numbers
 from gspcli.resources import data_json, data_path, instance_files
 from tools.build import live_module
 from tools.recording import sha256
@@ -77,14 +77,6 @@ def test_limits_are_what_values_can_be():
     assert found["kinds"] == ["DPH", "DHP", "DLL", "ALL", "ALH", "AHH"]
     heights, angles = [None, None], ([0, 180], [-90, 90], [0, 180])
     assert found["limits"] == [heights, heights, [0, None], *angles]
-
-
-def test_cranks_stand_still():
-    instance = gspcli.load(instance_files()["t-top-head"])
-    still = standing(instance)
-    assert all(row.base.crank is None and row.limits is None for row in still.constraints)
-    plain = gspcli.load(instance_files()["rubin-m2"])
-    assert standing(plain) is plain
 
 
 def test_what_has_no_start_is_refused():

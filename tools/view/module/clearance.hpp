@@ -15,6 +15,8 @@ class Clearance {
   explicit Clearance(Numbers& numbers);
   // Of the pose with rotation R and translation T; in lengths, zero if nothing is proved.
   double operator()(const double (&R)[3][3], const double* T) const;
+  // From now on with base points that are there, (6, 3).
+  void read(const double* base) { x_ = base; }
 
  private:
   std::vector<int> kind_;

@@ -23,38 +23,52 @@ class Platform {
     centre_ = numbers.doubles(3);
     extent_ = numbers.number();
     if (numbers.integer()) clearance_ = std::make_unique<Clearance>(numbers);
+    joints_ = std::make_unique<Joints>(numbers);
+    if (!joints_->are_moved()) return;
+    proofs_.read(joints_->equations());
+    if (clearance_) clearance_->read(joints_->points(false));
   }
 
   int expected() const { return expected_; }
   Controller& controller() { return *controller_; }
+  const Joints& joints() const { return *joints_; }
 
-  // By long steps, by short ones, by all equations, until all poses are proved.
-  Found solve(const double* readings) const {
+  // By long steps, by short ones, by all equations, until all poses are proved: as many as there can be.
+  Found solve(const double* readings, int most) {
     double values[kEquations];
-    values_.correct(readings, values);
+    place(readings, values);
     Found best(0);
     const auto is_enough = [&](const Ends& ends) {
       Found found = decide(values, ends);
       if (found.poses() >= best.poses()) best = std::move(found);
-      return is_complete(best);
+      return is_complete(best, most);
     };
     for (int stage = 0; stage < pool_.stages(); ++stage)
       if (is_enough(pool_.follow(values_, values, stage))) return best;
-    if (pool_.stages() == 0 && is_enough(whole_.follow(values_, values, false))) return best;
-    is_enough(whole_.follow(values_, values, true));
+    if (pool_.stages() == 0 && is_enough(whole_.follow(values_, *joints_, values, false))) return best;
+    is_enough(whole_.follow(values_, *joints_, values, true));
     return best;
   }
 
-  bool is_complete(const Found& found) const {
-    return found.poses() == expected_ && found.count() == expected_ && found.are_different(proofs_.scale());
+  bool is_complete(const Found& found, int most) const {
+    if (found.poses() != most) return false;
+    // Where joints are moved, `decide` has left different poses, and paths that end nowhere.
+    return joints_->are_moved() || (found.count() == most && found.are_different(proofs_.scale()));
   }
 
   // As `condition_numbers`: of the controller's pose.
   double condition() const;
   // Of the same pose, zero if nothing is proved.
-  double clearance() const;
+  double clearance();
 
  private:
+  // The values that the platform has at these readings, where its joints are moved to.
+  void place(const double* readings, double* values) {
+    values_.correct(readings, values);
+    if (joints_->are_moved()) joints_->place(values_, values);
+    joints_->hold(values);
+  }
+
   static std::unique_ptr<Controller> controller(Numbers& numbers) {
     const auto kind = numbers.integers<unsigned char>(kEquations);
     const auto either = numbers.integers<unsigned char>(kEquations);
@@ -64,6 +78,7 @@ class Platform {
 
   Found decide(const double* values, const Ends& ends) const {
     Found near = proofs_.decide(values_, values, ends);
+    if (joints_->are_moved()) near.single_out(proofs_.scale());
     if (far_.poses() == 0) return near;
     double given[kOfValue * kEquations];
     values_.proved(values, 0, proofs_.scale(), given);
@@ -79,6 +94,7 @@ class Platform {
   int expected_;
   const double* centre_;
   double extent_;
+  std::unique_ptr<Joints> joints_;
   std::unique_ptr<Clearance> clearance_;  // none if the points of the platform lie on a line
 };
 
@@ -96,6 +112,7 @@ double Platform::condition() const {
   double J[6][6], corrected[6];
   if (controller_->jacobian(&J[0][0]) != 0) return INFINITY;
   values_.correct(controller_->values(), corrected);
+  joints_->hold(corrected);
   const double unit = std::max(extent_, values_.largest(corrected));
   double R[3][3], c[3];
   rotation(controller_->rotation(), R);
@@ -115,9 +132,10 @@ double Platform::condition() const {
   return least > 1e-14 * largest ? largest / least : INFINITY;
 }
 
-double Platform::clearance() const {
+double Platform::clearance() {
   if (!clearance_) return 0.0;
-  double R[3][3];
+  double R[3][3], values[kEquations];
+  if (joints_->are_moved()) place(controller_->values(), values);
   rotation(controller_->rotation(), R);
   return (*clearance_)(R, controller_->position());
 }
@@ -143,12 +161,12 @@ EXPORTED void gsp_open() { platform = std::make_unique<Platform>(Numbers(numbers
 EXPORTED double* gsp_exchange() { return exchange; }
 EXPORTED int gsp_expected() { return platform->expected(); }
 
-// All poses for the values in `exchange`. Returns how many real ones there are; behind `gsp_poses` are R by
+// All poses for the values in `exchange`, of which there are `most`. Returns how many real ones there are; behind `gsp_poses` are R by
 // rows and T of each. `exchange` then has how many poses are proved, and whether they are all there are.
-EXPORTED int gsp_solve() {
+EXPORTED int gsp_solve(int most) {
   double values[6];
   std::copy(exchange, exchange + 6, values);
-  const Found found = platform->solve(values);
+  const Found found = platform->solve(values, most);
   poses.clear();
   for (int k = 0; k < found.count(); ++k) {
     if (!is_pose(found.proved[k]) || !(found.proved[k] & gsp::kReal)) continue;
@@ -156,14 +174,16 @@ EXPORTED int gsp_solve() {
     for (int i = 0; i < 3; ++i) poses.push_back(found.translation[3 * k + i].re);
   }
   exchange[0] = found.poses();
-  exchange[1] = platform->is_complete(found);
+  exchange[1] = platform->is_complete(found, most);
   return static_cast<int>(poses.size()) / 12;
 }
 EXPORTED double* gsp_poses() { return poses.data(); }
 
-// Starts from the pose in `exchange` (position, quaternion); its values are there then.
+// Starts from the pose in `exchange` (position, quaternion; then the values near which those of cranks and slides
+// are); its values are there then.
 EXPORTED int gsp_start() {
-  const int status = platform->controller().start(exchange);
+  auto& controller = platform->controller();
+  const int status = platform->joints().are_moved() ? controller.start(exchange, exchange + 7) : controller.start(exchange);
   std::copy_n(platform->controller().values(), 6, exchange);
   return status;
 }

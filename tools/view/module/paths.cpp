@@ -109,14 +109,25 @@ WholePaths::WholePaths(Numbers& numbers) {
   }
 }
 
-// The equations at these values, factors of norm 1.
-void WholePaths::target(const double* inner, std::complex<double>* system) const {
+// The equations at these values, factors of norm 1; those of motors in the norm of the start, so that
+// joints with one motor stay on straight lines together.
+void WholePaths::target(const double* inner, const Joints& joints, std::complex<double>* system) const {
   const auto* const part = reinterpret_cast<const std::complex<double>*>(polynomial_);
   const auto at = [&](int k, double v) {
     return part[k] + v * (part[kSystem + k] + v * part[2 * kSystem + k]);
   };
   for (int j = 0; j < kEquations; ++j) {
     const double v = inner[order_[j]];
+    if (joints.moves(order_[j])) {
+      const double* const t = joints.terms(order_[j]);
+      const auto moved = [&](int k) { return part[k] + t[0] * part[kSystem + k] + t[1] * part[2 * kSystem + k]; };
+      for (int k = j * kCoefficients; k < (j + 1) * kCoefficients; ++k) {
+        system[k] = moved(k);
+        system[kFactor + k] = moved(kFactor + k);
+      }
+      system[2 * kFactor + j] = moved(2 * kFactor + j);
+      continue;
+    }
     double product = 1.0;
     for (int factor = 0; factor < 2; ++factor) {
       std::complex<double>* const q = system + factor * kFactor + j * kCoefficients;
@@ -133,7 +144,7 @@ void WholePaths::target(const double* inner, std::complex<double>* system) const
   }
 }
 
-Ends WholePaths::follow(const Values& given, const double* values, bool careful) const {
+Ends WholePaths::follow(const Values& given, const Joints& joints, const double* values, bool careful) const {
   const int choices = given.choices();
   Ends ends{std::vector<Complex>(choices * paths_ * kVariables), unit_};
   std::vector<std::uint8_t> status(paths_);
@@ -146,7 +157,7 @@ Ends WholePaths::follow(const Values& given, const double* values, bool careful)
   for (int c = 0; c < choices; ++c) {
     double inner[kEquations];
     given.inner(values, c, inner);
-    target(inner, system.data());
+    target(inner, joints, system.data());
     Complex* const study = ends.study.data() + c * paths_ * kVariables;
     const Results results{study, nullptr, left.data(), status.data(), steps.data(), condition.data(),
                           curvature.data(), residual.data(), correction.data()};

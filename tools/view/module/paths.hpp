@@ -5,7 +5,7 @@
 
 #include "../../../native/homotopy.hpp"
 #include "../../../native/reduced_homotopy.hpp"
-#include "values.hpp"
+#include "joints.hpp"
 
 namespace gsp::live {
 
@@ -44,17 +44,18 @@ class WholePaths {
  public:
   explicit WholePaths(Numbers& numbers);
   // With long steps, or with care.
-  Ends follow(const Values& given, const double* values, bool careful) const;
+  Ends follow(const Values& given, const Joints& joints, const double* values, bool careful) const;
 
  private:
-  void target(const double* inner, std::complex<double>* system) const;
+  void target(const double* inner, const Joints& joints, std::complex<double>* system) const;
 
   bool products_[kEquations];
   Side start_;
   int paths_;
   const Complex* points_;  // (paths, 8)
-  const double* polynomial_;  // (3, numbers of a system) complex: of 1, the value, its square
-  std::vector<int> order_;    // whose value is in each equation
+  // (3, numbers of a system) complex: of 1, the value, its square; of motors of 1 and their two terms
+  const double* polynomial_;
+  std::vector<int> order_;  // whose value is in each equation
   double unit_;
   Options options_[2];
 };

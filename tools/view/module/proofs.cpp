@@ -32,6 +32,12 @@ bool Found::are_different(double scale) const {
   return true;
 }
 
+void Found::single_out(double scale) {
+  for (int a = 0; a < count(); ++a)
+    for (int b = a + 1; b < count() && is_pose(proved[a]); ++b)
+      if (is_pose(proved[b]) && !are_apart(*this, a, b, scale)) proved[b] = 0;
+}
+
 Proofs::Proofs(Numbers& numbers) {
   quadrics_ = numbers.integer();
   const int size = quadrics_ * kVariables * kVariables;
@@ -49,6 +55,11 @@ Proofs::Proofs(Numbers& numbers) {
   lines_ = numbers.integer();
   line_ = numbers.doubles(9 * lines_);
   rounding_ = numbers.number();
+}
+
+void Proofs::read(const OpenEquations& equations) {
+  hessian_ = equations.hessian, low_ = equations.low, moduli_ = equations.moduli;
+  weights_ = equations.weight;
 }
 
 double Proofs::unit(double largest) const {

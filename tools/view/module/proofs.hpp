@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "../../../native/far_poses.hpp"
+#include "../../../native/open_equations.hpp"
 #include "paths.hpp"
 
 namespace gsp::live {
@@ -18,6 +19,8 @@ struct Found {
   int poses() const;
   bool are_different(double scale) const;
   int count() const { return static_cast<int>(proved.size()); }
+  // Leave of those that are not proved to be different the first.
+  void single_out(double scale);
   Poses at(int first, std::uint8_t* complete) {
     return {rotation.data() + 9 * first, translation.data() + 3 * first, quaternion.data() + 4 * first,
             deviation.data() + first, proved.data() + first, complete};
@@ -54,6 +57,8 @@ class Proofs {
   double scale() const { return scale_; }
   // Of digits of translations, in lengths of the equations.
   double unit(double largest) const;
+  // From now on with equations that are there, of the same kinds.
+  void read(const OpenEquations& equations);
   // Decides about ends (choices, paths, 8).
   Found decide(const Values& given, const double* values, const Ends& ends) const;
 

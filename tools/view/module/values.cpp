@@ -63,9 +63,8 @@ void Values::correct(const double* readings, double* corrected) const {
     corrected[i] = readings[i] * constraint_[i].factor + constraint_[i].offset;
 }
 
-// The sine, or the cosine, of an angle in the unit of the file, as `sines` has it.
-Doubled Values::cosine(double angle, int i) const {
-  const bool complement = constraint_[i].is_complement;
+// As `sines` has it.
+Doubled Values::sine(double angle, bool complement) const {
   Doubled x = two_sum(complement ? quarter_.high : 0.0, complement ? -angle : angle);
   x = normal(x.high, x.low + (complement ? quarter_.low : 0.0));
   if (degrees_) x = times(x, unit_);
@@ -77,9 +76,13 @@ Doubled Values::cosine(double angle, int i) const {
     const Doubled product = times(total, square), sum = two_sum(product.high, term_[2 * k]);
     total = normal(sum.high, sum.low + (product.low + term_[2 * k + 1]));
   }
-  total = times(total, x);
+  return times(total, x);
+}
+
+Doubled Values::cosine(double angle, int i) const {
+  const Doubled found = sine(angle, constraint_[i].is_complement);
   const double sign = constraint_[i].sign;
-  return {total.high * sign, total.low * sign};
+  return {found.high * sign, found.low * sign};
 }
 
 void Values::inner(const double* values, int choice, double* out) const {

@@ -28,6 +28,9 @@ class Values {
   void parameters(const double* values, int choice, double* out) const;
   // For the proofs, (6, 6).
   void proved(const double* values, int choice, double scale, double* out) const;
+  // The sine of an angle from -90 to 90 degrees in the unit of the file, or the cosine of one from 0 to 180.
+  Doubled sine(double angle, bool complement) const;
+  bool degrees() const { return degrees_; }
   // Largest distance.
   double largest(const double* values) const;
 

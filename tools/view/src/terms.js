@@ -5,6 +5,8 @@ const MEANINGS = {
   proved: "Interval arithmetic has proved that each pose exists, and how many there are. Poses that are not real (with complex numbers) count among them.",
   condition: "How badly the pose is determined by its values: 1 is best. A small change of the values moves the pose by up to so much more. Infinite: singular.",
   "pose clearance": "The pose may change by this much, in any direction, before it can be singular. The bound is proved. Turns count by the way of the platform's points.",
+  crank: "A motor turns an arm, at whose end the joint of the rod is.",
+  slide: "A motor moves a carriage on a rail, and with it the joint of the rod.",
   mode: "An assembly mode: one real pose that the six values allow. It keeps its number while the values change.",
 };
 /** Letters of a kind: distance or angle, of which parts of the platform and the base. */

@@ -3,6 +3,9 @@
 import { turned } from "./rotations.js";
 import { add, times } from "./vectors.js";
 
+/** The number of a drive in radians or lengths, of what a slider says. */
+export const numberOf = ({ factor, offset, unit }, reading) => (reading * factor + offset) * unit;
+
 /** Half of what is drawn of a rail without a range, in sizes of the scene. */
 const RAIL = 0.2;
 

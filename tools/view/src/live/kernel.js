@@ -41,6 +41,11 @@ export function rotation([w, x, y, z]) {
   );
 }
 
+/** Kinds of values that are numbers of motors which move points. */
+const MOTORS = new Set(["crank", "slide"]);
+/** Rods of one motor ask for the same number up to this. */
+const TOGETHER = 1e-6;
+
 // A value of the file from that of a pose, or the other way; of both sides of a plane the present one.
 function onSide(value, side, present) {
   if (side === null) return value;
@@ -52,6 +57,12 @@ class Kernel {
     this.exports = exports;
     this.sides = live.sides;
     this.limits = live.limits;
+    // Of each constraint the value, or the number of the motor that moves its point; these may share one.
+    this.index = live.index ?? live.values.map((_, i) => i);
+    this.counts = live.counts;
+    this.stated = live.stated;
+    this.still = live.values;
+    this.moving = live.kinds.flatMap((kind, i) => (MOTORS.has(kind) ? [i] : []));
     this.isProof = live.proof !== null;
     const numbers = doubles(live.numbers);
     const at = exports.gsp_room(numbers.length);
@@ -66,9 +77,21 @@ class Kernel {
     return new Float64Array(this.exports.memory.buffer, this.at, 64);
   }
 
-  start(R, T) {
-    this.exchange().set([...T, ...quaternion(R)]);
+  /** Begin at a pose; of the two numbers of a motor that lead there, with the nearer one to these values. */
+  start(R, T, values) {
+    this.exchange().set([...T, ...quaternion(R), ...this.each(values)]);
     return this.exports.gsp_start();
+  }
+
+  /** One number a constraint. */
+  each(values) {
+    return this.index.map((i) => values[i]);
+  }
+
+  /** How many poses there can be: fewer where some motors stand as in the file. */
+  most(values) {
+    if (!this.counts) return this.expected;
+    return this.counts[this.moving.reduce((sum, i, k) => sum + (values[i] === this.still[i] ? 0 : 2 ** k), 0)];
   }
 
   /** Whether poses can have these values: distances are not negative, angles end. */
@@ -82,11 +105,12 @@ class Kernel {
   /** All real poses for six values. */
   solve(values) {
     // Beyond their ends the equations and the error of a sine are of other values.
+    const expected = this.most(values);
     if (!this.isPossible(values)) {
-      return { complete: false, isPossible: false, expected: this.expected, proved: 0, poses: [] };
+      return { complete: false, isPossible: false, expected, proved: 0, poses: [] };
     }
-    this.exchange().set(values);
-    const real = this.exports.gsp_solve();
+    this.exchange().set(this.each(values));
+    const real = this.exports.gsp_solve(expected);
     const [proved, complete] = this.exchange();
     const at = this.exports.gsp_poses();
     const numbers = new Float64Array(this.exports.memory.buffer, at, 12 * real).slice();
@@ -95,31 +119,46 @@ class Kernel {
       T: numbers.subarray(12 * k + 9, 12 * k + 12),
       proved: true,
     }));
-    return { complete: complete > 0 && this.isProof, isPossible: true, expected: this.expected, proved, poses };
+    // For the numbers of the file gsp solve has proved how many there are.
+    const { stated } = this;
+    if (stated && poses.length === stated.real && values.every((x, i) => x === this.still[i])) {
+      return { complete: true, isPossible: true, expected: stated.poses, proved: stated.poses, poses };
+    }
+    return { complete: complete > 0 && this.isProof, isPossible: true, expected, proved, poses };
   }
 
-  /** The values of a pose. */
-  measure(R, T) {
-    this.start(R, T);
-    return this.exchange().slice(0, 6).map((x, i) => onSide(x, this.sides[i], x));
+  /**
+   * The values of a pose, of motors near some values; null if a rod does not reach it, or if one motor
+   * would have to be at two places.
+   */
+  measure(R, T, near) {
+    const status = this.start(R, T, near);
+    if (status && this.moving.length) return null;
+    const found = this.exchange().slice(0, 6);
+    const values = near.map((_, i) => {
+      const x = found[this.index.indexOf(i)];
+      return onSide(x, this.sides[i], x);
+    });
+    const isOne = this.index.every((i, k) => !this.moving.includes(i) || Math.abs(found[k] - values[i]) < TOGETHER);
+    return isOne ? values : null;
   }
 
   /** Largest by smallest singular value of the Jacobian matrix, as gsp solve has it. */
-  condition(R, T) {
-    return this.start(R, T) ? Infinity : this.exports.gsp_condition();
+  condition(R, T, values) {
+    return this.start(R, T, values) ? Infinity : this.exports.gsp_condition();
   }
 
   /** So far the nearest singular pose is at least, as gsp clearance measures it; 0 if unknown. */
-  clearance(R, T) {
-    return this.start(R, T) ? 0 : this.exports.gsp_clearance();
+  clearance(R, T, values) {
+    return this.start(R, T, values) ? 0 : this.exports.gsp_clearance();
   }
 
   /** Where a pose is for other values, if that is proved (status 0). */
   follow(R, T, from, to) {
-    if (this.start(R, T)) return { status: 3, R, T };
+    if (this.start(R, T, from)) return { status: 3, R, T };
     // Distances to planes keep their side.
     const here = this.exchange().slice(0, 6);
-    this.exchange().set(to.map((x, i) => onSide(x, this.sides[i], here[i])));
+    this.exchange().set(this.index.map((i, k) => onSide(to[i], this.sides[i], here[k])));
     const status = this.exports.gsp_forward();
     const found = this.exchange();
     return { status, R: rotation(found.slice(3, 7)), T: found.slice(0, 3) };

@@ -2,9 +2,12 @@
 import { Quaternion } from "three";
 import { buildGhost } from "../bodies.js";
 import { Stage } from "../stage.js";
+import { numberOf, pointAt } from "./drives.js";
+import { hull } from "./hull.js";
 import { cueOf } from "./mode_colours.js";
 import { distance } from "./rotations.js";
 import { feetAt, reaching, strokesAt } from "./strokes.js";
+import { middle, norm, sub } from "./vectors.js";
 
 const UPRIGHT = { R: [1, 0, 0, 0, 1, 0, 0, 0, 1], T: [0, 0, 0] };
 const FADING = 700;
@@ -14,8 +17,8 @@ const FAINT = 9;
 const NEAREST = 6;
 
 export class LiveStage extends Stage {
-  /** `drives` has of each constraint the crank or slide of its point, or null. */
-  constructor(canvas, labels, scene, drives, paint) {
+  /** `drives` has of each constraint the crank or slide of its point, or null; `numbers` which value is its own. */
+  constructor(canvas, labels, scene, { drives, numbers }, paint) {
     super(canvas, labels, scene);
     this.paint = paint;
     this.shades = new Map();
@@ -23,7 +26,7 @@ export class LiveStage extends Stage {
     this.others = "all";
     const named = ({ elements }, name) => elements.find((element) => element.name === name);
     this.measured = scene.constraints.map(({ kind, platform, base }, k) => ({
-      kind, platform: named(scene.platform, platform), base: named(scene.base, base), drive: drives[k],
+      kind, platform: named(scene.platform, platform), base: named(scene.base, base), drive: drives[k], number: numbers[k], q: 0,
     }));
     // Every stroke that a constraint may have; where they are comes with each move.
     const strokes = this.measured.map((each) =>
@@ -46,23 +49,48 @@ export class LiveStage extends Stage {
     if (!this.isHeld) super.draw();
   }
 
-  /** Show all modes, one of them followed (or null), with what the constraints measure there. */
-  showModes(modes, followed, measured) {
+  /** Show all modes for some values, one of them followed (or null), which measures others perhaps. */
+  showModes(modes, followed, values, found) {
+    this.moveJoints(values);
     const index = modes.indexOf(followed);
     const { live } = this;
     live.T = modes.map(({ T }) => Array.from(T));
     live.q = modes.map(({ q }) => q);
     live.numbers = modes.map(({ number }) => number);
-    live.measured = { [index]: measured };
+    live.measured = { [index]: this.measured.map(({ number }) => (found ?? values)[number]) };
     live.labels = {};
     if (followed) {
       this.reach(followed);
       const drawn = this.measured.map((each) => strokesAt(each, followed, this.data.size));
       drawn.forEach(({ strokes }, k) => strokes.forEach(({ points }, j) => (live.strokes[k][j].points = { [index]: points })));
       live.labels[index] = drawn.map(({ label }) => label);
+      this.measured.forEach(({ drive }, k) => {
+        if (drive) live.measured[index][k] = norm(sub(...drawn[k].strokes[0].points));
+      });
     }
     this.placeGhosts(modes, followed);
     this.show(live, followed ? index : modes.length);
+  }
+
+  /** Motors bring joints to other places of their bodies. */
+  moveJoints(values) {
+    const moved = new Set();
+    for (const constraint of this.measured) {
+      const { drive, number } = constraint;
+      if (!drive) continue;
+      const q = numberOf(drive, values[number]);
+      if (q === constraint.q) continue;
+      constraint.q = q;
+      constraint[drive.body].outline = [pointAt(drive, q)];
+      moved.add(drive.body);
+    }
+    for (const name of moved) {
+      const { elements } = this.data[name];
+      const joints = elements.filter(({ primitive }) => primitive !== "H").map(({ outline }) => middle(outline));
+      // Another body for `useBody`.
+      this.data[name] = { ...this.data[name], faces: hull(joints) };
+    }
+    if (moved.has("platform")) for (const [number, ghost] of this.shades) this.remove(number, ghost);
   }
 
   /** Planes reach to the feet on them: what is drawn of them grows with the moves. */

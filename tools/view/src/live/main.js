@@ -40,7 +40,7 @@ function notice(text) {
 
 function openStage() {
   try {
-    return new LiveStage(byId("canvas"), byId("labels"), scene, live.drives, modePaint);
+    return new LiveStage(byId("canvas"), byId("labels"), scene, { drives: live.drives, numbers: kernel.index }, modePaint);
   } catch (error) {
     notice(`The picture needs WebGL, which this browser does not offer. All numbers are in the list. (${error.message})`);
     return null;
@@ -57,7 +57,7 @@ function openWorker() {
 function choose(bond) {
   if (bond === chosen) return;
   chosen = bond;
-  motion.sliders.values.choose(bond);
+  motion.sliders.values.choose(bond === null ? null : kernel.index[bond]);
   recolour();
 }
 
@@ -81,20 +81,22 @@ function show(happened = {}) {
   const fold = mode && !ahead ? approaching(mode, modes, scene.size) : null;
   const near = new Set(fold ? [mode.number, fold.other.number] : []);
   const shown = ahead ? [mode].filter(Boolean) : modes;
-  scene.constraints.forEach((constraint, k) => (constraint.value = values[k]));
+  scene.constraints.forEach((constraint, k) => {
+    if (!live.drives[k]) constraint.value = values[kernel.index[k]];
+  });
   list.show(shown, mode?.number ?? null, near);
   stage?.together(() => {
-    stage.showModes(shown, mode, mode && model.kernel.measure(mode.R, mode.T));
+    stage.showModes(shown, mode, values, mode && kernel.measure(mode.R, mode.T, values));
     stage.fade(happened.met ?? []);
     recolour();
   });
   motion.show(values, mode);
   map.show(values);
-  tell(mode, fold, happened);
+  tell(mode, values, fold, happened);
   link.write();
 }
 
-function tell(mode, fold, happened) {
+function tell(mode, values, fold, happened) {
   const { account, kernel, ahead } = model;
   const said = ahead ? { kind: "busy", text: "solving …", more: "" } : accountText(account, kernel.isProof);
   say("status-text", said.text);
@@ -110,7 +112,7 @@ function tell(mode, fold, happened) {
     byId("followed-chip").style.background = modeColour(mode.number);
     byId("followed-chip").dataset.cue = cueOf(mode.number);
     say("followed-name", `Mode ${mode.number}${mode.number === list.home ? ", home" : ""}`);
-    const clearance = kernel.clearance(mode.R, mode.T);
+    const clearance = kernel.clearance(mode.R, mode.T, values);
     fillList(byId("pose"), [
       ...poseFacts(scene, Array.from(mode.T), mode.q, mode.condition < Infinity ? mode.condition : null),
       ["pose clearance", clearance > 0 ? `at least ${short(clearance, 3)} ${scene.units.length}` : "none proved"],
@@ -178,7 +180,8 @@ const kernel = await openKernel(await unpacked(module), live);
 const model = new Model(kernel, scene.size, live.values, scene.start + 1);
 stage = openStage();
 const worker = openWorker();
-const names = scene.constraints.map(({ number, platform, base }) => `${number}: ${platform}–${base}`);
+const names = live.names ?? scene.constraints.map(({ number, platform, base }) => `${number}: ${platform}–${base}`);
+if (live.names) document.querySelector("input[name=moved][value=values] + span").textContent = "Motors";
 const list = new ModeList(byId("mode-list"), scene.size, live.home, { paint: modeColour, onMode: follow });
 const motion = new Motion(model, scene, live, worker, show);
 const map = new ModeMap(worker, live, names, (values) => motion.goTo(values));

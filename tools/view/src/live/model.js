@@ -44,9 +44,9 @@ export class Model {
     this.follow(this.home);
   }
 
-  mode(number, { R, T }, isProved) {
+  mode(number, { R, T }, isProved, values = this.values) {
     const q = quaternion(R);
-    return { number, R, T, q: q[0] < 0 ? q.map((x) => -x) : q, condition: this.kernel.condition(R, T), isProved };
+    return { number, R, T, q: q[0] < 0 ? q.map((x) => -x) : q, condition: this.kernel.condition(R, T, values), isProved };
   }
 
   count({ complete, isPossible, expected, proved, poses }) {
@@ -95,10 +95,10 @@ export class Model {
       };
     }
     const happened = this.lose(step.lost, to);
+    this.values = to;
     this.modes = step.carried.map(({ mode, pose, isProved }) => this.mode(mode.number, pose, isProved));
     this.modes.push(...this.welcome(step.born));
     this.modes.sort((a, b) => a.number - b.number);
-    this.values = to;
     this.count(found);
     happened.followed = this.followed;
     if (!this.current) this.followed = null;
@@ -159,7 +159,7 @@ export class Model {
     this.ahead = { values: to, mode: null };
     if (!from.mode) return;
     const { status, R, T } = pose ? { status: 0, ...pose } : this.kernel.follow(from.mode.R, from.mode.T, from.values, to);
-    if (status === 0) this.ahead.mode = this.mode(from.mode.number, { R, T }, true);
+    if (status === 0) this.ahead.mode = this.mode(from.mode.number, { R, T }, true, to);
   }
 
   /** All modes at the values to which the followed one, `mode`, went ahead (null if it did not). */

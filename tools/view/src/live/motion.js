@@ -31,8 +31,12 @@ export class Motion {
     const coordinate = (name, k) => ({
       name, title: "", kind: "", unit: k < 3 ? scene.units.length : "°", id: `pose-${name}`,
     });
+    const motor = (name, k) => ({
+      name, title: live.titles[k], kind: live.kinds[k], unit: live.units[k], id: `value-${k + 1}`,
+    });
+    const rows = live.names ? live.names.map(motor) : scene.constraints.map(value);
     this.sliders = {
-      values: new Sliders(byId("values"), scene.constraints.map(value), (values) => this.goTo(values)),
+      values: new Sliders(byId("values"), rows, (values) => this.goTo(values)),
       pose: new Sliders(byId("coordinates"), POSE.map(coordinate), (numbers) => this.want({ numbers })),
     };
     this.sliders.values.use(live.ranges, live.limits);
@@ -116,7 +120,13 @@ export class Motion {
     if (model.ahead?.isOpening) this.stop();
     this.wanted = null;
     const pose = wanted.numbers && { T: wanted.numbers.slice(0, 3), R: fromAngles(wanted.numbers.slice(3)) };
-    const values = pose ? Array.from(model.kernel.measure(pose.R, pose.T)) : wanted.values;
+    const near = model.ahead?.values ?? model.values;
+    const values = pose ? model.kernel.measure(pose.R, pose.T, near) : wanted.values;
+    if (values === null) {
+      this.rebase();
+      this.onShow({ unreached: true });
+      return;
+    }
     this.pose = pose ? wanted.numbers : null;
     if (this.isSlow || model.ahead) {
       this.goAhead(values, pose);

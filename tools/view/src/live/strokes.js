@@ -18,8 +18,8 @@ const PARALLEL = 1e-9;
 /** Feet outside by less than this fraction of the drawn part are inside. */
 const INSIDE = 1e-6;
 
-/** Strokes `[{style, points}]` of a constraint, and where its number is written. */
-export function strokesAt({ kind, platform, base, drive }, { R, T }, size) {
+/** Strokes `[{style, points}]` of a constraint, and where its number is written; q is where its motor is. */
+export function strokesAt({ kind, platform, base, drive, q = 0 }, { R, T }, size) {
   const place = (p) => add(turned(R, p), T);
   const at = { platform: place(middle(platform.outline)), base: middle(base.outline) };
   const directions = { w: platform.direction && turned(R, platform.direction), v: base.direction };
@@ -29,8 +29,7 @@ export function strokesAt({ kind, platform, base, drive }, { R, T }, size) {
   strokes.push(...rightAngles(kind, ends, directions, size));
   if (base.primitive !== "P") strokes.push(guide(base, ends.base, (p) => p));
   if (platform.primitive !== "P") strokes.push(guide(platform, turnedBack(R, sub(ends.platform, T)), place));
-  // Cranks and slides stand still on this page.
-  if (drive) strokes.push(armAt(drive, 0, { R, T }, size));
+  if (drive) strokes.push(armAt(drive, q, { R, T }, size));
   return { strokes, label: times(0.5, add(ends.platform, ends.base)) };
 }
 

@@ -36,8 +36,9 @@ export function noModeText({ complete, isPossible, real }, ahead) {
 }
 
 /** What happened in a move, in which `followed` was followed; empty if nothing did. */
-export function eventText({ met = [], gone = [], passed = null, followed = null }) {
+export function eventText({ met = [], gone = [], passed = null, followed = null, unreached = false }) {
   const said = [];
+  if (unreached) said.push("the motors cannot bring the rods to that pose");
   if (passed) said.push(`through a singular pose: from mode ${passed[0]} into mode ${passed[1]}`);
   if (met.length) {
     const pairs = met.map(({ modes }) => modes.map(({ number }) => number));
