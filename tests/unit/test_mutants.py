@@ -44,3 +44,14 @@ def test_one_is_killed_and_what_changes_nothing_is_not(tool: ModuleType, tmp_pat
     copy = tool.Copy(tmp_path)
     assert tool.tried(copy, one) == "killed"
     assert tool.tried(copy, replace(one, new=f"{one.old}  # as before")) == "survives"
+
+
+def test_what_is_not_tried_again_stays_as_it_is_recorded(tool: ModuleType) -> None:
+    listed = tool.mutants()
+    first, changed, *_ = listed
+    others = [first, replace(changed, proves="Another reason."), replace(first, name="new")]
+    assert tool._recorded(others) == {
+        first.name: "killed",
+        changed.name: "not tried",
+        "new": "not tried",
+    }

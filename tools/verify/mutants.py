@@ -5,9 +5,10 @@
 ``tools/verify/weakened/*.toml`` lists the mutants: a file, a text that occurs once in it, what
 replaces it, what the inequality proves, and the tests that fail then. All files of the project
 are copied; each mutant is written there alone, a mutant in C++ is compiled, and its tests are run.
-It is killed if they fail. Without NAME all mutants are tried, and the record is
-``data/verification/mutants.csv``. Only the object files that depend on the changed file are
-compiled again, and of the instruction sets only the one that this processor uses.
+It is killed if they fail. The record is ``data/verification/mutants.csv``. Without NAME all mutants
+are tried; with names their rows are renewed, and the others stay as they are recorded. Only the
+object files that depend on the changed file are compiled again, and of the instruction sets only
+the one that this processor uses.
 
 What is found is kept in ``build/mutants``, by the contents of the changed file and of the tests: an
 interrupted run is taken up where it stopped. With ``--known`` the record is made of what is kept.
@@ -368,8 +369,8 @@ def main() -> int:
     left = [f"{name}: {end}" for name, end in ends.items() if end != "killed"]
     if options.check and not options.names:
         left += _unlike_the_record(listed)
-    elif len(chosen) == len(listed):
-        save(_record(listed, ends), check=False, confirmed="")
+    elif options.sample is None:
+        save(_record(listed, {**_recorded(listed), **ends}), check=False, confirmed="")
     return report(left, f"{len(chosen)} mutants killed")
 
 
@@ -393,13 +394,23 @@ def _record(listed: Sequence[Mutant], ends: Mapping[str, str]) -> dict[Path, str
     return {RECORD: text, MANIFEST: json.dumps(manifest, indent=1) + "\n"}
 
 
+def _recorded(listed: Sequence[Mutant]) -> dict[str, str]:
+    """Return what the record says became of mutants, where it has them as the list does."""
+    known = {str(row["mutant"]): row for row in _rows(listed)}
+    with RECORD.open(encoding="utf-8", newline="") as file:
+        recorded = {row["mutant"]: (row.pop("result"), row) for row in csv.DictReader(file)}
+    return {
+        name: recorded[name][0] if known[name] == recorded.get(name, ("", {}))[1] else _NOT_TRIED
+        for name in known
+    }
+
+
 def _unlike_the_record(listed: Sequence[Mutant]) -> list[str]:
     """Return what the record has not as the list has it."""
     with RECORD.open(encoding="utf-8", newline="") as file:
-        recorded = [
-            {key: row[key] for key in row if key != "result"} for row in csv.DictReader(file)
-        ]
-    return [] if recorded == _rows(listed) else [f"{RECORD.name}: differs from the list"]
+        names = [row["mutant"] for row in csv.DictReader(file)]
+    same = names == [one.name for one in listed] and _NOT_TRIED not in _recorded(listed).values()
+    return [] if same else [f"{RECORD.name}: differs from the list"]
 
 
 if __name__ == "__main__":
