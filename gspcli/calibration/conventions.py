@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from itertools import permutations, product
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,9 +18,8 @@ Array = NDArray[np.float64]
 #: Orders of the axes, about the axes of the platform; usual ones first. Those about the axes of the
 #: base are the same, written backwards.
 ORDERS = ("ZYX", "XYZ", "ZXY", "YXZ", "XZY", "YZX")
-#: About which axes the three columns turn. As named, then the reverse, as in A B C of KUKA, come
-#: first.
-_AXES = ((0, 1, 2), (2, 1, 0), *(p for p in permutations(range(3)) if p[1] != 1))
+#: About which axes the three columns turn: as named, in reverse (A B C of KUKA), the others.
+_AXES = ((0, 1, 2), (2, 1, 0), (0, 2, 1), (1, 0, 2), (1, 2, 0), (2, 0, 1))
 _SENSES = tuple((x, y, z) for x, y, z in product((1, -1), repeat=3))
 #: How long a unit of positions is in units of lengths of legs, and what these units may be.
 FACTORS = {
