@@ -51,6 +51,8 @@ def _first_page(app, name, source):
     del app
     if name == "index":
         text = _README.read_text(encoding="utf-8").replace("](docs/", "](")
+        # Badges are pictures of services: the site works offline.
+        text = re.sub(r"^\[!\[.*\n", "", text, flags=re.MULTILINE)
         text = re.sub(r"(?<!!)\[([^]]+)\]\([A-Z][^)]*\)", r"\1", text)
         source[0] = text + "\n" + source[0]
 
