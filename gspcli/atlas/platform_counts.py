@@ -176,7 +176,7 @@ def count_type(
     seed: int,
     progress: Callable[[Sequence[str]], Iterable[str]] = iter,
 ) -> TypeCounts:
-    """Count random platforms of a type; `progress` is told of each class. As `count`."""
+    """Count random platforms of a type; `progress` is called for each class. As `count`."""
     possible = possible_geometries(gsp_type)
     for name in names:
         if name not in possible:

@@ -212,13 +212,13 @@ def _with_signs(
 
 
 def _scatter(found: Fit, huber: float | None) -> float:
-    """Return the standard deviation of what is left; of a robust fit without what is far out."""
+    """Return the standard deviation of the residuals; of a robust fit without outliers."""
     if found.freedom <= 0:
         return 1e-9
     left = np.abs(found.residual[np.isfinite(found.residual)])
     if huber is not None:
         left = left[left <= _FAR_OUT * np.median(left)]
-    # Rounding alone is left of exact data.
+    # Exact data leave nothing but rounding errors.
     return max(float(np.sqrt(np.sum(left**2) / found.freedom)), 1e-9)
 
 

@@ -30,9 +30,9 @@ class Identification:
     stated_unit
         Whether the heading names the unit of legs; otherwise it is guessed.
     scatter
-        Root mean square of what is left of the lengths at exact poses, in the unit of legs.
+        Root mean square of the residuals of the lengths at exact poses, in the unit of legs.
     others
-        The next best conventions, each in words with what is left, best first.
+        The next best conventions, each in words with its residual, best first.
     ambiguous
         Those of them that fit as well, in words.
     offsets

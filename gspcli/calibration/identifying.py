@@ -47,8 +47,8 @@ _ROWS = 400
 _SPARE = 2
 #: Other joints differ by this part of a length.
 _DIFFERENT = 1e-3
-#: Joints may have been missed where linear equations, which bound what is left from below, fit so
-#: many times better; with few rows they do so by chance.
+#: Joints may have been missed where the linear equations fit so many times better: their residual
+#: is a lower bound. With few rows they fit so much better by chance.
 _GAP, _BY_CHANCE = 5.0, 10.0
 #: Positions that differ by less than this part of their size do not move.
 _STILL = 1e-6

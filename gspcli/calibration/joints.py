@@ -39,7 +39,7 @@ class Joints(NamedTuple):
 
     @property
     def squares(self) -> float:
-        """The sum of squares of what is left."""
+        """The sum of the squares of the residuals."""
         return float((self.residual**2).sum())
 
 
@@ -134,9 +134,9 @@ def all_fitted(
     offsets: bool,
     weights: Array | None = None,
 ) -> tuple[Array, Array]:
-    """Return where each start ends, (k, 6, 7), and what is left there, (k, 6, n).
+    """Return where each start ends, (k, 6, 7), and the residuals there, (k, 6, n).
 
-    With weights of lengths, shape (6, n), what is left is multiplied by them.
+    With weights of lengths, shape (6, n), the residuals are multiplied by them.
     """
     count = 7 if offsets else 6
     found = starts.copy()
@@ -186,7 +186,7 @@ def without_far(
 
 
 def residuals(R: Array, T: Array, lengths: Array, joints: Array) -> Array:
-    """Return what is left of lengths, shape (n, 6), with joints of shape (6, 7)."""
+    """Return the residuals of lengths, shape (n, 6), with joints of shape (6, 7)."""
     left: Array = _equations(R, T, lengths, joints[None])[0][0].T
     return left
 
@@ -194,7 +194,7 @@ def residuals(R: Array, T: Array, lengths: Array, joints: Array) -> Array:
 def _equations(
     R: Array, T: Array, lengths: Array, joints: Array, weights: Array | None = None
 ) -> tuple[Array, Array]:
-    """Return what is left of lengths, (k, 6, n), and its derivatives, (k, 6, n, 7)."""
+    """Return the residuals of lengths, (k, 6, n), and their derivatives, (k, 6, n, 7)."""
     along = np.einsum("nab,klb->klna", R, joints[..., :3]) + T - joints[..., None, 3:6]
     size = np.maximum(np.linalg.norm(along, axis=-1), 1e-300)
     unit = along / size[..., None]

@@ -32,7 +32,7 @@ _AS_WRITTEN = FileUnits("", 1.0, frozenset())
 
 @dataclass(frozen=True, eq=False)
 class Log:
-    """What a log has, as it is written; NaN where a cell is blank.
+    """The numbers of a log, as written; NaN where a cell is blank.
 
     Attributes
     ----------

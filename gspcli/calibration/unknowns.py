@@ -1,9 +1,9 @@
 """What data cannot tell, in words, and what to measure instead.
 
-Along some directions of the parameters nothing that was measured changes. Each is compared with the
-motions that a metrologist has names for: a plane along its normal with the offset of its distance,
-both ends of a leg together, a whole body with the measuring device. The rest has no name, and is
-described by its largest numbers.
+Along some directions of the parameters nothing that was measured changes. Each is compared with
+motions that have names: a plane along its normal with the offset of its distance, both ends of a
+leg together, a whole body with the measuring device. A direction without a name is described by its
+largest numbers.
 """
 
 from __future__ import annotations
@@ -28,15 +28,15 @@ from gspcli.wording import counted, listed
 Array = NDArray[np.float64]
 
 _AXES = "xyz"
-#: A motion with a name is one that cannot be told if it is one up to this: exact where derivatives
-#: vanish, near where noise hides it.
+#: A motion with a name is unknown if it agrees with an unknown direction up to this: the first
+#: where derivatives vanish, the second where noise hides it.
 _EXACT, _HIDDEN = 1e-5, 0.1
-#: So many numbers tell of a direction without a name, those above a part of the largest.
+#: So many numbers describe a direction without a name: those above a part of the largest.
 _SHOWN, _PART = 4, 0.2
 #: At most this many such directions are named.
 _MOST = 3
-#: Random poses that tell what a sort of measurements can: how many, turned (radians) and shifted
-#: (typical lengths) by how much.
+#: Random poses that show what a sort of measurements determines: how many, turned (radians) and
+#: shifted (typical lengths) by how much.
 _POSES, _TURN, _SHIFT = 60, 0.4, 0.3
 #: Poses that differ by less than these (radians; of a typical length) do not differ.
 _SAME_TURN, _SAME_PLACE = 0.01, 1e-3

@@ -269,10 +269,10 @@ def analyze(
     at
         Where the load acts, shape (3,); by default at the point.
     stiffness, tolerance
-        Of the constraints, and how far each value may be off: one number or six. The stiffness is a
-        force of the load's unit over a length of the instance's unit, for angles a moment over a
-        radian; by default that of the drives, if the instance states one, converted to newtons
-        over that unit.
+        The stiffness of the constraints, and how far each value may be off: one number or six. A
+        stiffness is a force of the load's unit over a length of the instance's unit; for angles it
+        is a moment over a radian. By default it is that of the drives, if the instance states one,
+        converted to newtons over that unit.
     geometry_tolerance
         How far each coordinate of each primitive may be off, or that and the turn of directions.
     point
@@ -281,8 +281,8 @@ def analyze(
     length
         What makes angles and lengths comparable; by default the typical length.
     drives
-        Of an instance with cranks or slides: where its m drives are at the poses, shape (n, m) or
-        (m,), as readings; by default where the poses ask them to be, on the knees of home.
+        The readings of the m drives of an instance with cranks or slides, shape (n, m) or (m,). By
+        default those that reach the poses on the knees of home.
 
     Raises
     ------

@@ -142,7 +142,7 @@ class DriveForces:
 
     @property
     def _torque_facts(self) -> dict[str, Any]:
-        """What JSON says of the torques of all rows."""
+        """The facts about the torques of all rows, for JSON."""
         worst = self.worst_torque
         if self.torques is None:
             return {}
@@ -257,9 +257,9 @@ def inverse_dynamics(
     Raises
     ------
     ArgumentError
-        If the instance has no masses, an array has a wrong shape or number, times do not increase,
-        a value has no derivative at a pose (a distance of 0, parallel lines, an angle at the end
-        of its range), or a drive does not reach a pose or is at a dead point there.
+        If the instance has no masses, an array has a wrong shape or number, or times do not
+        increase. If a value has no derivative at a pose: a distance of 0, parallel lines, an angle
+        at the end of its range. If a drive does not reach a pose, or is at a dead point there.
 
     Notes
     -----

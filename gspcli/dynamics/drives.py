@@ -114,7 +114,7 @@ class DrivesAtPoses:
         return np.where(self.points.drives.driven, own, signed)
 
     def inertial(self, twists: Array, accelerations: Array) -> Array:
-        """Return what the rotors of the drives need by themselves, N and N m, shape (n, 6)."""
+        """Return the forces that accelerate the rotors of the drives, N and N m, shape (n, 6)."""
         if not self.model.rotors.any():
             return np.zeros(self.rows.shape[:-1])
         rates = apply(self.pulls, accelerations) + self.bends(twists)

@@ -1,8 +1,8 @@
 """Forward dynamics: how a platform moves when its drives push with given forces.
 
-The equations are integrated in the space of poses: translation, quaternion, twist. Six numbers move
-six numbers, so there are no loops that could open, and the only drift is that of the energy, which
-is measured: each result says how far the work of the drives is from the change of the energy.
+The equations are integrated in the space of poses: translation, quaternion, twist. So there are no
+closed loops that errors could open. Only the energy drifts, and the drift is measured: each result
+states how far the work of the drives is from the change of the energy.
 """
 
 from __future__ import annotations

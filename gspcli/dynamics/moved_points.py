@@ -1,9 +1,10 @@
 r"""The points of rods that cranks and slides move, and how fast, at poses.
 
-With r from the base's point to the platform's, l = |r| the length of the rod and q the number of
-the drive, ``r . r' = 0`` along each motion; here r' is what the platform does to r with the drives
-still, plus ``(dr/dq) q'``. So q' = f . (velocity) / g, f = r / l, with the gain g = -f . dr/dq; the
-second derivative follows in the same way. Everything is in metres and radians.
+Let r be the vector from the base's point to the platform's, l = |r| the length of the rod, and q
+the number of the drive. The rod keeps its length: ``r . r' = 0``. The platform moves r with a
+velocity v while the drives are still, so r' = v + ``(dr/dq) q'``. Hence q' = f . v / g with f = r /
+l and the gain g = -f . dr/dq. The second derivative follows in the same way. Everything is in
+metres and radians.
 """
 
 from __future__ import annotations

@@ -16,9 +16,9 @@ c (u x e) . e' / (1 - c^2) with c = u . e. A wrench follows from forces on p and
 power: p' = omega x R y + v and e' = (1 - e e^T) p' / l.
 
 A crank or slide moves x, or R y: its number q follows from the pose, since the rod keeps its
-length (`gspcli.dynamics.moved_points`). Then e' = (1 - e e^T) (p' - x') / l, and forces on x, on
-the arm and on the carriage are a force by q as well: the torque of the drive is that, and the gain
-times the force along the rod. By the pose it counts with the derivative of q.
+length (`gspcli.dynamics.moved_points`). Then e' = (1 - e e^T) (p' - x') / l. Forces on x, on the
+arm and on the carriage act on q, too. The torque of the drive is their sum and the gain times the
+force along the rod. On the pose they act by the derivative of q.
 """
 
 from __future__ import annotations

@@ -205,7 +205,7 @@ def _modes(
     shapes: Array = np.swapaxes(turned if basis is None else basis @ turned, -1, -2)
     weighted = shapes * np.repeat([model.bodies.length, 1.0], 3)
     sizes = np.abs(weighted)
-    # The first of entries that differ by rounding errors; divided by itself it is exactly one.
+    # The first of entries that differ by rounding errors; its quotient is exactly one.
     first = first_largest(sizes)
     weighted = weighted / np.take_along_axis(weighted, first[..., None], axis=-1)
     shapes = weighted * np.repeat([1.0, model.bodies.length / model.metre], 3)

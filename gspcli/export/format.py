@@ -1,8 +1,8 @@
 """What a format of `gsp export` states about itself.
 
 Rational coefficients are exact everywhere. Irrational constants (square roots, cosines) are exact
-for SymPy; for programs that know only rational numbers they are decimal fractions of as many digits
-as are asked for, and for those that compute in doubles they are doubles.
+for SymPy. For programs that have only rational numbers they are decimal fractions with as many
+digits as are asked for. For programs that compute in doubles they are doubles.
 
 The scripts for Macaulay2, Singular and HomotopyContinuation.jl print a line ``# dimension ..,
 degree ..`` where they know it, and the solutions as CSV that `gsp certify` reads.
@@ -64,9 +64,9 @@ class ControllerFormat:
     Attributes
     ----------
     write
-        Their texts for an instance, what names begin with, how many parts of a line of values are
-        tried, the name of the files, a pose that the header is to have, if any, and by which part
-        of its range a value may leave it.
+        The function that writes their texts. It takes an instance, what names begin with, how many
+        parts of a line of values are tried, and the name of the files. It also takes a pose for the
+        header, or None, and by which part of its range a value may leave it.
     suffixes
         What the names of the two files end with.
     what

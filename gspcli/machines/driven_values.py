@@ -227,7 +227,7 @@ def _limits(
 def _moved(
     held: Held, outer: list[ChainPart], remarks: list[str], length: str
 ) -> ArmOfCrank | RailOfCarriage | None:
-    """Return what turns or slides the base's point; say of other drives what they move."""
+    """Return what turns or slides the base's point; refuse other drives with what they move."""
     if not outer:
         return None
     drive = outer[0]

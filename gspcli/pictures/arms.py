@@ -25,8 +25,8 @@ _RAIL = 0.2
 def with_drives(instance: Instance, poses: Poses) -> Poses:
     """Return poses with the numbers of the drives at each, where an instance has cranks or slides.
 
-    Poses that state coordinates, or that the rods do not reach, stay as they are: their points are
-    then where they are stated, and the rods change.
+    Poses that state coordinates, or that the rods do not reach, are not changed: their points stay
+    where they are stated, and the rods change their lengths.
     """
     if poses.coordinates or not len(poses.T) or not is_driven(instance):
         return poses

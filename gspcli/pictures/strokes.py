@@ -1,8 +1,8 @@
 """The strokes of each kind of constraint, at many poses at a time.
 
-A distance is its shortest connection, with marks of the right angles it makes; an angle is an arc
-between the two directions, moved together at a point of the base's primitive (for AHL the
-platform's plane, in which the angle lies). The conventions are those of the paper's Section 4: an
+A distance is drawn as its shortest connection, with marks of its right angles. An angle is drawn as
+an arc between the two directions, both moved to a point of the base's primitive; for AHL to the
+platform's plane, in which the angle lies. The conventions are those of the paper's Section 4: an
 AHH angle lies between one normal and the opposite of the other, an angle of a line and a plane is
 measured from the line's projection.
 """

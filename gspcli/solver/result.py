@@ -290,7 +290,7 @@ class SolveResult:
 
     def _repr_html_(self) -> str:
         """Return what a notebook shows: the poses to look at (`gspcli.notebook_view`)."""
-        # Pictures are above this room; the face of the package knows where they are.
+        # Pictures are in a room above this one: only the package itself imports them.
         from gspcli import notebook_view
 
         return notebook_view(self)

@@ -28,7 +28,7 @@ _KNOWN = 1e-13
 #: Bits for poses that 32 digits do not round correctly.
 _MANY_BITS = 128
 #: Ends of paths that agree to this part, as conjugates, are conjugates if all others are so many
-#: times as far apart: such an end is not located by itself.
+#: times as far apart: only one of the two ends is located.
 _ALIKE, _APART = 1e-3, 1e-3
 #: Points with smaller imaginary parts may be real.
 _NEARLY_REAL = 1e-6

@@ -60,13 +60,21 @@ EXCEPTIONS: tuple[tuple[str, str], ...] = ()
 
 #: Folders and files whose sentences are checked.
 CHECKED = (
+    "gspcli/atlas",
+    "gspcli/calibration",
     "gspcli/catalogue",
     "gspcli/certification",
     "gspcli/continuation",
+    "gspcli/dynamics",
+    "gspcli/export/formats",
     "gspcli/geometry",
+    "gspcli/machines",
+    "gspcli/motion",
     "gspcli/paper",
+    "gspcli/pictures",
     "gspcli/reality",
     "gspcli/sensing",
+    "gspcli/solver",
     "gspcli/spec",
     "gspcli/symbolic",
     "docs/architecture.md",
@@ -89,6 +97,7 @@ CHECKED = (
     "docs/verification.md",
     "docs/viewing.md",
     "tools/build/how_it_works.py",
+    "tools/equations",
     "tools/verify/prose.py",
 )
 

@@ -80,7 +80,7 @@ _RATE = re.compile(r"(.*?)\s*/\s*s(?:ec)?(\^?2|²)?")
 
 @dataclass(frozen=True)
 class FileUnits:
-    """The units in which numbers are wanted; a file that names others is converted.
+    """The units to which the numbers of a file are converted.
 
     Attributes
     ----------
@@ -149,7 +149,7 @@ class FileUnits:
         return (_NUMBER,), 0
 
     def _size(self, quantity: ColumnQuantity) -> float:
-        """Return the unit in which numbers of a kind are wanted, in metres, radians, …."""
+        """Return the unit to which numbers of a kind are converted, in metres, radians, …."""
         if quantity is _LENGTH:
             return _LENGTH.units[self.length.lower()]
         return self.in_radians if quantity is _ANGLE else 1.0

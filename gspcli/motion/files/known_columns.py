@@ -40,10 +40,10 @@ def left_out(cells: Sequence[str], ignore: Collection[str], name: str) -> frozen
     Parameters
     ----------
     cells
-        The heading, as it is written.
+        The heading, as written.
     ignore
-        Names as they are written in the heading or as they are called here; with ``*``, which
-        stands for any text, they are about columns that are not known, and are passed over.
+        Names of columns that are left out, as written in the heading or as `gsp` calls them. A name
+        with ``*``, which stands for any text, leaves out unknown columns only.
     name
         How messages name the file.
 
@@ -78,7 +78,7 @@ def unknown(
     expected: str,
     ignore: Collection[str],
 ) -> str:
-    """Return what to say of a column that is not known; nothing if it may be left out.
+    """Return the message about an unknown column; empty if the column may be left out.
 
     That is so if a name with ``*`` in `ignore` is like it, if it has neither a name nor cells, or
     if it has no name, is the first one and counts the rows.
@@ -92,9 +92,9 @@ def unknown(
     cells
         What is in it.
     known, expected
-        Which names are known, and what to say of them where none is spelt like this one.
+        The known names, and the text that lists them if none is spelt like this one.
     ignore
-        What is left out.
+        Names of columns that are left out.
     """
     if any(_is_like(written, one) for one in ignore if _ANY in one):
         return ""

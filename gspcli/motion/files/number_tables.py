@@ -188,14 +188,14 @@ class NumberTable:
         self.mistakes.append(Mistake(Location(self.name, number, column), "", message))
 
     def refuse_others(self, known: Collection[str], expected: str) -> None:
-        """Note each column that is not known: it would be left out without a word.
+        """Note each unknown column as a mistake: otherwise it would be ignored silently.
 
         Parameters
         ----------
         known
             Names as in `heading`, besides those of what `gsp` writes beside poses and values.
         expected
-            What messages say of these where none is spelt like the one that was found.
+            The text that lists these names in a message if none is spelt like the one found.
         """
         if self._lacks:
             # That message has the whole heading.

@@ -116,7 +116,7 @@ class BranchSteps:
         Whether it is no use to go on in balls from a Study point: where a platform goes to
         infinity, steps get shorter for ever.
     kept
-        Where the proved parts go, if they are wanted.
+        The list to which the proved parts are added, or None.
     """
 
     system: MovingSystem

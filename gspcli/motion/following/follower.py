@@ -47,9 +47,9 @@ class FollowerReport:
     fraction
         How much of the line of values was proved; 1 if all.
     sigma
-        Where the last part began: not above the least singular value of the Jacobian matrix of the
-        values by twists about the platform's middle, lengths divided by its size (``reach`` and
-        ``middle`` of `platform_numbers`); seldom less than a third of it.
+        A lower bound, where the last part began, of the least singular value of the Jacobian matrix
+        of the values. Twists are about the platform's middle, lengths are divided by its size
+        (``reach`` and ``middle`` of `platform_numbers`). It is seldom less than a third of it.
     alone
         No other pose with these values is nearer than this: a length, or radians times the size.
     steps, tries

@@ -5,9 +5,10 @@ the way between them belongs to the row at its end. The poses on it are near to 
 values by the theorem of `gspcli.motion.singularities.enclosures`, else since position and angles
 are known. Where a bound does not suffice the way is halved, by a pose in its middle.
 
-Clearances need less. If a pose has the clearance r, and the values on the way from it change by at
-most s, by their weights, then a pose there has at least the clearance ``r - s``: its box lies in
-the box of the first. From both ends together this gives ``(r1 + r2 - s) / 2`` on a way of length s.
+Clearances need less. Let a pose have the clearance r, and let the values on the way from it change
+by at most s, by their weights. Then a pose on the way has at least the clearance ``r - s``: its box
+lies in the box of the first. From both ends together this gives ``(r1 + r2 - s) / 2`` on a way of
+length s.
 """
 
 from __future__ import annotations
@@ -215,14 +216,14 @@ def least_clearances(
 ) -> tuple[Array, Array]:
     """Return proved clearances at rows, (r,), and on the ways between them, (r - 1,).
 
-    Where they are below what is wanted ways are halved, as long as that may help.
+    Ways are halved where the bounds are below the least that is asked for, if that may help.
 
     Parameters
     ----------
     rows
         The rows.
     wanted
-        What is wanted.
+        The least clearance that is asked for.
     halvings
         How often ways are halved at most.
     """
@@ -252,7 +253,7 @@ def least_clearances(
 def largest_conditions(rows: PathRows, wanted: float) -> tuple[Array, Array]:
     """Return condition numbers at rows, (r,), and bounds on the ways between them, (r - 1,).
 
-    Where the bounds are above what is wanted ways are halved, as long as that may help.
+    Ways are halved where the bounds are above the largest that is allowed, if that may help.
     """
     owner = np.arange(len(rows.values) - 1)
     first = rows.conditions()

@@ -1,15 +1,18 @@
 """Signs that no regular path can change: those of det J and of its factors.
 
 The determinant of the Jacobian matrix J is not zero on a regular path, so it keeps its sign. It is
-a product where some of the constraints see only a part of the motion: k screws that lie in a space
-of dimension k at every pose, with a basis that is continuous and never degenerate. Their
-determinant in that basis is not zero either, so it keeps its sign, too. Two factors can vanish
-together where det J does not change its sign: comparing signs of det J alone would miss that.
+a product if the screws of k constraints lie in a space of dimension k at every pose, with a basis
+that is continuous and never degenerate. Their determinant in that basis is not zero either, so it
+keeps its sign, too. Two factors can vanish together where det J does not change its sign: comparing
+signs of det J alone would miss that.
 
-The spaces are: of angles the moments; of distances to planes (DPH) with one normal n, and angles to
-n, the force n and the moments at right angles to it, and the same with the bodies exchanged (DHP);
-of distances (DPP, DPL, DPH) of one point of the platform the forces through it, and the same for
-one point of the base (DPP, DLP, DHP).
+The spaces are:
+
+- of angles: the moments;
+- of distances to planes (DPH) with one normal n, and angles to n: the force n and the moments at
+  right angles to it; the same with the bodies exchanged (DHP);
+- of distances (DPP, DPL, DPH) of one point of the platform: the forces through it; the same for one
+  point of the base (DPP, DLP, DHP).
 """
 
 from __future__ import annotations

@@ -1,9 +1,10 @@
 """When a platform is where on a path of straight parts: moves with constant accelerations.
 
 On each part the speed rises, stays, and falls again; at a corner the platform stops, or it leaves
-the parts for a parabola that touches both. With the full velocities d and e of the parts, rates
-``s d`` before and ``s e`` after it, and the duration s b, the acceleration on the parabola is
-``(e - d) / b``; from the corner its nearest place is ``s^2 b (e - d) / 8`` away.
+the parts for a parabola that touches both. Let d and e be the full velocities of the parts. The
+rates are ``s d`` before the parabola and ``s e`` after it, and it takes the time s b. Then the
+acceleration on it is ``(e - d) / b``, and its nearest place to the corner is ``s^2 b (e - d) / 8``
+away.
 The rates at corners are the largest from which the next ones can be reached, as controllers of
 machine tools look ahead.
 """

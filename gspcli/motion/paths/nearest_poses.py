@@ -1,4 +1,4 @@
-"""The nearest pose within the limits: where to go if a wanted pose is out of reach.
+"""The nearest pose within the limits: where to go if the given pose is out of reach.
 
 The distance of two poses is ``sqrt(|p - p'|^2 + (L theta)^2)``: p is the position of a point of
 the platform, theta the angle between the rotations, L the typical length of the platform. Ranges
@@ -54,7 +54,7 @@ _LONGEST = 0.5
 _DIFFERENCE = 1e-6
 #: The least curvature of the quadratic problem relative to that of the distance.
 _CURVATURE = 0.2
-#: Where no straight way is proved, the goal moves to the wanted pose in so many steps.
+#: Where no straight way is proved, the goal moves to the given pose in so many steps.
 _GOALS = 8
 #: How often a step is halved.
 _HALVINGS = 12
@@ -75,10 +75,10 @@ class NearestPose:
     values
         The readings there, shape (6,), in the units of the instance.
     shift, turn
-        The distance of the platform's point from the wanted place, and the angle between the
+        The distance of the platform's point from the given place, and the angle between the
         rotations in the unit of the instance.
     limits
-        The limits that the pose meets, in words; none if it is the wanted pose.
+        The limits that the pose meets, in words; none if it is the given pose.
     way
         The straight way to it that is proved: ``values`` or ``poses``. Empty if none is: then the
         platform stays where it is, and `R` and `T` are that pose.
@@ -181,7 +181,7 @@ class NearestPoses:
         Parameters
         ----------
         R, T
-            The wanted pose, shapes (3, 3) and (3,).
+            The given pose, shapes (3, 3) and (3,).
         """
         goal = checked_poses(R, T)
         if goal[1].shape != (3,):
@@ -197,12 +197,12 @@ class NearestPoses:
         return self._answer((self.R, self.T), goal, "")
 
     def along(self, R: ArrayLike, T: ArrayLike) -> Iterator[NearestPose]:
-        """Yield the nearest pose to each of n wanted poses, each sought from the one before.
+        """Yield the nearest pose to each of n given poses, each sought from the one before.
 
         Parameters
         ----------
         R, T
-            The wanted poses, shapes (n, 3, 3) and (n, 3).
+            The given poses, shapes (n, 3, 3) and (n, 3).
         """
         here = self
         for goal in zip(*checked_poses(R, T), strict=True):
@@ -218,7 +218,7 @@ class NearestPoses:
         return moved
 
     def _candidates(self, R: Array, T: Array) -> list[tuple[float, tuple[Array, Array]]]:
-        """Return the ends of searches with their distances from the wanted pose."""
+        """Return the ends of searches with their distances from the given pose."""
         slack = self._slack
         if slack.at(R, T)[0].min(initial=np.inf) >= 0:
             return [(0.0, (R, T))]
@@ -235,7 +235,7 @@ class NearestPoses:
         return found
 
     def _by_small_steps(self, R: Array, T: Array) -> tuple[Array, Array]:
-        """Return the pose that follows a goal on the straight way to the wanted pose."""
+        """Return the pose that follows a goal on the straight way to the given pose."""
         turn, pose = vector_from_rotation(R @ self.R.T), (self.R, self.T)
         for k in range(1, _GOALS + 1):
             part = k / _GOALS

@@ -1,9 +1,13 @@
 """From one pose to another: a proved path, a proof that there is none, or neither.
 
-In the order of what it costs: the limits at the ends, the signs that a regular path cannot change
-(`classes`), the straight way of values, the straight way in position and angles, the proof that the
-mode fills its ranges (`sheets`), a map (`value_map`, `pose_map`), a smoother path, and one last
-proof of the rows that are returned.
+What costs least is tried first:
+
+- the limits at the ends, and the signs that a regular path cannot change (`classes`);
+- the straight way of values, and the straight way in position and angles;
+- the proof that the mode fills its ranges (`sheets`);
+- a map (`value_map`, `pose_map`), and a smoother path.
+
+Last the rows that are returned are proved.
 """
 
 from __future__ import annotations

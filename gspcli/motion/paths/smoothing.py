@@ -3,8 +3,8 @@
 The cost of a path is the integral of its condition number by its length, in lengths of the
 platform. The length is that of the way of the platform's points, as a root mean square. A change is
 kept if the new path is proved and costs less. The number of tries is fixed, so that the result does
-not depend on how quick the machine is; a change must be worth a thousandth, so that it does not
-depend on last digits either.
+not depend on the speed of the computer. A change must save a thousandth of the cost, so that the
+result does not depend on last digits either.
 """
 
 from __future__ import annotations

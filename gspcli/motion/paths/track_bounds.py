@@ -22,7 +22,7 @@ BOUNDED = {"condition": largest_conditions, "clearance": least_clearances}
 
 @dataclass(frozen=True)
 class Between:
-    """A way between two rows on which a bound is worse than what is wanted.
+    """A way between two rows on which a requirement is not proved.
 
     Attributes
     ----------
@@ -47,7 +47,7 @@ def can_be_bounded(track: Track) -> bool:
 def worst_between(
     track: Track, quantity: str, wanted: float, ways: PoseWays | None = None
 ) -> Between | None:
-    """Return the way between two rows on which a quantity is worst; None if all are as wanted.
+    """Return the way between two rows on which a quantity is worst; None if all are proved.
 
     Parameters
     ----------

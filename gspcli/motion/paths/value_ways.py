@@ -32,7 +32,7 @@ from gspcli.motion.poses.inverse_kinematics import values_at
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
-#: A mode that needs more halvings of a way is as good as singular.
+#: A mode that needs more halvings of a way is not followed further: it is nearly singular.
 _HALVINGS = 14
 
 

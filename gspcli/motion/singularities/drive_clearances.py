@@ -1,8 +1,9 @@
 """Clearance of machines with cranks and slides: how far their drives may move.
 
 A clearance of r means that all drives together may move by up to r times their weights, in any
-combination. Two numbers are proved: up to the first the pose has exactly one continuation, which is
-regular; up to the second, at most the first, no drive comes to a dead point: all keep their knees.
+combination. Two numbers are proved. Up to the first the pose has exactly one continuation, which is
+regular. Up to the second, which is at most the first, no drive comes to a dead point: all keep
+their knees.
 Beyond, the nearest fold and the nearest dead point that were found bound them: numbers, not proofs.
 """
 

@@ -7,9 +7,9 @@ moves, and its value does not: when its drive has moved by t,
 
 with constant matrices, so that |t| <= d changes a value of the quadric by at most
 ``|F'| d + |F''| d^2 / 2``, and its derivatives in the same way. The equation depends on its own
-drive only. The gain of the drive is proportional to ``z . H'(t) z``; if that keeps its sign for all
-numbers in the box and all z about the pose, within the bound of where the solutions are, the drive
-keeps its knee.
+drive only. The gain of the drive is proportional to ``z . H'(t) z``. The drive keeps its knee if
+that keeps its sign for all numbers in the box and all z near the pose, within the bound of where
+the solutions are.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Which twists constraints leave at a pose, to first order, and which constraints are redundant.
 
-Any number of constraints: fewer than six, six, or more. A twist is told as a screw: the turn about
-an axis with its pitch, or a translation. Ranks are numerical.
+Any number of constraints: fewer than six, six, or more. A twist is described as a screw: the turn
+about an axis with its pitch, or a translation. Ranks are numerical.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ _DIGITS = 6
 
 @dataclass(frozen=True, eq=False)
 class Screw:
-    """A twist that is left.
+    """A twist that the constraints allow.
 
     Attributes
     ----------
@@ -90,7 +90,7 @@ class AbsentConstraint:
 
     @property
     def name(self) -> str:
-        """Return the constraint as it is written in a file."""
+        """Return the constraint as a line of a file."""
         return f"{'distance' if self.kind.is_distance else 'angle'}: [{self.platform}, {self.base}]"
 
 
@@ -107,7 +107,7 @@ class Freedoms:
     rank
         How many freedoms the constraints take.
     screws
-        The twists that are left: a basis, 6 - rank of them.
+        A basis of the twists that the constraints allow, 6 - rank of them.
     redundant
         For each constraint that takes no freedom of its own (from 1): those before it that it
         depends on.
@@ -131,7 +131,7 @@ class Freedoms:
 
     @property
     def sentences(self) -> list[str]:
-        """What is left, in sentences."""
+        """The remaining freedoms, in sentences."""
         count = len(self.instance.constraints)
         left = 6 - self.rank
         said = counted(count, "constraint") + (" takes" if count == 1 else " take")
@@ -333,7 +333,7 @@ def _screws(space: Array, T: Array, length: float) -> list[Screw]:
     moves = _plain(U[:, count:].T @ basis)
     turning = U[:, :count].T @ basis
     if len(moves):
-        # The velocity along translations that are left says nothing.
+        # A velocity along a translation that is allowed does not describe the turn.
         free = np.linalg.qr(moves[:, 3:].T)[0]
         turning[:, 3:] -= turning[:, 3:] @ free @ free.T
     found = [_screw(one / scale, T, length) for one in _principal(turning)]

@@ -164,9 +164,9 @@ class PoseBoxes:
     def bounds(self) -> Array:
         """Return a box that contains all poses that keep the limits, shape (6, 2).
 
-        Positions are bounded by legs (DPP) with a range or a motor that moves an end of them,
-        infinite if there are none; angles by a whole turn, the middle one of the three by half of
-        one.
+        Positions are bounded by legs (DPP) with a range or with a motor that moves one end; without
+        such legs they are infinite. Angles are bounded by a whole turn, the middle one of the three
+        by half a turn.
         """
         half = np.full(6, np.inf)
         middle = np.zeros(6)

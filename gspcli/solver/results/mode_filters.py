@@ -1,7 +1,7 @@
 """Which real poses a machine can mean: those in a half space, within its limits, above its base.
 
 The other real poses are poses, too: they are counted, and what is said of completeness is about
-all. Their numbers stay as they are.
+all. Filters do not change the numbers of modes.
 """
 
 from __future__ import annotations

@@ -26,8 +26,8 @@ from gspcli.solver.special.poses_in_parts import complete_parts
 from gspcli.solver.special.real_statements import isolated_real_poses
 from gspcli.solver.special.repeated_constraints import poses_of_repeated
 
-#: A count takes longer than to follow this part of the paths with 32 digits, for each path that
-#: there is; and the part of which more are not followed: then the platform is a special one.
+#: For each path, a count takes longer than to track this part of the paths with 32 digits. More
+#: than the second part of the paths are not tracked again: then the platform is special.
 _LONG, _MOST = 1 / 2500, 1 / 5
 #: A count with a larger probability of error is replaced by the count of the geometry, if smaller.
 _DOUBTFUL = 1e-9

@@ -237,7 +237,7 @@ class SolvedGeometry:
         return self._ends(ends, self.length)
 
     def careful_ends(self, rows: Array, jobs: int = 1) -> Ends:
-        """Return the same, by paths of the equations as they are."""
+        """Return the same, by paths of the equations in all unknowns."""
         return self._whole_ends(rows, CAREFUL, jobs)
 
     def _ends(self, points: ComplexArray, unit: float) -> Ends:

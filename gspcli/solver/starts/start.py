@@ -1,7 +1,7 @@
 """Systems of one geometry with complex values, solved: from there the values alone are moved.
 
-Where the geometry is special there are fewer solutions than its type has: the others are at
-infinity whatever the values. Which of the two is true the geometry's exact count says.
+A special geometry has fewer solutions than its type: for all values the others are at infinity. The
+exact count of the geometry decides whether it is special.
 
 A start is about the mean of all sets of values, far enough from real ones that nothing about it is
 special. Where there are many sets, it gets members with the values of some of them and smaller

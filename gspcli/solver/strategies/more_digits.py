@@ -26,8 +26,8 @@ def with_32_digits(side: SidePoses) -> Iterator[None]:
     reached = side.reached if len(side.reached) == count else np.zeros(count, np.bool_)
     side.unresolved = np.flatnonzero(~reached)
     if is_eliminable(side) and _has_many_decimals(side):
-        # It is special up to less than these digits tell, if it is special: paths take a quarter of
-        # the time of a first solution then, and lead nowhere.
+        # If the platform is special, it is so up to less than 32 digits show. Then paths would take
+        # a quarter of the time of a first solution and find no pose.
         return
     side.unresolved = yield from _followed(side, side.unresolved, 0)
 

@@ -1,8 +1,8 @@
 """Sets of values of one geometry in groups, each of which has one start.
 
 Sets in which other distances are zero may have another equation. Sets that are much larger than the
-others are in another unit of length, and have a start of their own: with theirs, the paths to all
-others would be long, and doubles would not tell their ends apart.
+others have another unit of length and a start of their own. With a common start the paths to the
+other sets would be long, and doubles would not separate their ends.
 """
 
 from __future__ import annotations

@@ -34,6 +34,6 @@ def by_short_steps(problem: Problem) -> Iterator[Ends]:
 
 
 def by_careful_steps(problem: Problem) -> Iterator[Ends]:
-    """Yield the ends of paths of the equations as they are, from the geometry's own start."""
+    """Yield the ends of paths of the equations in all unknowns, from the geometry's own start."""
     if problem.start is not None:
         yield problem.start.careful_ends(problem.values, problem.jobs)
