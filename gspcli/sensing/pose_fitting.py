@@ -200,7 +200,8 @@ def _polished(numbers: PoseNumbers, R: Array, T: Array, size: Array) -> tuple[Ar
     """Return minima to the last digits, by Newton's method, and their sums of squares.
 
     Descents end where the sum of squares does not fall: there half of the digits of a pose are
-    right. A pose that is not a minimum of its own (not isolated, or a saddle) is returned unchanged.
+    right. A pose that is not a minimum of its own (not isolated, or a saddle) is returned
+    unchanged.
     """
 
     def gradient(R: Array, T: Array) -> Array:

@@ -218,8 +218,9 @@ class ComparedShapes:
         No point of a hull moves farther than its corners do, and a gap changes at most by the sum
         of what its two hulls do. Seen from the base the joints of the base stay; seen from the
         platform those of the platform do. The smaller sum is taken. The part of a leg beyond a
-        joint moves no farther than the end that moves: with the other end fixed, the map to the
-        nearest point of a ball, and what it takes away, move points together or keep distances.
+        joint moves no farther than the end that moves. For the other end is fixed, and
+        the map to the nearest point of a ball moves no two points apart; nor does the difference of
+        a point and its image.
         """
         a = self._arrangement
         own = np.linalg.norm(a.y - centre, axis=1)
