@@ -1,13 +1,15 @@
 """The parameters of the primitives and drives of a platform, a block for each.
 
-A point has three parameters; a line two shifts across and two tilts, a plane one and two, an axis
-of a crank as a line, a rail the two tilts of its direction; what only angles use is a direction and
-has its tilts. A crank and a rail have the offset and the scale of their readings besides. The
-offset moves the points along the circle or the rail, as their own shifts do: it is estimated on
-request, and the point that has the drive keeps its place along it then. A primitive that several
-constraints share is one block, and so is a drive that moves several points. Tilts turn about the
-point of the block, which is chosen near what is measured: about a far point they would be small
-differences of large shifts.
+A point has three parameters. A line has two shifts across it and two tilts, and so has the axis of
+a crank. A plane has one shift along its normal and two tilts, a rail the two tilts of its
+direction. A primitive that only angles use has its tilts alone. A crank and a rail have the offset
+and the scale of their readings besides.
+
+The offset moves the points along the circle or the rail, as their own shifts do. So it is estimated
+on request only, and then the point that has the drive keeps its place along it. A primitive that
+several constraints share is one block, and so is a drive that moves several points. Tilts turn
+about the point of the block, which is chosen near what is measured: about a far point they would be
+small differences of large shifts.
 """
 
 from __future__ import annotations

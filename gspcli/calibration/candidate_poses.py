@@ -1,11 +1,13 @@
 """Poses that a machine can take, from which those to measure are chosen.
 
-They are spread over the box of poses that the travel from home spans, and kept if all ranges and
-cones are kept and no singular pose is between (the sign of the determinant is that of home). Where
-cranks and slides drive the machine, a leg with one keeps its length, and the drive moves to where
-the leg reaches: the box is as wide as the cranks are long and the rails go, and poses out of their
-reach are left out. A machine whose legs share drives reaches almost none of these: its drives are
-moved at random, and the platform follows them from home.
+They are spread over the box of poses that the travel from home spans. A pose is kept if all values
+are in their ranges, all legs are in their cones, and the determinant has the sign that it has at
+home, so that no singular pose lies between.
+
+A leg that a crank or a slide moves keeps its length, and the drive moves to where the leg reaches.
+Then the box is as wide as the cranks are long and the rails go, and poses that the legs do not
+reach are left out. A machine whose legs share drives reaches almost none of these poses: its drives
+are moved at random, and the platform follows them from home.
 """
 
 from __future__ import annotations

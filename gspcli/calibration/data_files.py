@@ -49,11 +49,11 @@ def read_measurements(
 ) -> Measurements:
     """Read what was measured.
 
-    Columns ``1`` to ``6`` are readings of the constraints (DPH and DHP signed), ``x y z`` and a
-    rotation the pose as `gsp measure` reads it, ``P1.x P1.y P1.z`` the position of a point of the
-    platform or a target, ``incl.x incl.y`` the inclinations of the platform's axes, ``crank.B1``
-    and ``slide.B1`` the readings of drives. Where drives have columns a leg without one keeps its
-    stated length. Columns that are not known are mistakes.
+    Columns ``1`` to ``6`` are readings of the constraints (DPH and DHP signed). ``x y z`` and a
+    rotation are the pose as `gsp measure` reads it. ``P1.x P1.y P1.z`` are the position of a point
+    of the platform or of a target, ``incl.x incl.y`` the inclinations of the platform's axes, and
+    ``crank.B1`` and ``slide.B1`` are readings of drives. Where drives have columns, a leg without a
+    column keeps its stated length. Unknown columns are mistakes.
 
     Parameters
     ----------
@@ -62,7 +62,7 @@ def read_measurements(
     instance
         The platform as stated.
     form
-        What the file does not say of poses.
+        The conventions of poses that the file does not state.
     targets
         Where points of the target are in the platform's frame, by name.
 
@@ -74,7 +74,7 @@ def read_measurements(
     table = NumberTable(text, name, form.units.of(instance), form.ignore, form.columns)
     targets = targets or {}
     form = form.of(table)
-    # Cells cannot be told apart in rows that have too few.
+    # In rows with too few cells it is not known which cell is missing.
     table.check()
     groups = _groups(table, instance, targets)
     dotted = {one for one in table.heading if "." in one or one.isdecimal()}

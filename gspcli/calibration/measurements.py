@@ -284,7 +284,7 @@ def _in_body(by: Gradient, R: Array, body: Body, rows: list[int]) -> tuple[Array
 def _errors(
     model: Model, R: Array, by: Gradient, seen: Measurements, noise: Noise, sigma: Array
 ) -> tuple[Array, Array]:
-    """Return the deviations of values by themselves, (6,), and by those of their drive, (n, 6)."""
+    """Return the deviations of values without drives, (6,), and those by their drive, (n, 6)."""
     assert seen.drives is not None
     by_reading = np.zeros(by.r.shape[:2])
     deviations, moved = noise.of_drives(model), np.zeros(len(model.kinds), bool)
@@ -306,7 +306,7 @@ def _whitened(rows: WhitenedRows, sigma: Array, by_reading: Array, model: Model)
     Parameters
     ----------
     rows
-        As they are.
+        The rows before.
     sigma
         The deviations of values without those of drives, shape (6,).
     by_reading

@@ -17,11 +17,11 @@ from gspcli.geometry.instance import Instance
 from gspcli.records import dataclass
 from gspcli.wording import listed, shown, suggestion
 
-#: What the numbers of a platform are known to before it is calibrated, in typical lengths: parts
-#: are
-#: made to a two-hundredth of the machine, and what is known less well from data is not known.
+#: How exactly the numbers of a platform are known before it is calibrated, in typical lengths:
+#: parts are made to a two-hundredth of the machine. A number that data give less exactly counts as
+#: unknown.
 PRIOR = 1 / 200
-#: What noise can be stated of.
+#: The sorts of readings whose noise can be stated.
 SIGMAS = ("value", "angle", "position", "rotation", "inclination", "crank", "slide")
 _ANGLES = {"angle", "rotation", "inclination", "crank"}
 

@@ -251,7 +251,7 @@ def _sizes(model: Model, seen: Measurements) -> Iterator[ParameterMotion]:
     for block, span in model.spans():
         change += _in(model, span, block, block.point)
         if block.is_drive:
-            # Angles stay as they are; the readings of rails become longer with everything.
+            # Angles do not change; the readings of rails become longer with everything.
             change[span.stop - 1] = 1.0 if block.sort == "slide" else 0.0
     for k, kind in enumerate(model.kinds):
         change[model.geometry + 6 + k] = 1.0 if kind.is_distance else 0.0

@@ -243,7 +243,7 @@ class LiveMotors:
     def moved(
         self, found: Mapping[str, list[Any]], geometry: SolvedGeometry
     ) -> tuple[dict[str, Any], Proof | None]:
-        """Return what a page says of values, of motors instead, and the proof of the counts.
+        """Return the facts about values that a page shows, for motors, and the proof of the counts.
 
         Besides there are ``index``, the motor of each constraint, ``names`` and ``titles`` of the
         motors, and ``counts``: the numbers of poses by which motors have moved, as `counted`.

@@ -1,8 +1,9 @@
 """The numbers from which a page finds all poses again when values move.
 
-They are the numbers of a geometry for the kernel of the page (tools/view/module/): coefficients of
-values in equations, solved systems with complex values from which paths start, equations of proofs,
-poses far away, and the numbers of the step of a controller. The page has no other mathematics.
+They are the numbers of a geometry for the kernel of the page (tools/view/module/). They contain the
+coefficients of values in equations, solved systems with complex values from which paths start, the
+equations of proofs, poses far away, and the numbers of the step of a controller. The page has no
+other mathematics.
 """
 
 from __future__ import annotations
@@ -91,11 +92,11 @@ def live_numbers(result: SolveResult) -> dict[str, Any]:
     Returns
     -------
     dict
-        ``values`` of the file, the ``ranges`` of sliders (readings, distances to planes without
-        sign) and the ``limits`` of what values can be (None: no limit), ``kinds``, ``units``, the
-        index of the ``home`` mode or None, the ``sides`` of values (1, -1, 0 for both; None without
-        sides), whether a solve is ``quick``, the ``proof`` of the count or None and its
-        ``reservation`` in words, the ``drives`` (`drawn_drives`), and the ``numbers``, doubles in
+        ``values`` of the file; the ``ranges`` of sliders (readings, distances to planes without
+        sign); the ``limits`` of what values can be (None: no limit); ``kinds``; ``units``. The
+        index of the ``home`` mode or None; the ``sides`` of values (1, -1, 0 for both; None without
+        sides); whether a solve is ``quick``. The ``proof`` of the count or None and its
+        ``reservation`` in words; the ``drives`` (`drawn_drives`); the ``numbers``, doubles in
         base64. Where motors move joints, these are of the m motors (`LiveMotors.moved`).
 
     Raises
@@ -162,7 +163,7 @@ def live_module() -> str:
 
 
 def _said(problem: Problem, ranges: list[list[float]]) -> dict[str, Any]:
-    """Return what a page says of the six values."""
+    """Return the facts about the six values that a page shows."""
     instance, stated = problem.instance, problem.arrangement
     units, rows = instance.units, instance.constraints
     return {
