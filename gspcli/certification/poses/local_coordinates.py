@@ -47,6 +47,11 @@ class LocalCoordinates(NamedTuple):
         """Whether the numbers are real."""
         return self.located.real
 
+    @property
+    def conjugate(self) -> LocalCoordinates:
+        """Those at the conjugate pose."""
+        return self._replace(numbers=self.numbers.conj() + 0.0)
+
 
 def local_coordinates(
     locator: Locator,
@@ -93,8 +98,17 @@ def combined(
     products
         A matrix (7, 7), real at a real pose: s is its product with the other ones.
     """
-    found = _in_bits(locator, sides, given.located, given.bits, products)
-    return found if found is not None and _fits(found.numbers) else None
+    located: object = given.located
+    for bits in _BITS[_BITS.index(given.bits) :]:
+        # Products of very different sizes need more bits than the pose.
+        if bits > given.bits:
+            located = locator.locate_exactly(given.located.isolation.centre, sides, bits)
+        if not isinstance(located, Located):
+            return None
+        found = _in_bits(locator, sides, located, bits, products)
+        if found is not None:
+            return found if _fits(found.numbers) else None
+    return None
 
 
 def _fits(numbers: Complex) -> bool:
