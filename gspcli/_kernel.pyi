@@ -156,6 +156,7 @@ def decide(
     origins: NDArray[np.float64],
     scale: float,
     tolerance: float,
+    finer: tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]] | None = None,
     jobs: int = 1,
     build: str = "",
 ) -> tuple[

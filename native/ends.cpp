@@ -11,6 +11,11 @@ namespace {
 constexpr double kParts = 4.0;
 constexpr int kSteps = 0, kMoreSteps = 3;      // before the proof: paths have had theirs
 constexpr double kValueRounding = 0x1p-94;     // of values with 32 digits (FinePoints)
+// With 64 digits (FinerPoints): their rounding, the most steps, and how short the last one is as a part of
+// the largest coordinate.
+constexpr double kFinerRounding = 0x1p-150;
+constexpr int kFinerSteps = 20;
+constexpr double kArrived = 0x1p-96;
 constexpr int kEntries = 12, kNumbers = 16;    // of R and of T; and with the quaternion
 
 // The Hessian matrices and moduli for one set of values.
@@ -162,11 +167,22 @@ void measure(const Decision& d, FinePoint& point, Lanes& s) {
   for (int i = 9; i < kEntries; ++i) s.entry[i] = splat(open.scale) * s.entry[i];
 }
 
+// Whether a step is so short in all lanes that the points have no digits for another one.
+INLINE bool has_arrived(const C* z, const C* moved) {
+  V size = splat(0.0), length = splat(0.0);
+  for (int k = 0; k < N; ++k) size = maximum(bound(z[k]), size), length = maximum(bound(moved[k]), length);
+  bool all = true;
+  for (int l = 0; l < W; ++l) all = all && length[l] <= kArrived * size[l];
+  return all;
+}
+
 // Whether solutions are near points, after so many steps of Newton's method.
 void prove_points(const Decision& d, int steps, const Mask* above, const Mask* below, C* z,
                   FinePoint& point, Isolation& found) {
+  const double* const finer = d.given.finer;
+  const double* const off = finer ? finer + 4 * kEquations : d.given.gap;
   double gap[kEquations];
-  for (int r = 0; r < kEquations; ++r) gap[r] = kOutward * d.open.weight_bound[r] * d.given.gap[r];
+  for (int r = 0; r < kEquations; ++r) gap[r] = kOutward * d.open.weight_bound[r] * off[r];
   Linear at;
   C low[N] = {};
   for (int step = 0;; ++step) {
@@ -176,6 +192,11 @@ void prove_points(const Decision& d, int steps, const Mask* above, const Mask* b
     point.high.store(z), point.low.store(low);
     GSP_FINE.values(d.system.quadrics, d.system.equation, d.high_coefficients, d.low_coefficients,
                     {point.high, point.low}, {point.monomials, point.monomials_low}, value);
+#if defined(GSP_FINER)
+    if (finer && step >= kMoreSteps)
+      GSP_FINER.values({d.system.quadrics, d.open.finer, d.open.finer_weight, d.open.turned, d.system.equation},
+                       finer, finer + 5 * kEquations, {point.high, point.low}, value);
+#endif
     value.load(at.value);
     newton_step(at, change);
     // Free coordinate k is coordinate k below the patch, k + 1 above it.
@@ -185,13 +206,13 @@ void prove_points(const Decision& d, int steps, const Mask* above, const Mask* b
       if (k > 0) moved[k] = moved[k] + select(above[k - 1], change[k - 1], none);
     }
     point.change.store(moved);
-    if (step == steps) break;
+    if (step == steps || (finer && step > kMoreSteps && has_arrived(z, moved))) break;
     for (int k = 0; k < N; ++k) {
       subtract(z[k].re, low[k].re, moved[k].re);
       subtract(z[k].im, low[k].im, moved[k].im);
     }
   }
-  isolate(d.system, z, above, at, kValueRounding, gap, found);
+  isolate(d.system, z, above, at, finer ? kFinerRounding : kValueRounding, gap, found);
 }
 
 // Points by their indices, as many as there are lanes; returns which are proved and rounded, one bit each.
@@ -256,13 +277,15 @@ void decide(const OpenGeometry& open, const OpenValues& given, int count, const 
   const Decision d{open, given, points, out, {quadrics, hessian, moduli, open.equations.equation},
                    coefficients, coefficients + fine, low, high};
   for (int p = 0; p < count; ++p) list[p] = p;
-  const int left = decide_all(d, count, list, kSteps);
+  const int left = given.finer ? count : decide_all(d, count, list, kSteps);
   // What does not even exist is not looked at again.
   int there = 0;
   for (int k = 0; k < left; ++k)
     if (points[N * static_cast<int>(list[k])].re == points[N * static_cast<int>(list[k])].re)
       list[there++] = list[k];
-  if (there > 0) decide_all(d, there, list, kMoreSteps);
+  if (given.finer)
+    for (int p = 0; p < count; ++p) out.proved[p] = 0;
+  if (there > 0) decide_all(d, there, list, given.finer ? kMoreSteps + kFinerSteps : kMoreSteps);
   bool all = true;
   for (int p = 0; p < count; ++p) all = all && (out.proved[p] & (kReal | kComplex));
   *out.complete = all && different(count, low, high, list);

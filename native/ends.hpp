@@ -25,6 +25,8 @@ struct OpenGeometry {
   double tolerance;  // largest deviation of a pose, relative to its largest entry if above one
   // For values of equations with 32 digits.
   const double *hessian_low, *weight_low;
+  // The same with 64 digits (FinerGeometry), or null; live pages are built without.
+  const double *finer, *finer_weight;
 };
 
 // One set of values: the function that is in the equation (a square, the distance, a cosine), what
@@ -34,6 +36,8 @@ struct OpenGeometry {
 struct OpenValues {
   const double *value, *bound, *distance, *low, *gap, *distance_low;  // (6) each
   double unit;  // of the digits of translations, a power of two, in lengths of the equations
+  // (9, 6), or null: the values as sums of four doubles, by how much these err, and the distances likewise.
+  const double* finer;
 };
 
 // Arrays over the points of one set of values.
@@ -48,7 +52,8 @@ struct Poses {
 };
 
 // Decides about `count` Study points of any norm (count, 8): from one step of Newton's method, and where
-// that does not do from more, at points of 32 digits. Poses are rounded correctly (FinePoints). `work` has
+// that does not do from more, at points of 32 digits. If numbers with 64 digits are given, the equations are
+// evaluated with these, from more steps at once. Poses are rounded correctly (FinePoints). `work` has
 // room for twice the Hessian matrices and the coefficients, 182 quadrics numbers, and for 3 numbers a
 // point.
 using Decide = void(const OpenGeometry&, const OpenValues&, int count, const Complex* points,

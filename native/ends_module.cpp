@@ -1,11 +1,15 @@
 #include "ends_module.hpp"
 
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
 
 #include <algorithm>
 #include <atomic>
 #include <complex>
 #include <memory>
+#include <optional>
+#include <tuple>
 #include <vector>
 
 #include "bindings.hpp"
@@ -20,7 +24,10 @@ namespace {
 using Numbers = std::complex<double>;
 
 // Of each value: see OpenValues.
-constexpr std::size_t kNumbers = 6;
+constexpr std::size_t kNumbers = 6, kFiner = 9;
+
+// See FinerGeometry and OpenValues.
+using Finer = std::tuple<Array<double, 3>, Array<double, 2>, Array<double, 3>>;
 
 Decide* (*choose)(const std::string& build);
 
@@ -46,7 +53,7 @@ nb::tuple decide(Array<double, 3> hessians, Array<double, 3> lows, Array<double,
                  Array<std::int32_t, 2> equations, Array<double, 2> weights,
                  Array<std::int32_t, 1> turned, Array<double, 3> values,
                  Array<double, 1> units, Array<Numbers, 3> points, double unit, Array<double, 2> origins, double scale,
-                 double tolerance, int jobs, const std::string& build) {
+                 double tolerance, std::optional<Finer> finer, int jobs, const std::string& build) {
   const std::size_t systems = points.shape(0), count = points.shape(1);
   const std::size_t quadrics = hessians.shape(0), three = 3, four = 4, eight = kVariables;
   check_geometry(hessians, moduli, equations, turned);
@@ -58,6 +65,14 @@ nb::tuple decide(Array<double, 3> hessians, Array<double, 3> lows, Array<double,
           "weights, values and units must have shapes (4, 6), (systems, 6, 6) and (systems,)");
   require(points.shape(2) == eight && origins.shape(0) == 2 && origins.shape(1) == 3,
           "points and origins must have shapes (systems, count, 8) and (2, 3)");
+  if (finer) {
+    const auto& [coefficients, weights_of, values_of] = *finer;
+    require(coefficients.shape(0) == four && coefficients.shape(1) == quadrics &&
+                coefficients.shape(2) == kMonomials && weights_of.shape(0) == four &&
+                weights_of.shape(1) == kEquations && values_of.shape(0) == systems &&
+                values_of.shape(1) == kFiner && values_of.shape(2) == kEquations,
+            "finer numbers must have shapes (4, quadrics, 27), (4, 6) and (systems, 9, 6)");
+  }
   ProofEquation equation[kEquations];
   for (std::size_t r = 0; r < kEquations; ++r)
     equation[r] = {equations(r, 0), {equations(r, 1), equations(r, 2)}};
@@ -66,7 +81,9 @@ nb::tuple decide(Array<double, 3> hessians, Array<double, 3> lows, Array<double,
       weights.data(), weights.data() + kEquations, weights.data() + 2 * kEquations, turned.data(),
       unit, {origins(0, 0), origins(0, 1), origins(0, 2)},
       {origins(1, 0), origins(1, 1), origins(1, 2)}, scale, tolerance,
-      lows.data(), weights.data() + 3 * kEquations};
+      lows.data(), weights.data() + 3 * kEquations,
+      finer ? std::get<0>(*finer).data() : nullptr, finer ? std::get<1>(*finer).data() : nullptr};
+  const double* const finer_values = finer ? std::get<2>(*finer).data() : nullptr;
   const std::size_t total = systems * count;
   auto rotation = std::make_unique<Numbers[]>(total * 9);
   auto translation = std::make_unique<Numbers[]>(total * 3);
@@ -85,7 +102,8 @@ nb::tuple decide(Array<double, 3> hessians, Array<double, 3> lows, Array<double,
         const double* given = values.data() + s * kNumbers * kEquations;
         run(open,
             {given, given + kEquations, given + 2 * kEquations, given + 3 * kEquations,
-             given + 4 * kEquations, given + 5 * kEquations, units(s)},
+             given + 4 * kEquations, given + 5 * kEquations, units(s),
+             finer_values ? finer_values + s * kFiner * kEquations : nullptr},
             static_cast<int>(count),
             reinterpret_cast<const Complex*>(points.data() + at * eight), room.data(),
             {reinterpret_cast<Complex*>(rotation.get() + at * 9),
@@ -151,7 +169,7 @@ void bind_ends(nb::module_& m, Decide* (*choose_decide)(const std::string& build
         "Write down equations with their values left open; see gspcli.certification.poses.many_values.");
   m.def("decide", &decide, "hessians"_a, "lows"_a, "moduli"_a, "equations"_a, "weights"_a, "turned"_a,
         "values"_a, "units"_a, "points"_a, nb::kw_only(), "unit"_a, "origins"_a, "scale"_a, "tolerance"_a,
-        "jobs"_a = 1, "build"_a = "",
+        "finer"_a = nb::none(), "jobs"_a = 1, "build"_a = "",
         "Prove what ends of paths are poses; see gspcli.certification.poses.many_values.");
 }
 

@@ -31,6 +31,12 @@ INLINE V largest(const C* x) {
 
 INLINE double modulus(const Complex& z) { return (z.re < 0.0 ? -z.re : z.re) + (z.im < 0.0 ? -z.im : z.im); }
 
+INLINE bool all(const Mask& m) {
+  for (int l = 0; l < W; ++l)
+    if (!m[l]) return false;
+  return true;
+}
+
 // How long a step of Newton's method may be because of rounding.
 INLINE V noise(const Block& b, const Complex* shift, const C* s, const Linear& at) {
   V size[kRows], terms[kRows], most = splat(0.0);
@@ -94,12 +100,14 @@ bool follow_line(const Block& b, const Complex* from, const Complex* to, C* s) {
     norm = linearize(b, here, guess, at);
     newton_step(at, second);
     for (int i = 0; i < kRows; ++i) guess[i] = guess[i] - second[i];
-    const V exact = noise(b, here, guess, at), one = largest(first), two = largest(second);
+    const V one = largest(first), two = largest(second);
     // Not a number is not below anything.
-    const Mask good = (two <= kCertainly * one) | (one + two <= exact);
-    const Mask easy = (two <= kEasily * one) | (one + two <= exact);
-    bool is_good = true, is_easy = true;
-    for (int l = 0; l < W; ++l) is_good = is_good && good[l], is_easy = is_easy && easy[l];
+    Mask good = two <= kCertainly * one, easy = two <= kEasily * one;
+    if (!all(easy)) {
+      const Mask exact = one + two <= noise(b, here, guess, at);
+      good |= exact, easy |= exact;
+    }
+    const bool is_good = all(good), is_easy = all(easy);
     if (!is_good) {
       step *= 0.5;
       if (step < kLeastStep) return false;

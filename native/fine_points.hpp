@@ -55,4 +55,22 @@ struct FinePoints {
 };
 extern const FinePoints fine_portable, fine_avx2, fine_avx512;
 
+// The numbers of a geometry with 64 digits, for poses at which the equations are nearly dependent: each is
+// the sum of four doubles.
+struct FinerGeometry {
+  int quadrics;
+  const double *coefficient, *weight;  // (4, quadrics, 27) with distances and cosines of zero, (4, 6)
+  const std::int32_t* turned;          // (6), see OpenGeometry
+  const ProofEquation* equation;
+};
+
+struct FinerPoints {
+  // The seven equations at points of 32 digits, for values and distances (4, 6). They err by less than 2^-150
+  // times the sum of the moduli of their terms: whatever is not computed without error is at most 2^-150 of
+  // that, and a double errs by 2^-53 of what it is the result of.
+  void (*values)(const FinerGeometry&, const double* value, const double* distance, const FineNumbers& point,
+                 const LaneNumbers& out);
+};
+extern const FinerPoints finer_portable, finer_avx2, finer_avx512;
+
 }  // namespace gsp

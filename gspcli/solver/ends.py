@@ -21,8 +21,11 @@ class Ends(NamedTuple):
         a number where a path is lost.
     far
         Poses far away, to which no paths lead, if there is one choice of sides.
+    all_poses
+        Whether all paths lead to poses, for values in general position.
     """
 
     points: ComplexArray
     frames: StudyFrames
     far: FarPoses | None = None
+    all_poses: bool = False

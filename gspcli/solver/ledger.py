@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.certification.poses.many_values import ProvedPoses
+from gspcli.certification.poses.many_values import OF_POSES, ProvedPoses
 from gspcli.continuation.paths import Basis, PathAccount
 from gspcli.solver.ends import Ends
 from gspcli.solver.problem import Problem
@@ -22,9 +22,6 @@ if TYPE_CHECKING:
 
 
 Index = NDArray[np.intp]
-
-#: What `ProvedPoses` has of each pose.
-_OF_POSES = tuple(name for name in ProvedPoses._fields if name != "complete")
 
 
 class Ledger:
@@ -79,10 +76,16 @@ class Ledger:
             return
         proofs, choices, jobs = problem.proofs, problem.choices, problem.jobs
         rows = None if problem.rows is None else problem.rows[self.left]
-        found = proofs.decide(choices, ends.points, ends.frames, rows=rows, jobs=jobs)
+        found = proofs.decide(
+            choices,
+            ends.points,
+            ends.frames,
+            rows=rows,
+            jobs=jobs,
+            all_poses=ends.all_poses,
+        )
         if ends.far is not None:
-            values = proofs.values(choices, rows)[:, 0], proofs.units(rows), proofs.scale
-            found = ends.far.beside(found, *values, jobs=jobs)
+            found = ends.far.beside(found, proofs, choices[0], rows, jobs=jobs)
         number = found.certified.shape[1]
         if not self._sides and found.complete.any() and self._counted(number):
             self._keep(found)
@@ -90,7 +93,7 @@ class Ledger:
             for k, side in enumerate(self.sides):
                 each = slice(k * number // len(choices), (k + 1) * number // len(choices))
                 side.add_first(
-                    found._replace(**{name: getattr(found, name)[:, each] for name in _OF_POSES})
+                    found._replace(**{name: getattr(found, name)[:, each] for name in OF_POSES})
                 )
 
     def _keep(self, found: ProvedPoses) -> None:

@@ -66,9 +66,13 @@ def _radians(unit: AngleUnit) -> arb:
 
 def statements(instance: Instance) -> tuple[Statement, ...]:
     """Return the constraints of an instance in balls, lengths in units of `length_scale`."""
-    scale = arb(length_scale(instance))
+    return statements_in(instance, length_scale(instance))
+
+
+def statements_in(instance: Instance, scale: float) -> tuple[Statement, ...]:
+    """Return the constraints of an instance in balls, lengths in units of a power of two."""
     degree = _radians(instance.units.angle)
-    return tuple(_statement(row, scale, degree) for row in instance.constraints)
+    return tuple(_statement(row, arb(scale), degree) for row in instance.constraints)
 
 
 def _statement(constraint: Constraint, scale: arb, degree: arb) -> Statement:

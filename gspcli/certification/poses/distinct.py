@@ -44,12 +44,7 @@ def all_different(entries: NDArray[np.complex128], deviations: NDArray[np.float6
     deviations
         Bounds of their errors, shape (n,).
     """
-    parts = np.concatenate((entries.real, entries.imag), axis=1)
-    weights = np.array(_WEIGHTS)
-    forms = parts @ weights
-    # The error of the form, with its few roundings.
-    reach = (weights.sum() * deviations + (OUTWARD - 1) * (np.abs(parts) @ weights)) * OUTWARD
-    low, high = forms - reach, forms + reach
+    low, high = _intervals(entries, deviations)
     if not np.isfinite(high - low).all():
         return False
     order = np.argsort(low)
@@ -65,6 +60,36 @@ def all_different(entries: NDArray[np.complex128], deviations: NDArray[np.float6
 
 
 @np.errstate(all="ignore")
+def are_different(
+    entries: NDArray[np.complex128], deviations: NDArray[np.float64]
+) -> NDArray[np.bool_]:
+    """Whether a linear form proves all poses different, for each of many sets of them, (b,).
+
+    Parameters
+    ----------
+    entries, deviations
+        As for `all_different`, shapes (b, n, 12) and (b, n).
+    """
+    low, high = _intervals(entries, deviations)
+    order = low.argsort(axis=1)
+    low, high = (np.take_along_axis(x, order, axis=1) for x in (low, high))
+    # What is not a number proves nothing.
+    return np.asarray((high[:, :-1] < low[:, 1:]).all(axis=1) & np.isfinite(high - low).all(axis=1))
+
+
+def _intervals(
+    entries: NDArray[np.complex128], deviations: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the ends of the intervals in which a linear form of each pose is, shapes (..., n)."""
+    parts = np.concatenate((entries.real, entries.imag), axis=-1)
+    weights = np.array(_WEIGHTS)
+    forms = parts @ weights
+    # The error of the form, with its few roundings.
+    reach = (weights.sum() * deviations + (OUTWARD - 1) * (np.abs(parts) @ weights)) * OUTWARD
+    return forms - reach, forms + reach
+
+
+@np.errstate(all="ignore")
 def places(
     entries: NDArray[np.complex128], deviations: NDArray[np.float64], known: int
 ) -> NDArray[np.intp]:
@@ -77,11 +102,7 @@ def places(
     known
         The first poses, in this number, are proved to be different.
     """
-    weights = np.array(_WEIGHTS)
-    parts = np.concatenate((entries.real, entries.imag), axis=1)
-    forms = parts @ weights
-    reach = (weights.sum() * deviations + (OUTWARD - 1) * (np.abs(parts) @ weights)) * OUTWARD
-    low, high = forms - reach, forms + reach
+    low, high = _intervals(entries, deviations)
     unknown = ~np.isfinite(high - low)
     low, high = np.where(unknown, -np.inf, low), np.where(unknown, np.inf, high)
     order = np.argsort(low)

@@ -19,6 +19,7 @@ from flint import acb
 from numpy.typing import NDArray
 
 from gspcli import _kernel
+from gspcli.certification.equations.frames import OWN
 from gspcli.certification.numbers.doubled import two_sum
 from gspcli.certification.numbers.rounding import OUTWARD
 from gspcli.certification.poses.local_coordinates import (
@@ -29,6 +30,7 @@ from gspcli.certification.poses.local_coordinates import (
 from gspcli.certification.poses.locator import Locator
 from gspcli.certification.poses.many_values import ProvedPoses, ValueProofs, proved_bits
 from gspcli.defaults import TOLERANCE
+from gspcli.geometry.quaternions import quaternion_product
 from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
@@ -45,6 +47,10 @@ _SPREAD = (0.2, 0.4)
 #: a part of that; the shortest axis of those is at least such a part of the longest.
 _SAMPLES, _SAMPLED = 24, 0.25
 _THINNEST = 1e-3
+#: To poses not farther away than so many lengths paths lead.
+_PATHS = 1e3
+#: Poses not farther away than so many lengths are proved by the equations of near poses.
+_NEAR = 1e5
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,8 +65,9 @@ class FarPoses:
     errors
         Bounds of their errors, shape (n,).
     real
-        Of which poses these numbers are real, shape (n,); with a pose that is not real its
-        conjugate is meant, too.
+        Of which poses these numbers are real, shape (n,). With a pose that is not real its
+        conjugate is meant, too, unless it needs paths: two conjugates may lead to two real poses
+        from complex values, and are both there.
     values
         The values in the form of the kernel (`ValueProofs.values`), shape (6, 6).
     powers
@@ -123,6 +130,7 @@ class FarPoses:
             return None
         # Poses that need paths are the last.
         known.sort(key=lambda each: each.is_bent)
+        known += [each.conjugate for each in known if each.is_bent and not each.real]
         return cls(
             numbers=np.ascontiguousarray(np.stack([each.numbers for each in known], axis=1)),
             errors=np.array([each.error for each in known]),
@@ -162,7 +170,14 @@ class FarPoses:
 
     def __len__(self) -> int:
         """Return the number of poses, conjugates included."""
-        return 2 * len(self.real) - int(self.real.sum())
+        return len(self.real) + int(self._paired.sum())
+
+    @property
+    def _paired(self) -> NDArray[np.uint8]:
+        """With which poses the conjugate is meant, shape (n,)."""
+        paired = 1 - self.real
+        paired[len(paired) - len(self.starts) :] = 0
+        return paired
 
     def decide(
         self,
@@ -190,7 +205,7 @@ class FarPoses:
             self.numbers,
             self.errors,
             self.real,
-            1 - self.real,
+            self._paired,
             self.origin,
             self.starts,
             self._shifts(values, scale / self.scale),
@@ -215,14 +230,30 @@ class FarPoses:
     def beside(
         self,
         near: ProvedPoses,
-        values: Array,
-        units: Array,
-        scale: float,
+        proofs: ValueProofs,
+        choice: Array,
+        rows: Array | None,
         *,
         jobs: int = 1,
     ) -> ProvedPoses:
-        """Return near poses and the far ones for the same values; parameters as for `decide`."""
+        """Return near poses and the far ones for the same values.
+
+        Parameters
+        ----------
+        near, proofs
+            The near poses, and the equations by which they were proved.
+        choice, rows
+            The sign of each constraint, shape (6,), and the sets of values (b, 6), None for those
+            of the instance.
+        jobs
+            Threads.
+        """
+        scale = proofs.scale
+        values, units = proofs.values(choice[None], rows)[:, 0], proofs.units(rows)
         far = self.decide(values, units, scale, jobs=jobs)
+        unknown = ~(far.certified & far.rounded) & (np.abs(far.T) < _NEAR * scale).all(axis=2)
+        if unknown.any():
+            _round(far, unknown, proofs, choice, rows, jobs)
         complete = near.complete & far.complete
         # Two poses are different if their error bounds do not overlap.
         with np.errstate(invalid="ignore"):
@@ -266,8 +297,12 @@ def _coordinates(
     replaced by those in which solutions for other values are of order one in all directions.
     """
     found = local_coordinates(locator, sides, R, T, point)
-    if found is None or not found.is_bent:
-        return found
+    if found is None:
+        return None
+    if not found.is_bent:
+        # Not so far away a pose may take the place of a near one, to which paths lead.
+        size = max(np.abs(R).max(), np.abs(T).max() / locator.scale)
+        return found._replace(is_bent=bool(size < _PATHS))
     products = _products(found, origin)
     better = None if products is None else combined(locator, sides, found, products)
     return better and better._replace(is_bent=True)
@@ -297,6 +332,25 @@ def _products(given: LocalCoordinates, origin: Complex) -> Complex | None:
     sizes = np.sqrt(np.maximum(sizes, 0))
     products: Complex = (axes * np.maximum(sizes, _THINNEST * sizes[-1])).astype(complex)
     return products
+
+
+def _round(
+    far: ProvedPoses,
+    unknown: NDArray[np.bool_],
+    proofs: ValueProofs,
+    choice: Array,
+    rows: Array | None,
+    jobs: int,
+) -> None:
+    """Prove and round with 64 digits poses (b, n) that have come nearer, by the near equations.
+
+    Local coordinates have lost digits there. From complex numbers no pose is proved to be real.
+    """
+    with np.errstate(invalid="ignore"):
+        shifts = np.concatenate((np.zeros_like(far.T[..., :1]), far.T), axis=-1)
+        moved = quaternion_product(shifts, far.quaternions) / 2
+    points = np.concatenate((far.quaternions, moved), axis=-1).astype(np.complex128, copy=False)
+    proofs.round(far, unknown, choice, points, OWN, rows=rows, jobs=jobs)
 
 
 def _are_apart(near: ProvedPoses, far: ProvedPoses, row: int, scale: float) -> bool:

@@ -251,7 +251,7 @@ class SolvedGeometry:
         choices, given = len(self.choices), self.given
         frames = StudyFrames(length=unit, platform=given.platform_centre, base=given.base_centre)
         points = points.reshape(-1, choices, len(self.start.points), 8)
-        return Ends(points, frames, self.far)
+        return Ends(points, frames, self.far, all_poses=True)
 
     def _parameters(self, rows: Array) -> Array:
         values = _inner_values(self.given, rows, self.length, self.choices).reshape(-1, 6)

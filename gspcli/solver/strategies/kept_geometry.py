@@ -64,7 +64,7 @@ def kept_geometry(problem: Problem) -> SolvedGeometry | None:
     entry = cast("_Entry | None", problem.starts.fetch(Sort.SAME, key))
     # Platforms that are the same in doubles may not be the same.
     if entry is None or entry.made_from is not known:
-        made = _Entry(known, _with_far_poses(problem, known, far))
+        made = _Entry(known, _with_far_poses(problem, known, far) or _with_paths(problem, known))
         entry = problem.starts.keep(Sort.SAME, key, made)
     return entry.geometry
 
@@ -110,7 +110,7 @@ def _with_far_poses(
     far = FarPoses.of(*equations, *sides, apart.R, apart.T, known.points, length)
     if far is None:
         return None
-    near, rows = known.poses.reordered(~is_far), known.arrangement.values[None]
+    near = known.poses.reordered(~is_far)
     for attempt in range(_ATTEMPTS):
         found = _about(problem, _flattened(known.arrangement), near, problem.seed + attempt, far)
         if found is None:
@@ -123,12 +123,33 @@ def _with_far_poses(
         if same is None:
             continue
         found = replace(found, far=same)
-        ledger = Ledger(solved.with_rows(rows))
-        ledger.problem.known_geometry_count = problem.geometry_count
-        ledger.add(found.quick_ends(rows))
-        if ledger.is_at_once:
+        if _leads_back(found, problem, solved, known):
             return found
     return None
+
+
+def _with_paths(problem: Problem, known: SolvedPlatform) -> SolvedGeometry | None:
+    """Return the geometry with a start of all poses, if paths lead back to all of them.
+
+    Poses a hundred lengths away may have equations that are too nearly dependent for local
+    coordinates; with 64 digits they are proved at the ends of paths.
+    """
+    solved = problem.like(known.instance)
+    if len(solved.choices) > 1 or solved.proofs is None:
+        return None
+    found = _about(problem, known.arrangement, known.poses, problem.seed)
+    return found if found is not None and _leads_back(found, problem, solved, known) else None
+
+
+def _leads_back(
+    found: SolvedGeometry, problem: Problem, solved: Problem, known: SolvedPlatform
+) -> bool:
+    """Whether all poses of the platform that a geometry was made from are found and proved."""
+    rows = known.arrangement.values[None]
+    ledger = Ledger(solved.with_rows(rows))
+    ledger.problem.known_geometry_count = problem.geometry_count
+    ledger.add(found.quick_ends(rows))
+    return ledger.is_at_once
 
 
 def _about(

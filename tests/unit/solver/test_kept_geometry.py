@@ -11,6 +11,7 @@ from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Point
 from gspcli.resources import data_path
 from gspcli.solver import solve, solve_batch
+from gspcli.solver.many_poses import many_poses
 from gspcli.solver.problem import Problem
 from gspcli.solver.results.proof import CountKind
 from gspcli.solver.special import by_count
@@ -18,6 +19,7 @@ from gspcli.solver.starts.solved_starts import STARTS, SolvedStarts
 from gspcli.solver.starts.start import StartMethod, geometry_start
 from gspcli.solver.strategies.kept_geometry import kept_geometry
 from gspcli.spec import load
+from tools.special.realistic import machines
 
 SPECIAL = {
     ("platforms", "nano-hexapod"): 28,
@@ -260,3 +262,23 @@ def test_a_far_pose_that_doubles_do_not_tell_from_infinity_is_not_approached(loa
         result = solve(platform.instance, starts=starts)
         assert result.verdict == "complete"
         assert result.proof is not None
+
+
+@pytest.mark.parametrize("number", [434, 87, 116, 369, 20])
+def test_rows_of_realistic_machines_are_solved_together(number):
+    """Far poses that come near, conjugates that become real, and poses with few digits.
+
+    Two conjugate far poses of the known platform are two real ones for other values (3-3/434); a
+    near and a far pose change places (rotary/87); one complex path stood for two poses (6-6/369).
+    """
+    machine = next(machines(number + 1, rows=10, begin=number))
+    starts = SolvedStarts()
+    solve(machine.instance, starts=starts)
+    (answers,) = many_poses(machine.instance, machine.rows, seed=1, jobs=1, starts=starts)
+    assert not answers.alone
+    for poses, row in zip(answers.poses(), machine.rows[:2].tolist(), strict=False):
+        values = {i: Number.of(Fraction(x)) for i, x in enumerate(row)}
+        alone = solve(machine.instance.with_values(values), starts=SolvedStarts())
+        assert poses.proof is not None
+        there = sorted(map(tuple, alone.T.tolist()), key=repr)
+        assert sorted(map(tuple, poses.T.tolist()), key=repr) == there

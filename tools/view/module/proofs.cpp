@@ -131,13 +131,14 @@ FarPart::FarPart(Numbers& numbers) {
   low_ = numbers.complexes(count_ * kFarNumbers);
   error_ = numbers.doubles(count_);
   real_ = numbers.integers<std::uint8_t>(count_);
-  for (const std::uint8_t real : real_) paired_.push_back(real == 0);
-  real_count_ = static_cast<int>(std::count(real_.begin(), real_.end(), 1));
   values_ = numbers.doubles(kOfValue * kEquations);
   powers_ = numbers.doubles(kEquations);
   scale_ = numbers.number();
   tolerance_ = numbers.number();
   bent_ = numbers.integer();
+  // Conjugates of poses that need paths are there by themselves.
+  for (int k = 0; k < count_; ++k) paired_.push_back(real_[k] == 0 && k < count_ - bent_);
+  pairs_ = static_cast<int>(std::count(paired_.begin(), paired_.end(), 1));
   origin_ = numbers.complexes(kEquations);
   start_ = numbers.complexes(bent_ * kLocal);
 }

@@ -35,14 +35,14 @@ struct Found {
 class FarPart {
  public:
   explicit FarPart(Numbers& numbers);
-  int poses() const { return count_ == 0 ? 0 : 2 * count_ - real_count_; }
+  int poses() const { return count_ == 0 ? 0 : count_ + pairs_; }
   // These besides the poses that are near.
   Found beside(Found near, const double* proved_values, double unit, double scale) const;
 
  private:
   void shift(const double* proved_values, double ratio, double* out) const;
 
-  int count_, real_count_ = 0, bent_;
+  int count_, pairs_ = 0, bent_;
   const Complex *number_, *low_;
   const double* error_;
   std::vector<std::uint8_t> real_, paired_;

@@ -183,7 +183,10 @@ def poses_at(size, deviation):
 def test_far_poses_are_others_only_beyond_their_error_bounds(near, far, deviations, complete):
     """A far pose may be found by paths, too: another one differs by more than both errors."""
     there = SimpleNamespace(decide=lambda *_, jobs: poses_at(far, deviations[1]))
-    found = FarPoses.beside(there, poses_at(near, deviations[0]), None, None, 1.0)
+    proofs = SimpleNamespace(
+        scale=1.0, values=lambda *_: np.zeros((1, 1, 6, 6)), units=lambda _: np.ones(1)
+    )
+    found = FarPoses.beside(there, poses_at(near, deviations[0]), proofs, np.ones(6), None)
     assert found.complete.tolist() == [complete]
     assert found.T.shape == (1, 2, 3)
 

@@ -1,0 +1,171 @@
+"""The numbers of a platform with 64 digits, for poses that 32 digits do not round.
+
+Some poses are proved with 32 digits, but the errors are too large for correct rounding: the
+equations are nearly dependent there, as they are a hundred lengths away. The kernel then evaluates
+the same equations with numbers that are sums of four doubles (native/finer_points.cpp). They are
+computed in balls. With them, rows of batches with such poses take a tenth of the time that each
+row alone takes (`tools.verify.realistic`, couplings).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+from flint import arb, arb_mat, ctx, fmpz_mat
+from numpy.typing import NDArray
+
+from gspcli.catalogue.kinds import Law
+from gspcli.certification.equations import study
+from gspcli.certification.equations.quadratic_forms import (
+    Form,
+    base_height,
+    mutual_moment,
+    platform_height,
+    rotation_form,
+    scaled,
+    square_distance,
+)
+from gspcli.certification.equations.statement import Statement, statements_in
+from gspcli.certification.numbers.balls import dot, norm
+from gspcli.certification.numbers.rounding import OUTWARD
+from gspcli.geometry.instance import Instance
+
+Array = NDArray[np.float64]
+
+#: Doubles of a sum, and the bits of the balls that are written as such sums.
+_PARTS, _BITS = 4, 320
+#: Numbers that are not zero may not be smaller: their last parts would underflow.
+_LEAST = 2.0**-600
+#: Relative errors of sums of four doubles; the kernel allows for more.
+_ERROR = 2.0**-180
+
+
+class FinerNumbers:
+    """A geometry with its values left open.
+
+    Parameters
+    ----------
+    instance, scale
+        The platform, and the unit of length of its equations (`ValueProofs`).
+    meeting
+        Which constraints are lines at distance zero.
+
+    Attributes
+    ----------
+    equations
+        The coefficients of the quadrics without their values, in the order of the kernel, and the
+        weights of the values, shapes (4, quadrics, 27) and (4, 6). None if a number cannot be
+        written as a sum of four doubles.
+    """
+
+    def __init__(self, instance: Instance, scale: float, meeting: Sequence[bool]) -> None:
+        with ctx.workprec(_BITS):
+            self._statements = statements_in(instance, scale)
+            mains = [
+                _equation(given, meeting=each)
+                for given, each in zip(self._statements, meeting, strict=True)
+            ]
+            forms: list[Form] = [{study.NORM: arb(1)}, {study.STUDY: arb(1)}]
+            for main, _, squares in mains:
+                forms += [main, *squares]
+            rows = arb_mat([[form.get(k, arb(0)) for k in range(study.COUNT)] for form in forms])
+            coefficients = _sums((rows * arb_mat(_monomials())).entries())
+            weights = _sums([weight for _, weight, _ in mains])
+        self.equations = (
+            None
+            if coefficients is None or weights is None
+            else (coefficients.reshape(_PARTS, len(forms), -1), weights)
+        )
+
+    def values(self, choice: Array, row: Array | None) -> Array | None:
+        """Return the values of the equations for the kernel (native/ends.hpp), shape (9, 6).
+
+        Parameters
+        ----------
+        choice
+            The sign of each constraint, shape (6,).
+        row
+            Values, doubles that are meant exactly, shape (6,); None for those of the instance.
+        """
+        found = np.zeros((2 * _PARTS + 1, len(choice)))
+        with ctx.workprec(_BITS):
+            given = self._statements
+            if row is not None:
+                given = tuple(
+                    replace(x, value=arb(value) / x.unit)
+                    for x, value in zip(given, row.tolist(), strict=True)
+                )
+            balls = [_value(x, sign) for x, sign in zip(given, choice.tolist(), strict=True)]
+            distances = [abs(x.value) if x.kind.is_distance else arb(0) for x in given]
+            values, lengths = _sums(balls), _sums(distances)
+            if values is None or lengths is None:
+                return None
+            gaps = [
+                float((ball - sum(map(arb, parts))).abs_upper()) * OUTWARD
+                for ball, parts in zip(balls, values.T.tolist(), strict=True)
+            ]
+        found[:_PARTS], found[_PARTS], found[_PARTS + 1 :] = values, gaps, lengths
+        return found
+
+
+@cache
+def _monomials() -> fmpz_mat:
+    """Return the coefficients of e_i e_j, e_i f_j and f.f in each form (native/fine_points.hpp)."""
+    hessians = study.form_hessians().astype(int)
+    places = [(i, j) for i in range(4) for j in range(i, 4)]
+    places += [(i, j) for i in range(4) for j in range(4, 8)]
+    columns = [
+        [int(h[i, j]) // (2 if i == j else 1) for i, j in [*places, (4, 4)]] for h in hessians
+    ]
+    return fmpz_mat(columns)
+
+
+def _equation(given: Statement, *, meeting: bool) -> tuple[Form, arb, tuple[Form, ...]]:
+    """Return the main quadric, the weight of the value in it, and the quadrics that are squared.
+
+    They are those of native/open_equations.cpp.
+    """
+    law, a, b, u, v = given.kind.law, given.a, given.b, given.u, given.v
+    if not given.kind.is_distance:
+        return rotation_form(v, u), -norm(u) * norm(v), ()
+    if law is Law.MOMENT:
+        moment = mutual_moment(a, b, u, v)
+        if meeting:
+            return moment, arb(0), ()
+        return {}, dot(u, u) * dot(v, v), (moment, rotation_form(v, u))
+    axis = u or v
+    if law is Law.SQUARE and not axis:
+        return square_distance(a, b, arb(0)), arb(-1), ()
+    height = platform_height(a, b, u) if u else base_height(a, b, v)
+    if law is Law.SQUARE:
+        size = dot(axis, axis)
+        return scaled(square_distance(a, b, arb(0)), size), -size, (height,)
+    return scaled(height, arb(-1)) if u else height, -norm(axis), ()
+
+
+def _value(given: Statement, sign: float) -> arb:
+    """Return what the equation is linear in: a square, a height or a cosine."""
+    if not given.kind.is_distance:
+        return given.cosine
+    if given.kind.has_sides:
+        return given.value * int(sign)
+    return given.value * given.value
+
+
+def _sums(balls: Sequence[arb]) -> Array | None:
+    """Return balls as sums of four doubles, (4, n); None if one cannot be written like that."""
+    found = np.zeros((_PARTS, len(balls)))
+    for k, ball in enumerate(balls):
+        rest = ball.mid()
+        for part in range(_PARTS):
+            high = float(rest)
+            found[part, k] = high
+            rest = (rest - arb(high)).mid()
+        size = abs(found[0, k])
+        error = float(ball.rad()) + abs(float(rest))
+        if not (size == error == 0 or (size >= _LEAST and error <= _ERROR * size)):
+            return None
+    return found

@@ -1,0 +1,136 @@
+"""Numbers with 64 digits, against those with 32, and poses that only they round."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from flint import arb, ctx
+
+from gspcli import solve_batch
+from gspcli.catalogue.names import parse_type
+from gspcli.certification.equations.frames import OWN
+from gspcli.certification.poses.finer_numbers import FinerNumbers
+from gspcli.certification.poses.many_values import ValueProofs
+from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.numbers import Number
+from gspcli.geometry.quaternions import study_from_pose
+from gspcli.solver import solve
+from gspcli.solver.instances.generate import random_instance
+from gspcli.solver.many_poses import many_poses
+from gspcli.solver.starts.solved_starts import SolvedStarts
+from gspcli.solver.study_systems import side_choices
+from tools.special.realistic import machines
+
+TYPES = (
+    "DPP DPP DPP DPL DLP DLL",
+    "DPH DPH DHP DHP DPP DPP",
+    "DPP DPL DPH DHP ALL ALH",
+)
+#: A coupling whose complex poses are a hundred lengths away.
+COUPLING = 381
+
+
+def proofs_of(name):
+    instance, _ = random_instance(parse_type(name), np.random.default_rng(21), one_sided=True)
+    return instance, ValueProofs(instance, None)
+
+
+@pytest.mark.parametrize("name", TYPES)
+def test_the_first_32_digits_are_those_of_the_kernel(name):
+    _, proofs = proofs_of(name)
+    finer = proofs._finer
+    coefficients, weights = finer.equations
+    hessians, lows, _, _, own_weights, _ = proofs.numbers
+    places = [(i, j) for i in range(4) for j in range(i, 8) if i <= j]
+    order = sorted(places, key=lambda x: (x[1] >= 4, x))
+    for part, matrix in ((coefficients[0], hessians), (coefficients[1], lows)):
+        half = np.array([0.5 if i == j else 1.0 for i, j in order] + [0.5])
+        known = np.stack([matrix[:, i, j] for i, j in [*order, (4, 4)]], axis=1) * half
+        size = np.abs(hessians).max()
+        assert np.abs(part - known).max() <= 2.0**-50 * size
+    both = coefficients[0] + coefficients[1]
+    assert np.abs(both).max() > 0
+    assert weights[0] == pytest.approx(own_weights[0], rel=1e-15)
+
+
+@pytest.mark.parametrize("name", TYPES)
+def test_values_are_those_of_the_kernel(name):
+    instance, proofs = proofs_of(name)
+    (choice,) = side_choices(Arrangement.of(instance))
+    for rows in (None, Arrangement.of(instance).values[None]):
+        own = ValueProofs(instance, rows).values(choice[None], rows)[0, 0]
+        found = proofs._finer.values(choice, None if rows is None else rows[0])
+        assert found[0] == pytest.approx(own[0], rel=1e-15)
+        assert np.abs((found[0] - own[0]) + (found[1] - own[3])).max() <= 1e-28
+        assert (found[4] <= 2.0**-180).all()
+
+
+def test_a_number_with_many_bits_is_a_sum_of_four_doubles():
+    instance, _ = proofs_of(TYPES[0])
+    number = Number.of("1/3")
+    other = instance.with_values({0: number})
+    found = FinerNumbers(other, 1.0, [False] * 6).values(np.ones(6), None)
+    with ctx.workprec(400):
+        total = sum((arb(x) for x in found[:4, 0].tolist()), arb(0))
+        assert abs(total - arb(1) / 9) < arb(found[4, 0])
+        assert abs(total - arb(1) / 9) < arb(2) ** -200
+
+
+def coupling(rows=8):
+    return next(iter(machines(COUPLING + 1, rows=rows, begin=COUPLING)))
+
+
+def test_rows_with_nearly_dependent_equations_are_solved_together():
+    machine = coupling()
+    starts = SolvedStarts()
+    solve(machine.instance, starts=starts)
+    (answers,) = many_poses(machine.instance, machine.rows, seed=1, jobs=1, starts=starts)
+    assert not answers.alone
+    batch = solve_batch(machine.instance, machine.rows, starts=starts)
+    assert batch.complete.all()
+    assert batch.proved.all()
+    for k, row in enumerate(machine.rows[:3].tolist()):
+        values = {i: Number.of(Fraction(x)) for i, x in enumerate(row)}
+        alone = solve(machine.instance.with_values(values), starts=SolvedStarts())
+        assert batch.number[k] == alone.counts.found == 4
+        # Correct rounding: the same numbers.
+        there = {tuple(x.T.tolist()): x.R.tolist() for x in alone.solutions}
+        here = zip(batch.T[k].tolist(), batch.R[k].tolist(), strict=True)
+        assert {tuple(T): R for T, R in here} == there
+
+
+def test_a_value_that_errs_is_not_rounded(monkeypatch):
+    machine = coupling()
+    proofs = ValueProofs(machine.instance, None)
+    poses = solve(machine.instance, starts=SolvedStarts())
+    R, T = (np.array([getattr(x, name) for x in poses.solutions], complex) for name in "RT")
+    points = np.concatenate(study_from_pose(R, T), axis=-1)[None, None]
+    (choice,) = side_choices(Arrangement.of(machine.instance))
+    assert proofs.decide(choice[None], points, OWN).complete.all()
+    known = FinerNumbers.values
+
+    def doubtful(self, *given):
+        found = known(self, *given)
+        found[4] = 2.0**-70
+        return found
+
+    monkeypatch.setattr(FinerNumbers, "values", doubtful)
+    assert not proofs.decide(choice[None], points, OWN).complete.any()
+
+
+def test_all_digits_are_used(monkeypatch):
+    """Without the parts that 32 digits have not, other solutions are found, and not rounded."""
+    machine = coupling()
+    (choice,) = side_choices(Arrangement.of(machine.instance))
+    proofs = ValueProofs(machine.instance, None)
+    poses = solve(machine.instance, starts=SolvedStarts())
+    R, T = (np.array([getattr(x, name) for x in poses.solutions], complex) for name in "RT")
+    points = np.concatenate(study_from_pose(R, T), axis=-1)[None, None]
+    exact = proofs.decide(choice[None], points, OWN)
+    assert exact.complete.all()
+    # As if the numbers were known to a few digits.
+    proofs._finer.equations[0][1:] = 0
+    found = proofs.decide(choice[None], points, OWN)
+    assert exact.T.tobytes() != found.T.tobytes()
