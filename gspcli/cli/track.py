@@ -152,7 +152,7 @@ def command(
     only looked at where the rows are.
 
     With --require the worst row of each is named, and the exit code is 1 unless all rows keep it.
-    range, cone, condition and clearance must be kept between the rows, too, proved, unless
+    range, cone, condition, clearance and gap must be kept between the rows, too, proved, unless
     coordinates move.
 
     With --along poses x, y, z and the angles change linearly between the rows of a file of poses,

@@ -132,11 +132,11 @@ def _between(verdict: RequirementVerdict, done: FollowedTrack) -> RequirementVer
 
 
 def _bounded(verdict: RequirementVerdict, done: FollowedTrack) -> RequirementVerdict:
-    """Return a verdict on a condition number or a clearance that also holds between the rows."""
+    """Return a verdict on a condition, a clearance or a gap that also holds between the rows."""
     from gspcli.motion.paths.track_bounds import worst_between
 
     quantity, wanted = verdict.requirement.quantity, verdict.requirement.limit
-    found = worst_between(done.track, quantity, wanted, done.ways)
+    found = worst_between(done.track, quantity, wanted, done.ways, done.frame)
     if found is None:
         return replace(verdict, between=True)
     t = done.track.t[[found.row, found.row + 1]].tolist()

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from gspcli.cli.pose_options import PoseConventions
+    from gspcli.geometry.frames import PoseFrame
     from gspcli.geometry.instance import Instance
     from gspcli.motion import PoseFormat, Track, ValueTable
     from gspcli.motion.following.departures import Departure
@@ -37,12 +38,15 @@ class FollowedTrack:
         Where it is not at the poses of the file.
     ways
         The straight ways in position and angles from row to row; None for ways of values.
+    frame
+        The frame of the poses of these ways; None for the platform's own.
     """
 
     track: Track
     limits: list[LimitEvent]
     left: list[Departure]
     ways: PoseWays | None = None
+    frame: PoseFrame | None = None
 
 
 def along_values(
@@ -118,4 +122,4 @@ def along_poses(
             mode=int(first.modes[0]),
             steps=steps,
         )
-    return FollowedTrack(found.track, list(found.limits), [], found.ways)
+    return FollowedTrack(found.track, list(found.limits), [], found.ways, frame)

@@ -72,3 +72,38 @@ def test_rods_of_cranks_begin_at_their_arms(gsp, tmp_path):
     first, second = (table(run.out)[0] for run in (plain, driven))
     assert first["gap"] == second["gap"]
     assert first["gap_between"] == second["gap_between"]
+
+
+MOVES = """t,x,y,z,rx,ry,rz
+0,0,0,400,0,0,0
+1,30,0,410,5,0,0
+2,30,30,400,5,5,10
+"""
+
+
+@pytest.mark.parametrize("along", ["poses", "values"])
+def test_a_track_keeps_a_gap_between_its_rows(gsp, thick, tmp_path, along):
+    moves = tmp_path / "moves.csv"
+    moves.write_text(MOVES, encoding="utf-8")
+    words = ("track", thick, moves, "--euler", "ZYX", "--along", along, "--require")
+    run = gsp(*words, "gap>=22")
+    assert run.code == 0
+    assert "gap >= 22: met, between rows too; worst 23.412 in row 1 (t = 0)" in run.out
+    run = gsp(*words, "gap>=23.412044", "--format", "json")
+    assert run.code == 1
+    (judged,) = json.loads(run.out)["requirements"]
+    assert judged["between"]
+    assert not judged["met"]
+    assert judged["part"].startswith("between t = ")
+    run = gsp(*words, "gap>=22", "--pivot", "10,20,30")
+    assert (run.code, "met, between rows too" in run.out) == (0, True), run.err
+
+
+def test_a_track_of_a_machine_with_arms_keeps_a_gap_at_its_rows(gsp, tmp_path):
+    text = instance_files()["t-top-head"].read_text(encoding="utf-8").rstrip()
+    path, poses = tmp_path / "thick.yaml", tmp_path / "poses.csv"
+    path.write_text(f"{text}\nshapes: {{diameter: 0}}\n", encoding="utf-8")
+    poses.write_text("x,y,z,rx,ry,rz\n0,0,0.17,0,0,0\n0,0,0.171,0,0,1\n", encoding="utf-8")
+    run = gsp("track", path, poses, "--euler", "ZYX", "--require", "gap>=0.001")
+    assert run.code == 0, run.err
+    assert "gap >= 0.001: met; worst" in run.out

@@ -58,6 +58,7 @@ _BLOCKS = {
     ("gsp import --help", "robot.xml"): (ROOT / "docs" / "import.md", "xml", 0),
     ("docs/rotary.md", "moves.csv"): (ROOT / "docs" / "rotary.md", "csv", 0),
     ("docs/safe-files.md", "moves.csv"): (ROOT / "docs" / "safe-files.md", "csv", 0),
+    ("docs/collisions.md", "moves.csv"): (ROOT / "docs" / "collisions.md", "csv", 0),
     ("docs/nearest.md", "wanted.csv"): (ROOT / "docs" / "nearest.md", "text", 0),
     ("docs/mount.md", "path.csv"): (ROOT / "docs" / "mount.md", "text", 0),
 }

@@ -21,7 +21,9 @@ from numpy.typing import NDArray
 from gspcli.catalogue.kinds import DLL, Primitive
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
+from gspcli.geometry.quaternions import apply
 from gspcli.geometry.residuals import condition_numbers
+from gspcli.motion.collisions.compared import ComparedShapes
 from gspcli.motion.following.branch_follower import MovingPlatform
 from gspcli.motion.paths.condition_bounds import condition_bounds
 from gspcli.motion.paths.pose_ways import PoseWays
@@ -132,16 +134,39 @@ class PathRows:
 
     def condition_bounds(self) -> Array:
         """Bound the condition numbers on the ways between the rows, shape (r - 1,)."""
-        if isinstance(self.ways, PoseWays):
-            shifts, turns, geometry, T = self._on_ways(self.ways)
-        else:
-            shifts, turns, geometry, T = self._enclosed(self.ways.platform)
+        shifts, turns, geometry, T = self._near_rows()
         length = Arrangement.of(self.instance).length
         found = [
             condition_bounds(geometry, self.R[rows], T[rows], shifts[k], turns[k], length)
             for k, rows in enumerate((slice(None, -1), slice(1, None)))
         ]
         return np.maximum(*found)
+
+    def gap_bounds(self, compared: ComparedShapes) -> Array:
+        """Return proved lower bounds of the least gap on the ways between rows, shape (r - 1,).
+
+        Minus infinity where there is no bound.
+
+        Parameters
+        ----------
+        compared
+            The shapes of the instance.
+        """
+        shifts, turns, _, _ = self._near_rows()
+        centre = Arrangement.of(self.instance).platform_centre
+        places = self.T + apply(self.R, np.broadcast_to(centre, self.T.shape))
+        low = compared.bounds(self.R, self.T).low
+        found = []
+        for k, rows in enumerate((slice(None, -1), slice(1, None))):
+            with np.errstate(invalid="ignore"):
+                moves = compared.moves(shifts[k], turns[k], centre, places[rows])
+            found.append((low[rows] - moves).min(axis=1))
+        return np.asarray(np.nan_to_num(np.minimum(*found), nan=-np.inf, neginf=-np.inf))
+
+    def _near_rows(self) -> tuple[Array, Array, Arrangement, Array]:
+        if isinstance(self.ways, PoseWays):
+            return self._on_ways(self.ways)
+        return self._enclosed(self.ways.platform)
 
     def _on_ways(self, ways: PoseWays) -> tuple[Array, Array, Arrangement, Array]:
         """Return the same as `_enclosed` for straight ways in position and angles."""
