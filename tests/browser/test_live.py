@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import json
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -283,3 +284,35 @@ def test_what_changed_is_spoken(browser: Browser, live: Callable[..., Path]) -> 
     assert text(browser, "spoken").startswith(
         "12 ways to assemble it; none is missing; 28 poses, 12 real: proved; mode 16, condition "
     )
+
+
+def test_the_followed_mode_goes_home_along_a_proved_way(
+    browser: Browser, live: Callable[..., Path]
+) -> None:
+    opened(browser, live())
+    home, values = text(browser, "pose"), "[...document.querySelectorAll('#values input')]"
+    before = browser.run(f"{values}.map((one) => one.value)")
+    opened(browser, live(), "#1=320&4=420")
+    settle(browser)
+    assert text(browser, "pose") != home
+    browser.run("document.getElementById('way-home').click()")
+    assert "proved regular on the whole way" in text(browser, "event")
+    # It is on the way, not there at once.
+    assert text(browser, "pose") != home
+    browser.wait(f"{values}[0].value === {json.dumps(before[0])} && !location.hash")
+    settle(browser)
+    assert browser.run(f"{values}.map((one) => one.value)") == before
+    assert text(browser, "pose") == home
+    assert browser.messages == []
+
+
+def test_from_another_mode_no_way_home_is_claimed(
+    browser: Browser, live: Callable[..., Path]
+) -> None:
+    opened(browser, live(), "#mode=2")
+    settle(browser)
+    at = text(browser, "pose")
+    browser.run("document.getElementById('way-home').click()")
+    assert "no way home was found" in text(browser, "event")
+    settle(browser)
+    assert text(browser, "pose") == at

@@ -197,6 +197,7 @@ display.listen({
   ArrowLeft: () => beside(-1),
   ArrowRight: () => beside(1),
   h: () => motion.home(),
+  w: () => motion.goHome(),
   g: () => others(OTHERS[(OTHERS.indexOf(byId("others").value) + 1) % OTHERS.length]),
 });
 if (stage) {
@@ -212,6 +213,7 @@ if (stage) {
 showMeanings();
 explain(document);
 byId("home").addEventListener("click", () => motion.home());
+byId("way-home").addEventListener("click", () => motion.goHome());
 byId("reset").addEventListener("click", () => {
   motion.reset();
   stage?.look("reset");

@@ -42,7 +42,7 @@ export function carry({ kernel, length }, modes, from, to, poses, known = new Ma
 }
 
 /** Where a mode is at other values, if every part of the straight way there is proved; else null. */
-function proved(kernel, mode, from, to, halvings = HALVINGS) {
+export function proved(kernel, mode, from, to, halvings = HALVINGS) {
   const { status, R, T } = kernel.follow(mode.R, mode.T, from, to);
   if (status === 0) return { R, T };
   if (halvings === 0) return null;

@@ -13,6 +13,8 @@ const TIMES = 3;
 const REST = 80;
 /** Steps on which modes were lost or found are taken in parts, halved so often, where it is quick. */
 const PARTS = 2;
+/** Milliseconds that the way home takes in the picture. */
+const WAY = 1500;
 /** How far sliders of the pose go to each side, in sizes of the scene and degrees. */
 const SHIFT = 0.5;
 const TURN = 45;
@@ -100,14 +102,46 @@ export class Motion {
     this.want({ values });
   }
 
+  /** Bring the followed mode home along straight values, where that is proved; else it stays, and this is said. */
+  goHome() {
+    const { model } = this;
+    if (model.ahead) return;
+    const isProved = model.hasWayHome();
+    this.onShow({ way: isProved });
+    if (!isProved) return;
+    const from = model.values;
+    const to = model.start.values;
+    const began = performance.now();
+    const still = window.matchMedia("(prefers-reduced-motion: reduce)").matches;
+    const way = {};
+    const step = () => {
+      if (this.way !== way) return;
+      const t = still ? 1 : (performance.now() - began) / WAY;
+      if (t < 1) {
+        this.want({ values: from.map((x, i) => x + t * (to[i] - x)) });
+        this.way = way;
+        requestAnimationFrame(step);
+        return;
+      }
+      this.stop();
+      this.begun();
+      this.rebase();
+      this.onShow({ way: true });
+    };
+    this.way = way;
+    requestAnimationFrame(step);
+  }
+
   /** One move a frame, the last that was asked for. */
   want(target) {
+    this.way = null;
     if (!this.wanted) requestAnimationFrame(() => this.wanted && this.move());
     this.wanted = target;
   }
 
   /** Forget moves that were asked for and are not done. */
   stop() {
+    this.way = null;
     this.turn += 1;
     this.wanted = this.target = null;
     this.model.ahead = null;

@@ -36,8 +36,10 @@ export function noModeText({ complete, isPossible, real }, ahead) {
 }
 
 /** What happened in a move, in which `followed` was followed; empty if nothing did. */
-export function eventText({ met = [], gone = [], passed = null, followed = null, unreached = false }) {
+export function eventText({ met = [], gone = [], passed = null, followed = null, unreached = false, way = null }) {
   const said = [];
+  if (way === true) said.push("home along straight values: proved regular on the whole way");
+  if (way === false) said.push("no way home was found along straight values; Home jumps there");
   if (unreached) said.push("the motors cannot bring the rods to that pose");
   if (passed) said.push(`through a singular pose: from mode ${passed[0]} into mode ${passed[1]}`);
   if (met.length) {
