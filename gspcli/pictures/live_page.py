@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from html import escape
 from typing import Any
 
+from gspcli.geometry.frames import IDENTITY, PoseFrame
 from gspcli.pictures.live_numbers import live_module
 from gspcli.pictures.page import data, filled, parts
 from gspcli.pictures.projection import View
@@ -23,6 +24,7 @@ def live_page(
     view: View | None = None,
     *,
     names: bool = True,
+    frame: PoseFrame = IDENTITY,
 ) -> str:
     """Return the live page of a scene, a whole HTML document.
 
@@ -38,8 +40,23 @@ def live_page(
         From where it is seen first; a usual one if None.
     names
         Whether primitives and constraints are named at first.
+    frame
+        The frame in which sliders of the pose express it.
     """
     said = parts(scene, start, view, {"start": start, "names": names})
     if live["reservation"]:
         said["footer"] += escape(f" That no pose is missing is {live['reservation']}.")
-    return filled("live.html", {**said, "live": data(live), "module": live_module()})
+    content = data({**live, "frame": _expressed(frame)})
+    return filled("live.html", {**said, "live": content, "module": live_module()})
+
+
+def _expressed(frame: PoseFrame) -> dict[str, Any]:
+    """Return how sliders express poses: frames in both bodies, by rows, and what is said of it."""
+    what = frame.words or "poses of the platform in the base"
+    return {
+        **{
+            body: {"R": one.matrix.ravel().tolist(), "T": one.origin.tolist()}
+            for body, one in (("base", frame.of_base), ("platform", frame.of_platform))
+        },
+        "words": f"{what}; turns about its fixed axes x, y, z, one after the other (--euler xyz)",
+    }

@@ -103,7 +103,8 @@ def viewed(
     tracks, summary
         Of a page, as for `scene_of`.
     frame
-        Of a page, the frame in which poses are expressed beside the platform's own.
+        Of a page, the frame in which poses are expressed beside the platform's own. Sliders of a
+        live page move the pose there.
     """
     if fmt == _PAGE:
         scene = _expressed(scene_of(result, tracks, summary=summary), frame)
@@ -111,7 +112,7 @@ def viewed(
             from gspcli.pictures.live_numbers import live_numbers
             from gspcli.pictures.live_page import live_page
 
-            text = live_page(scene, live_numbers(result), start, view, names=names)
+            text = live_page(scene, live_numbers(result), start, view, names=names, frame=frame)
         else:
             text = page(
                 scene, start, _first_series(scene, tracks, result, start), view, names=names

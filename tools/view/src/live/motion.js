@@ -1,4 +1,5 @@
 // What moves the platform: sliders of values and of the pose, the map, the link; one move a frame.
+import { Expressed } from "./expressed.js";
 import { poseOf } from "./link.js";
 import { fromAngles, toAngles } from "./rotations.js";
 import { Sliders } from "./sliders.js";
@@ -37,6 +38,11 @@ export class Motion {
       name, title: live.titles[k], kind: live.kinds[k], unit: live.units[k], id: `value-${k + 1}`,
     });
     const rows = live.names ? live.names.map(motor) : scene.constraints.map(value);
+    this.expressed = new Expressed(live.frame);
+    const said = document.createElement("p");
+    said.className = "note";
+    said.textContent = live.frame.words;
+    byId("coordinates").append(said);
     this.sliders = {
       values: new Sliders(byId("values"), rows, (values) => this.goTo(values)),
       pose: new Sliders(byId("coordinates"), POSE.map(coordinate), (numbers) => this.want({ numbers })),
@@ -153,7 +159,8 @@ export class Motion {
     const { model, wanted } = this;
     if (model.ahead?.isOpening) this.stop();
     this.wanted = null;
-    const pose = wanted.numbers && { T: wanted.numbers.slice(0, 3), R: fromAngles(wanted.numbers.slice(3)) };
+    const pose = wanted.numbers
+      && this.expressed.to({ T: wanted.numbers.slice(0, 3), R: fromAngles(wanted.numbers.slice(3)) });
     const near = model.ahead?.values ?? model.values;
     const values = pose ? model.kernel.measure(pose.R, pose.T, near) : wanted.values;
     if (values === null) {
@@ -256,7 +263,8 @@ export class Motion {
   show(values, mode) {
     this.sliders.values.show(values);
     if (!mode || byId("coordinates").hidden) return;
-    const numbers = this.pose ?? [...mode.T, ...toAngles(mode.R)];
+    const { R, T } = this.expressed.from(mode);
+    const numbers = this.pose ?? [...T, ...toAngles(R)];
     const reach = (k) => (k < 3 ? SHIFT * this.scene.size : TURN);
     if (!this.pose || !this.middle) {
       this.middle = numbers;
