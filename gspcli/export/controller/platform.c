@@ -910,8 +910,8 @@ static void other_end(const geometry *g, const frame *f, int k, int on_base, dou
   for (i = 0; i < 3; ++i)
     r[i] = on_base ? -apart[i] : f->R[0][i] * apart[0] + f->R[1][i] * apart[1] + f->R[2][i] * apart[2];
 }
-#endif
 
+#endif
 #if HAS_BASE_CRANK || HAS_PLATFORM_CRANK
 /* The angle at which a rod reaches its crank, the nearer one to c: |r - A cos - B sin| = rod with r
  * from the centre; zero if there is none. */
@@ -930,8 +930,8 @@ static int crank_angle(const geometry *g, const frame *f, int k, double *c) {
   *c += fabs(a) < fabs(b) ? a : b;
   return 1;
 }
-#endif
 
+#endif
 #if HAS_BASE_SLIDE || HAS_PLATFORM_SLIDE
 /* How far a slide goes to where its rod reaches, the nearer one to c: |r - B c| = rod with r from the
  * stated point; zero if it does not reach. */

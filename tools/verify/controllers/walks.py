@@ -1,10 +1,11 @@
 """Verify that a controller's step never changes the branch in silence, and record it.
 
-    python -m tools.verify.controllers.walks [--steps 400000] [--jobs 2] [--work FOLDER]
+    python -m tools.verify.controllers.walks [NAME ...] [--steps 400000] [--jobs 2] [--work FOLDER]
         [--check [--sample N]]
 
-The programs that `gsp export --to c` writes for the machines of ``data/platforms`` and for one
-random platform each of `TYPES` types, all kinds among them, are compiled and walk: half of the
+The programs that `gsp export --to c` writes for the machines of ``data/platforms``, for two more
+with rails and arms (`RAILS`) and for one random platform each of `TYPES` types, all kinds among
+them, are compiled and walk: half of the
 walks through the values of poses that move smoothly about home, half straight away in a random
 direction of values, where most branches end in a fold. A step counts if the program says PROVED.
 What must hold:
@@ -14,20 +15,22 @@ What must hold:
   pose at each row;
 - of machines with cranks and slides, at all rows of all walks: Newton's method in steps an eighth
   as long, without proofs and from the same pose, comes to the same pose wherever it converges
-  quickly;
+  quickly, each rod is on the same knee there, and the inverse kinematics of the program gives the
+  numbers of the drives back;
 - at the last proved row of some walks the pose is one of all real poses that `gsp solve` finds.
 
 ``different`` and ``unsolved`` count what does not hold, and the exit code is then 1. ``beyond`` are
 proved steps that the judge did not reach. ``refused`` are the steps that the program refused
 although the judge followed the branch to their end. The record is
-``data/verification/controllers.csv``.
+``data/verification/controllers.csv``; with names only their rows are renewed.
 """
 
 from __future__ import annotations
 
+import csv
 import sys
 import tempfile
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import partial
 from pathlib import Path
 
@@ -42,6 +45,7 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.coordinates import coordinates
 from gspcli.geometry.drives import Drives
 from gspcli.geometry.instance import Instance
+from gspcli.geometry.primitives import Geometry, Point
 from gspcli.geometry.quaternions import rotation_from_quaternion, rotation_from_vector
 from gspcli.geometry.readings import values_of
 from gspcli.motion import MovingPlatform
@@ -50,19 +54,28 @@ from gspcli.solver.instances.generate import random_instance
 from tools.recording import ROOT, csv_text, sampled
 from tools.verify.campaigns import TaskRow, conclude, options, results
 from tools.verify.controllers.compiled import CompiledController, Walks, poses_of
+from tools.verify.driven_machines import machines
 
 Array = NDArray[np.float64]
 RECORD = ROOT / "data" / "verification" / "controllers.csv"
 PLATFORMS = ROOT / "data" / "platforms"
 TYPES = 50
+#: Machines with cranks and slides beside those of ``data/platforms``, without their ranges.
+RAILS = ("6-PUS", "mixed")
 #: Rows of a walk, and the size of a step in the values of poses: radians, and parts of the size.
 ROWS, STEP = 101, 0.01
+#: How much longer straight steps are of cranks and slides.
+MOTORS = 4
+#: How often the motions of walks are tried by half where cranks or slides do not reach.
+HALVINGS = 6
 #: How far poses move from home.
 FAR = 0.3
 #: Poses of a branch are the same if they differ by less, as R and as T by the size.
 SAME = 1e-6
 #: Of how many walks the last row is solved completely, and of how many a crank's are judged.
 SOLVED, CRANKED = 3, 4
+#: Below this transmission a drive is at a dead point: two knees are one there.
+DEAD = 1e-5
 #: Into how many parts a row is divided where Newton's method judges.
 SHORT = 8
 
@@ -94,9 +107,9 @@ class Row(TaskRow):
 
 def names() -> list[str]:
     """Return the machines, and the numbers of types evenly spread."""
-    machines = sorted(p.stem for p in PLATFORMS.glob("*.yaml"))
+    shipped = sorted(p.stem for p in PLATFORMS.glob("*.yaml"))
     count = len(list(all_types()))
-    return machines + [str(1 + k * (count - 1) // (TYPES - 1)) for k in range(TYPES)]
+    return [*shipped, *RAILS] + [str(1 + k * (count - 1) // (TYPES - 1)) for k in range(TYPES)]
 
 
 def platform(
@@ -105,12 +118,34 @@ def platform(
     """Return the platform of a name and a pose of it, parallel at a height if one is given."""
     if name.isdigit():
         return random_instance(type_by_number(int(name)), rng)
+    if name in RAILS:
+        made = machines()[name]()
+        return _unlimited(made.instance), (made.R, made.T)
     instance = gspcli.load(PLATFORMS / f"{name}.yaml")
     if home is not None:
         return instance, (np.eye(3), np.array([0.0, 0.0, home]))
     mode = gspcli.solve(instance).home
     assert mode is not None
     return instance, (mode.R, mode.T)
+
+
+def _unlimited(instance: Instance) -> Instance:
+    """Return a machine without ranges, so that its walks come to folds and dead points."""
+
+    def free(point: Geometry) -> Geometry:
+        if not isinstance(point, Point):
+            return point
+        if point.crank is not None:
+            return replace(point, crank=replace(point.crank, limits=None))
+        if point.slide is not None:
+            return replace(point, slide=replace(point.slide, limits=None))
+        return point
+
+    rows = [
+        replace(row, platform=free(row.platform), base=free(row.base), limits=None)
+        for row in instance.constraints
+    ]
+    return replace(instance, constraints=tuple(rows))
 
 
 def examine(steps: int, name: str) -> Row:
@@ -130,7 +165,7 @@ def examine(steps: int, name: str) -> Row:
     _count(row, found)
     if _motors(instance):
         _judge_motors(row, instance, values, found)
-        _judge_closely(row, instance, values, found)
+        _judge_closely(row, instance, program, values, found)
     else:
         _judge(row, instance, values, found)
         _solve(row, instance, values, found)
@@ -159,23 +194,36 @@ def walk_values(
     s = np.arange(ROWS) * STEP / FAR
     waves = np.stack([np.sin(s), 1 - np.cos(s), np.sin(2 * s) / 2], axis=0)
     twists = FAR * np.einsum("nwk,wr->nrk", weights, waves)
-    rotations = rotation_from_vector(twists[..., :3]) @ R
-    places = T + size * twists[..., 3:]
-    poses = poses_of(rotations, places)
-    values = np.empty((walks, ROWS, 6))
-    near = None
-    for k in range(ROWS):
-        values[:, k], status = program.inverse(poses[:, k], near)
-        near = values[:, k]
-        # Where a crank does not reach the walk stays.
-        stuck = status != 0
-        values[stuck, k] = values[stuck, max(k - 1, 0)]
+    motors = bool(_motors(instance))
+    for _ in range(HALVINGS if motors else 1):
+        poses = poses_of(rotation_from_vector(twists[..., :3]) @ R, T + size * twists[..., 3:])
+        values, stuck = _values_along(program, poses)
+        # Arms and rails that are short reach less.
+        twists[stuck] /= 2
     away = slice(None, None, 2)
-    pace = np.linalg.norm(np.diff(values, axis=1), axis=2).mean()
+    steps = np.diff(values, axis=1)
+    pace = np.linalg.norm(steps, axis=2).mean()
     direction = rng.normal(size=(len(values[away]), 1, 6))
     direction *= pace / np.linalg.norm(direction, axis=2, keepdims=True)
+    if motors:
+        # Angles of cranks and ways of slides have different units; and folds are farther away.
+        direction *= MOTORS * 6**0.5 * np.abs(steps).mean(axis=(0, 1)) / pace
     values[away] = values[away, :1] + np.arange(ROWS)[:, None] * direction
     return _in_ranges(instance, values), poses[:, 0]
+
+
+def _values_along(program: CompiledController, poses: Array) -> tuple[Array, NDArray[np.bool_]]:
+    """Return the values of poses, and which walks stay where a crank or slide does not reach."""
+    walks, rows, _ = poses.shape
+    values, ever = np.empty((walks, rows, 6)), np.zeros(walks, bool)
+    near = None
+    for k in range(rows):
+        values[:, k], status = program.inverse(poses[:, k], near)
+        near = values[:, k]
+        stuck = status != 0
+        values[stuck, k] = values[stuck, max(k - 1, 0)]
+        ever |= stuck
+    return values, ever
 
 
 def _in_ranges(instance: Instance, values: Array) -> Array:
@@ -234,7 +282,9 @@ def _compare(row: Row, size: float, poses: Array, R: Array, T: Array) -> None:
     row.different += int(((turned > SAME) | (moved > SAME * size)).sum())
 
 
-def _judge_closely(row: Row, instance: Instance, values: Array, found: Walks) -> None:
+def _judge_closely(
+    row: Row, instance: Instance, program: CompiledController, values: Array, found: Walks
+) -> None:
     """Compare all walks with Newton's method in short steps, where it is certain of itself."""
     drives, size = Drives.of(instance), Arrangement.of(instance).length
     q = drives.from_readings(values)
@@ -264,20 +314,49 @@ def _judge_closely(row: Row, instance: Instance, values: Array, found: Walks) ->
         poses = found.poses[here, k]
         turned = np.abs(rotation_from_quaternion(poses[:, 3:]) - R[here]).max(axis=(1, 2))
         away = np.linalg.norm(poses[:, :3] - T[here], axis=1)
+        elsewhere = (turned > SAME) | (away > SAME * size)
+        near = drives.gains(R[here], T[here], q[here, k])
+        elsewhere |= _on_another_knee(drives, program, poses, values[here, k], near)
         row.judged += len(here)
-        row.different += int(((turned > SAME) | (away > SAME * size)).sum())
+        row.different += int(elsewhere.sum())
+
+
+def _on_another_knee(
+    drives: Drives, program: CompiledController, poses: Array, values: Array, near: Array
+) -> NDArray[np.bool_]:
+    """Return where a rod is on another knee, or the inverse kinematics not the values.
+
+    Parameters
+    ----------
+    poses, values
+        Of the program, shapes (n, 7) and (n, 6).
+    near
+        The gains at the poses of the judge, shape (n, 6).
+    """
+    q = drives.from_readings(values)
+    own = drives.gains(rotation_from_quaternion(poses[:, 3:]), poses[:, :3], q)
+    sure = drives.transmission(near) > DEAD
+    wrong = ((np.sign(own) != np.sign(near)) & sure).any(axis=1)
+    back, status = program.inverse(poses, values)
+    sizes = np.where([sort == "crank" for sort in drives.sorts], 1.0, np.nanmax(drives.rods))
+    off = (np.abs(drives.from_readings(back) - q) / sizes).max(axis=1)
+    wrong |= ((status != 0) | (off > SAME)) & sure.all(axis=1)
+    return np.asarray(wrong, bool)
 
 
 def _judge_motors(row: Row, instance: Instance, values: Array, found: Walks) -> None:
     """Compare some walks with branches along which the cranks and slides move."""
+    drives = Drives.of(instance)
     rods = np.array([one.value.value for one in instance.constraints])
+    moved = drives.moved[drives.index]
     for walk in range(0, min(2 * CRANKED, len(values))):
         proved = int((found.status[walk, 1:] == 0).sum())
         if not proved:
             continue
-        moving = dict(zip(_motors(instance), values[walk, : proved + 1].T, strict=True))
+        numbers = values[walk, : proved + 1]
+        moving = {name: numbers[:, drives.names.index(name)] for name in _motors(instance)}
         start = found.poses[walk, 0]
-        rows = np.tile(rods, (proved + 1, 1))
+        rows = np.where(moved, rods, numbers)
         near = rotation_from_quaternion(start[3:]), start[:3]
         track = gspcli.track(instance, rows, coordinates=moving, near=near)
         reached = int((~np.isnan(track.T[0, 1:, 0])).sum())
@@ -313,9 +392,16 @@ def _solve(row: Row, instance: Instance, values: Array, found: Walks) -> None:
 def main() -> int:
     """Write the record, or check it."""
     line = options(__doc__)
+    line.add_argument("names", nargs="*", metavar="NAME", help="only these platforms")
     line.add_argument("--steps", type=int, default=400_000, help="about so many for each platform")
     arguments = line.parse_args()
-    chosen = sampled(names(), arguments.sample) if arguments.check else names()
+    everything = names()
+    unknown = sorted({*arguments.names} - {*everything})
+    if unknown:
+        line.error(f"no such platform: {', '.join(unknown)}")
+    chosen = [name for name in everything if not arguments.names or name in arguments.names]
+    if arguments.check:
+        chosen = sampled(chosen, arguments.sample)
     rows = results(
         chosen,
         partial(examine, arguments.steps),
@@ -325,7 +411,11 @@ def main() -> int:
         label="walks",
     )
     wrong = [f"{row.name}: {row.problems} problems" for row in rows if row.problems]
-    text = csv_text([asdict(row) for row in rows])
+    records = {row.name: asdict(row) for row in rows}
+    if arguments.names and not arguments.check:
+        with RECORD.open(encoding="utf-8", newline="") as file:
+            records = {**{row["name"]: row for row in csv.DictReader(file)}, **records}
+    text = csv_text([records[name] for name in everything if name in records])
     proved = sum(row.proved for row in rows)
     summary = f"{proved} proved steps of {len(rows)} platforms, no silent change of branch"
     return conclude(RECORD, text, wrong, summary, check=arguments.check)
