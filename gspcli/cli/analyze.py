@@ -101,28 +101,33 @@ def command(
 ) -> None:
     """Analyze assembly modes: screws, Jacobian matrix, forces, stiffness and accuracy.
 
-    Without --mode or --pose there is one line for each real pose, or for each row of ROWS: a file
-    of poses as `gsp measure` takes it, or of values as `gsp track` does, along which the modes are
-    followed. For one pose, as with --mode home, or of home with --part: the wrench of each
-    constraint, a force along an axis with a pitch, or a couple for angles; the derivatives of the
-    values by a twist (rotation in radians about the axes through the point, velocity of the point)
-    and their inverse; singular values and manipulability of the matrix with lengths divided by the
-    stated length, and the condition number that `gsp solve` gives. With cranks or slides in SPEC
-    also where they are, and their transmission: how much of their motion acts along their rods.
+    Without options there is one line for each real pose of SPEC. ROWS gives one line for each
+    of its rows instead. It is a file of poses as `gsp measure` takes it, or a file of values as
+    `gsp track` takes it, along which the modes are followed. Poses of files and --pose need not
+    be modes of SPEC.
 
-    With --load the forces in the constraints (positive: it pushes towards a greater value) and
-    moments for angles, and the torques of cranks and forces of slides that hold it; with
-    --stiffness that of the platform; with --tolerance (or tolerance: in SPEC) the largest errors
-    of the pose: exact to first order, with a proved bound that includes second order, and root
-    mean squares for independent errors. With --geometry-tolerance those when the points, lines and
-    planes are not quite where SPEC says: largest ones and root mean squares, exact to first order.
-    Of many poses there is a column for each: the largest force, the least stiffness of the point,
-    the largest errors of the point.
+    One pose is shown in detail: that of --mode or --pose, or home with --part. A table has the
+    wrench of each constraint: a force along an axis with a pitch, or a couple for angles.
+    Others have the Jacobian matrix, the derivatives of the values by a twist, and its inverse.
+    A twist is a rotation in radians about the axes through the point, and the velocity of the
+    point. Below are the singular values and the manipulability of the matrix, its lengths
+    divided by the stated length, and the condition number of `gsp solve`. With cranks or slides
+    in SPEC their places are shown, and their transmission: the part of their motion that acts
+    along their rods.
 
-    With --require, as 'range, cone, condition<=50, force<=200', the worst row of each is named and
-    the exit code is 1 unless all keep it; range, cone, condition, clearance and pose-clearance are
-    always known, transmission with cranks or slides, force, moment and torque with --load,
-    stiffness with --stiffness, error with --tolerance.
+    --load gives the forces in the constraints that balance it, moments for angles, and the
+    torques of cranks and forces of slides. A positive force pushes towards a greater value.
+    --stiffness gives the stiffness of the platform. --tolerance, or tolerance: in SPEC, gives
+    the largest errors of the pose, exact to first order, a proved bound that includes second
+    order, and root mean squares for independent errors. --geometry-tolerance gives the errors
+    that inaccurate points, lines and planes cause, largest and root mean square, exact to first
+    order. Where there are many poses each of these is one column: the largest force, the least
+    stiffness of the point, its largest errors.
+
+    --require names the worst row of each requirement, and the exit code is 1 unless all rows
+    keep all of them. Always known are range, cone, condition, clearance and pose-clearance. The
+    others need something: transmission needs cranks or slides, force, moment and torque need
+    --load, stiffness needs --stiffness, and error needs --tolerance.
 
     \b
     Examples:

@@ -128,37 +128,43 @@ def command(
 ) -> None:
     """Find the true numbers of a platform from measured values and poses.
 
-    SPEC is the platform as stated, DATA a CSV file with a heading, - for standard input. Columns of
-    DATA, in which any cell may be blank: 1 ... 6 are what the machine reads for the constraints
-    (DPH, DHP signed); x, y, z and a rotation the pose as `gsp measure` reads it; P1.x, P1.y, P1.z
-    the measured position of the point P1 of the platform (or of a --target); incl.x, incl.y the
-    angles of the platform's axes x and y above the horizontal; crank.B1, slide.B1 what a drive
-    reads; and t a name of the row.
+    The coordinates of all points, lines and planes and the offsets of the values are found by
+    least squares, together with the poses, since everything that is measured has errors. The
+    table has the stated number, the one found, its standard deviation sigma, and the change
+    over sigma.
 
-    All of it has errors, poses too: the coordinates of all points, lines and planes and the offsets
-    of the values are found by least squares together with the poses. What DATA does not
-    tell is refused (exit code 4), in words, with what to measure. The table has what is stated,
-    what was found, its standard deviation sigma, and the change over sigma; chi-squared should
-    be near its degrees of freedom if --sigma is right. Without --sigma the scatter of DATA says how
-    large the noise is. With --sigma position=0 --sigma rotation=0 poses are exact.
+    SPEC is the platform as stated, DATA a CSV file with a heading, - for standard input. Any
+    cell of DATA may be blank. Its columns are:
 
-    DATA that does not fit the machine has its verdict in the first line, with the mistake that it
-    probably is: a unit, columns that are exchanged, rotations that are transposed. Then the exit
-    code is 1 and no instance file is written, unless --accept is given.
+    \b
+      1 ... 6             what the machine reads (distances to planes signed)
+      x, y, z, rotation   the pose as `gsp measure` reads it
+      P1.x, P1.y, P1.z    the position of point P1, or of a --target
+      incl.x, incl.y      angles of the platform's axes x, y above the horizontal
+      crank.B1, slide.B1  what a drive reads
+      t                   a name of the row
 
-    With -o FILE.yaml the result is an instance file with `offset` and `scale` at constraints, which
-    every command honours; JSON has the covariance; a picture shows the residuals.
+    --sigma states the errors of what is measured; chi-squared should then be near its degrees
+    of freedom. Without --sigma the scatter of DATA gives them. With --sigma position=0 --sigma
+    rotation=0 poses are exact. Numbers that DATA does not determine are refused with exit code
+    4; the message says what to measure.
 
-    With --plan N nothing is fitted but the geometry that is known so far: N poses within ranges and
-    cones (and --require) are chosen so that their measurement tells most (D-optimal), with what
-    will be known then.
-    Where cranks or slides drive the machine the plan has their readings.
+    If DATA does not fit the machine, the first line says so, with the mistake that it probably
+    is: a unit, columns that are exchanged, rotations that are transposed. Then the exit code is
+    1 and no instance file is written, unless --accept is given.
 
-    With --from LOG there is no file to start from: LOG has the columns 1 ... 6 (lengths of legs
-    from joint to joint), x y z and a rotation, of at least 18 poses. The order, sense and unit of
-    angles and the units of lengths are found by trying, and it is said how well they fit, and which
-    others fit as well. --estimate offsets finds a constant that each leg lacks, too. The frame of
-    the platform begins at the point whose position LOG has, unless --pivot says where that is.
+    With -o FILE.yaml the result is an instance file with `offset` and `scale` at constraints,
+    which every command honours. JSON has the covariance; a picture shows the residuals.
+
+    --plan N fits nothing. It chooses the N poses within ranges and cones (and --require) whose
+    measurement tells most (D-optimal), with what will be known then. Where cranks or slides
+    drive the machine the plan has their readings.
+
+    --from LOG needs no SPEC. LOG has the columns 1 ... 6 (lengths of legs from joint to joint),
+    x y z and a rotation, of at least 18 poses. Order, sense and unit of angles and units of
+    lengths are found by trying; the output says how well they fit, and which others fit as
+    well. --estimate offsets also finds a constant that each leg lacks. The frame of the
+    platform begins at the point whose position LOG has, unless --pivot says where that is.
 
     \b
     Examples:

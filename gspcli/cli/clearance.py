@@ -61,25 +61,27 @@ def command(
     """Bound how far values, or the pose, may change before a mode meets a singularity.
 
     A clearance of r means that every value may change by r times its weight, all at once and in
-    any combination, and the mode exists all the while and is not singular. The weight is half the
-    range of the constraint, if each has one in SPEC; else 1 in the unit of the value.
+    any combination, and the mode exists all the while and is not singular. The weight is half
+    the range of the constraint, if each has one in SPEC; else 1 in the unit of the value.
 
-    The lower bound is proved for the whole box of values. The upper bound is a proved fold of the
-    same mode, the nearest one found, with the values at which it is; or where a value reaches the
-    end of its range, as a distance that becomes zero: beyond it there are no poses.
+    The lower bound is proved for the whole box of values. The upper bound is the nearest fold
+    of the same mode that was found; it is proved, and its values are shown. It may also be
+    where a value reaches the end of what is possible, as a distance that becomes zero: beyond
+    it there are no poses.
 
-    With --of drives, of machines with cranks or slides: how far all drives may move, in half their
-    ranges or in degrees and lengths. It is proved up to where the pose is not singular, and up to
-    where no drive comes to a dead point, so that all keep their knees. The nearest fold and the
-    nearest dead point that were found are told, too: they are not proved.
+    One row is shown, for the home mode; with --all-modes one for each real pose. ROWS gives one
+    for each of its rows. It is a file of poses as `gsp measure` takes it, or of values as `gsp
+    track` takes it, along which all modes are followed.
 
-    The home mode is looked at, with --all-modes each real pose; or each row of ROWS: a file of
-    poses as `gsp measure` takes it, or of values as `gsp track` does, along which all modes are
-    followed.
+    --of drives, for machines with cranks or slides, bounds how far all drives may move: in half
+    their ranges, or in degrees and lengths. Two bounds are proved: no pose is singular within
+    the first, and no drive comes to a dead point within the second, so that all keep their
+    knees. The nearest fold and the nearest dead point that were found are shown; they are not
+    proved.
 
-    With --of pose: how far the platform may move, whatever the values, before the six screws
-    become dependent. Distances of poses are root mean squares of the displacements of the
-    platform's points. The lower bound is proved for all poses within; the upper bound is that of
+    --of pose bounds how far the platform may move, for any values, before the six screws become
+    dependent. Distances of poses are root mean squares of the displacements of the platform's
+    points. The lower bound is proved for all poses within. The upper bound is the distance of
     the nearest singular pose found, where the determinant is proved to change its sign.
 
     \b

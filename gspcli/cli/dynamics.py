@@ -105,31 +105,35 @@ def command(
 ) -> None:
     """Compute forces of the drives along a motion, motions under forces, natural frequencies.
 
-    SPEC states the masses under dynamics: (docs/dynamics.md). ROWS is a CSV file of poses as `gsp
-    measure` takes it, or of values as `gsp track` does, along which one mode is followed; one of
-    them may be - for standard input. With a column t, in seconds, the platform moves along quintic
-    splines through the rows. Or the rows say how it moves: wx wy wz vx vy vz, its angular velocity
-    and the velocity of the point x y z in the axes of the base, and alphax alphay alphaz ax ay az,
-    their derivatives; for values v1 ... v6 and a1 ... a6; per second, in the units of SPEC. Without
-    t it stands still at each row. Without ROWS there is one row for each real pose of SPEC.
+    Each row has the forces of the six drives in N (moments in N m for angles), and the power of
+    all in W. A force is positive if the drive pushes towards a greater value. The worst row and
+    drive are named. With cranks or slides each row also has their torques in N m
+    (torque.crank.B1) and forces in N (torque.slide.B1), with the weights of arms and carriages;
+    F1 ... F6 are then the forces along the rods. A singular pose has no forces: such rows are
+    named, and the exit code is 4.
 
-    Each row has the forces of the six drives in N (moments in N m for angles), positive if the
-    drive pushes towards a greater value, and the power of all in W. The worst row and drive are
-    named. At a singular pose there is no force; such rows are named, and the exit code is 4. With
-    cranks or slides each row also has what these must do, torque.crank.B1 in N m or
-    torque.slide.B1 in N, with the weights of arms and carriages; F1 ... F6 act along the rods.
+    SPEC states the masses under dynamics: (docs/dynamics.md). ROWS is a CSV file of poses as
+    `gsp measure` takes it, or of values as `gsp track` takes it, along which one mode is
+    followed. One of the files may be - for standard input. Without ROWS there is one row for
+    each real pose of SPEC.
 
-    With --forward the platform is let go at home (or --pose, --mode) under given forces. Each row
-    is a pose with velocities and accelerations, as this command reads them, and energies in J. The
-    exit code is 4 if the motion cannot be followed to the end.
+    A column t, in seconds, makes the rows a motion: the platform moves along quintic splines
+    through them. Without t the platform stands still at each row, unless columns state its
+    motion. For poses wx wy wz is the angular velocity, and vx vy vz the velocity of the point x
+    y z, in the axes of the base. Their derivatives are alphax alphay alphaz ax ay az. For
+    values these are v1 ... v6 and a1 ... a6. All are per second, in the units of SPEC.
 
-    With --modes the platform hangs on springs, its drives: six natural frequencies in Hz, negative
-    where the pose is not stable, with geometric stiffness by the weights. Of one pose also how the
-    platform moves in each mode.
+    --forward computes how the platform moves under given forces, from home, --pose or --mode.
+    Each row is a pose with velocities and accelerations, as this command reads them, and
+    energies in J. The exit code is 4 if the motion cannot be followed to the end.
 
-    With --require the worst row is named, and the exit code is 1 unless all rows keep it: force,
-    moment, torque, power; with --modes frequency; range, cone, condition and clearance as `gsp
-    measure`.
+    --modes gives the six natural frequencies in Hz of the platform on its drives as springs,
+    with the geometric stiffness of the weights. A frequency is negative where the pose is not
+    stable. For one pose the shape of each vibration is shown, too.
+
+    --require names the worst row of each requirement, and the exit code is 1 unless all rows
+    keep all of them: force, moment, torque, power; with --modes frequency; range, cone,
+    condition and clearance as for `gsp measure`.
 
     \b
     Examples:

@@ -75,34 +75,37 @@ def command(
 ) -> None:
     """Measure the values of constraints at given poses (inverse kinematics).
 
+    Each pose gives one row: the distances and angles of SPEC, in its units and order. Distances
+    to planes (DPH, DHP) are signed: positive on the side to which the normal points. The values
+    that SPEC states are not used.
+
     SPEC is an instance file, POSES a CSV file with a heading, or what `gsp solve --format json`
-    prints; one of them may be - for standard input. Columns of POSES: x, y, z and one of
-    qw, qx, qy, qz (a quaternion of any length), rx, ry, rz (with --euler, in the angle unit of
-    SPEC) or r11 ... r33 (by rows), for x_base = R x_platform + T; and perhaps t. Headings of other
-    programs are read where they have one meaning: X [mm], Roll, Pitch, Yaw, Time; and decimals with
-    a comma between semicolons. A column that is not known is a mistake; --ignore leaves it out.
+    prints; one of them may be - for standard input. Columns of POSES are x, y, z, a rotation
+    and perhaps t, for x_base = R x_platform + T. The rotation is qw, qx, qy, qz (a quaternion
+    of any length), rx, ry, rz (with --euler, in the angle unit of SPEC) or r11 ... r33 (by
+    rows). Headings of other programs are read where they have one meaning: X [mm], Roll, Pitch,
+    Yaw, Time. Decimals may have a comma if columns are separated by semicolons. An unknown
+    column is a mistake; --ignore leaves it out.
 
-    Each pose is one row with the distances and angles in the units and the order of SPEC. Distances
-    to planes (DPH, DHP) are signed: positive on the side to which the normal points. The values of
-    SPEC itself are not used.
+    --drives gives the places of the motors instead: the angle of each crank and the place of
+    each slide, from where its point is stated. A constraint without a motor has its value. The
+    rods keep the lengths of SPEC. Where two angles or places reach the pose, the one on the
+    side of home is taken. Without a home it is the one nearer to zero at the first pose. The
+    column transmission is the least part of a motor's motion that acts along its rod. `gsp
+    track` takes these columns. --cranks gives the cranks only.
 
-    With --drives the columns are what the motors are at: the angle of a crank, the place of a
-    slide, each from where its point is stated, and the value of any other constraint; the rods of
-    SPEC keep their lengths. Of two angles or places the one on the side of home is taken, without
-    a home that nearer to zero at the first pose. transmission is the least part of a motor's motion
-    that acts along its rod. `gsp track` takes these columns. --cranks has the cranks only.
+    If SPEC states shapes of its legs, each row has the least gap between two of them, or
+    between a leg and a body, and names the two. A negative gap is an overlap.
 
-    If SPEC states shapes of its legs, each row has the least gap between two of them, or between a
-    leg and a body, and names the two. A negative gap is an overlap.
-
-    With --nearest each row is the nearest pose that was found within all ranges and cones, with its
-    values and the limits that it meets. The platform goes there from home, then from row to row.
-    The pose is proved to keep the limits, and so is a straight way to it, without a singular pose.
+    --nearest gives the nearest pose that was found within all ranges and cones, with its values
+    and the limits that it meets. The platform goes there from home, then from row to row. The
+    pose is proved to keep the limits, and so is a straight way to it, without a singular pose.
     The distance adds the squares of the shift and of the turn times the platform's size.
 
-    With --require the worst row is named, and the exit code is 1 unless all rows keep it: range (as
-    the share that a value or drive takes of its range, 1 at its ends), cone (likewise), condition,
-    transmission of cranks and slides, gap, clearance and pose-clearance, which become columns.
+    --require names the worst row of each requirement, and the exit code is 1 unless all rows
+    keep all of them. Of a range or cone the number is a share: 1 is the end of a range or the
+    edge of a cone. condition, transmission of cranks and slides, gap, clearance and
+    pose-clearance are known, too. Each becomes a column.
 
     \b
     Examples:

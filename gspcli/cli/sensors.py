@@ -110,16 +110,17 @@ def command(
 ) -> None:
     """Say which one more sensor tells the assembly modes of a platform apart.
 
-    All real modes are found, and what each sensor would read at them: one more leg between joints,
-    or to a point above either body, a coordinate of the platform, an angle of a joint, an
-    inclinometer. What counts is the pair of modes that it tells apart worst, in standard
-    deviations of the sensor. If none suffices, the best two together are named.
+    All real modes are found, and the reading of each possible sensor at each of them. Sensors
+    are one more leg between joints, or to a point above either body, a coordinate of the
+    platform, an angle of a joint, and an inclinometer. A sensor is judged by the two modes
+    whose readings are nearest, in standard deviations of the sensor. If no sensor suffices, the
+    best two together are named.
 
-    Modes that are mirror images are found from the exact numbers: with the joints of either body in
-    a plane, no leg between the planes ever tells them apart. What two modes read is never far
-    apart near a fold, where they meet: no sensor suffices there, which is said, too.
+    Modes that are mirror images are found from the exact numbers: if the joints of either body
+    lie in a plane, no leg between the planes tells them apart. Near a fold, where two modes
+    meet, their readings are nearly equal: no sensor suffices there, and the output says so.
 
-    The reading of the sensor then says which mode is meant: gsp solve SPEC --reading.
+    With the sensor, gsp solve SPEC --reading says which mode its reading means.
 
     Exit codes: 0 done (that nothing suffices is an answer, too); 2 bad input; 3 the poses are
     infinitely many; 4 some poses could not be found.

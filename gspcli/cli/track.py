@@ -125,42 +125,44 @@ def command(
 ) -> None:
     """Follow assembly modes while the values change, and prove that none jumps.
 
-    SPEC is an instance file, VALUES a CSV file with a heading: columns 1 to 6 (those left out keep
-    the value of SPEC), and perhaps t; or a file of poses as `gsp measure` takes it, which is
-    measured. One of them may be - for standard input. The values change linearly between rows;
-    distances to planes (DPH, DHP) are signed.
+    Each row of the output is one mode at one row of VALUES: position and unit quaternion of the
+    platform (x_base = R x_platform + T) and the condition number. Between rows it is proved
+    that the mode is the only one near, so that it cannot be mistaken for another. Where two
+    modes meet and vanish (a fold), t is proved to ten digits or more. Events between rows are
+    printed on standard error, and in JSON under events.
 
-    Not only values move: columns base.NAME.x, platform.NAME.y, base.NAME.direction.z and
-    base.NAME.normal.x are coordinates of a point, line or plane; crank.NAME is the angle of a
-    crank and slide.NAME the place of a slide, if SPEC states them. They are linear between rows,
-    too: the point of a crank moves on its circle. Of a file of poses cranks and slides are at what
-    `gsp measure --drives` gives, and the rods keep their lengths. It is told where they leave their
-    ranges, and between which rows a mode passes a dead point.
+    SPEC is an instance file, VALUES a CSV file with a heading: columns 1 to 6, and perhaps t.
+    Columns that are left out keep the value of SPEC. VALUES may also be a file of poses as `gsp
+    measure` takes it, which is measured. One of the files may be - for standard input. The
+    values change linearly between rows; distances to planes (DPH, DHP) are signed.
 
-    All real poses at the first row are followed; of a file of poses the mode of these poses, unless
-    with --all-modes or --complete. Modes have the numbers of `gsp solve SPEC`. If the first row is
-    elsewhere, they are carried along: followed, proved, from the values of SPEC to the first row.
-    Those that are not reached so are new, and numbered on. Each row of the output is one mode at
-    one row of VALUES: position and unit quaternion of the platform
-    (x_base = R x_platform + T) and the condition number. It is proved for every part between the
-    rows that the mode is the only one near, so that it cannot be mistaken for another. Where
-    a mode meets another and both vanish (a fold), t is proved to ten digits or more. What happens
-    between rows is told on standard error, or under events in JSON.
+    Other columns move the machine itself. Coordinates of points, lines and planes are
+    base.NAME.x, platform.NAME.y, base.NAME.direction.z and base.NAME.normal.x. The column
+    crank.NAME is the angle of a crank, slide.NAME the place of a slide, if SPEC states them.
+    They change linearly, too: the point of a crank moves on its circle. In a file of poses,
+    cranks and slides are where `gsp measure --drives` has them, and the rods keep their
+    lengths. Events are where they leave their ranges, and between which rows a mode passes a
+    dead point.
 
-    Where values leave their ranges and legs the cones of their joints (`range`, `cone` in SPEC) is
-    told, too. It is proved for all that is between rows; without proof (--no-certify) cones are
-    only looked at where the rows are.
+    All real poses at the first row are followed. In a file of poses it is the mode of these
+    poses, unless --all-modes or --complete is given. Modes have the numbers of `gsp solve
+    SPEC`. If the first row differs from SPEC, the modes are followed from the values of SPEC to
+    the first row, proved; modes that are not reached so are new, and have the next numbers.
 
-    With --require the worst row of each is named, and the exit code is 1 unless all rows keep it.
-    range, cone, condition, clearance and gap must be kept between the rows, too, proved, unless
-    coordinates move.
+    Events are also where values leave their ranges, and legs the cones of their joints
+    (`range`, `cone` in SPEC). They are proved for all poses between rows; with --no-certify
+    cones are checked at the rows only.
 
-    With --along poses x, y, z and the angles change linearly between the rows of a file of poses,
-    as a controller with six axes moves them: rx, ry, rz in the order of --euler, ZYX without it,
-    each the shorter way round. It is proved that no pose on the way is singular.
+    --require names the worst row of each requirement, and the exit code is 1 unless all rows
+    keep all of them. Of these, range, cone, condition, clearance and gap must hold between the
+    rows, too, proved, unless coordinates move.
 
-    The exit code is 4 if a mode ends before the last row, unless with --allow-loss. It is also 4 if
-    a mode that is followed along a file of poses is not at the pose of a row.
+    --along poses changes x, y, z and the angles linearly between the rows of a file of poses,
+    as a controller with six axes does. The angles are rx, ry, rz in the order of --euler, ZYX
+    by default, each the shorter way round. It is proved that no pose on the way is singular.
+
+    The exit code is 4 if a mode ends before the last row, unless --allow-loss is given. It is
+    also 4 if a mode that is followed along a file of poses is not at the pose of a row.
 
     \b
     Examples:

@@ -116,23 +116,25 @@ def command(
 ) -> None:
     """Show what a platform can reach: travel of each axis, positions, orientations.
 
-    A pose can be reached if each value is in the range and each leg in the cones that SPEC states.
-    Without --over, --orientation or --position the travel of each axis is shown: how far it goes
-    down and up from home while the other axes stay, to the last digit proved, and which limits
-    stop it. x, y, z are the position of the pivot, rx, ry, rz turns about axes through it that are
-    parallel to those of the base.
+    A pose can be reached if each value is in its range, and each leg in the cones that SPEC
+    states.
 
-    --orientation gives the volume of the positions at an orientation (x,y,z vary), --position that
-    of the orientations at a position (rx,ry,rz vary, from home, in the order of --euler or ZYX; a
-    share of all rotations), --over that of any of them. The volume lies between two proved
-    bounds: boxes of which every pose can be reached, and boxes outside of which none can. CSV with
-    --boxes lists them with the pose in the middle of each, for `gsp view --track`; a picture shows
-    them over two parameters, or in slices.
+    Without --over, --orientation or --position the travel of each axis is shown: how far it
+    goes down and up from home while the other axes stay, and which limits stop it. All digits
+    are proved. x, y, z are the position of the pivot; rx, ry, rz are turns about axes through
+    it that are parallel to those of the base.
 
-    Home is the pose of --pose or --mode, by default the home mode of SPEC as `gsp solve` marks it.
-    If SPEC states a home, only what is connected with it is counted, else mirror images, too: then
-    the other modes in the set are named. The exit code is 4 if the bounds do not come as near as
-    --gap.
+    Three options give volumes. --orientation: of the positions x, y, z at one orientation.
+    --position: of the orientations at one position, as a share of all rotations; rx, ry, rz
+    vary from home, in the order of --euler or ZYX. --over: of any of these six. A volume lies
+    between two proved bounds: boxes of which every pose can be reached, and boxes outside of
+    which no pose can. CSV with --boxes lists the boxes with the pose in the middle of each, for
+    `gsp view --track`. A picture shows them over two parameters, or in slices.
+
+    Home is the pose of --pose or --mode; by default it is the home mode of SPEC, which `gsp
+    solve` marks. If SPEC states a home, only poses that are connected with it are counted. If
+    not, mirror images are counted, too, and the other modes in the set are named. The exit code
+    is 4 if the bounds do not come as near to each other as --gap asks.
 
     \b
     Examples:

@@ -25,6 +25,7 @@ from gspcli.machines.frames import place
 from gspcli.machines.graph import NoPlatform
 from gspcli.machines.recognition import Machine
 from gspcli.spec.writing import dumps
+from gspcli.wording import shown
 
 Array = NDArray[np.float64]
 
@@ -91,7 +92,7 @@ def instance_of(machine: Machine, digits: int = IMPORTED_DIGITS) -> Instance:
     Raises
     ------
     NoPlatform
-        If it is no instance: if more than three constraints are angles.
+        If it is no instance: if more than three constraints are angles, or one is there twice.
     """
     rounding = _Rounding(machine, digits)
     rows = [_constraint(found, rounding) for found in machine.constraints]
@@ -104,11 +105,27 @@ def instance_of(machine: Machine, digits: int = IMPORTED_DIGITS) -> Instance:
         found = made_instance(rows, length=graph.length, name=plain(graph.name) or None)
     except ArgumentError as error:
         raise NoPlatform(f"the constraints are no platform: {error}") from None
+    _check_repetitions(machine, found)
     if machine.graph.has_home and machine.gap <= OPEN * machine.size:
         R, T = machine.pose[:3, :3], machine.pose[:3, 3]
         quaternion = [rounding.share(x) for x in np.asarray(quaternion_from_rotation(R))]
         found = replace(found, home=HomePose([rounding.length(x) for x in T], quaternion))
     return replace(found, dynamics=_dynamics(machine))
+
+
+def _check_repetitions(machine: Machine, instance: Instance) -> None:
+    """Raise `NoPlatform` if two chains hold the same distance or angle."""
+    first: dict[tuple[str, str | None, str | None], str] = {}
+    for found, row in zip(machine.constraints, instance.constraints, strict=True):
+        key = (row.kind.name, row.platform_name, row.base_name)
+        if key in first:
+            what = "distance" if row.kind.is_distance else "angle"
+            message = (
+                f"chains {shown(first[key])} and {shown(found.chain)} hold the same {what}: these "
+                "are at most five different constraints, expected six"
+            )
+            raise NoPlatform(message)
+        first[key] = found.chain
 
 
 def _constraint(found: Found, rounding: _Rounding) -> Constraint:

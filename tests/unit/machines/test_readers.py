@@ -244,6 +244,15 @@ def test_caspr_of_other_numbers_of_cables(read: Write) -> None:
         read("alone_bodies.xml", BODIES)
 
 
+def test_equal_chains_are_no_six_constraints(read: Write) -> None:
+    """An instance file refuses the same distance twice, so none is written."""
+    lines = world().splitlines()
+    joints = [k for k, line in enumerate(lines) if "sph_prs_sph" in line]
+    lines[joints[5]] = lines[joints[4]]
+    with pytest.raises(NoPlatform, match="hold the same distance: these are at most five"):
+        read("hexapod.world", "\n".join(lines) + "\n")
+
+
 @pytest.mark.parametrize(("name", "real"), [("FAST", 16), ("CoGiRo", None)])
 def test_public_cable_robots(name: str, real: int | None) -> None:
     file = models.public(f"caspr_{name}_cables.xml")
