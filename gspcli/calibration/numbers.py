@@ -168,8 +168,6 @@ def calibrated(instance: Instance, model: Model, deviations: dict[str, float]) -
             else getattr(stated, what)
             for what in CORRECTIONS
         }
-        # The readings of the range stay the same, and mean other values.
-        read = stated.limits and [stated.reading_of(end) for end in stated.limits]
         found: Crank | Slide
         if isinstance(stated, Crank):
             centre = vector(f"{label}centre.", stated.centre)
@@ -178,10 +176,7 @@ def calibrated(instance: Instance, model: Model, deviations: dict[str, float]) -
         else:
             along = vector(f"{label}direction.", stated.direction)
             found = Slide(along, None, stated.tolerance, **corrections)
-        limits = stated.limits
-        if read and any(getattr(stated, what) != corrections[what] for what in CORRECTIONS):
-            limits = (found.value_of(read[0]), found.value_of(read[1]))
-        return replace(found, limits=limits)
+        return _with_range_of(stated, found)
 
     rows = []
     for k, row in enumerate(instance.constraints, 1):
@@ -197,6 +192,15 @@ def calibrated(instance: Instance, model: Model, deviations: dict[str, float]) -
         }
         rows.append(_reread(changed, **found_here) if found_here != given else changed)
     return replace(instance, constraints=tuple(rows))
+
+
+def _with_range_of(stated: Crank | Slide, found: Crank | Slide) -> Crank | Slide:
+    """Return a drive whose range has the same readings as stated: they may mean other values."""
+    limits = stated.limits
+    if limits and any(getattr(stated, what) != getattr(found, what) for what in CORRECTIONS):
+        low, high = (stated.reading_of(end) for end in limits)
+        limits = (found.value_of(low), found.value_of(high))
+    return replace(found, limits=limits)
 
 
 def _named(numbers: FileNumbers) -> tuple[tuple[str, ...], list[float]]:

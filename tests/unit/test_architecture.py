@@ -6,6 +6,7 @@ import ast
 import re
 import subprocess
 import sys
+from functools import cache
 from graphlib import TopologicalSorter
 from pathlib import Path
 
@@ -115,15 +116,20 @@ ROW = re.compile(r"\| +([0-9.]+) \| `(\w+)` \| [^|]+ \|([^|]*)\|")
 FRAMES = "pandas"
 
 
-def _imports(path: Path) -> set[str]:
-    found = set()
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+def _tree(path: Path) -> ast.Module:
+    return ast.parse(path.read_text(encoding="utf-8"))
+
+
+@cache
+def _imports(path: Path) -> frozenset[str]:
+    found: set[str] = set()
+    for node in ast.walk(_tree(path)):
         if isinstance(node, ast.Import):
             found |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
             assert node.level == 0, f"{path}: relative import"
             found |= {f"{node.module}.{alias.name}" for alias in node.names}
-    return found
+    return frozenset(found)
 
 
 def _sources() -> list[Path]:
@@ -134,21 +140,24 @@ def _room(path: Path) -> str:
     return path.relative_to(PACKAGE).parts[0].removesuffix(".py")
 
 
-@pytest.mark.parametrize("path", _sources(), ids=lambda path: str(path.relative_to(PACKAGE)))
-def test_imports_point_one_way(path: Path) -> None:
-    room = _room(path)
-    for name in _imports(path):
+@pytest.mark.parametrize("room", sorted({_room(path) for path in _sources()}))
+def test_imports_point_one_way(room: str) -> None:
+    imports = [
+        (path, name) for path in _sources() if _room(path) == room for name in _imports(path)
+    ]
+    for path, name in imports:
         top, _, rest = name.partition(".")
         target = rest.split(".")[0]
+        where = f"{path}: {name}"
         if top == "gspcli" and target == "_kernel":
-            assert room in OF_THE_KERNEL, name
+            assert room in OF_THE_KERNEL, where
         elif top == "gspcli" and target != room and room not in EXCEPTIONS.get(name, ()):
-            assert LAYERS[target] < LAYERS[room], name
-            assert target not in STRANGERS.get(room, ()), name
+            assert LAYERS[target] < LAYERS[room], where
+            assert target not in STRANGERS.get(room, ()), where
         if top in ROOMS:
-            assert room in ROOMS[top], f"{top} belongs in {ROOMS[top]}"
+            assert room in ROOMS[top], f"{where}: {top} belongs in {ROOMS[top]}"
         if room in STANDARD_LIBRARY_ONLY and top not in ("gspcli", "__future__", FRAMES):
-            assert top in sys.stdlib_module_names, name
+            assert top in sys.stdlib_module_names, where
 
 
 @pytest.mark.parametrize("room", INNER_ROOMS)
@@ -199,7 +208,7 @@ def test_files_and_functions_are_short(folder: str) -> None:
         name = path.relative_to(root).as_posix()
         lines = text.count("\n")
         assert lines <= LONGEST_FILE or name in TABLES, f"{name}: {lines} lines"
-        for node in ast.walk(ast.parse(text)):
+        for node in ast.walk(_tree(path)):
             if isinstance(node, ast.FunctionDef) and node.end_lineno is not None:
                 said = (ast.get_docstring(node, clean=False) or "").count("\n")
                 lines = node.end_lineno - node.lineno - said
@@ -216,7 +225,7 @@ def test_no_file_imports_itself_by_way_of_others() -> None:
     modules = {_module(path): path for path in _sources()}
     graph: dict[str, set[str]] = {}
     for module, path in modules.items():
-        tree = ast.parse(path.read_text(encoding="utf-8"))
+        tree = _tree(path)
         names = [
             (f"{node.module}.{alias.name}", node.module)
             for node in ast.walk(tree)
@@ -325,7 +334,7 @@ def test_code_for_an_instruction_set_stays_in_its_build():
 def test_no_two_classes_have_one_name() -> None:
     homes: dict[str, set[str]] = {}
     for path in _sources():
-        for node in ast.parse(path.read_text(encoding="utf-8")).body:
+        for node in _tree(path).body:
             if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
                 homes.setdefault(node.name, set()).add(str(path.relative_to(PACKAGE)))
     shared = {name: places for name, places in homes.items() if len(places) > 1}
