@@ -30,7 +30,7 @@ Index = NDArray[np.int64]
 
 #: How often a part of a way is halved at most.
 _HALVINGS = 14
-#: Most pieces that are judged together: beyond that the way is as good as too near.
+#: Most pieces that are judged together: a way that needs more counts as too near.
 _MOST_PIECES = 10_000
 #: Into how many rows ways of values are divided, one after the other, where that is needed, and
 #: most of such rows.
@@ -146,7 +146,7 @@ def _covered(kept: list[Segment], ways: int, steps: int) -> NDArray[np.bool_]:
 def least_gaps(rows: PathRows, wanted: float) -> tuple[Array, Array]:
     """Return proved lower bounds of the least gap at rows, (r,), and between them, (r - 1,).
 
-    Where they are below what is wanted parts of ways are halved, as long as that may help. They are
+    Parts of ways are halved where a bound is below the gap asked for, if that may help. Bounds are
     minus infinity where nothing is proved.
 
     Parameters
@@ -154,7 +154,7 @@ def least_gaps(rows: PathRows, wanted: float) -> tuple[Array, Array]:
     rows
         The rows of a platform with shapes.
     wanted
-        The gap that is wanted.
+        The gap that is asked for.
     """
     compared = ComparedShapes(rows.instance)
     at = compared.bounds(rows.R, rows.T).low.min(axis=1)
@@ -205,7 +205,7 @@ def _judged(
     lost
         The ways whose ends are too near, shape (w,).
     wanted
-        The gap that is wanted.
+        The gap that is asked for.
     """
     found = found.copy()
     part, place = np.arange(len(parts.way)), np.zeros(len(parts.way))
