@@ -17,6 +17,9 @@ _DRAWN = {
     "ranges": "drawn in the ranges of SPEC",
     "poses": "measured at random poses about home (10 % of the size, 15 degrees)",
     "cranks": "with the cranks turned to random poses about home (10 % of the size, 15 degrees)",
+    "drives": "with the drives moved to random poses about home (10 % of the size, 15 degrees)",
+    "motors": "with each drive moved at random about home (slides 10 % of the size, cranks 15 "
+    "degrees)",
 }
 _NOUNS = {"leg": "leg", "coordinate": "coordinate", "joint": "angle of a joint"}
 #: Differences below this many standard deviations are rounding.
@@ -171,8 +174,10 @@ def _notes(result: SensorResult, everything: bool) -> list[str]:
         for sensor in legs:
             kinds[sensor.kind] += 1
         parts = [counted(number, _NOUNS[kind]) for kind, number in kinds.items() if number]
-        cranks = any(getattr(g, "crank", None) for g in result.instance.primitives)
-        planar = "planar" + (" with the cranks as stated" if cranks else "")
+        drives = [getattr(g, "drive", None) for g in result.instance.primitives]
+        sorts = {f"{drive.sort}s" for drive in drives if drive is not None}
+        what = " and ".join(sorted(sorts))
+        planar = "planar" + (f" with the {what} as stated" if sorts else "")
         notes.append(
             f"{' and '.join(parts)} never {'suffices' if blind == 1 else 'suffice'}, proved: base "
             f"and platform are {planar}, and each mode has a mirror image at which they read the "

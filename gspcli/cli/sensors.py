@@ -50,8 +50,9 @@ _KINDS = ("leg", "coordinate", "joint", "inclinometer", "distance", "angle")
     "intervals",
     metavar="NAME=LOW:HIGH",
     multiple=True,
-    help="Keep NAME in this interval: the value of constraint NAME is drawn there, the others "
-    "stay; may be repeated. 100 sets unless --random says how many.",
+    help="Keep NAME in this interval: the value of constraint NAME, or the reading of a drive "
+    "such as crank.B1, is drawn there, the others stay; may be repeated. 100 sets unless --random "
+    "says how many.",
 )
 @click.option(
     "--sensor",
@@ -132,6 +133,7 @@ def command(
       gsp sensors @simscape-hexapod --random 200 --known-side
       gsp sensors platform.yaml path.csv --euler ZYX
       gsp sensors platform.yaml --within 1=480:520 --sigma inclinometer=0.02
+      gsp sensors @modified-paradex --within slide.B1=-0.2:0.2 --random 20
       gsp sensors platform.yaml --sensor "leg P1 B3" --sensor inclinometer
     """
     if rows is not None and (count is not None or intervals):
@@ -208,15 +210,16 @@ def _numbers(option: str, text: str, parts: list[str], expected: str) -> list[fl
     return [float(part) for part in parts]
 
 
-def _interval(text: str) -> tuple[int, tuple[float, float]]:
-    expected = "NAME=LOW:HIGH with the number of a constraint, such as 1=480:520"
+def _interval(text: str) -> tuple[int | str, tuple[float, float]]:
+    expected = "NAME=LOW:HIGH with a constraint or a drive, such as 1=480:520 or crank.B1=-20:20"
     name, _, span = text.partition("=")
     ends = [part.strip() for part in span.split(":")]
-    if not name.strip().isdecimal() or len(ends) != 2:
+    name = name.strip()
+    if not (name.isdecimal() or name.startswith(("crank.", "slide."))) or len(ends) != 2:
         message = f"--within: found {text!r}, expected {expected}"
         raise GspError(message)
     low, high = _numbers("--within", text, ends, expected)
-    return int(name), (low, high)
+    return int(name) if name.isdecimal() else name, (low, high)
 
 
 def _deviation(text: str) -> tuple[str, float]:

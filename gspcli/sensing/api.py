@@ -12,6 +12,7 @@ from gspcli.defaults import SEED
 from gspcli.errors import ArgumentError, IncompleteError, NotFiniteError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.checking import checked
+from gspcli.geometry.drive_numbers import is_driven
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import exact_direction
@@ -24,6 +25,7 @@ from gspcli.sensing.mode_sets import (
     given,
     heights,
     home_of,
+    motors_within,
     ranges_of,
     rows_of,
     values_within,
@@ -53,7 +55,7 @@ def sensors(
     *,
     coordinates: Mapping[str, ArrayLike] | None = None,
     random: int | None = None,
-    within: Mapping[int, tuple[float, float]] | None = None,
+    within: Mapping[int | str, tuple[float, float]] | None = None,
     seed: int = SEED,
     sensors: Sequence[str | Sensor] | None = None,
     sigma: Mapping[str, float] | None = None,
@@ -80,7 +82,9 @@ def sensors(
         constraints if each has one, else the values at random poses about home.
     within
         Intervals for the values of constraints (by their number, from 1) in which sets are drawn
-        instead; the other values are constant. There are 100 sets by default.
+        instead; the other values are constant. Of a platform with cranks or slides the intervals
+        are those of its motors, by name: ``{"crank.B1": (-20, 20)}``. There are 100 sets by
+        default.
     seed
         The source of randomness.
     sensors
@@ -126,7 +130,9 @@ def sensors(
     chosen = candidates(instance, vertical) if sensors is None else _named(sensors, instance)
     usual = _sigmas(instance, sigma or {})
     deviations = np.array([usual[sensor.kind] for sensor in chosen])
-    if values is None:
+    if values is None and within is not None and is_driven(instance):
+        sets = motors_within(instance, _motor_spans(within), count or USUAL_COUNT, seed)
+    elif values is None:
         spans = None if within is None else _spans(instance, within)
         sets = _value_sets(instance, spans, count, seed, jobs)
     elif count is None and within is None:
@@ -196,18 +202,29 @@ def _named(given: Sequence[str | Sensor], instance: Instance) -> list[Sensor]:
     return found
 
 
+def _motor_spans(within: Mapping[int | str, tuple[float, float]]) -> dict[str, tuple[float, float]]:
+    """Return intervals of the readings of motors by the names of the drives."""
+    for name, (low, high) in within.items():
+        _check_order(low, high, f"within[{name!r}]")
+    return {str(name): span for name, span in within.items()}
+
+
+def _check_order(low: float, high: float, where: str) -> None:
+    if not -math.inf < low <= high < math.inf:
+        message = f"found {low:g} to {high:g}, expected the lower number first"
+        raise ArgumentError(message, where)
+
+
 def _spans(
-    instance: Instance, within: Mapping[int, tuple[float, float]]
+    instance: Instance, within: Mapping[int | str, tuple[float, float]]
 ) -> dict[int, tuple[float, float]]:
     spans = {}
     for number, (low, high) in within.items():
-        where = f"within[{number}]"
-        if not 1 <= number <= len(instance.constraints):
+        where = f"within[{number!r}]"
+        if not isinstance(number, int) or not 1 <= number <= len(instance.constraints):
             message = f"found constraint {number}, expected 1 to {len(instance.constraints)}"
             raise ArgumentError(message, where)
-        if not -math.inf < low <= high < math.inf:
-            message = f"found {low:g} to {high:g}, expected the lower number first"
-            raise ArgumentError(message, where)
+        _check_order(low, high, where)
         row = instance.constraints[number - 1]
         for value in (low, high):
             meant = row.value_of(Number.of(value))
@@ -231,7 +248,7 @@ def _value_sets(
     number = count or USUAL_COUNT
     if spans is not None:
         return ValueSets("within", values_within(instance, spans, number, seed))
-    ranges = ranges_of(instance)
+    ranges = None if is_driven(instance) else ranges_of(instance)
     if ranges is not None:
         return ValueSets("ranges", values_within(instance, ranges, number, seed))
     return about_home(instance, home_of(_finite(instance, seed, jobs)), number, seed)

@@ -11,17 +11,20 @@ from numpy.typing import ArrayLike, NDArray
 from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.coordinates import choose, moved
-from gspcli.geometry.coordinates import coordinates as all_coordinates
-from gspcli.geometry.instance import Instance
+from gspcli.geometry.drive_numbers import is_driven, shares_drives
+from gspcli.geometry.drives import Drives
+from gspcli.geometry.instance import Instance, Side
+from gspcli.geometry.limits import out_of_motor_range
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.quaternions import apply, rotation_from_vector
 from gspcli.geometry.readings import readings_of, values_of
-from gspcli.motion import crank_angles
+from gspcli.motion.poses.cranks import drive_values
 from gspcli.motion.poses.inverse_kinematics import values_at
 from gspcli.records import dataclass
 from gspcli.sensing.candidates import body_normal
 from gspcli.solver import SolveResult, solve, solve_batch
 from gspcli.solver.arguments import problems_of, value_rows
+from gspcli.wording import listed, shown, suggestion
 
 Array = NDArray[np.float64]
 
@@ -29,7 +32,7 @@ Array = NDArray[np.float64]
 SPREAD, TURN = 0.1, 15.0
 #: Sets of values that are solved and compared together.
 _CHUNK = 128
-#: The most poses that are drawn for each pose that cranks can reach.
+#: The most poses that are drawn for each pose that cranks and slides can reach.
 _DRAWS = 100
 
 
@@ -40,7 +43,7 @@ class ModeSets:
     Attributes
     ----------
     instance
-        The geometry, cranks turned.
+        The geometry, drives moved.
     R, T
         Shapes (b, m, 3, 3) and (b, m, 3).
     numbers
@@ -126,7 +129,8 @@ class ValueSets:
     Attributes
     ----------
     drawn
-        Their origin: ``given``, ``rows``, ``within``, ``ranges``, ``poses`` or ``cranks``.
+        Their origin: ``given``, ``rows``, ``within``, ``ranges``, ``poses``, ``cranks``, ``drives``
+        or ``motors`` (about home in the numbers of the drives).
     values
         The readings of the machine, distances to planes without a sign, shape (n, 6).
     platforms
@@ -248,18 +252,22 @@ def about_home(instance: Instance, home: tuple[Array, Array], count: int, seed: 
     """Return the readings of the machine at random poses about home, or the platforms there.
 
     The middle of the platform is moved by up to `SPREAD` of its size along each axis, and the
-    platform turned about it by up to `TURN` degrees. Where cranks move its joints and the values
-    stay, platforms with turned cranks are returned.
+    platform turned about it by up to `TURN` degrees. Where cranks and slides move its joints,
+    platforms with moved joints are returned. Where they move several legs each, which reach almost
+    no pose together, slides move by up to `SPREAD` of the size and cranks turn by up to `TURN`.
 
     Raises
     ------
     ArgumentError
-        If the cranks reach too few of the poses.
+        If the cranks and slides reach too few of the poses.
     """
     rng = np.random.default_rng(seed)
-    if any(one.vector == "crank" for one in all_coordinates(instance)):
-        platforms = _turned_cranks(instance, home, count, rng)
-        return ValueSets("cranks", values_within(instance, {}, count, seed), platforms)
+    if is_driven(instance):
+        drives = Drives.of(instance)
+        if shares_drives(instance):
+            return _at("motors", drives, _near(drives, home, count, rng))
+        drawn = "drives" if "slide" in drives.sorts else "cranks"
+        return _at(drawn, drives, _reached(instance, home, count, rng))
     if all(row.limits and row.limits[0] == row.limits[1] for row in instance.constraints):
         message = "no value varies: each range is one value; give those between which to draw"
         raise ArgumentError(message, "instance")
@@ -269,18 +277,84 @@ def about_home(instance: Instance, home: tuple[Array, Array], count: int, seed: 
     return ValueSets("poses", readings_of(instance, values, signed=False))
 
 
-def _turned_cranks(
+def motors_within(
+    instance: Instance, spans: Mapping[str, tuple[float, float]], count: int, seed: int
+) -> ValueSets:
+    """Return platforms with readings of motors drawn in intervals, by the names of the drives.
+
+    The others stay: cranks and slides where their points are stated, values as stated.
+
+    Raises
+    ------
+    ArgumentError
+        If a name is that of no drive.
+    """
+    drives = Drives.of(instance)
+    readings = np.tile(drives.readings(_as_stated(drives)), (count, 1))
+    parts = np.random.default_rng(seed).uniform(size=readings.shape)
+    for name, (low, high) in spans.items():
+        if name not in drives.names:
+            known = listed(drives.names)
+            message = f"found {shown(name)}, expected {known}{suggestion(name, drives.names)}"
+            raise ArgumentError(message, f"within[{name!r}]")
+        k = drives.names.index(name)
+        readings[:, k] = low + (high - low) * parts[:, k]
+    return _at("within", drives, drives.from_readings(readings))
+
+
+def _as_stated(drives: Drives) -> Array:
+    """Return the numbers of the drives as the file states them, shape (m,)."""
+    rows = drives.instance.constraints
+    found = np.zeros(drives.count)
+    for k, (name, moves) in enumerate(_motors(drives)):
+        if not moves:
+            row = rows[int(name) - 1]
+            found[k] = row.value.value * (-1 if row.side is Side.NEGATIVE else 1)
+    return found * drives.units
+
+
+def _motors(drives: Drives) -> list[tuple[str, bool]]:
+    return list(zip(drives.names, drives.moved.tolist(), strict=True))
+
+
+def _at(drawn: str, drives: Drives, q: Array) -> ValueSets:
+    """Return the sets of values of platforms whose drives are at q, shape (n, m)."""
+    values = np.tile(_stated(drives.instance), (len(q), 1))
+    readings = drives.readings(q)
+    for k, (name, moves) in enumerate(_motors(drives)):
+        if not moves:
+            sided = drives.instance.constraints[int(name) - 1].kind.has_sides
+            values[:, int(name) - 1] = np.abs(readings[:, k]) if sided else readings[:, k]
+    return ValueSets(drawn, values, tuple(drives.instance_at(row) for row in q))
+
+
+def _near(drives: Drives, home: tuple[Array, Array], count: int, rng: np.random.Generator) -> Array:
+    """Return random numbers of drives about home, within their ranges, shape (count, m)."""
+    size = SPREAD * Arrangement.of(drives.instance).extent
+    far = np.array([np.radians(TURN) if sort == "crank" else size for sort in drives.sorts])
+    middle = drives.nearest(*home)
+    middle = np.where(np.isfinite(middle), middle, _as_stated(drives))
+    q = middle + far * rng.uniform(-1, 1, (count, drives.count))
+    return np.clip(q, drives.low, drives.high)
+
+
+def _reached(
     instance: Instance, home: tuple[Array, Array], count: int, rng: np.random.Generator
-) -> tuple[Instance, ...]:
-    found: list[Instance] = []
+) -> Array:
+    """Return the numbers of drives at random poses about home that they reach, (count, m)."""
+    found: list[Array] = []
+    number = 0
     for _ in range(_DRAWS):
         poses = _poses(instance, home, count, rng)
-        chosen, angles = crank_angles(instance, *poses, along=False)
-        for row in angles[np.isfinite(angles).all(axis=1)]:
-            found.append(moved(instance, chosen, row))
-            if len(found) == count:
-                return tuple(found)
-    message = f"the cranks reach {len(found)} of {_DRAWS * count} poses about home"
+        drives, q = drive_values(instance, *poses, along=False)
+        kept = np.isfinite(q).all(axis=1) & ~out_of_motor_range(drives, q).any(axis=1)
+        found.append(q[kept])
+        number += int(kept.sum())
+        if number >= count:
+            return np.concatenate(found)[:count]
+    sorts = {"crank": "cranks", "slide": "slides"}
+    what = " and ".join(word for sort, word in sorts.items() if sort in drives.sorts)
+    message = f"the {what} reach {number} of {_DRAWS * count} poses about home"
     raise ArgumentError(message, "instance")
 
 

@@ -31,8 +31,8 @@ class SensorResult:
     instance
         The platform.
     drawn
-        The origin of the n sets of values: ``given``, ``rows``, ``within``, ``ranges``, ``poses``
-        or ``cranks``.
+        The origin of the n sets of values: ``given``, ``rows``, ``within``, ``ranges``, ``poses``,
+        ``cranks``, ``drives`` or ``motors``.
     values
         The sets of readings, shape (n, 6), in the units of the instance.
     seed

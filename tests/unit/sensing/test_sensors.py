@@ -5,12 +5,14 @@ from __future__ import annotations
 import itertools
 import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import gspcli
 from gspcli.errors import ArgumentError, NotFiniteError
+from gspcli.geometry.drives import Drives
 from gspcli.geometry.euler import rotation_from_euler
 from gspcli.geometry.limits import out_of_range
 from gspcli.geometry.quaternions import rotation_from_vector
@@ -20,8 +22,10 @@ from gspcli.motion.singularities.value_scans import Axis, scan
 from gspcli.resources import instance_files
 from gspcli.sensing.api import default_sigmas
 from gspcli.sensing.candidates import candidates
+from gspcli.sensing.mode_sets import about_home, home_of, motors_within
 from gspcli.sensing.notation import parse_reading, parse_sensor
 from gspcli.sensing.sensor_kinds import GROUPS
+from tests.support.driven_machines import driven
 
 
 def shipped(name):
@@ -369,3 +373,56 @@ def test_a_point_and_a_line_tell_modes_apart():
     fit = gspcli.fit_readings(result, [f"distance P1 M1 = {float(reading)!r} +- 0.001"])
     assert len(near) > 1
     assert fit.mode == near.index(True) + 1
+
+
+@pytest.mark.parametrize(
+    ("name", "drawn"), [("6-PUS", "drives"), ("mixed", "drives"), ("delta", "motors")]
+)
+def test_rails_and_arms_move_and_rods_stay(name, drawn):
+    """Each set is the machine with its joints moved: solving that gives the same modes."""
+    machine = driven(name)
+    drives = Drives.of(machine)
+    sets = about_home(machine, home_of(gspcli.solve(machine)), 3, seed=1)
+    assert sets.drawn == drawn
+    for k, row in enumerate(machine.constraints):
+        if drives.driven[k]:
+            assert (sets.values[:, k] == row.value.value).all()
+    assert np.ptp(sets.values[:, ~drives.driven], axis=0).all()
+    blocks = list(sets.modes(machine, seed=0, jobs=1))
+    for platform, block in zip(sets.platforms, blocks, strict=True):
+        for geometry in platform.primitives:
+            assert geometry.drive is None
+        R, T = block.R[block.numbers > 0], block.T[block.numbers > 0]
+        assert len(R) > 1
+        # Every mode of a set is reached with the same numbers of the motors.
+        both = drives.roots(R, T)
+        same = [
+            any(np.abs(both[:, k] - candidate).min(axis=1).max() < 1e-9 for candidate in both[0, k])
+            for k in np.flatnonzero(drives.driven)
+        ]
+        assert all(same)
+    found = gspcli.sensors(machine, random=2, sensors=["inclinometer"])
+    assert found.drawn == drawn
+    assert found.mirror is None
+
+
+def test_motors_are_drawn_within_intervals_of_their_readings():
+    machine = driven("6-PUS")
+    rows = []
+    for row in machine.constraints:
+        slide = gspcli.Slide(row.base.slide.direction, None, None, 0.01, 1.0)
+        rows.append(replace(row, base=replace(row.base, slide=slide)))
+    machine = replace(machine, constraints=tuple(rows))
+    sets = motors_within(machine, {"slide.B2": (0.02, 0.03)}, 20, seed=0)
+    places = np.array([one.constraints[1].base.point for one in sets.platforms])
+    stated = machine.constraints[1].base
+    # A reading of 0.02 to 0.03 is 0.05 to 0.07 along the rail.
+    along = (places - stated.point) @ stated.slide.unit
+    assert ((along >= 0.05 - 1e-12) & (along <= 0.07 + 1e-12)).all()
+    assert np.ptp(along) > 0.01
+    for one in sets.platforms:
+        assert np.allclose(one.constraints[0].base.point, machine.constraints[0].base.point)
+    with pytest.raises(ArgumentError, match=r"found 'slide\.B7', expected slide\.B1"):
+        gspcli.sensors(machine, within={"slide.B7": (0, 1)})
+    with pytest.raises(ArgumentError, match="expected the lower number first"):
+        gspcli.sensors(machine, within={"slide.B1": (1, 0)})
