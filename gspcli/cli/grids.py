@@ -13,7 +13,7 @@ from gspcli.wording import listed, shown
 PARAMETERS = ("x", "y", "z", "rx", "ry", "rz")
 _MOST_NODES = 1_000_000
 _SPAN = re.compile(r"(r?[xyz])=([^:]+):([^:]+)(?::(\d{1,9}))?")
-_AXIS = re.compile(r"(\w+)=([^:]+):([^:]+):(\d{1,9})")
+_AXIS = re.compile(r"([^=]+)=([^:]+):([^:]+):(\d{1,9})")
 
 
 def axes_of(

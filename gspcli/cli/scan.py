@@ -1,4 +1,4 @@
-"""`gsp scan`: how many assembly modes there are where values vary."""
+"""`gsp scan`: how many assembly modes there are where values or motors vary."""
 
 from __future__ import annotations
 
@@ -55,8 +55,8 @@ _NUMBERS = tuple("123456")
     metavar="NAME=LOW:HIGH:COUNT",
     multiple=True,
     required=True,
-    help="Let NAME take COUNT values from LOW to HIGH: a constraint from 1 to 6, or, with --pose, "
-    "x, y, z (rx, ry, rz with --euler); once or twice.",
+    help="Let NAME take COUNT values from LOW to HIGH: a constraint from 1 to 6, a crank or slide "
+    "such as crank.B1, or, with --pose, x, y, z (rx, ry, rz with --euler); once or twice.",
 )
 @pose_value_option("what does not vary of it, if its coordinates vary")
 @value_options
@@ -90,7 +90,7 @@ def command(
     workers: Workers,
     output: Output,
 ) -> int:
-    """Count the real assembly modes where one or two values vary.
+    """Count the real assembly modes where one or two values or motors vary.
 
     All poses are found at every node of the grid: modes is the number of real ones, condition the
     smallest condition number of one. With --folds, where neighbouring nodes have different
@@ -98,6 +98,10 @@ def command(
     discriminant, each with the pose. Mirror images have one each, at the same values. Over two
     values it is followed through them as curves, which pictures show with their cusps; the curves
     between the proved points are numbers, not proofs.
+
+    Of a machine with arms or rails the readings of its motors vary (crank.B1, slide.B1); each node
+    is the machine with its joints moved there, and the other motors stay where they are stated.
+    There are no --folds and no clearance over motors.
 
     Over poses (--pose) nothing is solved: the sign and size of the determinant of the Jacobian
     matrix (free of units, as in `gsp analyze`) and the condition number. --folds gives the poses
@@ -111,6 +115,7 @@ def command(
     Examples:
       gsp scan platform.yaml --vary 1=5:7:200 -o modes.csv
       gsp scan platform.yaml --vary 1=5:7:60 --vary 2=4:6:60 --folds -o folds.csv
+      gsp scan @t-top-head --vary crank.B1=-60:60:13
       gsp scan platform.yaml --vary 1=5:7:60 --vary 2=4:6:60 --folds -o map.svg
       gsp scan platform.yaml --vary 1=5:7:500 --resume work.jsonl -o map.csv
       gsp scan platform.yaml --vary x=-9:9:60 --vary y=-9:9:60 \\
@@ -126,10 +131,23 @@ def command(
         return 0
     _refuse_coordinates(texts, conventions)
     from gspcli.motion.singularities.crossings import Boundary
-    from gspcli.motion.singularities.scan_results import as_read, check_values, corrected
-    from gspcli.motion.singularities.value_scans import MISSING, Axis, Scan
+    from gspcli.motion.singularities.scan_results import (
+        as_read,
+        axis_of,
+        check_values,
+        corrected,
+        drive_names,
+        refuse_folds,
+    )
+    from gspcli.motion.singularities.value_scans import MISSING, Scan
 
-    axes = [Axis(int(name) - 1, nodes) for name, nodes in axes_of("--vary", texts, _NUMBERS)]
+    known = (*_NUMBERS, *drive_names(instance))
+    axes = [
+        axis_of(instance, int(name) if name in _NUMBERS else name, nodes)
+        for name, nodes in axes_of("--vary", texts, known)
+    ]
+    if folds:
+        refuse_folds(axes)
     asked = Scan.empty(instance, axes)
     found = Scan.empty(*corrected(asked), clearance=quantity == "clearance")
     check_values(found, "--vary")
@@ -204,7 +222,11 @@ def _fill(found: Scan, workers: Workers, journal: Path | None) -> None:
                     done.add(piece.number)
         missing = [number for number in range(found.pieces) if number not in done]
         results = workers.as_completed(partial(scanned, found, SEED), missing)
-        for piece in progress(results, total=len(missing), label="thousands of nodes"):
+        for piece in progress(
+            results,
+            total=len(missing),
+            label="nodes in thousands" if found.piece == 1000 else "parts of the nodes",
+        ):
             found.enter(piece)
             if work is not None:
                 work.append({"scan": title, **asdict(piece)})

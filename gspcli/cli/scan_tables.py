@@ -75,7 +75,7 @@ def _expressed(
 
 
 def _heading(instance: Instance, name: str) -> str:
-    return f"{name} {instance.constraints[int(name) - 1].kind.name}"
+    return f"{name} {instance.constraints[int(name) - 1].kind.name}" if name.isdecimal() else name
 
 
 def _note(found: Scan) -> str:

@@ -51,7 +51,9 @@ def mode_map(found: Scan, boundary: Boundary, quantity: str, fmt: str) -> bytes:
 
 def _label(found: Scan, k: int) -> str:
     constraint = found.instance.constraints[found.axes[k].constraint]
-    units = found.instance.units
+    units, drive = found.instance.units, found.axes[k].drive
+    if drive:
+        return f"{drive} ({units.angle.value if drive.startswith('crank.') else units.length})"
     unit = units.length if constraint.kind.is_distance else units.angle.value
     return f"{constraint.kind.name} {found.axes[k].constraint + 1} ({unit})"
 

@@ -131,6 +131,7 @@ SAMPLES: dict[str, tuple[str, ...]] = {
     ),
     "scan": (
         "@octahedral-3-3 --vary 1=1:2:5",
+        "@t-top-head --vary crank.B1=-60:60:3",
         "@octahedral-3-3 --vary 1=1:2:3 --vary 2=1:2:3",
         "@octahedral-3-3 --vary 1=1:2:5 --folds",
         "@platform-6-6 --vary 1=2.2:2.4:2 --vary 4=1.6:1.8:2 --folds --jobs 1",

@@ -10,10 +10,12 @@ from numpy.typing import NDArray
 
 from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.drive_numbers import is_driven
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.measurement import jacobian
 from gspcli.geometry.residuals import condition_numbers
 from gspcli.motion.files.pose_files import PoseFormat, pose_columns, poses_of, rotations_of
+from gspcli.motion.poses.cranks import drive_values
 from gspcli.motion.singularities.pose_clearances import pose_clearances
 from gspcli.records import dataclass
 
@@ -49,7 +51,8 @@ class PoseScan:
     Parameters
     ----------
     instance
-        Geometry and units; its values are not used.
+        Geometry and units; its values are not used but for the rods that cranks and slides move:
+        these are where the pose asks them to be, on the side of home.
     axes
         One or two coordinates that vary.
     pose
@@ -106,15 +109,23 @@ class PoseScan:
         length of the instance.
         """
         R, T = self.poses(places)
-        arrangement = Arrangement.of(self.instance)
+        arrangement = self._arrangement(R, T)
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             rows = jacobian(arrangement, R, T)
-            rows[..., :3] /= arrangement.length
-            rows[:, arrangement.angles] *= arrangement.length
+            length = Arrangement.of(self.instance).length
+            rows[..., :3] /= length
+            rows[:, arrangement.angles] *= length
             regular = np.asarray(np.isfinite(rows).all(axis=(1, 2)))
             found = np.linalg.det(np.where(regular[:, None, None], rows, np.eye(6)))
         # The determinant does not depend on the point that the platform turns about.
         return np.asarray(np.where(regular, found, np.nan))
+
+    def _arrangement(self, R: Array, T: Array) -> Arrangement:
+        """Return the platform with its joints where its drives have them, NaN out of reach."""
+        if not is_driven(self.instance):
+            return Arrangement.of(self.instance)
+        drives, q = drive_values(self.instance, R, T, along=False)
+        return drives.arrangement(q)
 
     @cached_property
     def places(self) -> Array:
@@ -131,12 +142,18 @@ class PoseScan:
     def conditions(self) -> Array:
         """Condition numbers at the nodes, shape (n1,) or (n1, n2)."""
         R, T = self.poses(self.places.reshape(-1, len(self.axes)))
-        found = condition_numbers(Arrangement.of(self.instance), R, T)
+        found = condition_numbers(self._arrangement(R, T), R, T)
         return np.asarray(found.reshape(self.places.shape[:-1]))
 
     @cached_property
     def clearances(self) -> Array:
         """Proved distances from singular poses (`pose_clearances`), shape (n1,) or (n1, n2)."""
+        if is_driven(self.instance):
+            message = (
+                "of poses of a machine with cranks or slides there is none here: gsp clearance has "
+                "that of one pose"
+            )
+            raise ArgumentError(message, "clearance")
         R, T = self.poses(self.places.reshape(-1, len(self.axes)))
         found = pose_clearances(self.instance, R, T)
         return np.asarray(found.reshape(self.places.shape[:-1]))
@@ -164,7 +181,10 @@ class PoseScan:
             middle = (a + b) / 2
             same = np.sign(self.determinants_at(middle)) == before
             a, b = np.where(same[:, None], middle, a), np.where(same[:, None], b, middle)
-        return dict(zip(edges, (a + b) / 2, strict=True))
+        # Where a machine with cranks or slides does not reach, the sign is not known.
+        known = np.isfinite(self.determinants_at(a)) & np.isfinite(self.determinants_at(b))
+        middles = zip(edges, (a + b) / 2, known.tolist(), strict=True)
+        return {edge: middle for edge, middle, there in middles if there}
 
     @cached_property
     def curves(self) -> list[Array]:

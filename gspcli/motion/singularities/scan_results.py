@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from gspcli.defaults import SEED
 from gspcli.errors import ArgumentError
+from gspcli.geometry.drives import Drives
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.printed_numbers import printed_conditions
@@ -21,7 +22,7 @@ from gspcli.motion.singularities.crossings import Boundary, Crossing, boundary
 from gspcli.motion.singularities.value_scans import MISSING, Axis, Scan
 from gspcli.motion.singularities.value_scans import scan as scan_values
 from gspcli.records import dataclass
-from gspcli.wording import counted
+from gspcli.wording import counted, listed, shown
 from gspcli.workers import HERE, Workers
 
 if TYPE_CHECKING:
@@ -61,8 +62,8 @@ class ScanResult:
 
     @property
     def names(self) -> list[str]:
-        """The numbers of the constraints that vary."""
-        return [str(axis.constraint + 1) for axis in self.found.axes]
+        """The numbers of the constraints, and the drives, that vary."""
+        return [axis.name for axis in self.found.axes]
 
     def rows(self) -> list[dict[str, Any]]:
         """Return the nodes that are known, or the folds, as plain data."""
@@ -125,7 +126,7 @@ class ScanResult:
 
 def scan(
     instance: Instance,
-    vary: Mapping[int, ArrayLike],
+    vary: Mapping[int | str, ArrayLike],
     *,
     folds: bool = False,
     clearance: bool = False,
@@ -139,10 +140,12 @@ def scan(
     instance
         Geometry, units, sides, and the values that do not vary.
     vary
-        Increasing values by the numbers of the constraints, from 1, in the units of the instance:
-        one or two, shapes (n1,) and (n2,).
+        Increasing values by the numbers of the constraints, from 1, or readings by the names of
+        cranks and slides (``crank.B1``), in the units of the instance: one or two, shapes (n1,) and
+        (n2,). Other cranks and slides stay where their points are stated.
     folds
-        Whether to prove the folds between neighbouring nodes with different numbers.
+        Whether to prove the folds between neighbouring nodes with different numbers; not over
+        cranks and slides.
     clearance
         Whether to bound the clearance of each pose, too.
     seed
@@ -153,13 +156,11 @@ def scan(
     Raises
     ------
     ArgumentError
-        If a constraint or a value cannot be.
+        If a constraint, a drive or a value cannot be.
     """
-    for number in vary:
-        if number not in range(1, len(instance.constraints) + 1):
-            message = f"found constraint {number}, expected a number from 1 to 6"
-            raise ArgumentError(message, "vary")
-    axes = [Axis(k - 1, tuple(np.asarray(v, float).tolist())) for k, v in vary.items()]
+    axes = [axis_of(instance, k, np.asarray(v, float).tolist()) for k, v in vary.items()]
+    if folds:
+        refuse_folds(axes)
     asked = Scan.empty(instance, axes, clearance=clearance)
     check_values(asked, "vary")
     platform, moved = corrected(asked)
@@ -169,6 +170,48 @@ def scan(
         if array is not None:
             array.setflags(write=False)
     return result
+
+
+def axis_of(instance: Instance, name: int | str, values: Sequence[float]) -> Axis:
+    """Return the axis of a constraint by its number, or of a crank or slide by its name.
+
+    Raises
+    ------
+    ArgumentError
+        If there is no such constraint or drive.
+    """
+    if not isinstance(name, str) and name in range(1, len(instance.constraints) + 1):
+        return Axis(int(name) - 1, tuple(values))
+    drives = Drives.of(instance)
+    known = drive_names(instance)
+    if not isinstance(name, str) or name not in known:
+        what = shown(name) if isinstance(name, str) else f"constraint {name}"
+        others = f" or {listed(known)}" if known else ""
+        message = f"found {what}, expected a number from 1 to 6{others}"
+        raise ArgumentError(message, "vary")
+    return Axis(drives.users(drives.names.index(name))[0], tuple(values), name)
+
+
+def drive_names(instance: Instance) -> list[str]:
+    """Return the names of the cranks and slides of an instance."""
+    drives = Drives.of(instance)
+    return [name for name, moves in zip(drives.names, drives.moved, strict=True) if moves]
+
+
+def refuse_folds(axes: Sequence[Axis]) -> None:
+    """Raise if folds are asked for where a crank or slide varies.
+
+    Raises
+    ------
+    ArgumentError
+        With what has them.
+    """
+    if drives := [axis.drive for axis in axes if axis.drive]:
+        message = (
+            f"folds over {listed(drives, 'and')} are not proved here: gsp track along rows of the "
+            "motor finds each that it meets"
+        )
+        raise ArgumentError(message, "folds")
 
 
 def corrected(asked: Scan) -> tuple[Instance, list[Axis]]:
@@ -205,6 +248,8 @@ def as_read(asked: Scan, found: Scan, limits: Boundary, *, folds: bool) -> ScanR
 def check_values(found: Scan, name: str) -> None:
     """Raise `ArgumentError` if a value is outside the range of its kind of constraint."""
     for axis in found.axes:
+        if axis.drive:
+            continue
         kind = found.instance.constraints[axis.constraint].kind
         for value in (axis.values[0], axis.values[-1]):
             wrong = wrong_value(kind, Number.of(value), found.instance.units.angle)
@@ -216,7 +261,10 @@ def check_values(found: Scan, name: str) -> None:
 def _corrections(asked: Scan) -> tuple[Array, Array]:
     """Return the factors of the values of the axes, and the numbers that are added to them."""
     chosen = [axis.constraint for axis in asked.axes]
-    return factors(asked.instance)[chosen], offsets(asked.instance, signed=False)[chosen]
+    values = np.array([not axis.drive for axis in asked.axes])
+    times, added = factors(asked.instance), offsets(asked.instance, signed=False)
+    # Drives correct their own readings.
+    return np.where(values, times[chosen], 1.0), np.where(values, added[chosen], 0.0)
 
 
 def _numbers(one: Crossing) -> list[float]:

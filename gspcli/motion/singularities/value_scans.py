@@ -1,4 +1,4 @@
-"""The number of assembly modes while one or two values vary."""
+"""The number of assembly modes while one or two values, or readings of motors, vary."""
 
 from __future__ import annotations
 
@@ -11,36 +11,46 @@ from numpy.typing import NDArray
 from gspcli.defaults import SEED
 from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.drives import Drives
 from gspcli.geometry.instance import Instance
+from gspcli.geometry.numbers import Number
 from gspcli.geometry.residuals import condition_numbers
 from gspcli.motion.files.value_files import nominal_values
 from gspcli.motion.singularities.clearances import clearances, range_weights
 from gspcli.records import dataclass
-from gspcli.solver import solve_batch
+from gspcli.solver import solve, solve_batch
 from gspcli.workers import HERE, Workers
 
 Array = NDArray[np.float64]
 
 #: Marks instead of a number of modes: not all poses were found, or none were searched for.
 UNKNOWN, MISSING = -1, -2
-#: Nodes of one piece of work.
-_PIECE = 1000
+#: Nodes of one piece of work; over drives each node is another geometry.
+_PIECE, _DRIVEN_PIECE = 1000, 25
 
 
 @dataclass(frozen=True)
 class Axis:
-    """A value that varies.
+    """A value, or the reading of a crank or slide, that varies.
 
     Attributes
     ----------
     constraint
-        Its index, from 0.
+        The index of the constraint, from 0; of a drive of the first that it moves.
     values
         The nodes, increasing, in the units of the instance.
+    drive
+        The name of the crank or slide; empty for a value.
     """
 
     constraint: int
     values: tuple[float, ...]
+    drive: str = ""
+
+    @property
+    def name(self) -> str:
+        """The drive, or the number of the constraint, from 1."""
+        return self.drive or str(self.constraint + 1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,11 +86,17 @@ class Scan:
         Raises
         ------
         ArgumentError
-            If there are not one or two axes of different constraints.
+            If there are not one or two axes of different constraints or drives, or the clearance
+            is asked for over drives.
         """
-        if len(axes) not in (1, 2) or len({axis.constraint for axis in axes}) < len(axes):
-            message = "expected one or two different constraints to vary"
+        if len(axes) not in (1, 2) or len({axis.name for axis in axes}) < len(axes):
+            message = "expected one or two different constraints or drives to vary"
             raise ArgumentError(message, "axes")
+        if clearance and any(axis.drive for axis in axes):
+            message = (
+                "over cranks and slides there is no clearance: gsp clearance has that of one pose"
+            )
+            raise ArgumentError(message, "clearance")
         shape = tuple(len(axis.values) for axis in axes)
         return cls(
             instance,
@@ -93,11 +109,21 @@ class Scan:
     @property
     def pieces(self) -> int:
         """The number of pieces of the work."""
-        return -(-self.modes.size // _PIECE)
+        return -(-self.modes.size // self.piece)
+
+    @property
+    def over_drives(self) -> bool:
+        """Whether the reading of a crank or slide varies."""
+        return any(axis.drive for axis in self.axes)
+
+    @property
+    def piece(self) -> int:
+        """The number of nodes of a piece of the work."""
+        return _DRIVEN_PIECE if self.over_drives else _PIECE
 
     def enter(self, piece: Piece) -> None:
         """Enter the results at some nodes."""
-        rows = slice(piece.number * _PIECE, piece.number * _PIECE + len(piece.modes))
+        rows = slice(piece.number * self.piece, piece.number * self.piece + len(piece.modes))
         self.modes.reshape(-1)[rows] = piece.modes
         self.conditions.reshape(-1)[rows] = piece.conditions
         if self.clearances is not None:
@@ -125,7 +151,7 @@ class Scan:
 
 @dataclass(frozen=True)
 class Piece:
-    """The results at `_PIECE` nodes: modes, conditions and clearances, or empty."""
+    """The results at the nodes of one piece: modes, conditions and clearances, or empty."""
 
     number: int
     modes: tuple[int, ...]
@@ -135,7 +161,9 @@ class Piece:
 
 def scanned(found: Scan, seed: int, number: int) -> Piece:
     """Return a piece of a scan: all poses are found at each node."""
-    nodes = np.arange(number * _PIECE, min((number + 1) * _PIECE, found.modes.size))
+    nodes = np.arange(number * found.piece, min((number + 1) * found.piece, found.modes.size))
+    if found.over_drives:
+        return _scanned_drives(found, seed, number, nodes)
     values = np.tile([c.value.value for c in found.instance.constraints], (len(nodes), 1))
     places = np.unravel_index(nodes, found.modes.shape)
     for axis, place in zip(found.axes, places, strict=True):
@@ -153,6 +181,43 @@ def scanned(found: Scan, seed: int, number: int) -> Piece:
     return Piece(number, *(tuple(array.tolist()) for array in (modes, conditions, spaces)))
 
 
+def _scanned_drives(found: Scan, seed: int, number: int, nodes: NDArray[np.int64]) -> Piece:
+    """Return a piece of a scan over drives: each node is solved with its joints moved."""
+    drives = Drives.of(found.instance)
+    places = np.unravel_index(nodes, found.modes.shape)
+    counts, conditions = [], []
+    for node in zip(*places, strict=True):
+        result = solve(moved_to(found, drives, [int(k) for k in node]), seed=seed)
+        known = result.verdict == "complete"
+        counts.append(int(result.real.sum()) if known else UNKNOWN)
+        R, T = result.R[result.real].real, result.T[result.real].real
+        real = condition_numbers(Arrangement.of(result.instance), R, T)
+        conditions.append(float(real.min(initial=np.inf)))
+    return Piece(number, tuple(counts), tuple(conditions), ())
+
+
+def moved_to(found: Scan, drives: Drives, node: Sequence[int]) -> Instance:
+    """Return the platform at a node: joints moved by the drives that vary, and other values.
+
+    Other cranks and slides stay where their points are stated.
+    """
+    changed = {
+        axis.constraint: Number.of(axis.values[k])
+        for axis, k in zip(found.axes, node, strict=True)
+        if not axis.drive
+    }
+    readings, q = np.zeros(drives.count), np.zeros(drives.count)
+    for axis, k in zip(found.axes, node, strict=True):
+        if axis.drive:
+            readings[drives.names.index(axis.drive)] = axis.values[k]
+    moved = np.array([name in {axis.drive for axis in found.axes} for name in drives.names])
+    q[moved] = drives.from_readings(readings)[moved]
+    there = drives.instance_at(q)
+    # Values that are driven are as stated, but for those that vary.
+    stated = {k: row.value for k, row in enumerate(found.instance.constraints)}
+    return there.with_values(stated | changed)
+
+
 def scan(
     instance: Instance,
     axes: Sequence[Axis],
@@ -168,7 +233,7 @@ def scan(
     instance
         Geometry, units, sides, and the values that do not vary.
     axes
-        One or two values that vary.
+        One or two values, or readings of drives, that vary.
     clearance
         Whether to bound the clearance of each pose, too.
     seed
@@ -179,7 +244,7 @@ def scan(
     Raises
     ------
     ArgumentError
-        If there are not one or two axes of different constraints.
+        As for `Scan.empty`.
     """
     found = Scan.empty(instance, axes, clearance=clearance)
     for piece in workers.as_completed(partial(scanned, found, seed), range(found.pieces)):

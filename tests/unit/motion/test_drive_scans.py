@@ -1,0 +1,112 @@
+"""Scans over what motors do: each node is the machine with its joints moved."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import gspcli
+from gspcli.errors import ArgumentError
+from gspcli.geometry.coordinates import choose, moved
+from gspcli.geometry.drives import Drives
+from gspcli.geometry.home_pose import HomePose
+from gspcli.geometry.numbers import Number
+from gspcli.motion.files.pose_files import PoseFormat
+from gspcli.motion.singularities.pose_scans import PoseAxis, PoseScan
+from gspcli.motion.singularities.scan_results import scan
+from tests.support.driven_machines import driven
+
+
+@pytest.mark.parametrize(
+    ("name", "drive"),
+    [
+        ("6-PUS", "slide.B2"),
+        ("delta", "slide.B3"),
+        ("mixed", "crank.P1"),
+        ("t-top-head", "crank.B1"),
+    ],
+)
+def test_nodes_are_solved_with_the_joints_moved(name, drive):
+    """As `solve` of a platform whose points were moved by `coordinates.moved`."""
+    machine = driven(name)
+    places = [-0.05, 0.0, 0.04] if drive.startswith("slide") else [-20.0, 0.0, 35.0]
+    found = scan(machine, {drive: places})
+    for place, modes, condition in zip(
+        places, found.found.modes, found.found.conditions, strict=True
+    ):
+        there = gspcli.solve(moved(machine, choose(machine, [drive]), np.array([place])))
+        assert there.verdict == "complete"
+        assert modes == there.real.sum()
+        assert condition == pytest.approx(there.conditions[there.real].min(), rel=1e-6)
+    assert list(found.to_frame().columns) == [drive, "modes", "condition"]
+    assert found.to_json()["vary"] == {drive: places}
+
+
+def test_a_motor_and_a_value_vary_together():
+    machine = driven("mixed")
+    free = int(np.flatnonzero(~Drives.of(machine).driven)[0])
+    value = machine.constraints[free].value.value
+    found = scan(machine, {"crank.P1": [0.0, 30.0], free + 1: [value, 1.02 * value]})
+    assert found.names == ["crank.P1", str(free + 1)]
+    there = moved(machine, choose(machine, ["crank.P1"]), np.array([30.0]))
+    there = there.with_values({free: Number.of(1.02 * value)})
+    assert found.found.modes[1, 1] == gspcli.solve(there).real.sum()
+    assert found.found.modes[0, 0] == gspcli.solve(machine).real.sum()
+
+
+def test_readings_are_corrected():
+    """A reading of 0.02 is 0.05 along the rail."""
+    machine = driven("6-PUS")
+    row = machine.constraints[0]
+    slide = gspcli.Slide(row.base.slide.direction, None, None, 0.01, 1.0)
+    changed = replace(row, base=replace(row.base, slide=slide))
+    read = replace(machine, constraints=(changed, *machine.constraints[1:]))
+    one = scan(read, {"slide.B1": [-0.03, 0.02]}).found
+    other = scan(machine, {"slide.B1": [-0.05, 0.05]}).found
+    assert one.modes.tolist() == other.modes.tolist()
+    np.testing.assert_allclose(one.conditions, other.conditions, rtol=1e-9)
+
+
+def test_what_is_not_supported_is_said():
+    machine = driven("6-PUS")
+    with pytest.raises(ArgumentError, match=r"folds over slide\.B1 are not proved here"):
+        scan(machine, {"slide.B1": [0.0, 0.1]}, folds=True)
+    with pytest.raises(ArgumentError, match="over cranks and slides there is no clearance"):
+        scan(machine, {"slide.B1": [0.0, 0.1]}, clearance=True)
+    with pytest.raises(ArgumentError, match=r"found 'slide\.B9', expected a number from 1 to 6 or"):
+        scan(machine, {"slide.B9": [0.0, 0.1]})
+    with pytest.raises(ArgumentError, match="found constraint 7, expected a number from 1 to 6"):
+        scan(machine, {7: [0.0, 0.1]})
+
+
+def test_determinants_at_poses_are_those_of_the_moved_joints():
+    """Arms turn with the pose; where they do not reach, there is no determinant."""
+    machine = driven("t-top-head")
+    home = machine.home
+    assert isinstance(home, HomePose)
+    z = home.T[2]
+    found = PoseScan(
+        machine,
+        (PoseAxis("x", (-0.5, 0.0, 0.01)),),
+        [0, 0, z + 0.005, 1, 0, 0, 0],
+        PoseFormat(),
+    )
+    assert np.isnan(found.determinants[0])
+    assert found.singular == {}
+    drives = Drives.of(machine)
+    for k, x in ((1, 0.0), (2, 0.01)):
+        R, T = np.eye(3), np.array([x, 0, z + 0.005])
+        there = drives.instance_at(drives.inverse(R, T))
+        alone = PoseScan(there, (PoseAxis("x", (x - 1e-9, x)),), found.pose, PoseFormat())
+        assert found.determinants[k] == pytest.approx(alone.determinants[1], rel=1e-6)
+        stated = PoseScan(
+            replace(machine, constraints=tuple(
+                replace(row, base=gspcli.Point(row.base.position)) for row in machine.constraints
+            )),
+            alone.axes, found.pose, PoseFormat(),
+        )  # fmt: skip
+        assert abs(stated.determinants[1] / found.determinants[k] - 1) > 1e-3
+    with pytest.raises(ArgumentError, match="gsp clearance has that of one pose"):
+        found.clearances  # noqa: B018
