@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from gspcli.motion import PoseFormat
+    from gspcli.motion.files.pose_files import PoseTable
 
     Array = NDArray[np.float64]
 
@@ -62,18 +64,31 @@ class GivenPose:
         GspError
             If it is not one pose.
         """
-        from gspcli.motion import read_pose, read_poses
+        from gspcli.motion import read_pose
 
         if self.text.startswith(_FILE):
-            # Of one pose nothing can be dropped unseen: all its numbers are needed.
-            table = read_poses(*text_of(self.text[1:]), replace(form, ignore=("*",), columns=()))
+            table = self._of_file(form)
         else:
-            table = read_pose(self.text, form, self.option)
+            table = read_pose(self.text, replace(form, columns=()), self.option)
         if len(table.R) != 1:
             where = f"{self.option} {shortened(self.text)}"
             message = f"{where}: found {len(table.R)} poses, expected one"
             raise GspError(message)
         return table.R[0], table.T[0]
+
+    def _of_file(self, form: PoseFormat) -> PoseTable:
+        """Return the poses of the file; one line of numbers is a POSE unless `form` has names."""
+        from gspcli.motion import read_pose, read_poses
+        from gspcli.motion.files.number_tables import rows_without_heading
+
+        text, name = text_of(self.text[1:])
+        rows = rows_without_heading(text)
+        # Of one pose nothing can be dropped unseen: all its numbers are needed.
+        names = form.columns if rows else ()
+        if len(rows) == 1 and not names:
+            numbers = ",".join(re.split(r"[,;\s]+", rows[0].strip()))
+            return read_pose(numbers, form, f"{self.option} {shortened(self.text)}")
+        return read_poses(text, name, replace(form, ignore=("*",), columns=names))
 
     def numbers(self, form: PoseFormat) -> list[float]:
         """Return the pose as numbers: the position of the pivot, then the rotation.

@@ -104,10 +104,22 @@ def _measured(
         from gspcli.geometry.residuals import condition_numbers
 
         return printed_conditions(condition_numbers(_arrangement(instance, R, T), R, T))
+    from gspcli.geometry.drive_numbers import is_driven
+
+    if name == "clearance" and is_driven(instance):
+        from gspcli.motion.singularities.drive_clearances import drive_clearances
+
+        return drive_clearances(instance, R, T)[0]
     if name == "clearance":
         from gspcli.motion.singularities.clearances import clearances, range_weights
 
         return clearances(instance, R, T, weights=range_weights(instance))
+    if is_driven(instance):
+        message = (
+            "--require pose-clearance: not known of machines with cranks or slides, use clearance, "
+            "which is that of their drives"
+        )
+        raise GspError(message)
     from gspcli.motion.singularities.pose_clearances import pose_clearances
 
     return pose_clearances(instance, R, T)

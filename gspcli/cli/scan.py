@@ -37,8 +37,9 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from gspcli.geometry.instance import Instance
     from gspcli.motion.singularities.crossings import Boundary
-    from gspcli.motion.singularities.value_scans import Scan
+    from gspcli.motion.singularities.value_scans import Axis, Scan
     from gspcli.workers import Workers
 
     Array = NDArray[np.float64]
@@ -131,27 +132,13 @@ def command(
         return 0
     _refuse_coordinates(texts, conventions)
     from gspcli.motion.singularities.crossings import Boundary
-    from gspcli.motion.singularities.scan_results import (
-        as_read,
-        axis_of,
-        check_values,
-        corrected,
-        drive_names,
-        refuse_folds,
-    )
+    from gspcli.motion.singularities.scan_results import as_read, check_values, corrected
     from gspcli.motion.singularities.value_scans import MISSING, Scan
 
-    known = (*_NUMBERS, *drive_names(instance))
-    axes = [
-        axis_of(instance, int(name) if name in _NUMBERS else name, nodes)
-        for name, nodes in axes_of("--vary", texts, known)
-    ]
-    if folds:
-        refuse_folds(axes)
-    asked = Scan.empty(instance, axes)
+    asked = Scan.empty(instance, _axes(instance, texts, folds=folds))
     found = Scan.empty(*corrected(asked), clearance=quantity == "clearance")
     check_values(found, "--vary")
-    total = math.prod(len(axis.values) for axis in axes)
+    total = math.prod(len(axis.values) for axis in asked.axes)
     limits = Boundary()
     interrupted = False
     try:
@@ -180,6 +167,20 @@ def command(
         return INTERRUPTED
     _refuse_gaps(found, limits)
     return 0
+
+
+def _axes(instance: Instance, texts: tuple[str, ...], *, folds: bool) -> list[Axis]:
+    """Return the values and drives that vary."""
+    from gspcli.motion.singularities.scan_results import axis_of, drive_names, refuse_folds
+
+    known = (*_NUMBERS, *drive_names(instance))
+    axes = [
+        axis_of(instance, int(name) if name in _NUMBERS else name, nodes)
+        for name, nodes in axes_of("--vary", texts, known)
+    ]
+    if folds:
+        refuse_folds(axes)
+    return axes
 
 
 def _refuse_coordinates(texts: tuple[str, ...], conventions: PoseConventions) -> None:

@@ -76,6 +76,11 @@ def _at_all_rows(result: Track, requirement: Requirement) -> Array | QuantityPar
     name = requirement.quantity
     if name in ("range", "transmission") and is_driven(result.instance):
         return _of_drives(result, name)
+    if name in ("clearance", "pose_clearance") and is_driven(result.instance):
+        rows, modes = np.nonzero(~np.isnan(result.T[..., 0].T))
+        R, T = (array[modes, rows] for array in (result.R, result.T))
+        values = result.values[rows]
+        return measured_quantities(result.instance, [requirement], values, R, T)[name]
     found: list[Array | QuantityParts] = []
     for part, moved in result.instances():
         # What is followed has one side of each plane; ranges are those of the sides asked for.

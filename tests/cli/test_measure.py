@@ -265,3 +265,34 @@ def test_the_nearest_pose_needs_no_requirements(gsp):
     run = gsp("measure", "@rubin-m2", "--pose", "0,0,0,1,0,0,0", "--nearest", "--drives")
     assert run.code == 2
     assert "leave out other options" in run.err
+
+
+def test_a_pose_in_a_file_without_a_heading(gsp, tmp_path, monkeypatch):
+    """Its columns have names, or it is one line of numbers as the option takes them."""
+    monkeypatch.chdir(tmp_path)
+    Path("named.txt").write_text("# log\n7 0.01 0 0 0 0 0 1\n", encoding="utf-8")
+    Path("plain.txt").write_text("0.01;0;0;1;0;0;0\n", encoding="utf-8")
+    Path("headed.csv").write_text("x,y,z,qw,qx,qy,qz\n0.01,0,0,1,0,0,0\n", encoding="utf-8")
+    Path("two.txt").write_text("0,0,0,1,0,0,0\n0,0,1,1,0,0,0\n", encoding="utf-8")
+    wanted = gsp("measure", "@rubin-m2", "--pose", "0.01,0,0,1,0,0,0", "--format", "csv").out
+    columns = ("--columns", "t,x,y,z,qx,qy,qz,qw", "--format", "csv")
+    for words in (
+        ("--pose", "@named.txt", *columns),
+        ("--pose", "@plain.txt", "--format", "csv"),
+        ("--pose", "@headed.csv", *columns),
+        ("--pose", "0.01,0,0,1,0,0,0", *columns),
+    ):
+        run = gsp("measure", "@rubin-m2", *words)
+        assert run.code == 0, words
+        assert (
+            run.out.split(",", 1)[1].split("\n")[1].split(",")[1:]
+            == (wanted.split(",", 1)[1].split("\n")[1].split(",")[1:])
+        )
+    run = gsp("solve", "@rubin-m2", "--near", "@plain.txt", "--format", "csv")
+    assert run.code == 0
+    run = gsp("measure", "@rubin-m2", "--pose", "@two.txt")
+    assert "give names with --columns" in run.err
+    run = gsp("measure", "@rubin-m2", "--pose", "@two.txt", "--columns", "x,y,z,qw,qx,qy,qz")
+    assert "--pose @two.txt: found 2 poses, expected one" in run.err
+    run = gsp("measure", "@rubin-m2", "--pose", "@named.txt")
+    assert "--pose @named.txt: found 8 numbers" in run.err

@@ -74,11 +74,7 @@ class NumberTable:
     ) -> None:
         self.name = name
         self.mistakes: list[Mistake] = []
-        lines = [
-            (number, line.rstrip())
-            for number, line in enumerate(text.splitlines(), 1)
-            if line.strip() and not line.lstrip().startswith("#")
-        ]
+        lines = _rows(text)
         if not lines:
             raise SpecError(
                 [Mistake(Location(name, 1, 1), "", "found nothing, expected a heading and rows")]
@@ -331,6 +327,23 @@ class NumberTable:
     def check(self) -> None:
         """Raise `SpecError` with all mistakes found so far, if there are any."""
         check(self.mistakes)
+
+
+def rows_without_heading(text: str) -> list[str]:
+    """Return the rows of a file whose first line has numbers; none if it has a heading."""
+    rows = [line for _, line in _rows(text)]
+    if len(rows) > 1 and _SEPARATOR.fullmatch(rows[0]):
+        del rows[0]
+    return rows if rows and _are_numbers(rows[0], any_numbers=True) else []
+
+
+def _rows(text: str) -> list[tuple[int, str]]:
+    """Return the lines of a file that are neither empty nor comments, with their numbers."""
+    return [
+        (number, line.rstrip())
+        for number, line in enumerate(text.splitlines(), 1)
+        if line.strip() and not line.lstrip().startswith("#")
+    ]
 
 
 def _are_numbers(line: str, *, any_numbers: bool) -> bool:

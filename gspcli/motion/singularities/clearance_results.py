@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -14,6 +14,7 @@ from gspcli.geometry.drive_numbers import is_driven
 from gspcli.geometry.drives import Drives
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.readings import readings_of
+from gspcli.motion.poses.cranks import drive_values
 from gspcli.motion.poses.inverse_kinematics import measure
 from gspcli.motion.singularities import clearances, drive_clearances, pose_clearances
 from gspcli.motion.singularities.clearances import Clearance
@@ -143,6 +144,15 @@ def clearance(
         message = "points count for the clearance of a pose only"
         raise ArgumentError(message, "points")
     R, T = np.reshape(np.asarray(R, float), (-1, 3, 3)), np.reshape(np.asarray(T, float), (-1, 3))
+    driven = is_driven(instance)
+    if of == "pose" and driven:
+        message = (
+            "not known of the pose of a machine with cranks or slides, whose joints move with it: "
+            "use drives"
+        )
+        raise ArgumentError(message, "of")
+    if of == KINDS[0] and driven:
+        return Clearances(instance, of, tuple(_with_drives_still(instance, R, T, refine, progress)))
     if of == KINDS[0]:
         weights = clearances.range_weights(instance)
         each = clearances.each_clearance(
@@ -158,6 +168,27 @@ def clearance(
         for turn, place in progress(poses, total=len(poses), label="poses")
     ]
     return Clearances(instance, of, tuple(found))
+
+
+def _with_drives_still(
+    instance: Instance, R: Array, T: Array, refine: bool, progress: Progress
+) -> Iterator[Clearance]:
+    """Yield the clearances of values at poses, with cranks and slides still where they are.
+
+    Raises
+    ------
+    ArgumentError
+        If the drives do not reach a pose.
+    """
+    drives, q = drive_values(instance, R, T, along=False)
+    unreached = np.isnan(q).any(axis=1)
+    if unreached.any():
+        message = f"the drives do not reach pose {int(unreached.argmax()) + 1}"
+        raise ArgumentError(message, "R")
+    for k in progress(range(len(q)), total=len(q), label="poses"):
+        there = drives.instance_at(q[k])
+        weights, one = clearances.range_weights(there), slice(k, k + 1)
+        yield from clearances.each_clearance(there, R[one], T[one], weights=weights, refine=refine)
 
 
 def default_kind(instance: Instance) -> str:
