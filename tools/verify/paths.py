@@ -52,6 +52,7 @@ LEGS = (
 FACTORS = (
     *("surfaces-sss", "surfaces-ssc", "surfaces-psc", "surfaces-scc", "surfaces-ccc"),
     *("surfaces-ppc", "surfaces-pps", "surfaces-pss", "surfaces-pcc", "sdss-primary"),
+    "example-6.8",
 )
 #: With ranges: how many groups there are.
 RANGED = {
@@ -63,7 +64,7 @@ RANGED = {
 }
 RANDOM = 10
 #: Machines for segments: all ten kinds.
-SEGMENTS = (*LEGS, *FACTORS, "six-planes", "fixture-3-2-1", "figure-2", "example-6.8", "figure-4")
+SEGMENTS = (*LEGS, *FACTORS, "six-planes", "fixture-3-2-1", "figure-2", "figure-4")
 HOMES = ("workspace-study", "workspace-study-cones", "rubin-camera", "rubin-m2")
 #: Segments and homes that one worker does.
 _CHUNK, _HOMES = 250, 25

@@ -13,6 +13,13 @@ The spaces are:
   right angles to it; the same with the bodies exchanged (DHP);
 - of distances (DPP, DPL, DPH) of one point of the platform: the forces through it; the same for one
   point of the base (DPP, DLP, DHP).
+
+Two of these determinants are products themselves:
+
+- Three distances of one point to lines at right angles that meet (DPL, DLP). With the coordinates
+  x, y, z of the point along the lines the determinant of the forces is a multiple of x y z.
+- Angles of three directions at right angles to three others at right angles. With the unit
+  quaternion q of the turn between them the determinant of the moments is a multiple of q0 q1 q2 q3.
 """
 
 from __future__ import annotations
@@ -26,6 +33,7 @@ from numpy.typing import NDArray
 from gspcli.catalogue.kinds import DHP, DLP, DPH, DPL, DPP
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
+from gspcli.geometry.quaternions import quaternion_from_rotation
 from gspcli.motion.paths.pose_ways import PoseWays
 from gspcli.records import dataclass
 
@@ -119,6 +127,7 @@ def _factors(a: Arrangement) -> Iterator[tuple[Factor, Determinant]]:
     angles = a.angles.tolist()
     if len(angles) == 3:
         yield Factor(tuple(angles), "angles"), partial(_of_moments, a, angles)
+        yield from _of_turns(a, angles)
     for kind, own, said in ((DPH, a.v, "base"), (DHP, a.u, "platform")):
         for members, n in _with_one_direction(a, kind, own):
             planes = [k for k in members if a.kinds[k] is kind]
@@ -135,6 +144,47 @@ def _factors(a: Arrangement) -> Iterator[tuple[Factor, Determinant]]:
                     Factor(tuple(members), f"one point of the {said}"),
                     partial(_of_forces, a, members),
                 )
+                yield from _of_places(a, members, said == "platform")
+
+
+def _of_turns(a: Arrangement, members: list[int]) -> Iterator[tuple[Factor, Determinant]]:
+    """Yield the signs of the quaternion of a turn between directions at right angles."""
+    own, base = a.u[members], a.v[members]
+    if not (_are_orthogonal(own) and _are_orthogonal(base)):
+        return
+    # The opposite of a direction changes no zero of a moment.
+    own, base = own * np.linalg.det(own).round(), base * np.linalg.det(base).round()
+    for k in (1, 2, 3):
+        space = f"entries 0 and {k} of the quaternion of the turn"
+        yield Factor(tuple(members), space), partial(_of_quaternion, own, base, k)
+
+
+def _of_places(
+    a: Arrangement, members: list[int], on_platform: bool
+) -> Iterator[tuple[Factor, Determinant]]:
+    """Yield the signs of the coordinates of a point along lines at right angles that meet."""
+    lines = [a.kinds[k] is (DPL if on_platform else DLP) for k in members]
+    points, directions = (a.x, a.v) if on_platform else (a.y, a.u)
+    if not all(lines) or not _are_orthogonal(directions[members]):
+        return
+    first, v = points[members], directions[members]
+    # The common point in the coordinates along the lines: each line knows two of three.
+    along = first @ v.T
+    centre = np.array([(along.sum(axis=0)[k] - along[k, k]) / 2 for k in range(3)])
+    off = along - centre
+    off[np.arange(3), np.arange(3)] = 0
+    if np.abs(off).max() > _SAME * max(float(np.abs(first).max()), a.length):
+        return
+    for k in range(3):
+        space = f"place along the line of constraint {members[k] + 1}"
+        yield (
+            Factor(tuple(members), space),
+            partial(_of_place, a, members[0], v[k], float(centre[k]), on_platform),
+        )
+
+
+def _are_orthogonal(directions: Array) -> bool:
+    return bool(np.abs(directions @ directions.T - np.eye(3)).max() < _SAME)
 
 
 def _with_one_direction(
@@ -184,6 +234,22 @@ def _across(n: Array) -> Array:
     """
     first = _unit(np.cross(n, np.eye(3)[np.abs(n).argmin()]))
     return np.stack((first, np.cross(n, first)))
+
+
+def _of_quaternion(own: Array, base: Array, k: int, R: Array, T: Array) -> float:
+    """Return the product of two entries of the quaternion of a turn between directions."""
+    del T
+    q = quaternion_from_rotation(base @ R @ own.T)
+    return float(q[0] * q[k])
+
+
+def _of_place(
+    a: Arrangement, member: int, v: Array, centre: float, on_platform: bool, R: Array, T: Array
+) -> float:
+    """Return the place of a point along a line, from where the lines meet, by the sizes."""
+    point = R @ a.y[member] + T if on_platform else (a.x[member] - T) @ R
+    size = a.length + np.abs(T).max() + np.abs(a.x[member]).max() + abs(centre)
+    return float((point @ v - centre) / size)
 
 
 def _of_planes(

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import gspcli
+from gspcli.geometry.quaternions import quaternion_from_rotation, rotation_from_vector
 from gspcli.motion.paths.classes import Classes
 from gspcli.motion.paths.pose_ways import PoseWays
 from tests.unit.motion.paths.test_pose_ways import ways_of
@@ -55,6 +56,98 @@ def test_a_proved_way_keeps_all_signs(name):
             assert first.signs == last.signs
     assert proved > 10
     assert len(seen) == 4
+
+
+#: Distances of a point from the axes of the other body, and angles of axes, from either body.
+AXES = """
+gsp: 1
+type: {type}
+units: {{length: unit, angle: deg}}
+{own}:
+  P1: {{point: [1, 2, 0]}}
+  L1: {{line: {{point: [0, 0, 0], direction: [0, 0, 1]}}}}
+  L2: {{line: {{point: [0, 0, 0], direction: [0, 1, 0]}}}}
+  L3: {{line: {{point: [0, 0, 0], direction: [1, 0, 0]}}}}
+{other}:
+  L4: {{line: {{point: [3, -1, 5], direction: [0, 0, 1]}}}}
+  L5: {{line: {{point: [3, 7, {height}], direction: [0, 1, 0]}}}}
+  L6: {{line: {{point: [8, -1, 2], direction: [1, {skew}, 0]}}}}
+constraints:
+  - {{angle: [{a}], value: 60}}
+  - {{angle: [{b}], value: 60}}
+  - {{angle: [{c}], value: 60}}
+  - {{distance: [{d}], value: 6}}
+  - {{distance: [{e}], value: 4}}
+  - {{distance: [{f}], value: 5}}
+"""
+
+
+def axes(tmp_path, *, swapped=False, height="2", skew="0"):
+    """Return a platform of the type of example 6.8; of the base's point if swapped."""
+    pairs = (("L1", "L4"), ("L2", "L5"), ("L3", "L6"), ("P1", "L4"), ("P1", "L5"), ("P1", "L6"))
+    text = [", ".join(pair[::-1] if swapped else pair) for pair in pairs]
+    file = tmp_path / "axes.yaml"
+    bodies = ("base", "platform") if swapped else ("platform", "base")
+    kind = "DLP" if swapped else "DPL"
+    words = {
+        "type": " ".join(3 * [kind] + 3 * ["ALL"]),
+        "own": bodies[0],
+        "other": bodies[1],
+        "height": height,
+        "skew": skew,
+    }
+    named = dict(zip("abcdef", text, strict=True))
+    file.write_text(AXES.format(**words, **named), encoding="utf-8")
+    return gspcli.load(file)
+
+
+@pytest.mark.parametrize("swapped", [False, True])
+def test_products_of_places_and_turns(tmp_path, swapped):
+    """The determinants of three angles and of three forces are products of three and four."""
+    instance = axes(tmp_path, swapped=swapped)
+    ways = PoseWays(instance, limits=False)
+    classes = Classes(instance, ways)
+    angles = [k for k, one in enumerate(classes.factors) if "quaternion" in one.space]
+    places = [k for k, one in enumerate(classes.factors) if one.space.startswith("place")]
+    assert (len(angles), len(places), len(classes.factors)) == (3, 3, 8)
+    draw = np.random.default_rng(1)
+    seen = set()
+    for _ in range(20):
+        R, T = rotation_from_vector(draw.normal(size=3)), draw.normal(size=3) * 9
+        signs = classes.of(R, T).signs[1:]
+        moments, forces = (
+            next(s for s, one in zip(signs, classes.factors, strict=True) if one.space == space)
+            for space in ("angles", f"one point of the {'base' if swapped else 'platform'}")
+        )
+        product = np.prod(quaternion_from_rotation(R))
+        turns = np.prod([signs[k] for k in angles])
+        assert turns == -np.sign(product)
+        seen.add((moments * turns, forces * np.prod([signs[k] for k in places])))
+    assert len(seen) == 1
+
+
+@pytest.mark.parametrize("changed", [{"height": "2.001"}, {"skew": "0.001"}])
+def test_lines_that_do_not_meet_or_are_skew_have_no_such_products(tmp_path, changed):
+    instance = axes(tmp_path, **changed)
+    classes = Classes(instance, PoseWays(instance, limits=False))
+    assert not any(one.space.startswith("place") for one in classes.factors)
+    assert any("quaternion" in one.space for one in classes.factors) == ("height" in changed)
+
+
+def test_each_mode_of_example_6_8_is_of_its_own_class():
+    ways, modes = ways_of("example-6.8", limits=False)
+    classes = Classes(ways.instance, ways)
+    assert len({classes.of(*ways.poses(one)).signs for one in modes}) == len(modes) == 64
+    draw = np.random.default_rng(4)
+    proved = 0
+    for k in range(60):
+        begin = modes[k]
+        end = begin + draw.normal(size=6) * ways.sizes * 10.0 ** -draw.integers(0, 3)
+        if ways.prove(begin, end).sign:
+            proved += 1
+            first, last = (classes.of(*ways.poses(one)) for one in (begin, end))
+            assert first.signs == last.signs
+    assert proved > 10
 
 
 def test_an_unknown_sign_differs_from_none():
