@@ -157,7 +157,8 @@ def sources_sha256(places: Iterable[str]) -> str:
     """Return the sha256 of the programs and start systems in some places of the project."""
     digest = hashlib.sha256()
     for place in places:
-        for path in sorted((ROOT / place).rglob("*")):
+        here = ROOT / place
+        for path in [here] if here.is_file() else sorted(here.rglob("*")):
             if path.is_file() and path.suffix in {".py", ".c", ".h", ".cpp", ".hpp", ".npy"}:
                 digest.update(path.relative_to(ROOT).as_posix().encode() + path.read_bytes())
     return digest.hexdigest()

@@ -1,6 +1,7 @@
 """Check proved paths against samples, and which modes they join; record it.
 
-    python -m tools.verify.paths [--segments 20000] [--samples 1000] [--jobs 2] [--check]
+    python -m tools.verify.paths [--segments 20000] [--samples 1000] [--only WHAT] [--jobs 2]
+        [--work FOLDER] [--check]
 
 What must hold:
 
@@ -12,14 +13,17 @@ What must hold:
 - Homes: from 200 random poses within the limits on four machines most ways home are straight, and
   all others are found on a map.
 
-The record is ``data/verification/paths.csv``. Times are said, not recorded.
+The record is ``data/verification/paths.csv``. Times are said, not recorded. Interrupted, the same
+command takes the segments up again, all machines alike: `--segments` may be raised later.
 """
 
 from __future__ import annotations
 
+import argparse
 import sys
 import time
 from dataclasses import asdict, dataclass, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,7 +40,7 @@ from gspcli.motion.paths.pose_ways import PoseWays
 from gspcli.motion.poses.inverse_kinematics import values_at
 from gspcli.solver.instances.generate import random_instance
 from tools.recording import ROOT, add_workers, csv_text, parser, workers_of
-from tools.verify.campaigns import conclude
+from tools.verify.campaigns import TaskRow, add_work, conclude, results
 
 RECORD = ROOT / "data" / "verification" / "paths.csv"
 Array = NDArray[np.float64]
@@ -66,8 +70,10 @@ RANDOM = 10
 #: Machines for segments: all ten kinds.
 SEGMENTS = (*LEGS, *FACTORS, "six-planes", "fixture-3-2-1", "figure-2", "figure-4")
 HOMES = ("workspace-study", "workspace-study-cones", "rubin-camera", "rubin-m2")
+#: What the answers about segments come from.
+SOURCES = ("native", "gspcli/motion/workspace", "gspcli/motion/paths/pose_ways.py")
 #: Segments and homes that one worker does.
-_CHUNK, _HOMES = 250, 25
+_CHUNK, _HOMES = 50, 25
 #: Seconds that are given to groups.
 _SECONDS = 120.0
 
@@ -134,6 +140,51 @@ def segments(name: str, chunk: int, count: int, samples: int) -> tuple[int, int]
     return proved, wrong
 
 
+@dataclass
+class Chunk(TaskRow):
+    """What was found of some segments of one machine."""
+
+    name: str
+    tried: int
+    proved: int
+    wrong: int
+
+
+def _chunk(samples: int, task: str) -> Chunk:
+    """Try the segments of a task, which is the name of a machine and the number of the chunk."""
+    name, number = task.rsplit(":", 1)
+    proved, wrong = segments(name, int(number), _CHUNK, samples)
+    return Chunk(task, _CHUNK, proved, wrong)
+
+
+def segment_rows(arguments: argparse.Namespace) -> list[Row]:
+    """Return what all segments of each machine have given; the work file has what is done."""
+    chunks = -(-arguments.segments // (len(SEGMENTS) * _CHUNK))
+    # All machines come in turns, so that what is done of them is the same.
+    tasks = [f"{name}:{chunk}" for chunk in range(chunks) for name in SEGMENTS]
+    done = results(
+        tasks,
+        partial(_chunk, arguments.samples),
+        Chunk.of_entry,
+        arguments,
+        name=f"segments-{arguments.samples}",
+        label="segments",
+        sources=SOURCES,
+    )
+    found = {name: Row("segments", name, 0, 0, 0) for name in SEGMENTS}
+    for one in done:
+        name = one.name.rsplit(":", 1)[0]
+        before = found[name]
+        found[name] = Row(
+            "segments",
+            name,
+            before.tried + one.tried,
+            before.found + one.proved,
+            before.wrong + one.wrong,
+        )
+    return list(found.values())
+
+
 def homes(name: str, chunk: int) -> tuple[int, int]:
     """Return from how many random poses the way home is straight, and how many have no way."""
     instance = gspcli.example(name)
@@ -160,12 +211,9 @@ def homes(name: str, chunk: int) -> tuple[int, int]:
     return straight, missing
 
 
-def _work(job: tuple[str, str, int, int, int]) -> tuple[Row, float]:
-    what, name, chunk, count, samples = job
+def _work(job: tuple[str, str, int]) -> tuple[Row, float]:
+    what, name, chunk = job
     begin = time.process_time()
-    if what == "segments":
-        proved, wrong = segments(name, chunk, count, samples)
-        return Row(what, name, count, proved, wrong), time.process_time() - begin
     if what == "homes":
         straight, missing = homes(name, chunk)
         return Row(what, name, _HOMES, straight, missing), time.process_time() - begin
@@ -204,25 +252,23 @@ def _wrong(row: Row) -> str:
 def main() -> int:
     """Measure, compare or write; return the exit code."""
     options = parser(__doc__)
+    add_work(options)
     options.add_argument("--segments", type=int, default=20_000, help="how many random ways")
     options.add_argument("--samples", type=int, default=1000, help="samples of each proved way")
     options.add_argument("--only", help="segments, groups, groups with ranges, or homes")
     add_workers(options)
     arguments = options.parse_args()
-    jobs = [("groups", name, 0, 0, 0) for name in (*LEGS, *FACTORS)]
-    jobs += [("groups", str(k), 0, 0, 0) for k in range(RANDOM)]
-    jobs += [("groups with ranges", name, 0, 0, 0) for name in RANGED]
-    jobs += [("homes", name, k, 0, 0) for name in HOMES for k in range(200 // _HOMES // 4)]
-    each = -(-arguments.segments // len(SEGMENTS))
-    for name in SEGMENTS:
-        for chunk in range(-(-each // _CHUNK)):
-            count = min(_CHUNK, each - chunk * _CHUNK)
-            jobs.append(("segments", name, chunk, count, arguments.samples))
+    jobs = [("groups", name, 0) for name in (*LEGS, *FACTORS)]
+    jobs += [("groups", str(k), 0) for k in range(RANDOM)]
+    jobs += [("groups with ranges", name, 0) for name in RANGED]
+    jobs += [("homes", name, k) for name in HOMES for k in range(200 // _HOMES // 4)]
     jobs = [job for job in jobs if arguments.only in (None, job[0])]
     done = _together(list(workers_of(arguments).in_order(_work, jobs)))
     for row, seconds in done:
         print(f"{row.what} {row.machine}: {row.found} of {row.tried}, {seconds:.2f} s")
     rows = [row for row, _ in done]
+    if arguments.only in (None, "segments"):
+        rows += segment_rows(arguments)
     wrong = list(filter(None, map(_wrong, rows)))
     parts = []
     for what in dict.fromkeys(row.what for row in rows):
