@@ -10,6 +10,8 @@ What must hold:
   `gspcli.geometry.measurement`, which the proof does not use.
 - Groups: without ranges all modes of one class are joined on all shipped hexapods with legs, on ten
   random ones and on types whose determinant factors; with ranges the groups are those known.
+- Lengths: of paths between modes of one group at most one of a machine is longer than three times
+  the straight line.
 - Homes: from 200 random poses within the limits on four machines most ways home are straight, and
   all others are found on a map.
 
@@ -24,6 +26,7 @@ import sys
 import time
 from dataclasses import asdict, dataclass, replace
 from functools import partial
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,6 +40,7 @@ from gspcli.motion import mode_groups
 from gspcli.motion.paths.classes import Classes
 from gspcli.motion.paths.pose_map import PoseMap
 from gspcli.motion.paths.pose_ways import PoseWays
+from gspcli.motion.paths.smoothing import LONG
 from gspcli.motion.poses.inverse_kinematics import values_at
 from gspcli.solver.instances.generate import random_instance
 from tools.recording import ROOT, add_workers, csv_text, parser, workers_of
@@ -69,6 +73,9 @@ RANGED = {
 RANDOM = 10
 #: Machines for segments: all ten kinds.
 SEGMENTS = (*LEGS, *FACTORS, "six-planes", "fixture-3-2-1", "figure-2", "figure-4")
+#: Machines for lengths of paths, and how many pairs of modes each.
+LENGTHS = ("workspace-study", "nano-hexapod", "octahedral-3-3", "surfaces-sss", "dietmaier")
+_PAIRS = 6
 HOMES = ("workspace-study", "workspace-study-cones", "rubin-camera", "rubin-m2")
 #: What the answers about segments come from.
 SOURCES = ("native", "gspcli/motion/workspace", "gspcli/motion/paths/pose_ways.py")
@@ -211,12 +218,24 @@ def homes(name: str, chunk: int) -> tuple[int, int]:
     return straight, missing
 
 
+def lengths(name: str) -> tuple[int, int, int]:
+    """Return how many paths between modes are tried, how many are short, how many not proved."""
+    instance = gspcli.example(name)
+    found = mode_groups(instance, time=_SECONDS).groups.values()
+    pairs = [pair for group in found for pair in pairwise(group)][:_PAIRS]
+    planned = [gspcli.path(instance, *pair) for pair in pairs]
+    short = sum(len(one.T) > 0 and one.length <= LONG * one.straight_length for one in planned)
+    return len(pairs), short, sum(one.verdict != "proved" for one in planned)
+
+
 def _work(job: tuple[str, str, int]) -> tuple[Row, float]:
     what, name, chunk = job
     begin = time.process_time()
     if what == "homes":
         straight, missing = homes(name, chunk)
         return Row(what, name, _HOMES, straight, missing), time.process_time() - begin
+    if what == "lengths":
+        return Row(what, name, *lengths(name)), time.process_time() - begin
     return groups(name, limits=what == "groups with ranges")
 
 
@@ -244,6 +263,8 @@ def _wrong(row: Row) -> str:
         return f"{row.what} of {row.machine}: {row.wrong} wrong"
     if row.what == "groups with ranges" and row.found != RANGED[row.machine]:
         return f"{row.machine}: found {row.found} groups, expected {RANGED[row.machine]}"
+    if row.what == "lengths" and row.found < row.tried - 1:
+        return f"{row.machine}: {row.tried - row.found} of {row.tried} paths are long"
     if row.what == "homes" and row.found < 0.5 * row.tried:
         return f"{row.machine}: {row.found} of {row.tried} ways home are straight"
     return ""
@@ -255,13 +276,14 @@ def main() -> int:
     add_work(options)
     options.add_argument("--segments", type=int, default=20_000, help="how many random ways")
     options.add_argument("--samples", type=int, default=1000, help="samples of each proved way")
-    options.add_argument("--only", help="segments, groups, groups with ranges, or homes")
+    options.add_argument("--only", help="segments, groups, groups with ranges, lengths, or homes")
     add_workers(options)
     arguments = options.parse_args()
     jobs = [("groups", name, 0) for name in (*LEGS, *FACTORS)]
     jobs += [("groups", str(k), 0) for k in range(RANDOM)]
     jobs += [("groups with ranges", name, 0) for name in RANGED]
     jobs += [("homes", name, k) for name in HOMES for k in range(200 // _HOMES // 4)]
+    jobs += [("lengths", name, 0) for name in LENGTHS]
     jobs = [job for job in jobs if arguments.only in (None, job[0])]
     done = _together(list(workers_of(arguments).in_order(_work, jobs)))
     for row, seconds in done:
@@ -280,6 +302,14 @@ def main() -> int:
         if one["what"] == "segments":
             # Which ways are proved can depend on last digits.
             one["found"] = round(one["found"], -2)
+    if arguments.only and not arguments.check:
+        # The others stay as they are.
+        text = RECORD.read_text(encoding="utf-8").splitlines()
+        new = {line.rsplit(",", 3)[0]: line for line in csv_text(recorded).splitlines()[1:]}
+        kept = [line for line in text if line.rsplit(",", 3)[0] not in new]
+        return conclude(
+            RECORD, "\n".join([*kept, *new.values()]) + "\n", wrong, "; ".join(parts), check=False
+        )
     return conclude(RECORD, csv_text(recorded), wrong, "; ".join(parts), check=arguments.check)
 
 

@@ -37,13 +37,17 @@ from gspcli.motion.paths.planned_paths import PlannedPath
 from gspcli.motion.paths.pose_map import PoseMap
 from gspcli.motion.paths.pose_ways import PoseWays
 from gspcli.motion.paths.sheets import Sheet, whole_sheet
-from gspcli.motion.paths.smoothing import smoothed
+from gspcli.motion.paths.smoothing import LONG, smoothed, stretch
 from gspcli.motion.paths.timing import PathLimits
 from gspcli.motion.paths.value_map import ValueMap
 from gspcli.motion.paths.value_ways import ValueWays
 from gspcli.motion.workspace.travels import violations
 
 Array = NDArray[np.float64]
+
+
+#: So many other maps of poses are made, of so many random poses, if a path is long.
+_MAPS, _GROWN = 3, 300
 
 
 class Planner:
@@ -153,8 +157,7 @@ class Planner:
             guide, corners = self._on_map(ways, start, goal, lambda: time.monotonic() < deadline)
         if guide is None or corners is None:
             return self._not_found(start, goal)
-        if len(corners) > 2:
-            corners = smoothed(self.instance, guide, corners, self.seed)
+        corners = self._smoothed(guide, corners, start, goal)
         return finished(self.given, guide, corners, start, goal, self.limits, rounded=self.rounded)
 
     def _driven(
@@ -176,9 +179,29 @@ class Planner:
                 guide, corners = self._on_poses(start, goal, more)
         if guide is None or corners is None:
             return self._not_found(start, goal)
-        if len(corners) > 2:
-            corners = smoothed(self.instance, guide, corners, self.seed)
+        corners = self._smoothed(guide, corners, start, goal)
         return finished(self.given, guide, corners, start, goal, self.limits, rounded=self.rounded)
+
+    def _smoothed(self, guide: Guide, corners: Array, start: PathEnd, goal: PathEnd) -> Array:
+        """Return a path that costs less; of long ones on poses the shortest from several maps."""
+        if len(corners) == 2:
+            return corners
+        best = smoothed(self.instance, guide, corners, self.seed)
+        if not isinstance(guide, PoseGuide):
+            return best
+        length = stretch(self.instance, guide, best)
+        for k in range(_MAPS):
+            if length <= LONG:
+                break
+            more = _Countdown(_GROWN)
+            _, other = self._on_poses(start, goal, more, seed=self.seed + 1 + k)
+            if other is None:
+                continue
+            tried = smoothed(self.instance, guide, other, self.seed)
+            here = stretch(self.instance, guide, tried)
+            if here < length:
+                best, length = tried, here
+        return best
 
     @property
     def stays(self) -> bool:
@@ -301,14 +324,15 @@ class Planner:
         found.refuse(nodes[0], nodes[1])
 
     def _on_poses(
-        self, start: PathEnd, goal: PathEnd, more: Callable[[], bool]
+        self, start: PathEnd, goal: PathEnd, more: Callable[[], bool], seed: int | None = None
     ) -> tuple[Guide | None, Array | None]:
         guide = self.pose_guide()
         R, T = np.stack((start.R, goal.R)), np.stack((start.T, goal.T))
         limited = has_limits(self.instance) or self.motors is not None
         kept = guide.kept if limited else None
         classes = [self.classes.of(end.R, end.T) for end in (start, goal)]
-        found = PoseMap(self.ways, R, T, classes, self.classes.of, seed=self.seed, kept=kept)
+        draw = self.seed if seed is None else seed
+        found = PoseMap(self.ways, R, T, classes, self.classes.of, seed=draw, kept=kept)
         found.join_given()
         while True:
             corners = found.way(0, 1)
@@ -323,3 +347,15 @@ class Planner:
             found.refuse_on_way(
                 0, 1, lambda one: guide.trace(one, np.array([PROVED_ROWS])) is not None
             )
+
+
+class _Countdown:
+    """Says so many times that there may be more: a search that does not depend on the time."""
+
+    def __init__(self, count: int) -> None:
+        self._left = count
+
+    def __call__(self) -> bool:
+        """Return whether there may be more."""
+        self._left -= 1
+        return self._left >= 0

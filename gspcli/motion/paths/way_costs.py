@@ -26,8 +26,8 @@ def steps(instance: Instance, R: Array, T: Array) -> Array:
     return np.asarray(np.sqrt((np.diff(places, axis=0) ** 2).sum(axis=2).mean(axis=1)))
 
 
-def cost(instance: Instance, R: Array, T: Array) -> float:
-    """Return the integral of the condition number by the length of a path, in lengths.
+def cost(instance: Instance, R: Array, T: Array, power: float = 1.0) -> float:
+    """Return the integral of a power of the condition number by the length of a path, in lengths.
 
     Parameters
     ----------
@@ -35,6 +35,8 @@ def cost(instance: Instance, R: Array, T: Array) -> float:
         The platform.
     R, T
         Poses along the path, shapes (r, 3, 3) and (r, 3).
+    power
+        Of the condition number; with 0 the cost is the length.
     """
     a = Arrangement.of(instance)
     regular = 1 / condition_numbers(_driven(instance, R, T), R, T)
@@ -42,7 +44,7 @@ def cost(instance: Instance, R: Array, T: Array) -> float:
         return np.inf
     # The harmonic mean between rows: 1 / condition is nearly linear.
     mean = 2 / (regular[1:] + regular[:-1])
-    return float((steps(instance, R, T) * mean).sum() / a.length)
+    return float((steps(instance, R, T) * mean**power).sum() / a.length)
 
 
 class WayCosts:
