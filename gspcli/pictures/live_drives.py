@@ -26,6 +26,7 @@ from gspcli.catalogue.kinds import DPP
 from gspcli.certification.numbers.doubled import Doubled
 from gspcli.continuation.systems import Coefficients
 from gspcli.defaults import COUNT_LIMIT, SEED
+from gspcli.geometry.coordinates import BODIES
 from gspcli.geometry.drive_numbers import driven_points, is_driven
 from gspcli.geometry.drives import Drives
 from gspcli.geometry.instance import Instance
@@ -254,7 +255,9 @@ class LiveMotors:
         for k, sort in enumerate(drives.sorts):
             user = drives.users(k)[0]
             row = self.given.constraints[user]
-            names = " ".join(f"{self.given.constraints[i].base_name}" for i in drives.users(k))
+            body = BODIES[0] if drives.on_platform[user] else BODIES[1]
+            rods = [self.given.constraints[i] for i in drives.users(k)]
+            names = " ".join(getattr(rod, f"{body}_name") for rod in rods)
             if sort == "value":
                 for name, list_ in found.items():
                     said[name].append(list_[user])

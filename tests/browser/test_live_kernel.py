@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
 
+from gspcli.geometry.primitives import Crank, Point, Slide
 from gspcli.pictures.live_numbers import live_module
 from gspcli.resources import instance_files
 from gspcli.solver.instances.generate import random_instance
@@ -75,6 +77,23 @@ def test_poses_are_those_of_solve(kernel: Any, name: str) -> None:
     else:
         # The values of that file are special: they have an exact count.
         assert row.missed == (name == "point-on-line")
+
+
+def test_motors_on_the_platform_and_legs_of_one_machine(kernel: Any) -> None:
+    """Slides, cranks and a leg; there the page gives no clearance."""
+    rows = list(load(instance_files()["modified-paradex"]).constraints)
+    slide = Slide([1, 2, -1], limits=(-0.5, 0.5))
+    for k, row in enumerate(rows[:5]):
+        x, y, z = (each.value for each in row.platform.position)
+        moved = [replace(row.platform, slide=slide)] * 2
+        crank = Crank([x + 0.3, y, z + 0.1], [1, 1, 2], limits=(-40, 40))
+        moved += [replace(row.platform, crank=crank)] * 2 + [row.platform]
+        still = Point(row.base.position)
+        rows[k] = replace(row, platform=moved[k], base=still, limits=None)
+    made = replace(load(instance_files()["modified-paradex"]), constraints=tuple(rows))
+    row = compared("made", made, 6, kernel)
+    assert (row.complete, row.missed, row.real > 0) == (6, 0, True)
+    assert (row.verdicts, row.numbers, row.poses) == (0, 0, 0)
 
 
 @pytest.mark.parametrize("number", [40, 1000, 2500, 3700])
