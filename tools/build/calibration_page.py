@@ -3,9 +3,9 @@
     python -m tools.build.calibration_page [--check]
 
 The machine is `workspace-study-cones`. Its joints are moved and its legs get offsets at random, as
-if it had been made to 0.15 mm; the poses are those of ``gsp calibrate --plan`` and some at random;
-what is read and seen there has normal noise of the size that the page states. One reading is wrong
-by 0.2 mm, so that there is something to find.
+if it had been made to 0.15 mm. The poses are those of ``gsp calibrate --plan`` and some at random.
+The readings and the poses there have normal noise of the size that the page states. One reading is
+wrong by 0.2 mm, so that there is something to find.
 
 The log of docs/identification.md is that of the machine `workspace-study`: 60 poses at random about
 home, positions in m, angles in degrees in the order XYZ with rz left-handed, a noise of 2 um.

@@ -2,11 +2,11 @@
 
     python -m tools.build.coincident_counts [--check [--sample N]] [--groebner]
 
-For each way in which the six legs of a platform (six DPP) may share joints and still fix it, the
-poses of a random platform, and of one whose joints lie in a plane on each body, are counted modulo
-a random prime (docs/exact-counts.md); with --groebner by Gröbner bases modulo two other primes
-instead, independent of all that the package does. J. C. Faugère, D. Lazard, *Combinatorial classes
-of parallel manipulators*, 1995, treat the same classes.
+The six legs of a platform (six DPP) may share joints in many ways and still fix it. For each way
+two platforms are counted: a random one, and one whose joints lie in a plane on each body. They are
+counted modulo a random prime (docs/exact-counts.md). With --groebner they are counted by Gröbner
+bases modulo two other primes instead, which share nothing with the package. J. C. Faugère, D.
+Lazard, *Combinatorial classes of parallel manipulators*, 1995, treat the same classes.
 """
 
 from __future__ import annotations

@@ -60,7 +60,7 @@ def _table(uses: dict[str, list[tuple[str, click.Option]]], everyone: int) -> st
 
 
 def _spelled(option: click.Option) -> str:
-    """Return an option as it is written: ``--jobs N``."""
+    """Return the spelling of an option: ``--jobs N``."""
     spelling = " / ".join(f"`{name}`" for name in (*option.opts, *option.secondary_opts))
     if option.is_flag:
         return spelling

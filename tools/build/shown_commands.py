@@ -184,7 +184,7 @@ def _split(words: list[str], operator: str) -> list[list[str]]:
 
 
 def _run(words: list[str], given: bytes) -> tuple[int, bytes, str]:
-    """Run one program; return its exit code, its output and what it says of errors."""
+    """Run one program; return its exit code, its output and its standard error."""
     if words[0] != "gsp":
         done = subprocess.run(words, input=given, capture_output=True, check=False)
         return done.returncode, done.stdout, done.stderr.decode()

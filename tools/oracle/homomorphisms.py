@@ -1,10 +1,12 @@
 """The numbers of an instance modulo a prime, by one ring homomorphism.
 
-What holds between the numbers holds between their residues: the square root of a product is the
-product of the square roots, cosines of degrees come from one root of unity, and so do the square
-roots of 2, 3 and 5 beside them. Of an angle that is no small fraction of a turn the part that is
-left over after whole degrees is a generic turn, the same power of it for the same multiple: its
-sine and cosine are algebraic of a degree beyond that of any condition here, or transcendental.
+What holds between the numbers holds between their residues. The square root of a product is the
+product of the square roots. Cosines of degrees come from one root of unity, and so do the square
+roots of 2, 3 and 5 beside them.
+
+An angle that is no small fraction of a turn is whole degrees and a remainder. The remainder stands
+for a generic turn, and multiples of it for powers of that turn. For its sine and cosine are
+algebraic of a degree beyond that of any condition here, or transcendental.
 """
 
 from __future__ import annotations
@@ -196,7 +198,7 @@ def _sha256(instance: Instance) -> str:
 
 @cache
 def _split(turn: Fraction, parts: int) -> tuple[Fraction, Fraction]:
-    """Return a turn as a multiple of a part and what is left over."""
+    """Return a turn as a multiple of a part and a remainder."""
     whole = Fraction(round(turn * parts), parts)
     return whole, turn - whole
 

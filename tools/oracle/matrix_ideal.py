@@ -1,8 +1,8 @@
 """The constraints of an instance as polynomials in the entries of the motion, for msolve.
 
-The coordinates are R (by rows), T, U = R^T T, rho = T.T, and for each DLL its mutual moment; the
-rigid motions are what the equations of a rotation and of U and rho make of them. DPP, DPH, DHP and
-angles are linear. Nothing is shared with the equations in quaternions of `quaternion_counts`,
+The coordinates are R (by rows), T, U = R^T T, rho = T.T, and for each DLL its mutual moment. The
+equations of a rotation and those of U and rho define the rigid motions among them. DPP, DPH, DHP
+and angles are linear. Nothing is shared with the equations in quaternions of `quaternion_counts`,
 nor with those of the package, so that the ways of counting are independent.
 """
 

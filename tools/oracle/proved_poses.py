@@ -208,7 +208,7 @@ def real_poses(instance: Instance, distinct: int) -> int | None:
                 if disc is not None:
                     _add(disc, discs)
         waiting = [item for item, disc in zip(waiting, found, strict=True) if disc is None]
-        # A single one that is left, of whatever multiplicity, is its own conjugate.
+        # A single pose without a disc, of any multiplicity, is its own conjugate.
         left = distinct - len(discs)
         if left in (0, 1):
             return sum(disc.real for disc in discs) + left

@@ -1,4 +1,4 @@
-"""What `gsp` says of special platforms, judged by their exact counts.
+"""The answers of `gsp` about special platforms, judged by their exact counts.
 
 wrong complete
     complete, but not the number of poses, or the set is infinite
@@ -44,7 +44,7 @@ COLUMNS = (
 
 @dataclass(frozen=True)
 class Answer:
-    """What `gsp` says of one platform with one seed."""
+    """The answer of `gsp` about one platform with one seed."""
 
     verdict: str
     found: int

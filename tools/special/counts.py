@@ -5,8 +5,8 @@
    `MOST_BY_SINGULAR` poses, which would take it long, msolve again.
 
 They must agree; if they do not, a prime was bad, and two of three must. The real poses are isolated
-by msolve over the rational numbers. Where numbers are irrational they are rounded to `ROUNDED`
-decimals for this, and the rounded platform must have the same counts: then nothing that decides the
+by msolve over the rational numbers. Irrational numbers are rounded to `ROUNDED`
+decimals for this, and the rounded platform must have the same counts. Then nothing that decides the
 number of real poses has changed, unless the platform is nearer to another number than that. Where
 that takes too long, and first of more than `FEW` poses, all are proved one by one: `proved_poses`.
 """
@@ -83,7 +83,7 @@ class ExactCounts:
 
 
 def exact_counts(instance: Instance, *, with_real: bool = True) -> ExactCounts:
-    """Return the exact counts of a platform, those of real poses if wanted.
+    """Return the exact counts of a platform, those of real poses if asked for.
 
     Raises
     ------

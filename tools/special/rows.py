@@ -1,8 +1,8 @@
 """Batches of one geometry with special values among others, judged row by row.
 
 A row is judged by the recorded count of the platform whose numbers it has, by an exact count that
-is made for it, and by what `solve` says of it alone. Its numbers are doubles, which stand for the
-shortest decimals that denote them: a row for ``sqrt(52)`` is another platform, nearly special.
+is made for it, and by the answer of `solve` to it alone. Its numbers are doubles, which stand for
+the shortest decimals that denote them: a row for ``sqrt(52)`` is another platform, nearly special.
 """
 
 from __future__ import annotations

@@ -1,10 +1,14 @@
 """Construct platforms with many real solutions for types with DPL and DLP.
 
-For each family whose solutions are not all known to be real, and to which no simpler one with as
-many solutions leads (`lift.py`): split its DPL and DLP (`tools.witnesses.splittings`) in one of
-the ways that leave the most solutions, look for a platform of what remains with all of them real,
-some seconds of processor time for each pattern (`patterns.py`), and go from there to a platform of
-the family. What is known of the patterns is kept beside the journal.
+This is done for each family whose solutions are not all known to be real, if no simpler family with
+as many solutions leads to it (`lift.py`):
+
+- Split its DPL and DLP (`tools.witnesses.splittings`) in one of the ways with the most solutions.
+- Look for a platform of the pattern that remains with all solutions real, for some seconds of
+  processor time (`patterns.py`).
+- Go from there to a platform of the family.
+
+The results for the patterns are kept beside the journal.
 """
 
 from __future__ import annotations

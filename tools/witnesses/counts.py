@@ -3,11 +3,11 @@
     python -m tools.witnesses.counts build [--most SOLUTIONS] [--minutes N]
     python -m tools.witnesses.counts check [--sample N]
 
-`build` goes along straight lines from random platforms to the best witness of each family with
-at most so many solutions (`data/witnesses/real.csv`, to be written first), halves where a number is
-still missing between two, and certifies the real poses of each platform that it records. Of what is
-recorded it keeps what is right with the best witness of today. `check` certifies every recorded
-platform again; it exits with 1 if a number differs.
+`build` goes along straight lines from random platforms to the best witness of each family with at
+most so many solutions (`data/witnesses/real.csv`, to be written first). It halves a line where a
+number is missing between two platforms, and certifies the real poses of each platform that it
+records. It keeps those records that are right with the best witness of today. `check` certifies
+every recorded platform again; it exits with 1 if a number differs.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """Lift platforms with many real solutions to types that have them in the limit.
 
-For each family whose solutions are not all known to be real: take the best platforms of its simpler
-families (`tools.witnesses.limits`), and go from there to platforms of the family, as long as that
-finds better ones.
+For each family whose solutions are not all known to be real, take the best platforms of its simpler
+families (`tools.witnesses.limits`). Go from there to platforms of the family, as long as better
+ones are found.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ _REACHES = tuple(3.0 * 2.5**k for k in range(12))
 
 
 def lifted(limit: Limit, known: Platforms, wanted: int) -> Solved | None:
-    """Return the best platform near a simpler one; the first with as many as are wanted."""
+    """Return the best platform near a simpler one; the first with the number asked for."""
     simple = quickly_solved(known)
     if simple is None:
         return None
