@@ -168,7 +168,7 @@ def _of_places(
     if not all(lines) or not _are_orthogonal(directions[members]):
         return
     first, v = points[members], directions[members]
-    # The common point in the coordinates along the lines: each line knows two of three.
+    # The common point in the coordinates along the lines: each line gives two of the three.
     along = first @ v.T
     centre = np.array([(along.sum(axis=0)[k] - along[k, k]) / 2 for k in range(3)])
     off = along - centre
