@@ -61,11 +61,13 @@ RECORD = ROOT / "data" / "verification" / "controllers.csv"
 PLATFORMS = ROOT / "data" / "platforms"
 TYPES = 50
 #: Machines with cranks and slides beside those of ``data/platforms``, without their ranges.
-RAILS = ("6-PUS", "mixed")
+RAILS = ("6-PUS", "6-PUS inverted", "mixed")
+#: Those whose straight walks are longer.
+LONG = RAILS[1:]
 #: Rows of a walk, and the size of a step in the values of poses: radians, and parts of the size.
 ROWS, STEP = 101, 0.01
-#: How much longer straight steps are of cranks and slides.
-MOTORS = 4
+#: How much longer the straight steps of some machines are: their folds are farther away.
+LONGER = 4
 #: How often the motions of walks are tried by half where cranks or slides do not reach.
 HALVINGS = 6
 #: How far poses move from home.
@@ -76,6 +78,8 @@ SAME = 1e-6
 SOLVED, CRANKED = 3, 4
 #: Below this transmission a drive is at a dead point: two knees are one there.
 DEAD = 1e-5
+#: Of Newton's method: corrections below this part of the size are rounding.
+CONVERGED = 1e-12
 #: Into how many parts a row is divided where Newton's method judges.
 SHORT = 8
 
@@ -119,8 +123,11 @@ def platform(
     if name.isdigit():
         return random_instance(type_by_number(int(name)), rng)
     if name in RAILS:
-        made = machines()[name]()
-        return _unlimited(made.instance), (made.R, made.T)
+        made = machines()[name.removesuffix(" inverted")]()
+        instance = _unlimited(made.instance)
+        if name.endswith("inverted"):
+            return _inverted(instance), (made.R.T, -made.R.T @ made.T)
+        return instance, (made.R, made.T)
     instance = gspcli.load(PLATFORMS / f"{name}.yaml")
     if home is not None:
         return instance, (np.eye(3), np.array([0.0, 0.0, home]))
@@ -148,6 +155,21 @@ def _unlimited(instance: Instance) -> Instance:
     return replace(instance, constraints=tuple(rows))
 
 
+def _inverted(instance: Instance) -> Instance:
+    """Return a machine of distances of points whose base is the platform."""
+    rows = [
+        replace(
+            row,
+            platform=row.base,
+            base=row.platform,
+            platform_name=row.base_name,
+            base_name=row.platform_name,
+        )
+        for row in instance.constraints
+    ]
+    return replace(instance, constraints=tuple(rows), home=None)
+
+
 def examine(steps: int, name: str) -> Row:
     """Walk with the platform of a name."""
     rng = np.random.default_rng((SEED, *name.encode()))
@@ -157,7 +179,7 @@ def examine(steps: int, name: str) -> Row:
     with tempfile.TemporaryDirectory() as folder:
         program = CompiledController(instance, Path(folder))
     walks = max(2, steps // (ROWS - 1))
-    values, start = walk_values(instance, program, R, T, walks, rng)
+    values, start = walk_values(instance, program, R, T, walks, rng, longer=name in LONG)
     if not np.ptp(values, axis=1).any():
         # A coupling of struts that are all of one length.
         return row
@@ -184,8 +206,13 @@ def walk_values(
     T: Array,
     walks: int,
     rng: np.random.Generator,
+    *,
+    longer: bool = False,
 ) -> tuple[Array, Array]:
-    """Return the values of walks, shape (n, r, 6), and the poses where they begin, shape (n, 7)."""
+    """Return the values of walks, shape (n, r, 6), and the poses where they begin, shape (n, 7).
+
+    Longer ones stay where cranks and slides reach, but go straight away farther.
+    """
     size = max(
         float(np.abs(row.value.value)) for row in instance.constraints if row.kind.is_distance
     )
@@ -194,8 +221,7 @@ def walk_values(
     s = np.arange(ROWS) * STEP / FAR
     waves = np.stack([np.sin(s), 1 - np.cos(s), np.sin(2 * s) / 2], axis=0)
     twists = FAR * np.einsum("nwk,wr->nrk", weights, waves)
-    motors = bool(_motors(instance))
-    for _ in range(HALVINGS if motors else 1):
+    for _ in range(HALVINGS if longer else 1):
         poses = poses_of(rotation_from_vector(twists[..., :3]) @ R, T + size * twists[..., 3:])
         values, stuck = _values_along(program, poses)
         # Arms and rails that are short reach less.
@@ -205,9 +231,9 @@ def walk_values(
     pace = np.linalg.norm(steps, axis=2).mean()
     direction = rng.normal(size=(len(values[away]), 1, 6))
     direction *= pace / np.linalg.norm(direction, axis=2, keepdims=True)
-    if motors:
+    if longer:
         # Angles of cranks and ways of slides have different units; and folds are farther away.
-        direction *= MOTORS * 6**0.5 * np.abs(steps).mean(axis=(0, 1)) / pace
+        direction *= LONGER * 6**0.5 * np.abs(steps).mean(axis=(0, 1)) / pace
     values[away] = values[away, :1] + np.arange(ROWS)[:, None] * direction
     return _in_ranges(instance, values), poses[:, 0]
 
@@ -308,8 +334,10 @@ def _judge_closely(
                 T[here] += twist[:, 3:]
                 moved = np.abs(twist * np.repeat([1, 1 / size], 3)).max(axis=1)
                 first = first if attempt else moved
+                if (moved < CONVERGED).all():
+                    break
             # A long first step, or one that does not converge, is not certain of its branch.
-            alive[here[~((first < 0.02) & (moved < 1e-12))]] = False
+            alive[here[~((first < 0.02) & (moved < CONVERGED))]] = False
         here = np.flatnonzero(alive)
         poses = found.poses[here, k]
         turned = np.abs(rotation_from_quaternion(poses[:, 3:]) - R[here]).max(axis=(1, 2))
