@@ -100,6 +100,13 @@ class _LimitType(click.ParamType):  # type: ignore[type-arg]
     help="Every pose must have this clearance, proved, as gsp clearance measures it.",
 )
 @click.option(
+    "--leg-gap",
+    "gap",
+    type=Finite(),
+    metavar="D",
+    help="Legs must be D apart at every pose, proved; SPEC states their diameters.",
+)
+@click.option(
     "--time",
     "seconds",
     type=Positive(),
@@ -138,6 +145,7 @@ def command(
     everything: bool,
     along: str | None,
     clear: float,
+    gap: float | None,
     seconds: float,
     speed: dict[str, float] | None,
     acceleration: dict[str, float] | None,
@@ -159,8 +167,9 @@ def command(
     and the path found on it is made shorter. The same seed gives the same path.
 
     The exit code is 1 if it is proved that there is no path: an end is outside the limits; the sign
-    of det J, or of a factor of it, differs, which a regular path keeps; or the mode fills its whole
-    box of ranges. It is 4 if no path was found in the time given.
+    of det J, or of a factor of it, differs, which a regular path keeps; the mode fills its whole
+    box of ranges; or legs are nearer at an end than --leg-gap. It is 4 if no path was found in the
+    time given.
 
     With --speed and --acceleration t is in seconds. A number is of each motor: mm/s and mm/s^2 of
     lengths in mm, deg/s and deg/s^2 of angles in degrees. `motors=50,platform=100,turn=30` limits
@@ -175,6 +184,7 @@ def command(
       gsp path @workspace-study --from home --to 3 -o path.csv
       gsp path @rubin-m2 --from 2 --to home --speed 0.001 --acceleration 0.01
       gsp path platform.yaml --from 10,0,420,1,0,0,0 --to home --clear 0.02
+      gsp path thick.yaml --from home --to 10,0,420,1,0,0,0 --leg-gap 5
       gsp path @rubin-camera --all
     """
     _check(start, goal, everything, spec)
@@ -192,7 +202,7 @@ def command(
     first, last = _end(start, form), _end(goal, form)
     with working("planning"):
         found = path(
-            instance, first, last, along=along, clear=clear, time=seconds, seed=seed,
+            instance, first, last, along=along, clear=clear, gap=gap, time=seconds, seed=seed,
             pivot=_pivot(form), sequence=form.euler or "ZYX",
             speed=speed, acceleration=acceleration, rounded=rounded,
         )  # fmt: skip

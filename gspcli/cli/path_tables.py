@@ -30,6 +30,8 @@ def path_table(found: PlannedPath, frame: PoseFrame) -> Table:
     ]
     if found.drives is None:
         columns.append(Column("clearance", align="right", minor=2))
+    if found.gaps is not None:
+        columns.append(Column("gap", align="right", minor=2))
     return Table(
         columns,
         found.rows(frame),
@@ -68,6 +70,9 @@ def _summary(found: PlannedPath) -> list[str]:
     clearance = min(part.clearance for part in found.parts)
     if clearance > 0:
         lines.append(f"clearance on the whole way: at least {clearance:.3g}, proved")
+    gaps = [part.gap for part in found.parts if part.gap is not None]
+    if gaps:
+        lines.append(f"gap on the whole way: at least {min(gaps):.4g} {unit}, proved")
     return lines
 
 

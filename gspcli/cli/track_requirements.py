@@ -147,6 +147,8 @@ def _bounded(verdict: RequirementVerdict, done: FollowedTrack) -> RequirementVer
     t = done.track.t[[found.row, found.row + 1]].tolist()
     word = "at most" if quantity == "condition" else "at least"
     bound = f"{word} {found.bound:.4g} is proved"
+    if abs(found.bound) == float("inf"):
+        bound = "nothing is proved"
     where = f"between t = {t[0]:.6g} and {t[1]:.6g} {bound}"
     return replace(verdict, met=False, part=where, between=True)
 

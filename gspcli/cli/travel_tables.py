@@ -62,6 +62,7 @@ def show_travels(
     *,
     connected: bool,
     knees: ArrayLike | None = None,
+    gap: float | None = None,
 ) -> None:
     """Show how far each axis travels from home.
 
@@ -77,12 +78,16 @@ def show_travels(
         Whether singular poses end a travel, too.
     knees
         The knees of cranks and slides, as `gspcli.motion.workspace.travels.travels` has them.
+    gap
+        How far legs and bodies must be apart; None if that is not looked at.
     """
     offsets = _offsets(held)
     names = list(offsets[0])
     rows: list[dict[str, Any]] = []
     for offset in progress(offsets, total=len(offsets), label="travels"):
-        rows += _offset_rows(instance, home, sequence, offset, connected=connected, knees=knees)
+        rows += _offset_rows(
+            instance, home, sequence, offset, connected=connected, knees=knees, gap=gap
+        )
     units = instance.units
     columns = [
         *(Column(f"held_{name}", f"{name} held", "right", True) for name in names),
@@ -94,7 +99,8 @@ def show_travels(
     ]
     if output.format == "csv":
         columns[-2:-2] = [Column("down_end"), Column("up_end")]
-    what = "all limits are kept" + (" and no pose is singular" if connected else "")
+    apart = "" if gap is None else f", legs are {gap:g} {units.length} apart"
+    what = f"all limits are kept{apart}" + (" and no pose is singular" if connected else "")
     notes = [
         f"from home: {home.text}",
         f"x, y, z in {units.length}, rx, ry, rz in {units.angle.value}; proved: up to there {what}",
@@ -128,6 +134,7 @@ def _offset_rows(
     *,
     connected: bool,
     knees: ArrayLike | None,
+    gap: float | None,
 ) -> list[dict[str, Any]]:
     """Return a row for each axis that is free, without numbers if the moved pose is refused."""
     from gspcli.errors import ArgumentError
@@ -148,7 +155,7 @@ def _offset_rows(
         found: list[Travel | None] = list(
             travels(
                 instance, R, T, axes=axes, pivot=home.pivot, sequence=sequence,
-                connected=connected, knees=knees,
+                connected=connected, knees=knees, gap=gap,
             )
         )  # fmt: skip
     except ArgumentError:

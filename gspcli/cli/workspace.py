@@ -77,6 +77,12 @@ _MOST_SHOWN = 2_000_000
     "if SPEC states home]",
 )
 @click.option(
+    "--leg-gap",
+    type=Finite(),
+    metavar="D",
+    help="Legs must be D apart, too; SPEC states their diameters.",
+)
+@click.option(
     "--gap",
     type=Finite(0, 1, min_open=True, max_open=True),
     metavar="R",
@@ -107,6 +113,7 @@ def command(
     intervals: tuple[str, ...],
     held: tuple[str, ...],
     connected: bool | None,
+    leg_gap: float | None,
     gap: float | None,
     most_boxes: int,
     listed: bool,
@@ -117,7 +124,7 @@ def command(
     """Show what a platform can reach: travel of each axis, positions, orientations.
 
     A pose can be reached if each value is in its range, and each leg in the cones that SPEC
-    states.
+    states. With --leg-gap no two legs may be nearer than that, nor a leg and a body.
 
     Without --over, --orientation or --position the travel of each axis is shown: how far it
     goes down and up from home while the other axes stay, and which limits stop it. All digits
@@ -143,6 +150,7 @@ def command(
       gsp workspace platform.yaml --orientation 1,0,0,0 --all-parts
       gsp workspace platform.yaml --position 0,0,80 --gap 0.05
       gsp workspace platform.yaml --over x,z -o section.svg
+      gsp workspace thick.yaml --over x,z --leg-gap 2
     """
     _one_home(mode, pose)
     free = _free(over, orientation, position)
@@ -159,9 +167,9 @@ def command(
     moving = _moving(instance, conventions, form)
     knees = _knees(instance, moving, home)
     if free is None:
-        show_travels(moving, home, sequence, held, output, connected=only, knees=knees)
+        show_travels(moving, home, sequence, held, output, connected=only, knees=knees, gap=leg_gap)
         return
-    only = only and (connected is not None or _keeps_limits(moving, home, knees))
+    only = only and (connected is not None or _keeps_limits(moving, home, knees, leg_gap))
     wanted = gap or _default_gap(free, listed, output)
     from gspcli.motion.workspace.box_division import workspace
 
@@ -176,6 +184,7 @@ def command(
             within=dict(map(_interval, intervals)),
             connected=only,
             knees=knees,
+            gap=leg_gap,
             tolerance=wanted,
             most_boxes=most_boxes,
             jobs=jobs,
@@ -221,11 +230,14 @@ def _one_home(mode: object, pose: object) -> None:
         raise click.UsageError(message)
 
 
-def _keeps_limits(instance: Instance, home: Home, knees: ArrayLike | None) -> bool:
+def _keeps_limits(
+    instance: Instance, home: Home, knees: ArrayLike | None, gap: float | None
+) -> bool:
     """Return whether home keeps the limits, so that something is connected with it; else say it."""
-    from gspcli.motion.workspace.travels import violations
+    from gspcli.motion.workspace.travels import too_near, violations
 
     left = violations(instance, home.R, home.T, knees)
+    left += [] if gap is None else too_near(instance, home.R, home.T, gap)
     if left:
         say(f"home, moved as asked, leaves its limits ({left[0]}): all parts are counted")
     return not left

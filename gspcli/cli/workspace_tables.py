@@ -110,6 +110,10 @@ def volume_table(found: Workspace, home: Home, instance: Instance) -> Table:
             for key in ("least", "lowest", "highest", "most")
         ),
     ]
+    if found.boxes.gap is not None:
+        notes.append(
+            f"legs and bodies are at least {found.boxes.gap:g} {instance.units.length} apart"
+        )
     return Table(columns, found.rows(), title=found.instance.title, notes=notes, summary=summary)
 
 

@@ -21,7 +21,17 @@ BESIDE = frozenset(
     (
         *("number", "row", "mode", "real", "sides", "multiplicity", "residual", "certified"),
         *("condition", "home", "distance", "turn", "off", "fits", "status", "orientation"),
-        *("range", "cone", "clearance", "pose_clearance", "force", "moment", "stiffness"),
+        *(
+            "range",
+            "cone",
+            "clearance",
+            "pose_clearance",
+            "gap",
+            "gap_between",
+            "force",
+            "moment",
+            "stiffness",
+        ),
         *("transmission", "torque", "torque_of"),
         *("power", "frequency", "error", "kinetic", "potential", "work"),
         *("shift", "limits", "way"),

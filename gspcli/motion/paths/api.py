@@ -24,6 +24,7 @@ def path(
     *,
     along: str | None = None,
     clear: float = 0.0,
+    gap: float | None = None,
     time: float = PATH_SECONDS,
     seed: int = SEED,
     pivot: Sequence[float] | None = None,
@@ -50,6 +51,9 @@ def path(
         of all drives, and paths with corners are along poses.
     clear
         The clearance that every pose must have, in the units of `clearance`.
+    gap
+        How far legs and bodies must be apart at every pose, in the unit of length; the instance
+        must state their shapes. None if that is not looked at.
     time
         After this many seconds no more paths are tried. The bytes of a path that is found do not
         depend on it.
@@ -82,7 +86,7 @@ def path(
     'the sign of det J differs, and a regular path keeps it'
     """
     limits = PathLimits.of(speed, acceleration)
-    planner = _planner(instance, along, clear, time, seed, pivot, sequence, limits, rounded)
+    planner = _planner(instance, along, clear, time, seed, pivot, sequence, limits, rounded, gap)
     modes = Modes(instance)
     return planner.path(modes.end(start, "start"), modes.end(goal, "goal"))
 
@@ -117,6 +121,7 @@ def _planner(
     sequence: str,
     limits: PathLimits | None = None,
     rounded: bool = False,
+    gap: float | None = None,
 ) -> Planner:
     if not (np.isfinite(time) and time >= 0):
         message = f"found {time}, expected seconds, not negative"
@@ -127,4 +132,5 @@ def _planner(
     return Planner(
         instance, along=along, clear=clear, seconds=time, seed=int(seed), pivot=pivot,
         sequence=sequence, limits=limits, rounded=rounded,
+        gap=gap,
     )  # fmt: skip

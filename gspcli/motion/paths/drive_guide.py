@@ -49,6 +49,7 @@ class DriveGuide:
 
     along = "drives"
     clear = 0.0
+    gap: float | None = None
 
     def __init__(self, motors: Motors, ways: PoseWays, start: PathEnd, goal: PathEnd) -> None:
         self.motors, self.ways, self.start, self.goal = motors, ways, start, goal

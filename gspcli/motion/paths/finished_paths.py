@@ -8,8 +8,10 @@ from numpy.typing import NDArray
 from gspcli.errors import IncompleteError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
+from gspcli.motion.collisions.compared import ComparedShapes
 from gspcli.motion.paths.between_rows import HALVINGS, least_clearances
 from gspcli.motion.paths.ends import PathEnd
+from gspcli.motion.paths.gaps_between import least_gaps
 from gspcli.motion.paths.guides import PROVED_ROWS, Guide, GuideRows
 from gspcli.motion.paths.planned_paths import PathPart, PlannedPath
 from gspcli.motion.paths.timing import PathLimits, timed
@@ -75,6 +77,7 @@ def finished(
     halvings = HALVINGS if guide.clear else 0
     at, between = least_clearances(trace.rows, guide.clear, halvings)
     conditions = trace.rows.conditions()
+    gaps = None if guide.gap is None else least_gaps(trace.rows, guide.gap)[1]
     first = np.searchsorted(trace.part, np.arange(len(trace.proofs)))
     last = np.append(first[1:], len(trace.part) - 1)
     lengths = _lengths(given, trace)
@@ -87,6 +90,7 @@ def finished(
             float(conditions[a : b + 1].max()),
             float(between[a:b].min()),
             rounded=curved is not None and bool(curved[k]),
+            gap=None if gaps is None else float(gaps[a:b].min()),
         )
         for k, (a, b) in enumerate(zip(first.tolist(), last.tolist(), strict=True))
     )
@@ -94,6 +98,7 @@ def finished(
         given, start.name, goal.name, "proved", "", guide.along,
         trace.part + trace.fraction if t is None else t,
         trace.values, trace.R, trace.T, conditions, at, parts, timing, trace.drives,
+        None if gaps is None else ComparedShapes(given).gaps(trace.R, trace.T).min(axis=1),
     )  # fmt: skip
 
 

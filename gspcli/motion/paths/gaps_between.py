@@ -13,7 +13,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.certification.branches.taylor import MovingSystem
 from gspcli.certification.equations.local_frames import LocalFrames
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.quaternions import apply, quaternion_product
@@ -30,7 +29,7 @@ Index = NDArray[np.int64]
 
 #: How often a part of a way is halved at most.
 _HALVINGS = 14
-#: Most pieces that are judged together: a way that needs more counts as too near.
+#: Most pieces that are judged together: beyond that the search ends.
 _MOST_PIECES = 10_000
 #: Into how many rows ways of values are divided, one after the other, where that is needed, and
 #: most of such rows.
@@ -88,7 +87,7 @@ class _ValueParts:
 
     def __init__(self, rows: PathRows, ways: Index, steps: int, centre: Array) -> None:
         assert isinstance(rows.ways, ValueWays)
-        system = MovingSystem(rows.ways.platform.instance, ())
+        system = rows.ways.system
         self._units = StudyUnits(system.scale, LocalFrames.none())
         self._centre, self._scale = centre, system.scale
         share = (np.arange(steps + 1) / steps)[:, None]
@@ -146,8 +145,8 @@ def _covered(kept: list[Segment], ways: int, steps: int) -> NDArray[np.bool_]:
 def least_gaps(rows: PathRows, wanted: float) -> tuple[Array, Array]:
     """Return proved lower bounds of the least gap at rows, (r,), and between them, (r - 1,).
 
-    Parts of ways are halved where a bound is below the gap asked for, if that may help. Bounds are
-    minus infinity where nothing is proved.
+    Where they are below the gap that is asked for, parts of ways are halved as long as that may
+    help. They are minus infinity where nothing is proved, and on ways with an end that is too near.
 
     Parameters
     ----------
@@ -164,11 +163,14 @@ def least_gaps(rows: PathRows, wanted: float) -> tuple[Array, Array]:
     if rows.bulges is not None and rows.bulges.any():
         return at, np.minimum(found, rows.gap_bounds(compared))
     centre = Arrangement.of(rows.instance).platform_centre
-    lost = found < wanted
+    lost = ~(found >= wanted)
+    found[lost] = -np.inf
+    if lost.all():
+        return at, found
     if isinstance(rows.ways, PoseWays):
         parts = _PoseParts(rows, rows.ways, centre)
         return at, _judged(compared, parts, centre, found, lost, wanted)
-    ways = np.arange(len(found))
+    ways = np.flatnonzero(~lost)
     proved = found
     for steps in _STEPS:
         some = _ValueParts(rows, ways, steps, centre)
@@ -208,7 +210,8 @@ def _judged(
         The gap that is asked for.
     """
     found = found.copy()
-    part, place = np.arange(len(parts.way)), np.zeros(len(parts.way))
+    part = np.flatnonzero(~lost[parts.way])
+    place = np.zeros(len(part))
     for halving in range(_HALVINGS + 1):
         if not len(part):
             break

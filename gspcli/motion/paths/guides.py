@@ -10,8 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.geometry.limits import within_limits
+from gspcli.motion.collisions.compared import ComparedShapes
 from gspcli.motion.paths.between_rows import PathRows, least_clearances
 from gspcli.motion.paths.driven_rows import DrivenRows
+from gspcli.motion.paths.gaps_between import least_gaps
 from gspcli.motion.paths.pose_ways import PoseWays, WayProof
 from gspcli.motion.paths.value_ways import ValueWays
 from gspcli.motion.poses.inverse_kinematics import values_at
@@ -45,9 +47,11 @@ class GuideRows(NamedTuple):
     drives: Array | None = None
     """The m drives of a machine with cranks or slides, lengths and radians, shape (r, m)."""
 
-    def keeps(self, clearance: float) -> bool:
-        """Whether it is proved that all poses have a clearance, between the rows, too."""
-        return not clearance or bool((least_clearances(self.rows, clearance)[1] >= clearance).all())
+    def keeps(self, clearance: float, gap: float | None) -> bool:
+        """Whether it is proved that all poses have a clearance and a gap, between the rows, too."""
+        if clearance and not (least_clearances(self.rows, clearance)[1] >= clearance).all():
+            return False
+        return gap is None or bool((least_gaps(self.rows, gap)[1] >= gap).all())
 
 
 class RowsOnWay(NamedTuple):
@@ -72,6 +76,8 @@ class Guide(Protocol):
     """How far corners may be moved, shape (6,)."""
     clear: float
     """The clearance that every pose must have."""
+    gap: float | None
+    """How far legs and bodies must be apart; None if that is not looked at."""
 
     def trace(self, corners: Array, rows: NDArray[np.int64]) -> GuideRows | None:
         """Return rows along a polygon, or None if it is not proved.
@@ -113,14 +119,21 @@ class ValueGuide:
         The Study points of both ends; None for an end that is not asked for.
     clear
         The clearance that every pose must have.
+    gap
+        How far legs and bodies must be apart; None if that is not looked at.
     """
 
     along = "values"
 
     def __init__(
-        self, ways: ValueWays, first: Array, last: Array | None, clear: float = 0.0
+        self,
+        ways: ValueWays,
+        first: Array,
+        last: Array | None,
+        clear: float = 0.0,
+        gap: float | None = None,
     ) -> None:
-        self.ways, self.first, self.last, self.clear = ways, first, last, clear
+        self.ways, self.first, self.last, self.clear, self.gap = ways, first, last, clear, gap
         self._low, self._high = ways.low.copy(), ways.high.copy()
         width = self._high - self._low
         finite = np.isfinite(width)
@@ -137,9 +150,11 @@ class ValueGuide:
         if lost.any():
             return [int(lost.argmax()) - 1]
         R, T = self.ways.poses(found.points[0])
-        between = least_clearances(PathRows(self.ways, values, R, T, bulges=bulges), 0.0, 0)[1]
+        rows = PathRows(self.ways, values, R, T, bulges=bulges)
+        between = least_clearances(rows, 0.0, 0)[1]
         curved = np.zeros(len(between), bool) if bulges is None else bulges.any(axis=1)
-        return np.flatnonzero((curved & (between <= 0)) | (between < self.clear)).tolist()
+        bad = (curved & (between <= 0)) | (between < self.clear) | _too_near(rows, self.gap)
+        return np.flatnonzero(bad).tolist()
 
     def widen(self, corners: Array) -> None:
         """Set how far values without a range may be moved, by those of a path."""
@@ -170,7 +185,7 @@ class ValueGuide:
         trace = GuideRows(part, fraction, values, R, T, proofs, between)
         if bulges is not None and not _enclosed(trace, bulges):
             return None
-        return trace if trace.keeps(self.clear) else None
+        return trace if trace.keeps(self.clear, self.gap) else None
 
     def placed(self, corner: Array) -> Array:
         """Return a corner within the ranges, rounded."""
@@ -194,12 +209,16 @@ class PoseGuide:
         How far positions may be moved.
     clear
         The clearance that every pose must have.
+    gap
+        How far legs and bodies must be apart; None if that is not looked at.
     """
 
     along = "poses"
 
-    def __init__(self, ways: PoseWays, span: float, clear: float = 0.0) -> None:
-        self.ways, self.clear = ways, clear
+    def __init__(
+        self, ways: PoseWays, span: float, clear: float = 0.0, gap: float | None = None
+    ) -> None:
+        self.ways, self.clear, self.gap = ways, clear, gap
         self.sizes = np.array([span] * 3 + [1.0] * 3)
         self._digits = _digits(self.sizes)
         self._proved: dict[tuple[bytes, bytes], int] = {}
@@ -228,7 +247,13 @@ class PoseGuide:
 
     def refused(self, given: RowsOnWay) -> list[int]:
         """Return the rows after which the way is not proved; see `Guide`."""
-        return [k for k, proof in enumerate(self._proofs(given)) if not proof.sign]
+        left = np.array([not proof.sign for proof in self._proofs(given)], bool)
+        if self.gap is not None:
+            R, T = self.ways.poses(given.numbers)
+            values = values_at(self.ways.instance, R, T)
+            rows = PathRows(self.ways, values, R, T, given.numbers, bulges=given.bulges)
+            left |= _too_near(rows, self.gap)
+        return np.flatnonzero(left).tolist()
 
     def _proofs(self, given: RowsOnWay) -> Iterator[WayProof]:
         """Prove the way after each row; curved ones by a box that contains them."""
@@ -253,7 +278,7 @@ class PoseGuide:
         values = values_at(self.ways.instance, R, T)
         between = PathRows(self.ways, values, R, T, parameters, bulges=bulges)
         trace = GuideRows(part, fraction, values, R, T, proofs, between)
-        return trace if trace.keeps(self.clear) else None
+        return trace if trace.keeps(self.clear, self.gap) else None
 
     def placed(self, corner: Array) -> Array:
         """Return a corner, rounded."""
@@ -268,7 +293,17 @@ class PoseGuide:
         instance = self.ways.instance
         if self.ways.motors is not None:
             return self.ways.motors.kept(R, T)
-        return within_limits(instance, values_at(instance, R, T), R, T)
+        kept = within_limits(instance, values_at(instance, R, T), R, T)
+        if self.gap is not None:
+            kept &= (ComparedShapes(instance).bounds(R, T).low >= self.gap).all(axis=1)
+        return kept
+
+
+def _too_near(rows: PathRows, gap: float | None) -> NDArray[np.bool_]:
+    """Return on which ways between rows legs or bodies may be too near, shape (r - 1,)."""
+    if gap is None:
+        return np.zeros(len(rows.T) - 1, bool)
+    return ~(least_gaps(rows, gap)[1] >= gap)
 
 
 def _enclosed(trace: GuideRows, bulges: Array) -> bool:

@@ -50,6 +50,9 @@ class PathPart:
         of `gsp clearance`. 0 if nothing is proved.
     rounded
         Whether it is a rounded corner.
+    gap
+        A proved lower bound of the least gap between legs and bodies at all its poses, if one is
+        asked for.
     """
 
     first: int
@@ -59,6 +62,7 @@ class PathPart:
     condition: float
     clearance: float
     rounded: bool = False
+    gap: float | None = None
 
     def to_json(self) -> dict[str, Any]:
         """Return the part as plain data; rows are counted from 1."""
@@ -69,6 +73,7 @@ class PathPart:
             "condition": self.condition if np.isfinite(self.condition) else None,
             "clearance": self.clearance,
             **({"rounded": True} if self.rounded else {}),
+            **({} if self.gap is None else {"gap": self.gap}),
         }
 
 
@@ -106,6 +111,8 @@ class PlannedPath:
     drives
         What the m drives of a machine with cranks or slides are at in the rows, lengths and
         radians, shape (r, m); else None.
+    gaps
+        The least gap between legs and bodies at the rows, shape (r,), if one is asked for.
     """
 
     instance: Instance
@@ -123,6 +130,7 @@ class PlannedPath:
     parts: tuple[PathPart, ...] = ()
     timing: Timing | None = None
     drives: Array | None = None
+    gaps: Array | None = None
 
     def __repr__(self) -> str:
         kinds = self.instance.name or self.instance.type.id
@@ -176,6 +184,8 @@ class PlannedPath:
         # Of machines with cranks or slides clearances along paths are not computed.
         clearances = [] if self.drives is not None else [self.clearances]
         keys += ("clearance",) * len(clearances)
+        gaps = [] if self.gaps is None else [self.gaps]
+        keys += ("gap",) * len(gaps)
         numbers = np.column_stack(
             (
                 self.t,
@@ -184,6 +194,7 @@ class PlannedPath:
                 _continuous(R),
                 printed_conditions(self.conditions),
                 *clearances,
+                *gaps,
             )
         )
         return [dict(zip(keys, row, strict=True)) for row in numbers.tolist()]

@@ -27,6 +27,7 @@ from gspcli.geometry.drive_numbers import is_driven
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.limits import has_limits
 from gspcli.geometry.readings import without_corrections
+from gspcli.motion.collisions.compared import NO_SHAPES
 from gspcli.motion.paths.classes import Classes
 from gspcli.motion.paths.drive_guide import DriveGuide
 from gspcli.motion.paths.ends import PathEnd
@@ -41,7 +42,7 @@ from gspcli.motion.paths.smoothing import LONG, smoothed, stretch
 from gspcli.motion.paths.timing import PathLimits
 from gspcli.motion.paths.value_map import ValueMap
 from gspcli.motion.paths.value_ways import ValueWays
-from gspcli.motion.workspace.travels import violations
+from gspcli.motion.workspace.travels import too_near, violations
 
 Array = NDArray[np.float64]
 
@@ -61,6 +62,8 @@ class Planner:
         ``values``, ``poses``, or None for both.
     clear
         The clearance that every pose must have, in the units of `gsp clearance`.
+    gap
+        How far legs and bodies must be apart; None if that is not looked at.
     seconds
         After this time nothing more is tried.
     seed
@@ -77,6 +80,7 @@ class Planner:
         *,
         along: str | None = None,
         clear: float = 0.0,
+        gap: float | None = None,
         seconds: float = PATH_SECONDS,
         seed: int = SEED,
         pivot: ArrayLike | None = None,
@@ -102,6 +106,9 @@ class Planner:
         if clear and is_driven(instance):
             message = "clearances along paths of machines with cranks or slides are not computed"
             raise ArgumentError(message, "clear")
+        if gap is not None:
+            _check_gap(instance, gap)
+        self.gap = gap
         self.given = instance
         self.instance = without_corrections(instance)
         self.along, self.clear, self.seed = along, clear, seed
@@ -235,11 +242,20 @@ class Planner:
             wrong = self.left(end)
             if wrong:
                 return f"{end.name} is outside the limits: {wrong}"
+            wrong = self._too_near(end)
+            if wrong:
+                return f"{end.name}: {wrong}"
         first, last = (self.classes.of(end.R, end.T) for end in (start, goal))
         place = first.differs(last)
         if place is not None:
             return f"the sign of {self.classes.name(place)} differs, and a regular path keeps it"
         return ""
+
+    def _too_near(self, end: PathEnd) -> str:
+        """Return which legs or bodies are proved to be too near at an end, or nothing."""
+        if self.gap is None:
+            return ""
+        return next(iter(too_near(self.instance, end.R, end.T, self.gap)), "")
 
     def _straight(
         self, ways: ValueWays, start: PathEnd, goal: PathEnd
@@ -264,11 +280,11 @@ class Planner:
 
     def _value_guide(self, ways: ValueWays, start: PathEnd, goal: PathEnd) -> ValueGuide:
         first, last = (ways.points(end.R[None], end.T[None])[0] for end in (start, goal))
-        return ValueGuide(ways, first, last, self.clear)
+        return ValueGuide(ways, first, last, self.clear, self.gap)
 
     def pose_guide(self) -> PoseGuide:
         """Return what proves polygons of poses."""
-        return PoseGuide(self.ways, Arrangement.of(self.instance).length, self.clear)
+        return PoseGuide(self.ways, Arrangement.of(self.instance).length, self.clear, self.gap)
 
     def _parameters(self, start: PathEnd, goal: PathEnd) -> tuple[Array, Array]:
         begin, end = (self.ways.parameters(one.R, one.T) for one in (start, goal))
@@ -276,7 +292,7 @@ class Planner:
 
     def _is_sheet(self, ways: ValueWays, end: PathEnd) -> bool:
         """Whether a mode is proved to fill its box of ranges."""
-        if not ways.ranged or self.clear:
+        if not ways.ranged or self.clear or self.gap is not None:
             return False
         point = ways.points(end.R[None], end.T[None])[0]
         return whole_sheet(ways, end.values, point) is Sheet.WHOLE
@@ -315,7 +331,7 @@ class Planner:
         nodes = found.nodes(0, 1)
         assert nodes is not None
         for a, b in pairwise(nodes):
-            one = ValueGuide(guide.ways, found.points[a], found.points[b], self.clear)
+            one = ValueGuide(guide.ways, found.points[a], found.points[b], self.clear, self.gap)
             corners = np.stack((found.values[a], found.values[b]))
             if one.trace(corners, np.array([PROVED_ROWS])) is None:
                 found.refuse(a, b)
@@ -328,7 +344,7 @@ class Planner:
     ) -> tuple[Guide | None, Array | None]:
         guide = self.pose_guide()
         R, T = np.stack((start.R, goal.R)), np.stack((start.T, goal.T))
-        limited = has_limits(self.instance) or self.motors is not None
+        limited = has_limits(self.instance) or self.motors is not None or self.gap is not None
         kept = guide.kept if limited else None
         classes = [self.classes.of(end.R, end.T) for end in (start, goal)]
         draw = self.seed if seed is None else seed
@@ -359,3 +375,15 @@ class _Countdown:
         """Return whether there may be more."""
         self._left -= 1
         return self._left >= 0
+
+
+def _check_gap(instance: Instance, gap: float) -> None:
+    """Raise `ArgumentError` if a gap cannot be kept along paths of a platform."""
+    if not np.isfinite(gap):
+        message = f"found {gap}, expected a finite number"
+        raise ArgumentError(message, "gap")
+    if is_driven(instance):
+        message = "gaps along paths of machines with cranks or slides are not computed"
+        raise ArgumentError(message, "gap")
+    if instance.shapes is None:
+        raise ArgumentError(NO_SHAPES, "gap")

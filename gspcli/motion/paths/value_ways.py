@@ -9,12 +9,14 @@ continue as one of two.
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import DHP, DLL, DPH
+from gspcli.certification.branches.taylor import MovingSystem
 from gspcli.certification.equations.local_frames import LocalFrames
 from gspcli.geometry.instance import Instance, Side
 from gspcli.geometry.limits import joint_cones
@@ -65,6 +67,11 @@ class ValueWays:
         self.low, self.high = _ranges(instance, signs)
         self.cones = joint_cones(instance)
         self._lines = np.array([row.kind is DLL for row in instance.constraints])
+
+    @cached_property
+    def system(self) -> MovingSystem:
+        """The equations with which the parts of ways are proved, in the frames of the instance."""
+        return MovingSystem(self.platform.instance, ())
 
     @property
     def ranged(self) -> bool:

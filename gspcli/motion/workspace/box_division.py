@@ -46,6 +46,7 @@ def workspace(
     within: dict[str, tuple[float, float]] | None = None,
     connected: bool = False,
     knees: ArrayLike | None = None,
+    gap: float | None = None,
     tolerance: float = 0.01,
     most_boxes: int = 100_000_000,
     jobs: int = 1,
@@ -77,6 +78,9 @@ def workspace(
     knees
         The signs of the gains of cranks and slides, shape (6,). If None they are those of the
         stated home, or, without one, those of the pose.
+    gap
+        How far legs and bodies must be apart, for poses to count; None if that is not looked at.
+        The instance must state their shapes.
     tolerance
         Boxes are divided until the relative difference of the bounds of the volume is at most this,
     most_boxes
@@ -95,7 +99,7 @@ def workspace(
         with `connected`, home is not proved to keep the limits and to be regular.
     """
     boxes = PoseBoxes(
-        instance, R, T, pivot=pivot, sequence=sequence, regular=connected, knees=knees
+        instance, R, T, pivot=pivot, sequence=sequence, regular=connected, knees=knees, gap=gap
     )
     if boxes.drives:
         boxes.drives.refuse_shared(boxes.R, _names(free))

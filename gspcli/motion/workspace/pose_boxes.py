@@ -15,6 +15,7 @@ from gspcli.geometry.euler import check_sequence, rotation_from_euler
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.limits import joint_cones
 from gspcli.geometry.quaternions import apply, quaternion_from_rotation, rotation_from_quaternion
+from gspcli.motion.collisions.compared import ComparedShapes
 from gspcli.motion.workspace.driven_boxes import DrivenBoxes, knees_of
 
 Array = NDArray[np.float64]
@@ -27,6 +28,11 @@ REGULAR, NEGATIVE = np.uint32(_kernel.REGULAR), np.uint32(_kernel.NEGATIVE)
 #: Largest difference of a given matrix from a rotation.
 _ROTATION = 1e-9
 _RANGES = 6
+#: The condition that legs and bodies are as far apart as asked for; the kernel does not judge it.
+GAP = np.uint32(1 << 24)
+_OUTWARD = 1 + 2.0**-30
+#: Rounding errors of parameters, relative to their sizes.
+_ROUNDING = 2.0**-46
 #: The first of the conditions that rods reach the points of their motors.
 _REACH = int(_kernel.REACH).bit_length() - 1
 
@@ -65,11 +71,13 @@ class PoseBoxes:
     knees
         The signs of the gains of cranks and slides, shape (6,). If None they are those of the
         stated home, or, without one, those of the pose.
+    gap
+        How far legs and bodies must be apart; None if that is not looked at.
 
     Raises
     ------
     ArgumentError
-        If the home pose is not a pose.
+        If the home pose is not a pose, or gaps cannot be judged.
     """
 
     def __init__(
@@ -82,6 +90,7 @@ class PoseBoxes:
         sequence: str = "ZYX",
         regular: bool = False,
         knees: ArrayLike | None = None,
+        gap: float | None = None,
     ) -> None:
         self.instance = instance
         self.sequence = check_sequence(sequence)
@@ -117,6 +126,8 @@ class PoseBoxes:
         self._turn = np.array([k - 3 for k in self._order[3:]], np.int32)
         self.cones = joint_cones(instance)
         self.regular = regular
+        self.gap = gap
+        self._compared = None if gap is None else _shapes_of(instance, gap)
 
     @property
     def middle(self) -> str:
@@ -135,7 +146,9 @@ class PoseBoxes:
         if self.drives:
             bits = [k for k in bits if k not in self.drives.rows] + self.drives.ranged
             bits += [_REACH + k for k in self.drives.rows]
-        return np.uint32(sum(1 << bit for bit in bits) | (int(REGULAR) if self.regular else 0))
+        more = int(REGULAR) if self.regular else 0
+        more |= int(GAP) if self.gap is not None else 0
+        return np.uint32(sum(1 << bit for bit in bits) | more)
 
     @property
     def reached(self) -> np.uint32:
@@ -157,6 +170,7 @@ class PoseBoxes:
             for k, cone in enumerate(self.cones)
             if conditions >> (_RANGES + k) & 1
         ]
+        found += ["gap"] if conditions & int(GAP) else []
         # Without the places of all motors regularity is not judged.
         known = not any(name.startswith("reach") for name in found)
         return found + (["singularity"] if known and conditions & int(REGULAR) else [])
@@ -249,7 +263,52 @@ class PoseBoxes:
             jobs=jobs,
             drives=self.drives.balls if self.drives else None,
         )
-        return Judged(*found)
+        judged = Judged(*found)
+        if self._compared is None:
+            return judged
+        return self._with_gaps(self._compared, judged, bounds, free, level)
+
+    def _with_gaps(
+        self,
+        compared: ComparedShapes,
+        judged: Judged,
+        bounds: Array,
+        free: Sequence[int],
+        level: int,
+    ) -> Judged:
+        """Judge the gaps of the boxes that the kernel left open."""
+        keys, left = judged.open, judged.open_left.copy()
+        asked = np.flatnonzero(left & GAP)
+        if not len(asked):
+            return judged
+        assert self.gap is not None
+        parameters = np.tile(bounds[:, 0], (len(asked), 1))
+        half = np.zeros(6)
+        span = bounds[free, 1] - bounds[free, 0]
+        place = places(keys[asked], len(free)) + 0.5
+        parameters[:, free] = bounds[free, 0] + place * 2.0**-level * span
+        half[free] = 2.0 ** -(level + 1) * span
+        half = half * _OUTWARD + _ROUNDING * np.abs(bounds).max(axis=1)
+        R, T = self.poses(parameters)
+        turn = half[3:].sum() * _OUTWARD
+        shifts, turns = (
+            np.full(len(asked), x) for x in (np.linalg.norm(half[:3]) * _OUTWARD, turn)
+        )
+        moves = compared.moves(shifts, turns, self.pivot, parameters[:, :3])
+        found = compared.bounds(R, T)
+        kept = (found.low - moves >= self.gap).all(axis=1)
+        violated = (found.high + moves < self.gap).any(axis=1)
+        left[asked[kept]] &= ~GAP
+        out = np.zeros(len(keys), bool)
+        out[asked[violated]] = True
+        inside = (left & ~NEGATIVE) == 0
+        still = ~inside & ~out
+        return Judged(
+            np.concatenate((judged.inside, keys[inside])),
+            np.concatenate((judged.inside_signs, left[inside])),
+            keys[still],
+            left[still],
+        )
 
     def poses(self, parameters: Array) -> tuple[Array, Array]:
         """Return the poses (R, T) of parameters, ``(..., 6) -> (..., 3, 3), (..., 3)``."""
@@ -257,6 +316,16 @@ class PoseBoxes:
         return R, parameters[..., :3] - apply(
             R, np.broadcast_to(self.pivot, (*parameters.shape[:-1], 3))
         )
+
+
+def _shapes_of(instance: Instance, gap: float) -> ComparedShapes:
+    if not np.isfinite(gap):
+        message = f"found {gap}, expected a finite number"
+        raise ArgumentError(message, "gap")
+    if is_driven(instance):
+        message = "gaps of machines with cranks or slides are computed at poses only"
+        raise ArgumentError(message, "gap")
+    return ComparedShapes(instance)
 
 
 def places(keys: Keys, dimensions: int) -> NDArray[np.int64]:

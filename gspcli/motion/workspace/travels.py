@@ -15,10 +15,12 @@ from gspcli.geometry.euler import rotation_from_euler
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.limits import joint_cones, out_of_cone, out_of_range, tilts
 from gspcli.geometry.readings import readings_of
+from gspcli.motion.collisions.compared import ComparedShapes
 from gspcli.motion.poses.inverse_kinematics import values_at
 from gspcli.motion.workspace.driven_boxes import drive_violations, knees_of
 from gspcli.motion.workspace.pose_boxes import NEGATIVE, PARAMETERS, REGULAR, PoseBoxes
 from gspcli.records import dataclass
+from gspcli.ties import first_smallest
 
 Array = NDArray[np.float64]
 
@@ -98,6 +100,7 @@ def travels(
     sequence: str = "ZYX",
     connected: bool = False,
     knees: ArrayLike | None = None,
+    gap: float | None = None,
 ) -> list[Travel]:
     """Return the travel of each parameter from home while the others stay constant.
 
@@ -119,6 +122,8 @@ def travels(
     knees
         The signs of the gains of cranks and slides, shape (6,). If None they are those of the
         stated home, or, without one, those of the pose.
+    gap
+        How far legs and bodies must be apart; None if that is not looked at.
 
     Raises
     ------
@@ -126,7 +131,7 @@ def travels(
         If home does not keep the limits, or an argument is wrong.
     """
     boxes = PoseBoxes(
-        instance, R, T, pivot=pivot, sequence=sequence, regular=connected, knees=knees
+        instance, R, T, pivot=pivot, sequence=sequence, regular=connected, knees=knees, gap=gap
     )
     if not boxes.conditions & ~REGULAR and not connected:
         message = "no constraint has a range and no joint a cone: every pose can be reached"
@@ -134,6 +139,7 @@ def travels(
     if boxes.drives:
         boxes.drives.refuse_shared(boxes.R, axes)
     wrong = violations(instance, boxes.R, np.asarray(T, float), knees)
+    wrong += [] if gap is None else too_near(instance, boxes.R, np.asarray(T, float), gap)
     if wrong:
         message = f"home does not keep the limits: {'; '.join(wrong)}"
         raise ArgumentError(message)
@@ -154,6 +160,23 @@ def travels(
             )
         )
     return found
+
+
+def too_near(instance: Instance, R: Array, T: Array, gap: float) -> list[str]:
+    """Return which legs or bodies are proved to be nearer than a gap at a pose, in words.
+
+    Only the two that are nearest are named; shapes (3, 3) and (3,).
+    """
+    compared = ComparedShapes(instance)
+    gaps = compared.bounds(R[None], T[None]).high[0]
+    which = int(first_smallest(gaps))
+    if gaps[which] >= gap:
+        return []
+    unit = instance.units.length
+    return [
+        f"the gap between {compared.names[which]} is {gaps[which]:.6g} {unit}, at least {gap:g} "
+        "is asked for"
+    ]
 
 
 def violations(instance: Instance, R: Array, T: Array, knees: ArrayLike | None = None) -> list[str]:

@@ -55,7 +55,7 @@ def test_no_sample_of_a_way_of_poses_is_below_what_is_proved(name, near):
         assert not (proved >= wanted)[least < wanted - 1e-9 * size].any()
 
 
-@pytest.mark.parametrize("name", ["workspace-study", "rubin-camera"])
+@pytest.mark.parametrize("name", ["workspace-study"])
 def test_no_sample_of_a_way_of_values_is_below_what_is_proved(name):
     instance = thick(name)
     R, T = poses_near(*home_of(instance), 4, 0.05 * MACHINES[name][1], 0.1, 2)
