@@ -94,8 +94,9 @@ def command(
     FILE has poses as `gsp measure` takes them, in CSV; mode, condition, clearance are read if
     there are such columns. Rows without a pose are skipped.
 
-    With --live the page has sliders for the six values and for the pose, and finds all poses again
-    at each move, each proved; beside it is a map of how many are real.
+    With --live the page has sliders for the six values, or for the motors of cranks and slides, and
+    for the pose. It finds all poses again at each move, each proved; beside it is a map of how many
+    are real.
 
     \b
     Examples:
