@@ -61,6 +61,7 @@ def command(
     instance = read(spec_source(spec), name=spec, any_number=True).instance
     if pose is not None:
         R, T = pose.read(conventions.form(instance))
+        instance = _moved(instance, R, T)
     elif conventions.options:
         message = f"{conventions.options[0]} says what the numbers of --pose are: give it, too"
         raise click.UsageError(message)
@@ -73,6 +74,23 @@ def command(
         _tables(found, everything=everything, readable=output.format not in ("csv", "json")),
         document=document if output.format == "json" else None,
     )
+
+
+def _moved(instance: Instance, R: Any, T: Any) -> Instance:
+    """Return the platform with its joints where cranks and slides have them at a pose.
+
+    It is returned unchanged if it has none, or they do not reach the pose.
+    """
+    import numpy as np
+
+    from gspcli.geometry.drive_numbers import is_driven
+
+    if len(instance.constraints) != 6 or not is_driven(instance):
+        return instance
+    from gspcli.motion.poses.cranks import drive_values
+
+    drives, q = drive_values(instance, R[None], T[None], along=False)
+    return drives.instance_at(q[0]) if np.isfinite(q).all() else instance
 
 
 def _home(instance: Instance) -> tuple[Any, Any]:

@@ -91,6 +91,7 @@ def command(names: tuple[str, ...], chosen: str, output: Output) -> None:
     notes += [f"{s.name}: {s.joints} (chains {_numbers(s.chains)})" for s in built.shared]
     if dependent:
         notes.append(f"the platform is never fixed: {dependent.reason}")
+    notes += _driven_joints(names)
     rows = [{"number": n, **_row(mounted)} for n, mounted in enumerate(built.chains, start=1)]
     emit(
         output,
@@ -112,6 +113,20 @@ def command(names: tuple[str, ...], chosen: str, output: Output) -> None:
             "over_constraint": dependent.reason if dependent else None,
         },
     )
+
+
+def _driven_joints(names: Sequence[str]) -> list[str]:
+    """Return the note that the cranks and slides of a file are in no chain, if there are some."""
+    if len(names) != 1 or not is_file(names[0]):
+        return []
+    from gspcli.geometry.drive_numbers import driven_points
+
+    rows = load_instance(names[0]).constraints
+    driven = [k for k, row in enumerate(rows) if driven_points(row)]
+    if not driven:
+        return []
+    chains = f"chain{'s' if len(driven) > 1 else ''} {_numbers(driven)}"
+    return [f"{chains}: SPEC drives a joint by a crank or slide; here the constraint is driven"]
 
 
 def _kinds(names: Sequence[str]) -> list[Kind]:

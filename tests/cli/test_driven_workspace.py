@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from gspcli import Point, example
+from gspcli.geometry.drives import Drives
+from gspcli.motion.singularities.clearance_results import clearance
 from tools.verify.driven_machines import machines
 
 #: Two rods each on three carriages, vertical rails; positions only.
@@ -158,3 +162,31 @@ def test_clearance_of_values_keeps_its_keys(gsp, head):
     document = json.loads(gsp("clearance", head, "--of", "values", "--format", "json").out)
     assert document["of"] == "values"
     assert {"by", "constraint", "values"} <= set(document["modes"][0])
+
+
+def test_clearances_have_the_joints_where_the_motors_have_them(gsp):
+    """What is required of rows is the clearance of the drives; that of a pose is refused."""
+    pose = ("--pose", "0,0,0.165,1,0,0,0")
+    head = "@t-top-head"
+    row = json.loads(gsp("clearance", head, *pose, "--format", "json").out)["modes"][0]
+    run = gsp("measure", head, *pose, "--require", "clearance>=0.5", "--format", "json")
+    assert json.loads(run.out)["requirements"][0]["worst"] == pytest.approx(row["lower"])
+    run = gsp("measure", head, *pose, "--require", "pose-clearance>=0")
+    assert run.code == 2
+    assert "pose-clearance: not known of machines with cranks or slides" in run.err
+    run = gsp("clearance", head, *pose, "--of", "pose")
+    assert run.code == 2
+    assert "not known of the pose of a machine with cranks or slides" in run.err
+    # With the drives still where they are at the pose, the values are those of the rods.
+    values = json.loads(gsp("clearance", head, *pose, "--of", "values", "--format", "json").out)
+    machine, R, T = example("t-top-head"), np.eye(3), np.array([0, 0, 0.165])
+    drives = Drives.of(machine)
+    there = drives.instance_at(drives.inverse(R, T))
+    alone = clearance(there, R[None], T[None], of="values").lower[0]
+    assert values["modes"][0]["lower"] == pytest.approx(alone, rel=1e-6)
+    stated = clearance(replace(machine, constraints=tuple(
+        replace(row, base=Point(row.base.position)) for row in machine.constraints
+    )), R[None], T[None], of="values").lower[0]  # fmt: skip
+    assert abs(stated / alone - 1) > 1e-3
+    run = gsp("clearance", head, "--pose", "0,0,0.5,1,0,0,0", "--of", "values")
+    assert "the drives do not reach pose 1" in run.err

@@ -56,3 +56,12 @@ def test_what_is_missing(gsp, door):
     run = gsp("freedoms", door, "--euler", "ZYX")
     assert run.code == 2
     assert "says what the numbers of --pose are" in run.err
+
+
+def test_joints_of_a_rotary_machine_are_where_the_arms_have_them(gsp):
+    """A pose that the arms reach meets all values; one beyond their reach does not."""
+    run = gsp("freedoms", "@t-top-head", "--pose", "0,0,0.175,1,0,0,0")
+    assert run.code == 0
+    assert "does not meet the stated value" not in run.out
+    run = gsp("freedoms", "@t-top-head", "--pose", "0,0,0.9,1,0,0,0")
+    assert "this pose does not meet the stated value of 1, 2, 3, 4, 5, 6" in run.out

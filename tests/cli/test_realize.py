@@ -134,3 +134,10 @@ def test_chains_of_single_kinds_are_drawn(gsp, tmp_path):
     assert all(f"<!-- {name} -->" in text for name in ("DPP", "DLL", "ALL"))
     outcome = gsp("realize", "PP", "XX", "-o", target)
     assert (outcome.code, target.read_text(encoding="utf-8")) == (2, text)
+
+
+def test_cranks_and_slides_of_a_file_are_in_no_chain(gsp):
+    run = gsp("realize", "@t-top-head")
+    note = "chains 1 2 3 4 5 6: SPEC drives a joint by a crank or slide; here the constraint is"
+    assert note in " ".join(run.out.split())
+    assert "crank or slide" not in gsp("realize", "@rubin-m2").out
