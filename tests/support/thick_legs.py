@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 #: Diameters of legs, and outlines of both bodies as half sides and heights of plates.
 MACHINES = {
     "workspace-study": (20, 120, 200),
-    "rubin-camera": (90, 800, 800),
+    "rubin-camera": (0.09, 0.8, 0.8),
     "apo-tertiary": (0.6, 5, 6),
 }
 
