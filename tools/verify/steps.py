@@ -200,6 +200,11 @@ STEPS = (
         "tools.verify.paths --check --jobs {jobs}",
     ),
     Step(
+        "gaps",
+        ("data/verification/gaps.csv",),
+        "tools.verify.gaps --check",
+    ),
+    Step(
         "nearest",
         ("data/verification/nearest.csv",),
         "tools.verify.nearest --check --jobs {jobs}",
