@@ -19,7 +19,7 @@ HOME = np.eye(3), np.array([0.0, 0.0, 400.0])
 @pytest.mark.parametrize(
     ("free", "gap", "near"),
     [
-        (("x", "z"), 22.0, None),
+        (("x", "rz"), 12.0, None),
         (("z", "rz"), 10.0, None),
         (("rx", "ry"), 15.0, None),
         (("x", "rz"), 10.0, 30.0),
