@@ -33,6 +33,7 @@ FILES = {
     "platform.yaml": "figure-3",
     "hexapod.yaml": "rubin-m2",
     "machine.yaml": "workspace-study-cones",
+    "mine.yaml": "rubin-m2",
 }
 
 
