@@ -175,22 +175,10 @@ def command(
 
     with _interruptible() as interrupted:
         found = workspace(
-            moving,
-            home.R,
-            home.T,
-            free=free,
-            pivot=home.pivot,
-            sequence=sequence,
-            within=dict(map(_interval, intervals)),
-            connected=only,
-            knees=knees,
-            gap=leg_gap,
-            tolerance=wanted,
-            most_boxes=most_boxes,
-            jobs=jobs,
-            progress=progress,
-            stop=interrupted,
-        )
+            moving, home.R, home.T, free=free, pivot=home.pivot, sequence=sequence,
+            within=dict(map(_interval, intervals)), connected=only, knees=knees, gap=leg_gap,
+            tolerance=wanted, most_boxes=most_boxes, jobs=jobs, progress=progress, stop=interrupted,
+        )  # fmt: skip
     _show(found, home, instance, listed, output)
     if interrupted():
         raise KeyboardInterrupt
