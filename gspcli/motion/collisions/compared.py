@@ -37,7 +37,7 @@ NO_SHAPES = "the platform states no shapes of its legs (shapes: {diameter: ...})
 
 
 class GapBounds(NamedTuple):
-    """GapBounds of the gaps of p pairs at n poses."""
+    """Bounds of the gaps of p pairs at n poses."""
 
     low: Array
     """Proved lower bounds, shape (n, p)."""
