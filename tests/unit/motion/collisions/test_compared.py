@@ -174,6 +174,11 @@ def test_a_leg_of_length_zero_and_touching_legs():
     wide = gaps(thick("workspace-study", diameter=53.0 + 1e-9), np.eye(3), [0, 0, 400])
     thin = gaps(thick("workspace-study"), np.eye(3), [0, 0, 400])
     assert np.allclose(wide.values, thin.values - 33, atol=1e-8)
+    for diameter in (0, 20, 53.0):
+        one = ComparedShapes(thick("workspace-study", diameter=diameter))
+        bounds = one.bounds(np.eye(3)[None], np.array([[0, 0, 400.0]]))
+        for bound in bounds:
+            assert np.allclose(bound, thin.values + 20 - diameter, atol=1e-8)
 
 
 @pytest.mark.parametrize("near", [None, 0.0, 1.0])
