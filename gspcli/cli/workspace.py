@@ -80,7 +80,7 @@ _MOST_SHOWN = 2_000_000
     "--leg-gap",
     type=Finite(),
     metavar="D",
-    help="Legs must be D apart, too; SPEC states their diameters.",
+    help="Legs must be D apart at every pose, proved; SPEC states their diameters.",
 )
 @click.option(
     "--gap",

@@ -192,7 +192,7 @@ def test_mistakes_in_files_are_told_one_by_one(tmp_path) -> None:
     assert repr(found) == "<CheckResult: 3 files, 2 with mistakes, 0 warnings>"
     entry = found.to_json()["files"][1]
     assert entry["file"] == str(wrong)
-    assert entry["mistakes"][0]["line"] == 1
+    assert entry["problems"][0]["line"] == 1
 
 
 @pytest.mark.parametrize(

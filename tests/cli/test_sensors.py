@@ -6,10 +6,12 @@ import csv
 import io
 import json
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
+import gspcli
 from gspcli.resources import instance_files
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "sensors.md"
@@ -148,8 +150,18 @@ def test_near_a_fold(gsp: Callable) -> None:
     assert "in 3 sets two modes are too close; modes" in several.out
 
 
-def test_values_that_cannot_be_drawn(gsp: Callable) -> None:
-    outcome = gsp("sensors", "@modified-paradex", "--random", "5")
+def test_values_that_cannot_be_drawn(gsp: Callable, tmp_path: Path) -> None:
+    """Rods of one length each, without motors that move their ends."""
+    machine = gspcli.example("octahedral-3-3")
+    rods = [replace(row, limits=(row.value, row.value)) for row in machine.constraints]
+    gspcli.dump(replace(machine, constraints=tuple(rods)), tmp_path / "rods.yaml")
+    outcome = gsp("sensors", tmp_path / "rods.yaml", "--random", "5")
     assert outcome.code == 2
     assert "no value varies" in outcome.err
-    assert gsp("sensors", "@modified-paradex", "--within", "1=2.9:3", "--random", "5").code == 0
+    assert gsp("sensors", tmp_path / "rods.yaml", "--within", "1=1:1.2", "--random", "5").code == 0
+
+
+def test_motors_are_drawn_where_rods_have_one_length_each(gsp: Callable) -> None:
+    outcome = gsp("sensors", "@modified-paradex", "--random", "5")
+    assert outcome.code == 0
+    assert "5 sets of values with the drives moved" in outcome.out
