@@ -112,7 +112,10 @@ def test_touching_angles_are_not_wrong():
     check(*HARD["three dependent angles with loci that touch up to 1e-13"])
 
 
-@pytest.mark.xfail(reason="two poses of multiplicity 8: the endgame separates none", strict=True)
+@pytest.mark.xfail(
+    reason="two poses of multiplicity 8: neither is found, and the answer is incomplete",
+    strict=True,
+)
 def test_touching_angles_are_complete():
     assert check(*HARD["three dependent angles with loci that touch up to 1e-13"])
 
