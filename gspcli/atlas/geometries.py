@@ -92,10 +92,6 @@ def _exact(triple: Triple) -> Vector:
     return vector(*triple)
 
 
-def _joints(rng: Random, number: int, *, flat: bool = False) -> list[Vector]:
-    return [_exact(_triple(rng, flat=flat)) for _ in range(number)]
-
-
 def _shared(platform: str, base: str) -> Callable[[Random], Points]:
     """Return legs between joints: for each leg the letter of its joint on either body."""
 

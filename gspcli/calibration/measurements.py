@@ -27,8 +27,6 @@ from gspcli.records import dataclass
 Array = NDArray[np.float64]
 
 _VERTICAL = np.array([0.0, 0.0, 1.0])
-#: Fields of measurements that are not of a row.
-_OF_ALL = ("pivot", "targets", "rods", "sorts")
 #: What is exact has a deviation of this part of a length: of rounding.
 _ROUNDING = 1e-9
 

@@ -13,9 +13,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
 
-from gspcli.catalogue.counts import family_counts, mirrored
+from gspcli.catalogue.counts import mirrored
 from gspcli.catalogue.kinds import KINDS_BY_NAME, Kind, Primitive
-from gspcli.catalogue.types import CONSTRAINTS, Family, GspType, PlatformClass, families
+from gspcli.catalogue.types import CONSTRAINTS, Family, GspType, PlatformClass
 from gspcli.resources import data_path
 
 FILE = ("witnesses", "real.csv")
@@ -111,42 +111,3 @@ def read_row(row: dict[str, str]) -> Witness:
     family = named_family(row["family"].partition(" ")[2])
     rows = tuple(tuple(numbers.split()) for numbers in row["numbers"].split(";"))
     return Witness(family, int(row["real"]), rows)
-
-
-def witness_text(found: Witness) -> str:
-    """Return the numbers of a witness as `read_row` reads them."""
-    return ";".join(" ".join(row) for row in found.rows)
-
-
-@dataclass(frozen=True, slots=True)
-class Summary:
-    """The largest known numbers of the families of a class, compared with the generic counts.
-
-    Attributes
-    ----------
-    families, recorded, reached
-        The numbers of families: all, those with a witness, and those with a witness whose solutions
-        are all real.
-    mean, least
-        The share of the generic count that is known to be real, on average over the recorded
-        families and where it is smallest; None if none is recorded.
-    """
-
-    families: int
-    recorded: int
-    reached: int
-    mean: float | None
-    least: float | None
-
-
-def summary(platform_class: PlatformClass) -> Summary:
-    """Return the largest known numbers of a class, compared with the generic counts."""
-    every = [(best_real(one), family_counts(one).two_sided) for one in families(platform_class)]
-    shares = [real / count for real, count in every if real is not None]
-    return Summary(
-        len(every),
-        len(shares),
-        sum(share == 1 for share in shares),
-        sum(shares) / len(shares) if shares else None,
-        min(shares, default=None),
-    )

@@ -39,7 +39,7 @@ def follow(
 
     The random path decides which solution leads to which. If the points are all solutions of a
     system with the generic number of solutions, they lead to all solutions of the target. Paths
-    that end at infinity or at each other are not analysed, unlike in `solve_system`.
+    that end at infinity or at each other are not analysed, unlike in `solve_systems`.
 
     Parameters
     ----------

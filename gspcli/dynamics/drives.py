@@ -66,11 +66,6 @@ class DrivesAtPoses:
         if self.points is not None:
             self.pulls = self.rows / self.points.gains[..., None]
 
-    def some(self, rows: NDArray[np.bool_]) -> DrivesAtPoses:
-        """Return the drives at some of the poses."""
-        numbers = None if self.points is None else self.points.numbers[rows]
-        return DrivesAtPoses(self.model, self.R[rows], self.T[rows], numbers)
-
     def _check_derivatives(self) -> None:
         """Refuse values without a derivative."""
         bodies = self._bodies

@@ -10,7 +10,6 @@ from __future__ import annotations
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import DPP
 from gspcli.errors import ArgumentError
@@ -20,8 +19,6 @@ from gspcli.geometry.drive_numbers import is_driven
 from gspcli.geometry.drives import Drives
 from gspcli.geometry.instance import Instance
 from gspcli.records import dataclass
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,7 +7,6 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from gspcli.geometry.coordinates import BODIES
 from gspcli.geometry.drive_numbers import is_driven
@@ -15,8 +14,6 @@ from gspcli.geometry.drives import Drives
 from gspcli.geometry.instance import Instance
 from gspcli.pictures.scene import Stroke, StrokeStyle
 from gspcli.pictures.shown_poses import Poses
-
-Array = NDArray[np.float64]
 
 #: Half of what is drawn of a rail without a range, in sizes of the scene.
 _RAIL = 0.2

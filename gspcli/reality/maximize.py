@@ -31,7 +31,6 @@ from gspcli.records import dataclass
 from gspcli.workers import HERE, Workers
 
 Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 #: Sizes of random platforms, in turn by the number of the attempt. Types with distances of points
 #: and lines begin with the small ones, which have more real solutions there.

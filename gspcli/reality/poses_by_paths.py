@@ -8,7 +8,6 @@ from dataclasses import replace
 from itertools import islice
 
 import numpy as np
-from numpy.typing import NDArray
 
 from gspcli.continuation.endpoints import ACCOUNTS, AccountOptions
 from gspcli.continuation.paths import PathAccount
@@ -25,8 +24,6 @@ from gspcli.geometry.quaternions import (
 from gspcli.reality.parallel_lines import judge_parallel_lines, polish_parallel_lines
 from gspcli.solver.results.pose_set import Motion, PoseSet
 from gspcli.solver.study_systems import target_systems
-
-Complex = NDArray[np.complex128]
 
 
 def solve_by_tracking(arrangement: Arrangement, *, seed: int, jobs: int = 1) -> PoseSet:

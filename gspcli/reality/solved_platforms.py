@@ -8,19 +8,15 @@ from numpy.typing import NDArray
 from gspcli.continuation.parameter_homotopy import follow
 from gspcli.continuation.solve import solve_systems
 from gspcli.continuation.systems import System
-from gspcli.continuation.tracked_paths import track_all
 from gspcli.defaults import SEED
 from gspcli.geometry.quaternions import pose_from_study
 from gspcli.reality.fold_distances import Folds, folds
 from gspcli.reality.patterns import Pattern
 from gspcli.reality.platforms import Platforms
-from gspcli.reality.recognition import look_real, reality
+from gspcli.reality.recognition import reality
 from gspcli.records import dataclass
 
 Complex = NDArray[np.complex128]
-
-#: The part of the solutions that the first attempt must find.
-_SETTLED = 0.4
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,22 +68,6 @@ def solved(platform: Platforms, seed: int = SEED, solutions: int | None = None) 
     if not found.decided:
         return None
     return Solved(platform, system, result.points, found.real)
-
-
-def quickly_solved(platform: Platforms, seed: int = SEED) -> Solved | None:
-    """Return a platform with the solutions of a first attempt at all paths; None if most are lost.
-
-    Solutions that are probably real count as real, without a check. A search begins with this.
-    """
-    system = next(platform[None].systems())
-    (tracked_paths,) = track_all([system], seed=seed)
-    ends = tracked_paths.first()
-    if ends.converged.mean() < _SETTLED:
-        return None
-    points = ends.points[ends.converged]
-    real = look_real(points)
-    size = np.sqrt((points[:, :4] ** 2).sum(axis=-1, keepdims=True))
-    return Solved(platform, system, points / np.where(size, size, 1.0), real)
 
 
 def followed_from(known: Solved, platform: Platforms, rng: np.random.Generator) -> Solved | None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_left
-from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction
 from functools import cache
@@ -29,13 +28,11 @@ from gspcli.geometry.quaternions import pose_from_study
 from gspcli.reality.platforms import Platforms
 from gspcli.reality.poses_by_paths import (
     poses_by_paths,
-    solve_by_tracking,
     track_platforms,
 )
 from gspcli.reality.recognition import look_real
 from gspcli.solver.ledger import Ledger
 from gspcli.solver.problem import Problem
-from gspcli.solver.results.pose_set import PoseSet
 from gspcli.solver.strategies.stored_start import careful_paths
 
 Array = NDArray[np.float64]
@@ -46,7 +43,6 @@ _DIGITS, _LEAST_DIGITS, _MANY = range(4, 12, 2), 2, 256
 #: Distances of planes and of lines that are tried, in the same units; the first is the best. Double
 #: precision separates two poses that differ by the last one.
 _GAPS = tuple(Fraction(m, 10**k) for k in range(1, 6) for m in (5, 2, 1))
-_SMALL_GAP = Fraction(1, 1000)
 #: The most random attempts at the paths in a search for enough real poses.
 _ATTEMPTS = 3
 DEFAULT_UNITS = Units("unit", AngleUnit.DEGREE)
@@ -121,17 +117,12 @@ def _with_largest_gap(draft: Instance, digits: int, exponent: int, count: int) -
     number is assumed to fall with the distance.
     """
     instances = [
-        _with_gap(draft, gap * Fraction(10) ** exponent)
+        with_gap(draft, gap * Fraction(10) ** exponent)
         for gap in reversed(_GAPS)
         if (gap * 10**digits).denominator == 1
     ]
     kept = bisect_left(instances, True, key=lambda instance: _real_count(instance) < count)
     return instances[kept - 1] if kept else None
-
-
-def poses(instance: Instance, *, jobs: int = 1) -> PoseSet:
-    """Return all poses of an instance by path tracking."""
-    return solve_by_tracking(Arrangement.of(instance), seed=SEED, jobs=jobs)
 
 
 def certified_real(instance: Instance, enough: int | None = None, *, jobs: int = 1) -> int:
@@ -251,12 +242,8 @@ def _decimal(value: float, places: int) -> Number:
     return Number.of(round(Fraction(value), places))
 
 
-def roughly_rounded(platform: Platforms) -> Instance:
-    """Return an instance with many decimals near a reduced platform, which may lose real poses."""
-    return _with_gap(rounded(platform, _DIGITS[-1]), _SMALL_GAP)
-
-
-def _with_gap(instance: Instance, gap: Fraction) -> Instance:
+def with_gap(instance: Instance, gap: Fraction) -> Instance:
+    """Return an instance with all distances of planes and of lines equal to a number."""
     values = {
         i: Number.of(gap)
         for i, constraint in enumerate(instance.constraints)
@@ -321,17 +308,3 @@ def _read(
     p, q, r = more
     shape = Line if primitive is Primitive.LINE else Plane
     return shape((a, b, c), (p, q, r)), rest
-
-
-def rows_of(instance: Instance) -> Iterator[tuple[str, ...]]:
-    """Yield the numbers of each constraint as `Witness.rows` has them; all angles are ALL."""
-    for constraint in instance.constraints:
-        numbers: list[Number] = []
-        for geometry in (constraint.platform, constraint.base):
-            if constraint.kind.is_distance:
-                numbers += geometry.position
-            if isinstance(geometry, Line):
-                numbers += geometry.direction
-            elif isinstance(geometry, Plane):
-                numbers += geometry.normal
-        yield tuple(map(str, [*numbers, constraint.value]))

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from gspcli.defaults import SEED
 from gspcli.errors import ArgumentError, IncompleteError, NotFiniteError
@@ -36,8 +36,6 @@ from gspcli.sensing.sensor_kinds import KINDS, Sensor
 from gspcli.sensing.separations import best_pair, separations
 from gspcli.solver import SolveResult, solve
 from gspcli.solver.arguments import whole
-
-Array = NDArray[np.float64]
 
 #: Readings with this difference in standard deviations are distinct: each is accurate to three.
 NEED = 6.0

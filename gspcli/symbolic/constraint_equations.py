@@ -35,8 +35,6 @@ from gspcli.symbolic.forms import (
 )
 
 DISTANCE, ANGLE = Symbol("d"), Symbol("alpha")
-#: The degree of each block in T when R is constant.
-FIXED_ORIENTATION = {"R": 0, "T": 1, "U": 1, "rho": 2, "TxR": 1}
 _ONE = sympy.Integer(1)
 
 
@@ -246,7 +244,7 @@ def equation(
     kind
         The kind of constraint.
     weights
-        The degree of each block, `CoordinateSystem.degrees` or `FIXED_ORIENTATION`.
+        The degree of each block, such as `CoordinateSystem.degrees`.
     one_sided
         Whether the side of a DPH or DHP is chosen.
 

@@ -48,11 +48,6 @@ def axial(matrix: Matrix) -> Matrix:
     return Matrix([matrix[2, 1], matrix[0, 2], matrix[1, 0]])
 
 
-def cofactors(matrix: Matrix) -> Matrix:
-    """Return the matrix of cofactors of a 3 × 3 matrix (a rotation equals its own)."""
-    return Matrix.hstack(*(matrix[:, (k + 1) % 3].cross(matrix[:, (k + 2) % 3]) for k in range(3)))
-
-
 #: Every way to express one block by R and another block; each is an identity on the motions.
 EXPRESSIONS: dict[str, dict[str, Callable[[Matrix, Matrix], Matrix]]] = {
     "T": {
@@ -73,15 +68,6 @@ EXPRESSIONS: dict[str, dict[str, Callable[[Matrix, Matrix], Matrix]]] = {
         "U": lambda r, u: r * skew(u),
     },
 }
-
-
-def motion_blocks(rotation: Matrix, translation: Matrix) -> dict[str, Matrix]:
-    """Return the value of every block at the motion (R, T)."""
-    return {
-        "R": rotation,
-        "T": translation,
-        **{block: EXPRESSIONS[block]["T"](rotation, translation) for block in ("U", "rho", "TxR")},
-    }
 
 
 @dataclass(frozen=True)

@@ -12,10 +12,9 @@ The atoms are SymPy applied functions of the names of vectors.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Mapping
 from enum import Enum
 from functools import cache
-from typing import Any
 
 import sympy
 from sympy import Expr, Function, Symbol
@@ -160,43 +159,3 @@ def _monomials(form: Expr) -> frozenset[tuple[tuple[str, int], ...]]:
         tuple((block, n) for block, n in zip(atoms.values(), exponents, strict=True) if n)
         for exponents in polynomial.monoms()
     )
-
-
-def evaluate(form: Expr, vectors: Mapping[str, Any], blocks: Mapping[str, Any]) -> Expr:
-    """Return a form with its atoms replaced by components.
-
-    Parameters
-    ----------
-    form
-        A polynomial in atoms.
-    vectors
-        The components of each named vector, matrices of shape (3, 1).
-    blocks
-        The blocks of coordinates, as by `motion_blocks` or `CoordinateSystem.expressions`.
-    """
-    known = dict(vectors) | dict(zip(("e1", "e2", "e3"), _unit_columns(), strict=True))
-
-    def vector(name: Expr) -> Any:
-        if name.func == cross:
-            return vector(name.args[0]).cross(vector(name.args[1]))
-        return known[str(name)]
-
-    def pairing(block: str) -> Callable[[Expr, Expr], Expr]:
-        return lambda x, y: (vector(x).T * blocks[block] * vector(y))[0]
-
-    replacements: list[tuple[Any, Callable[..., Expr]]] = [
-        (dot, lambda x, y: vector(x).dot(vector(y))),
-        (on_rotation, pairing("R")),
-        (on_moment, pairing("TxR")),
-        (on_translation, lambda x: vector(x).dot(blocks["T"])),
-        (on_pullback, lambda y: vector(y).dot(blocks["U"])),
-    ]
-    values = {RHO: blocks["rho"][0]} if form.has(RHO) else {}
-    for head, value in replacements:
-        values |= {atom: value(*atom.args) for atom in form.atoms(head)}
-    return form.xreplace(values)
-
-
-def _unit_columns() -> Iterable[Any]:
-    identity = sympy.eye(3)
-    return (identity[:, k] for k in range(3))

@@ -7,7 +7,6 @@ unknowns are the coordinates of a point, ``x < y < z`` as in equation (16).
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from typing import Any
 
 from gspcli.symbolic import eliminations
 from gspcli.symbolic.eliminations import Reduction
@@ -139,51 +138,3 @@ def _title(case: str) -> str:
         for letter in dict.fromkeys(case)
     ]
     return " and ".join(words) if len(words) < 3 else f"{', '.join(words[:-1])} and {words[-1]}"
-
-
-# Numbers for the letters: used to put actual surfaces into a triangular set.
-
-
-def plane_coefficients(point: Sequence[Any], normal: Sequence[Any]) -> list[Any]:
-    """Return d1..d4 of equation (15) for the plane through a point."""
-    return [*normal, -_dot(normal, point)]
-
-
-def sphere_coefficients(centre: Sequence[Any], square: Any) -> list[Any]:
-    """Return d5..d8 of equation (15) for a sphere, given the square of its radius."""
-    return [*(-2 * c for c in centre), _dot(centre, centre) - square]
-
-
-def cylinder_coefficients(point: Sequence[Any], direction: Sequence[Any], square: Any) -> list[Any]:
-    """Return d9..d18 of equation (15) for a cylinder of revolution.
-
-    Parameters
-    ----------
-    point
-        A point of the axis.
-    direction
-        A vector along the axis, of any length.
-    square
-        The square of the radius.
-
-    Notes
-    -----
-    The cylinder is ``|u|² |p − a|² − (u·(p − a))² = |u|² r²``.
-    """
-    u, a = direction, point
-    length, along = _dot(u, u), _dot(u, a)
-    linear = [2 * (along * ui - length * ai) for ui, ai in zip(u, a, strict=True)]
-    return [
-        *(length - ui * ui for ui in u),
-        -2 * u[1] * u[2],
-        -2 * u[0] * u[2],
-        linear[2],
-        -2 * u[0] * u[1],
-        linear[1],
-        linear[0],
-        length * (_dot(a, a) - square) - along**2,
-    ]
-
-
-def _dot(a: Sequence[Any], b: Sequence[Any]) -> Any:
-    return sum(p * q for p, q in zip(a, b, strict=True))

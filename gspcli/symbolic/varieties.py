@@ -16,16 +16,11 @@ from math import comb
 from random import Random
 from typing import Any
 
-import numpy as np
 import sympy
-from sympy import Expr, eye
 
 from gspcli.symbolic.coordinate_systems import (
-    EXPRESSIONS,
     MOTIONS,
-    SYMBOLS,
     CoordinateSystem,
-    cofactors,
 )
 from gspcli.symbolic.rational_motions import (
     RationalMotion,
@@ -35,26 +30,6 @@ from gspcli.symbolic.rational_motions import (
     rank,
     residues,
 )
-
-
-def equations(coordinates: CoordinateSystem) -> tuple[Expr, ...]:
-    """Return integer polynomials that generate the ideal of the motions in these coordinates."""
-    r = SYMBOLS["R"]
-    matrices = [r.T * r - eye(3), r * r.T - eye(3), r - cofactors(r)]
-    for block, ways in EXPRESSIONS.items():
-        if block in coordinates.blocks:
-            matrices += [
-                SYMBOLS[block] - way(r, SYMBOLS[other])
-                for other, way in ways.items()
-                if other in coordinates.blocks
-            ]
-    if "TxR" in coordinates.blocks:
-        w = SYMBOLS["TxR"]
-        # (T×R) Rᵀ = [T] and Rᵀ (T×R) = [U] are skew.
-        matrices += [r * w.T + w * r.T, r.T * w + w.T * r]
-    expanded = (sympy.expand(entry).primitive()[1] for matrix in matrices for entry in matrix)
-    # The symmetric matrices hold some equations twice.
-    return tuple(dict.fromkeys(entry for entry in expanded if entry != 0))
 
 
 @cache
@@ -101,12 +76,3 @@ def sampled_hilbert_function(
     random = Random(seed)
     motions = [random_motion(random) for _ in range(points)]
     return rank(monomials(coordinates_at(coordinates, motions), degree))
-
-
-def motion_variables(motion: RationalMotion) -> dict[sympy.Symbol, sympy.Rational]:
-    """Return the exact values of the coordinates (R, T), to substitute for the symbols."""
-    values = np.concatenate([motion.rotation.ravel(), motion.translation])
-    return {
-        symbol: sympy.Rational(value.numerator, value.denominator)
-        for symbol, value in zip(MOTIONS.symbols, values, strict=True)
-    }

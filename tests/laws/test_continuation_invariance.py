@@ -15,8 +15,8 @@ from gspcli.continuation.quadrics import (
     swap_points,
     swap_quadrics,
 )
-from gspcli.continuation.solve import solve_system
 from gspcli.continuation.systems import Structure, System
+from tests.support.systems import solve_system
 
 SEEDS = st.integers(0, 2**32 - 1)
 

@@ -16,7 +16,7 @@ from typing import Any
 from gspcli.catalogue.kinds import KINDS, Kind
 from gspcli.catalogue.recorded_varieties import varieties
 from gspcli.symbolic.constraint_degrees import lowest_degree
-from gspcli.symbolic.constraint_equations import FIXED_ORIENTATION, equation
+from gspcli.symbolic.constraint_equations import equation
 from gspcli.symbolic.coordinate_systems import (
     LAZARD,
     MOURRAIN,
@@ -33,6 +33,8 @@ from tools.recording import ROOT, canonical_sha256, parser, report, save, versio
 
 TARGET = ROOT / "data" / "constraints.json"
 COMMAND = "python -m tools.build.constraints"
+#: The degree of each block in T when R is constant.
+FIXED_ORIENTATION = {"R": 0, "T": 1, "U": 1, "rho": 2, "TxR": 1}
 
 
 def degree_table(kind: Kind) -> dict[str, dict[str, int]]:

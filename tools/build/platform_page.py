@@ -8,7 +8,7 @@ from gspcli.cli.example import short_name
 from gspcli.geometry.instance import Constraint, Instance
 from gspcli.resources import data_json, instance_files
 from gspcli.spec import load, sharing
-from gspcli.spec.schema import is_editor_line
+from gspcli.spec.schema import SCHEMA_LINE
 
 FOLDER = "platforms"
 HEAD = """\
@@ -96,7 +96,7 @@ def _section(name: str, path: Path, instance: Instance) -> str:
     for line in path.read_text(encoding="utf-8").splitlines():
         if not line.startswith("#"):
             break
-        if not is_editor_line(line):
+        if not line.startswith(SCHEMA_LINE):
             comments.append(line.removeprefix("# "))
     platform, base = sharing(instance)
     shared = [

@@ -11,7 +11,7 @@ from collections import Counter
 from gspcli.catalogue.counts import family_counts
 from gspcli.catalogue.real_counts import real_counts
 from gspcli.catalogue.types import CLASSES, families
-from gspcli.catalogue.witnesses import best_real, summary
+from gspcli.catalogue.witnesses import best_real
 from tools.charts import Bubble, bubble_chart
 from tools.recording import ROOT, parser, save
 
@@ -30,11 +30,12 @@ def table() -> str:
         "|---|---:|---:|---:|---:|---:|---:|",
     ]
     for one in CLASSES:
-        known = summary(one)
+        known = [(best_real(f), family_counts(f).two_sided) for f in families(one)]
+        shares = [real / count for real, count in known if real is not None]
         every = sum(len(real_counts(f)) == (best_real(f) or 0) // 2 + 1 for f in families(one))
         lines.append(
-            f"| {one} | {known.families} | {known.recorded} | {known.reached}"
-            f" | {known.mean:.2f} | {known.least:.2f} | {every} |"
+            f"| {one} | {len(known)} | {len(shares)} | {sum(share == 1 for share in shares)}"
+            f" | {sum(shares) / len(shares):.2f} | {min(shares):.2f} | {every} |"
         )
     return "\n".join(lines)
 

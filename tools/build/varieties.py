@@ -15,7 +15,7 @@ import sys
 from typing import Any
 
 from gspcli.symbolic.coordinate_systems import SYSTEMS, CoordinateSystem
-from gspcli.symbolic.varieties import equations
+from tools.equations.motions import equations
 from tools.oracle import singular
 from tools.recording import ROOT, canonical_sha256, parser, save, versions
 

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Iterator
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
@@ -11,20 +13,26 @@ import numpy as np
 from gspcli.catalogue.counts import all_families, family_counts
 from gspcli.catalogue.kinds import ALL
 from gspcli.catalogue.types import CONSTRAINTS, Family
-from gspcli.catalogue.witnesses import Witness, witness_text
+from gspcli.catalogue.witnesses import Witness
 from gspcli.defaults import SEED
 from gspcli.errors import GspError
+from gspcli.geometry.instance import Instance
+from gspcli.geometry.numbers import Number
+from gspcli.geometry.primitives import Line, Plane
 from gspcli.reality.platforms import Platforms, multiplier
 from gspcli.reality.witness_proofs import (
     certified_real,
     quickly_certified_real,
     real_instance,
-    roughly_rounded,
-    rows_of,
+    rounded,
+    with_gap,
     witness_instance,
 )
 from gspcli.workers import Workers
 from tools.witnesses.known import REAL, canonical_families, kinds_of, read_journal, recorded
+
+#: Decimals, and the distance of planes and of lines, where many decimals lose real poses.
+_PLACES, _GAP = 10, Fraction(1, 1000)
 
 
 def write(journal: Path) -> None:
@@ -71,10 +79,29 @@ def certified(family: Family, entry: dict[str, Any]) -> Witness:
         instance = real_instance(numbers, wanted)
         real = certified_real(instance, wanted)
     except GspError:
-        instance = roughly_rounded(numbers)
+        instance = with_gap(rounded(numbers, _PLACES), _GAP)
         real = quickly_certified_real(instance, wanted)
     sides = 2 ** sum(kind.has_sides for kind in kinds)
     return Witness(family, real - real % max(2, sides), tuple(rows_of(instance)))
+
+
+def witness_text(found: Witness) -> str:
+    """Return the numbers of a witness as `read_row` reads them."""
+    return ";".join(" ".join(row) for row in found.rows)
+
+
+def rows_of(instance: Instance) -> Iterator[tuple[str, ...]]:
+    """Yield the numbers of each constraint as `Witness.rows` has them; all angles are ALL."""
+    for constraint in instance.constraints:
+        numbers: list[Number] = []
+        for geometry in (constraint.platform, constraint.base):
+            if constraint.kind.is_distance:
+                numbers += geometry.position
+            if isinstance(geometry, Line):
+                numbers += geometry.direction
+            elif isinstance(geometry, Plane):
+                numbers += geometry.normal
+        yield tuple(map(str, [*numbers, constraint.value]))
 
 
 def save(known: dict[str, Witness]) -> None:

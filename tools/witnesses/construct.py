@@ -20,8 +20,8 @@ import numpy as np
 
 from gspcli.catalogue.kinds import Kind
 from gspcli.geometry.quaternions import pose_from_study
-from gspcli.reality.solved_platforms import Solved, quickly_solved
-from tools.witnesses.known import Known, by_dependents, kinds_of, solutions
+from gspcli.reality.solved_platforms import Solved
+from tools.witnesses.known import Known, by_dependents, kinds_of, quickly_solved, solutions
 from tools.witnesses.patterns import Patterns, canonical, generic_count
 from tools.witnesses.splittings import Splitting, splittings
 

@@ -24,8 +24,11 @@ from gspcli.catalogue.kinds import ALL, DHP, DLL, DPH
 from gspcli.catalogue.real_counts import PlaceOnLine, platform_at, recorded
 from gspcli.catalogue.types import CONSTRAINTS, Family
 from gspcli.catalogue.witnesses import best_real
+from gspcli.defaults import SEED
+from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
-from gspcli.reality.witness_proofs import certified_real, poses, witness_instance
+from gspcli.reality.poses_by_paths import solve_by_tracking
+from gspcli.reality.witness_proofs import certified_real, witness_instance
 from gspcli.workers import Workers
 from tools.recording import CONFIRMED, add_sample, add_workers, workers_of
 from tools.witnesses.record import FOLDER, Record
@@ -54,7 +57,9 @@ def instance_at(family: Family, place: PlaceOnLine) -> Instance:
 
 def found_at(family: Family, number: int, share: str) -> int | None:
     """Return how many real poses double precision finds at a place, None if that is unclear."""
-    found = poses(instance_at(family, PlaceOnLine(0, number, share)))
+    found = solve_by_tracking(
+        Arrangement.of(instance_at(family, PlaceOnLine(0, number, share))), seed=SEED
+    )
     return int(found.real.sum()) if found.account.verdict == "complete" else None
 
 

@@ -20,14 +20,19 @@ from gspcli.catalogue.counts import all_families, family_counts, mirrored
 from gspcli.catalogue.kinds import ALL, DHP, DLL, DPH, Kind
 from gspcli.catalogue.types import CONSTRAINTS, Family
 from gspcli.catalogue.witnesses import Witness, named_family, read_row
+from gspcli.continuation.tracked_paths import track_all
+from gspcli.defaults import SEED
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.reality.platforms import Platforms, multiplier
+from gspcli.reality.recognition import look_real
 from gspcli.reality.solved_platforms import Solved
 from gspcli.reality.witness_proofs import witness_instance
 from tools.witnesses.limits import limits
 from tools.witnesses.record import FOLDER, Record
 
 REAL = Record(FOLDER / "real.csv", FOLDER / "manifest.json", ("family", "real", "numbers"))
+#: The part of the solutions that the first attempt must find.
+_SETTLED = 0.4
 
 
 def canonical_families() -> list[Family]:
@@ -178,3 +183,19 @@ class Known:
             if name in self.counts:
                 return name, exchanged
         return "", False
+
+
+def quickly_solved(platform: Platforms, seed: int = SEED) -> Solved | None:
+    """Return a platform with the solutions of a first attempt at all paths; None if most are lost.
+
+    Solutions that are probably real count as real, without a check. A search begins with this.
+    """
+    system = next(platform[None].systems())
+    (tracked_paths,) = track_all([system], seed=seed)
+    ends = tracked_paths.first()
+    if ends.converged.mean() < _SETTLED:
+        return None
+    points = ends.points[ends.converged]
+    real = look_real(points)
+    size = np.sqrt((points[:, :4] ** 2).sum(axis=-1, keepdims=True))
+    return Solved(platform, system, points / np.where(size, size, 1.0), real)

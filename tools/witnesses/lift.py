@@ -13,8 +13,8 @@ from gspcli.catalogue.kinds import DHP, DPH, DPP
 from gspcli.catalogue.types import Family
 from gspcli.geometry.quaternions import pose_from_study
 from gspcli.reality.platforms import Platforms
-from gspcli.reality.solved_platforms import Solved, quickly_solved
-from tools.witnesses.known import Known, canonical_families, kinds_of, solutions
+from gspcli.reality.solved_platforms import Solved
+from tools.witnesses.known import Known, canonical_families, kinds_of, quickly_solved, solutions
 from tools.witnesses.limits import Limit, limits
 
 #: How far away far points are, in units of the size of the set of places.

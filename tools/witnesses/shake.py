@@ -15,8 +15,8 @@ from gspcli.catalogue.witnesses import named_family
 from gspcli.reality.fold_distances import moved
 from gspcli.reality.patterns import Pattern
 from gspcli.reality.platforms import Array, Platforms
-from gspcli.reality.solved_platforms import Solved, quickly_solved
-from tools.witnesses.known import Known, kinds_of
+from gspcli.reality.solved_platforms import Solved
+from tools.witnesses.known import Known, kinds_of, quickly_solved
 
 #: Decimal exponents between which changes are; every second one changes some constraints only.
 _EXPONENTS, _SOME = (-3.5, -0.5), 0.35

@@ -21,7 +21,6 @@ from gspcli.geometry.primitives import Geometry, Point
 Array = NDArray[np.float64]
 
 PRECISION = 160
-_NOTHING = (0.0, 0.0)
 #: The measured quantities, with the numbers of native/reach.hpp.
 _MEASURES: dict[Kind, int] = {
     DPP: 0, DPL: 1, DLP: 2, DPH: 3, DHP: 4, DLL: 5, ALL: 6, ALH: 6, AHL: 6, AHH: 6,

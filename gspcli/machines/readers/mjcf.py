@@ -7,15 +7,12 @@ import re
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from gspcli.errors import GspError
 from gspcli.machines.frames import frame, from_quaternion, inverse, place, turn
 from gspcli.machines.graph import Body, Graph, Joint, NoPlatform, Part, ball
 from gspcli.machines.markup import MarkupElement, written
 from gspcli.wording import shown
-
-Array = NDArray[np.float64]
 
 #: Sections of a model that say nothing of its joints.
 _LEFT_OUT = {

@@ -5,14 +5,12 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.quaternions import vector_from_rotation
 from gspcli.motion.following.tracks import Track
 from gspcli.records import dataclass
-
-Array = NDArray[np.float64]
 
 #: Poses differ if a direction, in radians, or the place by the length of the platform differs by
 #: more than this.

@@ -6,7 +6,6 @@ import time
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.limits import has_limits
@@ -22,8 +21,6 @@ from gspcli.wording import counted
 
 if TYPE_CHECKING:
     import pandas as pd
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,8 +16,6 @@ from gspcli.motion.paths.pose_ways import PoseWays
 from gspcli.motion.paths.value_ways import ValueWays
 from gspcli.records import dataclass
 
-Array = NDArray[np.float64]
-
 #: What is judged between rows, and how.
 BOUNDED = {"condition": largest_conditions, "clearance": least_clearances, "gap": least_gaps}
 

@@ -7,7 +7,6 @@ and steps along it can be corrected to poses some way off that satisfy every con
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import DLL, DLP, DPL, DPP, Kind
 from gspcli.geometry.arrangement import Arrangement
@@ -23,8 +22,6 @@ from gspcli.geometry.quaternions import (
 from gspcli.geometry.tolerances import MEASURED_PARALLEL_SINE
 from gspcli.solver.results.pose_set import Motion
 from gspcli.ties import definite_basis
-
-Array = NDArray[np.float64]
 
 #: Steps of a sample motion, in radians or typical lengths, and how many of them.
 _STEP = 0.05

@@ -8,11 +8,11 @@ import pytest
 from gspcli.atlas.trace import moving_equation, trace_test
 from gspcli.catalogue.names import parse_type
 from gspcli.continuation.quadrics import ComplexArray
-from gspcli.continuation.solve import solve_system
 from gspcli.continuation.systems import Structure, System
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.solver.instances.generate import random_instance
 from gspcli.solver.study_systems import target_systems
+from tests.support.systems import solve_system
 
 SEED = 4
 ANGLES = {"3D3A": 3, "4D2A": 2, "5D1A": 1}

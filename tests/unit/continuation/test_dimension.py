@@ -14,8 +14,8 @@ from gspcli.continuation.dimension import (
     tangents,
 )
 from gspcli.continuation.quadrics import NORM
-from gspcli.continuation.solve import solve_system
 from gspcli.continuation.systems import Coefficients, System
+from tests.support.systems import solve_system
 
 
 @pytest.fixture(scope="module")

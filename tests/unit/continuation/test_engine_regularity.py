@@ -8,10 +8,10 @@ import pytest
 from gspcli.continuation.endpoints import random_start
 from gspcli.continuation.quadrics import evaluate
 from gspcli.continuation.regularity import clearly_simple, nonlinearity, simple
-from gspcli.continuation.solve import solve_system
 from gspcli.continuation.start import start_system
 from gspcli.continuation.systems import System
 from gspcli.continuation.tracker import track
+from tests.support.systems import solve_system
 
 
 def solved(target: System):

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from gspcli.continuation.solve import solve_system, solve_systems
+from gspcli.continuation.solve import solve_systems
+from tests.support.systems import solve_system
 
 KINDS = [
     "PP PP PP PP PP PP",

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from gspcli.continuation.parameter_homotopy import follow
-from gspcli.continuation.solve import solve_system
+from tests.support.systems import solve_system
 
 
 def lines(points: np.ndarray) -> np.ndarray:

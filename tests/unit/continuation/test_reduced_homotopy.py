@@ -8,12 +8,12 @@ import pytest
 from gspcli import _kernel
 from gspcli.catalogue.names import parse_type
 from gspcli.continuation.reduced_homotopy import ReducedHomotopy, ends_from_start
-from gspcli.continuation.solve import solve_system
 from gspcli.continuation.start import path_count, start_system
 from gspcli.continuation.systems import Coefficients, System
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.solver.instances.generate import random_instance
 from gspcli.solver.study_systems import coefficients_of, target_systems
+from tests.support.systems import solve_system
 
 #: Types with the number of quantities that stay free.
 TYPES = {

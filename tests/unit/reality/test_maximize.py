@@ -11,7 +11,9 @@ from scipy.optimize import nnls
 
 from gspcli.catalogue.kinds import DHP, DLL, DPH
 from gspcli.catalogue.names import parse_type
+from gspcli.defaults import SEED
 from gspcli.errors import GspError
+from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import AngleUnit, Units
 from gspcli.geometry.quaternions import pose_from_study
 from gspcli.geometry.shortest_step import nonnegative_least_squares, shortest_step
@@ -19,10 +21,11 @@ from gspcli.reality.fold_distances import moved, neighbours
 from gspcli.reality.maximize import Search
 from gspcli.reality.patterns import Pattern
 from gspcli.reality.platforms import Platforms, multiplier, random_platforms, reduced
+from gspcli.reality.poses_by_paths import solve_by_tracking
 from gspcli.reality.recognition import look_real
 from gspcli.reality.solved_platforms import Solved, solved
 from gspcli.reality.state import State, read_state
-from gspcli.reality.witness_proofs import certified_real, platform_of, poses, real_instance
+from gspcli.reality.witness_proofs import certified_real, platform_of, real_instance
 
 MIXED = "DPP DPL DLP DPH DHP ALL"
 
@@ -174,7 +177,7 @@ def test_rounding_keeps_units_and_size() -> None:
     units = Units("mm", AngleUnit.RADIAN)
     large = real_instance(start.platform, count, units=units, length=2500.0)
     assert large.units == units
-    assert int(poses(large).real.sum()) == count
+    assert int(solve_by_tracking(Arrangement.of(large), seed=SEED).real.sum()) == count
     platform, length = platform_of(large)
     assert 500 < length < 20_000
     assert np.abs(platform.y).max() <= 1

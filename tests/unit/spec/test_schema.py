@@ -10,7 +10,8 @@ import yaml
 from gspcli.cli.main import run
 from gspcli.resources import data_directory
 from gspcli.spec import loads
-from gspcli.spec.schema import EDITOR_LINE, FILE_NAME, json_schema
+from gspcli.spec.schema import EDITOR_LINE, FILE_NAME
+from tools.build.schema import json_schema
 
 PUBLISHED = data_directory() / FILE_NAME
 SHIPPED = sorted(data_directory().glob("*/*.yaml"))

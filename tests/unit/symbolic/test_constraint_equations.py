@@ -39,16 +39,16 @@ from gspcli.symbolic.coordinate_systems import (
     MOURRAIN,
     MOURRAIN_16,
     SYSTEMS,
-    motion_blocks,
     system,
 )
-from gspcli.symbolic.forms import Vector, VectorFrame, base, evaluate, inner, platform, triple
+from gspcli.symbolic.forms import Vector, VectorFrame, base, inner, platform, triple
 from gspcli.symbolic.rational_motions import RationalMotion, random_motion
-from gspcli.symbolic.varieties import hilbert_function, motion_variables
+from gspcli.symbolic.varieties import hilbert_function
 from tools.build.constraints import constraint_facts, unproved_degrees
 from tools.equations.exact_constraints import RationalConstraint, sample
 from tools.equations.loci import loci, quadratic_part
 from tools.equations.lower_degrees import constrained_motions, excludes_degree
+from tools.equations.motions import evaluate, motion_blocks, motion_variables
 from tools.equations.paper_degrees import difference_degree, paper_degree, written_equation
 
 

@@ -1,7 +1,9 @@
 """The ten intersections: every common point satisfies the set, and there are 1, 2, 4 or 8."""
 
 import random
+from collections.abc import Sequence
 from itertools import combinations
+from typing import Any
 
 import pytest
 from sympy import QQ, ZZ, Matrix, Poly, Rational, ring, symbols
@@ -15,12 +17,7 @@ from gspcli.symbolic.sparse_polynomials import (
     parametrize,
     symbols_of,
 )
-from gspcli.symbolic.surface_intersections import (
-    INTERSECTIONS,
-    cylinder_coefficients,
-    plane_coefficients,
-    sphere_coefficients,
-)
+from gspcli.symbolic.surface_intersections import INTERSECTIONS
 from gspcli.symbolic.triangular import TriangularSet
 
 #: Proposition 6.7.
@@ -38,6 +35,51 @@ def _vector(rng: random.Random) -> list[Rational]:
     while not any(vector := [_number(rng) for _ in range(3)]):
         pass
     return vector
+
+
+def plane_coefficients(point: Sequence[Any], normal: Sequence[Any]) -> list[Any]:
+    """Return d1..d4 of equation (15) for the plane through a point."""
+    return [*normal, -_dot(normal, point)]
+
+
+def sphere_coefficients(centre: Sequence[Any], square: Any) -> list[Any]:
+    """Return d5..d8 of equation (15) for a sphere, given the square of its radius."""
+    return [*(-2 * c for c in centre), _dot(centre, centre) - square]
+
+
+def cylinder_coefficients(point: Sequence[Any], direction: Sequence[Any], square: Any) -> list[Any]:
+    """Return d9..d18 of equation (15) for a cylinder of revolution.
+
+    Parameters
+    ----------
+    point
+        A point of the axis.
+    direction
+        A vector along the axis, of any length.
+    square
+        The square of the radius.
+
+    Notes
+    -----
+    The cylinder is ``|u|² |p − a|² − (u·(p − a))² = |u|² r²``.
+    """
+    u, a = direction, point
+    length, along = _dot(u, u), _dot(u, a)
+    linear = [2 * (along * ui - length * ai) for ui, ai in zip(u, a, strict=True)]
+    return [
+        *(length - ui * ui for ui in u),
+        -2 * u[1] * u[2],
+        -2 * u[0] * u[2],
+        linear[2],
+        -2 * u[0] * u[1],
+        linear[1],
+        linear[0],
+        length * (_dot(a, a) - square) - along**2,
+    ]
+
+
+def _dot(a: Sequence[Any], b: Sequence[Any]) -> Any:
+    return sum(p * q for p, q in zip(a, b, strict=True))
 
 
 def _surface_through(letter: str, point: list[Rational], rng: random.Random) -> list[Rational]:

@@ -22,16 +22,14 @@ from gspcli.symbolic.coordinate_systems import (
     MOTIONS,
     SYMBOLS,
     SYSTEMS,
-    motion_blocks,
     system,
 )
 from gspcli.symbolic.rational_motions import monomials, random_motion, rank, residues
 from gspcli.symbolic.varieties import (
-    equations,
     hilbert_function,
-    motion_variables,
     sampled_hilbert_function,
 )
+from tools.equations.motions import equations, motion_blocks, motion_variables
 
 ROOT = Path(__file__).parents[3]
 CHECK = [sys.executable, "-m", "tools.build.varieties", "--check"]
