@@ -157,7 +157,7 @@ def _processes(jobs: int) -> Iterator[Executor]:
     try:
         yield executor
     except BrokenProcessPool as error:
-        message = "a process was killed, perhaps for want of memory: use fewer --jobs"
+        message = "a process was killed, perhaps because memory was exhausted: use fewer --jobs"
         raise GspError(message) from error
     finally:
         executor.shutdown(wait=False)

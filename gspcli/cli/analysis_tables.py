@@ -18,7 +18,7 @@ _WRENCH = ("mx", "my", "mz", "fx", "fy", "fz")
 
 
 def overview(entries: list[dict[str, Any]], given: Wrenches, more: Sequence[Column] = ()) -> Table:
-    """Return a line for each pose; `more` are columns of what was added to the entries."""
+    """Return a line for each pose; `more` are columns of quantities added to the entries."""
     columns = [
         Column("row", align="right", essential=True),
         Column("t", align="right"),
@@ -42,7 +42,7 @@ def overview(entries: list[dict[str, Any]], given: Wrenches, more: Sequence[Colu
         *more,
     ]
     rows = [_line(entry, given) for entry in entries]
-    # Modes and what was computed always have their columns.
+    # The columns of modes and of computed numbers are always shown.
     always = ("condition", "manipulability", "largest", "smallest", "worst")
     asked = {key for row in rows for key in row}
     kept = [column for column in columns if column.key in always or column.key in asked]
@@ -83,8 +83,8 @@ def _line(entry: dict[str, Any], given: Wrenches) -> dict[str, Any]:
 def _explained(row: dict[str, Any], given: Wrenches) -> list[str]:
     unit = given.instance.units.length
     notes = [
-        f"lengths divided by {given.length:.6g} {unit}; worst force: the most that a unit force at "
-        "the point can load a constraint with"
+        f"lengths divided by {given.length:.6g} {unit}; worst force: the largest load of a "
+        "constraint by a unit force at the point"
     ]
     if "force" in row or "moment" in row:
         notes.append("largest force, moment: in a constraint under the load, and in which")
@@ -152,7 +152,7 @@ def details(entry: dict[str, Any], given: Wrenches) -> list[Table]:
 
 
 def _screws(entry: dict[str, Any], given: Wrenches, kinds: list[str]) -> Table:
-    """Return the wrenches of the constraints, and what the pose is like in notes."""
+    """Return the wrenches of the constraints; notes describe the pose."""
     screws = []
     for k, kind in enumerate(kinds):
         row = {"number": k + 1, "kind": kind, "pitch": entry["pitches"][k]}

@@ -67,8 +67,8 @@ _ZERO = 1e-12
 @click.option(
     "--stiffness",
     metavar="K",
-    help="Stiffness of the constraints, one number or six: force of --load over the unit of length "
-    "of SPEC, as N/mm, for angles moment by radian; gsp dynamics takes N/m.  "
+    help="Stiffness of the constraints, one number or six: the unit of force of --load over the "
+    "unit of length of SPEC, as N/mm, and for angles moment by radian; gsp dynamics takes N/m.  "
     "[default: that of the drives in SPEC]",
 )
 @click.option("--tolerance", metavar="D", help="How far each value may be off: one number or six.")
@@ -124,10 +124,10 @@ def command(
     order. Where there are many poses each of these is one column: the largest force, the least
     stiffness of the point, its largest errors.
 
-    --require names the worst row of each requirement, and the exit code is 1 unless all rows
-    keep all of them. Always known are range, cone, condition, clearance and pose-clearance. The
-    others need something: transmission needs cranks or slides, force, moment and torque need
-    --load, stiffness needs --stiffness, and error needs --tolerance.
+    --require names the worst row of each requirement, and the exit code is 1 unless all rows keep
+    all of them. Without further options the names are range, cone, condition, clearance and
+    pose-clearance. transmission needs cranks or slides, force, moment and torque need --load,
+    stiffness needs --stiffness, and error needs --tolerance.
 
     \b
     Examples:

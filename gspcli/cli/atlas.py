@@ -1,4 +1,4 @@
-"""`gsp atlas`: the generic counts of all types in summary, verified, built anew."""
+"""`gsp atlas`: summarizes, verifies or rebuilds the generic counts of all types."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ if TYPE_CHECKING:
     from gspcli.atlas.task_counts import Result
     from gspcli.workers import Workers
 
-#: What `verify --fast` does: so many tasks, of at most so many solutions.
+#: `verify --fast` counts at most this many tasks, each of at most this many solutions.
 _FAST = (40, 256)
 
 _timeout = click.option(
     "--timeout",
     type=Positive(),
     metavar="SECONDS",
-    help="Give up a Gröbner basis after so long.",
+    help="Stop a Gröbner basis after this time.",
 )
 
 
@@ -99,7 +99,8 @@ def summary(output: Output) -> None:
                 title="Bounds against generic counts",
                 part="bounds",
                 notes=[
-                    "sharp: the bound is the count; factor: by what it exceeds it. Table 3 counts",
+                    "sharp: the bound is the count; factor: the bound over the count. Table 3 "
+                    "counts",
                     "one of the two planes of a DLL and is compared with that count.",
                 ],
             ),

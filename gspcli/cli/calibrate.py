@@ -36,7 +36,8 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-#: Poses of a plan: more take hours to choose, and tell hardly more than as many at random.
+#: The most poses of a plan. More poses take hours to choose, and determine the numbers hardly
+#: better than as many random poses.
 _MOST_PLANNED = 300
 
 
@@ -84,12 +85,14 @@ _MOST_PLANNED = 300
     "--prior",
     type=Positive(),
     metavar="D",
-    help="How well the numbers are known before, a length.  [default: 1/200 of a typical length]",
+    help="How exactly the numbers are known before, a length.  [default: 1/200 of a typical "
+    "length]",
 )
 @click.option(
     "--hold-unknown",
     is_flag=True,
-    help="Keep what DATA does not tell as it is stated, instead of refusing.",
+    help="Keep the numbers that DATA does not determine at their stated values, instead of "
+    "refusing.",
 )
 @click.option(
     "--accept", is_flag=True, help="Take the result even if DATA does not fit the machine."
@@ -149,22 +152,22 @@ def command(
     rotation=0 poses are exact. Numbers that DATA does not determine are refused with exit code
     4; the message says what to measure.
 
-    If DATA does not fit the machine, the first line says so, with the mistake that it probably
-    is: a unit, columns that are exchanged, rotations that are transposed. Then the exit code is
-    1 and no instance file is written, unless --accept is given.
+    If DATA does not fit the machine, the first line says so and names the probable mistake: a unit,
+    columns that are exchanged, rotations that are transposed. Then the exit code is 1 and no
+    instance file is written, unless --accept is given.
 
     With -o FILE.yaml the result is an instance file with `offset` and `scale` at constraints,
     which every command honours. JSON has the covariance; a picture shows the residuals.
 
-    --plan N fits nothing. It chooses the N poses within ranges and cones (and --require) whose
-    measurement tells most (D-optimal), with what will be known then. Where cranks or slides
-    drive the machine the plan has their readings.
+    --plan N fits nothing. It chooses N poses within ranges and cones (and --require) whose
+    measurement determines the numbers best (D-optimal), and states how exactly each number will be
+    known. Where cranks or slides drive the machine the plan has their readings.
 
-    --from LOG needs no SPEC. LOG has the columns 1 ... 6 (lengths of legs from joint to joint),
-    x y z and a rotation, of at least 18 poses. Order, sense and unit of angles and units of
-    lengths are found by trying; the output says how well they fit, and which others fit as
-    well. --estimate offsets also finds a constant that each leg lacks. The frame of the
-    platform begins at the point whose position LOG has, unless --pivot says where that is.
+    --from LOG needs no SPEC. LOG has the columns 1 ... 6 (lengths of legs from joint to joint), x y
+    z and a rotation, of at least 18 poses. Order, sense and unit of angles and units of lengths are
+    found by trying; the output says how well they fit, and which others fit as well. --estimate
+    offsets also finds a constant that is to be added to each length. The origin of the platform's
+    frame is the point whose position LOG has, unless --pivot states its coordinates.
 
     \b
     Examples:
@@ -271,7 +274,7 @@ def _show(result: Calibration, output: Output, *, accept: bool) -> None:
         what += [result.cause] if result.cause else []
         what.append(
             "look for wrong rows and columns (-o FILE.svg shows residuals), or try --robust; "
-            "--accept takes the result as it is"
+            "--accept takes the result unchanged"
         )
         raise CheckFailed("\n".join(what))
 

@@ -19,7 +19,7 @@ _POSE = ("x", "y", "z", "qw", "qx", "qy", "qz")
 
 
 def calibration_table(result: Calibration, remarks: Sequence[str] | None = None) -> Table:
-    """Return the numbers found, with what was stated; nothing was if there are remarks of a log."""
+    """Return the numbers found beside those stated; of a log, with `remarks`, none are stated."""
     rows = [
         {
             "number": name,
@@ -58,7 +58,7 @@ def calibration_table(result: Calibration, remarks: Sequence[str] | None = None)
 
 
 def _summary(result: Calibration) -> list[str]:
-    """Return what came out, in sentences."""
+    """Return the result in sentences."""
     from gspcli.calibration.doubts import quantile
 
     chi, freedom = result.chi_squared, result.freedom
@@ -82,12 +82,13 @@ def _summary(result: Calibration) -> list[str]:
             # Nothing is read but drives.
             noise = _noise_of_drives(result)
         lines.append(
-            f"the noise was not stated: {noise} by the scatter ({freedom} degrees of freedom)"
+            f"the noise is not stated: {noise} by the scatter ({freedom} degrees of freedom)"
         )
     if result.unknowns.missing:
         what = counted(result.unknowns.missing, "direction")
         lines.append(
-            f"{what} not told by the data, as stated: {'; '.join(result.unknowns.sentences)}"
+            f"{what} not determined by the data, kept as stated: "
+            f"{'; '.join(result.unknowns.sentences)}"
         )
     if result.repeated:
         lines.append(
@@ -97,7 +98,7 @@ def _summary(result: Calibration) -> list[str]:
     if result.home:
         lines.append(result.home)
     if result.unknowns.frames:
-        lines.append("the frames of base and platform are as stated, as well as they can be")
+        lines.append("the frames of base and platform are fitted to those stated")
     worst = result.worst
     if worst is not None:
         row, left, moved = worst

@@ -80,9 +80,9 @@ def command(
     (by rows) or a quaternion (scalar first), and T; or what msolve, PHCpack or one of the other
     programs of `gsp export` wrote. SPEC or RESULT may be - for standard input.
 
-    The exit code is 0 if every pose is certified and no two are the same; 1 if one is proved
-    wrong, a duplicate, or not what the list says about it; 4 if something could not be decided,
-    as at double solutions, or where two are nearer to each other than the digits of the list tell.
+    The exit code is 0 if every pose is certified and no two are the same; 1 if one is proved wrong,
+    a duplicate, or not what the list says about it; 4 if something could not be decided, as at
+    double solutions, or where two are nearer to each other than the digits of the list distinguish.
 
     \b
     Examples:

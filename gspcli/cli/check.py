@@ -1,4 +1,4 @@
-"""`gsp check`: is an instance file correct, and what does it describe."""
+"""`gsp check`: whether an instance file is correct, and which platform it describes."""
 
 from __future__ import annotations
 
@@ -39,10 +39,10 @@ _COLUMNS = (
 def command(specs: tuple[str, ...], schema: bool, output: Output) -> None:
     """Check instance files and say which platforms they describe.
 
-    Every mistake in every file is reported with its line and column. Warnings tell what is
-    allowed but perhaps not meant: values that are not one equation, primitives that no
-    constraint uses, sharing that can never fix the platform. Expected is the generic count of
-    the type, bound the refined bound, both for the sides that the file asks for.
+    Every mistake in every file is reported with its line and column. Warnings name what is allowed
+    but probably a mistake: values that are not one equation, primitives that no constraint uses,
+    sharing that can never fix the platform. Expected is the generic count of the type, bound the
+    refined bound, both for the sides that the file asks for.
 
     SPEC is a file, - for standard input, or @NAME of an example (`gsp example`). The exit
     code is 2 if a file has mistakes.

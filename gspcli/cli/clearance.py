@@ -60,14 +60,14 @@ def command(
 ) -> None:
     """Bound how far values, or the pose, may change before a mode meets a singularity.
 
-    A clearance of r means that every value may change by r times its weight, all at once and in
-    any combination, and the mode exists all the while and is not singular. The weight is half
-    the range of the constraint, if each has one in SPEC; else 1 in the unit of the value.
+    A clearance of r means: if every value changes by at most r times its weight, all at once and in
+    any combination, the mode exists all the while and is not singular. The weight is half the range
+    of the constraint, if each has one in SPEC; else 1 in the unit of the value.
 
-    The lower bound is proved for the whole box of values. The upper bound is the nearest fold
-    of the same mode that was found; it is proved, and its values are shown. It may also be
-    where a value reaches the end of what is possible, as a distance that becomes zero: beyond
-    it there are no poses.
+    The lower bound is proved for the whole box of values. The upper bound is the nearest fold of
+    the same mode that was found; it is proved, and its values are shown. It may also be where a
+    value reaches the end of its possible interval, as a distance that becomes zero: beyond it there
+    are no poses.
 
     One row is shown, for the home mode; with --all-modes one for each real pose. ROWS gives one
     for each of its rows. It is a file of poses as `gsp measure` takes it, or of values as `gsp

@@ -7,7 +7,7 @@ from typing import IO
 
 
 def coloured(stream: IO[str]) -> bool:
-    """Return whether to colour a stream: a terminal that can, unless the user forbids it.
+    """Return whether to colour a stream: a terminal with colours, unless the user forbids it.
 
     ``NO_COLOR`` with any text (no-color.org) and ``TERM=dumb`` say no.
     """

@@ -1,4 +1,4 @@
-"""`gsp constraint`: what each of the ten kinds measures, its equations and their degrees."""
+"""`gsp constraint`: what each of the ten kinds measures, with equations and their degrees."""
 
 from __future__ import annotations
 

@@ -39,8 +39,8 @@ _GEOMETRY_COLUMNS = (
     Column("proof", fold=" "),
 )
 _LEGEND = (
-    "type: what almost every platform of the type has; geometry: with this geometry, whatever the "
-    "values; exact: this platform, with multiplicities; all for the sides asked for"
+    "type: the count of almost every platform of the type; geometry: of this geometry with almost "
+    "all values; exact: of this platform, with multiplicities; all for the sides asked for"
 )
 
 
@@ -62,7 +62,7 @@ _LEGEND = (
     show_default=True,
     type=Positive(),
     metavar="BILLIONS",
-    help="Multiplications after which to give up; a billion takes a second or two.",
+    help="Stop after so many multiplications; a billion takes a second or two.",
 )
 @seed_option(": the prime, and random platforms")
 @output_options()
@@ -78,11 +78,11 @@ def command(
     """Count the complex solutions of a platform exactly, without finding them.
 
     SPEC is an instance file, - for standard input, or @NAME of an example (`gsp example`); its
-    numbers are taken as written. Three counts are printed: of the type (what almost every platform
-    of it has), of the geometry (this one, with almost all values), and of this very platform. The
-    last is given with multiplicity and distinct, and says whether the solutions are finitely many.
-    They are found by linear algebra modulo a random prime; each says whether that proves it, or how
-    probably the prime could have misled.
+    numbers are taken as written. Three counts are printed: of the type (almost every platform of
+    it), of the geometry (this one, with almost all values), and of this platform. The last is given
+    with multiplicities and without, and says whether the solutions are finitely many. Counts are
+    computed by linear algebra modulo a random prime. Beside each stands whether it is proved, or a
+    bound of the probability that the prime made it wrong.
 
     With --type it counts random platforms with special geometries instead: planar, hexagons,
     3-3, 6-4, congruent and others (--geometry all). Those of joints are for 6PP only. A generic

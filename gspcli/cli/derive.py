@@ -21,10 +21,10 @@ if TYPE_CHECKING:
 def command(case: str | None, expand: bool, output: Output) -> None:
     """Derive the triangular set of a CASE of the paper's Section 6; list the cases without one.
 
-    CASE is an intersection of three surfaces (P plane, S sphere, C cylinder), as PSC; AAA for
-    three angles; or 6.2 or 6.8 for the example of that number. The set is derived anew by
-    elimination: its polynomials, the degree of each in its leading variable, the coefficients
-    z1, z2, ... written out, and the initials with what it means when they vanish.
+    CASE is an intersection of three surfaces (P plane, S sphere, C cylinder), as PSC; AAA for three
+    angles; or 6.2 or 6.8 for the example of that number. The set is derived by elimination each
+    time. Shown are its polynomials, the degree of each in its leading variable, the coefficients
+    z1, z2, ..., and the initials with the geometric meaning of their zeros.
 
     \b
     Examples:

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 
-#: So many places that are not reached are told.
+#: A message names at most this many poses that are out of reach.
 _TOLD = 3
 
 
@@ -62,7 +62,7 @@ def emit_cranks(instance: Instance, table: PoseTable, output: Output) -> None:
 def emit_drives(
     instance: Instance, table: PoseTable, requirements: Sequence[Requirement], output: Output
 ) -> None:
-    """Write the numbers of all drives at poses, and how well they act on their rods.
+    """Write the numbers of all drives at poses, and their transmissions.
 
     Raises
     ------

@@ -54,7 +54,7 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-#: So many rows are named one by one in a message.
+#: A message names at most this many rows.
 _MOST_NAMED = 5
 
 
@@ -76,14 +76,14 @@ _MOST_NAMED = 5
 @click.option(
     "--twist",
     metavar="NUMBERS",
-    help="How it moves at first: wx,wy,wz,vx,vy,vz.  [default: at rest]",
+    help="Its velocity at the start: wx,wy,wz,vx,vy,vz.  [default: at rest]",
 )
 @click.option("--modes", "modal", is_flag=True, help="Natural frequencies and mode shapes instead.")
 @click.option(
     "--stiffness",
     metavar="K",
-    help="Stiffness of the drives, one number or one each: N/m and N m/rad, whatever the unit of "
-    "length of SPEC.  [default: that of the drives in SPEC]",
+    help="Stiffness of the drives, one number or one each: N/m and N m/rad, for any unit of "
+    "length in SPEC.  [default: that of the drives in SPEC]",
 )
 @require_option("force<=200, range, condition<=50")
 @output_options()
@@ -213,7 +213,7 @@ def _tell(
     tables: Callable[[list[Column], list[str]], Table | list[Table]],
     output: Output,
 ) -> None:
-    """Write what was found, warn of singular poses, and fail for what is not kept.
+    """Write the result, warn of singular poses, and fail if a requirement is not kept.
 
     Parameters
     ----------
@@ -232,7 +232,7 @@ def _tell(
     emit(output, shown, document=document)
     _warn(found, asked)
     if not any(one.worst == one.worst for one in verdicts if not one.met):
-        # What is not known at a singular pose is neither kept nor violated.
+        # A requirement about unknown numbers of a singular pose is neither kept nor violated.
         _refuse_singular(found, asked)
     refuse(verdicts)
     _refuse_singular(found, asked)
@@ -332,7 +332,7 @@ def _forward(
     emit(output, motion_table(found, form.frame), document=document)
     if not found.energy_error < 1e-6:
         message = (
-            f"the energy is off by {found.shown_error:.0e} of its changes: "
+            f"the energy is wrong by {found.shown_error:.0e} of its changes: "
             "the motion is not to be trusted"
         )
         raise GspError(message)

@@ -1,4 +1,4 @@
-"""The poses that `gsp dynamics` is asked about, when, and how the platform moves there."""
+"""The poses of `gsp dynamics`, with their times and the motion of the platform there."""
 
 from __future__ import annotations
 
@@ -143,7 +143,7 @@ def _stated(instance: Instance, count: int) -> Array | None:
     if not is_driven(instance):
         return None
     drives = Drives.of(instance)
-    # The drives that are values have those of the modes, which nothing asks for.
+    # A drive without a crank or slide is the value itself; it is not asked for here.
     return drives.readings(np.zeros((count, len(drives.names))))
 
 
@@ -163,7 +163,7 @@ def _followed(
         (end,) = found.ends
         message = (
             f"mode {end.mode} ends at t = {end.low:.10g} ({end.kind}): there are no forces beyond\n"
-            "end the rows before it (gsp track tells more)"
+            "end the rows before it (gsp track shows where it ends)"
         )
         raise IncompleteError(message)
     R, T = found.R[0], found.T[0]

@@ -22,8 +22,8 @@ from gspcli.cli.output import Column, Output, Table, emit, output_options
 #: Options that take several words, as in `--only PL PH A`.
 _WORD_LISTS = ("--only", "--with", "--without", "--columns", "--sort")
 _ESSENTIAL = ("number", "id")
-#: What a narrow terminal leaves out first, the largest first: the kinds and the class, which are in
-#: the id, then sharper bounds, then counts; the paper's own bounds last.
+#: The order in which a narrow terminal omits columns, the largest first: kinds and class, which are
+#: in the id, then sharper bounds, then counts, at last the paper's own bounds.
 _MINOR = {
     "theorem_5_2": 0,
     "theorem_5_3": 0,

@@ -20,7 +20,7 @@ from gspcli.export.format import ControllerFormat, ModeFormat, SystemFormat
 from gspcli.export.formats import FORMATS
 from gspcli.wording import listed
 
-#: What is given a pose, what is a program, and what is given equations.
+#: Formats of a model at a pose, of a program, and of equations.
 _POSES = {name: form for name, form in FORMATS.items() if isinstance(form, ModeFormat)}
 _PROGRAMS = {name: form for name, form in FORMATS.items() if isinstance(form, ControllerFormat)}
 _SYSTEMS = {name: form for name, form in FORMATS.items() if isinstance(form, SystemFormat)}
@@ -92,11 +92,11 @@ def command(
 
     {programs}
 
-    The others are systems of polynomials for programs that solve them, with rational
-    coefficients exactly as in SPEC: study are unit dual quaternions q, f (each pose twice),
-    study-affine those with q0 = 1 (without half turns), rt the entries of R and T. Irrational
-    numbers are {irrational}; what is not exact is said on stderr. `gsp certify SPEC FILE` reads
-    what the programs write.
+    The others are systems of polynomials for programs that solve them, with rational coefficients
+    exactly as in SPEC. The unknowns of study are unit dual quaternions q, f (each pose twice),
+    those of study-affine have q0 = 1 (without half turns), those of rt are the entries of R and T.
+    Irrational numbers are {irrational}; stderr names what is not exact. `gsp certify SPEC FILE`
+    reads what the programs write.
 
     SPEC is an instance file, - for standard input, or @NAME of an example (`gsp example`).
 

@@ -1,4 +1,4 @@
-"""The options of `gsp solve` that leave out real poses which the machine cannot mean."""
+"""The options of `gsp solve` that omit real poses outside stated limits or on the wrong side."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 @dataclass(frozen=True)
 class FilterOptions:
-    """What is asked of the real poses that are listed.
+    """The conditions that listed real poses meet.
 
     Attributes
     ----------

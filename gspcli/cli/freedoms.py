@@ -16,9 +16,9 @@ if TYPE_CHECKING:
     from gspcli.geometry.instance import Instance
     from gspcli.motion.statics.freedoms import Freedoms
 
-#: So many candidates are shown; with --all every one.
+#: At most this many candidates are shown without --all.
 _SHOWN = 12
-#: A stated value may differ by this part of the largest before it is said.
+#: A stated value that differs by more than this part of the largest is reported.
 _OFF = 1e-6
 
 
@@ -40,10 +40,10 @@ def command(
     """Say which freedoms any number of constraints leave, and which are redundant.
 
     SPEC is an instance file, in which this command takes fewer than six constraints, and more, too.
-    At the pose (home if none is given) each twist that is left is a screw: an axis, and by how much
-    the platform moves along it in a turn; or a translation. Of several a basis is shown. Coincident
-    points, points on lines and parallel directions (values of 0 or 180) take all the freedoms that
-    they do.
+    At the pose (home if none is given) each free twist is a screw, with its axis and by how much
+    the platform moves along it in a turn, or a translation. If there are several, a basis is shown.
+    Coincident points, points on lines and parallel directions (values of 0 or 180) count with all
+    the freedoms that they remove.
 
     A second table has the constraints that could be added between primitives of the file: how many
     freedoms each would take, and which of the screws it restrains. All of it holds at this pose and
@@ -108,7 +108,7 @@ def _home(instance: Instance) -> tuple[Any, Any]:
 
 
 def _tables(found: Freedoms, *, everything: bool, readable: bool) -> list[Table]:
-    """Return the screws that are left, and the constraints that would take them."""
+    """Return the free screws, and the constraints that would remove freedoms."""
     unit = found.instance.units.length
     lines = list(found.sentences)
     size = max((abs(row.value.value) for row in found.instance.constraints), default=0.0)

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 def add_gaps(
     instance: Instance, R: Array, T: Array, rows: Sequence[dict[str, Any]]
 ) -> tuple[list[Column], dict[str, Array | QuantityParts]]:
-    """Add the least gap of each pose, and between what it is, to rows; nothing without shapes.
+    """Add to rows the least gap of each pose, and what it is between; nothing without shapes.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""The part of `gsp calibrate` that has no file to start from: a machine from its log."""
+"""`gsp calibrate --from`: a machine from its log, without an instance file."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ def identified(
     *,
     accept: bool,
 ) -> None:
-    """Find a hexapod from a log, and write its numbers, its file or what is left.
+    """Find a hexapod from a log, and write its numbers, its instance file or the residuals.
 
     Parameters
     ----------
     path
         The log; - for standard input.
     form
-        What the options say of its poses.
+        How its poses are expressed, by the options.
     noise, options
         As for `calibrate_rows`.
     output
@@ -79,6 +79,6 @@ def identified(
     if refused:
         message = (
             f"the log does not fit a machine with six legs: {found.doubts[0]}\n"
-            "look for wrong rows, or try --robust; --accept takes the result as it is"
+            "look for wrong rows, or try --robust; --accept takes the result unchanged"
         )
         raise CheckFailed(message)

@@ -31,7 +31,8 @@ from gspcli.errors import GspError
     default=IMPORTED_DIGITS,
     show_default=True,
     metavar="N",
-    help="Digits of the numbers that are written; the machine's size has the first.",
+    help="Digits of the numbers that are written, counted from the first digit of the machine's "
+    "size.",
 )
 @file_option("yaml")
 def command(
@@ -46,9 +47,10 @@ def command(
 
     {formats}
 
-    Stderr has one line for each constraint that was found, and says what was assumed and what
-    the file leaves open. A machine that has not six constraints is refused with what it has.
-    Nothing but the file, and what is named here beside it, is opened: no mesh, no other model.
+    Stderr has one line for each constraint that was found, and says what was assumed and what the
+    file does not state. A machine without exactly six constraints is refused, and the message lists
+    those found. Only the file, and the files named here beside it, are opened: no mesh, no other
+    model.
 
     \b
     Examples:
@@ -80,8 +82,9 @@ def _spare(file: Path, output: Output) -> None:
 
 
 command.help = str(command.help).format(
-    formats="FILE is a model for MuJoCo (MJCF; the package mujoco is needed), SDF or a template of "
-    "it (ERB), URDF with loops in NAME.yaml beside NAME.urdf, NAME_bodies.xml of CASPR with "
-    "NAME_cables.xml, a HAL file of LinuxCNC with its INI file, a .world of CuikSuite, or a table "
-    "of joints (CSV, TSV). The format follows from the content."
+    formats="FILE is one of these: MJCF (for MuJoCo; the package mujoco is needed), SDF or a "
+    "template of it (ERB), URDF with loops in NAME.yaml beside NAME.urdf. Or it is "
+    "NAME_bodies.xml of CASPR with NAME_cables.xml, a HAL file of LinuxCNC with its INI file, a "
+    ".world of CuikSuite, or a table of joints (CSV, TSV). The format is recognized by the "
+    "content."
 )

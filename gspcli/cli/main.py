@@ -1,4 +1,4 @@
-"""The `gsp` command: finds the subcommands, maps every outcome to an exit code."""
+"""The `gsp` command: finds the subcommands and maps every outcome to an exit code."""
 
 from __future__ import annotations
 
@@ -99,7 +99,7 @@ def run(arguments: Sequence[str] | None = None) -> int:
     words = list(sys.argv[1:] if arguments is None else arguments)
     try:
         code, complaint = _outcome(words)
-        # What is known comes before what is wrong.
+        # Standard output is flushed before the error is printed.
         sys.stdout.flush()
     except BrokenPipeError:
         discard(sys.stdout)
@@ -113,7 +113,7 @@ def run(arguments: Sequence[str] | None = None) -> int:
 
 
 def _outcome(words: list[str]) -> tuple[int, str]:
-    """Do what the words ask for; return the exit code and what is wrong, if anything is."""
+    """Run a command line; return the exit code and the error message, if there is one."""
     debug = "--debug" in words[:1]
     try:
         outcome = cli.main(words, prog_name="gsp", standalone_mode=False)

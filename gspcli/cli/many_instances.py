@@ -1,4 +1,4 @@
-"""Many instances for `gsp solve`: several files, or one instance a line; an answer for each."""
+"""`gsp solve` of many instances: several files, or one instance a line, with an answer for each."""
 
 from __future__ import annotations
 
@@ -24,7 +24,8 @@ if TYPE_CHECKING:
 #: The ends of the names of files with an instance in each line, and the format of such answers.
 LINE_SUFFIXES = (".jsonl", ".ndjson")
 LINES = "jsonl"
-#: So many instances are solved before other processes are started: that takes as long.
+#: This process solves so many instances before it starts others: a start takes as long as solving
+#: them.
 _HERE_FIRST = 16
 _COLUMNS = (
     Column("instance", essential=True),
@@ -50,7 +51,7 @@ class Source(NamedTuple):
 
 @dataclass(frozen=True)
 class Answer:
-    """What came out for one instance.
+    """The answer to one instance.
 
     Attributes
     ----------
@@ -64,7 +65,7 @@ class Answer:
     document: dict[str, Any]
 
 
-#: Solves an instance: returns the result, its document and what raises the exit code.
+#: Solves an instance: returns the result, its document and the error that sets the exit code.
 Solving = Callable[["Instance"], tuple["SolveResult", dict[str, Any], GspError | None]]
 
 
@@ -84,8 +85,8 @@ def solve_many(
 ) -> int:
     """Solve instances one after the other; write an answer for each, in their order.
 
-    Answers in JSON, one a line, are written as soon as they are known. What is wrong with one
-    instance is part of its answer, and the others are solved.
+    Answers in JSON, one a line, are written as soon as they are known. An error of one instance is
+    part of its answer, and the others are solved.
 
     Parameters
     ----------
@@ -114,7 +115,7 @@ def solve_many(
     total = None if _any_lines(specs, lines=lines) else len(specs)
     streamed = output.format == LINES and output.path is None
     if not (streamed and sys.stdout.isatty()):
-        # A bar would stand between the lines.
+        # A progress bar would be printed between the lines.
         answers = progress(answers, total=total, label="instances")
     rows, texts = [], []
     for answer in answers:
@@ -189,7 +190,7 @@ def _lines_of(spec: str) -> Iterator[Source]:
 
     name = "standard input" if spec == "-" else spec
     try:
-        # A descriptor that is closed in the end, but for standard input.
+        # A descriptor, closed at the end unless it is standard input.
         with open(0 if spec == "-" else spec, "rb", closefd=spec != "-") as file:
             number = 0
             while line := file.readline(LARGEST_SPEC + 1):
@@ -206,7 +207,7 @@ def _lines_of(spec: str) -> Iterator[Source]:
 
 
 def _answer(solving: Solving, changes: Changes, source: Source) -> Answer:
-    """Return the answer to one instance; what is wrong with it is a part of that."""
+    """Return the answer to one instance; its error, if there is one, is part of the answer."""
     head = {"instance": source.name}
     try:
         instance = changes.of(_instance(source))

@@ -32,8 +32,8 @@ if TYPE_CHECKING:
     "--real",
     type=Whole(0),
     metavar="N",
-    help="So many real poses: the search stops there, exit code 1 if it does not come so far; with "
-    "--show of a known platform.  [default: as many as possible, as many as known]",
+    help="The search stops at so many real poses; the exit code is 1 if it finds fewer. With "
+    "--show: the known platform with so many.  [default: as many as possible, as many as known]",
 )
 @click.option(
     "--time",
@@ -44,10 +44,8 @@ if TYPE_CHECKING:
     show_default=True,
     help="Stop after so many seconds.",
 )
-@click.option(
-    "--attempts", "most", type=Whole(1), metavar="N", help="Stop after so many attempts in all."
-)
-@seed_option("; attempts depend on it and on their number only")
+@click.option("--attempts", "most", type=Whole(1), metavar="N", help="Stop after so many attempts.")
+@seed_option("; an attempt depends only on it and on its number")
 @worker_options
 @resume_option
 @file_option("yaml")
@@ -65,12 +63,12 @@ def command(
     """Search for a platform with as many real poses as possible.
 
     The search begins with random platforms of TYPE, or with the instance file SPEC. It moves
-    points, lines, planes and values so that pairs of complex poses come together and become
-    real, and no real one is lost (after P. Dietmaier, 1998). TYPE may be a family: the kinds
-    of the angles make no difference. The best platform found is rounded to short decimals, its
-    real poses are certified, and it is written as an instance file. Their number, sides of PH
-    and HP distances left open, is a lower bound of what is possible. A line for each attempt
-    goes to stderr.
+    points, lines, planes and values so that pairs of complex poses come together and become real,
+    and no real one is lost (after P. Dietmaier, 1998). TYPE may be a family: the kinds of the
+    angles make no difference. The best platform found is rounded to short decimals, its real poses
+    are certified, and it is written as an instance file. Their number, with both sides of PH and HP
+    distances, is a lower bound of the largest possible number. A line for each attempt goes to
+    stderr.
 
     \b
     Examples:
@@ -119,7 +117,7 @@ def command(
 
 
 class _Interrupted(Exception):
-    """Ctrl-C, with what is known so far."""
+    """Ctrl-C, with the result so far."""
 
     def __init__(self, state: State) -> None:
         self.state = state
@@ -135,7 +133,7 @@ def _show_known(gsp_type: GspType, real: int | None, output: Output) -> None:
 
 
 def _reject_search_options() -> None:
-    """Complain of options for the search where none is made."""
+    """Raise for options of the search where none is made."""
     context = click.get_current_context()
     ignored = [
         parameter.opts[0]

@@ -45,7 +45,7 @@ if TYPE_CHECKING:
 @click.option(
     "--drives",
     is_flag=True,
-    help="What the motors are at: angles of cranks, places of slides, other values.",
+    help="The numbers of the motors: angles of cranks, places of slides, other values.",
 )
 @click.option(
     "--cranks",
@@ -87,12 +87,12 @@ def command(
     Yaw, Time. Decimals may have a comma if columns are separated by semicolons. An unknown
     column is a mistake; --ignore leaves it out.
 
-    --drives gives the places of the motors instead: the angle of each crank and the place of
-    each slide, from where its point is stated. A constraint without a motor has its value. The
-    rods keep the lengths of SPEC. Where two angles or places reach the pose, the one on the
-    side of home is taken. Without a home it is the one nearer to zero at the first pose. The
-    column transmission is the least part of a motor's motion that acts along its rod. `gsp
-    track` takes these columns. --cranks gives the cranks only.
+    --drives gives the places of the motors instead: the angle of each crank and the place of each
+    slide, from where its point is stated. A constraint without a motor has its value. The rods keep
+    the lengths of SPEC. If two angles or places reach the pose, the one on the side of home is
+    taken; without a home, the one that is nearer to zero at the first pose. The column transmission
+    is the least part of a motor's motion that acts along its rod. `gsp track` takes these columns.
+    --cranks gives the cranks only.
 
     If SPEC states shapes of its legs, each row has the least gap between two of them, or
     between a leg and a body, and names the two. A negative gap is an overlap.
@@ -102,10 +102,10 @@ def command(
     pose is proved to keep the limits, and so is a straight way to it, without a singular pose.
     The distance adds the squares of the shift and of the turn times the platform's size.
 
-    --require names the worst row of each requirement, and the exit code is 1 unless all rows
-    keep all of them. Of a range or cone the number is a share: 1 is the end of a range or the
-    edge of a cone. condition, transmission of cranks and slides, gap, clearance and
-    pose-clearance are known, too. Each becomes a column.
+    --require names the worst row of each requirement, and the exit code is 1 unless all rows keep
+    all of them. For range and cone the number is a share: 1 is the end of a range or the edge of a
+    cone. condition, transmission (of cranks and slides), gap, clearance and pose-clearance can be
+    required, too. Each becomes a column.
 
     \b
     Examples:

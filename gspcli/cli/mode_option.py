@@ -40,13 +40,13 @@ class ModeNumber(Whole):
 
 
 def mode_option(what: str) -> Callable[[Function], Function]:
-    """Add ``--mode K|home``, with what it is for."""
+    """Add ``--mode K|home``; the help says what it is for."""
     meaning = f"A real pose by its number of `gsp solve`, or home: {what}"
     return click.option("--mode", type=ModeNumber(), metavar="K|home", help=meaning)
 
 
 def chosen(mode: Mode | None, home: HomeMode | None, count: int) -> int:
-    """Return the number of the mode that is asked for; home, if none is, is said on stderr.
+    """Return the number of the mode asked for. If none is, it is home, and stderr says so.
 
     Parameters
     ----------

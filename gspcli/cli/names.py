@@ -1,4 +1,4 @@
-"""What a command was pointed at: types, families and instance files."""
+"""Arguments that name types, families and instance files."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 _SUFFIXES = (".yaml", ".yml")
 
 
-#: What begins the name of a shipped instance file where a SPEC is expected.
+#: The first character of the name of a shipped instance file where a SPEC is expected.
 _SHIPPED = "@"
 
 
@@ -48,7 +48,7 @@ def spec_source(word: str) -> str | Path:
 
 
 def _meant(word: str) -> str | None:
-    """Return what was perhaps meant by the name of a file that does not exist."""
+    """Return the probably meant name for one of a file that does not exist."""
     path = Path(word)
     try:
         if path.exists():
@@ -70,8 +70,8 @@ def _meant(word: str) -> str | None:
 def load_instance(word: str, changes: Changes | None = None) -> Instance:
     """Read the instance that a SPEC denotes, with other values; see `spec_source`.
 
-    What was perhaps not meant (radians in a file of degrees, lengths out of all proportion) is
-    pointed out on standard error: the answer would be about another platform.
+    Standard error names probable mistakes (radians in a file of degrees, lengths out of all
+    proportion), since the answer would be about another platform.
 
     Raises
     ------
@@ -88,7 +88,7 @@ def load_instance(word: str, changes: Changes | None = None) -> Instance:
 
 
 def refuse_to_replace(word: str) -> None:
-    """Raise if the file that a command reads is the one that it is to write.
+    """Raise if a command would write the file that it reads.
 
     Raises
     ------
@@ -111,7 +111,7 @@ def refuse_to_replace(word: str) -> None:
 
 
 def read_type(words: Sequence[str]) -> GspType:
-    """Return a type, for work to which the kinds of the angles make no difference.
+    """Return a type, for commands whose answer does not depend on the kinds of the angles.
 
     Of a family it is the first type: all its angles are ALL.
 
@@ -125,10 +125,10 @@ def read_type(words: Sequence[str]) -> GspType:
 
 
 def read_names(words: Sequence[str]) -> list[GspType | Family]:
-    """Return what the words of a command line name, file contents reduced to their types.
+    """Return the types that the words of a command line name; of a file its type.
 
-    Together they may spell one name (``3D3A PL PL LP``), or each of them one of its own
-    (``17 6PP platform.yaml``).
+    All words together may be one name (``3D3A PL PL LP``), or each word is a name (``17 6PP
+    platform.yaml``).
 
     Raises
     ------

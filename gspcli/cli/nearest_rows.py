@@ -25,7 +25,7 @@ def emit_nearest(instance: Instance, table: PoseTable, form: PoseFormat, output:
     Raises
     ------
     IncompleteError
-        If no way is proved from some row to the next one; the platform stays there.
+        If no way to some row is proved; the platform stays at the row before.
     """
     from gspcli.motion.paths.nearest_poses import NearestPoses
 

@@ -26,7 +26,7 @@ _COMMENTS = {
 _TEMPLATE_HEAD = """\
 # Replace the numbers by yours, then: gsp check FILE. They are taken exactly as written, and may be
 # expressions such as 1/3, sqrt(3)/2 or 2*cos(pi/5). A direction or normal may have any length.
-# A primitive may serve in several constraints: use its name again. Optional keys: name, source,
+# Several constraints may use the same primitive: write its name again. Optional keys: name, source,
 # and home: {position: [x, y, z], quaternion: [w, x, y, z]}, near which the meant real pose is.
 # The first line is for editors; the schema comes by: gsp check --schema -o instance.schema.json.
 """
@@ -34,8 +34,14 @@ _TEMPLATE_HEAD = """\
 
 @click.command()
 @click.argument("type_words", metavar="TYPE...", nargs=-1, required=True)
-@click.option("--rotary", is_flag=True, help="A hexapod whose motors turn arms, from KEY=NUMBER.")
-@click.option("--linear", is_flag=True, help="One whose motors move carriages along rails.")
+@click.option(
+    "--rotary", is_flag=True, help="Write a hexapod whose motors turn arms, from KEY=NUMBER."
+)
+@click.option(
+    "--linear",
+    is_flag=True,
+    help="Write a hexapod whose motors move carriages along rails, from KEY=NUMBER.",
+)
 @click.option("--template", is_flag=True, help="Also write comments that say what to replace.")
 @seed_option("; the same seed gives the same file")
 @decimals_option(3, 1, 15, "")
@@ -55,19 +61,19 @@ def command(
 ) -> None:
     """Write a random instance of a type, or a machine from its drawing, as YAML.
 
-    TYPE is a name in any spelling, a number from 1 to 3850, or a pattern of shared
-    primitives as `gsp enumerate --coincident` lists them: capitals on the platform,
-    small letters on the base, - for a distance and ^ for an angle. The instance has at
-    least one real pose.
+    TYPE is a name in any spelling, a number from 1 to 3850, or a pattern of shared primitives as
+    `gsp enumerate --coincident` lists them. A pattern has capitals on the platform, small letters
+    on the base, - for a distance and ^ for an angle. The instance has at least one real pose.
 
-    With --rotary or --linear the words are numbers of a symmetric hexapod, KEY=NUMBER, whose
-    motors stand in three pairs: base=RADIUS,HALF_ANGLE (of the motors, of a pair in degrees),
-    platform=RADIUS,HALF_ANGLE (of its joints), rod or height at home, range=LOW:HIGH (of the
-    motors, from home) and unit=mm. With --rotary also horn (the length of the arms), axis-angle
-    (of the motors' axes with the direction of their pair: 0), horns=out or horns=in (away from
-    the other motor of the pair, or towards it), and both rod and height if the arms are not level
-    at home. With --linear also tilt (of the rails from the vertical: 0) and rails=3: the rods of a
-    pair ride on one carriage, as in a linear delta.
+    With --rotary or --linear the words are numbers KEY=NUMBER of a symmetric hexapod whose motors
+    stand in three pairs. The word base=RADIUS,HALF_ANGLE places the motors (HALF_ANGLE is half the
+    angle between the two of a pair, in degrees), platform=RADIUS,HALF_ANGLE the joints of the
+    platform. Give rod or height (at home); range=LOW:HIGH of the motors, from home, and unit=mm are
+    optional. --rotary also takes horn (the length of the arms), axis-angle (of the motors' axes
+    with the direction of their pair; 0 by default), horns=out or horns=in (away from the other
+    motor of the pair, or towards it), and both rod and height if the arms are not level at home.
+    --linear also takes tilt (of the rails from the vertical; 0 by default) and rails=3: the rods of
+    a pair share one carriage, as in a linear delta.
 
     \b
     Examples:

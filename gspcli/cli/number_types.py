@@ -1,4 +1,4 @@
-"""Numbers on the command line: finite, and not larger than what can be done with them."""
+"""Types of numbers on the command line: finite, with an upper limit."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from gspcli.wording import shortened
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
-#: The largest number of things: more would fill every memory, or take years.
+#: The upper limit of counts: a larger one would exceed the memory, or take years.
 _MOST = 10**9
 #: Processes or threads.
 MOST_JOBS = 1000
@@ -21,7 +21,7 @@ _LARGEST_SEED = 2**63 - 1
 
 
 class Whole(click.IntRange):
-    """A whole number of at least some least one; the help says nothing of the largest."""
+    """A whole number with a lower limit. The help does not show the upper limit."""
 
     def __init__(self, least: int, most: int = _MOST) -> None:
         super().__init__(least)
@@ -43,7 +43,7 @@ class Seed(Whole):
 
 
 class Finite(click.FloatRange):
-    """A finite number: every option that is a number has this type, or one that is made of it."""
+    """A finite number: every option that is a number has this type, or one derived from it."""
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         """Return the number, or fail."""

@@ -84,7 +84,8 @@ class _LimitType(click.ParamType):  # type: ignore[type-arg]
     "--all",
     "everything",
     is_flag=True,
-    help="Instead of one path: which modes are joined by paths, and which are proved apart.",
+    help="Instead of one path: which modes are joined by paths, and between which it is proved "
+    "that there is none.",
 )
 @click.option(
     "--along",
@@ -119,20 +120,20 @@ class _LimitType(click.ParamType):  # type: ignore[type-arg]
     "--speed",
     type=_LimitType(),
     metavar="V",
-    help="Give the rows times in seconds: no motor is quicker than V, between rows, too, proved; "
-    "in the unit of its value a second. Or motors=V,platform=V,turn=V.",
+    help="Give the rows times in seconds. It is proved, between rows too, that no motor is faster "
+    "than V, in the unit of its value a second. Or motors=V,platform=V,turn=V.",
 )
 @click.option(
     "--acceleration",
     type=_LimitType(),
     metavar="A",
-    help="Nor are accelerations above A, in units a second squared, likewise; goes with --speed.",
+    help="With --speed: likewise, no acceleration is above A, in units a second squared.",
 )
 @click.option(
     "--round",
     "rounded",
     is_flag=True,
-    help="With --speed: do not stop at corners, but round them as far as that is proved.",
+    help="With --speed: round corners instead of stopping there, as far as that is proved.",
 )
 @seed_option("")
 @value_options
@@ -166,15 +167,16 @@ def command(
     First both straight ways are tried. If none is proved, a map of random values or poses is made,
     and the path found on it is made shorter. The same seed gives the same path.
 
-    The exit code is 1 if it is proved that there is no path: an end is outside the limits; the sign
-    of det J, or of a factor of it, differs, which a regular path keeps; the mode fills its whole
-    box of ranges; or legs are nearer at an end than --leg-gap. It is 4 if no path was found in the
-    time given.
+    The exit code is 1 if it is proved that there is no path. There are four reasons. An end is
+    outside the limits. Det J, or a factor of it, has different signs at both ends, and a regular
+    path keeps each sign. The mode fills its whole box of ranges. Legs are nearer at an end than
+    --leg-gap. The exit code is 4 if no path was found in the time given.
 
-    With --speed and --acceleration t is in seconds. A number is of each motor: mm/s and mm/s^2 of
-    lengths in mm, deg/s and deg/s^2 of angles in degrees. `motors=50,platform=100,turn=30` limits
-    the pivot of the platform and its turn, too, on ways of poses. The platform begins and ends at
-    rest and stops at corners; with --round it goes round them on parabolas, which are proved.
+    With --speed and --acceleration t is in seconds. One number limits each motor: in mm/s and
+    mm/s^2 for lengths in mm, in deg/s and deg/s^2 for angles in degrees.
+    `motors=50,platform=100,turn=30` limits the pivot of the platform and its turn, too, on ways of
+    poses. The platform begins and ends at rest and stops at corners; with --round it passes them on
+    parabolas, which are proved.
 
     With --all the modes of SPEC are grouped: those of one group are joined by proved paths. The
     exit code is 4 if it is not known of all groups that no path joins them.
@@ -212,7 +214,7 @@ def command(
 
 
 def _check(start: object, goal: object, everything: bool, spec: str) -> None:
-    """Complain of options that do not go together."""
+    """Raise for options that cannot be combined."""
     message = ""
     if everything and (start is not None or goal is not None):
         message = "--all is about all modes: leave out --from and --to"
@@ -226,7 +228,7 @@ def _check(start: object, goal: object, everything: bool, spec: str) -> None:
 
 
 def _check_speed(speed: object, acceleration: object, rounded: bool, everything: bool) -> None:
-    """Complain of options of the time that do not go together."""
+    """Raise for options of the time that cannot be combined."""
     message = ""
     if (speed is None) != (acceleration is None):
         message = "--speed and --acceleration go together"

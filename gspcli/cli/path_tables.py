@@ -87,7 +87,7 @@ def _unit(found: PlannedPath, motor: str) -> str:
 
 
 def _time(found: PlannedPath, timing: Timing) -> str:
-    """Return how long a path takes, and what is below which limits."""
+    """Return the time of a path, and which speeds and accelerations are below which limits."""
     units = found.instance.units
     angle, length = units.angle.value, str(units.length)
     lengths = {_unit(found, name) for name in found.motors}

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from gspcli.sensing.notation import SensorReading
     from gspcli.solver.results.columns import PoseColumn, PosesOfColumns
 
-#: Decimals of residuals and of chi-squared: more are those of rounding.
+#: Decimals of residuals and of chi-squared: further decimals are rounding errors.
 _DECIMALS = 3
 #: Residuals larger than so many deviations are marked.
 _LARGE = 3.0
@@ -41,9 +41,9 @@ def show_fit(
     Parameters
     ----------
     instance, readings
-        The platform and what further sensors read; those of its file if there are none.
+        The platform, and the readings of further sensors; if there are none, those of its file.
     sigmas
-        Standard deviations of the values, as they are written.
+        Standard deviations of the values, as texts of the option.
     rotation, decimals, frame
         How poses are written, and in which frame; JSON has those of the platform in the base.
     output

@@ -56,14 +56,14 @@ class PoseConventions:
         return [name for name, value in given if value]
 
     def form(self, instance: Instance | None, columns: ColumnOptions | None = None) -> PoseFormat:
-        """Return what the options and the instance say of poses.
+        """Return the form of poses by the options and the instance.
 
         Parameters
         ----------
         instance
             The platform: its units, frames and home; None where there is none yet.
         columns
-            What the options say of the columns of a file.
+            The options about the columns of a file.
 
         Raises
         ------
@@ -115,7 +115,7 @@ RELATIVE = "--relative-to"
 
 
 def order_named(option: str, text: str) -> str:
-    """Return the order of axes that an option names; which one a maker has is said."""
+    """Return the order of axes that an option names; the order of a maker is printed on stderr."""
     from gspcli.geometry.euler import MAKERS, named_order
 
     order = named_order(text)
@@ -161,7 +161,7 @@ def pose_options(function: Function) -> Function:
 
 @dataclass(frozen=True)
 class ColumnOptions:
-    """What the options say of the columns of a file.
+    """The options about the columns of a file.
 
     Attributes
     ----------

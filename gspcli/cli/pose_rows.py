@@ -1,4 +1,4 @@
-"""The poses that a command is asked about: modes, one pose, or the rows of a file."""
+"""The poses that a command is given: modes, one pose, or the rows of a file."""
 
 from __future__ import annotations
 
@@ -116,7 +116,7 @@ def asked_poses(
     near
         Only the mode nearest to this pose at the first row of a file of values.
     form
-        What poses do not say.
+        How the numbers of a pose are meant: order of axes, pivot, units.
     """
     if rows is not None:
         return _of_file(instance, rows, mode, near, form)

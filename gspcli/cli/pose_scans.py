@@ -34,9 +34,9 @@ def scan_poses(
     texts
         The axes.
     pose
-        What does not vary.
+        The pose whose coordinates vary, and the other coordinates of all nodes.
     form
-        What its numbers do not say.
+        How the numbers of a pose are meant: order of axes, pivot, units.
     folds
         Whether to show where the determinant changes its sign instead of the nodes.
     quantity

@@ -30,11 +30,11 @@ _NUMBER = PoseColumn("number", lambda result: range(1, len(result.R) + 1))
 LEGEND = (
     "Tx Ty Tz: the origin of the platform in the base, x_base = R x_platform + T",
     "qw qx qy qz: the unit quaternion of R, scalar first; rx ry rz: the angles about these axes",
-    "condition: how much more a pose changes one way than another for equal changes of the values; "
+    "condition: the largest over the smallest change of the pose for equal changes of the values; "
     "infinite if it is singular",
     "sides: + where the point is on the side to which the normal points, - on the other",
-    "remarks: what a pose is other than real, simple and proved",
-    "home: the mode that is meant where a command needs one",
+    "remarks: whether a pose is not real, not simple or not proved",
+    "home: the mode that commands use by default",
 )
 
 
@@ -49,12 +49,12 @@ class Shown:
     rotation
         The columns of the rotations.
     decimals
-        So many decimals of positions and rotations; None for what fits.
+        Decimals of positions and rotations; None for as many as fit.
     distances
-        For each pose of the table how far it is from the one asked for: the translation and the
-        angle, in the units of the instance; None if none was asked for.
+        For each pose of the table its distance from the pose of ``--near``: the translation and the
+        angle, in the units of the instance; None without the option.
     fits
-        For each real pose what readings are off by, and whether it fits them
+        For each real pose the deviations of the readings, and whether it fits them
         (`gspcli.sensing.ReadingFit.rows`); None if there are no readings.
     frame
         The frame in which poses are expressed.
@@ -71,7 +71,7 @@ class Shown:
     left: Mapping[str, list[int]] | None = None
 
     def left_sentences(self, result: SolveResult) -> list[str]:
-        """Return what is said of real poses that are left out, if any were to be."""
+        """Return the sentence about real poses that are omitted, if a filter is given."""
         if self.left is None:
             return []
         from gspcli.solver.results.mode_filters import left_out_sentence
@@ -133,7 +133,7 @@ def data_table(
 
 
 def add_expressed(document: dict[str, Any], result: SolveResult, shown: Shown) -> None:
-    """Add to a document how its real poses are expressed; R and T stay as they are."""
+    """Add to a document how its real poses are expressed; R and T are unchanged."""
     document["frames"] = shown.frame.to_json()
     entries = document["solutions"]
     for k in shown.indices:
@@ -194,13 +194,13 @@ def pose_tables(
 
 
 def lone_tables(result: SolveResult, shown: Shown) -> list[Table]:
-    """Return the real poses that are isolated among the real ones only, if there are any."""
+    """Return the real poses that are isolated over the real but not over the complex numbers."""
     alone = replace(shown, indices=range(len(result.lone.R)), distances=None)
     if not alone.indices:
         return []
     notes = [
-        "none of these real poses can move, and there are no others: known by exact counts; "
-        "that all constraints hold there is known to 50 decimals, or 9 where poses meet and of the "
+        "none of these real poses can move, and there are no others: known by exact counts. That "
+        "all constraints hold there is checked to 50 decimals; to 9 where poses meet, and for the "
         "distance of parallel lines"
     ]
     tables = pose_tables(result.lone, alone, summary=[], notes=notes)
@@ -259,7 +259,7 @@ def _fit_of(result: SolveResult, shown: Shown, index: int) -> dict[str, Any]:
 
 
 def _fixed_sides(result: SolveResult) -> bool:
-    """Return whether the file says all sides, so that the poses cannot differ in them."""
+    """Return whether the file states all sides, so that they are the same at all poses."""
     return bool((result.arrangement.signs != 0)[result.arrangement.sided].all())
 
 
@@ -278,7 +278,7 @@ def _column(result: SolveResult, column: PoseColumn, shown: Shown) -> Column:
 
 
 def _orientations(result: SolveResult, shown: Shown) -> dict[str, list[int]]:
-    """Return the poses by orientation, as three angles determine it; empty if it is no help."""
+    """Return the poses by orientation, which three angles determine; empty if it is no help."""
     if len(result.arrangement.angles) != MAX_ANGLES or shown.distances is not None:
         return {}
     if not result.real[list(shown.indices)].all():

@@ -25,15 +25,15 @@ if TYPE_CHECKING:
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
-#: What begins the name of a file where a POSE is expected.
+#: The first character of the name of a file where a POSE is expected.
 _FILE = "@"
-#: How a POSE can be written, for helps.
+#: The ways to write a POSE, for help texts.
 POSE_HELP = "x,y,z,qw,qx,qy,qz, or x,y,z,rx,ry,rz with --euler, or @FILE"
 
 
 @dataclass(frozen=True)
 class GivenPose:
-    """A POSE as it was written; what it means depends on `--euler`, `--pivot` and the unit.
+    """A POSE as written; its meaning depends on `--euler`, `--pivot` and the unit.
 
     Attributes
     ----------
@@ -57,7 +57,7 @@ class GivenPose:
         Parameters
         ----------
         form
-            What the text does not say.
+            How the numbers of a pose are meant: order of axes, pivot, units.
 
         Raises
         ------
@@ -83,7 +83,7 @@ class GivenPose:
 
         text, name = text_of(self.text[1:])
         rows = rows_without_heading(text)
-        # Of one pose nothing can be dropped unseen: all its numbers are needed.
+        # No column of a single pose is ignored, since all its numbers are needed.
         names = form.columns if rows else ()
         if len(rows) == 1 and not names:
             numbers = ",".join(re.split(r"[,;\s]+", rows[0].strip()))
@@ -93,7 +93,8 @@ class GivenPose:
     def numbers(self, form: PoseFormat) -> list[float]:
         """Return the pose as numbers: the position of the pivot, then the rotation.
 
-        That is as it is written; of a file a quaternion, or angles if `form` has their order.
+        These are the numbers as written. Of a file the rotation is a quaternion, or angles if
+        `form` has their order.
         """
         from gspcli.motion.files.pose_files import numbers_of_pose, pose_numbers
 
@@ -123,9 +124,9 @@ def pose_option(option: str, sentence: str, more: str) -> Callable[[Function], F
     option
         ``--pose`` or ``--near``.
     sentence
-        What it is, the same in all commands.
+        The meaning of the option, the same in all commands.
     more
-        What this command does with it.
+        What this command uses it for.
     """
     return click.option(
         option, type=PoseType(), metavar="POSE", help=f"{sentence}: {more} ({POSE_HELP})."
@@ -139,4 +140,4 @@ def pose_value_option(more: str) -> Callable[[Function], Function]:
 
 def near_option(more: str) -> Callable[[Function], Function]:
     """Return `--near`; the command gets ``near: GivenPose | None``."""
-    return pose_option("--near", "A pose that the mode meant is near", more)
+    return pose_option("--near", "A pose near the mode that is meant", more)

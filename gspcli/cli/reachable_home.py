@@ -39,7 +39,7 @@ class Home:
     mode
         Its number as a mode of the instance, or None.
     placed
-        Whether its position means anything.
+        Whether its position is given.
     frame
         The frame in which R and T are expressed; those of the platform itself without one.
     """
@@ -92,7 +92,7 @@ def home_pose(
     position: str | None,
     needed: bool,
 ) -> Home:
-    """Return the home pose; its position means nothing if that is not needed.
+    """Return the home pose; without a position if none is needed.
 
     It is expressed in the frame of `form`, if that has one: then with the pivot as its origin.
     """

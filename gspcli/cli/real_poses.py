@@ -28,7 +28,7 @@ def one_mode(instance: Instance, mode: Mode | None) -> tuple[int, Array, Array]:
 
 
 def mode_number(instance: Instance, mode: Mode | None) -> int:
-    """Return the number of a mode, which home is found for, and said."""
+    """Return the number of a mode. For home it is found, and printed on stderr."""
     return mode if isinstance(mode, int) else one_mode(instance, mode)[0]
 
 

@@ -48,8 +48,8 @@ _COLUMNS = [
     type=click.Choice(list(REALIZATIONS)),
     default=next(iter(REALIZATIONS)),
     show_default=True,
-    help="Chains of the paper's figures; others without idle freedoms; or with drivers outside, "
-    "at the base (Figure 8).",
+    help="Chains of the paper's figures; chains without idle freedoms; or chains with all driven "
+    "joints at the base (Figure 8).",
 )
 @output_options(formats=(*FORMATS, *DRAWINGS))
 def command(names: tuple[str, ...], chosen: str, output: Output) -> None:
@@ -59,12 +59,12 @@ def command(names: tuple[str, ...], chosen: str, output: Output) -> None:
     (P1-p2 is a distance, L1^l2 an angle); a SPEC is an instance file, or - for standard
     input. DLL and ALL between the same two lines make one chain with two driven joints.
 
-    Joints: R revolute, P prismatic, C cylindrical, S spherical, E planar; * is driven.
-    Σf is the sum of their freedoms; idle ones do not move the platform; held are those
-    that a chain leaves the platform when its driven joints are held.
+    Joints: R revolute, P prismatic, C cylindrical, S spherical, E planar; * is driven. Σf is the
+    sum of their freedoms; idle ones do not move the platform; held are the freedoms of the platform
+    that a chain permits when its driven joints are held.
 
-    With the suffix svg, png or pdf a SPEC is drawn as a whole, in its home mode, of
-    all else the chains, also of single kinds such as PL (needs matplotlib).
+    With the suffix svg, png or pdf a SPEC is drawn as a whole, in its home mode. Of a TYPE, a
+    PATTERN or single kinds such as PL the chains are drawn (needs matplotlib).
 
     \b
     Examples:
@@ -141,7 +141,7 @@ def _kinds(names: Sequence[str]) -> list[Kind]:
 
 
 def _platform(names: Sequence[str]) -> tuple[str, GspType, Sequence[Connection]]:
-    """Return what was named: its title, its type and its constraints."""
+    """Return the title, the type and the constraints that the words name."""
     if len(names) == 1 and is_file(names[0]):
         instance = load_instance(names[0])
         title = f"{instance.name}: {instance.type}" if instance.name else str(instance.type)

@@ -1,4 +1,4 @@
-"""The option ``--require``: what rows of poses must keep, in words, as data and as exit code."""
+"""The option ``--require``: requirements of rows of poses, and the verdicts."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
-#: Where the numbers come from that not every command has.
+#: The commands that compute the numbers which not every command has.
 _SOURCES = {
     "force": "gsp analyze with --load, or gsp dynamics",
     "moment": "gsp analyze with --load, of a type with angles",
@@ -48,7 +48,7 @@ def require_option(
 
 
 def required(text: str | None) -> list[Requirement]:
-    """Return what ``--require`` says; nothing if it was not given."""
+    """Return the requirements of ``--require``; none without the option."""
     if text is None:
         return []
     from gspcli.motion.files.requirements import parse_requirements
@@ -75,12 +75,12 @@ def measured_quantities(
     values, R, T
         What n poses measure, shape (n, 6), and the poses.
     known
-        What the command has computed already.
+        Numbers that the command has already computed.
 
     Raises
     ------
     GspError
-        If there is nothing that a requirement could be about.
+        If a number that is required is not known.
     """
     found = dict(known or {})
     for one in requirements:
@@ -212,7 +212,7 @@ def _with_motors(drives: Drives, q: Array, parts: QuantityParts) -> tuple[list[s
     from gspcli.motion.files.requirements import QuantityParts
 
     shares = motor_shares(drives, q)
-    # A drive without a range can still be out of reach.
+    # A pose can be out of reach of a drive without a range, too.
     shares = np.where(np.isnan(shares) & np.isinf(shares).any(axis=0), 0.0, shares)
     which = np.flatnonzero(~np.isnan(shares).all(axis=0)).tolist()
     names = [*parts.names, *(drives.names[k] for k in which)]
@@ -262,7 +262,7 @@ def judged(
     rows: Sequence[dict[str, Any]],
     known: Mapping[str, Array | QuantityParts] | None = None,
 ) -> tuple[list[RequirementVerdict], list[Column]]:
-    """Return whether all poses keep what is required; what is computed for that is added to rows.
+    """Return the verdicts; numbers that are computed for them are added to rows.
 
     Also the columns of what is added.
 
@@ -275,9 +275,9 @@ def judged(
     R, T
         n poses.
     rows
-        What is shown of them.
+        The rows of the table, one for each pose.
     known
-        What the command has computed and shows already.
+        Numbers that the command has already computed and shows.
     """
     if not requirements:
         return [], []

@@ -67,11 +67,11 @@ def command(
 ) -> int:
     """Count the real solutions of random platforms of a type.
 
-    Points are uniform in a cube, directions and a hidden pose uniform, and the values are what
-    the constraints measure at that pose, so there is always a real solution. Every platform is
-    solved completely. One with a solution too near a double one is counted as undecided. An
-    interruption shows what is known so far. TYPE may be a family: the kinds of the angles make
-    no difference.
+    Points are uniform in a cube, directions and a hidden pose are uniform. The values are those
+    that the constraints measure at that pose, so there is always a real solution. Every platform is
+    solved completely. A platform with a solution too near a double one is counted as undecided. An
+    interruption shows the result so far. TYPE may be a family: the kinds of the angles make no
+    difference.
 
     \b
     Examples:

@@ -59,22 +59,22 @@ _NUMBERS = tuple("123456")
     help="Let NAME take COUNT values from LOW to HIGH: a constraint from 1 to 6, a crank or slide "
     "such as crank.B1, or, with --pose, x, y, z (rx, ry, rz with --euler); once or twice.",
 )
-@pose_value_option("what does not vary of it, if its coordinates vary")
+@pose_value_option("the pose whose coordinates vary; the other coordinates stay")
 @value_options
 @pose_options
 @click.option(
     "--folds",
     is_flag=True,
-    help="Instead of the nodes, or in pictures with them: where between neighbours the number "
-    "changes, proved.",
+    help="Find where between neighbouring nodes the number changes, proved. Tables show these "
+    "folds instead of the nodes, pictures both.",
 )
 @click.option(
     "--quantity",
     type=click.Choice(QUANTITIES),
     default=QUANTITIES[0],
     show_default=True,
-    help="What pictures show (over poses for modes the determinant); clearance is also a column "
-    "then (some milliseconds a mode or pose).",
+    help="The quantity of pictures (over poses the determinant instead of modes). With clearance "
+    "it is a column, too (some milliseconds a mode or pose).",
 )
 @resume_option
 @worker_options
@@ -94,23 +94,23 @@ def command(
     """Count the real assembly modes where one or two values or motors vary.
 
     All poses are found at every node of the grid: modes is the number of real ones, condition the
-    smallest condition number of one. With --folds, where neighbouring nodes have different
-    numbers, the values at which a pair of modes meets and vanishes are proved: points of the
-    discriminant, each with the pose. Mirror images have one each, at the same values. Over two
-    values it is followed through them as curves, which pictures show with their cusps; the curves
-    between the proved points are numbers, not proofs.
+    smallest condition number of one. With --folds, where neighbouring nodes have different numbers,
+    the values at which a pair of modes meets and vanishes are proved: points of the discriminant,
+    each with the pose. Mirror images have one each, at the same values. Over two values the
+    discriminant is a curve through these points, which pictures show with its cusps. Between the
+    proved points it is followed numerically, without proof.
 
     Of a machine with arms or rails the readings of its motors vary (crank.B1, slide.B1); each node
     is the machine with its joints moved there, and the other motors stay where they are stated.
     There are no --folds and no clearance over motors.
 
-    Over poses (--pose) nothing is solved: the sign and size of the determinant of the Jacobian
-    matrix (free of units, as in `gsp analyze`) and the condition number. --folds gives the poses
-    on edges of the grid at which the determinant changes its sign, to the last digit; pictures
-    show the singular curve through them.
+    Over poses (--pose) nothing is solved. Each node has the determinant of the Jacobian matrix
+    (free of units, as in `gsp analyze`), its sign and the condition number. --folds gives the poses
+    on edges of the grid at which the determinant changes its sign, to the last digit; pictures show
+    the singular curve through them.
 
-    Ctrl-C shows what is known so far; a file of -o is not written then. The exit code is 4 if not
-    all poses could be found at some node; its modes are left out.
+    Ctrl-C shows the result so far; a file of -o is not written then. The exit code is 4 if not all
+    poses could be found at some node; its modes are left out.
 
     \b
     Examples:
@@ -184,7 +184,7 @@ def _axes(instance: Instance, texts: tuple[str, ...], *, folds: bool) -> list[Ax
 
 
 def _refuse_coordinates(texts: tuple[str, ...], conventions: PoseConventions) -> None:
-    """Raise for what is about poses where values vary."""
+    """Raise for options about poses where values vary."""
     if any(text.strip()[:1] in "xyzr" for text in texts):
         message = "--vary: coordinates of a pose vary with --pose, which says what does not"
         raise click.UsageError(message)
@@ -194,7 +194,7 @@ def _refuse_coordinates(texts: tuple[str, ...], conventions: PoseConventions) ->
 
 
 def _refuse_gaps(found: Scan, limits: Boundary) -> None:
-    """Raise if something is not known, or not explained."""
+    """Raise if poses of a node are missing, or folds do not explain a change of the number."""
     from gspcli.motion.singularities.value_scans import UNKNOWN
 
     if unknown := int((found.modes == UNKNOWN).sum()):
@@ -234,7 +234,7 @@ def _fill(found: Scan, workers: Workers, journal: Path | None) -> None:
 
 
 def _identity(found: Scan) -> str:
-    """Return what tells a scan from others in a work file."""
+    """Return the data that identify a scan in a work file."""
     from gspcli.spec import dumps
 
     parts = (dumps(found.instance), found.axes, found.clearances is not None, __version__)

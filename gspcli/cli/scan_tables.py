@@ -29,7 +29,7 @@ def scan_table(result: ScanResult, form: str, frame: PoseFrame) -> Table:
         position = _OWN if frame.is_identity else _EXPRESSED
         rows = rows if frame.is_identity else _expressed(rows, result, frame)
         columns = [Column("change", align="right", essential=True)]
-        # People tell mirror images apart by their positions.
+        # Tables for people show positions, which distinguish mirror images.
         shown = (*position, *_TURN) if form == "csv" else position
         size = Arrangement.of(instance).length
         columns += [Column(key, align="right", minor=1, aligned=True, size=size) for key in shown]

@@ -10,7 +10,7 @@ from gspcli.wording import counted
 if TYPE_CHECKING:
     from gspcli.sensing import SensorResult
 
-#: How the sets of values came about, in words.
+#: The origin of the sets of values, in words.
 _DRAWN = {
     "rows": "of the file",
     "within": "drawn within the intervals given",
@@ -27,7 +27,7 @@ _ZERO = 1e-6
 
 
 def sensor_table(result: SensorResult, form: str, *, everything: bool) -> Table:
-    """Return what is known of the sensors.
+    """Return the table of the sensors.
 
     Parameters
     ----------

@@ -76,12 +76,13 @@ _KINDS = ("leg", "coordinate", "joint", "inclinometer", "distance", "angle")
     default=6.0,
     show_default=True,
     metavar="N",
-    help="Modes are told apart from so many standard deviations on.",
+    help="Modes whose readings differ by at least so many standard deviations count as "
+    "distinguished.",
 )
 @click.option(
     "--known-side",
     is_flag=True,
-    help="It is known on which side of the base the platform is: that of home.",
+    help="Assume that the side of the base on which the platform is is known: that of home.",
 )
 @click.option("--up", metavar="X,Y,Z", default="0,0,1", help="The vertical in the base.")
 @click.option(
@@ -121,7 +122,7 @@ def command(
     lie in a plane, no leg between the planes tells them apart. Near a fold, where two modes
     meet, their readings are nearly equal: no sensor suffices there, and the output says so.
 
-    With the sensor, gsp solve SPEC --reading says which mode its reading means.
+    With the sensor, gsp solve SPEC --reading finds the mode that a reading belongs to.
 
     Exit codes: 0 done (that nothing suffices is an answer, too); 2 bad input; 3 the poses are
     infinitely many; 4 some poses could not be found.

@@ -1,8 +1,8 @@
-"""What the shell completes: words by the metavars of arguments and options.
+"""Completion of words in a shell, by the metavars of arguments and options.
 
 click has the scripts for bash, zsh and fish (docs/completion.md says how to switch them on). While
-the shell completes, every parameter gets the completion that belongs to its metavar; commands
-need not say anything.
+the shell completes, every parameter gets the completion that belongs to its metavar; commands need
+no code for it.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""`gsp show`: all that is known of one type, on a page."""
+"""`gsp show`: one type on a page."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ from gspcli.cli.output import Column, Output, Table, emit, output_options
 def command(names: tuple[str, ...], output: Output) -> None:
     """Show on one page all that is known of a type.
 
-    Its constraints with their degrees and meaning, the bounds and why they hold, how it is
-    solved, a mechanism that realizes it, and how often its primitives may be shared. TYPE is six
-    kinds in any order, a number of the catalogue, or an instance file.
+    The page has its constraints with their degrees and meaning, the bounds with their reasons, how
+    it is solved, a mechanism that realizes it, and in how many ways its constraints can share
+    primitives. TYPE is six kinds in any order, a number of the catalogue, or an instance file.
 
     \b
     Examples:

@@ -9,12 +9,12 @@ from gspcli.wording import shown
 
 
 def standard_deviations(texts: Sequence[str]) -> dict[str, float]:
-    """Return the standard deviations of ``--sigma WHAT=NUMBER`` by what they are of.
+    """Return the standard deviations of ``--sigma WHAT=NUMBER`` by the names of what is measured.
 
     Raises
     ------
     SpecError
-        With all that is wrong.
+        With all mistakes.
     """
     from gspcli.motion.files.number_tables import wrong_number
 

@@ -54,7 +54,7 @@ _READABLE = ("table", "markdown", "latex")
 @click.option(
     "--no-certify",
     is_flag=True,
-    help="Do not prove what is found: ignored, since every pose is proved. Deprecated.",
+    help="Ignored and deprecated: every pose is proved.",
 )
 @click.option(
     "--prove/--no-prove",
@@ -73,7 +73,7 @@ _READABLE = ("table", "markdown", "latex")
     help="Write rotations as quaternion, matrix, rotvec, or angles about axes: ZYX and the like "
     "about those of the platform, xyz about those of the base, PI, LinuxCNC or Symetrie.",
 )
-@decimals_option(None, 0, 17, ": positions and rotations, whatever the width")
+@decimals_option(None, 0, 17, ": positions and rotations, independently of the width")
 @near_option("poses are sorted by their distance from it")
 @pose_options
 @filter_options
@@ -82,8 +82,8 @@ _READABLE = ("table", "markdown", "latex")
     "readings",
     metavar="READING",
     multiple=True,
-    help="What one more sensor reads, as 'leg P1 B3 = 212.4 ± 0.1' (or +-) with its standard "
-    "deviation, in the units of SPEC: marks the mode that fits; may be repeated.",
+    help="The reading of one more sensor with its standard deviation, as 'leg P1 B3 = 212.4 ± "
+    "0.1' (or +-), in the units of SPEC. The mode that fits is marked. May be repeated.",
 )
 @click.option(
     "--fit",
@@ -126,31 +126,32 @@ def command(
 ) -> int:
     """Find every pose of a platform and account for every path.
 
-    SPEC is an instance file, - for standard input, or @NAME of an example (`gsp example`). What
-    came out is said first: how many poses are real, what is proved, whether these are all. Then
-    each real pose is one line: the position T of the platform's origin and its rotation R
-    (x_base = R x_platform + T), the condition number, and what is not as usual. Three angles fix
-    the orientation: then the orientations are listed, and the positions in each. If no pose is
-    real, the constraints that contradict each other are named. JSON has all of this in full
-    precision, R and quaternion whatever --rotation says.
+    SPEC is an instance file, - for standard input, or @NAME of an example (`gsp example`). The
+    first line states how many poses are real, what is proved, and whether these are all. Then each
+    real pose is one line: the position T of the platform's origin and its rotation R (x_base = R
+    x_platform + T), the condition number, and remarks. Three angles fix the orientation: then the
+    orientations are listed, with the positions of each. If no pose is real, the constraints that
+    contradict each other are named. JSON has all of this in full precision, and always both R and
+    the quaternion.
 
     With --where, --within-limits or --above the other real poses are counted and not listed, and
-    home is chosen among what is left. Numbers of modes, and what is said of completeness, do not
+    home is chosen among those listed. Numbers of modes and the statement about completeness do not
     change.
 
-    With --reading the mode is marked at which one more sensor reads what it does, within three
-    standard deviations: gsp sensors says which sensor tells modes apart, and how readings are
-    written.
+    With --reading the mode is marked at which one more sensor would read the given number, within
+    three standard deviations. gsp sensors says which sensor distinguishes the modes, and how
+    readings are written.
 
-    With --fit more than six measurements are fitted: six values and readings (or those that SPEC
-    has as a list `readings`), all with errors. Each
-    minimum of the sum of squares that is found has its pose, chi-squared with its probability, and
-    covariance (JSON). If none fits the outlier is named, with the fit without it. The fits start
-    from all poses of several choices of six measurements; that these are all minima is not proved.
+    With --fit more than six measurements with errors are fitted: the six values, and the readings
+    of --reading or of the list `readings` in SPEC. Each minimum of the sum of squares that is found
+    has its pose, chi-squared with its probability, and covariance (JSON). If none fits, the outlier
+    is named, with the fit without it. The fits start from all poses of several choices of six
+    measurements. It is not proved that all minima are found.
 
-    Of several SPEC, or with --lines, each instance has one line of the answer, in their order, and
-    what is wrong with one stops no other; --format jsonl has everything of each, one document a
-    line. --jobs counts processes then. The exit code is the largest of any instance.
+    Given several SPEC, or with --lines, each instance has one line of the answer, in their order.
+    An error in one does not stop the others. --format jsonl prints the whole document of each
+    instance in a line. --jobs is then the number of processes. The exit code is the largest of any
+    instance.
 
     Exit codes: 0 done (no real pose is an answer, too); 1 no mode or several fit the readings;
     2 bad input; 3 the poses are infinitely many; 4 something could not be found or certified.
@@ -214,7 +215,7 @@ def _show(
     everything: bool,
     legend: bool,
 ) -> None:
-    """Write the poses, with what was asked for besides."""
+    """Write the poses, with the digits and readings that were asked for."""
     from gspcli.cli.pose_tables import data_table, lone_tables, pose_tables
     from gspcli.cli.summary import summary
 
@@ -235,7 +236,7 @@ def _show(
 
 
 def _complained(result: SolveResult, fit: ReadingFit | None) -> int:
-    """Raise what the exit code is to say of the poses and of readings, else return 0."""
+    """Raise the error that sets the exit code, about the poses or the readings; else return 0."""
     _complain(result)
     if fit is not None:
         refuse_misfit(fit)
@@ -271,7 +272,7 @@ class _How:
 
 
 def _solved(how: _How, instance: Instance) -> tuple[SolveResult, dict[str, Any], GspError | None]:
-    """Return the result of one of many instances, its document, and what its exit code says."""
+    """Return the result of one of many instances, its document, and its error."""
     from gspcli.cli.pose_tables import Shown
     from gspcli.solver import solve
 
@@ -340,7 +341,7 @@ def _goal(
 
 
 def _notes(result: SolveResult, shown: Shown, *, everything: bool, legend: bool) -> list[str]:
-    """Return what is said below the poses."""
+    """Return the notes below the poses."""
     from gspcli.cli.pose_tables import LEGEND
     from gspcli.cli.summary import remarks
 
@@ -370,7 +371,7 @@ def _document(
     *,
     everything: bool,
 ) -> dict[str, Any]:
-    """Return the result for JSON, with what was asked for besides."""
+    """Return the result for JSON, with the digits and readings that were asked for."""
     from gspcli.cli.pose_tables import add_expressed
 
     document = result.to_json(everything=everything)
@@ -421,7 +422,7 @@ def _digits_of(shown: Shown, proved: Sequence[dict[str, Any] | None]) -> list[Ta
 
 
 def _complain(result: SolveResult) -> None:
-    """Raise what the exit code is to say."""
+    """Raise the error that sets the exit code, if there is one."""
     from gspcli.cli.summary import fixed
 
     counts = result.counts

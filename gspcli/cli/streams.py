@@ -1,4 +1,4 @@
-"""The standard streams: what one cannot take is written in ASCII, or reported once."""
+"""The standard streams: escapes what they cannot encode, and reports an error once."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _COUNTERPARTS = {
     "φ": "phi", "Δ": "Delta", "Σ": "sum ",
 }  # fmt: skip
 _LABEL = "error: "
-#: Of what has no name these errors are of standard output: closed, on a full disk, too long.
+#: These errors without a file name are those of standard output: closed, on a full disk, too long.
 _OF_OUTPUT = (errno.EBADF, errno.ENOSPC, errno.EFBIG, errno.EDQUOT, errno.EIO)
 _RAISED = "⁰¹²³⁴⁵⁶⁷⁸⁹⁺⁻ᵀ"
 _LOWERED = str.maketrans(_RAISED, "0123456789+-T")
@@ -38,9 +38,9 @@ def open_streams() -> None:
     """Make the standard streams of this process such that all text can be written to them.
 
     A closed one is replaced by a file that cannot be read or written, standard error by one that
-    swallows everything; so no other file takes its number. Standard output is written whole, or an
-    error is raised: also where Python does not buffer it (PYTHONUNBUFFERED), and would take no
-    notice that a full disk or a pipe has taken a part only.
+    discards everything. So no other file gets its number. Standard output is written whole, or an
+    error is raised. Without a buffer (PYTHONUNBUFFERED) Python would not notice that a full disk or
+    a pipe has taken only a part.
     """
     for number, name in enumerate(("stdin", "stdout", "stderr")):
         if getattr(sys, name) is None:
@@ -92,7 +92,7 @@ def manner(encoding: str) -> dict[str, str]:
 
 
 def _instead(number: int) -> TextIO:
-    """Return what stands for a closed stream; only standard error takes what is written."""
+    """Return the replacement of a closed stream; only standard error accepts text."""
     opened = os.open(os.devnull, os.O_RDONLY if number == 1 else os.O_WRONLY)
     if opened != number:
         os.dup2(opened, number)
@@ -152,7 +152,7 @@ def say(message: str) -> None:
     Parameters
     ----------
     message
-        One or more lines; what a terminal would obey is written out.
+        One or more lines; characters that control a terminal are escaped.
     """
     from gspcli.cli.output.cells import printable
 

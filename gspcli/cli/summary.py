@@ -1,4 +1,4 @@
-"""What `gsp solve` says first, in a sentence, and last, in notes."""
+"""The first sentence of `gsp solve`, and its last notes."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _FAR = 1e5
 
 
 def summary(result: SolveResult, *, contradicting: Sequence[int] = ()) -> list[str]:
-    """Return what came out: the real poses, what is proved of them, whether that is all.
+    """Return the result in a sentence: the real poses, what is proved, whether these are all.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ def _real(result: SolveResult) -> str:
         return f"{lone} real pose{'s' * (lone > 1)} that cannot move"
     if not result.counts.found:
         return text
-    # Where there is no real pose it is the others whose certificates say so.
+    # Without a real pose the certificates of the others prove that.
     known = proved(result)[:real] if real else proved(result)
     if known.all():
         return text + (", all proved different" if real > 1 else ", proved")
@@ -65,7 +65,7 @@ def _real(result: SolveResult) -> str:
 
 
 def fixed(result: SolveResult) -> bool:
-    """Return whether all isolated real poses are proved to be so though poses are infinitely many.
+    """Return whether poses are infinitely many, and all isolated real ones are proved isolated.
 
     A simple solution is in no larger set of them: no motion passes through it.
     """
@@ -80,7 +80,7 @@ def proved(result: SolveResult) -> NDArray[np.bool_]:
 
 
 def _completeness(result: SolveResult) -> str:
-    """Return the verdict, and what became of every path if not every one is a pose."""
+    """Return the verdict, and how the paths end if not every one ends at a pose."""
     ends, found = result.account, result.counts.found
     verdict = f"{result.verdict}, {result.proof.words}" if result.proof else result.verdict
     if result.verdict == "complete" and found == result.expected:
@@ -106,10 +106,10 @@ def _completeness(result: SolveResult) -> str:
     geometry = result.geometry_count
     if geometry is None:
         return f"{verdict}: {poses}{where}, of the type's {result.expected}"
-    # How many fewer the geometry has than the type is not listed by causes.
+    # The causes for which the geometry has fewer poses than the type are not listed.
     gone = ends.on_curves + ends.spurious + ends.lost
     if geometry < ends.found:
-        # For other values there is none: these are what others hold at any rate, as on a table.
+        # A platform of this geometry with other values has fewer poses.
         return f"{verdict}: {poses}; the type can have {result.expected}"
     whole = f"this geometry's {geometry}; the type can have {result.expected}"
     if geometry == result.expected:
@@ -133,14 +133,15 @@ def _reason(result: SolveResult, contradicting: Sequence[int]) -> str:
 
 
 def remarks(result: SolveResult, numbers: Sequence[int]) -> list[str]:
-    """Return notes on the poses shown, which have these numbers from 1: what is best and worst."""
+    """Return notes on the poses shown, whose numbers count from 1."""
     if not numbers:
         return [*_far(result), *_parallel(result), *_ground(result)]
     limits = _limits(result, numbers)
     shown = [number - 1 for number in numbers]
     residual = printed_residual(float(result.residuals[shown].max()), result.arrangement.length)
     notes = [f"residuals at most {residual:.0e}"]
-    # Mirrored poses differ in the last digits: the first of those that are alike is named.
+    # Mirrored poses differ in the last digits. Of poses with equal rounded numbers the first is
+    # named.
     condition = np.array([float(f"{x:.{_DIGITS}g}") for x in result.conditions[shown]])
     best, worst = int(np.argmin(condition)), int(np.argmax(condition))
     lowest, highest = (f"{condition[k]:.{_DIGITS}g}" for k in (best, worst))
@@ -156,7 +157,7 @@ def remarks(result: SolveResult, numbers: Sequence[int]) -> list[str]:
 
 
 def _limits(result: SolveResult, numbers: Sequence[int]) -> list[str]:
-    """Say which of the real poses shown the machine cannot take, by its ranges and cones."""
+    """Say which of the real poses shown are outside the ranges and cones of the machine."""
     left = {number: result.solutions[number - 1].limits for number in numbers}
     ranges = {
         one.constraint for limits in left.values() for one in limits or () if one.kind == "range"
@@ -193,7 +194,7 @@ def _far(result: SolveResult) -> list[str]:
 
 
 def _parallel(result: SolveResult) -> list[str]:
-    """Say which lines are parallel at all poses, where these are known to be all."""
+    """Say which lines are parallel at all poses, if the poses are complete."""
     if result.verdict != "complete" or not result.account.spurious or not len(result.R):
         return []
     numbers = [
@@ -213,6 +214,6 @@ def _parallel(result: SolveResult) -> list[str]:
 
 
 def _ground(result: SolveResult) -> list[str]:
-    """Say what the verdict is proved by, if not by the type's own count."""
+    """Return the reservation of the proof, if it has one."""
     said = "" if result.proof is None else result.proof.reservation
     return [said] if said else []

@@ -27,8 +27,9 @@ _HEADINGS = {"n1": "N1", "surfaces": "case", "distances": "three distance constr
 @click.option(
     "--check",
     is_flag=True,
-    help="Exit with 1 if anything differs: the errata are proved, Table 3 is confirmed by solving "
-    "random instances of all its families; what is left is printed wrongly.",
+    help="Exit with 1 if anything differs. The errata are proved. Table 3 is confirmed by solving "
+    "random instances of all its families. Any other difference is an entry that is printed "
+    "wrongly.",
 )
 @output_options(parts=("table-1", "table-2", "table-3", "errata"))
 def command(which: str, check: bool, output: Output) -> None:
@@ -59,7 +60,7 @@ def command(which: str, check: bool, output: Output) -> None:
         evidence = {erratum.key: prove(erratum) for erratum in proofs}
     confirmed = _confirm() if check and 3 in numbers else None
     plain = output.format == "csv"
-    # A row of a CSV names its errata; they are a table of their own where nothing else is shown.
+    # A row of a CSV names its errata. They are a separate table if nothing else is shown.
     listed = errata and (not plain or not comparisons or output.part == "errata")
     emit(
         output,

@@ -1,4 +1,4 @@
-"""`gsp track`: where the assembly modes go while the values change."""
+"""`gsp track`: follows the assembly modes while the values change."""
 
 from __future__ import annotations
 
@@ -72,13 +72,13 @@ if TYPE_CHECKING:
 @click.option(
     "--all-modes",
     is_flag=True,
-    help="All real poses: of a file of poses follow them, not only that of the poses.",
+    help="Along a file of poses follow all real poses, not only the mode of these poses.",
 )
 @click.option(
     "--complete",
     "everything",
     is_flag=True,
-    help="Compare with all poses at the last row; follow those born on the way, too.",
+    help="Compare with all poses at the last row, and follow modes that begin on the way, too.",
 )
 @click.option("--allow-loss", is_flag=True, help="Exit with 0 though a mode ends on the way.")
 @click.option(
@@ -91,12 +91,10 @@ if TYPE_CHECKING:
     "--pose-clearance",
     "pose_clear",
     is_flag=True,
-    help="Add how far the pose may move, whatever the values, with proof that its screws stay "
+    help="Add how far the pose may move, for any values, with proof that its screws stay "
     "independent (gsp clearance --of pose).",
 )
-@click.option(
-    "--no-certify", is_flag=True, help="Do not prove what is found: that no branch is changed."
-)
+@click.option("--no-certify", is_flag=True, help="Do not prove that no branch is changed.")
 @require_option("range, cone, clearance>=0.5, condition<=50")
 @pose_options
 @column_options
@@ -133,29 +131,29 @@ def command(
 
     SPEC is an instance file, VALUES a CSV file with a heading: columns 1 to 6, and perhaps t.
     Columns that are left out keep the value of SPEC. VALUES may also be a file of poses as `gsp
-    measure` takes it, which is measured. One of the files may be - for standard input. The
-    values change linearly between rows; distances to planes (DPH, DHP) are signed.
+    measure` takes it; the values are then measured at the poses. One of the files may be - for
+    standard input. The values change linearly between rows; distances to planes (DPH, DHP) are
+    signed.
 
-    Other columns move the machine itself. Coordinates of points, lines and planes are
-    base.NAME.x, platform.NAME.y, base.NAME.direction.z and base.NAME.normal.x. The column
-    crank.NAME is the angle of a crank, slide.NAME the place of a slide, if SPEC states them.
-    They change linearly, too: the point of a crank moves on its circle. In a file of poses,
-    cranks and slides are where `gsp measure --drives` has them, and the rods keep their
-    lengths. Events are where they leave their ranges, and between which rows a mode passes a
-    dead point.
+    Other columns move the machine itself. Coordinates of points, lines and planes are base.NAME.x,
+    platform.NAME.y, base.NAME.direction.z and base.NAME.normal.x. The column crank.NAME is the
+    angle of a crank, slide.NAME the place of a slide, if SPEC states them. They change linearly,
+    too: the point of a crank moves on its circle. In a file of poses, cranks and slides are where
+    `gsp measure --drives` has them, and the rods keep their lengths. Events tell where they leave
+    their ranges, and between which rows a mode passes a dead point.
 
-    All real poses at the first row are followed. In a file of poses it is the mode of these
-    poses, unless --all-modes or --complete is given. Modes have the numbers of `gsp solve
-    SPEC`. If the first row differs from SPEC, the modes are followed from the values of SPEC to
-    the first row, proved; modes that are not reached so are new, and have the next numbers.
+    All real poses at the first row are followed. Along a file of poses only the mode of these poses
+    is followed, unless --all-modes or --complete is given. Modes have the numbers of `gsp solve
+    SPEC`. If the first row differs from SPEC, the modes are followed with proof from the values of
+    SPEC to the first row. Modes that are not reached so are new, and have the next numbers.
 
-    Events are also where values leave their ranges, and legs the cones of their joints
-    (`range`, `cone` in SPEC). They are proved for all poses between rows; with --no-certify
-    cones are checked at the rows only.
+    Events also tell where values leave their ranges, and legs the cones of their joints (`range`,
+    `cone` in SPEC). They are proved for all poses between rows; with --no-certify cones are checked
+    at the rows only.
 
-    --require names the worst row of each requirement, and the exit code is 1 unless all rows
-    keep all of them. Of these, range, cone, condition, clearance and gap must hold between the
-    rows, too, proved, unless coordinates move.
+    --require names the worst row of each requirement, and the exit code is 1 unless all rows keep
+    all of them. Ranges, cones, condition, clearance and gap must hold between the rows, too, with
+    proof, unless coordinates move.
 
     --along poses changes x, y, z and the angles linearly between the rows of a file of poses,
     as a controller with six axes does. The angles are rx, ry, rz in the order of --euler, ZYX
@@ -216,7 +214,7 @@ def command(
 def _check_poses(
     table: ValueTable, mode: Mode | None, near: GivenPose | None, others: bool
 ) -> None:
-    """Complain of what does not go with straight ways of poses."""
+    """Raise for options that cannot be combined with straight ways of poses."""
     message = ""
     if table.poses is None:
         message = "--along poses is about a file of poses: found values"
@@ -230,7 +228,7 @@ def _check_poses(
 
 
 def _check(mode: Mode | None, near: GivenPose | None, spec: str, values: str) -> None:
-    """Complain of arguments that do not go together."""
+    """Raise for arguments that cannot be combined."""
     if mode is not None and near is not None:
         message = "give either --mode or --near"
         raise click.UsageError(message)
@@ -240,7 +238,7 @@ def _check(mode: Mode | None, near: GivenPose | None, spec: str, values: str) ->
 
 
 def _tell(result: Track, limits: list[LimitEvent], output: Output) -> None:
-    """Say which modes are new, and what happens between the rows; a document has it, too."""
+    """Say which modes are new, and list the events between the rows; a document has both, too."""
     if output.format == "json":
         return
     if result.new:
@@ -268,7 +266,7 @@ def _clearances(
 
 
 def _refuse_losses(result: Track, left: list[Departure], *, allowed: bool) -> None:
-    """Raise if modes are not accounted for, end without leave, or leave the poses of the file."""
+    """Raise if modes are not accounted for, end early, or leave the poses of the file."""
     if result.complete is False:
         message = (
             "the modes followed and the poses at the last row do not account for each other\n"

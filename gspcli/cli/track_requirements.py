@@ -1,4 +1,4 @@
-"""What ``--require`` asks of a track: at all rows of all modes, and limits between rows, too."""
+"""``--require`` along a track: at all rows of all modes, and limits between rows, too."""
 
 from __future__ import annotations
 

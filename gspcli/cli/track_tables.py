@@ -69,7 +69,7 @@ def _places(result: Track) -> Iterator[tuple[float, list[float]]]:
 
 
 def event_sentence(event: Event) -> str:
-    """Return what happens to a mode between rows, in words."""
+    """Return an event of a mode between rows, in words."""
     if event.kind == "undecided":
         what = "cannot be followed back before" if event.begins else "cannot be followed beyond"
         t = event.high if event.begins else event.low

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class FollowedTrack:
-    """A track with what is said of it.
+    """A track, with its limits and events.
 
     Attributes
     ----------
@@ -78,7 +78,7 @@ def along_values(
     if not everything and not len(result.modes):
         message = (
             "there is no real pose at the first row\n"
-            "begin with other values, or use --complete for modes that are born on the way"
+            "begin with other values, or use --complete for modes that begin on the way"
         )
         raise GspError(message)
     with working("looking at limits"):
@@ -102,9 +102,9 @@ def along_poses(
     from gspcli.motion.paths.pose_tracks import pose_track
 
     assert table.poses is not None
-    refuse_cranks(instance, "--along poses is about legs only, not about what moves them so")
+    refuse_cranks(instance, "--along poses is for machines without cranks and slides")
     with working("proving"):
-        # Its only row says which mode the file begins at.
+        # Its only row determines the mode at which the file begins.
         first = track(instance, table.values[:1], near=table.start)
         given, frame = without_corrections(instance), form.pivot_frame
         expressed = given

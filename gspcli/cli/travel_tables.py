@@ -79,7 +79,7 @@ def show_travels(
     knees
         The knees of cranks and slides, as `gspcli.motion.workspace.travels.travels` has them.
     gap
-        How far legs and bodies must be apart; None if that is not looked at.
+        How far legs and bodies must be apart; None if that is not checked.
     """
     offsets = _offsets(held)
     names = list(offsets[0])
@@ -92,7 +92,8 @@ def show_travels(
     columns = [
         *(Column(f"held_{name}", f"{name} held", "right", True) for name in names),
         Column("axis", essential=True),
-        # Lengths and angles differ in size: decimals of the larger would hide the smaller.
+        # Lengths and angles differ in size: with the decimals that suit the larger, the smaller
+        # would be lost.
         *(Column(key, align="right", essential=True) for key in ("down", "up", "total")),
         Column("down_stops", "stops down", fold=", "),
         Column("up_stops", "stops up", fold=", "),

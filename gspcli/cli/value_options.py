@@ -18,7 +18,7 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 @dataclass(frozen=True)
 class Changes:
-    """What is to be changed in the values of an instance, as texts ``I=V``.
+    """Changes of the values of an instance, as texts ``I=V``.
 
     Attributes
     ----------

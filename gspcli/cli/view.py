@@ -52,7 +52,7 @@ _PAGE = "html"
 @click.option(
     "--live",
     is_flag=True,
-    help="The page solves the platform again while one moves its values or its pose.",
+    help="The page solves the platform again while the user moves its values or its pose.",
 )
 @click.option("--open", "opened", is_flag=True, help="Open the page in the browser.")
 @click.option(
@@ -64,9 +64,9 @@ _PAGE = "html"
     "--from",
     "seen_from",
     metavar="AZIMUTH,ELEVATION",
-    help="From where it is seen, in degrees.  [default: -62,20]",
+    help="The direction of view, in degrees.  [default: -62,20]",
 )
-@click.option("--no-names", is_flag=True, help="Without names and numbers in the picture.")
+@click.option("--no-names", is_flag=True, help="Omit names and numbers in the picture.")
 @output_options(formats=(_PAGE, *DRAWINGS), default=_PAGE)
 def command(
     spec: str,
@@ -84,19 +84,19 @@ def command(
 ) -> None:
     """Show a platform, all its assembly modes and how it moves.
 
-    SPEC is an instance file, - for standard input, or @NAME of an example (`gsp example`). The
-    page is one file that needs neither a network nor gsp: the bodies with their points, lines and
-    planes, the six constraints as what they are, every real pose with its numbers, a slider
-    through them or through a trajectory. Without -o it goes to standard output or, on a terminal,
-    to a file in the current folder, named as SPEC. With the suffix svg, png or pdf it is a line
-    drawing for a paper, of one mode or of all (needs matplotlib).
+    SPEC is an instance file, - for standard input, or @NAME of an example (`gsp example`). The page
+    is one file that needs neither a network nor gsp. It shows the bodies with their points, lines
+    and planes, the six constraints, every real pose with its numbers, and a slider through the
+    poses or through a trajectory. Without -o it goes to standard output or, on a terminal, to a
+    file in the current folder, named as SPEC. With the suffix svg, png or pdf it is a line drawing
+    for a paper, of one mode or of all (needs matplotlib).
 
-    FILE has poses as `gsp measure` takes them, in CSV; mode, condition, clearance are read if
-    there are such columns. Rows without a pose are skipped.
+    FILE has poses as `gsp measure` takes them, in CSV. Columns mode, condition and clearance are
+    read if they exist. Rows without a pose are skipped.
 
     With --live the page has sliders for the six values, or for the motors of cranks and slides, and
-    for the pose. It finds all poses again at each move, each proved; beside it is a map of how many
-    are real.
+    for the pose. It finds all poses again at each move, and proves each. Beside it is a map of the
+    number of real poses.
 
     \b
     Examples:
@@ -183,7 +183,7 @@ def _start(result: SolveResult, mode: Mode | None) -> int:
 
 
 def _say(path: Path, scene: Scene, size: int) -> None:
-    """Say on standard error where the page is and what is in it."""
+    """Print on standard error where the page is and what it shows."""
     parts = ", ".join(
         f"{len(series)} {series.item}{'s' if len(series) != 1 else ''} ({series.title.lower()})"
         for series in scene.series

@@ -1,4 +1,4 @@
-"""Who does the work, and where it is kept: `--jobs`, `--scheduler` and `--resume`."""
+"""Options about processes and work files: `--jobs`, `--scheduler` and `--resume`."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ resume_option = click.option(
     "--resume",
     type=click.Path(dir_okay=False, path_type=Path),
     metavar="FILE",
-    help="Keep in FILE what is done, and do not do again what is kept there.",
+    help="Keep finished work in FILE, and do not repeat the work that is kept there.",
 )
 
 
 def _cores(jobs: int | None) -> int:
-    """Return how many cores are meant."""
+    """Return the number of cores to use."""
     return jobs or os.cpu_count() or 1
 
 
@@ -53,7 +53,7 @@ def worker_options(function: Function) -> Function:
     @click.option(
         "--scheduler",
         metavar="ADDRESS",
-        help="Let the workers of this Dask scheduler do it (pip install 'gspcli[cluster]').",
+        help="Use the workers of this Dask scheduler (pip install 'gspcli[cluster]').",
     )
     @functools.wraps(function)
     def command(*, jobs: int | None, scheduler: str | None, **others: Any) -> Any:

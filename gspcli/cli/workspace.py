@@ -61,7 +61,7 @@ _MOST_SHOWN = 2_000_000
     "intervals",
     metavar="NAME=LOW:HIGH",
     multiple=True,
-    help="Keep NAME in this interval: it is looked for there only; may be repeated.",
+    help="Keep NAME in this interval: only poses there are considered; may be repeated.",
 )
 @click.option(
     "--shift",
@@ -73,7 +73,8 @@ _MOST_SHOWN = 2_000_000
 @click.option(
     "--connected/--all-parts",
     default=None,
-    help="Only what can be reached from home without a singular pose, or all.  [default: connected "
+    help="Count only poses that can be reached from home without a singular pose, or all poses.  "
+    "[default: connected "
     "if SPEC states home]",
 )
 @click.option(
@@ -86,7 +87,7 @@ _MOST_SHOWN = 2_000_000
     "--gap",
     type=Finite(0, 1, min_open=True, max_open=True),
     metavar="R",
-    help=f"How near the bounds of the volume are to come, relatively.  [default: {_TOLERANCE}, "
+    help=f"The largest relative difference of the bounds of the volume.  [default: {_TOLERANCE}, "
     f"for boxes and pictures of three or more parameters {_COARSE}]",
 )
 @click.option(
@@ -95,9 +96,9 @@ _MOST_SHOWN = 2_000_000
     default=100_000_000,
     show_default=True,
     metavar="N",
-    help="Judge no more boxes than about this.",
+    help="Judge at most about so many boxes.",
 )
-@click.option("--boxes", "listed", is_flag=True, help="Write the boxes, not what they sum up to.")
+@click.option("--boxes", "listed", is_flag=True, help="Write the boxes instead of the volume.")
 @value_options
 @pose_options
 @jobs_option
@@ -221,7 +222,7 @@ def _one_home(mode: object, pose: object) -> None:
 def _keeps_limits(
     instance: Instance, home: Home, knees: ArrayLike | None, gap: float | None
 ) -> bool:
-    """Return whether home keeps the limits, so that something is connected with it; else say it."""
+    """Return whether home keeps the limits; if not, print which it leaves."""
     from gspcli.motion.workspace.travels import too_near, violations
 
     left = violations(instance, home.R, home.T, knees)
@@ -233,7 +234,7 @@ def _keeps_limits(
 
 @contextmanager
 def _interruptible() -> Iterator[Callable[[], bool]]:
-    """Note Ctrl-C instead of stopping at once: what is proved so far is worth showing."""
+    """Note Ctrl-C instead of stopping at once, so that the result so far is shown."""
     seen = []
     try:
         before = signal.signal(signal.SIGINT, lambda *_: seen.append(True))
@@ -273,7 +274,7 @@ def _check(
     listed: bool,
     output: Output,
 ) -> None:
-    """Complain of options that do not go together."""
+    """Raise for options that cannot be combined."""
     message = ""
     if free is None and (intervals or listed or output.format in DRAWINGS):
         message = "boxes and pictures need --orientation, --position or --over"

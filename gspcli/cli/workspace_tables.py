@@ -67,7 +67,7 @@ def modes_inside(found: Workspace, home: Home, instance: Instance) -> list[int]:
     try:
         R, T = home.frame.from_platform(*real_poses(instance))
     except GspError:
-        # Without numbers there is nothing to name.
+        # Modes without numbers are not named.
         return []
     return [k + 1 for k, judged in enumerate(found.judged_poses(R, T).tolist()) if judged >= 0]
 

@@ -89,7 +89,7 @@ def test_data_that_do_not_fit(gsp, tmp_path):
     assert not path.exists()
     assert len(file.err.splitlines()) <= 3
     assert "probably the readings 1 and 2 are exchanged" in file.err
-    assert "--accept takes the result as it is" in file.err
+    assert "--accept takes the result unchanged" in file.err
     assert gsp(*words, "-o", path, "--accept").code == 0
     assert path.exists()
 
@@ -101,14 +101,16 @@ def test_what_is_not_told_is_refused_and_nothing_is_written(gsp, tmp_path):
     assert not path.exists()
     lines = run.err.splitlines()
     assert len(lines) <= 5
-    assert lines[0] == "error: the data tell 21 of 42 numbers; they do not tell"
+    assert lines[0] == "error: the data determine 21 of 42 numbers; they do not determine"
     assert (
         lines[1] == "  constraints 1, 2, 3, 4, 5 and 6: both primitives together along x, y and z"
     )
     assert "measure poses that turn the platform" in lines[-1]
     held = gsp("calibrate", MACHINE, LEVEL, *SIGMA, "--hold-unknown", "-o", path)
     assert held.code == 0
-    assert "directions that the data do not tell are as stated" in path.read_text(encoding="utf-8")
+    assert "directions that the data do not determine are as stated" in path.read_text(
+        encoding="utf-8"
+    )
 
 
 def test_a_plan_can_be_measured_and_gone_on_from(gsp, tmp_path):

@@ -56,7 +56,9 @@ def test_one_piece_of_work_needs_no_processes() -> None:
 
 
 def test_a_killed_process_is_reported() -> None:
-    with pytest.raises(GspError, match="a process was killed, perhaps for want of memory"):
+    with pytest.raises(
+        GspError, match="a process was killed, perhaps because memory was exhausted"
+    ):
         list(TWO.as_completed(raise_signal, [SIGKILL, SIGKILL]))
 
 

@@ -1,4 +1,4 @@
-"""How results reach the user: one description of a table, a format a file, files written whole."""
+"""Output: tables, one file for each format, and files that are written whole."""
 
 from gspcli.cli.output.emit import emit, write
 from gspcli.cli.output.files import check_writable, write_whole

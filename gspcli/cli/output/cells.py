@@ -1,4 +1,4 @@
-"""Values as people read them: numbers with as many digits as there is room for."""
+"""Cells of tables for people: numbers with as many digits as there is room for."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ from collections.abc import Sequence
 
 from gspcli.cli.output.tables import DIGITS, Column, Table
 
-#: Numbers of a column are aligned if the largest lies between these; others need exponents.
+#: Numbers of a column have the same number of decimals if the largest lies between these; others
+#: need exponents.
 _SMALLEST, _LARGEST = 1e-3, 1e5
 #: Decimals that an aligned column has at least at full width.
 _FEWEST_DECIMALS = 2
@@ -16,12 +17,12 @@ _FEWEST_DECIMALS = 2
 _NOTHING = 1e-9
 #: Numbers of a column below this part of its size are rounding errors.
 _ROUNDING = 1e-12
-#: What a terminal would obey instead of showing: control characters, changes of direction.
+#: Characters that control a terminal: control characters, changes of direction.
 _OBEYED = re.compile("[\x00-\x1f\x7f-\x9f\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069]")
 
 
 def printable(text: str) -> str:
-    """Return a text with what a terminal would obey written out: a file's name may hold anything.
+    """Return a text with the characters that control a terminal escaped.
 
     Line breaks stay.
     """
@@ -65,7 +66,8 @@ def vector_text(numbers: Sequence[float], digits: int = DIGITS, *, size: float =
     numbers, digits
         The components, and their significant digits.
     size
-        Of a typical component: what is below `_NOTHING` of it is a rounding error, and zero.
+        A typical component. A component below `_NOTHING` times it is a rounding error, and shown as
+        zero.
     """
     shown = (x if abs(x) > _NOTHING * size else 0.0 for x in numbers)
     return ", ".join(f"{x:.{digits}g}" for x in shown)
@@ -83,7 +85,7 @@ def column_texts(table: Table, column: Column, digits: int = DIGITS) -> list[str
 
 
 def _cleared(value: object, size: float) -> object:
-    """Return zero for a rounding error of numbers of a size, and everything else as it is."""
+    """Return zero for a rounding error of numbers of a size, everything else unchanged."""
     return 0.0 if isinstance(value, float) and abs(value) < _ROUNDING * size else value
 
 
@@ -98,7 +100,7 @@ def _fixed(value: object, decimals: int, digits: int) -> str:
 
 
 def _decimals(values: Sequence[float], digits: int) -> int | None:
-    """Return how many decimals leave the largest number so many digits; None if that is no way."""
+    """Return how many decimals give the largest number so many digits; None if none does."""
     # Rounded, so that 0.9999999999 and 1 have the same decimals.
     largest = float(f"{max(map(abs, values), default=0.0):.{digits}g}")
     if largest == 0:

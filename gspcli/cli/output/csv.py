@@ -1,4 +1,4 @@
-"""Tables for programs that read columns: full precision, no words for people."""
+"""Tables for programs that read columns: full precision, without titles and notes."""
 
 from __future__ import annotations
 

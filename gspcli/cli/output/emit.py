@@ -1,4 +1,4 @@
-"""A result on its way to the user: the format, then the place."""
+"""Write a result in the format and to the place asked for."""
 
 from __future__ import annotations
 
@@ -40,13 +40,13 @@ def emit(
     texts
         Ready text for formats in which the command has no tables.
     """
-    # Each format is imported when it is needed: start-up is most of the time of many commands.
+    # A format is imported when it is needed: start-up is most of the time of many commands.
     tables = [tables] if isinstance(tables, Table) else list(tables)
     if output.part is not None:
         tables = [*_of_part(tables, output.part)]
     limited = output.path is None and lacking(sys.stdout)
     if limited:
-        # Before they are laid out: what stands for a character may be longer.
+        # Before the layout, since an escaped character is longer.
         tables = [table.converted(lambda text: representable(text, sys.stdout)) for table in tables]
     if texts and output.format in texts:
         write(output, texts[output.format])
@@ -120,7 +120,7 @@ def write(output: Output, content: str | bytes) -> None:
     elif isinstance(content, bytes):
         sys.stdout.buffer.write(content)
     elif output.format == "html" and lacking(sys.stdout):
-        # A page says itself what it is written in.
+        # A page states its own encoding.
         sys.stdout.buffer.write(content.encode())
     else:
         sys.stdout.write(content)

@@ -16,7 +16,7 @@ _KEPT = 32
 
 
 def check_writable(path: Path) -> None:
-    """Complain of a place where no file can be written before the work, not after it.
+    """Raise before the work, not after it, if no file can be written to a place.
 
     Raises
     ------
@@ -24,7 +24,7 @@ def check_writable(path: Path) -> None:
         If the file is a folder, or cannot be made in its folder.
     """
     with _told(path):
-        # A name that is too long is refused by the first question.
+        # A name that is too long raises in the first call.
         folder = path.resolve().parent
         if path.is_dir():
             code = errno.EISDIR

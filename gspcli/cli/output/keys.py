@@ -1,4 +1,4 @@
-"""What the keys of JSON and the columns of CSV of a command mean (``--keys``)."""
+"""The meanings of the keys of JSON and the columns of CSV of a command (``--keys``)."""
 
 from __future__ import annotations
 

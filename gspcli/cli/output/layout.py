@@ -1,4 +1,4 @@
-"""How a table is laid out on a terminal of a given width: nothing is ever cut inside a cell."""
+"""The layout of a table on a terminal of a given width. No cell is cut."""
 
 from __future__ import annotations
 
@@ -37,11 +37,11 @@ class Grid:
 
 
 def lay_out(table: Table, width: int | None = None) -> Grid | None:
-    """Choose how to show a table in a width, None being room for all.
+    """Choose the layout of a table for a width; None is unlimited.
 
     Tried in this order: all columns; headings, then prose, folded at blanks; without the columns
-    that matter least; prose as narrow as its words; fewer digits. Columns that are `minor` below
-    zero go only if four digits do not make room for them.
+    with the largest `minor`; prose as narrow as its words; fewer digits. Columns whose `minor` is
+    negative are omitted only if they do not fit with four digits either.
 
     Returns
     -------
@@ -66,7 +66,7 @@ def lay_out(table: Table, width: int | None = None) -> Grid | None:
 
 
 class _Measured:
-    """The cells of a table with some number of digits, and how wide they are."""
+    """The cells of a table with some number of digits, and their widths."""
 
     def __init__(self, table: Table, digits: int) -> None:
         self.table = table
@@ -128,7 +128,7 @@ class _Measured:
         yield self._squeezed(kept, self.narrowest, width)
 
     def _squeezed(self, kept: list[int], narrowest: dict[int, int], width: int) -> dict[int, int]:
-        """Return the widths when the prose gives up what is too much, the widest first."""
+        """Return the widths after columns of prose are narrowed to fit, the widest first."""
         widths = {k: self.folded[k] for k in kept}
         excess = sum(widths.values()) + GAP * (len(widths) - 1) - width
         while excess > 0:

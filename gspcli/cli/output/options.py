@@ -1,4 +1,4 @@
-"""The options ``--format`` and ``-o``: where a result goes and in which format."""
+"""The options ``--format`` and ``-o``: the format of a result, and its file."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ def _keys_option(function: Function) -> Function:
     )(function)
 
 
-#: What `-o` does, the same in all commands.
+#: The help of `-o`, the same in all commands.
 _FILE_HELP = "Write to FILE, replacing it"
 
 

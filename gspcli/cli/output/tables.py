@@ -27,9 +27,9 @@ class Column:
     essential
         Whether the column stays when a terminal is too narrow for all of them.
     minor
-        How little the column matters: on a narrow terminal those with the largest number are left
-        out first, and of several with the same the last. Below zero it is left out only if fewer
-        digits do not make room for it.
+        On a narrow terminal columns with the largest number are omitted first, of several with the
+        same number the last. With a negative number the column is omitted only if it does not fit
+        with fewer digits.
     fold
         After what a cell may go on in the next line: a blank in prose, a comma and a blank in
         lists; empty for cells that stay in one line.
@@ -39,8 +39,8 @@ class Column:
     decimals
         So many decimals for each number, for any width; None for what `aligned` says.
     size
-        Of a typical number: in tables for people what is far below it is a rounding error, and
-        zero. Otherwise one processor would show zero and another one 1e-17.
+        A typical number. In tables for people a number far below it is a rounding error, and shown
+        as zero. Otherwise one processor would show zero and another one 1e-17.
     """
 
     key: str
@@ -74,8 +74,8 @@ class Table:
     notes
         Lines below the table, for people only.
     summary
-        Lines between the title and the table that say what came out; with CSV, which has no
-        room for them, they go to standard error.
+        Lines between the title and the table that state the result. With CSV they go to standard
+        error.
     part
         What `--part` calls the table, where a command shows several.
     """

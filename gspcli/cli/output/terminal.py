@@ -18,7 +18,7 @@ _RULE = "─"
 
 
 def folded_lines(text: str) -> str:
-    """Return a text whose lines fit the terminal: they go on, indented, after a blank."""
+    """Return a text with lines broken at blanks to fit the terminal; continuations are indented."""
     import shutil
     import textwrap
 

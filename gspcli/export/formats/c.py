@@ -29,8 +29,8 @@ FORMAT = ControllerFormat(
     write,
     (".h", ".c"),
     "c is a header and a source in C99 for the controller of this platform: inverse kinematics, "
-    "Jacobian matrix, and the next pose from six new values with a proof that it is the "
-    "continuation of the last one, or a refusal. No allocation, bounded time. -o NAME.c writes "
+    "Jacobian matrix, and the next pose from six new values. It is proved that this pose continues "
+    "the last one; else it is refused. No allocation, bounded time. -o NAME.c writes "
     "NAME.h beside it; the pose of --mode is a constant in it. Values of cranks and slides are "
     "their angles and ways.",
 )
