@@ -1,4 +1,4 @@
-"""From measurements to the numbers of a platform, or to what the measurements do not tell."""
+"""From measurements to the numbers of a platform, or to the numbers that they do not determine."""
 
 from __future__ import annotations
 
@@ -96,9 +96,9 @@ def calibrate(
         Whether outliers count by their modulus (a pseudo-Huber loss).
     prior
         How well the numbers are known before, in length units; a two-hundredth of a typical length
-        if None. What the data tell less well is not known from them.
+        if None. A direction that the data determine less exactly than that counts as undetermined.
     hold_unknown
-        Whether what the data do not tell keeps what is stated, instead of being an error.
+        Whether numbers that the data do not determine keep their stated values, instead of raising.
 
     Returns
     -------
@@ -108,7 +108,8 @@ def calibrate(
     Raises
     ------
     IncompleteError
-        If the data do not tell all that is to be estimated: what they do not, and what to measure.
+        If the data do not determine all numbers to be estimated; the message names the others, and
+        what to measure.
     ArgumentError
         If an argument has a wrong shape or name.
     """
@@ -241,19 +242,19 @@ def _check_told(seen: Measurements, noise: Noise) -> None:
     """Raise if no row has more numbers than a pose has."""
     if not len(seen) or (not noise.exact and int(seen.numbers.max()) <= 6):
         message = (
-            "no row has more than six numbers, which a pose explains whatever the platform is: "
+            "no row has more than six numbers; six are explained by a pose of any platform: "
             "measure values and poses, or points"
         )
         raise IncompleteError(message)
 
 
 def _refusal(instance: Instance, unknown: Unknowns, found: Fit, seen: Measurements) -> str:
-    """Return what the data do not tell, and what to measure."""
+    """Return which numbers the data do not determine, and what to measure."""
     wanted = int(found.model.free.sum()) - unknown.frames
     told = wanted - unknown.missing
-    lines = [f"the data tell {told} of {counted(wanted, 'number')}"]
+    lines = [f"the data determine {told} of {counted(wanted, 'number')}"]
     if unknown.sentences:
-        lines[0] += "; they do not tell"
+        lines[0] += "; they do not determine"
         rest = "; ".join(unknown.sentences[_MOST_LINES - 1 :])
         lines += [f"  {sentence}" for sentence in (*unknown.sentences[: _MOST_LINES - 1], rest)]
     lines = [line for line in lines if line.strip()]
@@ -265,7 +266,7 @@ def _refusal(instance: Instance, unknown: Unknowns, found: Fit, seen: Measuremen
         lines.append(cause)
     else:
         advised = advice(instance, found, seen)
-        lines.append(f"{advised}; or go on with what is told (--hold-unknown)")
+        lines.append(f"{advised}; or hold the others as stated (--hold-unknown)")
     return "\n".join(lines)
 
 

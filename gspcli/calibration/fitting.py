@@ -308,7 +308,7 @@ def _factors(slopes: Array, right: Array) -> tuple[Array, Array, Array]:
 
 
 def _known(singular: Array, prior: float) -> NDArray[np.bool_]:
-    """Return which directions the data tell: better than rounding, and than is known before."""
+    """Return which directions the data determine better than rounding, and than is known before."""
     floor = _ROUNDING * float(singular.max(initial=0.0))
     return np.asarray((singular > floor) & (singular * prior > 1))
 

@@ -114,7 +114,7 @@ class Identification:
 
     @property
     def doubt(self) -> list[str]:
-        """What is said of a log that does not tell the machine, after that, in at most three."""
+        """The next lines about a log that does not determine the machine, at most three."""
         lines = [f"best: {self.turns.words()}, where the lengths fit to {self.scatter:.2g} "]
         lines[0] += self.leg_unit
         return [*lines, *self.sentences[2:]]

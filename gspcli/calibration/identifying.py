@@ -91,7 +91,7 @@ def identify(
     Raises
     ------
     IncompleteError
-        If the log does not tell the machine: what is missing.
+        If the log does not determine the machine: what is missing.
     SpecError
         With all mistakes of the file.
     """

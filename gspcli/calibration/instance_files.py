@@ -25,7 +25,7 @@ def calibrated_text(result: Calibration, remarks_of_log: Sequence[str] = ()) -> 
     ]
     if result.unknowns.missing:
         head.append(
-            f"# {result.unknowns.missing} directions that the data do not tell are as stated:"
+            f"# {result.unknowns.missing} directions that the data do not determine are as stated:"
         )
         head += [f"#   {sentence}" for sentence in result.unknowns.sentences]
     head += [f"# {remark}" for remark in remarks_of_log]

@@ -1,10 +1,10 @@
 """Joints of legs from lengths at known poses, without a first guess.
 
-The square of a length l is linear in the unknown joints p (platform) and b (base):
-``l^2 - T.T = (p.p + b.b) + 2 U.p - 2 T.b - 2 R:(b p^T)`` with ``U = R^T T``, 16 unknowns a leg if
-the products of p and b count as unknowns of their own. A constant that is missing in the lengths
-is one more. Where the log does not tell all of these, the solution of least norm is a start still:
-Gauss and Newton's method for the six or seven numbers of a leg follows.
+The square of a length l is linear in the unknown joints p (platform) and b (base): ``l^2 - T.T =
+(p.p + b.b) + 2 U.p - 2 T.b - 2 R:(b p^T)`` with ``U = R^T T``, 16 unknowns a leg if the products of
+p and b count as unknowns of their own. A constant that is missing in the lengths is one more. If
+the log does not determine all of these, the solution of least norm is still a start: Gauss and
+Newton's method for the six or seven numbers of a leg follows.
 """
 
 from __future__ import annotations

@@ -43,7 +43,7 @@ class Options:
     prior
         What is known before, in length units; None for a two-hundredth of a typical length.
     hold_unknown
-        Whether what the data do not tell keeps what is stated, instead of being an error.
+        Whether numbers that the data do not determine keep their stated values, instead of raising.
     """
 
     estimate: tuple[str, ...] = ()

@@ -43,7 +43,8 @@ class Calibration:
         What all deviations are multiplied by, because the noise was not stated: the root of
         chi-squared by its degrees of freedom. One if it was.
     unknowns
-        What the data do not tell; it keeps what is stated.
+        The directions that the data do not determine; the numbers keep their stated values along
+        them.
     options
         What was estimated, and how.
     without_worst
@@ -192,7 +193,8 @@ class Calibration:
     def worst(self) -> tuple[int, float, float] | None:
         """The row that agrees least, chi-squared without it, and the most that a number moves.
 
-        The last in its standard deviations. None if the others alone do not tell as much.
+        The last in its standard deviations. None if the other rows alone do not determine as many
+        numbers.
         """
         if self.without_worst is None:
             return None

@@ -1,4 +1,4 @@
-"""What data cannot tell, in words, and what to measure instead.
+"""The directions that data do not determine, in words, and what to measure.
 
 Along some directions of the parameters nothing that was measured changes. Each is compared with
 motions that have names: a plane along its normal with the offset of its distance, both ends of a
@@ -55,7 +55,7 @@ class ParameterMotion(NamedTuple):
 
 @dataclass(frozen=True)
 class Unknowns:
-    """What data do not tell.
+    """What data do not determine.
 
     Attributes
     ----------
@@ -79,7 +79,7 @@ class Unknowns:
 
 
 def unknowns(found: Fit, seen: Measurements) -> Unknowns:
-    """Return what the data of a fit do not tell."""
+    """Return the directions that the data of a fit do not determine."""
     model, rows = found.model, found.directions[~found.known]
     if not len(rows):
         return Unknowns(0, 0, ())

@@ -99,9 +99,7 @@ def parsed(text: str, node: Callable[..., Tree]) -> Tree:
     if number.fraction == 0 or (SMALLEST <= size <= LARGEST and sign_of(number)):
         return number
     if number.fraction is None and size <= LARGEST and not sign_of(number):
-        message = (
-            f"found {shown(text)}, which cannot be told from zero: write 0, or a simpler expression"
-        )
+        message = f"found {shown(text)}, which may be zero: write 0, or a simpler expression"
         raise ValueError(message)
     message = f"found {shown(text)}, expected 0 or a magnitude from {SMALLEST:g} to {LARGEST:g}"
     raise ValueError(message)
@@ -236,7 +234,7 @@ class _Parser(Generic[Tree]):
         except ZeroDivisionError:
             if operation == "tan":
                 raise self._error("the tangent of a right angle", "another angle") from None
-            zero = "zero" if arguments[1].fraction == 0 else "what cannot be told from zero"
+            zero = "zero" if arguments[1].fraction == 0 else "a number that may be zero"
             raise self._error(f"a division by {zero}", "a nonzero divisor") from None
         except OverflowError:
             raise self._error("a number that is too large", f"at most {LARGEST:g}") from None

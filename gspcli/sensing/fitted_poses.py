@@ -169,7 +169,7 @@ class PoseFit:
         if without.alike:
             others = listed((names[k] for k in without.alike), "and")
             return [
-                f"one measurement is wrong, and it cannot be told which: {names[worst]} or "
+                f"one measurement is wrong, and the data do not show which: {names[worst]} or "
                 f"{others} (studentised residual {size[worst]:.3g}); more readings would tell"
             ]
         pose = without.pose

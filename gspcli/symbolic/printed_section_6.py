@@ -49,8 +49,8 @@ def equation_14() -> str:
     _require(second - printed == 2 * (p2 - p1), "the second line is right")
     _require(third != printed and not printed.has(*p3), "the third line is right")
     return (
-        "if p1 moves to q with R fixed, p2 moves to q + p2 − p1; the printed argument is "
-        "q + p1 − p2, off by 2(p2 − p1), and the third line has it too instead of one with p3"
+        "if p1 moves to q with R fixed, p2 moves to q + p2 − p1. The printed argument is "
+        "q + p1 − p2, wrong by 2(p2 − p1). The third line has it, too, instead of one with p3"
     )
 
 

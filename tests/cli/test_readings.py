@@ -128,7 +128,7 @@ def test_a_fit_of_more_than_six(gsp):
 def test_a_fit_that_fails(gsp):
     run = gsp(*FIT, "leg P1 B2 = 2.953 ± 0.002")
     assert run.code == 1
-    assert "it cannot be told which" in run.err
+    assert "the data do not show which" in run.err
 
 
 def test_wrong_use_of_fit(gsp):

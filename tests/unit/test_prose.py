@@ -31,6 +31,7 @@ def found(text: str, suffix: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatc
             "int x; // as it is.\n/* The path\n * ends nowhere. */\n",
             ["1 'as it is'", "2 'ends nowhere'"],
         ),
+        (".py", '"""Title.\n\n\\b\nExamples:\n  gsp as it is.\n\nIt wants.\n"""\n', ["7 'wants'"]),
         (".md", "# Nobody\n\nThe `nobody` of [a page](nobody.md).\n\n    nobody\n", []),
         (".md", f"Text.\n\n- {LONG}\n", ["3 36 words"]),
         (".md", "```\nnobody\n```\n\nand somebody\n", ["5 'somebody'"]),
@@ -44,6 +45,13 @@ def test_what_is_found(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     assert found(text, suffix, tmp_path, monkeypatch) == expected
+
+
+def test_messages_of_the_package_are_checked() -> None:
+    source = (
+        '''"""A docstring: nobody."""\nx = f"found {1}, which nobody can read"\ny = "nobody"\n'''
+    )
+    assert list(prose.message_texts(source)) == [(2, "found 0, which nobody can read")]
 
 
 def test_parameters_and_items_are_sentences_of_their_own() -> None:

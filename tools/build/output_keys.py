@@ -553,7 +553,9 @@ KEYS: dict[str, str] = {
     "solve.fit.poses": "the minima found, by chi-squared; that these are all is not proved",
     "solve.fit.outlier": "the fit without one measurement, if none fits; else null",
     "solve.fit.outlier.name": "the measurement without which chi-squared is least",
-    "solve.fit.outlier.alike": "others that may be wrong as well: the data do not tell",
+    "solve.fit.outlier.alike": (
+        "others that may be the outlier as well: their studentised residuals are as large"
+    ),
     "solve.fit.outlier.without": "the best pose without it",
     **{
         f"solve.fit.{where}.{key}": what
@@ -703,11 +705,13 @@ KEYS: dict[str, str] = {
     "calibrate.sigma": "its standard deviation",
     "change/sigma": "change over the standard deviation",
     "covariance": "covariance of the numbers, in their order",
-    "unknown": "what the data do not tell",
+    "unknown": "the directions that the data do not determine",
     "directions": "how many directions",
     "calibrate.unknown.frames": "how many of them are frames of base and platform",
     "what": "the others in words",
-    "calibrate.worst": "the row that agrees least; null if the others do not tell as much",
+    "calibrate.worst": (
+        "the row that agrees least; null if the other rows do not determine as many numbers"
+    ),
     "calibrate.worst.row": "its t, or its number",
     "chi_squared_without": "chi-squared without it",
     "largest_change_over_sigma": "most that a number moves without it, over its deviation",

@@ -25,8 +25,8 @@ _REFUSED = {
     "model": "expected no other models in it",
     "attach": "expected no other models in it",
     "plugin": "expected no plugins",
-    "replicate": "expected each body by itself: save the model from MuJoCo's simulate",
-    "composite": "expected each body by itself: save the model from MuJoCo's simulate",
+    "replicate": "expected each body apart: save the model from MuJoCo's simulate",
+    "composite": "expected each body apart: save the model from MuJoCo's simulate",
     "flexcomp": "expected rigid bodies",
     "flex": "expected rigid bodies",
 }
@@ -175,7 +175,7 @@ class _Model:
             if int(model.eq_type[i]) == equality.mjEQ_JOINT:
                 if second >= 0:
                     pair = " and ".join(shown(model.jnt(k).name) for k in (first, second))
-                    message = f"found the joints {pair} geared, expected each by itself"
+                    message = f"found the joints {pair} geared, expected independent joints"
                     raise NoPlatform(message)
                 driven.add(first)
         return driven

@@ -178,7 +178,9 @@ class _Robot:
     def _joint(self, joint: MarkupElement) -> Joint | None:
         name, kind = joint.get("name"), joint.get("type")
         if joint.first("mimic") is not None:
-            message = f"found the joint {shown(name)} geared to another, expected it by itself"
+            message = (
+                f"found the joint {shown(name)} geared to another, expected independent joints"
+            )
             raise NoPlatform(message)
         X = _origin(joint)
         parent, child = self._end(joint, "parent"), self._end(joint, "child")

@@ -100,7 +100,7 @@ def test_translations_only_are_refused_by_name():
         with pytest.raises(IncompleteError) as caught:
             gspcli.calibrate(nominal(), values, turns, places, sigma=SIGMA)
         text = str(caught.value)
-        assert text.startswith("the data tell 24 of 42 numbers")
+        assert text.startswith("the data determine 24 of 42 numbers")
         assert "constraints 1, 2, 3, 4, 5 and 6: both primitives together along x, y and z" in text
         assert "tell at most 24, however many: measure poses that turn the platform" in text
         assert text.count("\n") < 5
@@ -219,7 +219,7 @@ def test_a_leg_that_is_never_read():
     with pytest.raises(IncompleteError) as caught:
         gspcli.calibrate(nominal(), values, R, T)
     text = str(caught.value)
-    assert text.startswith("the data tell 35 of 42 numbers; they do not tell\n")
+    assert text.startswith("the data determine 35 of 42 numbers; they do not determine\n")
     assert "constraint 4: no row has a reading\ngive readings of 4, or hold what" in text
     held = gspcli.calibrate(nominal(), values, R, T, hold=["platform.P4", "base.P4", "offset.4"])
     assert held.unknowns.count == 0

@@ -232,7 +232,7 @@ def test_scales_and_zeros_of_rails():
     assert np.abs(Drives.of(again).readings(values) - readings).max() < 1e-8
     kept = gspcli.calibrate(again, legs, R, T, drives=readings)
     assert kept.instance.constraints[0].base.slide.scale == again.constraints[0].base.slide.scale
-    with pytest.raises(gspcli.GspError, match="do not tell"):
+    with pytest.raises(gspcli.GspError, match="do not determine"):
         # Without a position nothing says how long the machine is.
         gspcli.calibrate(instance, legs, R, None, drives=readings, estimate=["scales"])
 

@@ -212,7 +212,7 @@ def test_orders_that_fit_as_well(tmp_path: Path) -> None:
     found = identify_log(read, None, np.zeros(3), {}, wide)
     assert found.turns.unusual == 0
     assert re.search(r"radians and \d+ others fit as well", found.sentences[2])
-    with pytest.raises(IncompleteError, match=r"(?s)the data tell .*\nambiguous: --euler "):
+    with pytest.raises(IncompleteError, match=r"(?s)the data determine .*\nambiguous: --euler "):
         identify(str(path))
 
 

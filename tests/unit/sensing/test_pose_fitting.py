@@ -134,7 +134,7 @@ def test_one_number_too_many_tells_no_outlier():
     assert fit.fitting == []
     assert fit.without is not None
     assert fit.without.alike
-    assert "it cannot be told which" in fit.sentences[2]
+    assert "the data do not show which" in fit.sentences[2]
     sizes = fit.poses[0].measurement_sizes
     assert np.nanmax(sizes) == pytest.approx(np.nanmin(sizes), rel=0.05)
 
