@@ -21,9 +21,9 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.measurement import jacobian, measured
 from gspcli.geometry.quaternions import rotation_from_vector
+from gspcli.reality.contradiction import contradiction
 from gspcli.resources import data_path
 from gspcli.solver import solve, solve_batch
-from gspcli.solver.contradiction import contradiction
 from gspcli.solver.starts.solved_starts import SolvedStarts
 from gspcli.spec import load
 from tools.recording import with_section

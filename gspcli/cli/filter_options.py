@@ -14,8 +14,8 @@ from gspcli.records import dataclass
 
 if TYPE_CHECKING:
     from gspcli.cli.pose_options import PoseConventions
+    from gspcli.motion.poses.mode_filters import Condition
     from gspcli.solver import SolveResult
-    from gspcli.solver.results.mode_filters import Condition
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -29,7 +29,7 @@ class FilterOptions:
     where
         Conditions for coordinates.
     within_limits, above
-        As in `gspcli.solver.results.mode_filters.ModeFilter`.
+        As in `gspcli.motion.poses.mode_filters.ModeFilter`.
     """
 
     where: tuple[Condition, ...] = ()
@@ -53,7 +53,7 @@ class FilterOptions:
         """
         if not (self.where or self.within_limits or self.above):
             return result, None
-        from gspcli.solver.results.mode_filters import ModeFilter
+        from gspcli.motion.poses.mode_filters import ModeFilter
 
         form = conventions.form(result.instance)
         sequence = form.euler or "ZYX"
@@ -96,7 +96,7 @@ def _parsed(texts: tuple[str, ...]) -> tuple[Condition, ...]:
     """Return the conditions of texts."""
     if not texts:
         return ()
-    from gspcli.solver.results.mode_filters import parse_conditions
+    from gspcli.motion.poses.mode_filters import parse_conditions
 
     try:
         return tuple(one for text in texts for one in parse_conditions(text))

@@ -74,7 +74,7 @@ class Shown:
         """Return the sentence about real poses that are omitted, if a filter is given."""
         if self.left is None:
             return []
-        from gspcli.solver.results.mode_filters import left_out_sentence
+        from gspcli.motion.poses.mode_filters import left_out_sentence
 
         return [left_out_sentence(self.left, result.counts.real)]
 

@@ -357,7 +357,7 @@ def _contradicting(result: SolveResult) -> list[int]:
     """Return the numbers of constraints that contradict each other, if that is why none is real."""
     if result.counts.real or result.verdict != "complete":
         return []
-    from gspcli.solver.contradiction import contradiction
+    from gspcli.reality.contradiction import contradiction
 
     return [k + 1 for k in contradiction(result.arrangement)]
 
@@ -383,7 +383,7 @@ def _document(
     if not shown.frame.is_identity:
         add_expressed(document, result, shown)
     if shown.left is not None:
-        from gspcli.solver.results.mode_filters import left_out_json
+        from gspcli.motion.poses.mode_filters import left_out_json
 
         document["left_out"] = left_out_json(shown.left)
     document["solutions"] = entries

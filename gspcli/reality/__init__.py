@@ -1,1 +1,1 @@
-"""The number of solutions that can be real: sampling, and a search for platforms with many."""
+"""How many solutions can be real: sampling, and a search for many; why none of a platform is."""

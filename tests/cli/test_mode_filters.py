@@ -9,7 +9,7 @@ import pytest
 import gspcli
 from gspcli.geometry.frames import PoseFrame
 from gspcli.geometry.home_pose import Frame, Frames, HomePose
-from gspcli.solver.results.mode_filters import ModeFilter, heights, parse_conditions
+from gspcli.motion.poses.mode_filters import ModeFilter, heights, parse_conditions
 
 MACHINE = gspcli.example("workspace-study")
 RESULT = gspcli.solve(MACHINE)

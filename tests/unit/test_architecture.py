@@ -73,7 +73,6 @@ INNER_ROOMS = {
         "study_systems",
         "arguments",
         "home_mode",
-        "contradiction",
         "ends",
         "instances",
         "results",
