@@ -27,9 +27,6 @@ Index = NDArray[np.intp]
 _KNOWN = 1e-13
 #: Bits for poses that 32 digits do not round correctly.
 _MANY_BITS = 128
-#: Ends of paths that agree to this part, as conjugates, are conjugates if all others are so many
-#: times as far apart: only one of the two ends is located.
-_ALIKE, _APART = 1e-3, 1e-3
 #: Points with smaller imaginary parts may be real.
 _NEARLY_REAL = 1e-6
 
@@ -150,7 +147,7 @@ class SidePoses:
         new = ~self._is_known(ends.points)
         index = np.flatnonzero(new)
         # One of each pair of conjugates is enough.
-        source = index[conjugate_sources(ends.points[index], _ALIKE)]
+        source = index[conjugate_sources(ends.points[index])]
         sought = index[source == index]
         bits = DOUBLE * ends.digits // 16
         near = ends.take(sought)
@@ -217,17 +214,11 @@ def is_nearly_real(point: Field) -> bool:
     return bool(np.abs(unit.imag / size).max() < _NEARLY_REAL)
 
 
-def conjugate_sources(points: Field, alike: float = _KNOWN) -> Index:
+def conjugate_sources(points: Field) -> Index:
     """Return for each Study point the index of an earlier conjugate, else its own, shape (k,).
 
-    NaN end points have no conjugate.
-
-    Parameters
-    ----------
-    points
-        Shape (k, 8).
-    alike
-        By which part two points may differ as conjugates, if all others differ by much more.
+    NaN end points have no conjugate. Points that differ in double precision are no conjugates: near
+    many a pose there is another one, where directions are nearly parallel, and its conjugate.
     """
     source = np.arange(len(points))
     for i, point in enumerate(points):
@@ -238,13 +229,9 @@ def conjugate_sources(points: Field, alike: float = _KNOWN) -> Index:
         with np.errstate(divide="ignore", invalid="ignore"):
             unit, size = _in_patch(point)
             gaps = np.abs((others / others[:, k : k + 1] - unit) / size).max(axis=1, initial=0.0)
-        near = np.flatnonzero(gaps < _KNOWN)
-        if not len(near) and len(gaps):
-            # Ends far away have few digits: a conjugate is the only one near.
-            others_gap = np.partition(gaps, 1)[1] if len(gaps) > 1 else np.inf
-            near = np.flatnonzero((gaps < alike) & (gaps < _APART * others_gap))
-        if len(near):
-            source[i] = source[near[0]]
+        alike = np.flatnonzero(gaps < _KNOWN)
+        if len(alike):
+            source[i] = source[alike[0]]
     return source
 
 

@@ -11,6 +11,7 @@ from gspcli.certification import certify
 from gspcli.defaults import SEED
 from gspcli.geometry.instance import Side
 from gspcli.solver import solve
+from gspcli.solver.starts.solved_starts import SolvedStarts
 
 SAMPLE = {
     "hexagons": ["shape-1/straight/6-places", "shape-2/turned/9-places"],
@@ -64,6 +65,18 @@ def test_a_pose_that_one_path_missed_is_found_by_following_paths(
     found = solve(platform.instance, seed=seed)
     assert found.verdict == "complete"
     assert len(found.R) == found.certified.sum() == poses
+
+
+@pytest.mark.parametrize(
+    "seed", [SEED, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(1, 20))]
+)
+def test_poses_next_to_conjugates_of_others_are_found(seed: int, load_tool: Callable) -> None:
+    """Of 304 poses 64 are within 3e-5 of another one: its conjugate is no conjugate of theirs."""
+    made = load_tool("special.platforms")
+    [platform] = [x for x in made.platforms(["parallels"]) if x.id == "parallels/DLL-1/1e-6"]
+    found = solve(platform.instance, seed=seed, starts=SolvedStarts())
+    assert found.verdict == "complete"
+    assert len(found.R) == found.certified.sum() == 304
 
 
 def test_nothing_said_depends_on_the_seed(load_tool: Callable) -> None:

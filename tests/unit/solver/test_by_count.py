@@ -123,6 +123,13 @@ def test_the_end_of_a_lost_path_may_be_no_point() -> None:
     assert side.conjugate_sources(ends).tolist() == [0, 1, 2, 2]
 
 
+def test_points_near_conjugates_are_no_conjugates() -> None:
+    """Nearly parallel lines have pairs of poses, 1e-5 apart: of two of these, one was left out."""
+    one = np.array([1, 2j, 3, 4, 5, 6, 7j, 8])
+    other = (one * (1 + 1e-5 * np.arange(8))).conj()
+    assert side.conjugate_sources(np.array([one, other, one.conj()])).tolist() == [0, 1, 0]
+
+
 def test_many_paths_astray_are_not_followed_before_a_count(monkeypatch: pytest.MonkeyPatch) -> None:
     """Half of the paths end elsewhere, as with every special geometry."""
 
