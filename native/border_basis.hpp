@@ -1,11 +1,11 @@
 // Border bases modulo a prime: the normal monomials of an ideal and how variables multiply them.
 //
-// Degree by degree, after B. Mourrain, "A new criterion for normal form algorithms", AAECC 1999: the
-// products of the normal monomials of degree d - 1 and the variables are reduced by the generators
-// of degree d and by the commutators x_i (x_j u) = x_j (x_i u), u normal of degree d - 2. A relation
-// whose top form vanishes (a fall of degree) becomes a generator of its degree, where the work is
-// taken up again; what has been reduced before is carried over. The normal monomials are those of
-// the degree reverse lexicographic order.
+// Works degree by degree, after B. Mourrain, "A new criterion for normal form algorithms", AAECC
+// 1999. The products of the normal monomials of degree d - 1 and the variables are reduced. They
+// are reduced by the generators of degree d and by the commutators x_i (x_j u) = x_j (x_i u), u
+// normal of degree d - 2. A relation whose top form vanishes (a fall of degree) becomes a generator
+// of its degree, and the work continues from that degree. Rows that were reduced before are kept.
+// The normal monomials are those of the degree reverse lexicographic order.
 #pragma once
 
 #include <algorithm>

@@ -1,6 +1,6 @@
-// Functions of the pose over a box, enclosed by their Taylor forms: the value at the centre, the sum of
-// the moduli of the derivatives times the half widths, and a bound of the rest (pose_box.hpp), so that the
-// enclosure differs from the range by terms of second order only.
+// Functions of the pose over a box, enclosed by their Taylor forms. A form has the value at the
+// centre, the sum of the moduli of the derivatives times the half widths, and a bound of the rest
+// (pose_box.hpp). So the enclosure differs from the range only by terms of second order.
 //
 // A function is given by its wrench, the derivatives by the position (force) and by a rotation about
 // the pivot (moment). For the square of a distance without rotation the enclosure is the range itself.

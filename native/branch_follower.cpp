@@ -15,7 +15,7 @@ constexpr double kDiverged = 0.5;
 constexpr int kNewtonSteps = 6;
 // A step is doubled when all segments of a block have a measure below this,
 constexpr double kEasy = 0.35;
-// or after so many blocks without failure: rounding may keep the measure up whatever the step.
+// or after so many blocks without failure: rounding may keep the measure large for any step.
 constexpr int kPatience = 4;
 
 class Follower {
@@ -42,7 +42,7 @@ class Follower {
     const D first = newton_step(system_, c, z);
     D step = first;
     for (int i = 1; i < kNewtonSteps; ++i) {
-      // A lane that is done stays as it is, so that no branch depends on the others.
+      // A lane that is done is not changed, so that no branch depends on the others.
       const Mask busy = (step >= kConverged) & (step < kDiverged);
       bool any = false;
       for (int l = 0; l < W; ++l) any |= busy[l] != 0;

@@ -1,13 +1,14 @@
 // The equations along a chord as polynomials, with bounds of their derivatives and of all rounding.
 //
-// Rounding: an expression in doubles differs from its exact value by at most m u / (1 - m u), u = 2^-53,
-// times the same expression of the moduli of its terms, if no term goes through more than m roundings
-// (as in gspcli.certification.poses.isolation). The numbers z and d of a chord are exact by definition.
-// Entries of Hessian matrices carry 4 roundings, a gradient 12, a value 21, c 9, N 5. A coefficient
-// of a plain equation has at most 27, one of the other equations 60 (c times N^2 - B^2). Splitting off
-// the factor tau^2 - 1/4 adds 6, products with Y 12. So kPlain = 64 u and kOthers = 128 u bound it
-// all. At tau the moduli of all coefficients add up to at most their expression at |z| + |d| / 2. Sums
-// of nonnegative bounds are rounded outward at the end.
+// Rounding: let no term of an expression in doubles go through more than m roundings. Then the
+// expression differs from its exact value by at most m u / (1 - m u), u = 2^-53, times the same
+// expression of the moduli of its terms (as in gspcli.certification.poses.isolation). The numbers z
+// and d of a chord are exact by definition. Entries of Hessian matrices carry 4 roundings, a
+// gradient 12, a value 21, c 9, N 5. A coefficient of a plain equation has at most 27, one of the
+// other equations 60 (c times N^2 - B^2). Splitting off the factor tau^2 - 1/4 adds 6, products
+// with Y 12. So kPlain = 64 u and kOthers = 128 u bound it all. At tau the moduli of all
+// coefficients add up to at most their expression at |z| + |d| / 2. Sums of nonnegative bounds are
+// rounded outward at the end.
 //
 // Included by each build of branch_follower.cpp.
 #pragma once
@@ -97,8 +98,8 @@ INLINE D moving(const MovingEquation& q, const D& from, const D& to, D* c) {
   return 0.0625 * size * size * size + 0x1p-50;
 }
 
-// Rounding of A^2 - c (N^2 - B^2): where the lines are near each other A and c are small, and the
-// error of A^2 is 2 A times that of A, not that of the square of its moduli.
+// Rounding of A^2 - c (N^2 - B^2). Where the lines are near each other A and c are small. The error
+// of A^2 is then bounded by 2 A times the error of A, not by the square of the moduli of A.
 INLINE void lines_errors(const MovingEquation& q, const D& square, const D& size, const D* a,
                          const D (*ga)[N], const D& c, D& value, D& gradient) {
   const double of_b = 0.5 * q.b.moduli;

@@ -1,9 +1,9 @@
 // All poses of platforms with three distances and three angles (Algorithm 6.6), if they are in
 // general position: first the rotations, then at each the translations. Plain data.
 //
-// An angle constraint is linear in R, so times N = e.e a real quadric in the quaternion space P^3;
-// three of them in general position meet in eight points, none of which has N = 0 (Section 6.1,
-// Proposition 6.1). What the distances leave of the translations is in surfaces.hpp.
+// An angle constraint is linear in R, so times N = e.e it is a real quadric in the quaternion space
+// P^3. Three of them in general position meet in eight points, and none has N = 0 (Section 6.1,
+// Proposition 6.1). The translations that meet the distances are computed in surfaces.hpp.
 #pragma once
 
 #include "intersection.hpp"
@@ -31,9 +31,9 @@ struct ValueSets {
 // How many poses each set has in general position on each combination of sides.
 int poses_of(const Measures&);
 
-// Study points of any norm of all poses of each set (count, signs, poses, 8), those of real poses
-// exactly real, and whether everything is in general position, so that by Bezout's theorem there are no
-// other poses; else the points are zero.
+// Returns Study points of any norm of all poses of each set (count, signs, poses, 8); those of real
+// poses are exactly real. Also whether everything is in general position; by Bezout's theorem there
+// are then no other poses. If not, the points are zero.
 void solve_closed_forms(const Directions&, const Measures&, const ValueSets&, Intersect* intersect,
                         std::complex<double>* point, bool* general);
 

@@ -1,23 +1,24 @@
 // Proves that a motor is within its range at all poses of a box, or at none.
 //
-// Let F(X; q) be the square of the distance of the two points at the pose X, less that of the rod, when
-// the motor is at q. Of a crank F is a constant and a sinusoid of q, of a slide a parabola. So it has two
-// roots; they are told apart by the sign of the derivative there, which is opposite to the sign s of the
-// gain (the knee). On the circle, or on the line, s F falls through zero once. Therefore, if a < b and,
-// for a crank, b - a < 2 pi,
+// Let F(X; q) be the square of the distance of the two points at the pose X, less that of the rod,
+// when the motor is at q. Of a crank F is a constant and a sinusoid of q, of a slide a parabola. So
+// it has two roots. They are distinguished by the sign of the derivative there, which is opposite
+// to the sign s of the gain (the knee). On the circle, or on the line, s F falls through zero once.
+// Therefore, if a < b and, for a crank, b - a < 2 pi,
 //
 //     s F(X; a) > 0 > s F(X; b) for all X of a box
 //
-// proves for each X exactly one root in [a, b]; it is that of the knee, and the gain is not zero there.
-// F(X; a) is a distance from the fixed point of the motor at a, so that nothing but squares of distances is
-// enclosed (box_forms.hpp). If [a, b] is in the range, the motor is within it; if it is outside, so is
-// the motor. The ends of the range are tried first. If both roots may be in the range, or none, a and b are
-// two of the ends of the range and of the half circle (half line) on which s F falls at the centre of the
-// box. Whether they are well chosen decides what is proved, not whether it is true.
+// proves for each X exactly one root in [a, b]; it is that of the knee, and the gain is not zero
+// there. F(X; a) is a distance from the fixed point of the motor at a, so that nothing but squares
+// of distances is enclosed (box_forms.hpp). If [a, b] is in the range, the motor is within it; if
+// it is outside, so is the motor. The ends of the range are tried first. If both roots may be in
+// the range, or none, other a and b are chosen. They are two of the ends of the range, and of the
+// half circle (half line) on which s F falls at the centre of the box. The choice decides whether
+// something is proved; what is proved is true for any choice.
 //
-// No root: the least F of all q is at least F(X; q) - S^2 / K for any q with K > 0, where
-// 2 S and 2 K are the first and second derivatives by q: with F = m - n cos(q - u), S = n sin(q - u) / 2 and
-// K = n cos(q - u) / 2, and n - n cos(q - u) <= n sin(q - u)^2 / (2 cos(q - u)).
+// No root: let 2 S and 2 K be the first and second derivatives of F by q. Then the least F of all q
+// is at least F(X; q) - S^2 / K for any q with K > 0. For with F = m - n cos(q - u) these are S = n
+// sin(q - u) / 2 and K = n cos(q - u) / 2, and n - n cos(q - u) <= n sin(q - u)^2 / (2 cos(q - u)).
 #include "drives.hpp"
 
 #include <cmath>
@@ -179,8 +180,9 @@ class Chain {
                  : (found.high + more) * kOutward < least_;
   }
 
-  // That F keeps its sign s in the range, at the ends of which it has it: at most in one place of a half
-  // circle s F is least, and not within if it rises at the first end or falls at the last one.
+  // Whether F keeps its sign s in the range, given that it has this sign at both ends. On a half
+  // circle s F has at most one minimum. It has none inside if it rises at the first end or falls at
+  // the last.
   bool keeps(int s) const {
     if (drive_.slide) return s < 0 || misses(1, drive_.low, drive_.high);
     const double width = drive_.high.m - drive_.low.m;
@@ -262,8 +264,8 @@ class Chain {
   double turns_[3], bend_, reach_, most_, least_;
 };
 
-// The order of places of a motor: the half circle on which s F falls at the centre, or the half line,
-// from its first place to its last one, and where the ends of the range are on it.
+// The order of places of a motor on the half circle (half line) on which s F falls at the centre of
+// the box. The places are its first, its last, and the ends of the range between them.
 struct Fall {
   bool known;          // no two places are too near to each other to be in order
   bool starts_within;  // the first place is in the range

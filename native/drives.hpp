@@ -5,12 +5,14 @@
 
 namespace gsp {
 
-// Judges the range of a motor, and whether the rod reaches its point at all: takes out of `open` what
-// holds for all poses of the box; outside if one of both is violated by all of them.
+// Judges the range of a motor, and whether the rod reaches its point at all. A condition that holds
+// for all poses of the box is removed from `open`. The box is outside if all its poses violate one
+// of both.
 Verdict judge_drive(const Drive& drive, const Limit& limit, const Place& at, Conditions& open);
 
-// Where the motor is at the poses of the box that the rod reaches: the leg at the centre, or near it at a
-// dead point, and how far the motor goes from there. False if nothing is proved.
+// Encloses the places of the motor at the poses of the box that the rod reaches. `leg` is the leg
+// at the centre (or near it, at a dead point), `swing` how far the motor moves from there. False if
+// nothing is proved.
 bool locate(const Drive& drive, const Limit& limit, const Place& at, Placed& leg, Swing& swing);
 
 }  // namespace gsp

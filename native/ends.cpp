@@ -218,7 +218,7 @@ void prove_points(const Decision& d, int steps, const Mask* above, const Mask* b
 // Points by their indices, as many as there are lanes; returns which are proved and rounded, one bit each.
 unsigned decide_lanes(const Decision& d, int count, const int* index, int steps) {
   C z[N];
-  // Lanes that are left over repeat the first point.
+  // Lanes without a point repeat the first one.
   for (int l = 0; l < W; ++l)
     for (int i = 0; i < N; ++i) put(z[i], l, d.points[N * index[l < count ? l : 0] + i]);
   V patch;

@@ -29,10 +29,10 @@ struct OpenGeometry {
   const double *finer, *finer_weight;
 };
 
-// One set of values: the function that is in the equation (a square, the distance, a cosine), what
-// bounds it, the distance itself where a quadric is turned, what double
-// precision leaves of the value, by how much that still errs, and what double precision leaves of
-// the distance.
+// One set of values. `value` is the function in the equation (a square, the distance, a cosine),
+// `bound` bounds it, `distance` is the distance itself where a quadric is turned. `low` and
+// `distance_low` are the remainders after rounding value and distance to doubles, and `gap` bounds
+// the error of `value` + `low`.
 struct OpenValues {
   const double *value, *bound, *distance, *low, *gap, *distance_low;  // (6) each
   double unit;  // of the digits of translations, a power of two, in lengths of the equations
@@ -51,11 +51,11 @@ struct Poses {
   std::uint8_t* complete;
 };
 
-// Decides about `count` Study points of any norm (count, 8): from one step of Newton's method, and where
-// that does not do from more, at points of 32 digits. If numbers with 64 digits are given, the equations are
-// evaluated with these, from more steps at once. Poses are rounded correctly (FinePoints). `work` has
-// room for twice the Hessian matrices and the coefficients, 182 quadrics numbers, and for 3 numbers a
-// point.
+// Decides about `count` Study points of any norm (count, 8) after one step of Newton's method. If
+// that does not suffice, more steps follow at points of 32 digits. If numbers with 64 digits are
+// given, the equations are evaluated with these, after several steps. Poses are rounded correctly
+// (FinePoints). `work` has room for twice the Hessian matrices and the coefficients, 182 quadrics
+// numbers, and for 3 numbers a point.
 using Decide = void(const OpenGeometry&, const OpenValues&, int count, const Complex* points,
                     double* work, const Poses&);
 Decide decide_portable, decide_avx2, decide_avx512;

@@ -29,7 +29,7 @@ Block packed(const FarGeometry& g, int first, double* work) {
   constexpr int size = kFarNumbers * W;
   Block b{work, work + size, work + 2 * size, work + 3 * size, {}, {}};
   for (int l = 0; l < W; ++l) {
-    // Lanes that are left over repeat the first pose.
+    // Lanes without a pose repeat the first one.
     const int p = first + l < g.count ? first + l : first;
     b.doubt[l] = g.error[p], b.real[l] = g.real[p];
     for (int k = 0; k < kFarNumbers; ++k) {

@@ -6,12 +6,13 @@ namespace {
 
 constexpr double kValueRounding = 0x1p-97;  // of `FineFarPoses.values`
 constexpr double kStepRounding = 0x1p-48;   // of a step of Newton's method where nothing cancels
-// Newton's method takes at most so many steps, each at most such a part of the one before; after so short a
-// one, as a part of the coordinates, values of 32 digits tell more than those of 16.
+// Newton's method in doubles takes at most kMostSteps steps, each at most kShrinking times the one
+// before. It has arrived after a step below kArrived times the coordinates (or times kNear, if they
+// are smaller). At most kFineSteps steps with values of 32 digits follow.
 constexpr int kMostSteps = 10, kFineSteps = 3;
 constexpr double kShrinking = 0.5, kArrived = 1e-7, kNear = 1e-3;
-// On the way to values from which it does not find a solution at once it stops at multiples of this part of
-// the way.
+// If Newton's method does not find the solution at the given values, the values are moved there in
+// steps, each a multiple of this part of the way.
 constexpr double kLeastPart = 0x1p-6;
 constexpr int kEntries = 12, kNumbers = 16;
 constexpr double kNothing = 5e-10;  // rounds to zero to nine digits
@@ -60,7 +61,7 @@ void isolate(const Block& b, const double* shift, const double* gap, const C* s,
   }
   a = kOutward * a + kTiny, bend = kOutward * bend + kTiny, delta = kOutward * delta;
   const V radius = (1.0 - a) / (2.0 * bend), q = kOutward * (a + bend * radius);
-  // Whatever is not a number proves nothing: it is in the sum.
+  // NaN proves nothing: it is part of the sum.
   isolated = (sum < __builtin_inf()) & (q < 1.0) & (radius > 0.0) & (kOutward * delta <= (1.0 - q) * radius);
   const V error = kOutward * (delta / (1.0 - q));
   error_after = kOutward * ((a + bend * error) * error + left + 0x1p-100 * total);

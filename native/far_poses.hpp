@@ -1,13 +1,14 @@
 // Poses far away in local coordinates, for many sets of values of one geometry; plain data.
 //
-// A platform that is special up to a rounding of eps has poses eps^-2 lengths away, where N is eps^4. A value
-// enters its equation as a multiple of N alone, so that they hardly depend on it. Let z be one of them and B
-// the inverse of the Jacobian matrix of the equations F there: with the values D further (squares of
-// distances, heights, cosines) the point z + N B s, s in C^7, is a solution where
+// A platform that is special up to a rounding of eps has poses eps^-2 lengths away, where N is
+// eps^4. A value enters its equation as a multiple of N alone, so that these poses hardly depend on
+// it. Let z be such a pose, and B the inverse of the Jacobian matrix of the equations F there. Let
+// the values (squares of distances, heights, cosines) change by D. Then the point z + N B s, s in
+// C^7, is a solution where
 //
 //     s + s^T Q s / 2 - D (1 + g s + s^T M s / 2) = 0,   Q = N B^T F'' B,  g = B^T N',  M = N B^T N'' B,
 //
-// seven equations whose numbers are all of order one or small, whatever N is. The proof is that of
+// seven equations whose numbers are all of order one or small, for any N. The proof is that of
 // gspcli.certification.poses.isolation, with second derivatives that are constant.
 #pragma once
 
@@ -30,7 +31,7 @@ struct FarGeometry {
   const Complex *number, *low;  // (count, kFarNumbers), and what double precision leaves of them
   // By how much the numbers err, besides 2^-104 of themselves, and F / N at z itself; (count).
   const double* error;
-  // (count): whether the numbers are real; whether the conjugate of the pose is not there by itself.
+  // (count): whether the numbers are real; whether the conjugate of the pose has to be added.
   const std::uint8_t *real, *paired;
   // The last poses, to which paths lead: those at complex values further by the origin (6), with their local
   // coordinates there (bent, 7).

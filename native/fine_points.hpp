@@ -47,9 +47,10 @@ struct FinePoints {
   // times the sum of the moduli of their terms: coefficients by 2^-96, products and sums by 2^-99.
   void (*values)(int quadrics, const ProofEquation*, const double* high, const double* low,
                  const FineNumbers& point, const FineNumbers& monomials, const LaneNumbers& value);
-  // The poses of these points less a change (8), that are known up to an error each then, real (1) or not
-  // (0). Numbers below 2^-12 units are rounded to multiples of 2^-64 units, others to the nearest double; the
-  // unit is a power of two above all numbers of R, of T (but not below the one given), of the quaternion.
+  // The poses of these points less a change (8), that are known up to an error each then, real (1)
+  // or not (0). Numbers below 2^-12 units are rounded to multiples of 2^-64 units, others to the
+  // nearest double. The unit is a power of two above all numbers of R, of T (but not below the one
+  // given), or of the quaternion.
   void (*poses)(const FineNumbers& point, const FineNumbers& monomials, const LaneNumbers& change,
                 const double* error, const double* real, double unit, const FinePoses&);
 };
@@ -65,9 +66,9 @@ struct FinerGeometry {
 };
 
 struct FinerPoints {
-  // The seven equations at points of 32 digits, for values and distances (4, 6). They err by less than 2^-150
-  // times the sum of the moduli of their terms: whatever is not computed without error is at most 2^-150 of
-  // that, and a double errs by 2^-53 of what it is the result of.
+  // The seven equations at points of 32 digits, for values and distances (4, 6). Their errors are
+  // below 2^-150 times the sum of the moduli of their terms. For only a part of at most 2^-150 of
+  // that sum is computed with rounding.
   void (*values)(const FinerGeometry&, const double* value, const double* distance, const FineNumbers& point,
                  const LaneNumbers& out);
 };

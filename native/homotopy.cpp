@@ -6,9 +6,9 @@
 namespace gsp {
 namespace {
 
-// Features that are smaller than this part of a quadric are rounding noise, which must not take the
-// path out of the linear space of quadrics that both ends are in: of numbers in doubles, and of
-// those that are known to 64 digits.
+// A feature that is smaller than this part of a quadric is a rounding error, and set to zero: the
+// path must stay in the linear space of quadrics that contains both ends. For numbers in doubles,
+// and with 64 digits.
 constexpr double kNoise = 1e-15, kDeepNoise = 1e-60;
 
 constexpr int kParts = 1 + kMore;

@@ -1,9 +1,9 @@
 // Points of planes and quadrics in general position, one system in each lane.
 //
-// Planes are eliminated by a unitary basis of the points that lie on all of them. The n quadrics
-// that are left meet in 2^n points, by Bezout's theorem: the joint eigenvectors of the
-// multiplications modulo the quadrics. They are polished by Newton's method on the planes and
-// quadrics as given. What is not certain is said to be so, and left to other methods.
+// Planes are eliminated by a unitary basis of the points that lie on all of them. The n quadrics on
+// them meet in 2^n points, by Bezout's theorem: the joint eigenvectors of the multiplications
+// modulo the quadrics. They are refined by Newton's method on the planes and quadrics as given.
+// Uncertain systems are marked, and solved by other methods.
 #include "intersection.hpp"
 
 #include "quotient.hpp"

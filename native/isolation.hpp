@@ -211,7 +211,7 @@ void isolate(const ProofSystem& system, const C* z, const Mask* above, const Lin
   delta = kOutward * delta;
   const V radius = minimum((1.0 - a) / (2.0 * b), splat(kReach));
   const V q = kOutward * (a + b * radius);
-  // Whatever is not a number proves nothing: it is in the sum.
+  // NaN proves nothing: it is part of the sum.
   out.isolated = (sum < __builtin_inf()) & (q < 1.0) & (radius > 0.0) &
                  (kOutward * delta <= (1.0 - q) * radius);
   out.error = kOutward * (delta / (1.0 - q));

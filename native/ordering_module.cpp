@@ -22,10 +22,10 @@ constexpr int kQuaternion = 4, kCoordinates = 3, kNumbers = kQuaternion + kCoord
 constexpr double kDecimals = 1e9;
 
 struct Key {
-  std::array<double, 4 * kNumbers> number;  // rounded, then as they are; real parts first
+  std::array<double, 4 * kNumbers> number;  // rounded, then unrounded; real parts first
   bool real;
 
-  // What is not a number comes last.
+  // NaN comes last.
   bool operator<(const Key& other) const {
     if (real != other.real) return real;
     for (std::size_t i = 0; i < number.size(); ++i) {

@@ -1,9 +1,10 @@
 // A box of poses: its centre, and how far the vectors of the constraints reach from there.
 //
-// With the half widths h of the position and d_i of the angles, rho the sum of the d_i: along a straight
-// line of parameters the angular velocity is at most rho and the angular acceleration at most the sum of
-// the d_i d_j (i < j), at most rho^2 / 3. So a turning vector E y moves by at most rho |y|, and differs
-// from its linear part by at most (rho^2 + rho^2 / 3) |y| / 2 = 2/3 rho^2 |y|.
+// Let h be the half widths of the position, d_i those of the angles, and rho the sum of the d_i.
+// Along a straight line of parameters the angular velocity is at most rho. The angular acceleration
+// is at most the sum of the d_i d_j (i < j), which is at most rho^2 / 3. So a turning vector E y
+// moves by at most rho |y|, and differs from its linear part by at most (rho^2 + rho^2 / 3) |y| / 2
+// = 2/3 rho^2 |y|.
 //
 // The cosine and sine of the C library are taken to be exact to 2^-50.
 #pragma once

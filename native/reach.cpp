@@ -113,8 +113,9 @@ Vector axis_at(const Cone& cone, const Swing& swing) {
   return along + c * (axis - along) + s * cross(n, axis);
 }
 
-// How much f of judge_cone changes when the motor moves from where it is at the centre, at any pose of
-// the box: its derivative by q is a' . r + a . r' less the cosine times r' . r / |r|, with the axis a.
+// Bounds the change of f of judge_cone when the motor moves from its place at the centre, at any
+// pose of the box. With the axis a, the derivative of f by q is a' . r + a . r' less the cosine
+// times r' . r / |r|.
 double change_by_motor(const Cone& cone, const Placed& b, const Swing& swing, const Place& at,
                        const Vector& axis, const Vector& direction) {
   const Drive& drive = *swing.drive;

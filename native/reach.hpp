@@ -41,8 +41,9 @@ struct Cone {
   Ball cosine;
 };
 
-// A motor that moves one of the two points of a limit: a crank on a circle, middle + along cos q + beside
-// sin q, or a slide on a line, middle + along q, in the frame of the point's body as it is at home.
+// A motor that moves one of the two points of a limit. A crank moves it on a circle, middle + along
+// cos q + beside sin q, a slide on a line, middle + along q. Both are in the frame of the point's
+// body.
 struct Drive {
   int row;                // the limit, of points
   bool slide, of_platform;

@@ -1,10 +1,10 @@
 // Tracking of quadrics of which only the multiples of N move; plain data.
 //
-// An angle, a one-sided distance to a plane and the distance of two points are quadrics on the Study
-// quadric that are linear in e_i e_j, in the six coordinates of w = e ^ f (e0 f_i - e_i f0 and
-// (e x f)_i, as N T and N U are) and in h = f.f; and |w|^2 = N h on e.f = 0. So six of them are
-// linear equations in the quantities q = (w, h), or q = w if none has h; each has its value times
-// N. Solved for as many quantities as they determine (the pivots),
+// An angle, a one-sided distance to a plane and the distance of two points are quadrics on the
+// Study quadric. They are linear in e_i e_j, in h = f.f, and in the six coordinates of w = e ^ f.
+// These are e0 f_i - e_i f0 and (e x f)_i; N T and N U are combinations of them. On e.f = 0, |w|^2
+// = N h. So six of them are linear equations in the quantities q = (w, h), or q = w if none has h;
+// each has its value times N. Solved for as many quantities as they determine (the pivots),
 //
 //     q_j = v_j N - form_j(e) - sum over l of slope_jl s_l,
 //

@@ -60,7 +60,7 @@ class ReducedQuadrics {
     for (int i = 0; i < kEquations; ++i) {
       const Number *q = quadrics + i * kQuadric, *mixed = q + kForms;
       for (int k = 0; k < kQuadric; ++k) largest = std::max(largest, std::abs(q[k]));
-      // e.f vanishes; what is left must be skew.
+      // e.f vanishes; the rest must be skew.
       for (int a = 0; a < 4; ++a)
         for (int b = 0; b <= a; ++b)
           rest = std::max(rest, std::abs(mixed[4 * a + b] + mixed[4 * b + a] -
@@ -81,7 +81,7 @@ class ReducedQuadrics {
     double size;
     int row, column;
   };
-  // The largest entry that is left, in one column unless that is -1.
+  // The largest entry of the rows without pivots, in one column unless that is -1.
   Choice choose(int column) const {
     Choice best{-1.0, 0, 0};
     for (int i = pivots; i < kEquations; ++i)

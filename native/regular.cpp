@@ -1,5 +1,6 @@
-// Proves that no pose of a box is singular: the rows of the Jacobian matrix J are enclosed over it; with
-// C an approximate inverse of that of the centre, |1 - C J| < 1 in the norm of row sums for all of them.
+// Proves that no pose of a box is singular. The rows of the Jacobian matrix J are enclosed over the
+// box, and C is an approximate inverse of J at the centre. If |1 - C J| < 1 in the norm of row sums
+// for all enclosed J, none is singular.
 #include <algorithm>
 #include <cmath>
 

@@ -23,7 +23,7 @@ struct ResidueOperations {
   }
   Residue negative(Residue a) const { return a == 0 ? 0 : self().prime - a; }
   Residue subtract(Residue a, Residue b) const { return add(a, negative(b)); }
-  // By Euclid's algorithm: what is left is a times its coefficient, modulo p.
+  // By Euclid's algorithm: `left` is a times `coefficient`, modulo p.
   Residue inverse(Residue a) const {
     if (a <= 1) return a;
     std::uint64_t left = a, next = self().prime;

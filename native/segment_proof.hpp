@@ -1,21 +1,21 @@
-// Proves a segment of a branch to be one branch and the only one near.
+// Proves that a segment belongs to one branch, and that no other branch is near.
 //
 // On a segment, tau from -1/2 to 1/2, let z(tau) be the chord between two points of norm about one
-// on the patch p.z = 1, F(z, tau) the Study condition, the six equations and p.z - 1, and Y an
-// approximate inverse of the Jacobian matrix in the middle. Suppose that for all tau
+// on the patch p.z = 1. Let F(z, tau) be the Study condition, the six equations and p.z - 1, and Y
+// an approximate inverse of the Jacobian matrix in the middle. Suppose that for all tau
 //
 //   |Y F(z(tau), tau)| <= beta,   |1 - Y F'(z(tau), tau)| <= q,
 //   |Y (F'(x, tau) - F'(y, tau))| <= kappa |x - y| for x, y within kReach of the chord.
 //
-// Then z - Y F(z, tau) contracts the ball about z(tau) of any radius below u = min(kReach,
-// (1 - q) / kappa), and if (1 - q)^2 > 2 kappa beta it maps the ball of the smaller root r of
-// kappa r^2 / 2 - (1 - q) r + beta into itself: for each tau there is exactly one zero within u,
-// within r of the chord, and simple (Newton-Kantorovich; L. Rall, Computational Solution of
-// Nonlinear Operator Equations, 1969, section 22). So these zeros are one smooth branch, and no
-// other one comes within u - r of it.
+// Then z - Y F(z, tau) is a contraction on the ball about z(tau) of any radius below u =
+// min(kReach, (1 - q) / kappa). If (1 - q)^2 > 2 kappa beta, let r be the smaller root of kappa r^2
+// / 2 - (1 - q) r + beta. Then the ball of radius r is mapped into itself. So for each tau exactly
+// one zero is within u of the chord; it is within r, and simple (Newton-Kantorovich; L. Rall,
+// Computational Solution of Nonlinear Operator Equations, 1969, section 22). These zeros are one
+// smooth branch, and no other branch comes within u - r of it.
 //
-// Two segments meet in the same zero if what the first proves about its end lies within u of the
-// second; the ends are nearly exact, so that the same bounds with a much smaller beta hold there.
+// Two segments meet in the same zero if the ball that the first proves about its end lies within u
+// of the second. The ends are nearly exact, so the same bounds hold there with a much smaller beta.
 //
 // Included by each build of branch_follower.cpp.
 #pragma once

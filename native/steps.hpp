@@ -122,7 +122,7 @@ struct Steps {
            ((n2 <= aims.contraction * n1) | ((n2 <= kNoise * noise) & (n2 <= kLongestNoise)));
   }
 
-  // What a new series says of itself.
+  // Takes pole, radius and leading term from a new series.
   INLINE void expand(const Tail& tail, const Mask& accepted) {
     const V a0 = tail.last + kTiny, a1 = tail.second + kTiny, a2 = tail.third + kTiny;
     pole = select(accepted, (1.0 / (a1 * a1 + kTiny * kTiny)) * tail.product, pole);

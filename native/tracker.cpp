@@ -1,10 +1,10 @@
 // Adaptive tracking of several paths at a time, one in each lane of a vector.
 //
-// A step: evaluate the Taylor series of every lane at its own step length (the last term summed as
-// a geometric series, a Pade approximant with the common pole), correct twice by Newton's method,
-// and, in lanes where the corrections contract as they should, compute the next Taylor series with
-// the second factorization. (With the first one the series inherits a relative error that is
-// proportional to the first correction, and steps are short wherever paths bend.)
+// A step evaluates the Taylor series of every lane at its own step length. The last term is summed
+// as a geometric series (a Pade approximant with the common pole). Then Newton's method corrects
+// the point twice. In lanes whose corrections contract enough, the next Taylor series is computed
+// with the second factorization. (With the first factorization the series would have a relative
+// error proportional to the first correction, and steps would be short wherever paths bend.)
 #include <algorithm>
 
 #include "path_series.hpp"
@@ -90,7 +90,7 @@ void refine(const Equations& H, Workspace& w, int count, const int* index, const
     }
   go(H, w, splat(1.0));
   V last = splat(1.0);
-  // A lane that has converged stays as it is, whatever the others need.
+  // A lane that has converged is not changed while others continue.
   bool going = true;
   for (int k = 0; k < kRefinements && going; ++k) {
     C dz[N], moved[N];
@@ -107,8 +107,8 @@ void refine(const Equations& H, Workspace& w, int count, const int* index, const
   }
   linearize(H, w, z);
   factorize(w);
-  // Frobenius norms of the inverse of J, with the equations divided by their magnitude and as they
-  // are.
+  // Frobenius norms of the inverse of J, with the equations divided by their magnitude and
+  // undivided.
   V condition = splat(0.0), curvature = splat(0.0);
   for (int c = 0; c < kRows; ++c) {
     C x[kRows];

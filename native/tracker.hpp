@@ -12,9 +12,9 @@ constexpr int kVariables = 8;  // e0..e3, f0..f3
 constexpr int kEquations = 6;  // besides e.f = 0
 constexpr int kQuadrics = 2 * kEquations;
 
-// The functions that a quadric is a combination of: monomials e_i e_j (i <= j, row by row), then
-// T and U (without their factor 2), then e_i f_j + e_j f_i (i < j, row by row) and e_i f_i (i > 0),
-// then f.f. On e.f = 0 this is a basis. Groups that a homotopy does not use are skipped.
+// A quadric is a combination of these functions, in this order: monomials e_i e_j (i <= j, row by
+// row); T and U (without their factor 2); e_i f_j + e_j f_i (i < j, row by row) and e_i f_i (i >
+// 0); f.f. On e.f = 0 they are a basis. Groups that a homotopy does not use are skipped.
 constexpr int kFeatures = 26;
 enum Group : unsigned { kT = 1, kU = 2, kS = 4, kRho = 8 };
 constexpr int kOffsetT = 10, kOffsetU = 13, kOffsetS = 16, kOffsetRho = 25;
@@ -81,7 +81,7 @@ struct Results {
   std::uint8_t* status;
   std::int32_t* steps;     // accepted and rejected
   double* condition;       // of the inverse Jacobian matrix, Frobenius, equations of magnitude 1
-  double* curvature;       // likewise, equations as they are: bounds J^-1 D^2 F
+  double* curvature;       // likewise, equations undivided: bounds J^-1 D^2 F
   double* residual;        // largest equation at the point, divided by its magnitude
   double* correction;      // length of the last Newton correction
 };

@@ -11,9 +11,9 @@
  * the rule of products (jets: bounds of the orders 0 to 3 by a unit twist). F on the chord: by
  * quadratic interpolation, whose error is at most sqrt(3)/216 of the third derivative.
  *
- * Rounding: no term goes through more than 100 roundings, those of the data included; so EPS =
- * 2^-46 times the moduli of all terms bounds it, with fused multiplications or without. cos, sin and
- * sqrt are taken to err by at most two units in the last place. */
+ * Rounding: no term goes through more than 100 roundings, those of the data included. So EPS =
+ * 2^-46 times the moduli of all terms bounds the error, with fused multiplications or without. The
+ * errors of cos, sin and sqrt are assumed to be at most two units in the last place. */
 #include "platform.h"
 
 #include <math.h>
@@ -22,7 +22,7 @@
     (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
 #error "the proofs need IEEE arithmetic: compile without -ffast-math, -Ofast, -funsafe-math-optimizations, -fassociative-math, -freciprocal-math and -ffinite-math-only"
 #endif
-#if defined(__clang__) /* it has no macros for these options, but can be told to ignore them */
+#if defined(__clang__) /* it has no macros for these options; the pragma overrides them */
 #pragma float_control(precise, on)
 #endif
 
@@ -427,9 +427,9 @@ static void bound_square(const geometry *g, int k, const placed *p, const part *
 #endif
 
 #if HAS_DLL
-/* Of r.n - c |n|, n = w x v. The moment is the same for all points of both lines: for the foot of the
- * common perpendicular on the platform's (or what is nearer to the middle, if they are nearly
- * parallel), and the point of the base's that is nearest to that. */
+/* Bounds of r.n - c |n|, n = w x v. Any points of both lines give the same moment. Chosen are the foot
+ * of the common perpendicular on the platform's line (or a point nearer to the middle, if the lines
+ * are nearly parallel), and the point of the base's line nearest to it. */
 static void bound_lines(const geometry *g, int k, const placed *p, const part *b, double moduli,
                         bounds *out) {
   const double *v = g->V[k];
@@ -606,10 +606,10 @@ static double linearize(const geometry *g, const frame *f, const double *c, doub
   return (sqrt(defect) + 0x1p-49 * sqrt(moduli)) * OUTWARD;
 }
 
-/* |Y (F'(x) - F'(0))| for x = (w, t) = d from a frame to another one, with what it may deviate from
- * the chord in between: by the derivative of exp, 1 + w^x / 2 up to |w|^2 / 6 (and |d|^3 / 5, since d
- * may have the tangent of the angle), and the error of interpolation; what values add to it is at most
- * `cross`, there and at the end. */
+/* Bounds |Y (F'(x) - F'(0))| for x = (w, t) = d from one frame to another, and its deviation from the
+ * chord in between. The derivative of exp is 1 + w^x / 2 up to |w|^2 / 6 (and |d|^3 / 5, since d may
+ * have the tangent of the angle). The error of interpolation is added. The values add at most
+ * `cross`, in between and at the end. */
 static double slanting(const geometry *g, double (*J0)[6], const frame *end, const double *values,
                        const double *d, const bounds *b, double (*inverse)[6]) {
   double F[6], J[6][6], rest[6], sum = 0.0, size = length6(d) * OUTWARD;
