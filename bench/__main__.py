@@ -135,7 +135,7 @@ def memory(folder: Path) -> dict[str, Shell]:
 
 
 def bars(report: Report) -> list[Bar]:
-    """Return the ratios to the quickest peer beside what is wanted, the worst first."""
+    """Return the ratios to the quickest peer beside the required ones, the worst first."""
     found: list[Bar] = []
     for case in report.cases:
         times = {name: median(peer.seconds) for name, peer in case.peers.items() if peer.seconds}

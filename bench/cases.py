@@ -1,9 +1,9 @@
 """The platforms that are timed: random ones with short exact numbers, and Dietmaier's.
 
-The peers that take exact input are to get the same problem as everybody else, in the form that
-suits them. So directions are integer vectors of integer length, and angles have short cosines:
-every equation then has short rational coefficients. (With instances as `gsp new` makes them the
-equations of planes have square roots in them, to be replaced by rationals of 16 digits.)
+The peers that take exact input get the same problem as the others, in the form that suits them. So
+directions are integer vectors of integer length, and angles have short cosines: every equation then
+has short rational coefficients. (With instances as `gsp new` makes them the equations of planes
+have square roots in them, to be replaced by rationals of 16 digits.)
 """
 
 from __future__ import annotations

@@ -2,17 +2,17 @@
 
     python -m bench.controllers [--walks 40] [--costs]
 
-Peers are Newton's method until it converges (LinuxCNC's genhexkins and many others), Newton's
-method with three steps a cycle and Reachy Mini's own library, which does so
-(``pip install reachy-mini-rust-kinematics``), and Nelder and Mead's (SciPy) on the squares of what
-is missing, as one telescope does. All walk through the same values,
-half of the walks about the pose of the machine at rest, half into
-a fold. The truth is what the program of `gsp export --to c` has proved. Printed are lines of the
-table in docs/controller.md: how many proved steps the peer missed by more than a millionth of the
-size, in how many walks it ended in another mode (or gave up), and at how many refusals of the
-program it named a pose without a word; and the time of a step, calls from Python included.
-With ``--costs``: what one proved step and Newton's method until it converges cost, both in C and in
-turns, for steps of some sizes from poses about home.
+There are four peers. Newton's method until it converges is used by LinuxCNC's genhexkins and many
+others. Newton's method with three steps a cycle is used by Reachy Mini's own library, which is a
+peer, too (``pip install reachy-mini-rust-kinematics``). The method of Nelder and Mead (SciPy) on
+the sum of squared residuals is used by one telescope. All walk through the same values, half of the
+walks about the pose of the machine at rest, half into a fold. The reference are the steps that the
+program of `gsp export --to c` has proved. Printed are lines of the table in docs/controller.md. A
+line has three numbers: the proved steps that the peer missed by more than a millionth of the size,
+the walks in which it ended in another mode (or gave up), and the refusals of the program at which
+the peer returned a pose without a warning. The last column is the time of a step, calls from Python
+included. With ``--costs``: what one proved step and Newton's method until it converges cost, both
+in C and in turns, for steps of some sizes from poses about home.
 """
 
 from __future__ import annotations

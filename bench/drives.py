@@ -1,11 +1,11 @@
-"""What machines with cranks and slides cost in Python, and that other platforms cost what they did.
+"""Time machines with cranks and slides in Python, and compare other platforms with before.
 
     python -m bench.drives [--poses 10000]
     python -m bench.drives --against CHECKOUT [--commands measure,track,...] [--turns 3] [NAME ...]
 
-Without --against: the seconds of processor time for the numbers of the drives of 10 000 poses, and
-for their torques under the weights of all bodies and under a load, of each shipped machine with
-cranks or slides. The best of five runs in one process counts.
+Without --against it prints seconds of processor time for each shipped machine with cranks or
+slides. They are those for the numbers of the drives of 10 000 poses, and for their torques under
+the weights of all bodies and under a load. The best of five runs in one process counts.
 
 With --against: another version of `gsp`, built with its virtual environment in CHECKOUT/.venv. Both
 run the commands that people use on each shipped platform without cranks or slides (or on each

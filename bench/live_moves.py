@@ -6,12 +6,13 @@ Each NAME is a shipped platform, or a type of which a random platform is taken. 
 (`gsp view --live`) is opened in headless Chromium. One value moves by small steps, one a picture.
 Measured are
 
-- the processor time of the page's thread for a move, with all drawing that it does (DevTools'
-  ``TaskDuration`` in the time domain ``threadTicks``), which other work on the machine does not
-  change: as it is, and times the rate as what a slower processor takes;
-- for how long the thread is busy with the picture of a move by the clock (median), how many modes
-  move at once, and after how long at rest all of them are there; as it is, and with the thread
-  slowed down by DevTools (``Emulation.setCPUThrottlingRate``; workers are not slowed down);
+- the processor time of the page's thread for a move, with all its drawing (DevTools'
+  ``TaskDuration`` in the time domain ``threadTicks``). Other work on the machine does not change
+  it. It is printed as measured, and times the rate for a slower processor;
+- the time by the clock for which the thread is busy with the picture of a move (median), how many
+  modes move at once, and the time at rest after which all modes are there. It is printed as
+  measured, and with the thread slowed down by DevTools (``Emulation.setCPUThrottlingRate``; workers
+  are not slowed down);
 - memory: the heap of JavaScript and of what the page holds (``Runtime.getHeapUsage``, after
   collecting garbage twice) before and after each of four series of moves over the same values.
 """

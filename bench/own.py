@@ -109,7 +109,7 @@ def shell(path: Path, repeats: int) -> Shell:
     """Solve an instance file from the shell, certified, JSON out."""
     words = ["solve", path, "--format", "json"]
     with tempfile.TemporaryDirectory() as folder:
-        # As installed: Python keeps its modules compiled, whatever the environment says here.
+        # As installed: Python keeps its modules compiled, even if this environment forbids it.
         kept = {"PYTHONDONTWRITEBYTECODE": "", "PYTHONPYCACHEPREFIX": folder}
         known = data_path("examples", "dietmaier.yaml")
         run([sys.executable, "-m", "gspcli", "solve", known, "--format", "json"], more=kept)

@@ -47,7 +47,7 @@ class CaseResult:
 
 @dataclass(frozen=True)
 class Bar:
-    """How many times slower a peer is, beside what is wanted at least."""
+    """How many times slower a peer is, beside the least required."""
 
     name: str
     wanted: float
@@ -55,12 +55,12 @@ class Bar:
 
     @property
     def met(self) -> bool:
-        """Whether the measure is as wanted."""
+        """Whether the measure is at least the required one."""
         return self.measured >= self.wanted
 
     @property
     def cells(self) -> list[str]:
-        """The name, what is wanted, what was measured, and whether that is met."""
+        """The name, the required ratio, the measured one, and whether it is met."""
         wanted, measured = (f"{number(x)} times" for x in (self.wanted, self.measured))
         return [self.name, f"≥ {wanted}", measured, "met" if self.met else "**missed**"]
 

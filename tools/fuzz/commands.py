@@ -1,4 +1,4 @@
-"""Attack `gsp` with command lines, files, streams and signals that nobody should send.
+"""Attack `gsp` with invalid command lines, files, streams and signals.
 
     python -m tools.fuzz.commands [--count N] [--kind KIND] [--seed N] [--record]
     python -m tools.fuzz.commands --check [--sample N]
@@ -14,9 +14,9 @@ Four kinds of runs, by seeds:
 
 All but the last are run within this process, each for at most a second or so, after which it is
 interrupted as by Ctrl-C. What must hold: the exit code is 0, 1, 2, 3, 4 or 130 (or that of the
-signal); no traceback, nothing of another library; an error is at most five lines; nothing is left
-of files that were not finished. What does not hold is printed with its seed, and the exit code is
-1. ``--record`` writes data/verification/hostile-runs.csv; ``--check`` runs a part of it again.
+signal). No traceback and no message of another library is printed. An error is at most five lines.
+Unfinished files are removed. A violation is printed with its seed, and the exit code is 1.
+``--record`` writes data/verification/hostile-runs.csv; ``--check`` runs a part of it again.
 """
 
 from __future__ import annotations
@@ -226,7 +226,7 @@ def wrong(hostile: Hostile, told: Told, folder: Path) -> list[str]:
     if told.code not in DOCUMENTED:
         found.append(f"exit code {told.code}")
     text = "\n".join([told.err, *told.foreign])
-    # A Ctrl-C while Python starts, or within a finalizer, is told by Python.
+    # Python reports a Ctrl-C while it starts, or within a finalizer.
     if "KeyboardInterrupt" not in text:
         found += [f"{word!r} is said" for word in FOREIGN if word in text]
     lines = told.err.splitlines()

@@ -1,8 +1,8 @@
-"""Command lines and files that nobody should write, drawn at random.
+"""Invalid command lines and files, drawn at random.
 
 `options` draws a command with some of its options and arguments, found in its declaration, and
-values that fit badly; `inputs` gives a command a good file that was spoilt. Whoever runs them does
-so in an empty folder.
+values that fit badly; `inputs` gives a command a good file that was spoilt. Run them in an empty
+folder.
 """
 
 from __future__ import annotations
@@ -311,5 +311,5 @@ def write_files(hostile: Hostile, folder: Path) -> None:
 
 
 def text(words: list[str]) -> Any:
-    """Return a command as it is told: what cannot be printed escaped, and not too long."""
+    """Return a command for a message: escaped where it cannot be printed, and shortened."""
     return " ".join(word if len(word) < 60 else word[:57] + "..." for word in map(ascii, words))

@@ -3,19 +3,19 @@
     python -m tools.fuzz.motion [--count 50] [--seed N] [--most 32]
 
 Each attack is a random platform of a random type (of at most ``--most`` poses on one side) and a
-random CSV file: rows of values measured at random poses nearby, with one of these turns: as they
-are, a row repeated, back to the first row, there and back through the same rows, a row at a fold
-that was found (to its last digit), a coordinate that moves, more ``--steps``, or a spoilt cell.
-Both go through the command line, in JSON and in CSV. What must hold:
+random CSV file. Its rows are values measured at random poses nearby. They are unchanged, or changed
+in one way. A row is repeated, the rows return to the first, or go there and back. One row is at a
+fold that was found (to its last digit), a coordinate moves, ``--steps`` is larger, or a cell is
+spoilt. Both go through the command line, in JSON and in CSV. What must hold:
 
-- a spoilt cell is told with its line and column, with exit code 2; else the exit code follows from
-  the document: 4 if modes end or do not account for the poses at the last row, 0 otherwise;
+- a spoilt cell is reported with its line and column, and exit code 2. Otherwise the exit code is 4
+  if modes end or do not account for the poses at the last row, and 0 if not;
 - CSV and JSON have the same numbers;
-- each mode has a pose at each row from the first, or the one after which it begins, to the last, or
-  the one before which it ends, and at no other; whatever ends or begins early has one event;
-- the poses at each row are poses of a complete set, found by `solve` there, all different; at the
-  first and last row they are all of them (rows with nearly singular poses are left out);
-- backwards, modes that go all the way go to where they came from, and folds are at the same t.
+- each mode has a pose at each row from its first to its last, and at no other. A mode that begins
+  after the first row, or ends before the last, has one event there;
+- the poses at each row are different poses of the complete set that `solve` finds there; at the
+  first and last row they are the whole set (rows with nearly singular poses are omitted);
+- backwards, modes that reach the other end return to their start, and folds are at the same t.
 
 Rows of which `solve` says that they have infinitely many poses, or that not all were found, are
 counted as `refused`. What does not hold is printed with its seed, and the exit code is 1.

@@ -3,17 +3,17 @@
     python -m tools.fuzz.motion_files [--count 50] [--seed N] [--most 32]
 
 Each attack is a random platform of a random type (of at most ``--most`` poses, perhaps with both
-sides of its planes) and a short random trajectory of poses. It is written as values, as differences
-from the file (`--relative`), as poses with quaternions of any length, with angles in a random order
-of axes or with the nine entries of R, about a random pivot or not; with degrees and with radians;
-with random delimiters, columns in any order, comments, empty lines, quotation marks, capitals,
-columns of other names, either end of lines, with and without a byte-order mark. What must hold:
+sides of its planes) and a short random trajectory of poses. It is written in many ways. Its rows
+are values, differences from the file (`--relative`), or poses: with quaternions of any length,
+angles in a random order of axes, or the nine entries of R, about a random pivot or not. Angles are
+in degrees or radians. Delimiters, the order of columns, comments, empty lines, quotation marks,
+capitals, further columns, ends of lines and the byte-order mark vary. What must hold:
 
 - `gsp measure` gives the same values for all of them, and `gsp track --complete` the same exit
   code, modes, events and poses;
 - the pose that was drawn first is one of the modes at the first row;
-- where cells are spoilt, each is told with the line and column where it begins, all mistakes are in
-  order, and the exit code is 2.
+- each spoilt cell is reported with the line and column where it begins, in order, and the exit code
+  is 2.
 
 Platforms of which not all poses are found are counted as `refused`. What does not hold is printed
 with its seed, and the exit code is 1.
@@ -52,7 +52,7 @@ Array = NDArray[np.float64]
 FORMS = ("values", "differences", "quaternions", "angles", "entries", "frames")
 SPOILT = ("nan", "inf", "", "1e999", "x", "0x1", "1_0", "--1")
 DELIMITERS = (",", ";", "\t", " ", ", ")
-#: Columns that nobody asked for.
+#: Columns that the commands do not read.
 OTHERS = ("note", "speed.x", "Bemerkung")
 POSE = ("qw", "qx", "qy", "qz", "x", "y", "z")
 #: Standard deviations of the motion between rows: radians, and lengths of platforms of size one.
@@ -251,7 +251,7 @@ def differences(first: dict[str, Any], other: dict[str, Any]) -> Iterator[str]:
 
 
 def _spoilt(given: Attack, spec: Path, path: Path, rng: np.random.Generator) -> Iterator[str]:
-    """Yield which spoilt cells are not told where they are."""
+    """Yield the spoilt cells that are not reported at their place."""
     form = ("values", "quaternions", "angles", "entries")[rng.integers(4)]
     file = written(given, form, rng, radians=False)
     lines, mark = list(file.lines), file.delimiter.strip() or file.delimiter

@@ -1,4 +1,4 @@
-"""Random special platforms, counted exactly by other programs, and what `gsp` says of them.
+"""Compare answers of `gsp` about random special platforms with exact counts of other programs.
 
     python -m tools.fuzz.solver [--count N] [--first K] [--jobs N] [--most POSES] [--without-real]
 

@@ -2,9 +2,10 @@
 
     python -m tools.verify.clearances [--count 20] [--jobs 2] [--check [--sample N]]
 
-For random 6-6 platforms (sizes and values of order one) the clearances of the pose they are made
-from are bounded from below with proof and from above by the nearest fold or singular pose found, at
-once and refined: of the values (`gspcli.motion.singularities.clearances`) and of the pose
+Each random 6-6 platform (sizes and values of order one) has a pose from which it is made. Its
+clearances are bounded from below with proof, and from above by the nearest fold or singular pose
+found, first quickly, then refined. They are those of the values
+(`gspcli.motion.singularities.clearances`) and of the pose
 (`gspcli.motion.singularities.pose_clearances`). What must hold: the lower bound is positive and not
 above the upper one, refining makes neither worse, the medians of the ratios are at most 4 and 2.
 Among many random poses within the refined lower bound of each the determinant of the Jacobian

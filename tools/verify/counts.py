@@ -4,13 +4,13 @@
     python -m tools.verify.counts times [--largest N] [--limit SECONDS] [--record]
 
 `families` counts a random platform of every family with a generic one-sided count up to N (default
-400) by linear algebra modulo a random 61-bit prime (gspcli.certification.counting): its exact
+400), by linear algebra modulo a random 61-bit prime (gspcli.certification.counting). Its exact
 count, its distinct count and the count of its geometry must all be the generic one, which then
-proves them. `times` counts a random platform of some large types, and msolve does the same, modulo
-a prime of 30 bits, in the coordinates that suit its constraints, on one core; the times are
-processor times, the best of five below a second, of msolve only that of F4 (`-g 1`: leading
-monomials). gsp's time is given without and with the number of distinct solutions. With --record the
-table goes into docs/exact-counts.md. The exit code is 1 if a count is not the generic one.
+proves them. `times` counts a random platform of some large types, on one core. So does msolve,
+modulo a prime of 30 bits, in the coordinates that suit the constraints. Times are processor times,
+the best of five if below a second; of msolve only F4 counts (`-g 1`: leading monomials). gsp's time
+is given without and with the number of distinct solutions. With --record the table goes into
+docs/exact-counts.md. The exit code is 1 if a count is not the generic one.
 """
 
 from __future__ import annotations
@@ -47,7 +47,8 @@ from tools.oracle.matrix_ideal import (
 )
 from tools.recording import CONFIRMED, DIFFERENT, ROOT, add_sample, report, sampled, with_section
 
-#: What is left to chance when a count equals the generic one: random tests of the border basis.
+#: The probability of error if a count equals the generic one: that of random tests of the border
+#: basis.
 LARGEST_ERROR = 1e-14
 PAGE = ROOT / "docs" / "exact-counts.md"
 TYPES = (

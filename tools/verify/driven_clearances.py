@@ -1,9 +1,9 @@
 """Compare clearances of machines with cranks and slides with random changes of their drives.
 
 Within the change that is proved regular, every random change of all drives must lead to a pose with
-the same sign of the Jacobian determinant, and within that for the knees no gain may change its
-sign. Poses are followed by Newton's method in small steps, with equations of their own
-(`tools.verify.driven_machines`). The record is ``data/verification/driven-clearances.csv``.
+the same sign of the Jacobian determinant. Within the change that is proved for the knees, no gain
+may change its sign. Poses are followed by Newton's method in small steps, with equations of their
+own (`tools.verify.driven_machines`). The record is ``data/verification/driven-clearances.csv``.
 """
 
 from __future__ import annotations

@@ -4,10 +4,11 @@
 
 Each machine of ``data/platforms`` is dragged: its values, or its motors, move a little at a time
 within their ranges, now and then to any place in them. At each state the kernel of live pages (in
-Node) and `gspcli.solve_batch` (of machines whose motors move joints `gspcli.solve`) must agree in
-the number of real poses and in the poses, and what the page calls complete must be so. Condition
-numbers and clearances must be those of gsp, and the poses must measure the values. What differs is
-counted, and the exit code is then 1. The record is ``data/verification/live.csv``.
+Node) is compared with `gspcli.solve_batch` (with `gspcli.solve`, if motors move joints). They must
+agree in the number of real poses and in the poses. A set that the page calls complete must be
+complete. Condition numbers and clearances must be those of gsp, and the poses must measure the
+values. What differs is counted, and the exit code is then 1. The record is
+``data/verification/live.csv``.
 """
 
 from __future__ import annotations
@@ -49,16 +50,16 @@ STEP, JUMP = 0.02, 10
 SAME = 1e-10
 #: Condition numbers, which grow as rounding errors do, by less of themselves times the number.
 CONDITION = 1e-11
-#: Clearances are sought to a hundredth. Where two singular values of the screws are equal, as at
-#: home of symmetric platforms, the bound depends on the basis, which rounding chooses: there the
-#: page's is a proof of its own, and no larger than a distance at which there is a singular pose.
+#: Clearances are sought to a hundredth. Two singular values of the screws are equal at home of
+#: symmetric platforms, for instance. There the bound depends on the basis, which rounding chooses.
+#: The page's bound is then a different proof; it must not exceed the distance of a singular pose.
 NEAR = 0.02
 APART = 1e-6
 
 
 @dataclass
 class Row:
-    """What came out of one machine.
+    """The result of one machine.
 
     Attributes
     ----------
@@ -70,9 +71,8 @@ class Row:
     real
         Real poses at all of them.
     verdicts, numbers, poses, conditions
-        At how many states the page wrongly says that it has all poses, and at how many there
-        differs the number of real poses, a pose, and a condition number, a clearance or a measured
-        value.
+        Numbers of states: at which the page wrongly says that it has all poses; at which the number
+        of real poses differs; a pose; a condition number, a clearance or a measured value.
     refused
         Why the page is not live, if it is not.
     """
@@ -104,7 +104,7 @@ class Row:
 
 
 def dragged(ranges: Array, values: Array, states: int) -> Array:
-    """Return sets of values as somebody drags them, shape (states, m)."""
+    """Return sets of values as a user drags them, shape (states, m)."""
     rng = np.random.default_rng(SEED)
     low, high = ranges.T
     count = len(values)

@@ -1,13 +1,13 @@
-"""What pages show, run as on other processors: nothing that people read may depend on them.
+"""Run the commands of the pages as on other processors: what people read must not depend on them.
 
     python -m tools.verify.machines [--fast]
 
-Every command that a page or a help shows, but for those that take long, and the runs of all
-commands that the reference of output is made from, are run with three sets of instructions: those
-of the kernel (``GSP_BUILD``), of OpenBLAS (``OPENBLAS_CORETYPE``) and of NumPy. Tables and
-sentences must be the same, byte for byte. In JSON and CSV so must be condition numbers and
-residuals; other numbers are doubles with all their digits, and agree to 1e-9. Numbers of steps
-(`EFFORT`) may differ. ``--fast`` runs some pages and commands only.
+These commands are run: those that a page or a help shows, except those that take long, and those
+from which the reference of output is made. Each is run with three sets of instructions: of the
+kernel (``GSP_BUILD``), of OpenBLAS (``OPENBLAS_CORETYPE``) and of NumPy. Tables and sentences must
+be the same, byte for byte. In JSON and CSV so must be condition numbers and residuals; other
+numbers are doubles with all their digits, and agree to 1e-9. Numbers of steps (`EFFORT`) may
+differ. ``--fast`` runs some pages and commands only.
 """
 
 from __future__ import annotations

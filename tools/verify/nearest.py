@@ -2,12 +2,12 @@
 
     python -m tools.verify.nearest [--count 400] [--jobs 2] [--check [--sample N]]
 
-For random wanted poses about home (`gspcli.NearestPoses`) two things are judged apart. All answers
-must keep ranges and cones: the distances of joints and the tilts of legs are computed again, with
-vectors only, and compared
-without tolerance, but for fixed values. And for one pose in 20 SciPy's SLSQP seeks nearer ones
-from ten starts; those count to which a straight way is proved, too. No answer may be more than 1 %
-farther. The record is ``data/verification/nearest.csv``.
+Random poses about home are asked for (`gspcli.NearestPoses`). Two checks are independent of gsp.
+All answers must keep ranges and cones: the distances of joints and the tilts of legs are computed
+again, with vectors only, and compared without tolerance, but for fixed values. And for one pose in
+20, SciPy's SLSQP searches nearer poses from ten starts; one counts if a straight way to it is
+proved, too. No answer may be more than 1 % farther than such a pose. The record is
+``data/verification/nearest.csv``.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ MACHINES = (
     "workspace-study",
     "workspace-study-cones",
 )
-#: Standard deviations of wanted poses from home: radians, and parts of the typical length.
+#: Standard deviations of the poses asked for, from home: radians, and parts of the typical length.
 TURN, SHIFT = 0.4, 0.2
 #: Every so many poses are sought by SLSQP, from so many starts; an answer is at most so far.
 EACH, STARTS, FARTHER = 20, 10, 1.01

@@ -303,7 +303,7 @@ def main() -> int:
             # Which ways are proved can depend on last digits.
             one["found"] = round(one["found"], -2)
     if arguments.only and not arguments.check:
-        # The others stay as they are.
+        # The other rows are unchanged.
         text = RECORD.read_text(encoding="utf-8").splitlines()
         new = {line.rsplit(",", 3)[0]: line for line in csv_text(recorded).splitlines()[1:]}
         kept = [line for line in text if line.rsplit(",", 3)[0] not in new]

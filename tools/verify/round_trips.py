@@ -3,11 +3,11 @@
     python -m tools.verify.round_trips [--types N] [--jobs 2] [--work FOLDER] [--check [--sample N]]
 
 For each of the 3850 types the values of a random platform are measured at a random pose
-(`gspcli.motion.measure`), and the platform with these values is solved: once with the sides of
-planes on which the pose is, and where there are any once more with both. What must hold each time:
-the set is complete, proved or not as recorded, and the pose is among the real ones, within
-rounding. If not, the exit code is 1. The record has a line for each type, with the numbers of real
-poses: ``data/verification/round-trips.csv``. Interrupted, the same command takes the work up again.
+(`gspcli.motion.measure`). The platform with these values is solved with the sides of planes on
+which the pose is, and, if the type has planes, again with both sides. What must hold each time: the
+set is complete, proved or not as recorded, and the pose is among the real ones, within rounding. If
+not, the exit code is 1. The record has a line for each type, with the numbers of real poses:
+``data/verification/round-trips.csv``. Interrupted, the same command takes the work up again.
 """
 
 from __future__ import annotations

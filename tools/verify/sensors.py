@@ -2,13 +2,14 @@
 
     python -m tools.verify.sensors [--jobs 2] [--check [--sample N]]
 
-For each machine of ``data/platforms``: at the values of its file, and at `COUNT` random sets of
-values, with and without the side of the base known on which the platform is, for how many of the
-sets each sensor suffices (`gspcli.sensors` with its defaults). The record is
-``data/verification/sensors.csv``, the tables of ``docs/sensors.md`` are made of it. What must hold
-where base and platform are planar: each leg between joints is proved never to suffice, and reads
-the same at two modes of every set but for rounding; some angle of a joint and the inclinometer
-suffice for most sets, and some leg for nearly all of them once the side is known.
+For each machine of ``data/platforms`` it is counted for how many sets of values each sensor
+suffices (`gspcli.sensors` with its defaults). The sets are the values of its file, and `COUNT`
+random ones. The side of the base on which the platform is, is known or not. The record is
+``data/verification/sensors.csv``, from which the tables of ``docs/sensors.md`` are made. Three
+facts must hold where base and platform are planar. Each leg between joints is proved never to
+suffice, and its readings at two modes of every set are equal within rounding. Some angle of a joint
+and the inclinometer suffice for most sets. If the side is known, some leg suffices for nearly all
+sets.
 """
 
 from __future__ import annotations
@@ -53,7 +54,7 @@ class Row:
     platform, case, known_side
         The machine, ``given`` or ``random`` values, and whether the side of the base is known.
     drawn
-        How the values came about, or why there are none.
+        The origin of the values, or why there are none.
     sets, told
         Sets of values, and how many of them have more than one mode.
     modes
@@ -63,8 +64,8 @@ class Row:
     group, sensors, blind
         The sort of sensor, how many there are, and how many are proved never to suffice.
     best, share, median
-        The best of them, for which part of the sets (of those told) it suffices, and by how many
-        standard deviations it tells the worst pair of modes apart, typically.
+        The best of them; for which part of the sets with several modes it suffices; and the median,
+        over the sets, of the least difference of two modes in standard deviations.
     any
         For which part of the sets some sensor of the sort suffices.
     """

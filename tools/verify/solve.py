@@ -6,11 +6,11 @@
     python -m tools.verify.solve all [--check [--sample N]]
     python -m tools.verify.solve show TASK INSTANCE
 
-`platforms` solves random real platforms with six DPP, `families` several random platforms of
-each of the 896 families (kinds up to the kinds of angles), both sides of every plane, `batches`
-many sets of values of each of 50 geometries, all of which are to be proved complete. Each instance
-has a hidden real pose, from which its values are measured; what must hold of every answer is in
-`examination`. 3D3A platforms are solved twice, in closed form and by tracking paths.
+`platforms` solves random real platforms with six DPP. `families` solves several random platforms of
+each of the 896 families (kinds up to the kinds of angles), with both sides of every plane.
+`batches` solves many sets of values of each of 50 geometries; all must be proved complete. Each
+instance has a hidden real pose, from which its values are measured; what must hold of every answer
+is in `examination`. 3D3A platforms are solved twice, in closed form and by tracking paths.
 
 Work goes through a journal in ``build/verify/``: interrupted, the same command takes it up
 again, unless the solver has changed. A finished run is written to ``data/verification/`` and

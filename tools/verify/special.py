@@ -1,4 +1,4 @@
-"""Special and nearly special platforms with their exact counts, and what `gsp` says of them.
+"""Compare answers of `gsp` about special and nearly special platforms with their exact counts.
 
     python -m tools.verify.special count [--only PATTERN] [--jobs N] [--check [--sample N]]
     python -m tools.verify.special solve [--only PATTERN] [--jobs N] [--seeds N] [--sample N]
@@ -11,11 +11,11 @@
 ``data/verification/special-platforms.csv``. Rows of unchanged platforms are kept without --check.
 `solve` solves them and judges every answer by the table (`special/answers.py`); with --record the
 result of all of them goes into docs/special-platforms.md. `batches` asks `solve_values` and
-`solve_batch` for special values among others (`special/rows.py`). `certify` has `gsp certify`
-judge what `gsp solve` prints, and what is made wrong on purpose (`special/candidates.py`).
-`certain` tells which proofs up to a random prime `gsp solve --prove` makes certain. The exit code
-is 1 if anything said is wrong. PATTERN is a part of the ids, or a pattern as of files. `show`
-writes the instance files and prints their paths.
+`solve_batch` for special values among others (`special/rows.py`). `certify` has `gsp certify` judge
+what `gsp solve` prints, and lists with deliberate errors (`special/candidates.py`). `certain` tells
+which proofs up to a random prime `gsp solve --prove` makes certain. The exit code is 1 if anything
+said is wrong. PATTERN is a part of the ids, or a pattern as of files. `show` writes the instance
+files and prints their paths.
 """
 
 from __future__ import annotations

@@ -4,9 +4,8 @@
         [--check [--sample N]]
 
 For each of some types, random platforms are moved from the values of a random pose to those of
-another one nearby, in one step, and all real modes are followed with proof
-(`gspcli.motion.track`). At both ends all real poses are found by `solve`, which knows nothing of
-following. What must hold:
+another one nearby, in one step, and all real modes are followed with proof (`gspcli.motion.track`).
+At both ends all real poses are found by `solve`, which does not follow modes. What must hold:
 
 - each mode that arrives is one of the poses at the end, and no two are the same;
 - followed back from there, it arrives at the pose where it began (or following stops without a

@@ -127,8 +127,8 @@ void d_time(long n, const double *poses, const double *from, const double *to, d
   }
 }
 
-/* What is computed at poses, with the bounds of its rounding: the frame (T, q) and its bound, F, F',
- * error, slant; and the pose of the frame; shapes (n, 7), (n,), (n, 6), (n, 6, 6), (n, 6), (n, 6), (n, 7). */
+/* The numbers computed at poses, with bounds of their rounding. The frame (T, q), (n, 7), and its bound,
+ * (n,); F, (n, 6), and F', (n, 6, 6); error and slant, (n, 6) each; the pose of the frame, (n, 7). */
 void d_rounding(long n, const double *poses, const double *values, double *frames, double *off, double *F,
                 double *J, double *error, double *slant, double *back) {
   for (long i = 0; i < n; ++i) {

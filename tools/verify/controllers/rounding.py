@@ -5,11 +5,11 @@
 
 A proof of a step needs to know by how much the equations and their derivatives in doubles differ
 from the exact ones (``error`` and ``slant`` in ``platform.c``). Here the exact ones are computed
-with 128 bits and python-flint, from the numbers of the file as they stand and the definitions of
-the constraints, without the frames, units and rounded numbers of the program; at poses in doubles
-that are turned and moved arbitrarily, with values up to twice those of the pose. Recorded is for
-each platform the largest part of its bound that an error takes: below 1 it holds. The platforms are
-those of `walks`. The record is ``data/verification/controller-rounding.csv``.
+with 128 bits and python-flint, from the numbers of the file and the definitions of the constraints.
+The frames, units and rounded numbers of the program are not used. Poses are arbitrary, in doubles;
+values are up to twice those of the pose. The record has for each platform the largest ratio of an
+error to its bound: the bound holds if it is below 1. The platforms are those of `walks`. The record
+is ``data/verification/controller-rounding.csv``.
 """
 
 from __future__ import annotations

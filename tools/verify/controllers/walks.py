@@ -3,20 +3,19 @@
     python -m tools.verify.controllers.walks [NAME ...] [--steps 400000] [--jobs 2] [--work FOLDER]
         [--check [--sample N]]
 
-The programs that `gsp export --to c` writes for the machines of ``data/platforms``, for two more
-with rails and arms (`RAILS`) and for one random platform each of `TYPES` types, all kinds among
-them, are compiled and walk: half of the
-walks through the values of poses that move smoothly about home, half straight away in a random
-direction of values, where most branches end in a fold. A step counts if the program says PROVED.
-What must hold:
+`gsp export --to c` writes programs for the machines of ``data/platforms``, for two more with rails
+and arms (`RAILS`), and for one random platform each of `TYPES` types, all kinds among them. They
+are compiled and run. Half of the walks go through the values of poses that move smoothly about
+home. The others go straight in a random direction of values, where most branches end in a fold. A
+step counts if the program says PROVED. What must hold:
 
-- the branch that the kernel follows with proof along the same rows (as `gsp track` does; of
-  machines with cranks and slides as it follows moving coordinates, on fewer walks) has the same
-  pose at each row;
-- of machines with cranks and slides, at all rows of all walks: Newton's method in steps an eighth
-  as long, without proofs and from the same pose, comes to the same pose wherever it converges
-  quickly, each rod is on the same knee there, and the inverse kinematics of the program gives the
-  numbers of the drives back;
+- the branch that the kernel follows with proof along the same rows, as `gsp track` does, has the
+  same pose at each row. Of machines with cranks and slides it follows moving coordinates, on fewer
+  walks;
+- of machines with cranks and slides, at all rows of all walks, Newton's method reaches the same
+  pose wherever it converges quickly, in steps an eighth as long, without proofs and from the same
+  pose. Each rod is on the same knee there, and the inverse kinematics of the program returns the
+  numbers of the drives;
 - at the last proved row of some walks the pose is one of all real poses that `gsp solve` finds.
 
 ``different`` and ``unsolved`` count what does not hold, and the exit code is then 1. ``beyond`` are

@@ -126,7 +126,7 @@ Screw screw(int kind, const Form& arm, const Form& offset, const Form& w, const 
   }
 }
 
-// Entries of the matrix of screws, their derivatives and what is left out.
+// Entries of the matrix of screws, their derivatives, and bounds of the terms of higher order.
 struct Rows {
   Matrix value{}, rest{};
   double linear[6][6][kParameters]{};

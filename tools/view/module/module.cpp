@@ -52,7 +52,7 @@ class Platform {
 
   bool is_complete(const Found& found, int most) const {
     if (found.poses() != most) return false;
-    // Where joints are moved, `decide` has left different poses, and paths that end nowhere.
+    // If joints are moved, `decide` has kept only different poses, and some paths end at no pose.
     return joints_->are_moved() || (found.count() == most && found.are_different(proofs_.scale()));
   }
 

@@ -39,7 +39,7 @@ class PoolPaths {
   std::vector<Stage> stage_;
 };
 
-// Of the system as it is.
+// Paths of the unreduced system.
 class WholePaths {
  public:
   explicit WholePaths(Numbers& numbers);

@@ -136,7 +136,7 @@ FarPart::FarPart(Numbers& numbers) {
   scale_ = numbers.number();
   tolerance_ = numbers.number();
   bent_ = numbers.integer();
-  // Conjugates of poses that need paths are there by themselves.
+  // Conjugates of poses that need paths are poses of the list, too.
   for (int k = 0; k < count_; ++k) paired_.push_back(real_[k] == 0 && k < count_ - bent_);
   pairs_ = static_cast<int>(std::count(paired_.begin(), paired_.end(), 1));
   origin_ = numbers.complexes(kEquations);

@@ -7,7 +7,7 @@
 
 namespace gsp::live {
 
-// What native/ends.hpp wants of each value, in its order.
+// The numbers that native/ends.hpp needs of each value, in its order.
 constexpr int kOfValue = 6;
 
 // Sums of two doubles.

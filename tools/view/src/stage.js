@@ -24,14 +24,10 @@ const VIEWS = {
   top: new Vector3(0, -0.0001, 1),
   front: new Vector3(0, -1, 0.0001),
   side: new Vector3(1, -0.0001, 0.0001),
-};
-const MOST_GHOSTS = 64;
-/** Poses that need a wider view than this are not for looking at together with the others. */
-const NEAR = 2.5;
-/** A pose that needs less than this part of the view gets one of its own. */
-const TOO_SMALL = 0.45;
-/** Pixels at each edge of the picture that are left for names. */
-const EDGE = 26;
+}; const MOST_GHOSTS = 64; /** Poses that need a wider view than this are not for looking at
+together with the others. */ const NEAR = 2.5; /** A pose that needs less than this part of the view
+gets one of its own. */ const TOO_SMALL = 0.45; /** Pixels at each edge of the picture that are
+reserved for names. */ const EDGE = 26;
 
 export class Stage {
   constructor(canvas, labelHome, scene) {

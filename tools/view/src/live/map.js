@@ -125,8 +125,7 @@ export class ModeMap {
     };
   }
 
-  /** Paint once before the next picture, however much has come. */
-  paint() {
+  /** Paint once before the next picture, for any number of messages. */ paint() {
     this.painting ??= requestAnimationFrame(() => {
       this.painting = null;
       this.paintNow();

@@ -1,4 +1,4 @@
-// How modes are told apart: nine colours of the style sheet, and a second cue for more of them.
+// Colours of modes: nine of the style sheet, and a second cue for further modes.
 import { Color } from "three";
 import { cssColour } from "../theme.js";
 
