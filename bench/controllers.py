@@ -8,11 +8,12 @@ peer, too (``pip install reachy-mini-rust-kinematics``). The method of Nelder an
 the sum of squared residuals is used by one telescope. All walk through the same values, half of the
 walks about the pose of the machine at rest, half into a fold. The reference are the steps that the
 program of `gsp export --to c` has proved. Printed are lines of the table in docs/controller.md. A
-line has three numbers: the proved steps that the peer missed by more than a millionth of the size,
-the walks in which it ended in another mode (or gave up), and the refusals of the program at which
-the peer returned a pose without a warning. The last column is the time of a step, calls from Python
-included. With ``--costs``: what one proved step and Newton's method until it converges cost, both
-in C and in turns, for steps of some sizes from poses about home.
+line has four numbers. The first counts the proved steps that the peer missed by more than a
+millionth of the size, the second the walks in which it ended in another mode (or gave up). The
+third counts the refusals of the program at which the peer returned a pose without a warning. The
+fourth is the time of a step, calls from Python included. With ``--costs``: what one proved step and
+Newton's method until it converges cost, both in C and in turns, for steps of some sizes from poses
+about home.
 """
 
 from __future__ import annotations

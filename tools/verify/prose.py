@@ -99,6 +99,7 @@ CHECKED = (
     "docs/equations.md",
     "docs/exports.md",
     "docs/how-gsp-works.md",
+    "docs/motion.md",
     "docs/mount.md",
     "docs/path-tracking.md",
     "docs/random-platforms.md",
