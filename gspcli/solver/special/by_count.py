@@ -5,15 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-from gspcli.catalogue.kinds import DLL
 from gspcli.certification.counting import (
     ExactCount,
     SideCount,
-    by_points,
     exact_count,
     geometry_count,
 )
-from gspcli.continuation.paths import Basis, PathAccount
 from gspcli.geometry.instance import Instance
 from gspcli.solver.ledger import Ledger
 from gspcli.solver.problem import Problem
@@ -21,10 +18,8 @@ from gspcli.solver.results.pose_set import PoseSet, joined
 from gspcli.solver.results.proof import CountKind, Proof
 from gspcli.solver.side_poses import SidePoses
 from gspcli.solver.special.completion import FEW, complete, go_on_until
-from gspcli.solver.special.infinite_sets import along_points, solve_infinite
-from gspcli.solver.special.poses_in_parts import complete_parts
-from gspcli.solver.special.real_statements import isolated_real_poses
-from gspcli.solver.special.repeated_constraints import poses_of_repeated
+from gspcli.solver.special.infinite_sets import infinitely_many, poses_of_repeated
+from gspcli.solver.special.poses_in_parts import complete_parts, with_points_for_all
 
 #: For each path, a count takes longer than to track this part of the paths with 32 digits. More
 #: than the second part of the paths are not tracked again: then the platform is special.
@@ -58,7 +53,7 @@ def poses_by_count(
     if count is None:
         return _uncounted(problem, ledger)
     if any(side.solutions is None and not side.parallel for side in count.sides):
-        return _infinitely_many(problem, ledger, count, solve)
+        return infinitely_many(problem, ledger, count, solve)
     parts = [
         _of_side(side, counted, solve).on_sides(problem.choices[k : k + 1])
         for k, (side, counted) in enumerate(zip(ledger.sides, count.sides, strict=True))
@@ -66,7 +61,7 @@ def poses_by_count(
     # A set without a sample of it may have real poses that are isolated, such as lines that
     # coincide.
     if any(part.account.on_curves and not part.motions for part in parts):
-        return _infinitely_many(problem, ledger, count, solve)
+        return infinitely_many(problem, ledger, count, solve)
     return _with_better_proof(problem, _proved(joined(parts), count))
 
 
@@ -95,24 +90,6 @@ def _by_geometry_or_type(problem: Problem, ledger: Ledger) -> PoseSet | None:
     return None
 
 
-def _infinitely_many(
-    problem: Problem, ledger: Ledger, count: ExactCount, solve: Callable[[Problem], PoseSet]
-) -> PoseSet:
-    """Return motions and isolated poses of a platform with infinitely many."""
-    instance, proof = problem.instance, _infinite(problem.instance, count)
-    if (moving := _moving_with_parallel_lines(instance, count)) is not None:
-        samples = solve(problem.like(moving)).motions
-        poses = along_points(instance, problem.arrangement, samples, proof)
-    else:
-        poses = solve_infinite(problem, ledger, proof)
-    if poses.account.verdict != "infinite" or any(motion.real for motion in poses.motions):
-        return poses
-    isolated = isolated_real_poses(
-        instance, lambda other: solve(problem.like(other)).in_order(problem.arrangement.length)
-    )
-    return replace(poses, motions=(*(isolated or ()), *poses.motions))
-
-
 def _with_better_proof(problem: Problem, poses: PoseSet) -> PoseSet:
     """Return poses with the count of the geometry as proof, where that misleads less often."""
     exact = poses.proof
@@ -131,7 +108,7 @@ def _of_side(side: SidePoses, count: SideCount, solve: Callable[[Problem], PoseS
         return solve(side.problem.like(same))
 
     if count.parallel:
-        return _with_parallel_lines(side, count, solve_points)
+        return with_points_for_all(side, count, solve_points)
     if count.parts:
         return complete_parts(side, count, solve_points)
     return _counted(side, count)
@@ -148,24 +125,6 @@ def _too_many_unresolved(side: SidePoses) -> bool:
     return not paths or _unresolved(side) > min(max(1 / FEW, _LONG * paths), _MOST) * paths
 
 
-def _infinite(instance: Instance, count: ExactCount) -> Proof | None:
-    """Return what proves that there are infinitely many poses, as they are stated."""
-    if all(row.kind is not DLL for row in instance.constraints):
-        return Proof.modulo(CountKind.EXACT, count.error)
-    # The equations alone may be infinitely many because lines are parallel.
-    errors = [side.infinite_part.error for side in count.sides if side.infinite_part]
-    return Proof.modulo(CountKind.EXACT, min(errors)) if errors else None
-
-
-def _moving_with_parallel_lines(instance: Instance, count: ExactCount) -> Instance | None:
-    """Return the platform with points for lines that are parallel at infinitely many poses."""
-    for side in count.sides:
-        part = side.infinite_part
-        if part is not None and part.parallel:
-            return by_points(instance.on_sides(side.signs), part.parallel)
-    return None
-
-
 def _counted(side: SidePoses, count: SideCount) -> PoseSet:
     """Return the poses for a choice of sides for which they were counted."""
     assert count.solutions is not None
@@ -177,28 +136,6 @@ def _counted(side: SidePoses, count: SideCount) -> PoseSet:
         solutions, distinct = solutions - count.spurious, distinct - count.spurious_distinct
     known = None if count.distinct is None else count.spurious
     return complete(side, solutions, distinct, known)
-
-
-def _with_parallel_lines(
-    side: SidePoses, count: SideCount, solve_points: Callable[[Instance], PoseSet]
-) -> PoseSet:
-    """Return the poses for a choice of sides where some lines are parallel at all of them.
-
-    They are those of the platform with points for lines. All else is in the set where the
-    equations hold because the lines are parallel.
-    """
-    instance = side.problem.instance
-    poses = solve_points(by_points(instance.on_sides(count.signs), count.parallel))
-    return replace(poses, account=_among(side.paths.count, poses.account))
-
-
-def _among(paths: int, account: PathAccount) -> PathAccount:
-    """Return the account of paths that lead to the poses of another platform, or to no poses."""
-    # The other one may have more solutions: a point at distance zero from a line counts twice.
-    found = min(account.found, paths)
-    lost = min(account.lost, paths - found)
-    rest = {"on_curves" if account.on_curves else "spurious": paths - found - lost}
-    return PathAccount(expected=paths, found=found, lost=lost, basis=Basis.COUNT, **rest)
 
 
 def _uncounted(problem: Problem, ledger: Ledger) -> PoseSet:

@@ -1,32 +1,123 @@
-"""Platforms whose equations have infinitely many solutions by an exact count."""
+"""Platforms whose equations have infinitely many solutions."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from itertools import islice
 
 import numpy as np
 
+from gspcli.catalogue.kinds import DLL, DPP
+from gspcli.catalogue.types import CONSTRAINTS
+from gspcli.certification import certify
+from gspcli.certification.counting import ExactCount, by_points
 from gspcli.continuation.endpoints import BESIDE_CURVES
 from gspcli.continuation.paths import Basis, PathAccount
 from gspcli.continuation.solutions import SolutionCurve
 from gspcli.continuation.tracked_paths import TrackedPaths
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.conjugates import made_real
-from gspcli.geometry.instance import Instance
+from gspcli.geometry.instance import Constraint, Instance
+from gspcli.geometry.numbers import Number
+from gspcli.geometry.primitives import Point
 from gspcli.geometry.quaternions import Field
 from gspcli.geometry.residuals import relative_residuals
 from gspcli.solver.ledger import Ledger
 from gspcli.solver.problem import Problem
 from gspcli.solver.results.pose_set import Motion, PoseSet, joined
-from gspcli.solver.results.proof import Proof
+from gspcli.solver.results.proof import CountKind, Proof
 from gspcli.solver.special.motions import local_motion
+from gspcli.solver.special.real_statements import isolated_real_poses
 
 #: Samples of a motion meet the constraints up to this part of their size.
 _ON_MOTION = 1e-8
 #: So many poses are tried as places near real ones.
 _TRIED = 16
+#: A pose is certified with legs between so many sets of random points beside the constraints.
+_TRIES = 4
+
+
+def poses_of_repeated(problem: Problem, ledger: Ledger) -> PoseSet | None:
+    """Return the motions of a platform that has equal constraints; None if it has none.
+
+    Fewer than six equations on the six-dimensional set of poses have a solution set of positive
+    dimension through each of their solutions: an equation takes away at most one dimension. So one
+    certified pose proves what an elimination of a set of four dimensions takes minutes for
+    (``same-points/*/exact`` of `python -m tools.verify.special solve`: two of three were incomplete
+    after ten seconds). The result is None, too, if no real motion is found at a certified pose.
+    """
+    rows = _different(problem.instance.constraints)
+    if len(rows) == CONSTRAINTS:
+        return None
+    poses = solve_infinite(problem, ledger, None)
+    real = [motion for motion in poses.motions if motion.real and motion.dimension]
+    if any(_is_pose(problem.instance, rows, motion, problem.seed) for motion in real[:1]):
+        return replace(poses, proof=Proof(CountKind.EXACT))
+    return None
+
+
+def _different(constraints: Sequence[Constraint]) -> list[Constraint]:
+    """Return the constraints without those that say the same as one before them."""
+    known = {
+        (row.kind, row.platform, row.base, str(row.value), row.side): row for row in constraints
+    }
+    return list(known.values())
+
+
+def _is_pose(instance: Instance, rows: Sequence[Constraint], motion: Motion, seed: int) -> bool:
+    """Return whether there is a pose at a sample: one of six constraints that include the rows."""
+    R, T = motion.R[0].real, motion.T[0].real
+    rng = np.random.default_rng(seed)
+    size = max(1.0, float(np.abs(T).max()))
+    for _ in range(_TRIES):
+        legs = [_leg(R, T, *pair) for pair in size * rng.standard_normal((6 - len(rows), 2, 3))]
+        whole = replace(instance, constraints=(*rows, *legs))
+        if certify(whole, R[None], T[None])[0].certified:
+            return True
+    return False
+
+
+def _leg(R: np.ndarray, T: np.ndarray, on_platform: np.ndarray, on_base: np.ndarray) -> Constraint:
+    """Return a distance of two points that has its value at a pose."""
+    value = float(np.linalg.norm(R @ on_platform + T - on_base))
+    return Constraint(DPP, Point(on_platform), Point(on_base), Number.of(value))
+
+
+def infinitely_many(
+    problem: Problem, ledger: Ledger, count: ExactCount, solve: Callable[[Problem], PoseSet]
+) -> PoseSet:
+    """Return motions and isolated poses of a platform with infinitely many."""
+    instance, proof = problem.instance, _proof(problem.instance, count)
+    if (moving := _moving_with_parallel_lines(instance, count)) is not None:
+        samples = solve(problem.like(moving)).motions
+        poses = along_points(instance, problem.arrangement, samples, proof)
+    else:
+        poses = solve_infinite(problem, ledger, proof)
+    if poses.account.verdict != "infinite" or any(motion.real for motion in poses.motions):
+        return poses
+    isolated = isolated_real_poses(
+        instance, lambda other: solve(problem.like(other)).in_order(problem.arrangement.length)
+    )
+    return replace(poses, motions=(*(isolated or ()), *poses.motions))
+
+
+def _proof(instance: Instance, count: ExactCount) -> Proof | None:
+    """Return what proves that there are infinitely many poses, as they are stated."""
+    if all(row.kind is not DLL for row in instance.constraints):
+        return Proof.modulo(CountKind.EXACT, count.error)
+    # The equations alone may be infinitely many because lines are parallel.
+    errors = [side.infinite_part.error for side in count.sides if side.infinite_part]
+    return Proof.modulo(CountKind.EXACT, min(errors)) if errors else None
+
+
+def _moving_with_parallel_lines(instance: Instance, count: ExactCount) -> Instance | None:
+    """Return the platform with points for lines that are parallel at infinitely many poses."""
+    for side in count.sides:
+        part = side.infinite_part
+        if part is not None and part.parallel:
+            return by_points(instance.on_sides(side.signs), part.parallel)
+    return None
 
 
 def solve_infinite(problem: Problem, ledger: Ledger, proof: Proof | None) -> PoseSet:

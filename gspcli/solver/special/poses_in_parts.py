@@ -71,3 +71,25 @@ def _with_parallel_lines(instance: Instance, part: PartCount, poses: PoseSet) ->
         motions=(),
         proof=None,
     )
+
+
+def with_points_for_all(
+    side: SidePoses, count: SideCount, solve_points: Callable[[Instance], PoseSet]
+) -> PoseSet:
+    """Return the poses for a choice of sides where some lines are parallel at all of them.
+
+    They are those of the platform with points for lines. All else is in the set where the
+    equations hold because the lines are parallel.
+    """
+    instance = side.problem.instance
+    poses = solve_points(by_points(instance.on_sides(count.signs), count.parallel))
+    return replace(poses, account=_among(side.paths.count, poses.account))
+
+
+def _among(paths: int, account: PathAccount) -> PathAccount:
+    """Return the account of paths that lead to the poses of another platform, or to no poses."""
+    # The other one may have more solutions: a point at distance zero from a line counts twice.
+    found = min(account.found, paths)
+    lost = min(account.lost, paths - found)
+    rest = {"on_curves" if account.on_curves else "spurious": paths - found - lost}
+    return PathAccount(expected=paths, found=found, lost=lost, basis=Basis.COUNT, **rest)

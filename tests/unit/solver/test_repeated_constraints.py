@@ -10,7 +10,7 @@ from gspcli.geometry.residuals import relative_residuals
 from gspcli.solver.ledger import Ledger
 from gspcli.solver.problem import Problem
 from gspcli.solver.results.pose_set import PoseSet
-from gspcli.solver.special.repeated_constraints import poses_of_repeated
+from gspcli.solver.special.infinite_sets import poses_of_repeated
 
 TEXT = """
 gsp: 1

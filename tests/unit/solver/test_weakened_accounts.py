@@ -19,8 +19,8 @@ from gspcli.solver.results.proof import CountKind
 from gspcli.solver.side_poses import SidePoses
 from gspcli.solver.special.by_count import _by_geometry
 from gspcli.solver.special.completion import _multiplicities
+from gspcli.solver.special.infinite_sets import _different
 from gspcli.solver.special.real_statements import _real_statement
-from gspcli.solver.special.repeated_constraints import _different
 
 
 @pytest.mark.parametrize(
