@@ -197,7 +197,8 @@ STEPS = (
     Step(
         "paths",
         ("data/verification/paths.csv",),
-        "tools.verify.paths --check --jobs {jobs}",
+        "tools.verify.paths --check --jobs {jobs} --work {work}",
+        sample="--only groups --only 'groups with ranges' --only lengths",
     ),
     Step(
         "gaps",
