@@ -48,10 +48,9 @@ def _of_block(a: Arrangement, pivot: Array, columns: Array) -> Array:
     rows = np.empty((6, 6, columns.shape[1]))
     for k, kind in enumerate(a.kinds):
         force, turning = _screw(kind, r[k], w[k], v[k])
-        if force is None:
-            rows[k, :3], rows[k, 3:] = _cross(w[k], turning), 0.0
-            continue
-        rows[k, 3:], rows[k, :3] = force, _cross(arms[k], force)
+        rows[k] = 0.0
+        if force is not None:
+            rows[k, 3:], rows[k, :3] = force, _cross(arms[k], force)
         if turning is not None:
             rows[k, :3] += _cross(w[k], turning)
     return np.asarray(np.linalg.det(np.ascontiguousarray(rows.transpose(2, 0, 1))))

@@ -284,7 +284,7 @@ class PoseGuide:
         """Return a corner, rounded."""
         return np.array([round(x, d) for x, d in zip(corner, self._digits, strict=True)])
 
-    def unproved(self, corners: Array, rows: NDArray[np.int64]) -> tuple[Array, Array] | None:
+    def unproved(self, corners: Array, rows: NDArray[np.int64]) -> tuple[Array, Array]:
         """Return poses along a polygon without a proof."""
         return self.ways.poses(on_polygon(corners, rows).numbers)
 

@@ -183,31 +183,68 @@ def _join(
     joined: Connections,
     deadline: float,
 ) -> None:
-    """Join modes on maps, one for the modes of each side of planes."""
+    """Join modes on maps, of values one for the modes of each side of planes."""
     motors = planner.motors
+    ranged = motors is None and bool(open_) and planner.values(ends[open_[0]]).ranged
     sides: dict[bytes, list[int]] = {}
     for k in open_:
         sides.setdefault(np.sign(ends[k].values).tobytes(), []).append(k)
-    ranged = motors is None and bool(open_) and planner.values(ends[open_[0]]).ranged
-    parts = [open_] if planner.along == "poses" or not ranged else list(sides.values())
-    for members in parts:
-        if len(members) < 2:
-            continue
-        found = _map(planner, [ends[k] for k in members], [classes[k] for k in members], ranged)
-        found.join_given()
-        tried = _tried_pairs(classes, members)
-        # Random poses change what must stay.
-        grows = motors is None or not (motors.shared or planner.stays)
-        while (
-            grows
-            and time.monotonic() < deadline
-            and not all(found.connections.joined(i, j) for i, j in tried)
-        ):
-            found.grow()
+    if planner.along != "poses" and ranged:
+        for members in sides.values():
+            found = _map_of_values(planner, ends, members)
+            _grow(found, _tried_pairs(classes, members), deadline)
+            _take(found, members, joined)
+        return
+    if len(open_) < 2:
+        return
+    poses = _map_of_poses(planner, ends, classes, open_)
+    if ranged:
+        _join_near_values(planner, poses, ends, classes, sides, open_, deadline)
+    # Random poses change what must stay.
+    grows = motors is None or not (motors.shared or planner.stays)
+    _grow(poses, _tried_pairs(classes, open_), deadline if grows else 0.0)
+    _take(poses, open_, joined)
+
+
+def _grow(found: PoseMap | ValueMap, tried: list[tuple[int, int]], deadline: float) -> None:
+    """Let a map grow until all pairs are joined, or to a time."""
+    found.join_given()
+    while time.monotonic() < deadline and not all(found.connections.joined(i, j) for i, j in tried):
+        found.grow()
+
+
+def _take(found: PoseMap | ValueMap, members: list[int], joined: Connections) -> None:
+    """Join the modes that a map joins."""
+    for i, a in enumerate(members):
+        for j in range(i):
+            if found.connections.joined(i, j):
+                joined.join(a, members[j])
+
+
+def _join_near_values(
+    planner: Planner,
+    poses: PoseMap,
+    ends: list[PathEnd],
+    classes: list[PoseClass],
+    sides: dict[bytes, list[int]],
+    open_: list[int],
+    deadline: float,
+) -> None:
+    """Join modes on a map of poses by polygons along the ways of maps of values."""
+    guide = planner.pose_guide()
+    half = time.monotonic() + (deadline - time.monotonic()) / 2
+    for members in sides.values():
+        found = _map_of_values(planner, ends, members)
+        _grow(found, _tried_pairs(classes, members), half)
         for i, a in enumerate(members):
-            for j in range(i):
-                if found.connections.joined(i, j):
-                    joined.join(a, members[j])
+            for j, b in enumerate(members[:i]):
+                places = open_.index(a), open_.index(b)
+                corners = found.way(i, j)
+                if corners is None or poses.connections.joined(*places):
+                    continue
+                values = planner.value_guide(found.ways, ends[a], ends[b])
+                if planner.polygon_near(values, corners, guide, ends[a], ends[b]) is not None:
+                    poses.connections.join(*places)
 
 
 def _tried_pairs(classes: list[PoseClass], members: list[int]) -> list[tuple[int, int]]:
@@ -220,16 +257,19 @@ def _tried_pairs(classes: list[PoseClass], members: list[int]) -> list[tuple[int
     ]
 
 
-def _map(
-    planner: Planner, ends: list[PathEnd], classes: list[PoseClass], ranged: bool
-) -> PoseMap | ValueMap:
-    """Return a map of the ends."""
-    R, T = np.stack([end.R for end in ends]), np.stack([end.T for end in ends])
-    if planner.along == "poses" or not ranged:
-        limited = has_limits(planner.instance) or planner.motors is not None
-        kept = planner.pose_guide().kept if limited else None
-        return PoseMap(
-            planner.ways, R, T, classes, planner.classes.of, seed=planner.seed, kept=kept
-        )
-    values = np.stack([end.values for end in ends])
-    return ValueMap(planner.values(ends[0]), planner.instance, values, R, T, seed=planner.seed)
+def _map_of_poses(
+    planner: Planner, ends: list[PathEnd], classes: list[PoseClass], members: list[int]
+) -> PoseMap:
+    """Return a map of poses with some ends."""
+    R, T = np.stack([ends[k].R for k in members]), np.stack([ends[k].T for k in members])
+    limited = has_limits(planner.instance) or planner.motors is not None
+    kept = planner.pose_guide().kept if limited else None
+    own = [classes[k] for k in members]
+    return PoseMap(planner.ways, R, T, own, planner.classes.of, seed=planner.seed, kept=kept)
+
+
+def _map_of_values(planner: Planner, ends: list[PathEnd], members: list[int]) -> ValueMap:
+    """Return a map of values with some ends."""
+    values, R, T = (np.stack([getattr(ends[k], n) for k in members]) for n in ("values", "R", "T"))
+    ways = planner.values(ends[members[0]])
+    return ValueMap(ways, planner.instance, values, R, T, seed=planner.seed)

@@ -36,6 +36,7 @@ from gspcli.motion.paths.guides import PROVED_ROWS, Guide, PoseGuide, ValueGuide
 from gspcli.motion.paths.motors import Motors
 from gspcli.motion.paths.planned_paths import PlannedPath
 from gspcli.motion.paths.pose_map import PoseMap
+from gspcli.motion.paths.pose_polygons import pose_polygon
 from gspcli.motion.paths.pose_ways import PoseWays
 from gspcli.motion.paths.sheets import Sheet, whole_sheet
 from gspcli.motion.paths.smoothing import LONG, smoothed, stretch
@@ -46,6 +47,9 @@ from gspcli.motion.workspace.travels import too_near, violations
 
 Array = NDArray[np.float64]
 
+
+#: Yields None while it goes on, and at last a path with what proves it.
+Search = Iterator[tuple[Guide, Array] | None]
 
 #: So many other maps of poses are made, of so many random poses, if a path is long.
 _MAPS, _GROWN = 3, 300
@@ -183,7 +187,7 @@ class Planner:
             if poses.trace(straight, np.array([PROVED_ROWS])) is not None:
                 guide, corners = poses, straight
             elif not motors.shared and not self.stays:
-                guide, corners = self._on_poses(start, goal, more)
+                guide, corners = _first(self._pose_searches(start, goal, self.seed), more)
         if guide is None or corners is None:
             return self._not_found(start, goal)
         corners = self._smoothed(guide, corners, start, goal)
@@ -201,7 +205,7 @@ class Planner:
             if length <= LONG:
                 break
             more = _Countdown(_GROWN)
-            _, other = self._on_poses(start, goal, more, seed=self.seed + 1 + k)
+            _, other = _first(self._pose_searches(start, goal, self.seed + 1 + k), more)
             if other is None:
                 continue
             tried = smoothed(self.instance, guide, other, self.seed)
@@ -263,7 +267,7 @@ class Planner:
         """Yield straight paths that are proved."""
         rows = np.array([PROVED_ROWS])
         if self.along != "poses" and not self._same_values(start, goal):
-            guide: Guide = self._value_guide(ways, start, goal)
+            guide: Guide = self.value_guide(ways, start, goal)
             corners = np.stack((start.values, goal.values))
             if guide.trace(corners, rows) is not None:
                 yield guide, corners
@@ -278,7 +282,8 @@ class Planner:
         still = np.array_equal(start.values, goal.values)
         return still and not (np.array_equal(start.R, goal.R) and np.array_equal(start.T, goal.T))
 
-    def _value_guide(self, ways: ValueWays, start: PathEnd, goal: PathEnd) -> ValueGuide:
+    def value_guide(self, ways: ValueWays, start: PathEnd, goal: PathEnd) -> ValueGuide:
+        """Return what proves polygons of values between two ends."""
         first, last = (ways.points(end.R[None], end.T[None])[0] for end in (start, goal))
         return ValueGuide(ways, first, last, self.clear, self.gap)
 
@@ -303,28 +308,57 @@ class Planner:
         """Return a path on a map of values or poses, if one is found while there is time."""
         along = self.along or ("values" if ways.ranged else "poses")
         if along == "values":
-            return self._on_values(ways, start, goal, more)
-        return self._on_poses(start, goal, more)
+            return _first([self._on_values(ways, start, goal, self.seed)], more)
+        return _first(self._pose_searches(start, goal, self.seed), more)
 
-    def _on_values(
-        self, ways: ValueWays, start: PathEnd, goal: PathEnd, more: Callable[[], bool]
-    ) -> tuple[Guide | None, Array | None]:
-        guide = self._value_guide(ways, start, goal)
+    def _pose_searches(self, start: PathEnd, goal: PathEnd, seed: int) -> list[Search]:
+        """Return the searches for a polygon of poses; they take turns."""
+        found = [self._on_poses(start, goal, seed)]
+        ways = None if self.motors is not None else self.values(start)
+        if ways is not None and ways.ranged:
+            found.insert(0, self._near_values(ways, start, goal, seed))
+        return found
+
+    def _on_values(self, ways: ValueWays, start: PathEnd, goal: PathEnd, seed: int) -> Search:
+        """Search on a map of values."""
+        guide = self.value_guide(ways, start, goal)
         values, R, T = (
             np.stack([getattr(end, n) for end in (start, goal)]) for n in ("values", "R", "T")
         )
-        found = ValueMap(ways, self.instance, values, R, T, seed=self.seed)
+        found = ValueMap(ways, self.instance, values, R, T, seed=seed)
         while True:
             corners = found.way(0, 1)
             if corners is None:
-                if not more():
-                    return None, None
+                yield None
                 found.grow()
-                continue
-            if guide.trace(corners, np.full(len(corners) - 1, PROVED_ROWS)) is not None:
+            elif guide.trace(corners, np.full(len(corners) - 1, PROVED_ROWS)) is not None:
                 guide.widen(corners)
-                return guide, corners
-            self._refuse(found, guide)
+                yield guide, corners
+            else:
+                self._refuse(found, guide)
+
+    def _near_values(self, ways: ValueWays, start: PathEnd, goal: PathEnd, seed: int) -> Search:
+        """Search on a map of values; a polygon of poses follows the way that it has."""
+        for found in self._on_values(ways, start, goal, seed):
+            if found is None:
+                yield None
+                continue
+            poses = self.pose_guide()
+            polygon = self.polygon_near(*found, poses, start, goal)
+            if polygon is not None:
+                yield poses, polygon
+            break
+        while True:
+            yield None
+
+    def polygon_near(
+        self, guide: Guide, corners: Array, poses: PoseGuide, start: PathEnd, goal: PathEnd
+    ) -> Array | None:
+        """Return a proved polygon of poses along a way of values; None if there is none."""
+        trace = guide.trace(corners, np.full(len(corners) - 1, PROVED_ROWS))
+        if trace is None:
+            return None
+        return pose_polygon(poses, trace.rows, *self._parameters(start, goal))
 
     def _refuse(self, found: ValueMap, guide: ValueGuide) -> None:
         """Take the first edge of a way away that does not keep cones or clearance."""
@@ -339,30 +373,42 @@ class Planner:
         # Each part is proved alone, and all of them together are not: rounding at a corner.
         found.refuse(nodes[0], nodes[1])
 
-    def _on_poses(
-        self, start: PathEnd, goal: PathEnd, more: Callable[[], bool], seed: int | None = None
-    ) -> tuple[Guide | None, Array | None]:
+    def _on_poses(self, start: PathEnd, goal: PathEnd, seed: int) -> Search:
+        """Search on a map of poses."""
         guide = self.pose_guide()
         R, T = np.stack((start.R, goal.R)), np.stack((start.T, goal.T))
         limited = has_limits(self.instance) or self.motors is not None or self.gap is not None
         kept = guide.kept if limited else None
         classes = [self.classes.of(end.R, end.T) for end in (start, goal)]
-        draw = self.seed if seed is None else seed
-        found = PoseMap(self.ways, R, T, classes, self.classes.of, seed=draw, kept=kept)
+        found = PoseMap(self.ways, R, T, classes, self.classes.of, seed=seed, kept=kept)
         found.join_given()
         while True:
             corners = found.way(0, 1)
             if corners is None:
-                if not more():
-                    return None, None
+                yield None
                 found.grow()
                 continue
             way = np.array(corners)
             if guide.trace(way, np.full(len(way) - 1, PROVED_ROWS)) is not None:
-                return guide, way
-            found.refuse_on_way(
-                0, 1, lambda one: guide.trace(one, np.array([PROVED_ROWS])) is not None
-            )
+                yield guide, way
+            else:
+                found.refuse_on_way(
+                    0, 1, lambda one: guide.trace(one, np.array([PROVED_ROWS])) is not None
+                )
+
+
+def _first(searches: list[Search], more: Callable[[], bool]) -> tuple[Guide | None, Array | None]:
+    """Return what the first of some searches finds; all take turns while there is time.
+
+    Which one it is does not depend on the time.
+    """
+    while True:
+        for search in searches:
+            found = next(search)
+            if found is not None:
+                return found
+        if not more():
+            return None, None
 
 
 class _Countdown:

@@ -11,6 +11,7 @@ cost, so that the result does not depend on last digits either.
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +26,7 @@ Array = NDArray[np.float64]
 _TRIES, _MORE, _POWERS = 400, 300, (0.5, 0.25)
 #: A path that is this many times as long as the straight way is long.
 LONG = 3.0
+_ROWS = np.array([PROVED_ROWS])
 #: How far corners are moved, by their ranges, and what a change must be worth.
 _MOVES, _WORTH = (0.02, 0.08, 0.25), 1e-3
 
@@ -72,16 +74,33 @@ def _cheaper(
     tries: int,
 ) -> Array:
     """Return the corners of a path that costs less with a power of the condition number."""
+    #: What straight parts cost whose poses are known without a proof.
+    parts: dict[tuple[bytes, bytes], float] = {}
+
+    def part(first: Array, last: Array) -> float | None:
+        """Return the cost of a straight part; None if its poses depend on the parts before."""
+        key = first.tobytes(), last.tobytes()
+        if key not in parts:
+            poses = guide.unproved(np.stack((first, last)), _ROWS)
+            if poses is None:
+                return None
+            parts[key] = cost(instance, *poses, power)
+        return parts[key]
 
     def value(tried: Array, below: float) -> float:
         """Return the cost of a path if it is proved and costs less, else infinity."""
         rows = np.full(len(tried) - 1, PROVED_ROWS)
-        poses = guide.unproved(tried, rows)
-        if poses is not None and not cost(instance, *poses, power) < below:
-            return np.inf
-        trace = guide.trace(tried, rows)
-        found = np.inf if trace is None else cost(instance, trace.R, trace.T, power)
-        return found if found < below else np.inf
+        known = 0.0
+        for first, last in pairwise(tried):
+            one = part(first, last)
+            if one is None:
+                trace = guide.trace(tried, rows)
+                found = np.inf if trace is None else cost(instance, trace.R, trace.T, power)
+                return found if found < below else np.inf
+            known += one
+            if not known < below:
+                return np.inf
+        return known if guide.trace(tried, rows) is not None else np.inf
 
     best = value(corners, np.inf)
     corners, best = _short_cuts(corners, best, value)
