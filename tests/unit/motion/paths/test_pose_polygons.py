@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
@@ -36,7 +38,7 @@ def test_a_polygon_of_poses_is_proved_and_keeps_the_ends(study, on_values):
     guide = planner.pose_guide()
     corners = pose_polygon(guide, trace.rows, *planner._parameters(start, goal))
     assert 2 < len(corners) < len(trace.T)
-    assert all(planner.ways.prove(*pair).sign for pair in zip(corners, corners[1:], strict=False))
+    assert all(planner.ways.prove(*pair).sign for pair in pairwise(corners))
     R, T = planner.ways.poses(corners[[0, -1]])
     assert np.abs(R - np.stack((start.R, goal.R))).max() < 1e-12
     assert np.abs(T - np.stack((start.T, goal.T))).max() < 1e-9
