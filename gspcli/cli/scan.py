@@ -95,14 +95,14 @@ def command(
 
     All poses are found at every node of the grid: modes is the number of real ones, condition the
     smallest condition number of one. With --folds, where neighbouring nodes have different numbers,
-    the values at which a pair of modes meets and vanishes are proved: points of the discriminant,
-    each with the pose. Mirror images have one each, at the same values. Over two values the
-    discriminant is a curve through these points, which pictures show with its cusps. Between the
-    proved points it is followed numerically, without proof.
+    the values or readings at which a pair of modes meets and vanishes are proved: points of the
+    discriminant, each with the pose. Mirror images have one each, at the same values. Over two
+    values or motors the discriminant is a curve through these points, which pictures show with its
+    cusps. Between the proved points it is followed numerically, without proof.
 
     Of a machine with arms or rails the readings of its motors vary (crank.B1, slide.B1); each node
     is the machine with its joints moved there, and the other motors stay where they are stated.
-    There are no --folds and no clearance over motors.
+    There is no clearance over motors (gsp clearance has that of one pose).
 
     Over poses (--pose) nothing is solved. Each node has the determinant of the Jacobian matrix
     (free of units, as in `gsp analyze`), its sign and the condition number. --folds gives the poses
@@ -116,7 +116,7 @@ def command(
     Examples:
       gsp scan platform.yaml --vary 1=5:7:200 -o modes.csv
       gsp scan platform.yaml --vary 1=5:7:60 --vary 2=4:6:60 --folds -o folds.csv
-      gsp scan @t-top-head --vary crank.B1=-60:60:13
+      gsp scan @t-top-head --vary crank.B1=-60:60:13 --folds
       gsp scan platform.yaml --vary 1=5:7:60 --vary 2=4:6:60 --folds -o map.svg
       gsp scan platform.yaml --vary 1=5:7:500 --resume work.jsonl -o map.csv
       gsp scan platform.yaml --vary x=-9:9:60 --vary y=-9:9:60 \\
@@ -135,7 +135,7 @@ def command(
     from gspcli.motion.singularities.scan_results import as_read, check_values, corrected
     from gspcli.motion.singularities.value_scans import MISSING, Scan
 
-    asked = Scan.empty(instance, _axes(instance, texts, folds=folds))
+    asked = Scan.empty(instance, _axes(instance, texts))
     found = Scan.empty(*corrected(asked), clearance=quantity == "clearance")
     check_values(found, "--vary")
     total = math.prod(len(axis.values) for axis in asked.axes)
@@ -169,18 +169,15 @@ def command(
     return 0
 
 
-def _axes(instance: Instance, texts: tuple[str, ...], *, folds: bool) -> list[Axis]:
+def _axes(instance: Instance, texts: tuple[str, ...]) -> list[Axis]:
     """Return the values and drives that vary."""
-    from gspcli.motion.singularities.scan_results import axis_of, drive_names, refuse_folds
+    from gspcli.motion.singularities.scan_results import axis_of, drive_names
 
     known = (*_NUMBERS, *drive_names(instance))
-    axes = [
+    return [
         axis_of(instance, int(name) if name in _NUMBERS else name, nodes)
         for name, nodes in axes_of("--vary", texts, known)
     ]
-    if folds:
-        refuse_folds(axes)
-    return axes
 
 
 def _refuse_coordinates(texts: tuple[str, ...], conventions: PoseConventions) -> None:

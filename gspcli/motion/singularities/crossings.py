@@ -13,16 +13,14 @@ from gspcli.certification.branches.folds import prove_fold
 from gspcli.defaults import SEED
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.quaternions import Field
-from gspcli.geometry.readings import values_of
 from gspcli.geometry.residuals import condition_numbers
-from gspcli.motion.following.branch_follower import MovingPlatform
-from gspcli.motion.following.row_instances import at_values
+from gspcli.motion.following.moving_geometry import MovingGeometry
 from gspcli.motion.following.tracks import Event
-from gspcli.motion.following.trajectories import track
 from gspcli.motion.singularities.discriminant import Curve, Discriminant
+from gspcli.motion.singularities.driven_discriminant import DrivenDiscriminant
+from gspcli.motion.singularities.scan_rows import ScanRows
 from gspcli.motion.singularities.value_scans import Scan
 from gspcli.records import dataclass
-from gspcli.solver import solve_batch
 
 Array = NDArray[np.float64]
 #: A point nearer than this to the border of the grid, in parts of the ranges, is on it.
@@ -118,10 +116,10 @@ class _Search:
 
     def __init__(self, found: Scan, seed: int) -> None:
         self.result = Boundary()
-        self._found = found
+        self._rows = ScanRows(found)
         self._seed = seed
         self._known: dict[Edge, list[Crossing]] = {}
-        self._curves = _Curves(found) if len(found.axes) == 2 else None
+        self._curves = _Curves(self._rows) if len(found.axes) == 2 else None
 
     def change(self, edge: Edge) -> int:
         """Return the change of the number of modes along an edge, by its crossings."""
@@ -144,17 +142,14 @@ class _Search:
         self, edge: Edge, start: tuple[int, ...], goal: tuple[int, ...], wanted: int
     ) -> None:
         """Add the folds in which modes end from one node to another, or the curves through them."""
-        ends = np.stack([self._found.values_at(start), self._found.values_at(goal)])
-        # From the first node, so that the numbers of modes need not be carried along.
-        begin = values_of(self._found.instance, ends[:1])[0]
-        path = track(at_values(self._found.instance, begin), ends, seed=self._seed)
-        for event in path.events:
+        ends = np.stack([self._rows.read(start), self._rows.read(goal)])
+        for event in self._rows.track(start, goal, self._seed).events:
             # Two modes that meet end in the same fold.
             told = event.partner is not None and event.partner < event.mode
             if event.kind != "fold" or told:
                 continue
             at = ends[0] + (event.low - 1) * (ends[1] - ends[0])
-            values = tuple(float(at[axis.constraint]) for axis in self._found.axes)
+            values = tuple(at.tolist())
             curve = self._curves.through(event, values) if self._curves else None
             if curve is None:
                 change = -2 if start == edge[1] else 2
@@ -193,16 +188,21 @@ def _same(first: Crossing, second: Crossing) -> bool:
 class _Curves:
     """Curves of the discriminant and the grid of a scan over two values."""
 
-    def __init__(self, found: Scan) -> None:
-        self.found = found
-        last = found.values_at([-1] * len(found.axes))
-        self.platform = MovingPlatform(at_values(found.instance, last))
-        nodes = [np.array(axis.values) for axis in found.axes]
-        low, high = (np.array([grid[k] for grid in nodes]) for k in (0, -1))
-        varied = (found.axes[0].constraint, found.axes[1].constraint)
-        self.equations = Discriminant(self.platform, found.values_at((0, 0)), varied, low, high)
+    def __init__(self, rows: ScanRows) -> None:
+        self.rows = rows
+        self.platform = rows.platform()
+        self.equations: Discriminant
+        if isinstance(self.platform, MovingGeometry):
+            self.equations = DrivenDiscriminant(rows, self.platform)
+        else:
+            first, second = rows.varied
+            values, ends = rows.row(rows.low), (rows.low, rows.high)
+            self.equations = Discriminant(self.platform, values, (first, second), *ends)
         #: The nodes as parts of the ranges.
-        self.grids = [(grid - a) / (b - a) for grid, a, b in zip(nodes, low, high, strict=True)]
+        self.grids = [
+            (np.array(axis.values) - a) / (b - a)
+            for axis, a, b in zip(rows.found.axes, rows.low, rows.high, strict=True)
+        ]
 
     def through(self, event: Event, values: tuple[float, ...]) -> Curve | None:
         """Return the curve through a fold."""
@@ -223,22 +223,20 @@ class _Curves:
         seed
             Of the values.
         """
-        instance, varied = self.found.instance, self.equations.varied
         parts = np.random.default_rng(seed).uniform(size=(_SAMPLES, 2))
-        values = np.tile([row.value.value for row in instance.constraints], (_SAMPLES, 1))
-        values[:, varied] = self.equations.plane(np.pad(parts, ((0, 0), (16, 0))))
-        batch = solve_batch(instance, values, seed=seed)
-        for k in range(_SAMPLES):
-            for point in self._nearly_singular(batch.R[k], batch.T[k], batch.real[k]):
-                x = self.equations.start(point, values[k, varied])
+        read = self.equations.plane(np.pad(parts, ((0, 0), (16, 0))))
+        for there, solved in zip(read, self.rows.solved(read, seed), strict=True):
+            for point in self._nearly_singular(*solved):
+                x = self.equations.start(point, there)
                 if x is None or not ((x[16:] >= 0) & (x[16:] <= 1)).all():
                     continue
                 if not any(curve.contains(x) for curve in known):
                     yield self.equations.follow(x)
 
-    def _nearly_singular(self, R: Field, T: Field, real: NDArray[np.bool_]) -> Iterator[Array]:
-        """Yield Study points of one real and one complex solution of some values."""
-        arrangement = Arrangement.of(self.found.instance)
+    def _nearly_singular(
+        self, arrangement: Arrangement, R: Field, T: Field, real: NDArray[np.bool_]
+    ) -> Iterator[Array]:
+        """Yield Study points of one real and one complex solution at some place."""
         if real.any():
             R_real, T_real = R[real].real, T[real].real
             worst = int(condition_numbers(arrangement, R_real, T_real).argmax())
@@ -275,11 +273,11 @@ class _Curves:
             return None
         node = (k, line) if axis == 0 else (line, k)
         other = (k + 1, line) if axis == 0 else (line, k + 1)
-        rows = self.found.values_at(node), self.found.values_at(other)
+        ends = self.rows.read(node), self.rows.read(other)
+        rows = self.rows.row(ends[0]), self.rows.row(ends[1])
         part = (place - grid[k]) / (grid[k + 1] - grid[k])
         fold = prove_fold(self.platform.system, rows, part, at[:8], at[8:16])
         if fold is None or not 0 <= fold.low <= fold.high <= 1:
             return None
-        exact = rows[0] + fold.low * (rows[1] - rows[0])
-        values = tuple(float(exact[one.constraint]) for one in self.found.axes)
+        values = tuple((ends[0] + fold.low * (ends[1] - ends[0])).tolist())
         return (axis, node), Crossing(values, 2 * fold.bends, *self.platform.poses(fold.point))

@@ -112,10 +112,14 @@ class Discriminant:
             About the two values, shape (2,).
         """
         w = (values - self._low) / self._span
-        rows = self.platform.jacobian(point, self._internal(w))
+        rows = self._rows(point, w)
         direction = definite_sign(np.linalg.svd(np.vstack((rows, point)))[2][-1])
         x = np.concatenate((point / np.linalg.norm(point), direction, w))
         return self._corrected(x, x, None)
+
+    def _rows(self, point: Array, w: Array) -> Array:
+        """Return F' at a Study point, shape (7, 8)."""
+        return self.platform.jacobian(point, self._internal(w))
 
     def _internal(self, w: Array) -> Array:
         values = self._base.copy()
@@ -124,13 +128,9 @@ class Discriminant:
 
     def _equations(self, x: Array, patch: Array, gauge: Array) -> tuple[Array, Array]:
         """Return the seventeen equations and their derivatives, shape (17, 18)."""
-        z, u, near = x[:8], x[8:16], self._near(x)
-        rows = near.jacobian[0, :7]
-        bent = np.einsum("kij,j->ki", near.hessians[0], u)
-        moving = self._moving(near, u)
-        values = np.concatenate(
-            (near.residuals()[0], [patch @ z - 1], rows @ u, [patch @ u, gauge @ u - 1])
-        )
+        z, u = x[:8], x[8:16]
+        residuals, rows, bent, moving = self._terms(x)
+        values = np.concatenate((residuals, [patch @ z - 1], rows @ u, [patch @ u, gauge @ u - 1]))
         matrix = np.zeros((17, 18))
         matrix[:7, :8], matrix[:7, 16:] = rows, moving[0]
         matrix[7, :8] = patch
@@ -138,8 +138,11 @@ class Discriminant:
         matrix[15, 8:16], matrix[16, 8:16] = patch, gauge
         return values, matrix
 
-    def _near(self, x: Array) -> Neighbourhood:
-        return Neighbourhood(self.platform, x[None, :8], self._internal(x[16:])[None])
+    def _terms(self, x: Array) -> tuple[Array, Array, Array, tuple[Array, Array]]:
+        """Return F (7,), F' (7, 8), F''u (7, 8), and the derivatives of F and F'u by w (7, 2)."""
+        near = Neighbourhood(self.platform, x[None, :8], self._internal(x[16:])[None])
+        bent = np.einsum("kij,j->ki", near.hessians[0], x[8:16])
+        return near.residuals()[0], near.jacobian[0, :7], bent, self._moving(near, x[8:16])
 
     def _moving(self, near: Neighbourhood, u: Array) -> tuple[Array, Array]:
         """Return derivatives of F and of F'u by both values, shapes (7, 2)."""

@@ -144,8 +144,7 @@ def scan(
         cranks and slides (``crank.B1``), in the units of the instance: one or two, shapes (n1,) and
         (n2,). Other cranks and slides stay where their points are stated.
     folds
-        Whether to prove the folds between neighbouring nodes with different numbers; not over
-        cranks and slides.
+        Whether to prove the folds between neighbouring nodes with different numbers.
     clearance
         Whether to bound the clearance of each pose, too.
     seed
@@ -159,8 +158,6 @@ def scan(
         If a constraint, a drive or a value cannot be.
     """
     axes = [axis_of(instance, k, np.asarray(v, float).tolist()) for k, v in vary.items()]
-    if folds:
-        refuse_folds(axes)
     asked = Scan.empty(instance, axes, clearance=clearance)
     check_values(asked, "vary")
     platform, moved = corrected(asked)
@@ -196,22 +193,6 @@ def drive_names(instance: Instance) -> list[str]:
     """Return the names of the cranks and slides of an instance."""
     drives = Drives.of(instance)
     return [name for name, moves in zip(drives.names, drives.moved, strict=True) if moves]
-
-
-def refuse_folds(axes: Sequence[Axis]) -> None:
-    """Raise if folds are asked for where a crank or slide varies.
-
-    Raises
-    ------
-    ArgumentError
-        With what has them.
-    """
-    if drives := [axis.drive for axis in axes if axis.drive]:
-        message = (
-            f"folds over {listed(drives, 'and')} are not proved here: gsp track along rows of the "
-            "motor finds each that it meets"
-        )
-        raise ArgumentError(message, "folds")
 
 
 def corrected(asked: Scan) -> tuple[Instance, list[Axis]]:

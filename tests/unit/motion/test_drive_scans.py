@@ -9,11 +9,15 @@ import pytest
 
 import gspcli
 from gspcli.errors import ArgumentError
+from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.coordinates import choose, moved
 from gspcli.geometry.drives import Drives
 from gspcli.geometry.home_pose import HomePose
 from gspcli.geometry.numbers import Number
+from gspcli.geometry.residuals import condition_numbers
 from gspcli.motion.files.pose_files import PoseFormat
+from gspcli.motion.following.moving_geometry import MovingGeometry
+from gspcli.motion.poses.inverse_kinematics import values_at
 from gspcli.motion.singularities.pose_scans import PoseAxis, PoseScan
 from gspcli.motion.singularities.scan_results import scan
 from tests.support.driven_machines import driven
@@ -69,10 +73,97 @@ def test_readings_are_corrected():
     np.testing.assert_allclose(one.conditions, other.conditions, rtol=1e-9)
 
 
+def _least_singular_value(machine, moves, R, T):
+    """Of the Jacobian matrix (free of units) with the joints where motors and values are."""
+    there = moved(machine, choose(machine, list(moves)), np.array(list(moves.values())))
+    return 1 / condition_numbers(Arrangement.of(there), R[None], T[None])[0]
+
+
+@pytest.mark.parametrize(
+    ("name", "drive", "ends", "count"),
+    [
+        ("t-top-head", "crank.B1", [-30.0, 0.0, 30.0], 2),
+        ("6-PUS", "slide.B1", [0.0, 0.2, 0.4], None),
+        ("mixed", "slide.P5", [0.0, 0.3, 0.6], None),
+    ],
+)
+def test_folds_over_a_motor_are_where_two_modes_meet(name, drive, ends, count):
+    machine = driven(name)
+    result = scan(machine, {drive: ends}, folds=True)
+    assert result.limits.unexplained == []
+    assert len(result.limits.crossings) == count or (count is None and result.limits.crossings)
+    for fold in result.limits.crossings:
+        (at,) = fold.values
+        assert _least_singular_value(machine, {drive: at}, fold.R, fold.T) < 1e-6
+        # Two modes more on the one side than on the other, a thousandth of the range away.
+        near = 1e-3 * (ends[-1] - ends[0])
+        before, after = scan(machine, {drive: [at - near, at + near]}).found.modes
+        assert after - before == fold.change
+    changes = [
+        np.diff(result.found.modes).sum(),
+        sum(one.change for one in result.limits.crossings),
+    ]
+    assert changes[0] == changes[1]
+
+
+def test_folds_over_two_motors_are_curves():
+    machine = driven("t-top-head")
+    names = ["crank.B1", "crank.B2"]
+    result = scan(machine, dict(zip(names, ([15.0, 25.0], [-5.0, 5.0]), strict=True)), folds=True)
+    assert result.limits.unexplained == []
+    assert [len(result.limits.crossings), len(result.limits.curves)] == [2, 1]
+    (curve,) = result.limits.curves
+    assert len(curve.values) > 4
+    platform = MovingGeometry(machine, choose(machine, names))
+    for values, unknowns in zip(curve.values, curve.unknowns, strict=True):
+        R, T = platform.poses(unknowns[:8])
+        assert _least_singular_value(machine, dict(zip(names, values, strict=True)), R, T) < 1e-7
+        there = moved(machine, choose(machine, names), values)
+        assert values_at(there, R[None], T[None])[0] == pytest.approx(
+            [row.value.value for row in machine.constraints], rel=1e-9
+        )
+    # The curve passes through the folds that are proved on the edges.
+    for fold in result.limits.crossings:
+        assert np.linalg.norm(curve.values - np.array(fold.values), axis=1).min() < 0.5
+
+
+def test_folds_over_a_motor_and_a_value():
+    machine = driven("t-top-head")
+    length = machine.constraints[2].value.value
+    nodes = {"crank.B1": [15.0, 25.0], 3: [length, 1.0001 * length]}
+    result = scan(machine, nodes, folds=True)
+    assert result.limits.unexplained == []
+    (curve,) = result.limits.curves
+    assert curve.values[:, 1] == pytest.approx(length, rel=1.1e-4)
+    assert all(one.values[0] == pytest.approx(21.78, abs=0.2) for one in result.limits.crossings)
+
+
+def test_folds_are_told_as_readings():
+    machine = driven("t-top-head")
+    row = machine.constraints[0]
+    crank = replace(row.base.crank, offset=Number.of(5), scale=Number.of(1))
+    read = replace(
+        machine,
+        constraints=(
+            replace(row, base=replace(row.base, crank=crank)),
+            *machine.constraints[1:],
+        ),
+    )
+    (one,) = scan(machine, {"crank.B1": [15.0, 25.0]}, folds=True).limits.crossings
+    (other,) = scan(read, {"crank.B1": [5.0, 10.0]}, folds=True).limits.crossings
+    assert other.values[0] * 2 + 5 == pytest.approx(one.values[0], rel=1e-12)
+    nodes = {"crank.B1": [5.0, 10.0], "crank.B2": [-5.0, 5.0]}
+    result = scan(read, nodes, folds=True)
+    (curve,) = result.limits.curves
+    assert [fold.values[1] for fold in result.limits.crossings] == [-5, 5]
+    # The curve passes at the one fold of before, where the second crank is still.
+    assert np.interp(0, *curve.values[np.argsort(curve.values[:, 1])].T[::-1]) == pytest.approx(
+        other.values[0], abs=0.02
+    )
+
+
 def test_what_is_not_supported_is_said():
     machine = driven("6-PUS")
-    with pytest.raises(ArgumentError, match=r"folds over slide\.B1 are not proved here"):
-        scan(machine, {"slide.B1": [0.0, 0.1]}, folds=True)
     with pytest.raises(ArgumentError, match="over cranks and slides there is no clearance"):
         scan(machine, {"slide.B1": [0.0, 0.1]}, clearance=True)
     with pytest.raises(ArgumentError, match=r"found 'slide\.B9', expected a number from 1 to 6 or"):
