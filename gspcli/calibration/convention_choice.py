@@ -32,7 +32,7 @@ class ConventionFit(NamedTuple):
     turns: Turns
     factor: float
     scatter: float
-    """Root mean square of what is left of the lengths, in their unit."""
+    """Root mean square of the residuals of the lengths, in their unit."""
     place: int
     """Where it is among those that are tried, usual ones first."""
 

@@ -35,7 +35,7 @@ class Joints(NamedTuple):
     numbers: Array
     """Joints on the platform and on the base, and the missing constant, shape (6, 7)."""
     residual: Array
-    """What is left of each length, shape (n, 6)."""
+    """The residual of each length, shape (n, 6)."""
 
     @property
     def squares(self) -> float:

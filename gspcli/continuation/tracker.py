@@ -51,7 +51,7 @@ class PathResults:
     the terms that cancel in them, shape (B, P); like the next three, -1 unless the status is
     `REGULAR`."""
     curvature: FloatArray
-    """Likewise, the equations as they are, whose factors have norm 1: it bounds the change of the
+    """Likewise for the unscaled equations, whose factors have norm 1: it bounds the change of the
     Jacobian matrix, times its inverse, over a distance of one; shape (B, P)."""
     residual: FloatArray
     """Largest absolute value of the seven equations, divided likewise, shape (B, P)."""

@@ -31,7 +31,7 @@ class TrackerOptions:
     none."""
     nearest: float = 1e-12
     """Distance 1 - t below which a path that still cannot step to the target needs it. Two
-    regular solutions as near as 1e-6 are told apart only if this is small."""
+    regular solutions as near as 1e-6 are distinguished only if this is small."""
     max_steps: int = 1000
     """Accepted and rejected steps after which a path fails."""
     late_steps: int = 60

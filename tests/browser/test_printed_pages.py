@@ -71,7 +71,7 @@ def test_a_live_page_is_printed_whole(
     )
     assert width > 300
     assert width / height == pytest.approx(shape, rel=0.01)
-    # Paper is white, whatever the screen is.
+    # Paper is white for any colours of the screen.
     assert browser.run("document.documentElement.dataset.theme") == "light"
     browser.run("window.dispatchEvent(new Event('afterprint'))")
     assert browser.run("document.getElementById('printed')") is None

@@ -1,4 +1,4 @@
-"""`gsp check`: what it says of good files, of unusual ones and of wrong ones."""
+"""`gsp check`: its output for correct, unusual and wrong files."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`gsp solve` of many instances: an answer for each, in their order, whatever happens to one."""
+"""`gsp solve` of many instances: an answer for each, in their order, even if one fails."""
 
 from __future__ import annotations
 

@@ -43,7 +43,7 @@ def test_what_an_encoding_lacks_is_written_in_ascii(
     assert (run.returncode, run.stderr) == (0, b"")
     encoding = "cp1252" if environment.get("PYTHONIOENCODING") == "cp1252" else "ascii"
     limited = run.stdout.decode(encoding)
-    # Nothing that the package says of itself is left escaped.
+    # No text of the package stays escaped.
     assert "\\x" not in limited
     assert "\\u" not in limited
     whole = shell(f"$GSP {words}", PYTHONIOENCODING="utf-8").stdout.decode()
@@ -98,7 +98,7 @@ CLOSED = "error: standard output: cannot be written: it is closed\n"
         ("$GSP bound 1 >/dev/full", FULL),
         ("$GSP bound 1 --format json >/dev/full", FULL),
         ("$GSP --help >/dev/full", FULL),
-        # What is wrong with the platform is not told: the answer was lost.
+        # The error of the platform is not printed, since the answer was lost.
         ("$GSP solve @griffis-duffy >/dev/full", FULL),
         ("$GSP bound 1 -o /dev/full --format csv", FULL.replace("standard output", "/dev/full")),
         ("$GSP frobnicate 2>/dev/full", ""),

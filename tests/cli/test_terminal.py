@@ -14,7 +14,7 @@ from rich.cells import cell_len
 from tools.build.samples import choices, described, samples, words
 
 WIDTHS = [40, 48, 60, 72, 80, 96, 100, 120, 140, 160, 180, 200]
-#: As good as no terminal: everything in its full width.
+#: Treated as no terminal: everything in its full width.
 _UNLIMITED = 50_000
 Shown = Callable[..., tuple[list[str], int]]
 EXAMPLES = "data/examples"

@@ -1,4 +1,4 @@
-"""Laws of certificates, on 3D3A platforms whose poses the closed form knows completely."""
+"""Laws of certificates, on 3D3A platforms whose poses are all given by the closed form."""
 
 from __future__ import annotations
 

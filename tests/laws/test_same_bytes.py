@@ -117,7 +117,7 @@ def test_whatever_the_processor(build: str, monkeypatch: pytest.MonkeyPatch) -> 
 
 @pytest.mark.parametrize("name", NAMES)
 def test_whatever_strategy_finds_them(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Careful paths from the start; and where doubles prove nothing, what is left."""
+    """Careful paths from the start; and the others, where doubles prove nothing."""
     instance = platform(name)
     with monkeypatch.context() as patch:
         patch.setattr(

@@ -1,4 +1,4 @@
-"""Fits agree with scipy's least_squares, which knows the poses as ordinary unknowns."""
+"""Fits agree with scipy's least_squares, in which the poses are ordinary unknowns."""
 
 from __future__ import annotations
 

@@ -210,6 +210,6 @@ def test_teensy_sketch_on_an_emulated_cortex_m7(tmp_path):
     lines = (done.stdout + done.stderr).split()
     assert lines[0] == "91000"
     one, refused, tries = map(int, lines[1:])
-    # Instructions: bounded, whatever the values; docs/controller.md says how many.
+    # The number of instructions is bounded for any values; docs/controller.md has the bound.
     assert 1000 < one < 20000
     assert one < refused < (tries + 1) * 40000

@@ -1,4 +1,4 @@
-"""Forces, masses and frequencies against Pinocchio, which knows bodies and no formula of ours."""
+"""Forces, masses and frequencies against Pinocchio, which uses bodies and no formula of ours."""
 
 from __future__ import annotations
 

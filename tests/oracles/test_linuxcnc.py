@@ -108,7 +108,7 @@ def operate(tmp_path, halfile):
 
 
 def test_linuxcnc_goes_on_where_the_pose_is_refused(installed, tmp_path):
-    # What docs/controller.md says of LinuxCNC without the pin connected.
+    # The statement of docs/controller.md about LinuxCNC without the pin connected.
     after, _ = operate(tmp_path, "homed.hal")
     assert after["home"]["on"]
     assert after["home"]["homed"]

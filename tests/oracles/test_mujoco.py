@@ -300,7 +300,7 @@ def test_special_platforms_can_be_built(name):
 
 @pytest.mark.parametrize("name", OF_EACH_KIND)
 def test_derivatives_rank_and_forces_are_those_of_the_simulator(name):
-    """What `gsp analyze` says, against a simulator that knows joints and welds and no formulas."""
+    """What `gsp analyze` says, against a simulator that has only joints and welds."""
     instance, arrangement, R, T = _instance(name, 11)
     model, data = _loaded(mjcf(instance, R, T, gravity=0.0))
     analyzed = wrenches(instance, R, T)

@@ -12,10 +12,10 @@ def pose_set_distance(
 ) -> float:
     """Return how far two sets of poses (R, T) are from being the same set.
 
-    Each pose is matched with the nearest of the other set; the result is the largest distance
-    of a pair, or infinity if the sets differ in size or the matching is not one to one. The
-    distance is the largest difference of an entry of R, or of T divided by a length, relative
-    to the size of these entries where that is above one.
+    Each pose is matched with the nearest of the other set. The result is the largest distance of a
+    pair. It is infinity if the sets differ in size or the matching is not one to one. The distance
+    is the largest difference of an entry of R, or of T divided by a length, relative to the size of
+    these entries where that is above one.
 
     Parameters
     ----------

@@ -140,7 +140,7 @@ class ClosedTree:
 
 
 def _without_placeholders(instance, R, T):
-    """Return the exported model with links and joints that weigh nothing by themselves."""
+    """Return the exported model with links and joints that have no mass."""
     rotors = [number.value for number in instance.dynamics.drives.inertia]
     rotors = np.ones(6) * rotors if len(rotors) == 1 else np.array(rotors)
     root = ET.fromstring(mjcf(instance, R, T))

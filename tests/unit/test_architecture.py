@@ -89,9 +89,9 @@ INNER_ROOMS = {
         "parallel_certificates",
     ),
 }
-#: Rooms that know less than their place allows: the engine knows no platform words.
+#: Rooms that import less than their place allows: the engine has no words of platforms.
 STRANGERS = {"continuation": {"geometry", "catalogue", "symbolic"}}
-#: Who talks to the native kernel; everybody else talks to them.
+#: Modules that import the native kernel; all others import these.
 OF_THE_KERNEL = {"certification", "continuation", "geometry", "motion"}
 STANDARD_LIBRARY_ONLY = {"catalogue", "errors", "resources", "progress", "defaults", "wording"}
 STANDARD_LIBRARY_ONLY |= {"records"}

@@ -169,7 +169,7 @@ def {name}(X, x, L, realOnly):
 def test_fksgp_is_asked_in_frames_that_begin_at_the_first_points(
     key: str, name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """A copy that knows our poses, in those frames, gives them back; planar ones apart."""
+    """A copy that has our poses, in those frames, returns them; planar ones separately."""
     instance, result, _ = solved(next(case for case in CASES if case.key == key))
     y, x = result.arrangement.y[0], result.arrangement.x[0]
     t = result.T - x + result.R @ y

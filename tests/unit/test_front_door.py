@@ -67,7 +67,7 @@ def test_the_conda_recipe_has_the_requirements(project: Any) -> None:
     system = tomllib.loads(text)["build-system"]["requires"]
     host = {"".join(one.split()) for one in recipe["requirements"]["host"]}
     assert host == {*system, "python", "pip"}
-    # What conda-forge would say of the compilers; without it the recipe cannot be rendered.
+    # The compilers as conda-forge names them; without them the recipe cannot be rendered.
     assert set(read("conda/variants.yaml")) == {"c_stdlib", "c_stdlib_version"}
     name, entry = recipe["build"]["python"]["entry_points"][0].split(" = ")
     assert {name: entry} == project["scripts"]

@@ -35,7 +35,7 @@ MOUNT = TOUR.with_name("mount.md")
 def test_the_mount_runs(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """From drawing to trajectory: every command, and what the page says of the answers."""
+    """From drawing to trajectory: every command, and the answers on the page."""
     monkeypatch.chdir(tmp_path)
     page = MOUNT.read_text(encoding="utf-8")
     table = re.search(r"```text\n(t,x.*?)```", page, re.DOTALL)

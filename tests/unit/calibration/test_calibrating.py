@@ -70,7 +70,7 @@ def test_noise_is_predicted():
         assert abs(truth[f"offset.{k}"] - offset) < 5 * result.deviations[f"offset.{k}"]
     # Poses are found better than they were measured.
     assert np.abs(result.T - T).max() < np.abs(T_seen - T).max()
-    # Without a word on the noise the scatter tells it, if all of it is in the usual proportions.
+    # Without a stated noise the scatter gives it, if its parts have the usual proportions.
     assert result.scatter == 1
     same = gspcli.calibrate(nominal(), values, R_seen, T_seen)
     assert 0 < same.scatter < 1
@@ -106,7 +106,7 @@ def test_translations_only_are_refused_by_name():
         assert text.count("\n") < 5
         kept = gspcli.calibrate(nominal(), values, turns, places, sigma=SIGMA, hold_unknown=True)
         assert kept.unknowns.missing == 18
-        # What is not told is not moved: nothing is changed by more than the machine is wrong.
+        # Undetermined numbers are not moved: no number changes by more than its error.
         assert np.abs(kept.after - kept.before).max() < 10
 
 
@@ -476,7 +476,7 @@ def test_rows_that_are_there_twice_are_told():
 
 
 def test_outliers_where_the_noise_is_not_stated():
-    """Ten times the usual noise: what is an outlier is told by the scatter."""
+    """Ten times the usual noise: the scatter decides which rows are outliers."""
     rng = np.random.default_rng(13)
     R, T = reachable(60, rng)
     values = readings(real(), R, T) + 0.05 * rng.normal(size=(60, 6))

@@ -180,7 +180,7 @@ def test_a_linear_delta_is_found_from_its_carriages():
 
 
 def test_errors_of_a_shared_carriage_are_common():
-    """Whitened rows of the two rods have the covariance one, whatever their geometry."""
+    """Whitened rows of the two rods have the covariance one, for any geometry."""
     rng = np.random.default_rng(5)
     instance, truth = wrong_machine("delta", rng)
     readings, _, R, T = reached(instance, truth, rng, 1)

@@ -195,7 +195,7 @@ def test_an_order_that_is_stated(tmp_path: Path) -> None:
 
 
 def test_orders_that_fit_as_well(tmp_path: Path) -> None:
-    """Small angles and much noise: orders cannot be told apart, and this is said."""
+    """Small angles and much noise: orders cannot be distinguished, and the message says so."""
     path, wide = tmp_path / "log.csv", Options(prior=1.0)
     log = Simulated("rubin-camera", 100, noise=1e-4, turn=0.007, move=0.5)
     read = read_log(Path(log.write(path, log.lengths, log.T, log.angles)).read_text("utf-8"), "")
@@ -217,7 +217,7 @@ def test_orders_that_fit_as_well(tmp_path: Path) -> None:
 
 
 def test_angles_about_one_axis(tmp_path: Path) -> None:
-    """Nothing depends on the order then, and the machine is not told."""
+    """Nothing depends on the order then, and the machine is not determined."""
     log = Simulated(turn=0.0)
     log.angles[:, 2] += np.linspace(-0.5, 0.5, 40)
     log.R = rotation_from_euler("XYZ", log.angles)
@@ -300,7 +300,7 @@ def test_numbers_at_random(tmp_path: Path) -> None:
 
 
 def test_the_log_of_the_page() -> None:
-    """What docs/identification.md says of it."""
+    """The statements of docs/identification.md."""
     found = identify(str(DOCS / "calibration" / "controller-log.csv"))
     page = (DOCS / "identification.md").read_text(encoding="utf-8")
     shown = re.search(r"```text\n(.*?)```", page, re.DOTALL)

@@ -188,7 +188,7 @@ def forty(dietmaier: Instance) -> tuple[np.ndarray, np.ndarray]:
         jacobian = 2 * np.concatenate((cross(arms, legs), legs), axis=-1)
         error = (legs**2).sum(-1) - d**2
         step = -np.linalg.solve(jacobian, error[..., None])[..., 0]
-        # Far away a full step leads nowhere.
+        # Far away a full step does not converge.
         step /= np.maximum(1, 2 * np.abs(step).max(axis=1, keepdims=True))
         turn = np.concatenate((np.ones((len(R), 1)), step[:, :3] / 2), axis=1)
         R, T = rotation_from_quaternion(turn) @ R, T + step[:, 3:]

@@ -1,4 +1,4 @@
-"""Simple solutions are told from double ones, whatever their condition numbers."""
+"""Simple solutions are distinguished from double ones for any condition numbers."""
 
 from __future__ import annotations
 

@@ -74,7 +74,8 @@ def test_the_header_is_clean_in_cpp(tmp_path):
     subprocess.run([*command, tmp_path / "user.cpp"], check=True)
 
 
-#: What GCC tells of, and the others, which Clang does not tell of but can be told to ignore.
+#: The options that GCC's macros show, and the others; Clang has no macros for these, but a pragma
+#: overrides them.
 UNSAFE = ["-ffast-math", "-ffinite-math-only"]
 UNSAFER = [
     "-funsafe-math-optimizations",

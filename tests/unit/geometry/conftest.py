@@ -13,7 +13,7 @@ from gspcli.geometry.quaternions import Field, rotation_from_quaternion
 
 
 def _arrangement_of_all_kinds(rng: np.random.Generator) -> Arrangement:
-    """Every kind once: ten constraints, whatever the number in an instance."""
+    """Every kind once: ten constraints, although an instance has six."""
     rows = len(KINDS)
 
     def directions(letters: list[str]) -> np.ndarray:

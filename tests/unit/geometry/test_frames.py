@@ -85,7 +85,7 @@ def test_pivots_add_in_the_frame_of_the_tool(relative):
         expressed.at((1, 2, 3)).at((-4, 0, 1)).to_platform(R, T),
         expressed.at((-3, 2, 4)).to_platform(R, T),
     )
-    # The position of the pivot is expressed, whatever the tool's axes: its rotation is not changed.
+    # The position is that of the pivot; the rotation does not depend on the tool's axes.
     (turned, moved), (again, shifted) = (
         one.from_platform(R, T) for one in (expressed, expressed.at((1, 2, 3)))
     )

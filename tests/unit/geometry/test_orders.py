@@ -36,7 +36,7 @@ def of_posemath(a, b, c):
 def one_after_the_other(turns):
     """Return the rotation of turns about axes that move with the platform, each (axis, degrees).
 
-    By Rodrigues' formula about where each axis has come.
+    By Rodrigues' formula about the moved axes.
     """
     R = np.eye(3)
     for axis, angle in turns:

@@ -1,4 +1,4 @@
-"""MJCF: what is left out, what is refused, and models that gsp wrote itself."""
+"""MJCF: ignored elements, refused files, and models that gsp wrote."""
 
 from __future__ import annotations
 

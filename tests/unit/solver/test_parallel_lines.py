@@ -63,7 +63,7 @@ def test_parallel_lines_at_the_distance_asked_for_are_a_pose() -> None:
 def test_parallel_lines_at_another_distance_are_none(distance: str) -> None:
     result = _solved(distance, "0")
     assert result.verdict == "complete"
-    # What is left are complex directions whose difference is isotropic: not parallel, angle zero.
+    # The others are complex directions whose difference is isotropic: not parallel, angle zero.
     assert not result.real_solutions
     assert result.account.spurious > 0
     assert _accounted(result) == result.expected

@@ -160,7 +160,7 @@ def test_values_at_home_need_a_home():
         "home: {position: [x, y, z]}"
     )
     assert len(caught.value.mistakes) == 5
-    # A mistake in the home pose is the only one that is told.
+    # Only the mistake in the home pose is reported.
     with pytest.raises(SpecError) as caught:
         loads(TEXT.replace("position: [0, 0, 120]", "position: [0, 120]"), name="f")
     assert len(caught.value.mistakes) == 1

@@ -1,4 +1,4 @@
-"""What is read of files without mistakes is what the models say of them."""
+"""Files without mistakes are read with the same result as by the models."""
 
 from __future__ import annotations
 

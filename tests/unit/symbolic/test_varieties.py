@@ -113,7 +113,7 @@ def test_degrees_of_the_paper_and_of_the_large_mourrain_variety() -> None:
     degrees = {name: variety.degree for name, variety in varieties().items()}
     assert degrees["R,T,U"] == 20  # Section 3: Lazard
     assert degrees["R,T,U,rho"] == 40  # Section 3: Mourrain's 16 coordinates
-    assert degrees["R,T,U,rho,TxR"] != 40  # not as Section 3 says of the 25 coordinates
+    assert degrees["R,T,U,rho,TxR"] != 40  # not as Section 3 says about the 25 coordinates
 
 
 @pytest.mark.parametrize(

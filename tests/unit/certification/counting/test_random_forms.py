@@ -1,4 +1,4 @@
-"""How likely random forms and combinations are to mislead, whatever the prime is."""
+"""The probability that random forms and combinations mislead, for any prime."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Exact numbers as sums of two doubles: what is left is known."""
+"""Exact numbers as sums of two doubles: the remainder is bounded."""
 
 from fractions import Fraction
 

@@ -87,7 +87,7 @@ def test_the_place_of_a_pose_is_told_up_to_its_bound(all_forty):
     for k in range(10):
         assert collection.place_near(found[0][k], found[1][k] + 1e-9, 1e-8) == k
     assert collection.place_near(found[0][20], found[1][20], 1e-8) == -1
-    # Of two that it may be none is told.
+    # If two are possible, none is named.
     assert collection.place_near(found[0][0], found[1][0], 1e3) == -1
 
 

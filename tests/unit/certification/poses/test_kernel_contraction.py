@@ -20,7 +20,7 @@ NEAR = 1e-3
 
 
 class Decided(NamedTuple):
-    """What the kernel says of points."""
+    """The verdicts of the kernel about points."""
 
     R: np.ndarray
     bits: np.ndarray

@@ -1,4 +1,4 @@
-"""What a step says of where it is: how singular, how far from other poses, in whatever frame."""
+"""Reports of a step: how singular the pose is, and how far from others, in any frame."""
 
 from __future__ import annotations
 

@@ -242,7 +242,7 @@ def test_two_proofs_are_of_the_same_zero_only_if_one_is_in_the_ball_of_the_other
     near, wide = proofs(0.5, 1e-3, 2e-3, 2e-3), proofs(0.6, 1e-4, 0.1, 0.05)
     both = near.joined(wide)
     assert (both.end[0], both.uniqueness[0], both.radius[0]) == (1e-4, 0.1, 2e-3)
-    # The ends are farther from the chord than the other proof knows of.
+    # The ends are farther from the chord than the other proof allows.
     apart = proofs(0.5, 3e-3, 5e-3, 4e-3).joined(proofs(0.6, 4e-3, 2e-3, 1e-3))
     assert (apart.end[0], apart.uniqueness[0], apart.radius[0]) == (3e-3, 5e-3, 4e-3)
     # What proves nothing adds nothing.

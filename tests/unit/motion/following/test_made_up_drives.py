@@ -2,8 +2,8 @@
 
 A platform moves in a plane: along x and y, and about z. Three rods meet in one point when it is at
 zero, so that the pose is singular: forces w along the rods are in balance. There the drives move
-their ends across the rods. Along numbers s q' of the drives with sum(w F'' q'^2) = 0, where F'' are
-the second derivatives of the squares of the rods, a branch goes through the pose with a motion of
+their ends across the rods. Let F'' be the second derivatives of the squares of the rods. Along
+numbers s q' of the drives with sum(w F'' q'^2) = 0 a branch goes through the pose with a motion of
 the order of s^2, and crosses others: no step across s = 0 can be proved.
 """
 

@@ -40,7 +40,7 @@ def test_factors_are_found(name):
     ["sdss-primary", "surfaces-sss", "surfaces-scc", "fixture-3-2-1", "figure-2", "figure-4"],
 )
 def test_a_proved_way_keeps_all_signs(name):
-    """The proof of ways knows nothing of factors."""
+    """The proof of ways does not use factors."""
     ways, modes = ways_of(name, limits=False)
     classes = Classes(ways.instance, ways)
     draw = np.random.default_rng(4)

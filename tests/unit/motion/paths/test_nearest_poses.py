@@ -124,7 +124,7 @@ def test_cranks_are_refused():
 
 
 def test_a_singular_pose_between_is_not_passed():
-    """A platform that is wanted upside down stays on its side of the singular poses."""
+    """For a goal upside down the platform stays on its side of the singular poses."""
     nearest = nearest_of("workspace-study")
     over = np.diag([1.0, -1.0, -1.0])
     found = nearest.of(over @ nearest.R, nearest.T)

@@ -52,7 +52,7 @@ def test_bounds_hold_when_motors_move(near, size: float) -> None:
         first, whole = near._changes(widths[None])
         residual = np.abs(np.einsum("kij,i,j->k", change, z, z)) / 2
         assert (residual <= (whole * near.factors)[0] + 1e-12)[driven].all()
-        # To first order it is what is told; then the bounds are no larger than need be.
+        # To first order it is the printed number; so the bounds are no larger than necessary.
         if size < 0.1:
             assert (residual >= (first * near.factors)[0] * 0.8 - 1e-3 * size)[driven].all()
         left, scales, _ = np.linalg.svd(near.inverse, full_matrices=False)
@@ -67,7 +67,7 @@ def test_bounds_hold_when_motors_move(near, size: float) -> None:
 
 
 def test_knees_are_kept_where_that_is_said(near) -> None:
-    """At the largest box of which it is said some gain has come near to zero."""
+    """At the largest proved box some gain is nearly zero."""
     near, _, _ = near
     driven = near.driven
     rng = np.random.default_rng(2)

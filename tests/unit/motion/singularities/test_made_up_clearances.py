@@ -246,7 +246,7 @@ def test_matrices_are_regular_up_to_where_one_is_singular(cube: bool) -> None:
         linear = np.zeros((6, 6, 6))
         linear[0, 1, 0] = linear[1, 0, 0] = size
         assert (compared(np.eye(6), linear, nothing, cube=cube) == 1) == (size < 1)
-        # The same by what is left out.
+        # The same for the terms of higher order.
         rest = np.zeros((6, 6))
         rest[0, 0] = size
         assert (compared(np.eye(6), 0 * linear, rest, cube=cube) == 1) == (size < 1)

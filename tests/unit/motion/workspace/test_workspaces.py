@@ -187,7 +187,7 @@ def test_moving_the_base_changes_no_volume(free):
     ).volume
     assert max(one[0], other[0]) <= min(one[1], other[1])
     assert one[0] > 0
-    # What is left out for the gap is small enough for this to say something.
+    # The gap excludes few poses, so the comparison is meaningful.
     assert (one[1] - one[0]) / one[1] < 0.5
 
 
