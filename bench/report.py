@@ -275,14 +275,14 @@ certified solutions of gsp, both of this run; of a batch, by that of each set of
 """
 
 _TIMES = """\
-Medians over the same instances, on one core: processor time, so that others on the machine matter
-less. For gsp it is `solve` in process, after loading, with certificates; for msolve and phc the
-whole process (they start in milliseconds); for Macaulay2 the tracking alone, and for fkSGP its
-function with real poses only, in process, in turns with gsp: what else the machine does slows
-both. In brackets, as a multiple of gsp. msolve isolates the real solutions of an exact system; its
-tutorial says that its computations over the rationals stop by a probabilistic criterion, and that
-is no proof. Programs that prove poses are not in the table: HomotopyContinuation.jl certifies
-solutions that it has found, Cuik and ALIAS enclose all real ones in a box.
+Medians over the same instances, on one core: processor time, so that other work on the machine
+matters less. For gsp it is `solve` in process, after loading, with certificates. For msolve and phc
+it is the whole process (they start in milliseconds), for Macaulay2 the tracking alone. For fkSGP it
+is its function with real poses only, in process, in turns with gsp, so that other work slows both.
+Brackets have the multiple of gsp. msolve isolates the real solutions of an exact system. Its
+tutorial says that its computations over the rationals stop by a probabilistic criterion; that is no
+proof. Programs that prove poses are not in the table: HomotopyContinuation.jl certifies solutions
+that it has found, Cuik and ALIAS enclose all real ones in a box.
 """
 
 _ANSWERS = """\

@@ -53,7 +53,7 @@ int kinematicsForward(const double *joints, struct EmcPose *world,
   const hexapod_pose home = HEXAPOD_HOME;
   int status;
   (void)fflags, (void)iflags;
-  if (!*pins->homed) return -1; /* LinuxCNC asks once before it knows its joints */
+  if (!*pins->homed) return -1; /* LinuxCNC calls this once before homing */
   status = started ? HEXAPOD_PROVED : hexapod_start(&home, &where, 0);
   if (!status) {
     started = 1;

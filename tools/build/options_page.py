@@ -18,10 +18,10 @@ An option is spelled the same and means the same in every command that has it; w
 with it is in [its help](commands.md). A test compares them.
 
 - A **POSE** is `x,y,z,qw,qx,qy,qz` (a quaternion of any length, scalar first), or
-  `x,y,z,rx,ry,rz` with `--euler AXES`, which names the order of the axes; or `@FILE`, a file with
-  one pose as `gsp measure` reads it (`@-` is standard input). x, y, z are where `--pivot` is, by
-  default the origin of the platform's frame. `--euler` says what the numbers of given poses are,
-  `--rotation` how poses are written.
+  `x,y,z,rx,ry,rz` with `--euler AXES`, which names the order of the axes. It may also be `@FILE`, a
+  file with one pose as `gsp measure` reads it (`@-` is standard input). x, y, z are the position of
+  the `--pivot`, by default the origin of the platform's frame. `--euler` says how given poses are
+  read, `--rotation` how poses are printed.
 - **I=V** is a constraint from 1 to 6 and a number: `--set 1=5.2` gives the value, `--delta 1=0.1`
   adds to it; both are exact, and may be expressions such as `sqrt(3)/2`.
 - **FILE** of `-o` is replaced, whole or not at all; that of `--resume` is kept up to date while a

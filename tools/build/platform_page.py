@@ -50,7 +50,7 @@ not published, or the machine is not six constraints:
 - the Bosch-Rexroth hexapods of the Norwegian Motion Laboratory (strokes only);
 - a servo platform in inches and a six-wire handle, of which no source is named;
 - a Kelvin clamp and a 3-2-1 block, which were constructed and never published (the example
-  `fixture-3-2-1` is such a one).
+  `fixture-3-2-1` is a 3-2-1 block).
 
 Dietmaier's platform with 40 real poses is the example `dietmaier`.
 """
