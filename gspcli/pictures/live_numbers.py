@@ -40,6 +40,7 @@ from gspcli.motion.following.platform_numbers import platform_numbers
 from gspcli.motion.singularities.displacements import Displacements
 from gspcli.pictures.arms import drawn_drives
 from gspcli.pictures.live_drives import LiveMotors, apart
+from gspcli.pictures.live_home import live_home
 from gspcli.resources import data_path
 from gspcli.solver.problem import Problem
 from gspcli.solver.starts.geometry_starts import SolvedGeometry
@@ -96,8 +97,9 @@ def live_numbers(result: SolveResult) -> dict[str, Any]:
         sign); the ``limits`` of what values can be (None: no limit); ``kinds``; ``units``. The
         index of the ``home`` mode or None; the ``sides`` of values (1, -1, 0 for both; None without
         sides); whether a solve is ``quick``. The ``proof`` of the count or None and its
-        ``reservation`` in words; the ``drives`` (`drawn_drives`); the ``numbers``, doubles in
-        base64. Where motors move joints, these are of the m motors (`LiveMotors.moved`).
+        ``reservation`` in words; the ``drives`` (`drawn_drives`); the ``ways`` home (`live_home`);
+        the ``numbers``, doubles in base64. Where motors move joints, these are of the m motors
+        (`LiveMotors.moved`).
 
     Raises
     ------
@@ -153,6 +155,7 @@ def live_numbers(result: SolveResult) -> dict[str, Any]:
         "proof": proof and proof.to_json(),
         "reservation": reservation,
         "drives": drawn_drives(given),
+        "ways": live_home(result),
         "numbers": numbers.text(),
     }
 

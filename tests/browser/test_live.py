@@ -295,8 +295,10 @@ def test_the_followed_mode_goes_home_along_a_proved_way(
     opened(browser, live(), "#1=320&4=420")
     settle(browser)
     assert text(browser, "pose") != home
+    said = "Home by straight leg lengths: proved, not singular; ranges kept."
+    browser.wait(f"document.getElementById('way-said').textContent === {json.dumps(said)}")
     browser.run("document.getElementById('way-home').click()")
-    assert "proved regular on the whole way" in text(browser, "event")
+    assert text(browser, "event") == said
     # It is on the way, not there at once.
     assert text(browser, "pose") != home
     browser.wait(f"{values}[0].value === {json.dumps(before[0])} && !location.hash")
@@ -312,7 +314,24 @@ def test_from_another_mode_no_way_home_is_claimed(
     opened(browser, live(), "#mode=2")
     settle(browser)
     at = text(browser, "pose")
-    browser.run("document.getElementById('way-home').click()")
-    assert "no way home was found" in text(browser, "event")
-    settle(browser)
+    browser.run("document.dispatchEvent(new KeyboardEvent('keydown', {key: 'w'}))")
+    assert "No safe way home: all ways pass a singular pose" in text(browser, "event")
+    browser.wait("document.getElementById('way-home').disabled")
+    assert text(browser, "way-said") in text(browser, "event")
     assert text(browser, "pose") == at
+
+
+def test_another_mode_goes_home_through_stored_poses(
+    browser: Browser, live: Callable[..., Path]
+) -> None:
+    """The mode that is followed keeps its number until it is at home, and is home then."""
+    opened(browser, live(), "#mode=5")
+    browser.wait("document.getElementById('way-said').dataset.kind === 'stored'")
+    assert " stored poses: proved, not singular; ranges kept." in text(browser, "way-said")
+    browser.run("document.getElementById('way-home').click()")
+    browser.wait("document.getElementById('value-1').value !== '423.683'")
+    assert text(browser, "followed-name") == "Mode 5"
+    assert "singular pose" not in text(browser, "event")
+    browser.wait("document.getElementById('way-said').textContent === 'It is at home.'")
+    assert text(browser, "followed-name") == "Mode 16, home"
+    assert browser.messages == []

@@ -45,11 +45,19 @@ class PathEnd:
 
 
 class Modes:
-    """The real poses of a platform as ends of paths, solved when they are first needed."""
+    """The real poses of a platform as ends of paths, solved when they are first needed.
 
-    def __init__(self, instance: Instance) -> None:
+    Parameters
+    ----------
+    instance
+        The platform.
+    solved
+        Its poses, if they are known.
+    """
+
+    def __init__(self, instance: Instance, solved: SolveResult | None = None) -> None:
         self.instance = instance
-        self._solved: SolveResult | None = None
+        self._solved = solved
 
     def all(self) -> list[PathEnd]:
         """Return all modes, in the order of `solve`.

@@ -137,7 +137,7 @@ def mode_groups(planner: Planner) -> ModeGroups:
     classes = [planner.classes.of(end.R, end.T) for end in ends]
     left = [planner.left(end) for end in ends]
     inside = [k for k, reason in enumerate(left) if not reason]
-    alone = {k for k in inside if _is_alone(planner, ends[k])}
+    alone = {k for k in inside if fills_ranges(planner, ends[k])}
     joined = Connections()
     for _ in ends:
         joined.add()
@@ -165,7 +165,8 @@ def _groups_differ(classes: list[PoseClass], group: dict[int, int], i: int, j: i
     return any(classes[a].differs(classes[b]) is not None for a in first for b in second)
 
 
-def _is_alone(planner: Planner, end: PathEnd) -> bool:
+def fills_ranges(planner: Planner, end: PathEnd) -> bool:
+    """Whether it is proved that a mode is one pose for all values in the ranges."""
     if planner.motors is not None:
         return False
     ways = planner.values(end)
@@ -191,13 +192,13 @@ def _join(
         sides.setdefault(np.sign(ends[k].values).tobytes(), []).append(k)
     if planner.along != "poses" and ranged:
         for members in sides.values():
-            found = _map_of_values(planner, ends, members)
+            found = map_of_values(planner, ends, members)
             _grow(found, _tried_pairs(classes, members), deadline)
             _take(found, members, joined)
         return
     if len(open_) < 2:
         return
-    poses = _map_of_poses(planner, ends, classes, open_)
+    poses = map_of_poses(planner, ends, classes, open_)
     if ranged:
         _join_near_values(planner, poses, ends, classes, sides, open_, deadline)
     # Random poses change what must stay.
@@ -234,7 +235,7 @@ def _join_near_values(
     guide = planner.pose_guide()
     half = time.monotonic() + (deadline - time.monotonic()) / 2
     for members in sides.values():
-        found = _map_of_values(planner, ends, members)
+        found = map_of_values(planner, ends, members)
         _grow(found, _tried_pairs(classes, members), half)
         for i, a in enumerate(members):
             for j, b in enumerate(members[:i]):
@@ -257,7 +258,7 @@ def _tried_pairs(classes: list[PoseClass], members: list[int]) -> list[tuple[int
     ]
 
 
-def _map_of_poses(
+def map_of_poses(
     planner: Planner, ends: list[PathEnd], classes: list[PoseClass], members: list[int]
 ) -> PoseMap:
     """Return a map of poses with some ends."""
@@ -268,7 +269,7 @@ def _map_of_poses(
     return PoseMap(planner.ways, R, T, own, planner.classes.of, seed=planner.seed, kept=kept)
 
 
-def _map_of_values(planner: Planner, ends: list[PathEnd], members: list[int]) -> ValueMap:
+def map_of_values(planner: Planner, ends: list[PathEnd], members: list[int]) -> ValueMap:
     """Return a map of values with some ends."""
     values, R, T = (np.stack([getattr(ends[k], n) for k in members]) for n in ("values", "R", "T"))
     ways = planner.values(ends[members[0]])

@@ -58,6 +58,8 @@ class Platform {
 
   // As `condition_numbers`: of the controller's pose.
   double condition() const;
+  // The sign of the determinant of the Jacobian matrix there, which no regular way changes; zero if it is not certain.
+  int sign() const;
   // Of the same pose, zero if nothing is proved.
   double clearance();
 
@@ -75,6 +77,9 @@ class Platform {
     return std::make_unique<Controller>(kind.data(), either.data(),
                                         numbers.doubles(static_cast<int>(Controller::kNumbers)));
   }
+
+  // The Jacobian matrix about the centre of the platform, rows of norm one; whether there is one.
+  bool jacobian(Matrix& J) const;
 
   Found decide(const double* values, const Ends& ends) const {
     Found near = proofs_.decide(values_, values, ends);
@@ -108,9 +113,9 @@ void rotation(const double* q, double (&R)[3][3]) {
     for (int k = 0; k < 3; ++k) R[i][k] = rows[i][k] / n;
 }
 
-double Platform::condition() const {
-  double J[6][6], corrected[6];
-  if (controller_->jacobian(&J[0][0]) != 0) return INFINITY;
+bool Platform::jacobian(Matrix& J) const {
+  double corrected[6];
+  if (controller_->jacobian(&J[0][0]) != 0) return false;
   values_.correct(controller_->values(), corrected);
   joints_->hold(corrected);
   const double unit = std::max(extent_, values_.largest(corrected));
@@ -122,14 +127,38 @@ double Platform::condition() const {
     const double across[3] = {c[1] * f[2] - c[2] * f[1], c[2] * f[0] - c[0] * f[2], c[0] * f[1] - c[1] * f[0]};
     for (int i = 0; i < 3; ++i) row[i] = (row[i] - across[i]) / (unit > 0.0 ? unit : 1.0);
     const double size = length(row);
-    if (!(size > 0.0 && std::isfinite(size))) return INFINITY;
+    if (!(size > 0.0 && std::isfinite(size))) return false;
     for (double& x : row) x /= size;
   }
-  Matrix turns{};
+  return true;
+}
+
+double Platform::condition() const {
+  Matrix J, turns{};
+  if (!jacobian(J)) return INFINITY;
   decompose(J, turns);
   double least = INFINITY, largest = 0.0;
   for (const auto& row : J) least = std::min(least, length(row)), largest = std::max(largest, length(row));
   return least > 1e-14 * largest ? largest / least : INFINITY;
+}
+
+int Platform::sign() const {
+  // Rows are of norm one: rounding errors of the determinant are far below this.
+  constexpr double kCertain = 1e-9;
+  Matrix J;
+  if (!jacobian(J)) return 0;
+  double determinant = 1.0;
+  for (int k = 0; k < 6; ++k) {
+    int pivot = k;
+    for (int i = k + 1; i < 6; ++i)
+      if (std::abs(J[i][k]) > std::abs(J[pivot][k])) pivot = i;
+    if (J[pivot][k] == 0.0) return 0;
+    if (pivot != k) std::swap(J[pivot], J[k]), determinant = -determinant;
+    determinant *= J[k][k];
+    for (int i = k + 1; i < 6; ++i)
+      for (int l = 5; l >= k; --l) J[i][l] -= J[i][k] / J[k][k] * J[k][l];
+  }
+  return determinant > kCertain ? 1 : determinant < -kCertain ? -1 : 0;
 }
 
 double Platform::clearance() {
@@ -188,6 +217,7 @@ EXPORTED int gsp_start() {
   return status;
 }
 EXPORTED double gsp_condition() { return platform->condition(); }
+EXPORTED int gsp_sign() { return platform->sign(); }
 EXPORTED double gsp_clearance() { return platform->clearance(); }
 
 // A proved step to the values in `exchange`, where position and quaternion are then.

@@ -148,6 +148,11 @@ class Kernel {
     return this.start(R, T, values) ? Infinity : this.exports.gsp_condition();
   }
 
+  /** The sign of det J, which no regular way changes: 1 or -1, 0 if it is not certain. */
+  sign(R, T, values) {
+    return this.start(R, T, values) ? 0 : this.exports.gsp_sign();
+  }
+
   /** So far the nearest singular pose is at least, as gsp clearance measures it; 0 if unknown. */
   clearance(R, T, values) {
     return this.start(R, T, values) ? 0 : this.exports.gsp_clearance();

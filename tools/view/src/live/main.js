@@ -10,7 +10,8 @@ import { ModeMap } from "./map.js";
 import { ModeList } from "./mode_list.js";
 import { Model } from "./model.js";
 import { Motion } from "./motion.js";
-import { accountSpoken, accountText, eventText, foldText, noModeText } from "./words.js";
+import { WaysHome } from "./way_home.js";
+import { accountSpoken, accountText, eventText, foldText, noModeText, wayText } from "./words.js";
 import { approaching } from "./folds.js";
 import { cueOf, forgetColours, modeColour, modePaint } from "./mode_colours.js";
 import { explain, showMeanings } from "../terms.js";
@@ -24,6 +25,8 @@ const module = byId("module").textContent.trim();
 /** Milliseconds of rest before the state is said aloud, and for which an event is shown. */
 const SPOKEN = 700;
 const EVENT = 6000;
+/** Milliseconds of rest before a way home is looked for. */
+const WAY = 200;
 /** Which modes are drawn beside the followed one; of more than so many only the nearest at first. */
 const OTHERS = ["none", "near", "all"];
 const MANY = 16;
@@ -32,6 +35,7 @@ let stage = null;
 let chosen = null;
 let spoken = 0;
 let forgotten = 0;
+let looked = 0;
 
 function notice(text) {
   byId("notice").textContent = text;
@@ -118,7 +122,8 @@ function tell(mode, values, fold, happened) {
       ["pose clearance", clearance > 0 ? `at least ${short(clearance, 3)} ${scene.units.length}` : "none proved"],
     ]);
   }
-  const event = eventText(happened);
+  lookForWay();
+  const event = eventText(happened, words);
   if (event || happened.isAnew) {
     say("event", event);
     byId("event").title = event;
@@ -133,6 +138,18 @@ function tell(mode, values, fold, happened) {
 function say(id, text) {
   const part = byId(id);
   if (part.textContent !== text) part.textContent = text;
+}
+
+/** Which way leads home, beside the button: when it rests. */
+function lookForWay() {
+  clearTimeout(looked);
+  looked = setTimeout(() => {
+    if (model.ahead || motion.way) return;
+    const found = ways.find();
+    say("way-said", wayText(found, words));
+    byId("way-said").dataset.kind = found?.kind ?? found?.reason ?? "";
+    byId("way-home").disabled = !found?.rows;
+  }, WAY);
 }
 
 /** What has changed, for those who listen: when it rests. */
@@ -183,7 +200,12 @@ const worker = openWorker();
 const names = live.names ?? scene.constraints.map(({ number, platform, base }) => `${number}: ${platform}–${base}`);
 if (live.names) document.querySelector("input[name=moved][value=values] + span").textContent = "Motors";
 const list = new ModeList(byId("mode-list"), scene.size, live.home, { paint: modeColour, onMode: follow });
-const motion = new Motion(model, scene, live, worker, show);
+const ways = new WaysHome(model, live.ways);
+const words = {
+  isMotors: Boolean(live.names), isLegs: live.kinds.every((kind) => kind === "DPP"),
+  ranges: live.ways.within.some(Boolean), cones: live.ways.cones === null ? null : live.ways.cones.length > 0,
+};
+const motion = new Motion(model, ways, scene, live, worker, show);
 const map = new ModeMap(worker, live, names, (values) => motion.goTo(values));
 const link = new Link(model, map, { onState: (state) => motion.open(state) });
 map.onChoose = () => link.write();

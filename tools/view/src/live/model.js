@@ -1,16 +1,12 @@
 // The platform at present: values, all modes, which is followed. What changes it, and what happened.
 import { quaternion } from "./kernel.js";
 import { meeting } from "./folds.js";
-import { carry, inPairs, nearest, proved } from "./matching.js";
+import { carry, inPairs, nearest } from "./matching.js";
 import { distance } from "./rotations.js";
 
 /** Two modes that appear where two had met are the same again. */
 const AGAIN = 0.5;
 const KEPT_FOLDS = 50;
-/** The pose of home is known this well: numbers of the page have fewer digits. */
-const HOME = 1e-4;
-/** A way home that is not proved in one step is halved so often at most. */
-const HALVINGS = 8;
 
 export class Model {
   /** `modes` are the poses for the values of the file, in the order of `gsp solve`. */
@@ -78,14 +74,6 @@ export class Model {
     this.modes.sort((a, b) => a.number - b.number);
     this.highest = Math.max(this.highest, there.number);
     this.followed = there.number;
-  }
-
-  /** Whether the straight way of all values leads the followed mode home, proved regular on all of it. */
-  hasWayHome() {
-    const { current, start, home } = this;
-    const there = current && proved(this.kernel, current, this.values, start.values, HALVINGS);
-    const wanted = start.numbered[home - 1];
-    return Boolean(there && wanted && distance(there, wanted, this.length) < HOME);
   }
 
   /**

@@ -22,8 +22,8 @@ const TURN = 45;
 
 export class Motion {
   /** `show(happened)` shows the model after a move. */
-  constructor(model, scene, live, worker, show) {
-    Object.assign(this, { model, scene, live, worker, onShow: show });
+  constructor(model, ways, scene, live, worker, show) {
+    Object.assign(this, { model, ways, scene, live, worker, onShow: show });
     this.wanted = null;
     this.id = 0;
     this.turn = 0;
@@ -108,15 +108,14 @@ export class Motion {
     this.want({ values });
   }
 
-  /** Bring the followed mode home along straight values, where that is proved; else it stays, and this is said. */
+  /** Bring the followed mode home along a proved way; where none is found it stays, and this is said. */
   goHome() {
     const { model } = this;
-    if (model.ahead) return;
-    const isProved = model.hasWayHome();
-    this.onShow({ way: isProved });
-    if (!isProved) return;
-    const from = model.values;
-    const to = model.start.values;
+    if (model.ahead || this.way) return;
+    const found = this.ways.find();
+    this.onShow({ way: found });
+    if (!found?.rows) return;
+    const { followed } = model;
     const began = performance.now();
     const still = window.matchMedia("(prefers-reduced-motion: reduce)").matches;
     const way = {};
@@ -124,7 +123,9 @@ export class Motion {
       if (this.way !== way) return;
       const t = still ? 1 : (performance.now() - began) / WAY;
       if (t < 1) {
-        this.want({ values: from.map((x, i) => x + t * (to[i] - x)) });
+        const place = this.ways.at(found.rows, t);
+        if (!place) return;
+        this.want({ values: place.values, known: new Map([[followed, place]]) });
         this.way = way;
         requestAnimationFrame(step);
         return;
@@ -132,7 +133,7 @@ export class Motion {
       this.stop();
       this.begun();
       this.rebase();
-      this.onShow({ way: true });
+      this.onShow({ isAnew: true });
     };
     this.way = way;
     requestAnimationFrame(step);
@@ -170,18 +171,18 @@ export class Motion {
     }
     this.pose = pose ? wanted.numbers : null;
     if (this.isSlow || model.ahead) {
-      this.goAhead(values, pose);
+      this.goAhead(values, pose, wanted.known);
       return;
     }
     // All of it is done before the next picture, since nothing is awaited that comes later.
-    const how = { solve: (there) => this.solvedHere(there), parts: PARTS };
+    const how = { solve: (there) => this.solvedHere(there), parts: PARTS, known: wanted.known };
     const found = how.solve(values);
     this.onShow(await (pose ? model.goPose(pose, found, values, how) : model.go(values, found, how)));
   }
 
   /** The followed mode at once, the others when the slider rests. */
-  goAhead(values, pose) {
-    this.model.goAhead(values, pose);
+  goAhead(values, pose, known) {
+    this.model.goAhead(values, pose ?? known?.values().next().value);
     this.target = { values, pose };
     this.onShow();
     this.rest();

@@ -35,11 +35,33 @@ export function noModeText({ complete, isPossible, real }, ahead) {
   return complete || !isPossible ? "There is no real pose for these values." : "No real pose is known for these values.";
 }
 
+/**
+ * Which way leads home, and what is proved of it, in a sentence. `words`: whether values are those of motors or all
+ * are lengths of legs, whether the file has ranges, and cones (null: such as are not looked at).
+ */
+export function wayText(found, { isMotors, isLegs, ranges, cones }) {
+  if (!found) return "";
+  if (found.isHome) return "It is at home.";
+  if (found.reason === "sign") {
+    return `No safe way home: all ways pass ${isMotors ? "a singular pose or a dead point" : "a singular pose; det J has the other sign there"}.`;
+  }
+  if (found.reason) return "No safe way home was found.";
+  const values = isMotors ? "motors" : isLegs ? "leg lengths" : "values";
+  const how = {
+    values: () => `by straight ${values}`, poses: () => "by straight poses",
+    stored: () => `through ${plural(found.stored, "stored pose")}`,
+  }[found.kind]();
+  const limits = [];
+  if (ranges) limits.push(found.outside ? "it begins outside the limits" : "ranges kept");
+  if (cones) limits.push("cones looked at in places");
+  if (cones === null) limits.push("cones not looked at");
+  return `Home ${how}: proved, not singular${limits.map((x) => `; ${x}`).join("")}.`;
+}
+
 /** What happened in a move, in which `followed` was followed; empty if nothing did. */
-export function eventText({ met = [], gone = [], passed = null, followed = null, unreached = false, way = null }) {
+export function eventText({ met = [], gone = [], passed = null, followed = null, unreached = false, way = null }, words) {
   const said = [];
-  if (way === true) said.push("home along straight values: proved regular on the whole way");
-  if (way === false) said.push("no way home was found along straight values; Home jumps there");
+  if (way) said.push(`${wayText(way, words)}${way.reason ? " Home jumps there." : ""}`);
   if (unreached) said.push("the motors cannot bring the rods to that pose");
   if (passed) said.push(`through a singular pose: from mode ${passed[0]} into mode ${passed[1]}`);
   if (met.length) {
