@@ -23,15 +23,7 @@ from gspcli.catalogue import kinds
 from gspcli.catalogue.kinds import Kind
 from gspcli.certification.equations import study
 from gspcli.certification.equations.local_frames import length_scale
-from gspcli.certification.equations.quadratic_forms import (
-    Form,
-    base_height,
-    mutual_moment,
-    platform_height,
-    rotation_form,
-    scaled,
-    square_distance,
-)
+from gspcli.certification.equations.quadratic_forms import Form, forms_of
 from gspcli.certification.equations.statement import statements
 from gspcli.certification.numbers.balls import norm
 from gspcli.certification.numbers.rounding import OUTWARD, TINY
@@ -173,17 +165,14 @@ def moving_equation(
     is_zero
         Whether the value is always zero.
     """
+    forms = forms_of(kind, a, b, u, v, arb(0))
     if not kind.is_distance:
         law = ValueFunction.COSINE if kind.law.is_cosine else ValueFunction.SINE
-        return Shape.PLAIN, law, float(kind.law.sign), [rotation_form(v, u)]
+        return Shape.PLAIN, law, float(kind.law.sign), forms
     if kind.law is kinds.Law.MOMENT:
-        moment = mutual_moment(a, b, u, v)
         if is_zero:
-            return Shape.PLAIN, ValueFunction.LINEAR, 1.0, [moment]
-        return Shape.LINES, ValueFunction.SQUARE, 1.0, [moment, rotation_form(v, u)]
-    if kind.law is kinds.Law.SQUARE and not (u or v):
-        return Shape.PLAIN, ValueFunction.SQUARE, 1.0, [square_distance(a, b, arb(0))]
-    height = platform_height(a, b, u) if u else base_height(a, b, v)
+            return Shape.PLAIN, ValueFunction.LINEAR, 1.0, forms[:1]
+        return Shape.LINES, ValueFunction.SQUARE, 1.0, forms
     if kind.law is kinds.Law.SQUARE:
-        return Shape.PRODUCT, ValueFunction.SQUARE, 1.0, [square_distance(a, b, arb(0)), height]
-    return Shape.PLAIN, ValueFunction.LINEAR, 1.0, [scaled(height, arb(-1 if u else 1))]
+        return Shape.PRODUCT if u or v else Shape.PLAIN, ValueFunction.SQUARE, 1.0, forms
+    return Shape.PLAIN, ValueFunction.LINEAR, 1.0, forms

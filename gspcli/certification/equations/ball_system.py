@@ -31,15 +31,7 @@ from gspcli.certification.equations import study
 from gspcli.certification.equations.likelier_sides import likelier
 from gspcli.certification.equations.local_frames import length_scale
 from gspcli.certification.equations.pose_balls import PoseBall
-from gspcli.certification.equations.quadratic_forms import (
-    Form,
-    base_height,
-    mutual_moment,
-    platform_height,
-    rotation_form,
-    scaled,
-    square_distance,
-)
+from gspcli.certification.equations.quadratic_forms import Form, forms_of, scaled
 from gspcli.certification.equations.statement import Statement, statements
 from gspcli.certification.numbers.balls import dot, floats_above, norm
 from gspcli.certification.numbers.rounding import OUTWARD
@@ -120,38 +112,26 @@ class BallSystem:
         return bool(np.isfinite(self._moduli).all())
 
     def _equations(self, given: Statement) -> tuple[BallEquation, ...]:
-        law, a, b, u, v = given.kind.law, given.a, given.b, given.u, given.v
+        law, u, v, d = given.kind.law, given.u, given.v, given.value
+        form, *others = forms_of(given.kind, given.a, given.b, u, v, d)
         if not given.kind.is_distance:
-            form = rotation_form(v, u)
             form[study.NORM] = -given.cosine * norm(u) * norm(v)
             return (BallEquation(self._add(form)),)
         if law is Law.MOMENT:
-            return (self._distance_of_lines(given),)
+            if given.is_zero:
+                return (BallEquation(self._add(form)),)
+            main: Form = {study.NORM: d * d * dot(u, u) * dot(v, v)}
+            cosine = scaled(others[0], d)
+            return (BallEquation(self._add(main), (self._add(form), self._add(cosine))),)
         axis = u or v
-        if law is Law.SQUARE and not axis:
-            return (BallEquation(self._add(square_distance(a, b, given.value))),)
-        # The point's height over the line's foot or over the plane.
-        height = platform_height(a, b, u) if u else base_height(a, b, v)
         if law is Law.SQUARE:
-            square = square_distance(a, b, given.value)
-            main = self._add(scaled(square, dot(axis, axis)))
-            return (BallEquation(main, (self._add(height),)),)
-        if u:
-            height = scaled(height, arb(-1))
-        value = given.value * norm(axis)
+            form = scaled(form, dot(axis, axis)) if axis else form
+            return (BallEquation(self._add(form), tuple(map(self._add, others))),)
+        value = d * norm(axis)
         return tuple(
-            BallEquation(self._add({**height, study.NORM: height[study.NORM] - sign * value}))
+            BallEquation(self._add({**form, study.NORM: form[study.NORM] - sign * value}))
             for sign in (_SIGNS[given.side] if not given.is_zero else (1,))
         )
-
-    def _distance_of_lines(self, given: Statement) -> BallEquation:
-        a, b, u, v, d = given.a, given.b, given.u, given.v, given.value
-        moment = mutual_moment(a, b, u, v)
-        if given.is_zero:
-            return BallEquation(self._add(moment))
-        main: Form = {study.NORM: d * d * dot(u, u) * dot(v, v)}
-        cosine = scaled(rotation_form(v, u), d)
-        return BallEquation(self._add(main), (self._add(moment), self._add(cosine)))
 
     def _add(self, form: Form) -> int:
         self.forms.append(form)

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 
 from flint import arb
 
+from gspcli.catalogue.kinds import Kind, Law
 from gspcli.certification.equations import study
 from gspcli.certification.numbers.balls import cross, dot
 
@@ -65,3 +66,35 @@ def mutual_moment(a: list[arb], b: list[arb], u: list[arb], v: list[arb]) -> For
         for j in range(3):
             form[study.MOMENT[i][j]] = v[i] * u[j]
     return form
+
+
+def forms_of(
+    kind: Kind, a: list[arb], b: list[arb], u: list[arb], v: list[arb], d: arb
+) -> list[Form]:
+    """Return the quadrics of a constraint without its value, one or two.
+
+    They are the product of the directions, or the height of a point over a plane; of points the
+    square of their distance, of a point and a line also the height along the line; of lines the
+    mutual moment, and the product of the directions.
+
+    Parameters
+    ----------
+    kind
+        Of the constraint.
+    a, b
+        A point of the platform and of the base primitive.
+    u, v
+        Their directions or normals; empty for points.
+    d
+        A distance whose square is subtracted from that of points; zero if the value is open.
+    """
+    if not kind.is_distance:
+        return [rotation_form(v, u)]
+    if kind.law is Law.MOMENT:
+        return [mutual_moment(a, b, u, v), rotation_form(v, u)]
+    if kind.law is Law.SQUARE and not (u or v):
+        return [square_distance(a, b, d)]
+    height = platform_height(a, b, u) if u else base_height(a, b, v)
+    if kind.law is Law.SQUARE:
+        return [square_distance(a, b, d), height]
+    return [scaled(height, arb(-1)) if u else height]

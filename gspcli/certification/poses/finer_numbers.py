@@ -19,15 +19,7 @@ from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import Law
 from gspcli.certification.equations import study
-from gspcli.certification.equations.quadratic_forms import (
-    Form,
-    base_height,
-    mutual_moment,
-    platform_height,
-    rotation_form,
-    scaled,
-    square_distance,
-)
+from gspcli.certification.equations.quadratic_forms import Form, forms_of, scaled
 from gspcli.certification.equations.statement import Statement, statements_in
 from gspcli.certification.numbers.balls import dot, norm
 from gspcli.certification.numbers.rounding import OUTWARD
@@ -128,22 +120,19 @@ def _equation(given: Statement, *, meeting: bool) -> tuple[Form, arb, tuple[Form
 
     They are those of native/open_equations.cpp.
     """
-    law, a, b, u, v = given.kind.law, given.a, given.b, given.u, given.v
+    law, u, v = given.kind.law, given.u, given.v
+    form, *others = forms_of(given.kind, given.a, given.b, u, v, arb(0))
     if not given.kind.is_distance:
-        return rotation_form(v, u), -norm(u) * norm(v), ()
+        return form, -norm(u) * norm(v), ()
     if law is Law.MOMENT:
-        moment = mutual_moment(a, b, u, v)
         if meeting:
-            return moment, arb(0), ()
-        return {}, dot(u, u) * dot(v, v), (moment, rotation_form(v, u))
+            return form, arb(0), ()
+        return {}, dot(u, u) * dot(v, v), (form, *others)
     axis = u or v
-    if law is Law.SQUARE and not axis:
-        return square_distance(a, b, arb(0)), arb(-1), ()
-    height = platform_height(a, b, u) if u else base_height(a, b, v)
     if law is Law.SQUARE:
-        size = dot(axis, axis)
-        return scaled(square_distance(a, b, arb(0)), size), -size, (height,)
-    return scaled(height, arb(-1)) if u else height, -norm(axis), ()
+        size = dot(axis, axis) if axis else arb(1)
+        return scaled(form, size), -size, tuple(others)
+    return form, -norm(axis), ()
 
 
 def _value(given: Statement, sign: float) -> arb:
