@@ -54,7 +54,7 @@ _READABLE = ("table", "markdown", "latex")
 @click.option(
     "--no-certify",
     is_flag=True,
-    help="Ignored and deprecated: every pose is proved.",
+    help="Do not prove what is found. Ignored and deprecated: every pose is proved.",
 )
 @click.option(
     "--prove/--no-prove",

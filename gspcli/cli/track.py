@@ -72,7 +72,7 @@ if TYPE_CHECKING:
 @click.option(
     "--all-modes",
     is_flag=True,
-    help="Along a file of poses follow all real poses, not only the mode of these poses.",
+    help="All real poses: along a file of poses follow all, not only the mode of these poses.",
 )
 @click.option(
     "--complete",
@@ -94,7 +94,9 @@ if TYPE_CHECKING:
     help="Add how far the pose may move, for any values, with proof that its screws stay "
     "independent (gsp clearance --of pose).",
 )
-@click.option("--no-certify", is_flag=True, help="Do not prove that no branch is changed.")
+@click.option(
+    "--no-certify", is_flag=True, help="Do not prove what is found: that no branch is changed."
+)
 @require_option("range, cone, clearance>=0.5, condition<=50")
 @pose_options
 @column_options

@@ -51,7 +51,7 @@ def test_seven_exact_poses_give_all_42_numbers(sigma):
 def test_six_poses_are_refused_with_how_many_more():
     R, T = reachable(6, np.random.default_rng(0))
     with pytest.raises(
-        IncompleteError, match="tell 36 of 42 numbers\nmeasure at least 1 more pose;"
+        IncompleteError, match="determine 36 of 42 numbers\nmeasure at least 1 more pose;"
     ):
         gspcli.calibrate(nominal(), readings(real(), R, T), R, T)
 

@@ -11,7 +11,7 @@ from gspcli.symbolic.closed_forms import derive
     ("proof", "words"),
     [
         (printed_section_6.equation_12, "linearly independent modulo h1"),
-        (printed_section_6.equation_14, "off by 2(p2 − p1)"),
+        (printed_section_6.equation_14, "wrong by 2(p2 − p1)"),
         (printed_section_6.equation_16, "d1(x − z)"),
         (printed_section_6.equation_18, "exchanged"),
     ],
