@@ -71,7 +71,17 @@ EXCEPTIONS: tuple[tuple[str, str], ...] = (
 )
 
 #: Folders and files whose sentences are checked.
-CHECKED = ("bench", "docs", "gspcli", "native", "tests", "tools", "CONTRIBUTING.md", "README.md")
+CHECKED = (
+    "bench",
+    "docs",
+    "gspcli",
+    "native",
+    "tests",
+    "tools",
+    "CHANGELOG.md",
+    "CONTRIBUTING.md",
+    "README.md",
+)
 
 _SOURCES = {".py", ".cpp", ".hpp", ".c", ".js", ".md"}
 #: A line that begins a new sentence though the one before has no full stop.

@@ -39,9 +39,9 @@ export class WaysHome {
   }
 
   /**
-   * The way home of the present mode: its `kind` (values, poses, stored), the poses with their values on it (`rows`),
-   * how many of these are of the map (`stored`), and whether a limit is violated `outside`, where it begins. Or why
-   * there is none: `reason` sign (every way is singular somewhere) or none (not found). Null without a mode.
+   * Return the way home of the present mode: its `kind` (values, poses, stored), its poses with their values (`rows`),
+   * how many of these are of the map (`stored`), and whether it begins `outside` a limit. If there is no way, return
+   * the `reason`: sign (every way is singular somewhere) or none (not found). Null without a mode.
    */
   find() {
     const { model, home } = this;
