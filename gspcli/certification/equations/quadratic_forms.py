@@ -73,9 +73,9 @@ def forms_of(
 ) -> list[Form]:
     """Return the quadrics of a constraint without its value, one or two.
 
-    They are the product of the directions, or the height of a point over a plane; of points the
-    square of their distance, of a point and a line also the height along the line; of lines the
-    mutual moment, and the product of the directions.
+    For an angle it is the product of the directions, for a plane the height of the point. For two
+    points it is the square of their distance. A point and a line have this square and the height
+    along the line. Two lines have the mutual moment and the product of the directions.
 
     Parameters
     ----------
