@@ -35,7 +35,7 @@ from gspcli.geometry.primitives import Crank, Point
 from gspcli.records import dataclass
 from gspcli.solver.results.proof import CountKind, Proof
 from gspcli.solver.starts.geometry_starts import SolvedGeometry
-from gspcli.solver.starts.solved_starts import SolvedStarts
+from gspcli.solver.starts.solved_starts import SolvedStarts, counted_sides
 from gspcli.solver.study_systems import coefficients_of
 
 if TYPE_CHECKING:
@@ -137,6 +137,7 @@ def counted(instance: Instance, geometry: SolvedGeometry) -> list[ExactCount | N
     """
     names = [name for name in Drives.of(instance).names if "." in name]
     found: list[ExactCount | None] = [None] * 2 ** len(names)
+    sides = counted_sides(instance, np.array([row.value.value for row in instance.constraints]))
     for size in range(len(names)):
         for moved in combinations(range(len(names)), size):
             # With fewer motors moved there are not more.
@@ -144,7 +145,7 @@ def counted(instance: Instance, geometry: SolvedGeometry) -> list[ExactCount | N
             if any(found[k] is None for k in fewer):
                 continue
             held = frozenset(names) - {names[k] for k in moved}
-            count = SolvedStarts().count(anywhere(instance, held), SEED, COUNT_LIMIT)
+            count = SolvedStarts().count(anywhere(instance, held), sides, SEED, COUNT_LIMIT)
             if count is not None and (count.solutions or 0) < geometry.found:
                 found[sum(2**k for k in moved)] = count
     return found

@@ -21,7 +21,7 @@ from gspcli.defaults import PATIENCE, SEED
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.numbers import Number
-from gspcli.solver.starts.solved_starts import STARTS, SolvedPlatform, SolvedStarts
+from gspcli.solver.starts.solved_starts import STARTS, SolvedPlatform, SolvedStarts, counted_sides
 from gspcli.solver.study_systems import coefficients_at, coefficients_of, side_choices
 
 if TYPE_CHECKING:
@@ -255,5 +255,6 @@ class Problem:
 
     def count_geometry(self) -> ExactCount | None:
         """Return the count of the geometry with values in general position."""
-        self.known_geometry_count = self.starts.count(self.instance, self.seed, self.limit)
+        sides = counted_sides(self.instance, self.arrangement.values)
+        self.known_geometry_count = self.starts.count(self.instance, sides, self.seed, self.limit)
         return self.known_geometry_count

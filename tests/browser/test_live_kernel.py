@@ -21,13 +21,16 @@ if TYPE_CHECKING:
     from tools.browser import Browser
 
 STATES = 12
-#: Planar plates, poses far away, cranks, slides, planes with sides, three angles, lines, products.
+#: Planar plates, poses far away, cranks, slides, tripods in planes, planes with sides, three
+#: angles, lines, products.
 NAMES = (
     "rubin-m2",
     "t-top-head",
     "rubin-camera",
     "modified-paradex",
     "delta",
+    "three-rps",
+    "three-prs",
     "hexagons-equal-legs",
     "surfaces-ppp",
     "parallel-lines",

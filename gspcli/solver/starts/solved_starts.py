@@ -7,16 +7,17 @@ correctly rounded (`gspcli.certification.numbers.correct_rounding`).
 from __future__ import annotations
 
 from collections import OrderedDict
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Hashable, Sequence
 from enum import Enum
 from threading import Lock
 from types import MappingProxyType
 from typing import TYPE_CHECKING, NamedTuple, TypeVar, cast
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Units
+from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side, Units
 from gspcli.geometry.numbers import Number
 
 if TYPE_CHECKING:
@@ -142,9 +143,18 @@ class SolvedStarts:
         found = self.fetch(Sort.PLATFORM, geometry_key(arrangement))
         return cast("SolvedPlatform | None", found)
 
-    def count(self, instance: Instance, seed: int, limit: float | None) -> ExactCount | None:
-        """Return the count of an instance's geometry; None if it is not known."""
-        rows = tuple((row.kind, row.platform, row.base, row.side) for row in instance.constraints)
+    def count(
+        self,
+        instance: Instance,
+        sides: Sequence[Side],
+        seed: int,
+        limit: float | None,
+    ) -> ExactCount | None:
+        """Return the count of an instance's geometry on some sides; None if it is not known."""
+        rows = tuple(
+            (row.kind, row.platform, row.base, side)
+            for row, side in zip(instance.constraints, sides, strict=True)
+        )
 
         def counted() -> ExactCount | None:
             from gspcli.certification.counting import geometry_count
@@ -156,6 +166,24 @@ class SolvedStarts:
             return geometry_count(Instance(given, _UNITS), seed=seed, limit=limit)
 
         return self.kept(Sort.COUNT, (rows, seed, limit), counted)
+
+
+def counted_sides(instance: Instance, values: NDArray[np.float64]) -> list[Side]:
+    """Return on which sides the poses of a geometry are counted.
+
+    Both sides of a plane at distance zero are the same equation, so that one of them is counted.
+
+    Parameters
+    ----------
+    instance
+        The geometry.
+    values
+        Which of them are zero, shape (6,).
+    """
+    return [
+        Side.POSITIVE if row.kind.has_sides and value == 0 else row.side
+        for row, value in zip(instance.constraints, values.tolist(), strict=True)
+    ]
 
 
 def geometry_key(given: Arrangement) -> Hashable:

@@ -12,10 +12,14 @@ from gspcli.catalogue.names import parse_type
 from gspcli.continuation.tracked_paths import TrackedPaths
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.numbers import Number
+from gspcli.resources import instance_files
 from gspcli.solver import solve, solve_batch
+from gspcli.solver.all_poses import all_poses
 from gspcli.solver.instances.generate import random_instance
+from gspcli.solver.problem import Problem
 from gspcli.solver.starts.geometry_starts import geometry_among
 from gspcli.solver.strategies import elimination, row_groups
+from gspcli.spec import load
 
 SETS = 10
 
@@ -126,3 +130,21 @@ def test_what_no_path_comes_near_is_not_tried_again(monkeypatch):
     assert (result.account.verdict, result.account.lost) == ("incomplete", 40)
     assert result.poses.proof is None
     assert digits.count(64) == 1
+
+
+def test_tripods_have_a_common_start():
+    """Planes at distance zero have one side, and those at another distance both."""
+    instance = load(instance_files()["three-rps"])
+    own = np.array([row.value.value for row in instance.constraints])
+    rows = np.tile(own, (12, 1))
+    rows[:, :3] *= np.random.default_rng(2).uniform(0.95, 1.05, (12, 3))
+    rows[4:8, 3] = 0.05
+    rows[8:, 3:] = 0.03
+    groups = row_groups.groups_of(Problem(instance), rows, all_poses)
+    counts = {tuple(members): group.known_geometry_count for members, group in groups}
+    assert [count and count.solutions for count in counts.values()] == [16, 32, 128]
+    batch = solve_batch(instance, rows)
+    assert batch.complete.all()
+    for k in (1, 5, 9):
+        alone = solve(given(instance, rows[k]))
+        assert (batch.number[k], batch.real[k].sum()) == (alone.counts.found, alone.counts.real)
