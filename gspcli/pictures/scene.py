@@ -107,6 +107,8 @@ class DrawnConstraint:
         Between which primitives.
     value
         The value asked for, in the units of the scene.
+    diameter
+        Of a leg whose file states it; else None.
     """
 
     number: int
@@ -114,15 +116,18 @@ class DrawnConstraint:
     platform_name: str
     base_name: str
     value: float
+    diameter: float | None = None
 
     def to_json(self) -> dict[str, Any]:
         """Return the constraint as plain data."""
+        thick = {} if self.diameter is None else {"diameter": self.diameter}
         return {
             "number": self.number,
             "kind": self.kind.name,
             "platform": self.platform_name,
             "base": self.base_name,
             "value": self.value,
+            **thick,
         }
 
 
@@ -202,6 +207,8 @@ class Scene:
         The constraints.
     series
         What there is to show; the assembly modes come first.
+    shells
+        By the name of a body the faces of the outline that the file states, in its frame.
     """
 
     title: str
@@ -214,6 +221,7 @@ class Scene:
     base: DrawnBody
     bonds: tuple[DrawnConstraint, ...]
     series: tuple[SceneSeries, ...]
+    shells: Mapping[str, tuple[Array, ...]] = field(default_factory=dict)
 
     @cached_property
     def decimals(self) -> int:
@@ -226,6 +234,9 @@ class Scene:
 
     def to_json(self) -> dict[str, Any]:
         """Return the scene as plain data of schema ``gsp.scene/1``."""
+        shells = {
+            name: [self._drawn(face) for face in faces] for name, faces in self.shells.items()
+        }
         return {
             "schema": SCHEMA,
             "version": __version__,
@@ -237,6 +248,7 @@ class Scene:
             "base": self._body(self.base),
             "constraints": [bond.to_json() for bond in self.bonds],
             "series": [self._series(series) for series in self.series],
+            **({"shells": shells} if shells else {}),
         }
 
     def _drawn(self, points: Array) -> Any:

@@ -12,6 +12,7 @@ from gspcli.geometry.printed_numbers import printed_residual
 from gspcli.pictures.arms import arm_strokes, joined, with_drives
 from gspcli.pictures.scene import DrawnConstraint, Scene, Stroke
 from gspcli.pictures.shown_poses import Poses, moving_series, names_of, series_of
+from gspcli.pictures.shells import drawn_diameters, drawn_shells
 from gspcli.pictures.stage import Stage
 from gspcli.solver.result import SolveResult
 
@@ -64,7 +65,7 @@ def scene_of(
         here = [*joined(here, arms)]
         series.append(series_of(arrangement, poses, here, labels[chosen]))
         first = chosen.stop
-    units, kind = instance.units, instance.type
+    units, kind, diameters = instance.units, instance.type, drawn_diameters(instance)
     return Scene(
         title=instance.name or kind.id,
         type_id=f"{kind.id} (type {kind.number}, {kind.platform_class.id})",
@@ -75,10 +76,11 @@ def scene_of(
         platform=platform,
         base=base,
         bonds=tuple(
-            DrawnConstraint(i + 1, row.kind, *names[i], row.value.value)
+            DrawnConstraint(i + 1, row.kind, *names[i], row.value.value, diameters.get(i))
             for i, row in enumerate(instance.constraints)
         ),
         series=tuple(series),
+        shells=drawn_shells(instance),
     )
 
 

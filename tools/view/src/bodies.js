@@ -9,7 +9,7 @@ const BORDER = 0.0028;
 const NORMAL = 0.16;
 
 /** How the part is named when it is pointed at; the numbers are added where they are known. */
-export function buildBody(name, body, toScene, colours) {
+export function buildBody(name, body, toScene, colours, shell = []) {
   const group = new Group();
   const skin = solid(colours.body);
   const thin = flat(colours.body);
@@ -28,6 +28,10 @@ export function buildBody(name, body, toScene, colours) {
   if (polygons.length) add(plates(polygons, hull), null).renderOrder = name === "base" ? 1 : 2;
   const edges = sides(faces);
   if (edges.length) group.add(rods(edges, EDGE, skin));
+
+  // The outline that the file states.
+  const skinOfShell = glass(colours.body, 0.3);
+  if (shell.length) add(plates(shell.map((face) => face.map(toScene)), skinOfShell), null).renderOrder = 3;
 
   const sheet = glass(colours.body, 0.1);
   for (const element of body.elements) {
@@ -53,7 +57,7 @@ export function buildBody(name, body, toScene, colours) {
   return {
     group, pickable, labels,
     recolour(color) {
-      for (const material of [skin, thin, hull, sheet]) material.color.copy(color);
+      for (const material of [skin, thin, hull, skinOfShell, sheet]) material.color.copy(color);
     },
   };
 }

@@ -1,6 +1,6 @@
 // A constraint: its strokes at the pose that is shown.
 import { Group, Vector3 } from "three";
-import { flat, rodCapacity, setRods, solid } from "./solids.js";
+import { ball, flat, rodCapacity, setRods, solid } from "./solids.js";
 
 const RADII = { leg: 0.006, perpendicular: 0.0065, arc: 0.006, ray: 0.0028, square: 0.0028, guide: 0.0028 };
 const DASHED = new Set(["ray", "guide"]);
@@ -11,7 +11,9 @@ const CYLINDER = 0.5;
 const THICKER = 1.75;
 
 export class Bond {
-  constructor(constraint, colours) {
+  /** `thick` is the radius of a leg whose file states its diameter, else 0. */
+  constructor(constraint, thick, colours) {
+    this.thick = thick;
     this.isAngle = constraint.kind.startsWith("A");
     this.group = new Group();
     this.main = solid(colours.main);
@@ -37,7 +39,19 @@ export class Bond {
       }
       this.meshes.set(k, mesh);
       this.group.add(mesh);
+      if (stroke.style === "leg" && this.thick) this.addEnds(k, userData);
     });
+  }
+
+  /** The round ends of a thick leg. */
+  addEnds(k, userData) {
+    for (const end of [0, 1]) {
+      const mesh = ball(new Vector3(), this.thick, this.main);
+      mesh.userData = userData;
+      this.pickable.push(mesh);
+      this.meshes.set(`${k} ${end}`, mesh);
+      this.group.add(mesh);
+    }
   }
 
   move(index, toScene) {
@@ -46,7 +60,10 @@ export class Bond {
       const radius = RADII[stroke.style];
       const mesh = this.meshes.get(k);
       if (DASHED.has(stroke.style)) setRods(mesh, dashes(points[0], points[1]), radius);
-      else if (stroke.style === "leg") setRods(mesh, telescope(points[0], points[1], radius), radius);
+      else if (stroke.style === "leg" && this.thick) {
+        setRods(mesh, [points], this.thick);
+        points.forEach((point, end) => this.meshes.get(`${k} ${end}`).position.copy(point));
+      } else if (stroke.style === "leg") setRods(mesh, telescope(points[0], points[1], radius), radius);
       else setRods(mesh, pairs(points), radius);
     });
   }

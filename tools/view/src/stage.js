@@ -70,7 +70,7 @@ export class Stage {
     this.scene.add(this.base.group, this.platform.group, this.ghosts);
 
     this.bonds = this.data.constraints.map((constraint) => {
-      const bond = new Bond(constraint, { main: colour("distance"), mark: colour("mark") });
+      const bond = new Bond(constraint, (constraint.diameter ?? 0) / 2 / size, { main: colour("distance"), mark: colour("mark") });
       this.scene.add(bond.group);
       return bond;
     });
@@ -83,7 +83,12 @@ export class Stage {
 
   bodyOf(name, data) {
     const place = name === "base" ? this.toScene : this.inBody;
-    return { ...buildBody(name, data, place, { body: colour(name) }), data };
+    return { ...buildBody(name, data, place, { body: colour(name) }, this.shell(name)), data };
+  }
+
+  /** The faces of the outline that the file states of a body. */
+  shell(name) {
+    return this.data.shells?.[name] ?? [];
   }
 
   /** How a body is at a pose: where primitives move in it, another one at each. */
@@ -169,7 +174,9 @@ export class Stage {
 
   /** The sphere around the base and the platform at some poses. */
   sphere(indices) {
-    const corners = (name, k, place) => this.bodyAt(name, k).elements.flatMap((element) => element.outline.map(place));
+    const corners = (name, k, place) => [
+      ...this.bodyAt(name, k).elements.map(({ outline }) => outline), ...this.shell(name),
+    ].flatMap((outline) => outline.map(place));
     const points = corners("base", indices[0], this.toScene);
     for (const k of indices) {
       if (this.series.bodies.base) points.push(...corners("base", k, this.toScene));
