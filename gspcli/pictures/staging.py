@@ -11,8 +11,8 @@ import numpy as np
 from gspcli.geometry.printed_numbers import printed_residual
 from gspcli.pictures.arms import arm_strokes, joined, with_drives
 from gspcli.pictures.scene import DrawnConstraint, Scene, Stroke
-from gspcli.pictures.shown_poses import Poses, moving_series, names_of, series_of
 from gspcli.pictures.shells import drawn_diameters, drawn_shells
+from gspcli.pictures.shown_poses import Poses, moving_series, names_of, series_of
 from gspcli.pictures.stage import Stage
 from gspcli.solver.result import SolveResult
 
