@@ -52,7 +52,9 @@ class Home:
     placed: bool = True
     frame: PoseFrame = IDENTITY
 
-    def document(self, instance: Instance, sequence: str, *, connected: bool) -> dict[str, Any]:
+    def document(
+        self, instance: Instance, sequence: str, *, connected: bool, gap: float | None
+    ) -> dict[str, Any]:
         """Return what every document of `gsp workspace` begins with."""
         R, T = self.frame.to_platform(self.R, self.T)
         expressed = {} if self.frame.is_identity else {"frames": self.frame.to_json()}
@@ -64,6 +66,7 @@ class Home:
             "pivot": list(self.pivot),
             "sequence": sequence,
             "connected": connected,
+            "leg_gap": gap,
         }
 
     @property

@@ -120,7 +120,7 @@ def show_travels(
         for row in rows
     ]
     document = {
-        **home.document(instance, sequence, connected=connected),
+        **home.document(instance, sequence, connected=connected, gap=gap),
         "travel": travel,
         "volume": None,
     }

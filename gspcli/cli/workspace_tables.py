@@ -23,7 +23,9 @@ def workspace_document(
     found: Workspace, home: Home, instance: Instance, boxes: list[dict[str, Any]] | None
 ) -> dict[str, Any]:
     """Return a workspace of an instance for JSON, with its boxes if they are asked for."""
-    heading = home.document(instance, found.boxes.sequence, connected=found.connected)
+    heading = home.document(
+        instance, found.boxes.sequence, connected=found.connected, gap=found.boxes.gap
+    )
     document = {
         **heading,
         "travel": None,

@@ -107,3 +107,10 @@ def test_a_track_of_a_machine_with_arms_keeps_a_gap_at_its_rows(gsp, tmp_path):
     run = gsp("track", path, poses, "--euler", "ZYX", "--require", "gap>=0.001")
     assert run.code == 0, run.err
     assert "gap >= 0.001: met; worst" in run.out
+
+
+def test_documents_of_workspaces_say_which_gap_was_asked_for(gsp, thick):
+    for over in ((), ("--over", "z", "--within", "z=0:100")):
+        for asked, said in (((), None), (("--leg-gap", "5"), 5.0)):
+            run = gsp("workspace", thick, *over, *asked, "--format", "json")
+            assert (run.code, json.loads(run.out)["leg_gap"]) == (0, said)

@@ -608,6 +608,7 @@ KEYS: dict[str, str] = {
     "pivot": "the point of the platform whose position counts, in the platform's frame",
     "sequence": "order of the axes of rx, ry, rz",
     "connected": "whether only what is connected with home without a singular pose is meant",
+    "leg_gap": "how far legs and bodies must be apart (--leg-gap); null if that is not asked for",
     "travel": "how far each axis goes from home, the others staying",
     "axis": "what moves: x, y, z or a turn about an axis parallel to one of the base's",
     "down": "how far down all poses are proved to be reachable, from home",

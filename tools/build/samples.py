@@ -148,6 +148,7 @@ SAMPLES: dict[str, tuple[str, ...]] = {
         "@workspace-study --over x,y --boxes --gap 0.5",
         "@workspace-study --position 0,0,400 --gap 0.5",
         "@workspace-study --over z --within z=0:100",
+        "THICK --over z --within z=0:100 --leg-gap 5",
     ),
     "freedoms": (
         "@workspace-study",
