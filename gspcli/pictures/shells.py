@@ -47,4 +47,4 @@ def _corners(points: Array) -> Array:
     height, angle = 1 - (2 * k + 1) / _CORNERS, k * np.pi * (3 - np.sqrt(5))
     across = np.sqrt(1 - height**2)
     directions = np.stack((across * np.cos(angle), across * np.sin(angle), height), axis=1)
-    return points[np.unique((points @ directions.T).argmax(axis=0))]
+    return np.asarray(points[np.unique((points @ directions.T).argmax(axis=0))])
