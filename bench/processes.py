@@ -1,4 +1,4 @@
-"""Running a program with a time limit, and what it cost."""
+"""Run a program with a time limit, and measure its time."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from types import MappingProxyType
 
 @dataclass(frozen=True)
 class Finished:
-    """What a process did.
+    """The result of a process.
 
     Attributes
     ----------
@@ -27,7 +27,7 @@ class Finished:
     output, errors
         What it wrote.
     trouble
-        Why it did not end well, or empty.
+        Why it failed, or empty.
     """
 
     seconds: float
@@ -69,10 +69,11 @@ def run(
         )
         seconds = ceil(limit)
         resource.prlimit(process.pid, resource.RLIMIT_CPU, (seconds, seconds))
-        # On a machine so busy that this is not reached, the wall clock ends it.
+        # On a busy machine the limit of processor time may not be reached; then the wall clock ends
+        # it.
         timer = threading.Timer(_PATIENCE * limit, os.killpg, (process.pid, signal.SIGKILL))
         timer.start()
-        # The one call that tells the processor time of this child alone.
+        # Only this call gives the processor time of this child alone.
         _, status, usage = os.wait4(process.pid, 0)
         wall = time.perf_counter() - began
         timer.cancel()

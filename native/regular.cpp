@@ -9,7 +9,7 @@
 namespace gsp {
 namespace {
 
-// A vector with all its values in the box.
+// Encloses a vector over the box.
 Vector spread(const Vector& a, const double* shift, const Place& at, bool turning) {
   Vector b = a;
   const double rough = at.bend * length(a);
@@ -25,7 +25,7 @@ Vector spread(const Vector& a, const double* shift, const Place& at, bool turnin
   return b;
 }
 
-// The moment about the pivot and the force of what a constraint measures, up to a factor.
+// A row of J, up to a factor: moment about the pivot, and force.
 void wrench(const Limit& limit, const Placed& centre, const Swing& swing, const Place& at, Ball* row) {
   Vector y = spread(centre.y, nullptr, at, true), s = spread(centre.s, at.h, at, false);
   const Vector w = spread(centre.w, nullptr, at, true), &v = centre.v;
@@ -60,7 +60,8 @@ void wrench(const Limit& limit, const Placed& centre, const Swing& swing, const 
       moment = cross(w, s);
       break;
     case Measure::kLineLine: {
-      // Of m / s, times s^3: s^2 m' + m c c' with the cosine c.
+      // The derivative of the distance m / s, times s^3: s^2 m' + m c c', where c is the cosine and
+      // s the sine.
       const Vector n = cross(w, v);
       const Ball square = dot(n, n), m = dot(r, n), c = dot(w, v);
       force = square * n;
@@ -76,7 +77,7 @@ void wrench(const Limit& limit, const Placed& centre, const Swing& swing, const 
   }
 }
 
-// An approximate inverse; the sign of the determinant, 0 if there is none.
+// Computes an approximate inverse. Returns the sign of the determinant, 0 if a pivot is zero.
 int invert(double (*a)[6], double (*inverse)[6]) {
   int sign = 1;
   for (int i = 0; i < 6; ++i)
@@ -119,7 +120,8 @@ int regular(const Reach& reach, const Placed* b, const Swing* swing, const Place
   }
   const int sign = invert(centre, inverse);
   if (sign == 0) return 0;
-  // Rows of C J belong to components of the twist; those of the rotation are measured by the others.
+  // Rows and columns of C J belong to components of the twist. A unit of length is chosen for which
+  // rotations and translations have the same size.
   double turn = 0.0, move = 0.0;
   for (int k = 0; k < 6; ++k)
     for (int j = 0; j < 3; ++j) {
@@ -127,7 +129,7 @@ int regular(const Reach& reach, const Placed* b, const Swing* swing, const Place
       move = std::max(move, std::abs(inverse[3 + j][k]));
     }
   const double scale = turn > 0.0 && move > 0.0 ? move / turn : 1.0;
-  // Less the rounding of the products, of 6 terms and the identity.
+  // |1 - C J|, with the rounding errors of 6 products and of the identity.
   for (int i = 0; i < 6; ++i) {
     double sum = 0.0;
     for (int j = 0; j < 6; ++j) {
@@ -137,7 +139,7 @@ int regular(const Reach& reach, const Placed* b, const Swing* swing, const Place
         c -= inverse[i][k] * row[k][j].m;
         rough += a * (row[k][j].r + std::abs(row[k][j].m) * kUnit * 16);
       }
-      // With the unit of length chosen so that both sorts of components are alike.
+      // In that unit of length.
       const double unit = (i < 3) == (j < 3) ? 1.0 : (i < 3 ? scale : 1.0 / scale);
       sum += (std::abs(c) + rough) * unit;
     }

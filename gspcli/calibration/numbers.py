@@ -27,9 +27,10 @@ from gspcli.records import dataclass
 Array = NDArray[np.float64]
 
 _AXES = "xyz"
-#: Numbers are written so that rounding is this part of their deviation, at most.
+#: Numbers are rounded by at most this part of their standard deviation.
 _PART = 1e-3
-#: Decimals of a number without one, less the digits before the point of the typical length.
+#: A number without a standard deviation has so many significant digits, relative to the typical
+#: length.
 _DIGITS = 15
 
 
@@ -119,7 +120,7 @@ def _vectors(stated: Geometry, block: Block) -> list[tuple[str, Array, Array]]:
     foot = np.outer(by_height, u) + height * turns
     if block.sort == "plane":
         return [(names[0], as_array(place) - height * u, -foot.T), direction]
-    # The foot moves with the line across, and as its direction turns.
+    # The foot moves when the line is shifted across, and when its direction turns.
     return [(names[0], block.point + height * u, (shifts + foot).T), direction]
 
 
@@ -195,7 +196,10 @@ def calibrated(instance: Instance, model: Model, deviations: dict[str, float]) -
 
 
 def _with_range_of(stated: Crank | Slide, found: Crank | Slide) -> Crank | Slide:
-    """Return a drive whose range has the same readings as stated: they may mean other values."""
+    """Return a drive whose range has the stated readings.
+
+    With another offset or scale these are other values.
+    """
     limits = stated.limits
     if limits and any(getattr(stated, what) != getattr(found, what) for what in CORRECTIONS):
         low, high = (stated.reading_of(end) for end in limits)
@@ -208,7 +212,10 @@ def _named(numbers: FileNumbers) -> tuple[tuple[str, ...], list[float]]:
 
 
 def _reread(row: Constraint, offset: Number | None, scale: Number | None) -> Constraint:
-    """Return a constraint with the same readings, which mean other values."""
+    """Return a constraint with the same readings.
+
+    With another offset or scale its values differ.
+    """
     limits = row.limits
     readings = replace(
         row,

@@ -1,8 +1,8 @@
 """Natural frequencies and mode shapes of a platform that its drives hold at a pose.
 
-The drives are springs. Beside their stiffness the forces count that hold the platform against
-gravity: as the pose changes they turn (geometric stiffness), and so do the weights. That is a small
-part of a stiff machine; of a soft one it decides whether the pose is stable at all.
+The drives are springs. The forces that hold the platform against gravity add a geometric stiffness,
+since their directions change with the pose. So do the weights. This part is small for stiff
+machines. For soft machines it decides whether the pose is stable.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ _CHUNK = 200
 class NaturalModes:
     """The natural modes at n poses, the slowest first. All arrays are read-only.
 
-    There are six, or as many as there are drives where several rods share one.
+    There are six, or as many as there are drives if several rods share a drive.
 
     Attributes
     ----------
@@ -46,8 +46,8 @@ class NaturalModes:
     R, T
         The poses, shapes (n, 3, 3) and (n, 3), in length units.
     squares
-        Squares of the angular frequencies, 1/s^2, shape (n, 6): negative if the pose is not stable
-        that way. NaN at singular poses.
+        Squares of the angular frequencies, 1/s^2, shape (n, 6): negative if the pose is unstable in
+        that mode. NaN at singular poses.
     shapes
         How the platform moves in each mode, a twist in radians and length units about its origin,
         shape (n, 6, 6): ``shapes[p, k]`` is mode k at pose p. The largest component is one radian
@@ -58,11 +58,11 @@ class NaturalModes:
     singular
         Which poses are singular, shape (n,).
     nearly_singular
-        The condition numbers of those above 1e8, where as many digits of the preload are lost; else
-        NaN, shape (n,).
+        The condition number where it is above 1e8, and about as many digits of the preload are lost
+        as it has; else NaN; shape (n,).
     torques
-        What the drives hold against gravity where some are cranks or slides, N and N m, shape
-        (n, m); else None.
+        Torques and forces of the drives against gravity, N m and N, shape (n, m), if some are
+        cranks or slides; else None.
     """
 
     instance: Instance
@@ -88,9 +88,9 @@ class NaturalModes:
 
     @cached_property
     def frequencies(self) -> Array:
-        """Natural frequencies, Hz, shape (n, 6): negative where the pose is not stable.
+        """Natural frequencies, Hz, shape (n, 6): negative where the pose is unstable.
 
-        The platform then leaves it, e times as far each ``1 / (2 pi |f|)`` seconds.
+        Then the deviation grows by a factor e in ``1 / (2 pi |f|)`` seconds.
         """
         signed: Array = np.sign(self.squares) * np.sqrt(np.abs(self.squares)) / (2 * np.pi)
         return signed
@@ -137,7 +137,7 @@ def natural_modes(
     stiffness
         Of the drives, N/m and N m/rad, one number or one each; by default what the instance states.
     drives
-        Where the drives are, as `inverse_dynamics`.
+        Readings of the drives, as in `inverse_dynamics`.
 
     Raises
     ------
@@ -205,11 +205,11 @@ def _modes(
     shapes: Array = np.swapaxes(turned if basis is None else basis @ turned, -1, -2)
     weighted = shapes * np.repeat([model.bodies.length, 1.0], 3)
     sizes = np.abs(weighted)
-    # The first of entries that differ by rounding errors; its quotient is exactly one.
+    # The first of the largest entries, up to rounding errors; its quotient is exactly one.
     first = first_largest(sizes)
     weighted = weighted / np.take_along_axis(weighted, first[..., None], axis=-1)
     shapes = weighted * np.repeat([1.0, model.bodies.length / model.metre], 3)
-    # Rounding errors of entries that are zero; and zero has one sign.
+    # Entries that are rounding errors become zero, without a sign.
     shapes = np.where(np.abs(weighted) < ALIKE, 0.0, shapes)
     squares[singular], shapes[singular], held[singular] = np.nan, np.nan, np.nan
     if numbers is None:

@@ -1,4 +1,4 @@
-"""A machine as its own file has it: bodies, and joints between them.
+"""A machine as described by a file of another program: bodies, and joints between them.
 
 All readers make a `Graph`, and `recognition` reads nothing else. Lengths are in the unit of the
 graph, angles in radians.
@@ -22,12 +22,12 @@ from gspcli.wording import counted
 
 Array = NDArray[np.float64]
 
-#: Singular values of the equations of a graph below this share are none.
+#: Singular values of the equations of a graph below this are taken as zero.
 _NONE = 1e-6
 
 
 class NoPlatform(GspError):
-    """What a file describes is not a platform with six constraints; the text says what it is."""
+    """A file describes no platform with six constraints; the message says what it describes."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +76,7 @@ class Part:
         return replace(self, axis=turn(X, self.axis), point=place(X, self.point))
 
     def backwards(self) -> Part:
-        """Return it as it is from the second body: the coordinate is the same, the axis turned."""
+        """Return the part seen from the second body: same coordinate, opposite axis."""
         return replace(self, axis=-self.axis)
 
     @property
@@ -175,13 +175,13 @@ class Graph:
     has_home
         Whether it states a pose of the platform.
     gravity
-        The acceleration of what falls, shape (3,), if it says so.
+        The acceleration of gravity, shape (3,), if the file states it.
     notes
-        What was not read, assumed or left out.
+        What was ignored or assumed.
     exact
         Coordinates of points as written, by the doubles nearest to them.
     remarks
-        What is said of a joint of a name that an instance file has no place for.
+        By the names of joints: properties that an instance file cannot state.
     """
 
     format: str
@@ -199,7 +199,7 @@ class Graph:
 
     @property
     def loops(self) -> int:
-        """How many independent loops there are."""
+        """The number of independent loops."""
         return len(self.joints) - len(self.bodies) + len(set(self._components().values()))
 
     def _components(self) -> dict[str, str]:
@@ -236,7 +236,7 @@ class Graph:
         return count - int((np.linalg.svd(np.array(rows), compute_uv=False) > _NONE).sum())
 
     def described(self) -> str:
-        """Return what it consists of, in one line."""
+        """Return its numbers of bodies, joints, loops and drives, in one line."""
         kinds = Counter(joint.letters for joint in self.joints)
         joints = ", ".join(f"{count} {letters}" for letters, count in sorted(kinds.items()))
         driven = sum(part.driven for joint in self.joints for part in joint.parts)
@@ -249,12 +249,12 @@ class Graph:
         return f"{said}, {self.mobility(held=True)} with the drives held" if driven else said
 
 
-#: Of more bodies the mobility is not computed.
+#: With more bodies the mobility is not computed.
 _MOST_ANALYSED = 150
 
 
 def components(nodes: Iterable[str], edges: Iterable[tuple[str, str]]) -> dict[str, str]:
-    """Return for each node one of those with which it is joined, the same for all of them."""
+    """Return the component of each node, named by one of its nodes."""
     parent = {node: node for node in nodes}
 
     def root(node: str) -> str:

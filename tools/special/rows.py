@@ -25,9 +25,9 @@ from tools.special.answers import HONEST, Answer, judged
 from tools.special.parts import Draws
 from tools.special.platforms import Platform, recorded
 
-#: Relative shakes of all values, ten to these powers; each geometry has some of them.
+#: Relative changes of all values: 1e-1 to 1e-14. Each geometry has so many of them, at random.
 _SHAKES, _EACH = range(1, 15), 4
-#: Work for the exact count of a row, as patient as `solve` is.
+#: The limit of work for the exact count of a row, as in `solve`.
 _LIMIT = 2.0
 
 
@@ -38,13 +38,13 @@ class Row:
     Attributes
     ----------
     name
-        The platform with these values as doubles, or what was done to them.
+        The platform with these values as doubles, and how they were changed.
     values
         Shape (6,).
     exact
         The row of the table for exactly these numbers, if there is one.
     is_wrong
-        Whether the values are no values at all.
+        Whether the values are invalid: NaN, infinite or a negative distance.
     """
 
     name: str
@@ -94,13 +94,13 @@ def _own(platform: Platform, known: Mapping[str, Mapping[str, str]]) -> Row:
 
 
 def attacked(platforms: list[Platform]) -> tuple[str, list[tuple[str, str, str]]]:
-    """Return what became of each row of a geometry.
+    """Return the verdict on each row of a geometry.
 
     Returns
     -------
     name, remarks
-        The first platform; and for each row its name, a word of `answers` or another one
-        for what is wrong, and what was said.
+        The first platform; and for each row its name, the verdict (a word of `answers`, or
+        ``failed``), and the counts.
     """
     rows = rows_of(platforms)
     instance = platforms[0].instance

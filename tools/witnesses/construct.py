@@ -25,18 +25,18 @@ from tools.witnesses.known import Known, by_dependents, kinds_of, quickly_solved
 from tools.witnesses.patterns import Patterns, canonical, generic_count
 from tools.witnesses.splittings import Splitting, splittings
 
-#: How far points that turn are away, in units of the largest distance of a place from their middle
-#: over the square of the cosine; the cosines, and the distances that are tried.
+#: Sizes that are tried. Reach is the distance of points that turn, in units of the radius of the
+#: known positions divided by the square of the cosine. Then the cosines; then the gaps.
 _REACHES, _COSINES = (0.5, 2.0, 8.0), (0.4, 0.2, 0.1, 0.05, 0.025)
 _GAPS = (0.2, 0.1, 0.05, 0.025, 0.012, 0.006, 0.003, 0.001)
-#: A constraint that is not split has about this share of the real solutions of one that is.
+#: Each constraint that is not split multiplies the expected number of real solutions by about this.
 _UNSPLIT = 0.6
-#: How many ways are tried for a family.
+#: The number of splittings that are tried for a family.
 _WAYS = 3
 
 
 def _sizes(*, turned: bool, carried: bool) -> list[tuple[float, float, float]]:
-    """Return what is tried, reach, cosine and gap: first what needs the fewest digits."""
+    """Return the reaches, cosines and gaps to try, those that need the fewest digits first."""
     every = itertools.product(
         _REACHES if turned else _REACHES[:1],
         _COSINES if turned else _COSINES[:1],
@@ -66,7 +66,7 @@ def constructed(splitting: Splitting, known: Solved, order: list[int]) -> Solved
 
 
 def _hope(splitting: Splitting, count: int) -> float:
-    """Return how many real solutions a way to split may give."""
+    """Return the estimated number of real solutions of a splitting."""
     return float(count * splitting.factor * _UNSPLIT**splitting.left)
 
 
@@ -84,7 +84,7 @@ def best_ways(kinds: tuple[Kind, ...], patterns: Patterns) -> list[Splitting]:
 
 
 def construct(known: Known, seconds: float, minutes: float, most: int, below: float) -> None:
-    """Go through the families once, those of which a smaller share is known to be real."""
+    """Construct platforms for the families whose known share of real solutions is below a limit."""
     end = time.monotonic() + 60 * minutes
     patterns = Patterns(known.journal.with_suffix(".patterns"))
     for family in by_dependents():
