@@ -175,6 +175,25 @@ def follow_far(
     *,
     build: str = "",
 ) -> tuple[NDArray[np.complex128], NDArray[np.uint8]]: ...
+def decide_finer(
+    coefficients: NDArray[np.float64],
+    bounds: NDArray[np.float64],
+    equations: NDArray[np.int32],
+    points: NDArray[np.complex128],
+    *,
+    unit: float,
+    origins: NDArray[np.float64],
+    scale: float,
+    tolerance: float,
+    build: str = "",
+) -> tuple[
+    NDArray[np.complex128],
+    NDArray[np.complex128],
+    NDArray[np.complex128],
+    NDArray[np.float64],
+    NDArray[np.uint8],
+    NDArray[np.complex128],
+]: ...
 def decide_far(
     numbers: NDArray[np.complex128],
     errors: NDArray[np.float64],

@@ -212,7 +212,7 @@ void prove_points(const Decision& d, int steps, const Mask* above, const Mask* b
       subtract(z[k].im, low[k].im, moved[k].im);
     }
   }
-  isolate(d.system, z, above, at, finer ? kFinerRounding : kValueRounding, gap, found);
+  isolate(d.system, Units{}, z, above, at, finer ? kFinerRounding : kValueRounding, gap, found);
 }
 
 // Points by their indices, as many as there are lanes; returns which are proved and rounded, one bit each.

@@ -5,6 +5,8 @@
 namespace gsp {
 namespace {
 
+constexpr double kFormRounding = 0x1p-190;  // of forms that were computed with 64 digits
+
 int monomial(int i, int j) { return i < 4 && j < 4 ? 4 * i - i * (i - 1) / 2 + j - i : 10 + 4 * i + j - 4; }
 
 // A coefficient of the quadric z^T H z / 2, the Hessian matrix H given in two parts.
@@ -113,34 +115,27 @@ struct Reach {
   D turning, moving, least;
 };
 
-INLINE Reach reach_of(const C* z, const D& error, const C& norm) {
+// The error of f is in a unit; the forms of the pose err by `rounding` times the sum of the moduli of their terms.
+INLINE Reach reach_of(const C* z, const D& error, const D& unit, const C& norm, double rounding) {
   D turning = D{}, moving = D{};
-  for (int i = 0; i < N; ++i) {
-    moving += bound(z[i]);
-    if (i < 4) turning += bound(z[i]);
-  }
-  turning = 2.0 * turning * error + 8.0 * error * error + kRounding * turning * turning;
-  moving = 2.0 * moving * error + 8.0 * error * error + kRounding * moving * moving;
+  for (int i = 0; i < 4; ++i) turning += bound(z[i]), moving += bound(z[4 + i]);
+  const D all = turning + moving;
+  const D e = turning;
+  turning = 2.0 * turning * error + 8.0 * error * error + rounding * turning * turning;
+  moving = 2.0 * (unit * e + moving) * error + 8.0 * unit * error * error + rounding * all * all;
   const D size = root(norm.re.hi * norm.re.hi + norm.im.hi * norm.im.hi);
   return {turning, moving, (1.0 - 0x1p-40) * size - kOutward * turning};
 }
 
-void poses(const FineNumbers& point, const FineNumbers& monomials, const LaneNumbers& change,
-           const double* error, const double* real, double unit, const FinePoses& out) {
-  C z[N], norm, entry[kEntries];
-  const D off = load(error, 0);
-  const Mask is_real = load(real, 0) != 0.0;
-  for (int i = 0; i < N; ++i) {
-    const C x = load(point, i);
-    z[i] = {exact_sum(x.re.hi, x.re.lo - load(change.re, i)), exact_sum(x.im.hi, x.im.lo - load(change.im, i))};
-  }
-  motion(monomials, point, change, norm, entry);
+// Poses from N, and N R and N T in `entry`, at points z.
+void finish(C* z, C& norm, C* entry, const D& off, const D& f_unit, const Mask& is_real, double rounding, double unit,
+            const FinePoses& out) {
   // The real part is no further from a real solution.
   const V none{D{}, D{}};
   for (int i = 0; i < 4; ++i) z[i].im = select(is_real, none, z[i].im);
   norm.im = select(is_real, none, norm.im);
   for (int i = 0; i < kOfPose; ++i) entry[i].im = select(is_real, none, entry[i].im);
-  const Reach reach = reach_of(z, off, norm);
+  const Reach reach = reach_of(z, off, f_unit, norm, rounding);
   const C factor = inverse(norm), part = inverse(complex_root(norm));
   const D size = root(norm.re.hi * norm.re.hi + norm.im.hi * norm.im.hi), length = root(size);
   const D least = reach.least > 0.0 ? kOutward / reach.least : D{} + __builtin_inf();
@@ -160,9 +155,28 @@ void poses(const FineNumbers& point, const FineNumbers& monomials, const LaneNum
   put_rounded(entry, errors, is_real, unit, out);
 }
 
+void poses(const FineNumbers& point, const FineNumbers& monomials, const LaneNumbers& change,
+           const double* error, const double* real, double unit, const FinePoses& out) {
+  C z[N], norm, entry[kEntries];
+  for (int i = 0; i < N; ++i) {
+    const C x = load(point, i);
+    z[i] = {exact_sum(x.re.hi, x.re.lo - load(change.re, i)), exact_sum(x.im.hi, x.im.lo - load(change.im, i))};
+  }
+  motion(monomials, point, change, norm, entry);
+  finish(z, norm, entry, load(error, 0), D{} + 1.0, load(real, 0) != 0.0, kRounding, unit, out);
+}
+
+void poses_of(const FineNumbers& point, const FineNumbers& motion, const double* error, const double* f_unit,
+              const double* real, double unit, const FinePoses& out) {
+  C z[N], norm = load(motion, 0), entry[kEntries];
+  for (int i = 0; i < N; ++i) z[i] = load(point, i);
+  for (int i = 0; i < kOfPose; ++i) entry[i] = load(motion, i + 1);
+  finish(z, norm, entry, load(error, 0), load(f_unit, 0), load(real, 0) != 0.0, kFormRounding, unit, out);
+}
+
 }  // namespace
 
 extern const FinePoints GSP_FINE;
-const FinePoints GSP_FINE{coefficients, values, poses};
+const FinePoints GSP_FINE{coefficients, values, poses, poses_of};
 
 }  // namespace gsp

@@ -53,6 +53,10 @@ struct FinePoints {
   // given), or of the quaternion.
   void (*poses)(const FineNumbers& point, const FineNumbers& monomials, const LaneNumbers& change,
                 const double* error, const double* real, double unit, const FinePoses&);
+  // The poses of points (8) of which N, N R by rows and N T are known (13), that err by less than 2^-190
+  // times the sum of the moduli of their terms. The errors of f are in units.
+  void (*poses_of)(const FineNumbers& point, const FineNumbers& motion, const double* error, const double* f_unit,
+                   const double* real, double unit, const FinePoses&);
 };
 extern const FinePoints fine_portable, fine_avx2, fine_avx512;
 
@@ -65,12 +69,39 @@ struct FinerGeometry {
   const ProofEquation* equation;
 };
 
+// Numbers of 64 digits of as many points as a build has lanes: each is the sum of four doubles.
+struct FinerNumbers {
+  LaneNumbers part[4];
+};
+
+// Equations of quadrics with 64 digits, their values among the coefficients (4, quadrics, 27).
+struct FinerQuadrics {
+  int quadrics;
+  const double* coefficient;
+  const ProofEquation* equation;
+};
+
+// Frames of points: f becomes unit f + (base e - e platform) / 2.
+struct OwnFrames {
+  double unit, base[3], platform[3];
+};
+
 struct FinerPoints {
   // The seven equations at points of 32 digits, for values and distances (4, 6). Their errors are
   // below 2^-150 times the sum of the moduli of their terms. For only a part of at most 2^-150 of
   // that sum is computed with rounding.
   void (*values)(const FinerGeometry&, const double* value, const double* distance, const FineNumbers& point,
                  const LaneNumbers& out);
+  // Moves points to the frames of the equations; the largest coordinate of e, whose index is returned, is 1.
+  void (*place)(const OwnFrames&, const FinerNumbers& point, double* patch);
+  // The seven equations and their derivatives (7, 8) at points of 64 digits. They err by less than 2^-190, and
+  // 2^-95, times the sum of the moduli of their terms.
+  void (*linearize)(const FinerQuadrics&, const FinerNumbers& point, const FineNumbers& values,
+                    const FineNumbers& derivatives);
+  // Subtracts a change (8) from points; the results err by less than 2^-190 times the moduli of both.
+  void (*move)(const FinerNumbers& point, const FineNumbers& change);
+  // N, N R by rows and N T (13), as FinePoints::poses_of needs them.
+  void (*motion)(const FinerNumbers& point, const FineNumbers& out);
 };
 extern const FinerPoints finer_portable, finer_avx2, finer_avx512;
 

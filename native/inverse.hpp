@@ -13,12 +13,23 @@ namespace gsp {
 namespace {
 
 constexpr int kRows = kEquations + 1;
-// As in gspcli.certification: bounds of the relative rounding error of everything computed here, of
-// sums of nonnegative numbers, and of what falls below the normal range; radius of the theorem.
-constexpr double kRounding = 0x1p-45, kOutward = 1.0 + 0x1p-40, kTiny = 0x1p-1000;
-// Not below the modulus of z, and not much above it.
-INLINE V bound(const C& z) { return maximum(z.re, -z.re) + maximum(z.im, -z.im); }
+// As in gspcli.certification: bounds of the relative rounding error of everything computed here (with 16 or
+// with 32 digits), of sums of nonnegative doubles, and of what falls below the normal range.
+constexpr double kRounding = GSP_PARTS == 1 ? 0x1p-45 : 0x1p-90, kOutward = 1.0 + 0x1p-40, kTiny = 0x1p-1000;
 
+#if GSP_PARTS == 1
+INLINE D leading(const V& x) { return x; }
+#else
+INLINE D leading(const V& x) { return x.hi; }
+INLINE D select(const Mask& m, const D& a, const D& b) { return m ? a : b; }
+INLINE D minimum(const D& a, const D& b) { return a < b ? a : b; }
+INLINE D maximum(const D& a, const D& b) { return a > b ? a : b; }
+#endif
+INLINE D size_of(const V& x) { return maximum(leading(x), -leading(x)); }
+// Not below the modulus of z but for rounding, and not much above it.
+INLINE D bound(const C& z) { return size_of(z.re) + size_of(z.im); }
+
+#if GSP_PARTS == 1
 // An approximate inverse: J = L R, so J^-1 = R^H (R R^H)^-1 L^-1.
 void invert(const C (&jacobian)[kRows][kRows], C (&inverse)[kRows][kRows]) {
   C r[kRows][kRows], lower[kRows][kRows], x[kRows][kRows];  // x: the columns of (R R^H)^-1 L^-1
@@ -37,6 +48,7 @@ void invert(const C (&jacobian)[kRows][kRows], C (&inverse)[kRows][kRows]) {
       inverse[k][c] = sum.conjugate_total();
     }
 }
+#endif
 
 }  // namespace
 }  // namespace gsp

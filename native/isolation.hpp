@@ -1,9 +1,10 @@
 // The theorem of gspcli.certification.poses.isolation for as many points as there are lanes.
 //
-// Included by ends.cpp in each of its builds: all in an anonymous namespace, so
+// Included by ends.cpp and by finer_ends.cpp (with 32 digits) in each of their builds: all in an anonymous namespace, so
 // that the linker cannot merge functions that were compiled for different processors.
 #pragma once
 
+#include "combined_quadrics.hpp"
 #include "inverse.hpp"
 
 namespace gsp {
@@ -11,23 +12,6 @@ namespace {
 
 // Radius of the theorem.
 constexpr double kReach = 0.125;
-
-// Values and gradients of quadrics, of complex numbers or of bounds of moduli.
-template <class T>
-struct Quadrics {
-  T value[kMostQuadrics];
-  T gradient[kMostQuadrics][N];
-};
-
-INLINE void add_real(C& s, double a, const C& b) {
-  s.re += a * b.re;
-  s.im += a * b.im;
-}
-INLINE void add_real(V& s, double a, const V& b) { s += a * b; }
-INLINE void add_term(C& s, const C& a, const C& b) { add_product(s, a, b); }
-INLINE void add_term(V& s, const V& a, const V& b) { s += a * b; }
-INLINE C half(const C& a) { return {0.5 * a.re, 0.5 * a.im}; }
-INLINE V half(const V& a) { return 0.5 * a; }
 
 template <class T>
 void evaluate(int count, const double* hessian, const T* z, Quadrics<T>& out) {
@@ -44,72 +28,56 @@ void evaluate(int count, const double* hessian, const T* z, Quadrics<T>& out) {
   }
 }
 
-// The rows of the equations and of their derivatives; the sign of the squares is -1, and 1 for
-// bounds of moduli.
-template <class T>
-void combine(const ProofSystem& system, const Quadrics<T>& q, double sign, T* value,
-             T (*jacobian)[N]) {
-  value[0] = q.value[1];
-  for (int i = 0; i < N; ++i) jacobian[0][i] = q.gradient[1][i];
-  for (int r = 0; r < kEquations; ++r) {
-    const ProofEquation& e = system.equation[r];
-    T* const row = jacobian[r + 1];
-    if (e.squares[0] < 0) {
-      value[r + 1] = q.value[e.main];
-      for (int i = 0; i < N; ++i) row[i] = q.gradient[e.main][i];
-      continue;
-    }
-    T s{};
-    add_term(s, q.value[0], q.value[e.main]);
-    for (int i = 0; i < N; ++i) {
-      row[i] = T{};
-      add_term(row[i], q.value[e.main], q.gradient[0][i]);
-      add_term(row[i], q.value[0], q.gradient[e.main][i]);
-    }
-    for (const int b : e.squares) {
-      if (b < 0) break;
-      T scaled{};
-      add_real(scaled, sign, q.value[b]);
-      add_term(s, scaled, q.value[b]);
-      add_real(scaled, sign, q.value[b]);
-      for (int i = 0; i < N; ++i) add_term(row[i], scaled, q.gradient[b][i]);
-    }
-    value[r + 1] = s;
-  }
-}
-
 // The columns of the free coordinates.
 template <class T>
 INLINE void free_columns(const T* row, const Mask* above, T* out) {
   for (int k = 0; k < kRows; ++k) out[k] = select(above[k], row[k + 1], row[k]);
 }
 
+// With 32 digits each coordinate has a unit, a power of two: the theorem is applied to the coordinates in units.
+#if GSP_PARTS == 1
+struct Units {
+  INLINE D from(int, const D& x) const { return x; }
+  INLINE D into(int, const D& x) const { return x; }
+  INLINE double product(int, int, double x) const { return x; }
+};
+typedef double Second;
+#else
+struct Units {
+  D unit[N], inverse[N];
+  INLINE D from(int i, const D& x) const { return unit[i] * x; }
+  INLINE D into(int i, const D& x) const { return inverse[i] * x; }
+  INLINE D product(int i, int j, double x) const { return x * (unit[i] * unit[j]); }
+};
+typedef D Second;
+#endif
+
 // Bounds of the sums of the moduli of all second derivatives of each equation where coordinates are
 // not larger than m (`System.curvatures`).
-void curvatures(const ProofSystem& system, const V* m, V* out) {
-  V first[kMostQuadrics], value[kMostQuadrics];
-  double second[kMostQuadrics];
+void curvatures(const ProofSystem& system, const Units& units, const D* m, D* out) {
+  D first[kMostQuadrics], value[kMostQuadrics];
+  Second second[kMostQuadrics];
   const double* entry = system.moduli;
   for (int q = 0; q < system.quadrics; ++q) {
-    first[q] = value[q] = splat(0.0);
-    second[q] = 0.0;
+    first[q] = value[q] = D{};
+    second[q] = Second{};
     for (int i = 0; i < N; ++i) {
-      V row = splat(0.0);
-      double sum = 0.0;
+      D row = D{};
+      Second sum{};
       for (int j = 0; j < N; ++j, ++entry) {
         row += *entry * m[j];
-        sum += *entry;
+        sum += units.product(i, j, *entry);
       }
-      first[q] += row;
+      first[q] += units.from(i, row);
       value[q] += m[i] * row;
       second[q] += sum;
     }
     value[q] = 0.5 * value[q];
   }
-  out[0] = splat(second[1]);
+  out[0] = D{} + second[1];
   for (int r = 0; r < kEquations; ++r) {
     const ProofEquation& e = system.equation[r];
-    V s = splat(second[e.main]);
+    D s = D{} + second[e.main];
     if (e.squares[0] >= 0) {
       const int a = e.main;
       s = second[0] * value[a] + second[a] * value[0] + 2.0 * (first[0] * first[a]);
@@ -128,6 +96,7 @@ struct Linear {
   C value[kRows], jacobian[kRows][kRows], inverse[kRows][kRows];
 };
 
+#if GSP_PARTS == 1
 void evaluate(const ProofSystem& system, const C* z, const Mask* above, Linear& at) {
   Quadrics<C> quadrics;
   C whole[kRows][N];
@@ -140,6 +109,7 @@ void linearize(const ProofSystem& system, const C* z, const Mask* above, Linear&
   evaluate(system, z, above, at);
   invert(at.jacobian, at.inverse);
 }
+#endif
 
 // The step of Newton's method, in the free coordinates.
 INLINE void newton_step(const Linear& at, C* change) {
@@ -152,31 +122,32 @@ INLINE void newton_step(const Linear& at, C* change) {
 // What is known of a point: how far a solution is off, and after the step of Newton's method that its
 // values and the inverse give.
 struct Isolation {
-  V error, error_after;
+  D error, error_after;
   Mask isolated, real, imaginary;
 };
 // Relative error of that step where nothing cancels.
-constexpr double kStepRounding = 0x1p-48;
+constexpr double kStepRounding = GSP_PARTS == 1 ? 0x1p-48 : 0x1p-90;
 
 // Whether there is exactly one solution near a point, from the equations there. Their values err by
 // `rounding` times the sum of the moduli of their terms, and by `gap` times N (6).
-void isolate(const ProofSystem& system, const C* z, const Mask* above, const Linear& at,
+void isolate(const ProofSystem& system, const Units& units, const C* z, const Mask* above, const Linear& at,
              double value_rounding, const double* gap, Isolation& out) {
-  Quadrics<V> bounds;
-  V m[N], value_bound[kRows], whole_bound[kRows][N], curvature[kRows];
+  Quadrics<D> bounds;
+  D m[N], value_bound[kRows], whole_bound[kRows][N], curvature[kRows];
   for (int i = 0; i < N; ++i) m[i] = bound(z[i]);
   evaluate(system.quadrics, system.moduli, m, bounds);
   combine(system, bounds, 1.0, value_bound, whole_bound);
-  V height = splat(0.0);
-  for (int i = 0; i < N; ++i) height = maximum(height, maximum(z[i].im, -z[i].im));
-  for (int i = 0; i < N; ++i) m[i] = kOutward * (m[i] + kReach);
-  curvatures(system, m, curvature);
+  D height = D{};
+  for (int i = 0; i < N; ++i) height = maximum(height, units.into(i, size_of(z[i].im)));
+  for (int i = 0; i < N; ++i) m[i] = kOutward * (m[i] + units.from(i, D{} + kReach));
+  curvatures(system, units, m, curvature);
   // Of each row: what rounding does to the product of the inverse with it, and to its value.
-  V rounding[kRows], size[kRows], doubt[kRows];
+  D rounding[kRows], size[kRows], doubt[kRows];
   for (int j = 0; j < kRows; ++j) {
-    V row_bound[kRows];
+    D row_bound[kRows];
+    for (int i = 0; i < N; ++i) whole_bound[j][i] = units.from(i, whole_bound[j][i]);
     free_columns(whole_bound[j], above, row_bound);
-    V s = splat(0.0);
+    D s = D{};
     for (int k = 0; k < kRows; ++k) s += bound(at.jacobian[j][k]) + kOutward * row_bound[k];
     rounding[j] = kRounding * s;
     doubt[j] = value_rounding * kOutward * value_bound[j] + kTiny;
@@ -184,17 +155,16 @@ void isolate(const ProofSystem& system, const C* z, const Mask* above, const Lin
     size[j] = bound(at.value[j]) + doubt[j];
     doubt[j] += kStepRounding * size[j];
   }
-  V a = splat(0.0), b = splat(0.0), delta = splat(0.0), left = splat(0.0),
-    sum = splat(0.0);
+  D a = D{}, b = D{}, delta = D{}, left = D{}, sum = D{};
   for (int i = 0; i < kRows; ++i) {
-    V defect = splat(0.0), bent = splat(0.0), moved = splat(0.0), doubtful = splat(0.0);
+    D defect = D{}, bent = D{}, moved = D{}, doubtful = D{};
     for (int k = 0; k < kRows; ++k) {
       C s{splat(i == k ? 1.0 : 0.0), splat(0.0)};
       for (int j = 0; j < kRows; ++j) subtract_product(s, at.inverse[i][j], at.jacobian[j][k]);
       defect += bound(s);
     }
     for (int j = 0; j < kRows; ++j) {
-      const V y = bound(at.inverse[i][j]);
+      const D y = bound(at.inverse[i][j]);
       defect += y * rounding[j];
       bent += y * curvature[j];
       moved += y * size[j];
@@ -209,8 +179,8 @@ void isolate(const ProofSystem& system, const C* z, const Mask* above, const Lin
   a = kOutward * a + kTiny;
   b = kOutward * b;
   delta = kOutward * delta;
-  const V radius = minimum((1.0 - a) / (2.0 * b), splat(kReach));
-  const V q = kOutward * (a + b * radius);
+  const D radius = minimum((1.0 - a) / (2.0 * b), D{} + kReach);
+  const D q = kOutward * (a + b * radius);
   // NaN proves nothing: it is part of the sum.
   out.isolated = (sum < __builtin_inf()) & (q < 1.0) & (radius > 0.0) &
                  (kOutward * delta <= (1.0 - q) * radius);

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +20,9 @@ from gspcli.continuation.tracked_paths import PathEnds, TrackedPaths
 from gspcli.geometry.quaternions import Field, canonical_sign, pose_from_study
 from gspcli.solver.problem import Problem
 from gspcli.solver.results.pose_set import PoseSet
+
+if TYPE_CHECKING:
+    from gspcli.certification.poses.finer_proofs import FinerProofs
 
 Bits = NDArray[np.bool_]
 Index = NDArray[np.intp]
@@ -98,24 +102,33 @@ class SidePoses:
         self.reached[np.unique(place, return_index=True)[1]] = True
         self.reached &= place >= 0
 
-    def add_proved(self, found: ProvedPoses) -> Index:
+    def add_proved(self, found: ProvedPoses, reached: Field | None = None) -> Index:
         """Add what the kernel has proved of ends, and conjugates; return their places here, or -1.
 
         Parameters
         ----------
         found
             Of one set of values and these sides: shapes (1, n, ...).
+        reached
+            Study points with more digits, if they are known (`finer_proofs`), shape (4, n, 8).
         """
         R, T, e, certified, real, rounded, off = (part[0] for part in found[:-1])
         place = np.full(len(R), -1)
         known = certified & rounded
-        place[known] = self.found.add_proved(R[known], T[known], e[known], real[known], off[known])
-        pairs = known & ~real
+        part, pairs = (None if reached is None else reached[:, known]), known & ~real
+        place[known] = self.found.add_proved(
+            R[known], T[known], e[known], real[known], off[known], part
+        )
         # Zero has one sign.
         other_R, other_T, other_e = (x[pairs].conj() + 0.0 for x in (R, T, e))
-        self.found.add_proved(other_R, other_T, other_e, real[pairs], off[pairs])
-        # What 32 digits do not tell; mostly pairs of conjugates, which are one after the other.
-        for k in np.flatnonzero(certified & ~rounded).tolist():
+        part = None if reached is None else reached[:, pairs].conj()
+        self.found.add_proved(other_R, other_T, other_e, real[pairs], off[pairs], part)
+        # What 32 digits do not tell.
+        rest = np.flatnonzero(certified & ~rounded)
+        if len(rest):
+            place[rest] = self._add_finer(*self._finer.near(R[rest], T[rest]))
+        # Mostly pairs of conjugates, which are one after the other.
+        for k in rest[place[rest] < 0].tolist():
             place[k] = self.found.place_near(R[k], T[k], off[k])
             if place[k] < 0:
                 self.found.add([self.locator.near(R[k], T[k], self.sides, _MANY_BITS)])
@@ -150,6 +163,9 @@ class SidePoses:
         source = index[conjugate_sources(ends.points[index])]
         sought = index[source == index]
         bits = DOUBLE * ends.digits // 16
+        before, place = len(self.found), self._prove_finely(ends.take(sought))
+        new[sought] = place >= before
+        sought = sought[place < 0]
         near = ends.take(sought)
         located = self.problem.locator.locate(near.points, near.low, self.sides, bits)
         new[sought] = [bool(self.found.add([end])) for end in located]
@@ -161,6 +177,25 @@ class SidePoses:
             ):
                 self.infinite.append(end.isolation)
         return new
+
+    def _prove_finely(self, ends: PathEnds) -> Index:
+        """Add the poses near ends that 64 digits prove; return their places, or -1, shape (k,)."""
+        number = len(ends.points)
+        if not number or not ends.low.shape[1]:
+            return np.full(number, -1)
+        return self._add_finer(*self._finer.at(ends.points, ends.low, self.problem.frames))
+
+    def _add_finer(self, found: ProvedPoses, reached: Field) -> Index:
+        """Add poses that 64 digits prove and round; return their places here, or -1."""
+        sure = found.certified & found.rounded
+        return self.add_proved(found._replace(certified=sure), reached)
+
+    @cached_property
+    def _finer(self) -> FinerProofs:
+        """The equations with 64 digits."""
+        from gspcli.certification.poses.finer_proofs import FinerProofs
+
+        return FinerProofs(self.locator, self.sides)
 
     def _is_known(self, points: Field) -> Bits:
         """Return which ends agree with a proved pose in double precision, shape (k,)."""

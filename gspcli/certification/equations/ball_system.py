@@ -82,18 +82,18 @@ class BallSystem:
         self._single: dict[tuple[int, ...], acb_mat | None] = {}
 
     @cached_property
-    def _rows(self) -> arb_mat:
+    def rows(self) -> arb_mat:
         """The coefficients of the quadrics in all forms, a quadric a row."""
         return arb_mat([[form.get(k, arb(0)) for k in range(study.COUNT)] for form in self.forms])
 
     @cached_property
     def _coefficients(self) -> acb_mat:
-        return acb_mat(self._rows)
+        return acb_mat(self.rows)
 
     @cached_property
     def _entries(self) -> list[list[arb]]:
         """The entries of the Hessian matrix of each quadric."""
-        entries = (self._rows * arb_mat(_hessians())).entries()
+        entries = (self.rows * arb_mat(_hessians())).entries()
         return [entries[64 * k : 64 * (k + 1)] for k in range(len(self.forms))]
 
     @cached_property

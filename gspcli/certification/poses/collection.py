@@ -58,6 +58,8 @@ class Collection:
         self._deviations = np.zeros(0)
         self._located: list[Located | None] = []
         self._paired: set[int] = set()
+        #: Points of poses that were proved with 64 digits, as sums of doubles, by the bytes of T.
+        self._points: dict[bytes, Complex] = {}
         #: Poses whose conjugates doubles do not separate from other poses.
         self._close: list[int] = []
 
@@ -66,13 +68,21 @@ class Collection:
         return len(self._located)
 
     def points(self) -> Iterator[tuple[bytes, Sequence[acb]]]:
-        """Yield the bytes of T and the Study point of each pose that was located in balls."""
+        """Yield the bytes of T and the Study point of each pose proved with many digits."""
         for T, located in zip(self.T, self._located, strict=True):
             if located is not None:
                 yield T.tobytes(), located.isolation.centre
+        for place, point in self._points.items():
+            yield place, self.locator.exact_sum(point)
 
     def add_proved(
-        self, R: Complex, T: Complex, quaternions: Complex, real: NDArray[np.bool_], off: Array
+        self,
+        R: Complex,
+        T: Complex,
+        quaternions: Complex,
+        real: NDArray[np.bool_],
+        off: Array,
+        reached: Complex | None = None,
     ) -> NDArray[np.intp]:
         """Add poses that the kernel has proved; return the place of each in the collection.
 
@@ -84,6 +94,8 @@ class Collection:
             As the attributes of the same names.
         off
             Bounds of their errors (`ProvedPoses.deviation`).
+        reached
+            Study points with more digits, if they are known (`finer_proofs`), shape (4, n, 8).
         """
         known, scale = len(self), self.locator.scale
         entries = _entries(np.concatenate([self.R, R]), np.concatenate([self.T, T]) / scale)
@@ -100,6 +112,9 @@ class Collection:
             )
         )
         self._located += [None] * int(new.sum())
+        if reached is not None:
+            for k in np.flatnonzero(new).tolist():
+                self._points[T[k].tobytes()] = reached[:, k]
         place = np.concatenate([np.arange(known), known + np.cumsum(new) - 1])
         return np.asarray(place[found[known:]])
 

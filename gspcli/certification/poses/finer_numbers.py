@@ -64,7 +64,7 @@ class FinerNumbers:
             for main, _, squares in mains:
                 forms += [main, *squares]
             rows = arb_mat([[form.get(k, arb(0)) for k in range(study.COUNT)] for form in forms])
-            coefficients = _sums((rows * arb_mat(_monomials())).entries())
+            coefficients = _sums((rows * arb_mat(monomials())).entries())
             weights = _sums([weight for _, weight, _ in mains])
         self.equations = (
             None
@@ -104,7 +104,7 @@ class FinerNumbers:
 
 
 @cache
-def _monomials() -> fmpz_mat:
+def monomials() -> fmpz_mat:
     """Return the coefficients of e_i e_j, e_i f_j and f.f in each form (native/fine_points.hpp)."""
     hessians = study.form_hessians().astype(int)
     places = [(i, j) for i in range(4) for j in range(i, 4)]

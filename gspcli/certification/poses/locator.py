@@ -208,6 +208,12 @@ class Locator:
         """Return doubles as numbers of arbitrary precision."""
         return [acb(x) for x in point.tolist()]
 
+    @staticmethod
+    def exact_sum(parts: Complex) -> list[acb]:
+        """Return sums of doubles, shape (k, 8), as numbers of arbitrary precision."""
+        with ctx.workprec(LAST_PRECISION):
+            return [sum(map(acb, column), acb(0)) for column in parts.T.tolist()]
+
     def in_frames(self, point: Complex, low: Complex) -> list[acb]:
         """Return a point in the frames of the instance, lengths in units of its scale.
 
