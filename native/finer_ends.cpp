@@ -175,7 +175,7 @@ void prove_points(const Decision& d, FinerPoint& point, const Mask* above, const
 void decide_lanes(const Decision& d, int parts, const Complex* points, int begin) {
   const int lanes = d.count - begin < W ? d.count - begin : W;
   FinerPoint point;
-  // Lanes that are left over repeat the first point.
+  // Lanes beyond the last point repeat the first point.
   for (int part = 0; part < kFinerParts; ++part)
     for (int i = 0; i < N; ++i)
       for (int l = 0; l < W; ++l) {

@@ -24,7 +24,7 @@ ERROR = 2.0**-190
 
 
 class Decided(NamedTuple):
-    """What the kernel says of points."""
+    """What the kernel decides about points."""
 
     R: np.ndarray
     T: np.ndarray
