@@ -49,7 +49,7 @@ def first_strategies(problem: Problem) -> Iterator[tuple[Strategy, bool]]:
         yield closed_form, True
     if problem.rows is not None:
         # Many sets of values: from one start, the quickest paths first.
-        from gspcli.solver.strategies.same_geometry import (
+        from gspcli.solver.strategies.kept_geometry import (
             by_careful_steps,
             by_short_steps,
             from_nearest,
@@ -59,7 +59,7 @@ def first_strategies(problem: Problem) -> Iterator[tuple[Strategy, bool]]:
         return
     if problem.has_kept_geometry and not problem.has_closed_form:
         # Planar or symmetric bodies, shared joints: from the second platform of a geometry on.
-        from gspcli.solver.strategies.same_geometry import same_geometry
+        from gspcli.solver.strategies.kept_geometry import same_geometry
 
         yield same_geometry, True
     from gspcli.solver.strategies.stored_start import careful_paths, reduced_paths, short_series

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
@@ -10,6 +11,7 @@ from typing import Any, Self, TypeVar
 
 from gspcli.atlas.journal import Done, carry_out
 from gspcli.cli.progress_bars import progress
+from gspcli.errors import INTERRUPTED
 from tools.recording import ROOT, add_workers, parser, report, save, sources_sha256, workers_of
 
 #: What the answers come from: work files of other sources are not used.
@@ -87,3 +89,11 @@ def conclude(record: Path, text: str, wrong: Sequence[str], summary: str, *, che
     else:
         save({record: text}, check=False, confirmed="")
     return report([*wrong, *differs], summary)
+
+
+def exit_after(main: Callable[[], int]) -> None:
+    """Run a program, and exit with its code, or with that of an interruption."""
+    try:
+        sys.exit(main())
+    except KeyboardInterrupt:
+        sys.exit(INTERRUPTED)

@@ -12,7 +12,6 @@ not, the exit code is 1. The record has a line for each type, with the numbers o
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -21,7 +20,6 @@ import numpy as np
 
 from gspcli.catalogue.types import all_types, type_by_number
 from gspcli.defaults import SEED
-from gspcli.errors import INTERRUPTED
 from gspcli.geometry.instance import Instance, Side
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.quaternions import rotation_from_quaternion
@@ -29,7 +27,7 @@ from gspcli.motion import measure
 from gspcli.solver import SolveResult, solve
 from gspcli.solver.instances.generate import random_instance
 from tools.recording import ROOT, csv_text, sampled
-from tools.verify.campaigns import TaskRow, conclude, options, results
+from tools.verify.campaigns import TaskRow, conclude, exit_after, options, results
 
 RECORD = ROOT / "data" / "verification" / "round-trips.csv"
 #: How far from the pose the nearest one may be; a thousandth of this times its condition number.
@@ -157,7 +155,4 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    try:
-        sys.exit(main())
-    except KeyboardInterrupt:
-        sys.exit(INTERRUPTED)
+    exit_after(main)

@@ -23,7 +23,6 @@ for `gsp solve`.
 from __future__ import annotations
 
 import argparse
-import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -32,7 +31,6 @@ from gspcli import dumps
 from gspcli.catalogue.counts import generic_counts
 from gspcli.catalogue.kinds import DPP
 from gspcli.catalogue.types import CONSTRAINTS, MAX_ANGLES, GspType
-from gspcli.errors import INTERRUPTED
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.reality.poses_by_paths import solve_by_tracking, solve_each_by_tracking
 from gspcli.solver import PoseSet, SolveResult, solve
@@ -43,7 +41,7 @@ from tools.recording import (
     sampled,
     sources_sha256,
 )
-from tools.verify.campaigns import add_work, results
+from tools.verify.campaigns import add_work, exit_after, results
 from tools.verify.examination import Finding, examine
 from tools.verify.random_batches import batch_tasks, examine_batch
 from tools.verify.random_platforms import (
@@ -205,7 +203,4 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    try:
-        sys.exit(main())
-    except KeyboardInterrupt:
-        sys.exit(INTERRUPTED)
+    exit_after(main)

@@ -22,7 +22,6 @@ Interrupted, the same command takes the work up again.
 
 from __future__ import annotations
 
-import sys
 from dataclasses import asdict, dataclass, fields
 from functools import partial
 
@@ -32,13 +31,12 @@ import gspcli
 from gspcli.catalogue.counts import generic_counts
 from gspcli.catalogue.types import GspType, all_types, type_by_number
 from gspcli.defaults import SEED
-from gspcli.errors import INTERRUPTED
 from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.motion import MovingPlatform, PoseFormat, Track, measure, read_values, track
 from gspcli.motion.following.branch_follower import Stop
 from gspcli.solver.instances.generate import random_instance
 from tools.recording import ROOT, csv_text, sampled
-from tools.verify.campaigns import TaskRow, conclude, options, results
+from tools.verify.campaigns import TaskRow, conclude, exit_after, options, results
 
 RECORD = ROOT / "data" / "verification" / "tracks.csv"
 TRAJECTORIES = ROOT / "data" / "trajectories"
@@ -180,7 +178,4 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    try:
-        sys.exit(main())
-    except KeyboardInterrupt:
-        sys.exit(INTERRUPTED)
+    exit_after(main)

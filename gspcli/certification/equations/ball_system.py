@@ -28,7 +28,6 @@ from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import Law
 from gspcli.certification.equations import study
-from gspcli.certification.equations.likelier_sides import likelier
 from gspcli.certification.equations.local_frames import length_scale
 from gspcli.certification.equations.pose_balls import PoseBall
 from gspcli.certification.equations.quadratic_forms import Form, forms_of, scaled
@@ -46,6 +45,8 @@ def _hessians() -> fmpz_mat:
     return fmpz_mat(study.COUNT, 64, [int(entry) for entry in entries])
 
 
+#: The nearer side is taken if the two distances differ by this part of their sum.
+_CLEAR = 0.9
 _SIGNS = {Side.POSITIVE: (1,), Side.NEGATIVE: (-1,), Side.BOTH: (1, -1)}
 
 
@@ -310,7 +311,7 @@ def _nearer(
         (float(values[first.main].abs_upper()), float(values[second.main].abs_upper()))
         for values in places
     ]
-    return likelier(pairs, said)
+    return _likelier(pairs, said)
 
 
 def _value(equation: BallEquation, quadrics: Sequence[acb]) -> acb:
@@ -320,3 +321,25 @@ def _value(equation: BallEquation, quadrics: Sequence[acb]) -> acb:
     for index in equation.squares:
         value -= quadrics[index] * quadrics[index]
     return value
+
+
+def _likelier(pairs: Sequence[tuple[float, float]], said: int) -> tuple[int, ...]:
+    """Return the side whose equation is nearer; both, the likelier first, if it is not clear.
+
+    Parameters
+    ----------
+    pairs
+        The distances from both equations, measured in several ways; the way that separates the
+        sides best is used.
+    said
+        1 or -1 for the likelier side if it is not clear, or 0.
+    """
+    a, b = max(pairs, key=_contrast)
+    order = (0, 1) if a <= b else (1, 0)
+    if _contrast((a, b)) > _CLEAR:
+        return order[:1]
+    return {1: (0, 1), -1: (1, 0)}.get(said, order)
+
+
+def _contrast(pair: tuple[float, float]) -> float:
+    return abs(pair[0] - pair[1]) / (sum(pair) or 1.0)

@@ -1,4 +1,4 @@
-"""A start of a platform's own geometry, from a platform of it that is solved.
+"""Paths from a solved platform of the same geometry, along which only the values change.
 
 Planar bodies, symmetric ones and shared joints are what most platforms have, and leave fewer poses
 than the type. Paths from the stored start system would end at infinity; those from a start of the
@@ -8,7 +8,7 @@ they hardly depend on the values (`gspcli.certification.poses.far_poses`).
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple, cast
 
@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.geometry.arrangement import Arrangement
+from gspcli.solver.ends import Ends
 from gspcli.solver.ledger import Ledger
 from gspcli.solver.problem import Problem
 from gspcli.solver.results.pose_set import PoseSet, are_far
@@ -48,6 +49,36 @@ class _Entry(NamedTuple):
 
     made_from: SolvedPlatform
     geometry: SolvedGeometry | None
+
+
+def same_geometry(problem: Problem) -> Iterator[Ends]:
+    """Yield the ends of paths from a start of the geometry, and its far poses, where it is kept."""
+    geometry = kept_geometry(problem)
+    # Where it has fewer poses than its type, its count is what says that these are all.
+    if geometry is not None and (
+        geometry.found == problem.expected or problem.geometry_count is not None
+    ):
+        yield geometry.quick_ends(problem.values)
+
+
+def from_nearest(problem: Problem) -> Iterator[Ends]:
+    """Yield the ends of paths to sets of values, each from the nearest start."""
+    if problem.start is not None:
+        yield problem.start.quick_ends(problem.values, problem.jobs)
+
+
+def by_short_steps(problem: Problem) -> Iterator[Ends]:
+    """Yield the ends of paths from the geometry's own start, with short steps."""
+    start = problem.start
+    ends = None if start is None else start.short_ends(problem.values, problem.jobs)
+    if ends is not None:
+        yield ends
+
+
+def by_careful_steps(problem: Problem) -> Iterator[Ends]:
+    """Yield the ends of paths of the equations in all unknowns, from the geometry's own start."""
+    if problem.start is not None:
+        yield problem.start.careful_ends(problem.values, problem.jobs)
 
 
 def kept_geometry(problem: Problem) -> SolvedGeometry | None:

@@ -31,14 +31,13 @@ from numpy.typing import NDArray
 
 import gspcli
 from gspcli.defaults import SEED
-from gspcli.errors import INTERRUPTED
 from gspcli.export.controller.writing import controller
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.motion.following.platform_numbers import platform_numbers
 from gspcli.solver import Solution
 from tools.recording import ROOT, UNABLE, csv_text, sampled
-from tools.verify.campaigns import SOURCES, TaskRow, conclude, options, results
+from tools.verify.campaigns import SOURCES, TaskRow, conclude, exit_after, options, results
 from tools.verify.controllers.compiled import CompiledController, poses_of
 
 Array = NDArray[np.float64]
@@ -221,7 +220,4 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    try:
-        sys.exit(main())
-    except KeyboardInterrupt:
-        sys.exit(INTERRUPTED)
+    exit_after(main)

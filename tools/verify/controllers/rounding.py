@@ -14,7 +14,6 @@ is ``data/verification/controller-rounding.csv``.
 
 from __future__ import annotations
 
-import sys
 import tempfile
 from dataclasses import asdict, dataclass
 from functools import partial
@@ -28,12 +27,11 @@ from numpy.typing import NDArray
 
 from gspcli.certification.numbers.balls import ball, cross, dot
 from gspcli.defaults import SEED
-from gspcli.errors import INTERRUPTED
 from gspcli.geometry.drive_numbers import driven_points
 from gspcli.geometry.instance import AngleUnit, Instance
 from gspcli.motion.following.platform_numbers import PlatformNumbers, platform_numbers
 from tools.recording import ROOT, csv_text, sampled
-from tools.verify.campaigns import TaskRow, conclude, options, results
+from tools.verify.campaigns import TaskRow, conclude, exit_after, options, results
 from tools.verify.controllers.compiled import CompiledController
 from tools.verify.controllers.walks import names, platform
 
@@ -268,7 +266,4 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    try:
-        sys.exit(main())
-    except KeyboardInterrupt:
-        sys.exit(INTERRUPTED)
+    exit_after(main)

@@ -27,7 +27,6 @@ although the judge followed the branch to their end. The record is
 from __future__ import annotations
 
 import csv
-import sys
 import tempfile
 from dataclasses import asdict, dataclass, replace
 from functools import partial
@@ -39,7 +38,6 @@ from numpy.typing import NDArray
 import gspcli
 from gspcli.catalogue.types import all_types, type_by_number
 from gspcli.defaults import SEED
-from gspcli.errors import INTERRUPTED
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.coordinates import coordinates
 from gspcli.geometry.drives import Drives
@@ -51,7 +49,7 @@ from gspcli.motion import MovingPlatform
 from gspcli.motion.following.row_instances import at_values
 from gspcli.solver.instances.generate import random_instance
 from tools.recording import ROOT, csv_text, sampled
-from tools.verify.campaigns import TaskRow, conclude, options, results
+from tools.verify.campaigns import TaskRow, conclude, exit_after, options, results
 from tools.verify.controllers.compiled import CompiledController, Walks, poses_of
 from tools.verify.driven_machines import machines
 
@@ -449,7 +447,4 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    try:
-        sys.exit(main())
-    except KeyboardInterrupt:
-        sys.exit(INTERRUPTED)
+    exit_after(main)
