@@ -50,7 +50,8 @@ def path(
         each value has a range, else along poses. With cranks or slides ``values`` are the numbers
         of all drives, and paths with corners are along poses.
     clear
-        The clearance that every pose must have, in the units of `clearance`.
+        The clearance that every pose must have, in the units of `clearance`; with cranks or slides
+        that of the drives.
     gap
         How far legs and bodies must be apart at every pose, in the unit of length; the instance
         must state their shapes. None if that is not looked at.

@@ -71,6 +71,11 @@ class PathRows:
     weights: Array | None = None
     bulges: Array | None = None
 
+    @property
+    def most_halvings(self) -> int:
+        """How often ways between rows are halved at most for clearances."""
+        return HALVINGS
+
     @staticmethod
     def weights_of(instance: Instance) -> Array:
         """Return the units of changes of values in the clearances of a platform, shape (6,)."""
@@ -260,7 +265,7 @@ def least_clearances(
         with np.errstate(invalid="ignore"):
             between = np.minimum(ends, (at[:-1] + at[1:] - rows.travels()) / 2 * _INWARD)
         short = np.flatnonzero((between < wanted) & (ends >= wanted))
-        if not len(short) or halving == halvings:
+        if not len(short) or halving == min(halvings, rows.most_halvings):
             break
         more = rows.halved(short)
         if more is None:

@@ -45,14 +45,18 @@ class DriveGuide:
         Straight ways of poses of the platform, for the rows.
     start, goal
         The ends.
+    clear
+        The clearance of the drives that every pose must have.
     """
 
     along = "drives"
-    clear = 0.0
     gap: float | None = None
 
-    def __init__(self, motors: Motors, ways: PoseWays, start: PathEnd, goal: PathEnd) -> None:
+    def __init__(
+        self, motors: Motors, ways: PoseWays, start: PathEnd, goal: PathEnd, clear: float = 0.0
+    ) -> None:
         self.motors, self.ways, self.start, self.goal = motors, ways, start, goal
+        self.clear = clear
         drives = motors.drives
         moved = np.flatnonzero(drives.moved).tolist()
         self._chosen = choose(motors.instance, [drives.names[k] for k in moved])
@@ -89,8 +93,12 @@ class DriveGuide:
             if not pieces:
                 return None
             proofs[part] += pieces
-        rows = DrivenRows(self.ways, followed.values, R, T, motors=self.motors)
-        return GuideRows(given.part, given.fraction, followed.values, R, T, proofs, rows, q)
+        rows = DrivenRows(
+            self.ways, followed.values, R, T, motors=self.motors, numbers=q, middle=self._middle,
+            clear=self.clear > 0,
+        )  # fmt: skip
+        trace = GuideRows(given.part, given.fraction, followed.values, R, T, proofs, rows, q)
+        return trace if trace.keeps(self.clear, None) else None
 
     def refused(self, given: RowsOnWay) -> list[int]:
         """Return nothing: it is not looked for."""
@@ -138,13 +146,27 @@ class DriveGuide:
             return 1
         if not halvings:
             return 0
-        middle = numbers.mean(axis=0)
-        begin = PathEnd("", np.zeros(6), R, T)
-        half = DriveGuide(self.motors, self.ways, begin, begin)
-        followed = half._followed(np.stack((numbers[0], middle)))
-        if followed.events or np.isnan(followed.T).any():
+        there = self._middle(q, R, T)
+        if there is None:
             return 0
+        middle = numbers.mean(axis=0)
         first = self._keeps_knees(np.stack((numbers[0], middle)), R, T, halvings - 1)
-        there = followed.R[0, -1], followed.T[0, -1]
         second = first and self._keeps_knees(np.stack((middle, numbers[1])), *there, halvings - 1)
         return first + second if second else 0
+
+    def _middle(self, q: Array, R: Array, T: Array) -> tuple[Array, Array] | None:
+        """Return the pose in the middle of a way of drives from a pose; None if it is not found.
+
+        Parameters
+        ----------
+        q
+            The drives at both ends, shape (2, m).
+        R, T
+            The pose at the first.
+        """
+        numbers = np.stack((q[0], q.mean(axis=0))) / self.motors.drives.units
+        begin = PathEnd("", np.zeros(6), R, T)
+        followed = DriveGuide(self.motors, self.ways, begin, begin)._followed(numbers)
+        if followed.events or np.isnan(followed.T).any():
+            return None
+        return followed.R[0, -1], followed.T[0, -1]

@@ -273,8 +273,12 @@ class PoseGuide:
             values, q = motors.values(R, T), motors.numbers(R, T)
             if np.isnan(q).any():
                 return None
-            driven = DrivenRows(self.ways, values, R, T, parameters, bulges=bulges, motors=motors)
-            return GuideRows(part, fraction, values, R, T, proofs, driven, q)
+            driven = DrivenRows(
+                self.ways, values, R, T, parameters, bulges=bulges, motors=motors,
+                clear=self.clear > 0,
+            )  # fmt: skip
+            trace = GuideRows(part, fraction, values, R, T, proofs, driven, q)
+            return trace if trace.keeps(self.clear, None) else None
         values = values_at(self.ways.instance, R, T)
         between = PathRows(self.ways, values, R, T, parameters, bulges=bulges)
         trace = GuideRows(part, fraction, values, R, T, proofs, between)

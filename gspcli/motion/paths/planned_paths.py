@@ -181,8 +181,9 @@ class PlannedPath:
             return []
         R, T = frame.from_platform(self.R, self.T)
         keys = ("t", *self.motors, *POSE, "condition")
-        # Of machines with cranks or slides clearances along paths are not computed.
-        clearances = [] if self.drives is not None else [self.clearances]
+        # Those of cranks and slides take long: they are computed if they are asked for.
+        known = self.drives is None or bool(self.clearances.any())
+        clearances = [self.clearances] if known else []
         keys += ("clearance",) * len(clearances)
         gaps = [] if self.gaps is None else [self.gaps]
         keys += ("gap",) * len(gaps)

@@ -107,9 +107,6 @@ class Planner:
                 raise ArgumentError(message, "speed")
             along = "poses"
         self.limits, self.rounded = limits, rounded
-        if clear and is_driven(instance):
-            message = "clearances along paths of machines with cranks or slides are not computed"
-            raise ArgumentError(message, "clear")
         if gap is not None:
             _check_gap(instance, gap)
         self.gap = gap
@@ -178,7 +175,7 @@ class Planner:
         guide: Guide | None = None
         corners: Array | None = None
         if self.along != "poses":
-            drives = DriveGuide(motors, self.ways, start, goal)
+            drives = DriveGuide(motors, self.ways, start, goal, self.clear)
             if drives.trace(drives.corners, np.array([PROVED_ROWS])) is not None:
                 guide, corners = drives, drives.corners
         if guide is None and self.along != "values":

@@ -84,7 +84,12 @@ def drive_weights(instance: Instance) -> tuple[Array, bool]:
 
 
 def drive_clearances(
-    instance: Instance, R: ArrayLike, T: ArrayLike, *, weights: ArrayLike | None = None
+    instance: Instance,
+    R: ArrayLike,
+    T: ArrayLike,
+    *,
+    weights: ArrayLike | None = None,
+    knees: ArrayLike | None = None,
 ) -> tuple[Array, Array]:
     """Return what is proved of poses: `DriveClearance.lower` and `knees`, shape (n,) each.
 
@@ -98,10 +103,13 @@ def drive_clearances(
         Poses, shapes (n, 3, 3) and (n, 3).
     weights
         The unit of each drive's changes, lengths and radians, shape (m,); as `drive_weights`.
+    knees
+        The signs of the gains, shape (6,), instead of those of the home pose.
     """
     drives, units = _given(instance, weights)
     R, T = np.asarray(R, float), np.asarray(T, float)
-    proved = [_proved(drives, R[k], T[k], units) for k in range(len(T))]
+    signs = None if knees is None else np.asarray(knees)
+    proved = [_proved(drives, R[k], T[k], units, signs) for k in range(len(T))]
     return np.array([one for one, _ in proved]), np.array([one for _, one in proved])
 
 
@@ -142,8 +150,10 @@ def _given(instance: Instance, weights: ArrayLike | None) -> tuple[Drives, Array
     return drives, units
 
 
-def _proved(drives: Drives, R: Array, T: Array, units: Array) -> tuple[float, float]:
-    q = drives.inverse(R, T)
+def _proved(
+    drives: Drives, R: Array, T: Array, units: Array, knees: NDArray[np.int64] | None = None
+) -> tuple[float, float]:
+    q = drives.inverse(R, T, knees)
     if np.isnan(q).any():
         return 0.0, 0.0
     near = DrivenNeighbourhood(drives, R, T, q)

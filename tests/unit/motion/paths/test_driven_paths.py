@@ -6,14 +6,15 @@ import numpy as np
 import pytest
 
 import gspcli
-from gspcli.errors import ArgumentError
 from gspcli.geometry.drives import Drives
 from gspcli.geometry.limits import out_of_motor_range
 from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.motion import mode_groups
 from gspcli.motion.following.departures import departures
-from gspcli.motion.paths.drive_guide import DriveGuide
+from gspcli.motion.paths.driven_rows import DrivenRows
 from gspcli.motion.paths.motors import Motors
+from gspcli.motion.paths.pose_ways import PoseWays
+from gspcli.motion.singularities.drive_clearances import drive_clearances, drive_weights
 from gspcli.motion.singularities.driven_enclosures import DrivenNeighbourhood
 
 #: Machines with six freedoms; delta and three-prs have three.
@@ -148,7 +149,49 @@ def test_rods_that_share_a_crank_keep_the_orientation():
     assert found.verdict in ("impossible", "not found")
 
 
-def test_clearances_are_refused():
-    with pytest.raises(ArgumentError, match="cranks or slides are not computed"):
-        gspcli.path(gspcli.example("t-top-head"), "home", "home", clear=0.1)
-    assert DriveGuide.clear == 0
+@pytest.mark.parametrize("along", ["values", "poses"])
+def test_a_clearance_of_the_drives_is_kept_between_the_rows(along):
+    instance = gspcli.example("three-prs")
+    start, goal = home_of(instance), near(instance, 0.0, 0.03)
+    ends = [drive_clearances(instance, R[None], T[None])[0][0] for R, T in (start, goal)]
+    clear = 0.7 * min(ends)
+    found = checked(gspcli.path(instance, start, goal, along=along, clear=clear), start)
+    assert found.clearances[[0, -1]].tolist() == pytest.approx(ends, rel=1e-9)
+    assert clear <= found.parts[0].clearance < min(ends)
+    assert found.rows()[0]["clearance"] == found.clearances[0]
+    middle = found.T[:-1] + np.diff(found.T, axis=0) / 3
+    assert (drive_clearances(instance, found.R[:-1], middle)[0] >= found.parts[0].clearance).all()
+
+
+def test_more_clearance_than_the_start_has_is_not_kept():
+    instance = gspcli.example("three-prs")
+    start = home_of(instance)
+    clear = 1.1 * drive_clearances(instance, start[0][None], start[1][None])[0][0]
+    found = gspcli.path(instance, start, near(instance, 0.0, 0.03), clear=clear, time=0)
+    assert found.verdict == "not found"
+
+
+@pytest.mark.parametrize("along", ["values", "poses"])
+def test_how_far_drives_move_between_rows_is_bounded_closely(along):
+    instance = gspcli.example("t-top-head")
+    found = gspcli.path(instance, "home", near(instance, 0.05, 0.03), along=along)
+    motors = Motors(instance)
+    ways = PoseWays(instance, motors=motors)
+    numbers = found.drives if along == "values" else None
+    parameters = None if along == "values" else ways.continued(found.R, found.T)
+    rows = DrivenRows(
+        ways, found.values, found.R, found.T, parameters, motors=motors, numbers=numbers
+    )
+    weights = drive_weights(instance)[0]
+    moved = (np.abs(np.diff(found.drives, axis=0)) / weights).max(axis=1)
+    assert (rows.travels() >= moved).all()
+    assert (rows.travels() <= 1.2 * moved).all()
+
+
+def test_without_a_bound_of_the_travel_no_clearance_is_proved(monkeypatch):
+    instance = gspcli.example("three-prs")
+    monkeypatch.setattr(DrivenRows, "most_halvings", 0)
+    monkeypatch.setattr(DrivenRows, "travels", lambda rows: np.full(len(rows.T) - 1, np.inf))
+    goal = near(instance, 0.0, 0.03)
+    found = gspcli.path(instance, "home", goal, along="values", clear=1e-6)
+    assert found.verdict == "not found"
