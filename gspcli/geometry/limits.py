@@ -166,6 +166,9 @@ def out_of_range(instance: Instance, values: Array) -> NDArray[np.bool_]:
             value = _on_its_side(constraint, values[..., k])
             low, high = (limit.value for limit in constraint.limits)
             room = _ROUNDING * max(abs(low), abs(high))
+            if low == high and constraint.kind.has_sides:
+                # A distance to a plane is a difference of coordinates: it has their rounding errors.
+                room = _ROUNDING * max(abs(low), Arrangement.of(instance).length)
             outside[..., k] = (value < low - room) | (value > high + room)
     return outside
 
@@ -181,7 +184,7 @@ def range_shares(instance: Instance, values: Array) -> Array:
     """Return the position of each value in its range as a share, shape (..., 6).
 
     The share is 0 in the middle of a range, 1 at its ends and above 1 where `out_of_range` is true.
-    It is 0 at the only value of a range of one value, and NaN without a range.
+    It is 1 at the only value of a range of one value, and NaN without a range.
     """
     shares = np.full(values.shape, np.nan)
     outside = out_of_range(instance, values)

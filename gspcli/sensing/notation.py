@@ -245,6 +245,12 @@ class _Words:
         if kind == "inclinometer":
             more = self.next < len(self.words)
             return Inclinometer(self.direction() if more else AXES["z"])
+        if kind.startswith(("crank.", "slide.")):
+            message = (
+                f"{word.text} reads the same at all modes, which are those for one position of "
+                "the motors: expected a sensor of something else"
+            )
+            raise ArgumentError(message, f"column {word.column}")
         forms = "; ".join(_FORMS.values())
         raise self.wrong(word, f"one of {forms}{suggestion(kind, KINDS)}")
 

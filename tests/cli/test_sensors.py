@@ -165,3 +165,9 @@ def test_motors_are_drawn_where_rods_have_one_length_each(gsp: Callable) -> None
     outcome = gsp("sensors", "@modified-paradex", "--random", "5")
     assert outcome.code == 0
     assert "5 sets of values with the drives moved" in outcome.out
+
+
+def test_encoders_of_motors_tell_no_modes_apart(gsp):
+    run = gsp("sensors", "@t-top-head", "--sensor", "crank.B1")
+    assert (run.code, run.out) == (2, "")
+    assert "crank.B1 reads the same at all modes" in run.err

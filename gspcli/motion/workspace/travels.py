@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.drive_numbers import is_driven
+from gspcli.geometry.drive_numbers import driven_points, is_driven
 from gspcli.geometry.drives import Drives
 from gspcli.geometry.euler import rotation_from_euler
 from gspcli.geometry.instance import Instance
@@ -21,6 +21,7 @@ from gspcli.motion.workspace.driven_boxes import drive_violations, knees_of
 from gspcli.motion.workspace.pose_boxes import NEGATIVE, PARAMETERS, REGULAR, PoseBoxes
 from gspcli.records import dataclass
 from gspcli.ties import first_smallest
+from gspcli.wording import listed
 
 Array = NDArray[np.float64]
 
@@ -130,6 +131,7 @@ def travels(
     ArgumentError
         If home does not keep the limits, or an argument is wrong.
     """
+    refuse_held(instance)
     boxes = PoseBoxes(
         instance, R, T, pivot=pivot, sequence=sequence, regular=connected, knees=knees, gap=gap
     )
@@ -160,6 +162,32 @@ def travels(
             )
         )
     return found
+
+
+def refuse_held(instance: Instance) -> None:
+    """Raise if a range holds a constraint at one value, unless a crank or slide moves its points.
+
+    Poses that keep such a value have no volume, so that no interval of poses is proved.
+
+    Raises
+    ------
+    ArgumentError
+        With the constraints.
+    """
+    held = [
+        str(k + 1)
+        for k, row in enumerate(instance.constraints)
+        if row.limits is not None
+        and row.limits[0].value == row.limits[1].value
+        and not driven_points(row)
+    ]
+    if held:
+        verb = "constraint {} is" if len(held) == 1 else "constraints {} are"
+        message = (
+            f"{verb.format(listed(held, 'and'))} held at one value by the range: no "
+            "travel along one coordinate keeps that; gsp track moves the other values"
+        )
+        raise ArgumentError(message)
 
 
 def too_near(instance: Instance, R: Array, T: Array, gap: float) -> list[str]:

@@ -140,3 +140,14 @@ def test_a_cone_needs_a_leg_and_a_sensible_angle():
         ArgumentError, match=r"platform\.cone: found a cone at a point without a leg"
     ):
         gspcli.instance(rows)
+
+
+def test_a_distance_held_at_zero_is_kept_up_to_rounding():
+    """Home of a tripod is 2e-16 off two of its planes."""
+    tripod = gspcli.example("three-rps")
+    values = measure(tripod, np.eye(3)[None], np.array([[0.0, 0.0, 4.0]]))[0]
+    assert (values[3:] != 0).any()
+    assert not out_of_range(tripod, values).any()
+    assert range_shares(tripod, values)[3:].tolist() == [1, 1, 1]
+    values[4] += 1e-9
+    assert out_of_range(tripod, values).tolist() == [k == 4 for k in range(6)]

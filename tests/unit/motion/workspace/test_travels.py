@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from gspcli import example
 from gspcli.errors import ArgumentError
 from gspcli.geometry.limits import within_limits
 from gspcli.motion import measure
@@ -75,3 +76,12 @@ def test_a_home_at_a_limit_goes_one_way():
     assert travel.reached[1] == 0
     assert travel.ends[1] < 1e-9
     assert travel.ends[0] == pytest.approx(-1, abs=1e-9)
+
+
+def test_constraints_that_are_held_are_named():
+    """The planes of a tripod leave three freedoms: no travel keeps them."""
+    tripod = example("three-rps")
+    home = np.eye(3), np.array([0.0, 0.0, 4.0])
+    message = r"constraints 4, 5 and 6 are held at one value by the range: no travel"
+    with pytest.raises(ArgumentError, match=message):
+        travels(tripod, *home)
