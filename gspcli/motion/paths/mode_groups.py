@@ -201,7 +201,7 @@ def _join(
     poses = map_of_poses(planner, ends, classes, open_)
     if ranged:
         _join_near_values(planner, poses, ends, classes, sides, open_, deadline)
-    # Random poses change what must stay.
+    # Random poses change what must stay. Modes differ in last digits of their orientation.
     grows = motors is None or not (motors.shared or planner.stays)
     _grow(poses, _tried_pairs(classes, open_), deadline if grows else 0.0)
     _take(poses, open_, joined)

@@ -183,7 +183,9 @@ class Planner:
             straight = np.stack(self._parameters(start, goal))
             if poses.trace(straight, np.array([PROVED_ROWS])) is not None:
                 guide, corners = poses, straight
-            elif not motors.shared and not self.stays:
+            elif not self.stays and (
+                not motors.shared or (straight[0, 3:] == straight[1, 3:]).all()
+            ):
                 guide, corners = _first(self._pose_searches(start, goal, self.seed), more)
         if guide is None or corners is None:
             return self._not_found(start, goal)

@@ -66,6 +66,8 @@ class PoseMap:
         kept: Callable[[Array, Array], Any] | None = None,
     ) -> None:
         self.ways, self._class_of, self._kept = ways, class_of, kept
+        # Rods that share a drive are parallel at one orientation only.
+        self._keeps_turn = ways.motors is not None and ways.motors.shared
         self.arrangement = Arrangement.of(ways.boxes.instance)
         self.nodes = [*ways.parameters(R, T)]
         self.classes = list(classes)
@@ -156,6 +158,8 @@ class PoseMap:
         away = np.concatenate((draw.normal(size=3) * self._span * _FAR, draw.normal(size=3)))
         one: Array = base.copy()
         one[:3] += away[:3]
+        if self._keeps_turn:
+            return one
         if draw.integers(10) < _NEARBY:
             one[3:] += away[3:] * _TURN
         else:
@@ -165,7 +169,8 @@ class PoseMap:
     def _new(self, parameters: Array) -> int | None:
         """Add a pose unless it is singular or violates a limit; return its number."""
         digits = _DIGITS - int(np.floor(np.log10(self._span)))
-        one = np.concatenate((parameters[:3].round(digits), parameters[3:].round(_DIGITS)))
+        turn = parameters[3:] if self._keeps_turn else parameters[3:].round(_DIGITS)
+        one = np.concatenate((parameters[:3].round(digits), turn))
         R, T = self.ways.poses(one)
         if self._kept is not None and not self._kept(R[None], T[None])[0]:
             return None

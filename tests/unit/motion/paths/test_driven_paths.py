@@ -149,6 +149,20 @@ def test_rods_that_share_a_crank_keep_the_orientation():
     assert found.verdict in ("impossible", "not found")
 
 
+def test_a_map_of_positions_where_rods_share_cranks():
+    """The straight way leaves what the rods reach; all poses have the orientation of the ends."""
+    instance = gspcli.example("delta")
+    start, goal = (np.eye(3), [-890.0, 811.0, -732.0]), (np.eye(3), [585.0, -1107.0, -112.0])
+    ways = PoseWays(instance, motors=Motors.of(instance, *start))
+    assert not ways.prove(*(ways.parameters(*one) for one in (start, goal))).sign
+    found = gspcli.path(instance, start, goal)
+    assert (found.verdict, found.along) == ("proved", "poses")
+    assert len(found.parts) > 1
+    assert (np.eye(3) == found.R).all()
+    assert ways.motors.kept(found.R, found.T).all()
+    assert found.T[[0, -1]] == pytest.approx(np.array([start[1], goal[1]]))
+
+
 @pytest.mark.parametrize("along", ["values", "poses"])
 def test_a_clearance_of_the_drives_is_kept_between_the_rows(along):
     instance = gspcli.example("three-prs")
