@@ -167,7 +167,7 @@ def out_of_range(instance: Instance, values: Array) -> NDArray[np.bool_]:
             low, high = (limit.value for limit in constraint.limits)
             room = _ROUNDING * max(abs(low), abs(high))
             if low == high and constraint.kind.has_sides:
-                # A distance to a plane is a difference of coordinates: it has their rounding errors.
+                # A distance to a plane is a difference of coordinates: it has their rounding error.
                 room = _ROUNDING * max(abs(low), Arrangement.of(instance).length)
             outside[..., k] = (value < low - room) | (value > high + room)
     return outside
