@@ -165,6 +165,31 @@ class ComparedShapes:
         decimals = _DIGITS - math.ceil(math.log10(self._arrangement.length))
         return np.round(self.bounds(R, T, q).high, decimals)
 
+    def _slips(
+        self,
+        shifts: Array,
+        turns: Array,
+        centre: Array,
+        places: Array,
+        R: Array,
+        T: Array,
+        q: Array,
+    ) -> tuple[Array, Array, Array]:
+        """Return the joints where drives have them, and how far these move them, (2, n, 6)."""
+        from gspcli.geometry.drives import Drives
+        from gspcli.motion.collisions.driven_moves import point_moves
+
+        drives = Drives.of(self.instance)
+        placed = drives.arrangement(q)
+        own = np.linalg.norm(placed.y - centre, axis=-1)
+        away = np.linalg.norm(places[:, None] - placed.x, axis=-1)
+        arms = np.where(drives.on_platform, away, own)
+        moved = point_moves(drives, R, T, q, shifts[:, None] + turns[:, None] * arms)
+        slips = np.stack(
+            [np.where(drives.on_platform == side, moved, 0.0) for side in (True, False)]
+        )
+        return placed.y, placed.x, slips
+
     def _placed(self, R: Array, T: Array, q: Array | None) -> Array:
         """Return the points of the hulls at poses, one hull after the other, shape (n, m, 3)."""
         if q is None:
@@ -200,7 +225,14 @@ class ComparedShapes:
             part = np.where(length > self._near, self._near / length, 1.0)
         return np.where(np.isfinite(length), joint + part * along, np.nan)
 
-    def moves(self, shifts: Array, turns: Array, centre: Array, places: Array) -> Array:
+    def moves(
+        self,
+        shifts: Array,
+        turns: Array,
+        centre: Array,
+        places: Array,
+        driven: tuple[Array, Array, Array] | None = None,
+    ) -> Array:
         """Bound how much each gap changes while the platform moves a little, shape (n, p).
 
         Parameters
@@ -212,6 +244,9 @@ class ComparedShapes:
             This point, in the frame of the platform, shape (3,).
         places
             Where it is at the poses, shape (n, 3).
+        driven
+            The poses R and T, and the numbers q of cranks and slides there; needed if there are
+            any.
 
         Notes
         -----
@@ -223,8 +258,13 @@ class ComparedShapes:
         a point and its image.
         """
         a = self._arrangement
-        own = np.linalg.norm(a.y - centre, axis=1)
-        away = np.linalg.norm(places[:, None] - a.x, axis=-1)
+        y, x = a.y, a.x
+        # How far cranks and slides move the joints on the platform, and on the base.
+        slips = np.zeros((2, len(shifts), 6))
+        if driven is not None:
+            y, x, slips = self._slips(shifts, turns, centre, places, *driven)
+        own = np.linalg.norm(y - centre, axis=-1) + slips[0]
+        away = np.linalg.norm(places[:, None] - x, axis=-1) + slips[1]
         far = {
             "platform": np.linalg.norm(self._points["platform"] - centre, axis=-1).max()
             if len(self._points["platform"])
@@ -234,8 +274,13 @@ class ComparedShapes:
         from_base, from_platform = np.zeros((2, len(shifts), count))
         for k, hull in enumerate(self._hulls):
             if hull.leg is not None:
-                from_base[:, k] = shifts + turns * own[hull.leg]
-                from_platform[:, k] = shifts + turns * away[:, hull.leg]
+                on_platform, on_base = slips[:, :, hull.leg]
+                # Of a part of a leg whose both ends move, both moves count.
+                both = np.add if hull.beyond else np.maximum
+                from_base[:, k] = both(shifts + turns * own[:, hull.leg] + on_platform, on_base)
+                from_platform[:, k] = both(
+                    shifts + turns * away[:, hull.leg] + on_base, on_platform
+                )
             elif hull.body == "platform":
                 from_base[:, k] = shifts + turns * far["platform"]
             else:
@@ -244,6 +289,8 @@ class ComparedShapes:
                 from_platform[:, k] = shifts + turns * there
         sums = [one[:, self.pairs].sum(axis=2) for one in (from_base, from_platform)]
         size = np.abs(places).max(axis=1) + max(np.abs(a.x).max(), np.abs(a.y).max())
+        if driven is not None:
+            size = size + np.abs(x).max(axis=(1, 2)) + np.abs(y).max(axis=(1, 2))
         room = _ROUNDING * size[:, None]
         return np.asarray(np.minimum(*sums) * _OUTWARD + room)
 

@@ -21,6 +21,7 @@ from gspcli.motion.following.branch_follower import FollowOptions, StudyUnits
 from gspcli.motion.following.branch_steps import BranchSteps, Segment
 from gspcli.motion.following.chords import on_patch
 from gspcli.motion.paths.between_rows import PathRows
+from gspcli.motion.paths.motors import Motors
 from gspcli.motion.paths.pose_ways import PoseWays
 from gspcli.motion.paths.value_ways import ValueWays
 
@@ -58,6 +59,7 @@ class _PoseParts:
         first, last = rows.parameters[:-1], rows.parameters[1:]
         self.way = np.arange(len(first))
         self._ways, self._middle, self._change = ways, (first + last) / 2, last - first
+        self.motors = ways.motors
         self._away = float(np.linalg.norm(centre - ways.pivot))
 
     def near(self, part: Index, place: Array, half: float) -> _Near:
@@ -90,6 +92,7 @@ class _ValueParts:
         system = rows.ways.system
         self._units = StudyUnits(system.scale, LocalFrames.none())
         self._centre, self._scale = centre, system.scale
+        self.motors: Motors | None = None
         share = (np.arange(steps + 1) / steps)[:, None]
         first, last = rows.values[ways, None], rows.values[ways + 1, None]
         values = first + (last - first) * share
@@ -156,7 +159,9 @@ def least_gaps(rows: PathRows, wanted: float) -> tuple[Array, Array]:
         The gap that is asked for.
     """
     compared = ComparedShapes(rows.instance)
-    at = compared.bounds(rows.R, rows.T).low.min(axis=1)
+    motors = rows.ways.motors if isinstance(rows.ways, PoseWays) else None
+    q = None if motors is None else motors.numbers(rows.R, rows.T)
+    at = compared.bounds(rows.R, rows.T, q).low.min(axis=1)
     found = np.minimum(at[:-1], at[1:])
     if not len(found):
         return at, found
@@ -167,6 +172,9 @@ def least_gaps(rows: PathRows, wanted: float) -> tuple[Array, Array]:
     found[lost] = -np.inf
     if lost.all():
         return at, found
+    if motors is not None and rows.parameters is None:
+        # Along drives the poses between rows are not known.
+        return at, np.full(len(found), -np.inf)
     if isinstance(rows.ways, PoseWays):
         parts = _PoseParts(rows, rows.ways, centre)
         return at, _judged(compared, parts, centre, found, lost, wanted)
@@ -216,12 +224,13 @@ def _judged(
         if not len(part):
             break
         half = 0.5 ** (halving + 1)
-        low, bounds = _on_pieces(compared, parts.near(part, place, half), centre)
+        low, bounds = _on_pieces(compared, parts.near(part, place, half), centre, parts.motors)
         # A pose that is too near ends the search on its way.
         lost[parts.way[part[~(low >= wanted)]]] = True
         again = ~(bounds >= wanted) & ~lost[parts.way[part]]
         # Halving must help where pieces have no length.
-        _, best = _on_pieces(compared, parts.near(part[again], place[again], 0.0), centre)
+        nearest = parts.near(part[again], place[again], 0.0)
+        _, best = _on_pieces(compared, nearest, centre, parts.motors)
         again[np.flatnonzero(again)[~(best >= wanted)]] = False
         last = halving == _HALVINGS or 2 * np.count_nonzero(again) > _MOST_PIECES
         done = ~again | last
@@ -233,11 +242,15 @@ def _judged(
     return found
 
 
-def _on_pieces(compared: ComparedShapes, near: _Near, centre: Array) -> tuple[Array, Array]:
+def _on_pieces(
+    compared: ComparedShapes, near: _Near, centre: Array, motors: Motors | None
+) -> tuple[Array, Array]:
     """Return lower bounds of the least gaps in the middle of pieces, and on them, shapes (n,)."""
-    low = compared.bounds(near.R, near.T).low
+    q = None if motors is None else motors.numbers(near.R, near.T)
+    low = compared.bounds(near.R, near.T, q).low
+    driven = None if q is None else (near.R, near.T, q)
     places = near.T + apply(near.R, np.broadcast_to(centre, near.T.shape))
     with np.errstate(invalid="ignore"):
-        moves = compared.moves(near.shifts, near.turns, centre, places)
+        moves = compared.moves(near.shifts, near.turns, centre, places, driven)
         bounds = np.nan_to_num((low - moves).min(axis=1), nan=-np.inf, neginf=-np.inf)
     return low.min(axis=1), bounds

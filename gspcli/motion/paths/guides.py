@@ -273,12 +273,15 @@ class PoseGuide:
             values, q = motors.values(R, T), motors.numbers(R, T)
             if np.isnan(q).any():
                 return None
+            if self.gap is not None and bulges is not None and bulges.any():
+                # Of curved ways gaps are not bounded where drives move joints.
+                return None
             driven = DrivenRows(
                 self.ways, values, R, T, parameters, bulges=bulges, motors=motors,
                 clear=self.clear > 0,
             )  # fmt: skip
             trace = GuideRows(part, fraction, values, R, T, proofs, driven, q)
-            return trace if trace.keeps(self.clear, None) else None
+            return trace if trace.keeps(self.clear, self.gap) else None
         values = values_at(self.ways.instance, R, T)
         between = PathRows(self.ways, values, R, T, parameters, bulges=bulges)
         trace = GuideRows(part, fraction, values, R, T, proofs, between)
@@ -296,7 +299,11 @@ class PoseGuide:
         """Return whether poses keep the limits, shape (n,)."""
         instance = self.ways.instance
         if self.ways.motors is not None:
-            return self.ways.motors.kept(R, T)
+            kept = self.ways.motors.kept(R, T)
+            if self.gap is not None:
+                q = self.ways.motors.numbers(R, T)
+                kept &= (ComparedShapes(instance).bounds(R, T, q).low >= self.gap).all(axis=1)
+            return kept
         kept = within_limits(instance, values_at(instance, R, T), R, T)
         if self.gap is not None:
             kept &= (ComparedShapes(instance).bounds(R, T).low >= self.gap).all(axis=1)

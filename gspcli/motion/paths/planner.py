@@ -109,6 +109,9 @@ class Planner:
         self.limits, self.rounded = limits, rounded
         if gap is not None:
             _check_gap(instance, gap)
+            if along == "values" and is_driven(instance):
+                message = "gaps of machines with cranks or slides are proved along poses only"
+                raise ArgumentError(message, "along")
         self.gap = gap
         self.given = instance
         self.instance = without_corrections(instance)
@@ -174,7 +177,7 @@ class Planner:
         """Plan a path of a machine with cranks or slides: drives, poses, then a map of poses."""
         guide: Guide | None = None
         corners: Array | None = None
-        if self.along != "poses":
+        if self.along != "poses" and self.gap is None:
             drives = DriveGuide(motors, self.ways, start, goal, self.clear)
             if drives.trace(drives.corners, np.array([PROVED_ROWS])) is not None:
                 guide, corners = drives, drives.corners
@@ -426,9 +429,6 @@ def _check_gap(instance: Instance, gap: float) -> None:
     """Raise `ArgumentError` if a gap cannot be kept along paths of a platform."""
     if not np.isfinite(gap):
         message = f"found {gap}, expected a finite number"
-        raise ArgumentError(message, "gap")
-    if is_driven(instance):
-        message = "gaps along paths of machines with cranks or slides are not computed"
         raise ArgumentError(message, "gap")
     if instance.shapes is None:
         raise ArgumentError(NO_SHAPES, "gap")

@@ -119,6 +119,7 @@ class PoseBoxes:
         self.drives: DrivenBoxes | None = None
         if is_driven(instance):
             signs = knees_of(instance, self.R, T) if knees is None else np.asarray(knees)
+            self._knees = signs
             self.drives = DrivenBoxes(instance, self.quaternion, self.pivot, signs)
         order = sequence if sequence.isupper() else sequence[::-1]
         # The kernel has the angles in the order of the product.
@@ -294,8 +295,12 @@ class PoseBoxes:
         shifts, turns = (
             np.full(len(asked), x) for x in (np.linalg.norm(half[:3]) * _OUTWARD, turn)
         )
-        moves = compared.moves(shifts, turns, self.pivot, parameters[:, :3])
-        found = compared.bounds(R, T)
+        driven = None
+        if self.drives is not None:
+            driven = R, T, self.drives.drives.inverse(R, T, self._knees)
+        with np.errstate(invalid="ignore"):
+            moves = compared.moves(shifts, turns, self.pivot, parameters[:, :3], driven)
+        found = compared.bounds(R, T, None if driven is None else driven[2])
         kept = (found.low - moves >= self.gap).all(axis=1)
         violated = (found.high + moves < self.gap).any(axis=1)
         left[asked[kept]] &= ~GAP
@@ -321,9 +326,6 @@ class PoseBoxes:
 def _shapes_of(instance: Instance, gap: float) -> ComparedShapes:
     if not np.isfinite(gap):
         message = f"found {gap}, expected a finite number"
-        raise ArgumentError(message, "gap")
-    if is_driven(instance):
-        message = "gaps of machines with cranks or slides are computed at poses only"
         raise ArgumentError(message, "gap")
     return ComparedShapes(instance)
 

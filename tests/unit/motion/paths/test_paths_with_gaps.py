@@ -46,5 +46,5 @@ def test_what_cannot_be_asked_for():
         gspcli.path(example("workspace-study"), "home", 3, gap=1.0)
     with pytest.raises(ArgumentError, match="finite"):
         gspcli.path(thick("workspace-study"), "home", 3, gap=np.inf)
-    with pytest.raises(ArgumentError, match="cranks or slides"):
+    with pytest.raises(ArgumentError, match="states no shapes"):
         gspcli.path(example("t-top-head"), "home", 2, gap=0.0)

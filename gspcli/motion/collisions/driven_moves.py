@@ -1,0 +1,70 @@
+"""How far cranks and slides move their points while the platform moves a little.
+
+At a pose the number q of a drive is the one at which a rod has its length, on the knee of home. Let
+one end of the rod move by at most d. At ``q - e`` and ``q + e`` the ends are nearer than the rod is
+long by more than d, and farther by more than d. Then a number between both fits at each pose near
+by. The distance passes the length of the rod there in the direction of the knee. No other number
+does so: of a crank, and of a slide, each direction has one.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gspcli.geometry.drives import Drives
+
+Array = NDArray[np.float64]
+
+#: Changes of drives that are tried, by what they would be if lengths were linear in them.
+_TRIED = (1.05, 1.3, 2.0, 4.0)
+_OUTWARD = 1 + 2.0**-30
+#: Rounding errors of lengths, relative to the largest coordinate.
+_ROUNDING = 2.0**-44
+
+
+def point_moves(drives: Drives, R: Array, T: Array, q: Array, moves: Array) -> Array:
+    """Bound how far driven points move in their bodies, shape (n, 6).
+
+    Parameters
+    ----------
+    drives
+        The drives of a platform.
+    R, T
+        Poses, shapes (n, 3, 3) and (n, 3).
+    q
+        The numbers of the drives there, shape (n, m).
+    moves
+        How far the other end of each rod moves, seen from the body of the driven point, shape
+        (n, 6).
+
+    Returns
+    -------
+    Array
+        Zero where no crank or slide moves the point, infinite where nothing is proved.
+    """
+    gains = drives.gains(R, T, q)
+    size = np.abs(T).max(axis=1) + max(np.abs(drives.rods[drives.driven]).max(), 1e-300)
+    size += np.abs(drives.points(q)).max(axis=(1, 2))
+    room = moves * _OUTWARD + _ROUNDING * size[:, None]
+    found = np.where(drives.driven, np.inf, 0.0) * np.ones_like(moves)
+    with np.errstate(all="ignore"):
+        linear = room / np.abs(gains)
+        for factor in _TRIED:
+            for k in np.flatnonzero(drives.driven).tolist():
+                change = np.zeros_like(q)
+                change[:, drives.index[k]] = factor * linear[:, k]
+                low, high = (
+                    np.linalg.norm(drives.ends(R, T, q + sign * change)[2][:, k], axis=-1)
+                    - drives.rods[k]
+                    for sign in (-1, 1)
+                )
+                # With the platform still, the length of the rod changes by minus the gain.
+                knee = -np.sign(gains[:, k])
+                fits = (knee * low < -room[:, k]) & (knee * high > room[:, k])
+                # Of a crank both numbers are less than a turn apart.
+                if drives.sorts[drives.index[k]] == "crank":
+                    fits &= factor * linear[:, k] < np.pi / 2
+                far = drives.arms[k] * factor * linear[:, k] * _OUTWARD
+                found[:, k] = np.where(fits, np.minimum(found[:, k], far), found[:, k])
+    return np.asarray(found)
