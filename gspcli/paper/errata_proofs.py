@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable
-from importlib import import_module
 
 from gspcli.catalogue.bounds import type_bounds
 from gspcli.catalogue.constraints import constraint_facts
@@ -108,7 +107,9 @@ def printed(name: str, section: int = 6) -> Callable[[], str]:
     """Return a proof from `gspcli.symbolic.printed_section_4` or `printed_section_6`."""
 
     def proof() -> str:
-        module = import_module(f"gspcli.symbolic.printed_section_{section}")
+        from gspcli.symbolic import printed_section_4, printed_section_6
+
+        module = {4: printed_section_4, 6: printed_section_6}[section]
         evidence: str = getattr(module, name)()
         return evidence
 
