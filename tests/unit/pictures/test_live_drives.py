@@ -10,6 +10,7 @@ import pytest
 
 import gspcli
 from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.coordinates import choose, moved
 from gspcli.geometry.drive_numbers import driven_points
 from gspcli.geometry.drives import Drives
 from gspcli.geometry.instance import Instance
@@ -149,6 +150,16 @@ def test_tripods_have_live_pages(name: str, moving: int) -> None:
     assert len(found["values"]) == 6
     assert sum(low < high for low, high in found["ranges"]) == moving
     assert found["proof"]["by"] == "geometry count"
+
+
+def test_poses_of_a_delta_that_pages_do_not_prove_are_far_away_and_not_real() -> None:
+    """With arms nearly alike a page proves 28 of 40 poses, all real ones among them."""
+    delta = machine("delta")
+    names = ["crank.B1", "crank.B3", "crank.B5"]
+    result = gspcli.solve(moved(delta, choose(delta, names), np.array([1.0, 2.0, 3.0])))
+    far = np.linalg.norm(result.T, axis=1) > 1000 * result.arrangement.length
+    assert (result.verdict, len(far), far.sum()) == ("complete", 40, 12)
+    assert not (far & result.real).any()
 
 
 def test_readings_with_offsets_begin_where_the_file_has_the_joints() -> None:
