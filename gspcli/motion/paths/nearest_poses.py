@@ -138,7 +138,10 @@ class NearestPoses:
         self, instance: Instance, R: ArrayLike, T: ArrayLike, *, pivot: ArrayLike | None = None
     ) -> None:
         if is_driven(instance):
-            message = "cranks or slides drive the platform: ranges of its drives are not sought yet"
+            message = (
+                "nearest poses are for legs, and cranks or slides move joints here: gsp measure "
+                '--require "range<=1" says which poses keep the ranges of the motors'
+            )
             raise ArgumentError(message, "instance")
         self.instance = instance
         self.R, self.T = checked_poses(R, T)

@@ -9,6 +9,7 @@ import gspcli
 from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.motion.paths.nearest_poses import NearestPoses, _Slack
 from gspcli.motion.poses.inverse_kinematics import values_at
+from gspcli.resources import instance_files
 from tools.verify.nearest import kept
 
 MACHINES = ["workspace-study", "workspace-study-cones", "rubin-m2", "three-rps"]
@@ -139,3 +140,9 @@ def test_signed_distances_keep_their_side():
     values = values_at(instance, np.eye(3), np.zeros(3))
     slack = _Slack(instance, values - 1, values + 1)
     assert slack.at(np.eye(3), np.zeros(3))[0].min() > 0.9
+
+
+def test_machines_with_motors_are_told_what_there_is_for_them():
+    machine = gspcli.load(instance_files()["t-top-head"])
+    with pytest.raises(gspcli.GspError, match="nearest poses are for legs, and cranks or slides"):
+        gspcli.NearestPoses(machine, np.eye(3), np.array([0, 0, 0.17]))
