@@ -165,7 +165,13 @@ class TrackedPaths:
         return given.in_units(np.array(self.scale)).divided(*self._sizes)
 
     def track(
-        self, index: NDArray[np.intp], target: FineCoefficients, *, digits: int, attempt: int = 0
+        self,
+        index: NDArray[np.intp],
+        target: FineCoefficients,
+        *,
+        digits: int,
+        attempt: int = 0,
+        steps: int | None = None,
     ) -> Iterator[tuple[NDArray[np.intp], PathEnds]]:
         """Track some paths with more digits up to the target, from where fewer digits may fail.
 
@@ -179,6 +185,8 @@ class TrackedPaths:
             32 or 64.
         attempt
             Another number gives other paths from the same start points.
+        steps
+            The most steps with 64 digits, if not those of `DEEPEST`.
 
         Yields
         ------
@@ -195,8 +203,9 @@ class TrackedPaths:
         rest = (left - _NEARBY) / (1 - _NEARBY)
         there = track(origin, nearby, points, left=rest, options=EXTENDED, jobs=self._jobs)
         # The way begins there, so that its last part is not too short for the exponents of series.
+        options = DEEPEST if steps is None else replace(DEEPEST, max_steps=steps)
         yield from self._in_parts(
-            nearby, target, there.points[0], there.low[0], np.ones(len(points)), DEEPEST
+            nearby, target, there.points[0], there.low[0], np.ones(len(points)), options
         )
 
     def _in_parts(

@@ -55,11 +55,13 @@ class SidePoses:
         Which of the ends of the first strategy that came last have led to poses of their own; of
         no ends at all if the kernel could prove nothing.
     unresolved
-        The paths that have led to no pose with 32 digits.
+        The paths that have led to no pose with 32 digits, or have not arrived with 64.
     left
         The ends of those with 64 digits.
     eliminated
         How many eliminations have been done.
+    most
+        How many poses there are with multiplicity, if that is known.
     all_simple
         Whether all poses are known to be simple ones.
     begun, running
@@ -76,6 +78,7 @@ class SidePoses:
         self.unresolved: Index = np.arange(0)
         self.left: PathEnds | None = None
         self.eliminated = 0
+        self.most: int | None = None
         self.all_simple = False
         self.begun = 0
         self.running: Iterator[None] | None = None
@@ -161,6 +164,8 @@ class SidePoses:
         index = np.flatnonzero(new)
         # One of each pair of conjugates is enough.
         source = index[conjugate_sources(ends.points[index])]
+        # Nothing may be found near the end of a lost path.
+        source = np.where(ends.converged[index] & ~ends.converged[source], index, source)
         sought = index[source == index]
         bits = DOUBLE * ends.digits // 16
         before, place = len(self.found), self._prove_finely(ends.take(sought))

@@ -58,15 +58,16 @@ def go_on_until(
         How many poses there can be, if that is known.
     """
     from gspcli.solver.strategies.further import FURTHER
-    from gspcli.solver.strategies.more_digits import with_64_digits
+    from gspcli.solver.strategies.more_digits import with_more_steps
 
     paths, end = side.paths.count, FURTHER.index(last) + 1
+    side.most = most
     while side.begun < end:
         found = len(side.found)
         missing = min(paths - found - len(side.infinite), (most or paths) - found)
         if missing <= 0:
             break
-        if side.begun > FURTHER.index(with_64_digits) and missing * FEW > paths:
+        if side.begun > FURTHER.index(with_more_steps) and missing * FEW > paths:
             break
         go_on(side)
 
@@ -86,7 +87,7 @@ def complete(side: SidePoses, solutions: int, distinct: int, spurious: int | Non
     """
     multiple: list[MultiplePose] = []
     candidates = _Candidates(side)
-    side.all_simple = solutions == distinct
+    side.most, side.all_simple = solutions, solutions == distinct
     while len(side.found) + len(multiple) < distinct:
         if solutions > distinct:
             multiple = [pose for pose in candidates.poses() if pose.is_pose or spurious is None]

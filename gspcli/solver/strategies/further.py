@@ -10,6 +10,7 @@ from gspcli.solver.strategies.more_digits import (
     along_other_paths,
     with_32_digits,
     with_64_digits,
+    with_more_steps,
 )
 from gspcli.solver.strategies.turned_directions import from_turned_directions
 
@@ -20,6 +21,7 @@ FURTHER: tuple[Callable[[SidePoses], Iterator[None]], ...] = (
     # Eigenvectors, where most paths lead to no pose.
     early_elimination,
     with_64_digits,
+    with_more_steps,
     # Eigenvectors with more and more bits.
     by_elimination,
     # Some paths have jumped.

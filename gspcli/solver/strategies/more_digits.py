@@ -12,6 +12,9 @@ from gspcli.solver.strategies.elimination import is_eliminable
 
 #: A platform that is special up to less than one in so many has poses where N is below 1e-32.
 _DECIMALS = 10**9
+#: Steps with 64 digits after which the paths that lead to poses have arrived: where three lines are
+#: parallel up to 1e-5, one path in three takes more than `DEEPEST` has.
+_STEPS = 2000
 #: Sets of random paths that are tried, and at most if each of them leads to more poses.
 _ATTEMPTS, _MOST_ATTEMPTS = 3, 8
 
@@ -43,7 +46,14 @@ def _has_many_decimals(side: SidePoses) -> bool:
 
 def with_64_digits(side: SidePoses) -> Iterator[None]:
     """Follow with 64 digits the paths that have led to no pose with 32."""
-    yield from _followed_on(side, side.unresolved, 0)
+    side.unresolved = yield from _followed_on(side, side.unresolved, 0)
+
+
+def with_more_steps(side: SidePoses) -> Iterator[None]:
+    """Follow with more steps the paths that have not arrived, if half of them lead to poses."""
+    at_infinity = side.paths.count - (side.most or 0)
+    if len(side.unresolved) >= max(1, 2 * at_infinity):
+        yield from _followed_on(side, side.unresolved, 0, _STEPS)
 
 
 def along_other_paths(side: SidePoses) -> Iterator[None]:
@@ -71,12 +81,20 @@ def _followed(side: SidePoses, index: Index, attempt: int) -> Generator[None, No
     return index[~new]
 
 
-def _followed_on(side: SidePoses, index: Index, attempt: int) -> Iterator[None]:
-    """Add the poses at the ends of some paths, with 64 digits, and keep those of the others."""
-    left = []
-    for _, ends in side.paths.track(index, side.target, digits=64, attempt=attempt):
+def _followed_on(
+    side: SidePoses, index: Index, attempt: int, steps: int | None = None
+) -> Generator[None, None, Index]:
+    """Add the poses at the ends of some paths, with 64 digits, and keep those of the others.
+
+    Return which paths have not arrived.
+    """
+    left, open_ = [], [np.arange(0)]
+    parts = side.paths.track(index, side.target, digits=64, attempt=attempt, steps=steps)
+    for which, ends in parts:
         left.append(ends.take(~side.add(ends)))
+        open_.append(index[which[~ends.converged]])
         yield
     side.found.add_close_conjugates()
     side.left = joined_ends(left)
     yield
+    return np.concatenate(open_)
