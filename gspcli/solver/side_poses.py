@@ -164,8 +164,6 @@ class SidePoses:
         index = np.flatnonzero(new)
         # One of each pair of conjugates is enough.
         source = index[conjugate_sources(ends.points[index])]
-        # Nothing may be found near the end of a lost path.
-        source = np.where(ends.converged[index] & ~ends.converged[source], index, source)
         sought = index[source == index]
         bits = DOUBLE * ends.digits // 16
         before, place = len(self.found), self._prove_finely(ends.take(sought))

@@ -50,9 +50,12 @@ def with_64_digits(side: SidePoses) -> Iterator[None]:
 
 
 def with_more_steps(side: SidePoses) -> Iterator[None]:
-    """Follow with more steps the paths that have not arrived, if half of them lead to poses."""
+    """Follow with more steps the paths that have not arrived, if half of them lead to poses.
+
+    Paths to multiple poses, and most of those to infinity, never arrive.
+    """
     at_infinity = side.paths.count - (side.most or 0)
-    if len(side.unresolved) >= max(1, 2 * at_infinity):
+    if side.all_simple and len(side.unresolved) >= max(1, 2 * at_infinity):
         yield from _followed_on(side, side.unresolved, 0, _STEPS)
 
 
