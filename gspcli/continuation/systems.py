@@ -170,11 +170,14 @@ _PARTS = slice(0, 1), slice(1, 4)
 
 def _split(numbers: NDArray[Any]) -> ComplexArray:
     """Return four doubles whose sum is nearest to each number, leading axis (4,)."""
-    parts = []
-    for _ in range(4):
-        parts.append(numbers.astype(np.complex128))
-        numbers = numbers - parts[-1]
-    return np.array(parts)
+    parts = np.zeros((4, *numbers.shape), np.complex128)
+    # Most coefficients are zero.
+    places = np.nonzero(numbers != 0)
+    rest = numbers[places]
+    for part in parts:
+        part[places] = near = rest.astype(np.complex128)
+        rest = rest - near
+    return parts
 
 
 @dataclass(frozen=True, eq=False)

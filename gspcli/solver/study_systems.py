@@ -238,12 +238,12 @@ def _outer(b: Array, a: Array) -> Array:
 
 def _combined(letter: str, *coefficients: Array) -> Array:
     """Return a combination of the functions of a space, given by parts of (..., k)."""
-    return np.asarray(np.concatenate(coefficients, axis=-1) @ BASES[letter])
+    return _times(np.concatenate(coefficients, axis=-1), BASES[letter])
 
 
 def _turned(a: Array, b: Array) -> Array:
     """Return the quadric of ``R a . b``."""
-    return np.asarray(_outer(b, a) @ BASES["a"][1:])
+    return _times(_outer(b, a), BASES["a"][1:])
 
 
 def _point_plane(y: Array, x: Array, v: Array) -> Array:
@@ -271,4 +271,15 @@ def _point_point(y: Array, x: Array) -> Array:
     rows[..., 10:13] = twice
     rows[..., 13:16] = 2 * y
     rows[..., 16] = 1
-    return np.asarray(rows @ BASES["s"])
+    return _times(rows, BASES["s"])
+
+
+def _times(rows: Scalars, basis: NDArray[np.float64]) -> Scalars:
+    """Return combinations of the rows of a basis, of which most entries are zero."""
+    if rows.dtype != object:
+        return np.asarray(rows @ basis)
+    found = np.zeros((*rows.shape[:-1], basis.shape[1]), object)
+    for i, j in zip(*(x.tolist() for x in np.nonzero(basis)), strict=True):
+        # Most of them are 1.
+        found[..., j] += rows[..., i] if basis[i, j] == 1 else rows[..., i] * basis[i, j].item()
+    return found
