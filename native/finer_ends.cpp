@@ -7,8 +7,8 @@ namespace gsp {
 namespace {
 
 constexpr int kFinerParts = 4, kEntries = 12, kNumbers = 16, kMotion = 13;
-// Errors of values with 64 digits (FinerPoints), the most steps of Newton's method, and how short the last
-// one is as a part of the largest coordinate; or it is about as long as the one before, and short.
+// Errors of values with 64 digits (FinerPoints), and the most steps of Newton's method. It ends after a step
+// below kArrived times the largest coordinate, or below kShort and hardly shorter than the one before.
 constexpr double kFinerRounding = 0x1p-190;
 constexpr double kNoGap[kEquations] = {};  // of values: they are among the coefficients
 constexpr int kFinerSteps = 16;
