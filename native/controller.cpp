@@ -20,17 +20,41 @@
 #define HAS_PLATFORM_CRANK 1
 #define HAS_BASE_SLIDE 1
 #define HAS_PLATFORM_SLIDE 1
+#define HAS_CONES 1
 
 namespace gsp {
 namespace {
 #include "../gspcli/export/controller/platform.c"
+#include "../gspcli/export/controller/nearest.c"
+
+// Position and quaternion as a struct.
+platform_pose given(const double* pose) {
+  platform_pose p;
+  std::copy(pose, pose + 3, p.position);
+  std::copy(pose + 3, pose + 7, p.rotation);
+  return p;
+}
 }  // namespace
 
 struct Controller::Parts {
   geometry numbers;
   platform_state state;
   platform_report report;
+  limits within;
 };
+
+namespace {
+// A search with the sides and knees of the state; false if it has no pose.
+bool begun(const Controller::Parts& parts, search* s) {
+  const geometry* g = &parts.numbers;
+  frame f;
+  double c[6];
+  if (!load(g, &parts.state.pose, &f)) return false;
+  for (int k = 0; k < 6; ++k) c[k] = (parts.state.values[k] + g->offset[k]) * g->unit[k];
+  search_from(s, g, &parts.within, &f, c);
+  return true;
+}
+}  // namespace
 
 // From Y to the last one before `either` all fields are doubles.
 const std::size_t Controller::kNumbers =
@@ -47,16 +71,12 @@ Controller::Controller(const unsigned char* kind, const unsigned char* either,
 Controller::~Controller() = default;
 
 int Controller::start(const double* pose) {
-  platform_pose p;
-  std::copy(pose, pose + 3, p.position);
-  std::copy(pose + 3, pose + 7, p.rotation);
+  const platform_pose p = given(pose);
   return begin(&parts_->numbers, &p, &parts_->state, &parts_->report);
 }
 
 int Controller::start(const double* pose, double* near) {
-  platform_pose p;
-  std::copy(pose, pose + 3, p.position);
-  std::copy(pose + 3, pose + 7, p.rotation);
+  const platform_pose p = given(pose);
   return begin_near(&parts_->numbers, &p, near, &parts_->state, &parts_->report);
 }
 
@@ -67,6 +87,55 @@ int Controller::forward(const double* values) {
 int Controller::jacobian(double* J) const {
   const platform_state& s = parts_->state;
   return differentiate(&parts_->numbers, &s.pose, s.values, reinterpret_cast<double(*)[6]>(J));
+}
+
+const std::size_t Controller::kLimits = offsetof(limits, cones) / sizeof(double);
+
+void Controller::limit(const double* numbers, std::size_t cones, const unsigned char* legs,
+                       const unsigned char* on_base, bool still) {
+  limits& l = parts_->within;
+  std::memcpy(l.low, numbers, kLimits * sizeof(double));
+  l.cones = static_cast<unsigned char>(cones);
+  l.still = still;
+  std::copy(legs, legs + cones, l.leg);
+  std::copy(on_base, on_base + cones, l.on_base);
+}
+
+int Controller::nearest(const double* pose) {
+  const platform_pose p = given(pose);
+  return approach(&parts_->numbers, &parts_->within, &p, &parts_->state, &parts_->report);
+}
+
+double Controller::seek(const double* goal, double* pose) const {
+  const Parts& parts = *parts_;
+  const geometry* g = &parts.numbers;
+  const platform_pose wanted = given(goal);
+  platform_pose at = given(pose);
+  search s;
+  frame target, f;
+  double distance = 0.0;
+  if (!begun(parts, &s) || !load(g, &wanted, &target) || !load(g, &at, &f)) return -1.0;
+  search_for(&s, &target);
+  if (!gsp::seek(&s, &f, &distance)) return -1.0;
+  unload(g, &f, &at);
+  std::copy(at.position, at.position + 3, pose);
+  std::copy(at.rotation, at.rotation + 4, pose + 3);
+  return distance * g->reach;
+}
+
+int Controller::slack(const double* pose, double* room, double* rows) const {
+  const Parts& parts = *parts_;
+  const platform_pose at = given(pose);
+  search s;
+  frame f;
+  if (!begun(parts, &s) || !load(&parts.numbers, &at, &f)) return 0;
+  slacks(&s, &f, nullptr, room, reinterpret_cast<double(*)[6]>(rows));
+  const int count = slack_count(&s);
+  for (int i = 0; i < count; ++i) {
+    room[i] *= parts.numbers.reach;
+    for (int j = 0; j < 3; ++j) rows[6 * i + j] *= parts.numbers.reach;
+  }
+  return count;
 }
 
 const double* Controller::position() const { return parts_->state.pose.position; }

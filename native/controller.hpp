@@ -25,6 +25,17 @@ class Controller {
   int start(const double* pose);      // position and quaternion
   int start(const double* pose, double* near);  // of the numbers of cranks and slides those near these
   int forward(const double* values);
+  // The ranges and cones for what follows: kLimits numbers, cones of `cones` legs.
+  static const std::size_t kLimits;
+  static constexpr std::size_t kMostCones = 12, kMostSlacks = 24;
+  void limit(const double* numbers, std::size_t cones, const unsigned char* legs,
+             const unsigned char* on_base, bool still);
+  int nearest(const double* pose);
+  // Moves a pose to the nearest one to a goal that a search finds from it, with the sides and knees
+  // of the state; returns the distance, negative if none is found.
+  double seek(const double* goal, double* pose) const;
+  // How far a pose is within the limits, and the derivatives by twists of PLATFORM_MIDDLE; lengths.
+  int slack(const double* pose, double* room, double* rows) const;
   int jacobian(double* J) const;      // of the values by a twist, 6 x 6
 
   const double* position() const;
@@ -33,8 +44,9 @@ class Controller {
   double error() const;
   StepReport report() const;
 
- private:
   struct Parts;
+
+ private:
   std::unique_ptr<Parts> parts_;
 };
 

@@ -35,6 +35,36 @@ int forward(Controller& self, const Doubles& values) {
   return self.forward(values.data());
 }
 
+void limit(Controller& self, const Doubles& numbers, const Bytes& legs, const Bytes& on_base, bool still) {
+  require(numbers.shape(0) == Controller::kLimits, "numbers has a wrong length");
+  require(legs.shape(0) <= Controller::kMostCones && on_base.shape(0) == legs.shape(0),
+          "legs and on_base must have the same shape, (12,) at most");
+  self.limit(numbers.data(), legs.shape(0), legs.data(), on_base.data(), still);
+}
+
+int nearest(Controller& self, const Doubles& pose) {
+  require(pose.shape(0) == 7, "pose must have shape (7,)");
+  return self.nearest(pose.data());
+}
+
+nb::object seek(const Controller& self, const Doubles& goal, const Doubles& start) {
+  require(goal.shape(0) == 7 && start.shape(0) == 7, "poses must have shape (7,)");
+  double pose[7];
+  std::copy(start.data(), start.data() + 7, pose);
+  const double distance = self.seek(goal.data(), pose);
+  if (distance < 0.0) return nb::none();
+  return nb::make_tuple(distance, copied(pose, 7));
+}
+
+nb::tuple slack(const Controller& self, const Doubles& pose) {
+  require(pose.shape(0) == 7, "pose must have shape (7,)");
+  double room[Controller::kMostSlacks], rows[6 * Controller::kMostSlacks];
+  const std::size_t count = self.slack(pose.data(), room, rows);
+  auto data = std::make_unique<double[]>(6 * count);
+  std::copy(rows, rows + 6 * count, data.get());
+  return nb::make_tuple(copied(room, count), owned(std::move(data), {count, 6}));
+}
+
 nb::object jacobian(const Controller& self) {
   auto data = std::make_unique<double[]>(36);
   if (self.jacobian(data.get())) return nb::none();
@@ -53,6 +83,10 @@ void bind_controller(nb::module_& m) {
       .def("__init__", &make, "kind"_a, "either"_a, "numbers"_a)
       .def("start", &start, "pose"_a)
       .def("forward", &forward, "values"_a)
+      .def("limit", &limit, "numbers"_a, "legs"_a, "on_base"_a, "still"_a)
+      .def("nearest", &nearest, "pose"_a)
+      .def("seek", &seek, "goal"_a, "start"_a)
+      .def("slack", &slack, "pose"_a)
       .def("jacobian", &jacobian)
       .def("report", &report)
       .def("position", [](const Controller& self) { return copied(self.position(), 3); })

@@ -98,8 +98,10 @@ def command(
     between a leg and a body, and names the two. A negative gap is an overlap.
 
     --nearest gives the nearest pose that was found within all ranges and cones, with its values
-    and the limits that it meets. The platform goes there from home, then from row to row. The
-    pose is proved to keep the limits, and so is a straight way to it, without a singular pose.
+    and the limits that it meets; of a machine with cranks or slides it has the places of the
+    motors. The platform goes there from home, then from row to row. The pose is proved to keep
+    the limits, and so is a straight way to it, without a singular pose. If no such way leads to
+    the nearest pose, the platform goes as far as one does: limits has "no way farther".
     The distance adds the squares of the shift and of the turn times the platform's size.
 
     --require names the worst row of each requirement, and the exit code is 1 unless all rows keep

@@ -33,9 +33,10 @@ def emit_nearest(instance: Instance, table: PoseTable, form: PoseFormat, output:
     nearest = NearestPoses(instance, R[0], T[0], pivot=_pivot(form))
     found = list(nearest.along(table.R, table.T))
     times = times_of(table)
-    rows = [_row(t, one, form) for t, one in zip(times, found, strict=True)]
+    columns = _columns(instance)
+    rows = [_row(t, one, form, list(columns)) for t, one in zip(times, found, strict=True)]
     document = {"schema": "gsp.measure/1", **instance.to_json(), "poses": rows}
-    emit(output, _table(instance, rows, form), document=document)
+    emit(output, _table(instance, rows, form, columns), document=document)
     stays = [t for t, one in zip(times, found, strict=True) if not one.way]
     if stays:
         message = f"no way is proved to {counted(len(stays), 'row')}, first t = {stays[0]:.10g}"
@@ -48,14 +49,25 @@ def _pivot(form: PoseFormat) -> list[float] | None:
     return None if tool.T is None else tool.T.tolist()
 
 
-def _row(t: float, one: NearestPose, form: PoseFormat) -> dict[str, Any]:
+def _columns(instance: Instance) -> dict[str, str]:
+    """Return the keys and headings of what the motors are at."""
+    from gspcli.geometry.drive_numbers import is_driven
+
+    if is_driven(instance):
+        from gspcli.geometry.drives import Drives
+
+        return {name: name for name in Drives.of(instance).names}
+    return {str(k): f"{k} {row.kind.name}" for k, row in enumerate(instance.constraints, 1)}
+
+
+def _row(t: float, one: NearestPose, form: PoseFormat, names: list[str]) -> dict[str, Any]:
     from gspcli.geometry.quaternions import quaternion_from_rotation
 
     R, T = form.frame.from_platform(one.R, one.T)
     numbers = (*T.tolist(), *quaternion_from_rotation(R).tolist())
     return {
         "t": t,
-        **dict(zip("123456", one.values.tolist(), strict=True)),
+        **dict(zip(names, one.values.tolist(), strict=True)),
         **dict(zip(_POSE, numbers, strict=True)),
         "shift": one.shift,
         "turn": one.turn,
@@ -64,13 +76,15 @@ def _row(t: float, one: NearestPose, form: PoseFormat) -> dict[str, Any]:
     }
 
 
-def _table(instance: Instance, rows: list[dict[str, Any]], form: PoseFormat) -> Table:
+def _table(
+    instance: Instance, rows: list[dict[str, Any]], form: PoseFormat, names: dict[str, str]
+) -> Table:
     units = instance.units
     columns = [
         Column("t", align="right", essential=True),
         *(
-            Column(str(k), f"{k} {row.kind.name}", align="right", minor=1, aligned=True)
-            for k, row in enumerate(instance.constraints, 1)
+            Column(key, heading, align="right", minor=1, aligned=True)
+            for key, heading in names.items()
         ),
         *(Column(key, align="right", essential=True, aligned=True) for key in _POSE),
         Column("shift", f"shift [{units.length}]", align="right"),
@@ -81,7 +95,7 @@ def _table(instance: Instance, rows: list[dict[str, Any]], form: PoseFormat) -> 
     moved = sum(bool(row["limits"]) for row in rows)
     summary = f"{counted(moved, 'pose')} of {len(rows)} moved to the nearest one within the limits"
     notes = [
-        "way: values or poses change linearly from the row before, proved",
+        "way: values, drives or poses change linearly from the row before, proved",
         *frame_note(form.frame),
     ]
     rows = [{**row, "limits": ", ".join(row["limits"])} for row in rows]

@@ -948,71 +948,80 @@ static int slide_way(const geometry *g, const frame *f, int k, double *c) {
 }
 #endif
 
+/* The number of a constraint at a frame, in the units of the equations; that of a crank or slide is the
+ * one nearer to c. */
+static int number(const geometry *g, const frame *f, int k, double *c) {
+  placed p;
+  double still[6] = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
+#if HAS_DLL || HAS_ALL || HAS_ALH || HAS_AHL || HAS_AHH
+  double n[3] = {0.0, 0.0, 0.0};
+#endif
+  place(g, f, k, still, &p);
+#if HAS_DLL || HAS_ALL || HAS_ALH || HAS_AHL || HAS_AHH
+  if (g->kind[k] >= DLL) cross(p.w, g->V[k], n);
+#endif
+  switch (g->kind[k]) {
+#if HAS_DPP || HAS_DPL || HAS_DLP
+    default:
+      c[k] = length(p.r);
+      break;
+#endif
+#if HAS_BASE_CRANK || HAS_PLATFORM_CRANK
+    case BASE_CRANK:
+    case PLATFORM_CRANK:
+      if (!(c[k] - c[k] == 0.0)) c[k] = 0.0;
+      if (!crank_angle(g, f, k, c + k)) return PLATFORM_RANGE;
+      break;
+#endif
+#if HAS_BASE_SLIDE || HAS_PLATFORM_SLIDE
+    case BASE_SLIDE:
+    case PLATFORM_SLIDE:
+      if (!(c[k] - c[k] == 0.0)) c[k] = 0.0;
+      if (!slide_way(g, f, k, c + k)) return PLATFORM_RANGE;
+      break;
+#endif
+#if HAS_DPH
+    case DPH:
+      c[k] = dot(p.r, g->V[k]);
+      break;
+#endif
+#if HAS_DHP
+    case DHP:
+      c[k] = -dot(p.r, p.w);
+      break;
+#endif
+#if HAS_DLL
+    case DLL:
+      c[k] = fabs(dot(p.r, n)) / length(n);
+      if (!(c[k] - c[k] == 0.0)) return PLATFORM_SINGULAR; /* parallel lines */
+      break;
+#endif
+#if HAS_ALL || HAS_AHH
+    case ALL:
+    case AHH:
+      c[k] = atan2(length(n), g->kind[k] == AHH ? -dot(p.w, g->V[k]) : dot(p.w, g->V[k]));
+      break;
+#endif
+#if HAS_ALH || HAS_AHL
+    case ALH:
+    case AHL:
+      c[k] = atan2(dot(p.w, g->V[k]), length(n));
+      break;
+#endif
+  }
+  return PLATFORM_PROVED;
+}
+
 static int measure(const geometry *g, const platform_pose *pose, double *values) {
   frame f;
   int k;
   if (!load(g, pose, &f)) return PLATFORM_NOT_FINITE;
   for (k = 0; k < 6; ++k) {
-    placed p;
-    double c[6] = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
-#if HAS_DLL || HAS_ALL || HAS_ALH || HAS_AHL || HAS_AHH
-    double n[3] = {0.0, 0.0, 0.0};
-#endif
-    place(g, &f, k, c, &p);
-#if HAS_DLL || HAS_ALL || HAS_ALH || HAS_AHL || HAS_AHH
-    if (g->kind[k] >= DLL) cross(p.w, g->V[k], n);
-#endif
-    switch (g->kind[k]) {
-#if HAS_DPP || HAS_DPL || HAS_DLP
-      default:
-        c[k] = length(p.r);
-        break;
-#endif
-#if HAS_BASE_CRANK || HAS_PLATFORM_CRANK
-      case BASE_CRANK:
-      case PLATFORM_CRANK:
-        c[k] = (values[k] + g->offset[k]) * g->unit[k];
-        if (!(c[k] - c[k] == 0.0)) c[k] = 0.0;
-        if (!crank_angle(g, &f, k, c + k)) return PLATFORM_RANGE;
-        break;
-#endif
-#if HAS_BASE_SLIDE || HAS_PLATFORM_SLIDE
-      case BASE_SLIDE:
-      case PLATFORM_SLIDE:
-        c[k] = (values[k] + g->offset[k]) * g->unit[k];
-        if (!(c[k] - c[k] == 0.0)) c[k] = 0.0;
-        if (!slide_way(g, &f, k, c + k)) return PLATFORM_RANGE;
-        break;
-#endif
-#if HAS_DPH
-      case DPH:
-        c[k] = dot(p.r, g->V[k]);
-        break;
-#endif
-#if HAS_DHP
-      case DHP:
-        c[k] = -dot(p.r, p.w);
-        break;
-#endif
-#if HAS_DLL
-      case DLL:
-        c[k] = fabs(dot(p.r, n)) / length(n);
-        if (!(c[k] - c[k] == 0.0)) return PLATFORM_SINGULAR; /* parallel lines */
-        break;
-#endif
-#if HAS_ALL || HAS_AHH
-      case ALL:
-      case AHH:
-        c[k] = atan2(length(n), g->kind[k] == AHH ? -dot(p.w, g->V[k]) : dot(p.w, g->V[k]));
-        break;
-#endif
-#if HAS_ALH || HAS_AHL
-      case ALH:
-      case AHL:
-        c[k] = atan2(dot(p.w, g->V[k]), length(n));
-        break;
-#endif
-    }
+    double c[6];
+    int status;
+    c[k] = (values[k] + g->offset[k]) * g->unit[k];
+    status = number(g, &f, k, c);
+    if (status) return status;
     values[k] = c[k] / g->unit[k] - g->offset[k];
   }
   return PLATFORM_PROVED;
@@ -1112,6 +1121,8 @@ static const char *text(int status) {
       return "refused: too near to a singular pose, here or ahead";
     case PLATFORM_TRIES_SPENT:
       return "refused: the line of values is too long";
+    case PLATFORM_NOT_FOUND:
+      return "no pose within the limits was found";
     default:
       return "no status";
   }

@@ -9,7 +9,7 @@
 #ifndef PLATFORM_H
 #define PLATFORM_H
 
-#define PLATFORM_API 2 /* grows when a signature or a struct changes */
+#define PLATFORM_API 3 /* grows when a signature or a struct changes */
 
 #ifdef __cplusplus
 extern "C" {
@@ -41,6 +41,8 @@ typedef struct {
 #define PLATFORM_MIDDLE @MIDDLE@ /* a point of the platform */
 #define PLATFORM_MARGIN @MARGIN@ /* values may leave their ranges by this part of the range */
 #define PLATFORM_TRIES 48
+#define PLATFORM_PIVOT @PIVOT@ /* a point of the platform: its shift counts in distances of poses, */
+#define PLATFORM_TURN @TURN@ /* and a turn by a radian as this length */
 #if HAS_HOME
 
 /* A pose of the values in the file. */
@@ -53,7 +55,8 @@ enum {
   PLATFORM_RANGE = 2,      /* a value is outside its range, or a crank does not reach */
   PLATFORM_SINGULAR = 3,   /* refused: too near to a singular pose, here or ahead; or the distance of
                               two lines becomes zero, from where both sides are as good */
-  PLATFORM_TRIES_SPENT = 4 /* refused: not proved in PLATFORM_TRIES tries: the line is too long */
+  PLATFORM_TRIES_SPENT = 4, /* refused: not proved in PLATFORM_TRIES tries: the line is too long */
+  PLATFORM_NOT_FOUND = 5   /* no pose within the limits was found */
 };
 
 /* Values of a pose@HINT@. */
@@ -71,6 +74,13 @@ int platform_start(const platform_pose *pose, platform_state *state, platform_re
  * one pose is near, it is not singular, and the new pose is its end. Otherwise the state is as
  * before. `report` may be null. */
 int platform_forward(const double values[6], platform_state *state, platform_report *report);
+
+/* Moves the state to the pose nearest to `wanted` that keeps all ranges and cones of the file, without
+ * the margin. Distance: the shift of PLATFORM_PIVOT, and the turn times PLATFORM_TURN. PROVED: the state
+ * is there, within the limits; a search found no nearer pose; straight lines of values lead there, as
+ * for forward. Otherwise the state is the last pose on the way there that is proved and within the
+ * limits; where it was, if there is none. */
+int platform_nearest(const platform_pose *wanted, platform_state *state, platform_report *report);
 
 /* What a status means, for people. */
 const char *platform_text(int status);

@@ -8,12 +8,15 @@ from __future__ import annotations
 
 import hashlib
 import re
+from collections.abc import Iterable
 from importlib import resources
 
 import numpy as np
 
 from gspcli.errors import ArgumentError
+from gspcli.geometry.frames import PoseFrame
 from gspcli.geometry.instance import Instance
+from gspcli.motion.following.limit_numbers import LimitNumbers, limit_numbers
 from gspcli.motion.following.platform_numbers import PlatformNumbers, platform_numbers
 from gspcli.solver import Solution
 from gspcli.spec import dumps
@@ -75,11 +78,20 @@ def controller(
     """
     checked_prefix(prefix)
     numbers = platform_numbers(instance, margin)
-    words = _words(instance, numbers, home) | {"MARGIN": _number(margin)}
+    pivot = PoseFrame.of(instance).tool.T
+    limits = limit_numbers(instance, numbers, pivot=pivot)
+    words = _words(instance, numbers, home) | {
+        "MARGIN": _number(margin),
+        "PIVOT": _row(np.zeros(3) if pivot is None else pivot),
+        "TURN": _number(limits.weight * numbers.reach),
+        "LIMITS": _limits(limits),
+    }
     have = {*numbers.kinds, "DATA"} | ({"HOME"} if home is not None else set())
+    have |= {"CONES"} if limits.cones else set()
     texts = []
-    for part in ("platform.h", "platform.c"):
-        template = resources.files(__package__).joinpath(part).read_text(encoding="utf-8")
+    for parts in (("platform.h",), ("platform.c", "nearest.c")):
+        files = [resources.files(__package__).joinpath(part) for part in parts]
+        template = "\n".join(file.read_text(encoding="utf-8") for file in files)
         text = _resolved(template, have)
         words["DATA"] = _data(numbers, text)
         text = _WORD.sub(lambda match: words[match[1]], text)
@@ -141,7 +153,7 @@ def _words(instance: Instance, numbers: PlatformNumbers, home: Solution | None) 
         ),
         "DIGEST": "sha256 " + hashlib.sha256(dumps(instance).encode()).hexdigest()[:16],
         "REACH": _number(numbers.reach),
-        "MIDDLE": f"{{{', '.join(map(_number, numbers.middle))}}}",
+        "MIDDLE": _row(numbers.middle),
         "HOME": _home(home),
         "HINT": of_two and f"{of_two}what `values` holds",
         "ZERO": of_two and f"{of_two}zero",
@@ -201,6 +213,27 @@ def _data(numbers: PlatformNumbers, source: str) -> str:
     return "\n".join([*lines, "};", ""])
 
 
+def _limits(limits: LimitNumbers) -> str:
+    """Return the definition of the ranges and cones."""
+    lines = ["static const limits within = {"]
+    lines += [f"    .{name} = {_row(getattr(limits, name))}," for name in ("low", "high", "pivot")]
+    lines += [f"    .weight = {_number(limits.weight)},"]
+    if limits.cones:
+        rows = limits.axis[: limits.cones]
+        lines += ["    .axis = {", *(f"        {_row(row)}," for row in rows), "    },"]
+        lines += [
+            f"    .half = {_row(limits.half[: limits.cones])},",
+            f"    .cones = {limits.cones},",
+            f"    .leg = {_row(limits.leg)},",
+            f"    .on_base = {_row(limits.on_base.astype(np.uint8))},",
+        ]
+    return "\n".join([*lines, "};", ""])
+
+
+def _row(numbers: Iterable[float | np.generic]) -> str:
+    return f"{{{', '.join(map(_number, numbers))}}}"
+
+
 def _entry(name: str, numbers: PlatformNumbers) -> list[str]:
     value = getattr(numbers, name)
     if name == "kind":
@@ -208,9 +241,8 @@ def _entry(name: str, numbers: PlatformNumbers) -> list[str]:
     if np.ndim(value) == 0:
         return [f"    .{name} = {_number(value)},"]
     if np.ndim(value) == 1:
-        return [f"    .{name} = {{{', '.join(_number(x) for x in value)}}},"]
-    rows = [", ".join(_number(x) for x in row) for row in value]
-    return [f"    .{name} = {{", *(f"        {{{row}}}," for row in rows), "    },"]
+        return [f"    .{name} = {_row(value)},"]
+    return [f"    .{name} = {{", *(f"        {_row(row)}," for row in value), "    },"]
 
 
 def _number(x: float | np.generic) -> str:

@@ -30,7 +30,8 @@ FORMAT = ControllerFormat(
     (".h", ".c"),
     "c is a header and a source in C99 for the controller of this platform: inverse kinematics, "
     "Jacobian matrix, and the next pose from six new values. It is proved that this pose continues "
-    "the last one; else it is refused. No allocation, bounded time. -o NAME.c writes "
+    "the last one; else it is refused. Of a pose out of reach it finds the nearest one within "
+    "ranges and cones. No allocation, bounded time. -o NAME.c writes "
     "NAME.h beside it; the pose of --mode is a constant in it. Values of cranks and slides are "
     "their angles and ways.",
 )

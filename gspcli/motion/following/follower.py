@@ -10,8 +10,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from gspcli import _kernel
 from gspcli.errors import ArgumentError
+from gspcli.geometry.frames import PoseFrame
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.quaternions import quaternion_from_rotation, rotation_from_quaternion
+from gspcli.motion.following.limit_numbers import limit_numbers
 from gspcli.motion.following.platform_numbers import platform_numbers
 from gspcli.motion.poses.inverse_kinematics import checked_poses
 from gspcli.records import dataclass
@@ -33,6 +35,8 @@ class FollowerStatus(IntEnum):
     """Refused: too near to a singular pose, here or ahead, or two lines would meet."""
     TRIES_SPENT = 4
     """Refused: the line is too long for the tries that a step has."""
+    NOT_FOUND = 5
+    """No pose within the limits was found."""
 
 
 @dataclass(frozen=True)
@@ -106,6 +110,8 @@ class Follower:
         self.instance = instance
         numbers = platform_numbers(instance, margin)
         self._controller = _kernel.Controller(numbers.kind, numbers.either, numbers.doubles)
+        pivot = PoseFrame.of(instance).tool.T
+        self._controller.limit(*limit_numbers(instance, numbers, pivot=pivot).arguments)
         quaternion = quaternion_from_rotation(rotation)
         status = self._controller.start(np.concatenate((translation, quaternion)))
         if status:
@@ -142,6 +148,33 @@ class Follower:
             message = f"found the shape {array.shape}, expected (6,)"
             raise ArgumentError(message, "values")
         return _STATUSES[self._controller.forward(array)]
+
+    def nearest(self, R: ArrayLike, T: ArrayLike) -> FollowerStatus:
+        """Move to the nearest pose to a given one that keeps all ranges and cones: 10 to 60 µs.
+
+        The distance adds the squares of the shift of the tool's point, or of the origin without a
+        tool, and of the turn times the typical length of the platform. A search finds the pose; it
+        does not exclude nearer ones. `NearestPoses` searches from more poses, and proves that cones
+        are kept on the way, too.
+
+        Parameters
+        ----------
+        R, T
+            The given pose, shapes (3, 3) and (3,).
+
+        Returns
+        -------
+        FollowerStatus
+            PROVED: the follower is at the nearest pose that was found, within the limits, and a
+            straight line of values leads there as for `forward`, or several do. With any other one
+            it is where the last such line ended, or where it was.
+        """
+        rotation, translation = checked_poses(R, T)
+        if translation.shape != (3,):
+            message = f"found the shape {translation.shape}, expected one pose: (3,)"
+            raise ArgumentError(message, "T")
+        quaternion = quaternion_from_rotation(rotation)
+        return _STATUSES[self._controller.nearest(np.concatenate((translation, quaternion)))]
 
     @property
     def T(self) -> Array:

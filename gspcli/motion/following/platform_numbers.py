@@ -81,7 +81,9 @@ class PlatformNumbers:
         return np.concatenate([np.ravel(getattr(self, name)) for name in names])
 
 
-def platform_numbers(instance: Instance, margin: float = 0.0) -> PlatformNumbers:
+def platform_numbers(
+    instance: Instance, margin: float = 0.0, *, shared: bool = False
+) -> PlatformNumbers:
     """Return the numbers of an instance.
 
     Parameters
@@ -91,6 +93,8 @@ def platform_numbers(instance: Instance, margin: float = 0.0) -> PlatformNumbers
     margin
         By which part of its range a value may leave it, from 0 to 1. What no distance or angle
         can be stays refused.
+    shared
+        Whether several rods may share a drive. Each has its number then: the same where they agree.
 
     Raises
     ------
@@ -101,7 +105,7 @@ def platform_numbers(instance: Instance, margin: float = 0.0) -> PlatformNumbers
     if not 0 <= margin <= 1:
         raise ArgumentError(f"found {margin!r}, expected a part from 0 to 1", "margin")
     rows = instance.constraints
-    kinds = [_kind(instance, row) for row in rows]
+    kinds = [_kind(instance, row, shared) for row in rows]
     middles = [_middle(instance, body) for body in BODIES]
     platform, base = (
         [_Place(getattr(row, body), row.kind.is_distance, middle) for row in rows]
@@ -125,7 +129,7 @@ def platform_numbers(instance: Instance, margin: float = 0.0) -> PlatformNumbers
     moduli = np.array([p.moduli + b.moduli for p, b in zip(platform, base, strict=True)]) / reach
     unit = np.where(angles, instance.units.angle.in_radians, 1 / reach)
     # The value of a reading x is x scale + offset = (x + offset / scale) scale.
-    motors = [_motor(row) for row in rows]
+    motors = [motor_of(row) for row in rows]
     scale = np.where(driven, [1.0 + _stated(m, "scale") for m in motors], factors(instance))
     added = np.where(driven, [_stated(m, "offset") for m in motors], offsets(instance))
     limits = _limits(instance, _LARGEST / unit, margin)
@@ -155,7 +159,7 @@ def platform_numbers(instance: Instance, margin: float = 0.0) -> PlatformNumbers
     )
 
 
-def _kind(instance: Instance, row: Constraint) -> str:
+def _kind(instance: Instance, row: Constraint, shared: bool) -> str:
     """Return the kind of a constraint by its name in the step."""
     found = driven_points(row)
     if not found:
@@ -165,7 +169,8 @@ def _kind(instance: Instance, row: Constraint) -> str:
         raise ArgumentError(f"{message}, expected one: its number is the value")
     ((body, point, name, drive),) = found
     legs = [other for other in instance.constraints if _rides(other, body, name)]
-    if point.partner or (len(legs) != 1 and name) or row.kind is not DPP:
+    alone = shared or not (point.partner or (len(legs) != 1 and name))
+    if not alone or row.kind is not DPP:
         kinds = ", ".join(leg.kind.name for leg in legs)
         message = f"the constraints of its point are {kinds}, expected one DPP"
         if point.partner or len({getattr(leg, f"{body}_name") for leg in legs}) > 1:
@@ -182,7 +187,7 @@ def _rides(row: Constraint, body: str, name: str) -> bool:
     )
 
 
-def _motor(row: Constraint) -> Crank | Slide | None:
+def motor_of(row: Constraint) -> Crank | Slide | None:
     """Return what moves a point of a constraint."""
     return next((one.drive for one in driven_points(row)), None)
 
@@ -309,7 +314,7 @@ def _limits(instance: Instance, largest: Array, margin: float) -> tuple[Array, A
     least, most = np.zeros((2, 6))
     for k, row in enumerate(instance.constraints):
         lowest, highest = value_range(row.kind, instance.units.angle)
-        motor, limits = _motor(row), row.limits
+        motor, limits = motor_of(row), row.limits
         if motor is not None:
             lowest, highest, limits = -math.inf, math.inf, motor.limits
         low, high = lowest, highest

@@ -117,12 +117,13 @@ class DrivenNeighbourhood(Neighbourhood):
         radius, rest = box.radius[:, None], box.rest[:, None]
         shifts = np.abs(np.einsum("nki,nji->nkj", self._pull, box.shifts)).sum(axis=2)
         pull = np.linalg.norm(self._pull, axis=2)
-        moved = shifts + pull * rest + first * radius**2 / 2
-        bent = np.abs(self._bends) + np.linalg.norm(self._bend, axis=2) * radius
-        bent = bent + second * radius**2 / 2
         turned = np.where(self._cranks, np.abs(self._rates) * widths**2 / 2, 0.0)
         rounding = _ROUNDING * (first + second * widths + self.platform.equations.moduli[:, 0])
+        # A radius is infinite where the box is not proved.
         with np.errstate(invalid="ignore"):
+            moved = shifts + pull * rest + first * radius**2 / 2
+            bent = np.abs(self._bends) + np.linalg.norm(self._bend, axis=2) * radius
+            bent = bent + second * radius**2 / 2
             most = (moved + bent * widths + turned) * _OUTWARD + rounding
             kept = (np.abs(self._rates) > most) | ~self.driven
         return np.asarray(kept.all(axis=1) & (box.measure < 1))

@@ -57,7 +57,9 @@ def test_symbols_sizes_and_what_it_needs_of_the_library(tmp_path):
     symbols = subprocess.run(["nm", tmp_path / "o"], check=True, capture_output=True, text=True)
     names = {(line.split()[-2], line.split()[-1]) for line in symbols.stdout.splitlines()}
     public = {name for sort, name in names if sort == "T"}
-    assert public == {f"hexapod_{x}" for x in ("inverse", "jacobian", "start", "forward", "text")}
+    assert public == {
+        f"hexapod_{x}" for x in ("inverse", "jacobian", "start", "forward", "nearest", "text")
+    }
     # Nothing that is written to, and of the library nothing but mathematics.
     assert not [name for sort, name in names if sort in "BbDdC"]
     needed = {name for sort, name in names if sort == "U"}

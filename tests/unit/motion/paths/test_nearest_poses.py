@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import gspcli
-from gspcli.geometry.quaternions import rotation_from_vector
-from gspcli.motion.paths.nearest_poses import NearestPoses, _Slack
-from gspcli.motion.poses.inverse_kinematics import values_at
-from gspcli.resources import instance_files
+from gspcli.geometry.drives import Drives
+from gspcli.geometry.numbers import Number
+from gspcli.geometry.quaternions import quaternion_from_rotation, rotation_from_vector
+from gspcli.motion.paths.nearest_poses import FARTHER, NearestPoses
+from tools.verify.driven_machines import PlaneGeometry, machines
 from tools.verify.nearest import kept
 
 MACHINES = ["workspace-study", "workspace-study-cones", "rubin-m2", "three-rps"]
@@ -19,24 +22,6 @@ def nearest_of(name: str) -> NearestPoses:
     instance = gspcli.example(name)
     home = gspcli.solve(instance).home
     return NearestPoses(instance, home.R.real, home.T.real)
-
-
-@pytest.mark.parametrize("name", MACHINES)
-def test_the_slack_has_these_derivatives(name):
-    nearest = nearest_of(name)
-    slack = nearest._slack
-    draw = np.random.default_rng(3)
-    sizes = np.array([1 / nearest.length] * 3 + [1.0] * 3)
-    R = rotation_from_vector(0.2 * draw.normal(size=3)) @ nearest.R
-    T = nearest.T + 0.1 * nearest.length * draw.normal(size=3)
-    for _ in range(3):
-        twist, step = draw.normal(size=6) * sizes, 1e-5 * nearest.length
-        ends = [
-            slack.at(rotation_from_vector(sign * step * twist[:3]) @ R, T + sign * step * twist[3:])
-            for sign in (1, -1)
-        ]
-        measured = (ends[0][0] - ends[1][0]) / (2 * step)
-        assert np.abs(measured - slack.at(R, T)[1] @ twist).max() < 1e-6
 
 
 @pytest.mark.parametrize("name", MACHINES)
@@ -117,11 +102,90 @@ def test_a_start_outside_the_limits_is_refused():
         NearestPoses(instance, home.R.real, home.T.real + np.array([0, 0, 400.0]))
 
 
-def test_cranks_are_refused():
-    instance = gspcli.example("reachy-mini-head")
+@pytest.mark.parametrize("name", ["reachy 45", "t-top 60", "paradex"])
+def test_motors_keep_their_ranges_and_reach_their_rods(name):
+    """Judged by plane geometry, which shares no formula with the search."""
+    machine = machines()[name]()
+    nearest = NearestPoses(machine.instance, machine.R, machine.T)
+    judge = PlaneGeometry(machine)
+    draw = np.random.default_rng(7)
+    met = set()
+    for _ in range(3):
+        R = rotation_from_vector(0.3 * draw.normal(size=3)) @ nearest.R
+        T = nearest.T + 0.5 * nearest.length * draw.normal(size=3)
+        found = nearest.of(R, T)
+        assert found.way
+        assert judge.reached(found.R[None], found.T[None]).all()
+        assert np.allclose(
+            np.deg2rad(found.values) if name != "paradex" else found.values,
+            judge.numbers(found.R[None], found.T[None])[0],
+            atol=1e-9,
+        )
+        met |= set(found.limits)
+    assert any(limit.startswith(("range of", "reach of")) for limit in met)
+
+
+def test_what_a_motor_cannot_reach_is_named():
+    """Lifted far beyond, the rods of a head without ranges are stretched."""
+    instance = gspcli.example("t-top-head")
     home = gspcli.solve(instance).home
-    with pytest.raises(gspcli.ArgumentError, match="cranks or slides"):
-        NearestPoses(instance, home.R.real, home.T.real)
+    nearest = NearestPoses(instance, home.R.real, home.T.real)
+    found = nearest.of(nearest.R, nearest.T + np.array([0, 0, 0.3]))
+    assert found.limits == tuple(f"reach of crank B{k}" for k in range(1, 7))
+    assert found.way
+    drives = Drives.of(instance)
+    both = drives.roots(found.R, found.T)
+    assert np.isfinite(both).all()
+    assert np.abs(both[:, 0] - both[:, 1]).max() < 0.01
+
+
+def test_rods_that_share_a_motor_keep_the_orientation():
+    instance = gspcli.example("delta")
+    home = instance.home
+    R, T = home.R(1.0), home.T
+    nearest = NearestPoses(instance, R, T)
+    inside = nearest.of(R, T + np.array([10.0, 20.0, -30.0]))
+    assert (inside.limits, inside.shift) == ((), 0.0)
+    turned = nearest.of(rotation_from_vector(np.array([0, 0, 0.2])), T)
+    assert turned.R.tolist() == R.tolist()
+    assert abs(np.deg2rad(turned.turn) - 0.2) < 1e-9
+    far = nearest.of(R, T + np.array([0, 0, -3000.0]))
+    assert far.limits == tuple(f"reach of crank {name}" for name in ("B1", "B3", "B5"))
+    # The arms hang below their axes in line with the rods.
+    assert -2100 < far.T[2] < -1600
+
+
+def test_fixed_values_and_rails_move_along_drives():
+    """The planes of a tripod hold its joints exactly: it moves along its three rails."""
+    instance = gspcli.example("three-prs")
+    rows = tuple(
+        row if k < 3 else replace(row, limits=(Number.of(0), Number.of(0)))
+        for k, row in enumerate(instance.constraints)
+    )
+    instance = replace(instance, constraints=rows)
+    nearest = NearestPoses(instance, np.eye(3), np.array([0, 0, 4.0]))
+    found = nearest.of(np.eye(3), np.array([0.3, 0, 6.0]))
+    assert found.way == "drives"
+    assert {"range of slide B1", "range of slide B2", "range of slide B3"} <= set(found.limits)
+    assert abs(found.T[2] - 5.0) < 1e-6
+
+
+@pytest.mark.parametrize("name", ["workspace-study", "workspace-study-cones"])
+def test_an_answer_that_is_outside_by_a_billionth_is_noticed(name):
+    nearest = nearest_of(name)
+    found = nearest.of(nearest.R, nearest.T + np.array([200.0, 50.0, 300.0]))
+    room, slopes = nearest._search._kernel.slack(
+        np.concatenate((found.T, quaternion_from_rotation(found.R)))
+    )
+    assert kept(nearest.instance, found.R, found.T)
+    k = int(room.argmin())
+    out = slopes[k, 3:] / (slopes[k, 3:] @ slopes[k, 3:])
+    margin = 1e-7 * nearest.length
+    less, more = (
+        found.T - (room[k] + margin + part * nearest.length) * out for part in (-1e-9, 1e-9)
+    )
+    assert kept(nearest.instance, found.R, less)
+    assert not kept(nearest.instance, found.R, more)
 
 
 def test_a_singular_pose_between_is_not_passed():
@@ -130,19 +194,7 @@ def test_a_singular_pose_between_is_not_passed():
     over = np.diag([1.0, -1.0, -1.0])
     found = nearest.of(over @ nearest.R, nearest.T)
     assert found.turn > 90
+    assert FARTHER in found.limits
     assert nearest._pose_ways.at(nearest._pose_ways.parameters(found.R, found.T)).sign == (
         nearest._pose_ways.at(nearest._parameters).sign
     )
-
-
-def test_signed_distances_keep_their_side():
-    instance = gspcli.example("three-rps")
-    values = values_at(instance, np.eye(3), np.zeros(3))
-    slack = _Slack(instance, values - 1, values + 1)
-    assert slack.at(np.eye(3), np.zeros(3))[0].min() > 0.9
-
-
-def test_machines_with_motors_are_told_what_there_is_for_them():
-    machine = gspcli.load(instance_files()["t-top-head"])
-    with pytest.raises(gspcli.GspError, match="nearest poses are for legs, and cranks or slides"):
-        gspcli.NearestPoses(machine, np.eye(3), np.array([0, 0, 0.17]))
