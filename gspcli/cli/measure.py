@@ -98,7 +98,7 @@ def command(
     between a leg and a body, and names the two. A negative gap is an overlap.
 
     --nearest gives the nearest pose that was found within all ranges and cones, with its values
-    and the limits that it meets; of a machine with cranks or slides it has the places of the
+    and the limits that it meets. For a machine with cranks or slides it gives the places of the
     motors. The platform goes there from home, then from row to row. The pose is proved to keep
     the limits, and so is a straight way to it, without a singular pose. If no such way leads to
     the nearest pose, the platform goes as far as one does: limits has "no way farther".

@@ -4,10 +4,11 @@
 
 Random poses about home are asked for (`gspcli.NearestPoses`). Two checks are independent of gsp.
 All answers must keep ranges and cones: the distances of joints and the tilts of legs are computed
-again, with vectors only, and compared without tolerance, but for fixed values. And for one pose in
-20, SciPy's SLSQP searches nearer poses from ten starts; one counts if a straight way to it is
-proved, too. No answer may be more than 1 % farther than such a pose. The record is
-``data/verification/nearest.csv``.
+again, with vectors only, and compared without tolerance, but for fixed values. Cranks and slides
+are where circles and rails meet balls (`tools.verify.driven_machines`). And for up to 20 poses of
+each machine, SciPy's SLSQP searches nearer poses from ten starts; one counts if a straight way to
+it is proved, too. No answer of a machine with legs may be more than 1 % farther than such a pose;
+of the others the record says how many are. The record is ``data/verification/nearest.csv``.
 """
 
 from __future__ import annotations
@@ -38,7 +39,7 @@ MADE = ("t-top 60", "6-PUS", "paradex")
 MACHINES = (*LEGS, *MOTORS, *MADE)
 #: Standard deviations of the poses asked for, from home: radians, and parts of the typical length.
 TURN, SHIFT = 0.4, 0.2
-#: Of a machine with motors so many times fewer poses are wanted: a proof can take half a second.
+#: Of a machine with motors so many times fewer poses are asked for: a proof can take half a second.
 FEWER = 20
 #: So many poses of a machine are sought by SLSQP, from so many starts; an answer is at most so far.
 COMPARED, STARTS, FARTHER = 20, 10, 1.01
@@ -51,10 +52,10 @@ class Row:
     Attributes
     ----------
     within, outside
-        How many wanted poses are the answer, and how many answers violate a limit.
+        How many given poses are the answer, and how many answers violate a limit.
     short, stays
-        How many answers are nearer than the nearest pose that was found, because no straight way to
-        that is proved; and of how many wanted poses no way at all.
+        How many answers are not the nearest pose that was found, because no straight way to it is
+        proved; and how often no way at all is proved.
     compared, farther
         How many were sought by SLSQP, with a proved way, and how many answers are farther.
     """

@@ -15,7 +15,7 @@
 #define SEARCH_SHORT 1e-9 /* the search ends with a step that is shorter, of the weight */
 #define SEARCH_LONGEST 0.5
 #define SEARCH_HALVINGS 12
-#define SEARCH_GOALS 8  /* on the way to the wanted pose, if the step to the nearest one is refused */
+#define SEARCH_GOALS 8  /* on the way to the given pose, if the step to the nearest one is refused */
 #define DIFFERENCE 1e-6 /* of which second derivatives are made */
 #define CONVEX 0.05     /* the least pivot of the quadratic problem with curved limits */
 #define ACTIVE_STEPS 64
@@ -283,16 +283,31 @@ static void limit_drive(const search *s, const frame *f, int k, drive_limits *d)
 }
 
 #endif
+/* Is a slack of constraint k asked for, or a cone that depends on its drive? */
+static int is_needed(const search *s, const double *needed, int k) {
+  if (!needed || needed[2 * k] > 0.0 || needed[2 * k + 1] > 0.0) return 1;
+#if HAS_CONES
+  {
+    int i;
+    for (i = 0; i < s->l->cones; ++i)
+      if (needed[12 + i] > 0.0 && s->l->leg[i] == k) return 1;
+  }
+#endif
+  (void)s;
+  return 0;
+}
+
 /* The slacks at a frame and their derivatives by a twist; of those with `needed`, if it is not null. */
 static void slacks(const search *s, const frame *f, const double *needed, double *room, double (*rows)[6]) {
   const geometry *g = s->g;
   double c[6], F[6], J[6][6], changes[6][6];
-  int i, k;
+  int i, k, values = 0;
 #if HAS_DLL
   double same[6];
 #endif
   for (k = 0; k < 6; ++k) {
     c[k] = s->near[k];
+    if (!is_needed(s, needed, k)) continue;
 #if HAS_BASE_CRANK || HAS_PLATFORM_CRANK || HAS_BASE_SLIDE || HAS_PLATFORM_SLIDE
     if (g->kind[k] >= BASE_CRANK) {
       drive_limits d;
@@ -306,16 +321,19 @@ static void slacks(const search *s, const frame *f, const double *needed, double
       continue;
     }
 #endif
+    values = 1;
     if (number(g, f, k, c)) c[k] = 0.0;
   }
+  if (values) {
 #if HAS_DLL
-  for (k = 0; k < 6; ++k) same[k] = c[k];
-  (void)orient(g, f, 0.0, c, same);
+    for (k = 0; k < 6; ++k) same[k] = c[k];
+    (void)orient(g, f, 0.0, c, same);
 #endif
-  equations(g, f, c, F, J);
+    equations(g, f, c, F, J);
+  }
   for (k = 0; k < 6; ++k) {
     double scale, size = 1.0, value = c[k];
-    if (g->kind[k] >= BASE_CRANK) continue;
+    if (g->kind[k] >= BASE_CRANK || !is_needed(s, needed, k)) continue;
     room[2 * k] = room[2 * k + 1] = NEVER;
     for (i = 0; i < 6; ++i) rows[2 * k][i] = rows[2 * k + 1][i] = 0.0;
     if (s->low[k] <= -NO_RANGE && s->high[k] >= NO_RANGE) continue;
@@ -333,7 +351,7 @@ static void slacks(const search *s, const frame *f, const double *needed, double
   for (i = 0; i < s->l->cones; ++i)
     if (!needed || needed[12 + i] > 0.0) limit_cone(s, f, i, c, changes, room + 12 + i, rows[12 + i]);
 #endif
-  (void)needed, (void)changes;
+  (void)changes;
 }
 
 static int slack_count(const search *s) { return 12 + s->l->cones; }
@@ -675,11 +693,11 @@ static int towards(const geometry *g, const limits *l, const frame *goal, platfo
   return PLATFORM_PROVED;
 }
 
-static int approach(const geometry *g, const limits *l, const platform_pose *wanted, platform_state *state,
+static int approach(const geometry *g, const limits *l, const platform_pose *given, platform_state *state,
                     platform_report *report) {
   frame start, goal, between;
   int i, k, status;
-  if (!load(g, wanted, &goal) || !load(g, &state->pose, &start)) return PLATFORM_NOT_FINITE;
+  if (!load(g, given, &goal) || !load(g, &state->pose, &start)) return PLATFORM_NOT_FINITE;
   status = towards(g, l, &goal, state, report);
   if (status != PLATFORM_SINGULAR && status != PLATFORM_TRIES_SPENT && status != PLATFORM_NOT_FOUND)
     return status;
@@ -697,7 +715,7 @@ static int approach(const geometry *g, const limits *l, const platform_pose *wan
 }
 
 #if HAS_DATA
-int platform_nearest(const platform_pose *wanted, platform_state *state, platform_report *report) {
-  return approach(&data, &within, wanted, state, report);
+int platform_nearest(const platform_pose *given, platform_state *state, platform_report *report) {
+  return approach(&data, &within, given, state, report);
 }
 #endif

@@ -75,12 +75,12 @@ int platform_start(const platform_pose *pose, platform_state *state, platform_re
  * before. `report` may be null. */
 int platform_forward(const double values[6], platform_state *state, platform_report *report);
 
-/* Moves the state to the pose nearest to `wanted` that keeps all ranges and cones of the file, without
+/* Moves the state to the pose nearest to `given` that keeps all ranges and cones of the file, without
  * the margin. Distance: the shift of PLATFORM_PIVOT, and the turn times PLATFORM_TURN. PROVED: the state
  * is there, within the limits; a search found no nearer pose; straight lines of values lead there, as
  * for forward. Otherwise the state is the last pose on the way there that is proved and within the
  * limits; where it was, if there is none. */
-int platform_nearest(const platform_pose *wanted, platform_state *state, platform_report *report);
+int platform_nearest(const platform_pose *given, platform_state *state, platform_report *report);
 
 /* What a status means, for people. */
 const char *platform_text(int status);

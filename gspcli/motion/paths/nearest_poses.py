@@ -67,8 +67,8 @@ class NearestPose:
         rotations in the unit of the instance.
     limits
         The limits that the pose meets, in words; none if it is the given pose. ``no way farther``
-        is among them if no straight way is proved to the nearest pose that was found: then the
-        platform goes as far as one is, up to an eighth of the way to the given pose.
+        is among them if no straight way is proved to the nearest pose that was found. The platform
+        then goes as far as one is proved, in eighths of the way to the given pose.
     way
         The straight way to it that is proved: ``values``, ``drives`` or ``poses``. Empty if none
         is: then the platform stays where it is, and `R` and `T` are that pose.
