@@ -3,14 +3,14 @@
 A platform that is special up to the rounding of its numbers has poses at which its equations are
 nearly dependent and N nearly vanishes. The kernel (native/finer_ends.cpp) evaluates the equations
 there with 64 digits and applies the theorem of `isolation` with derivatives of 32 digits. Up to
-1e18 lengths away this proves and rounds the poses in a tenth of the time of balls
-(`gspcli.certification.poses.locator`). That was a third of the time of a first solution
-(`tools.verify.realistic`, hexapods with six joints a body).
+1e16 lengths away this proves and rounds the poses in a quarter of the time of balls
+(`gspcli.certification.poses.locator`). Balls took a third of the time of a first solution
+(`tools.verify.realistic`, hexapods with six joints a body). What this cannot decide goes to balls.
 
 The equations are those of `ball_system`. Far away f is large, and ``f.f`` is the largest term in
 the equations of points at a distance. It has the same coefficient in each of them, so the first of
 these equations is subtracted from the others. The solutions are the same, and rounding errors are
-smaller by the size of f (1e9 if a pose is 1e18 lengths away).
+smaller by the size of f (1e8 if a pose is 1e16 lengths away).
 """
 
 from __future__ import annotations

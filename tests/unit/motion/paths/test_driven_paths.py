@@ -98,7 +98,7 @@ def test_a_map_of_poses_joins_modes():
     instance = gspcli.example("reachy-mini-head")
     solved = gspcli.solve(instance)
     start = tuple(part[solved.real].real[2] for part in (solved.R, solved.T))
-    found = checked(gspcli.path(instance, 3, 4), start)
+    found = checked(gspcli.path(instance, 3, 4, time=1000), start)
     assert len(found.parts) > 1
     assert found.along == "poses"
     assert found.conditions.max() < 1e4

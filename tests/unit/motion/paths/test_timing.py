@@ -83,7 +83,7 @@ def around(plain, *, clear=0.0, rounded=False):
         for name, row in ((plain.start, 0), (plain.goal, -1))
     ]
     planner = Planner(plain.instance, clear=clear)
-    guide = planner._value_guide(planner.values(ends[0]), *ends)
+    guide = planner.value_guide(planner.values(ends[0]), *ends)
     corners = plain.values[[0, *(part.last for part in plain.parts)]]
     limits = PathLimits.of(SPEED, ACCELERATION)
     return finished(plain.instance, guide, corners, *ends, limits, rounded=rounded)
