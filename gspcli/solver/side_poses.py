@@ -189,9 +189,22 @@ class SidePoses:
         return self._add_finer(*self._finer.at(ends.points, ends.low, self.problem.frames))
 
     def _add_finer(self, found: ProvedPoses, reached: Field) -> Index:
-        """Add poses that 64 digits prove and round; return their places here, or -1."""
-        sure = found.certified & found.rounded
-        return self.add_proved(found._replace(certified=sure), reached)
+        """Add poses that 64 digits prove and round; return their places here, or -1.
+
+        Doubles may not separate a pose from its conjugate, or from another pose of the collection.
+        It is not added then, and its place is -1: balls separate them.
+        """
+        before, scale = len(self.found), self.locator.scale
+        heights = np.maximum(
+            np.abs(found.R.imag).max(axis=(2, 3), initial=0),
+            np.abs(found.T.imag).max(axis=2, initial=0) / scale,
+        )
+        is_apart = found.real | (heights > 2 * found.deviation)
+        sure = found.certified & found.rounded & is_apart
+        place = self.add_proved(found._replace(certified=sure), reached)
+        is_new = np.zeros(len(place), np.bool_)
+        is_new[np.unique(place, return_index=True)[1]] = True
+        return np.where(is_new & (place >= before), place, -1)
 
     @cached_property
     def _finer(self) -> FinerProofs:

@@ -100,12 +100,7 @@ def test_nothing_said_depends_on_the_seed(load_tool: Callable) -> None:
         "double/axis-1/",
         "couplings/vees-1/one/",
         "degrees/1/60,60,60/",
-        pytest.param(
-            "zero/1/",
-            marks=pytest.mark.xfail(
-                strict=True, reason="a batch finds 79 of 80 poses of zero/1/meeting: incomplete"
-            ),
-        ),
+        "zero/1/",
         "line-pairs/1/1e-9",
     ],
 )

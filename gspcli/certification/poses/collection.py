@@ -58,8 +58,8 @@ class Collection:
         self._deviations = np.zeros(0)
         self._located: list[Located | None] = []
         self._paired: set[int] = set()
-        #: Points of poses that were proved with 64 digits, as sums of doubles, by the bytes of T.
-        self._points: dict[bytes, Complex] = {}
+        #: Points of poses that were proved with 64 digits, as sums of doubles, by their places.
+        self._points: dict[int, Complex] = {}
         #: Poses whose conjugates doubles do not separate from other poses.
         self._close: list[int] = []
 
@@ -72,8 +72,8 @@ class Collection:
         for T, located in zip(self.T, self._located, strict=True):
             if located is not None:
                 yield T.tobytes(), located.isolation.centre
-        for place, point in self._points.items():
-            yield place, self.locator.exact_sum(point)
+        for k, point in self._points.items():
+            yield self.T[k].tobytes(), self.locator.exact_sum(point)
 
     def add_proved(
         self,
@@ -113,8 +113,8 @@ class Collection:
         )
         self._located += [None] * int(new.sum())
         if reached is not None:
-            for k in np.flatnonzero(new).tolist():
-                self._points[T[k].tobytes()] = reached[:, k]
+            for k, source in enumerate(np.flatnonzero(new).tolist(), start=known):
+                self._points[k] = reached[:, source]
         place = np.concatenate([np.arange(known), known + np.cumsum(new) - 1])
         return np.asarray(place[found[known:]])
 
@@ -195,7 +195,12 @@ class Collection:
     def _exactly(self, k: int) -> Located | None:
         """Return a pose with all its digits, if they can be computed."""
         if self._located[k] is None:
-            found = self.locator.near(self.R[k], self.T[k], self.sides)
+            if k in self._points:
+                # The doubles of two poses may be alike.
+                start = self.locator.exact_sum(self._points[k])
+                found = self.locator.locate_exactly(start, self.sides)
+            else:
+                found = self.locator.near(self.R[k], self.T[k], self.sides)
             if isinstance(found, Located) and self._is_near(k, found):
                 self._located[k] = found
         return self._located[k]
