@@ -185,7 +185,9 @@ def refuse_held(instance: Instance) -> None:
         verb = "constraint {} is" if len(held) == 1 else "constraints {} are"
         message = (
             f"{verb.format(listed(held, 'and'))} held at one value by the range: no "
-            "travel along one coordinate keeps that; gsp track moves the other values"
+            "travel along one coordinate keeps that\n"
+            "widen the ranges, state the cranks or slides that drive the machine, or change the "
+            "other values (gsp track)"
         )
         raise ArgumentError(message)
 
