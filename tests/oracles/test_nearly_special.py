@@ -123,6 +123,8 @@ def test_batches_with_special_values_say_nothing_wrong(prefix: str, load_tool: C
         "published/rubin-camera-hexapod/pose-1/exact",
         "couplings/vees-1/one/1e-6",
         "double-mixed/PL-PH-PP-PP-PP-PP/+1e-8",
+        # Two real poses that doubles do not separate.
+        "at-zero/PP-PP-PP-PP-HP-HP/home/1e-14",
     ],
 )
 def test_certify_takes_what_solve_prints_and_nothing_wrong(name: str, load_tool: Callable) -> None:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from gspcli.certification.poses.distinct import places, same
 from gspcli.certification.poses.locator import (
+    DOUBLE,
     AtInfinity,
     Located,
     Locator,
@@ -198,7 +199,7 @@ class Collection:
             if k in self._points:
                 # The doubles of two poses may be alike.
                 start = self.locator.exact_sum(self._points[k])
-                found = self.locator.locate_exactly(start, self.sides)
+                found = self.locator.locate_exactly(start, self.sides, 4 * DOUBLE)
             else:
                 found = self.locator.near(self.R[k], self.T[k], self.sides)
             if isinstance(found, Located) and self._is_near(k, found):
@@ -206,7 +207,12 @@ class Collection:
         return self._located[k]
 
     def _is_near(self, k: int, pose: Located) -> bool:
-        """Return whether a located pose is within the proved error of a pose in doubles."""
+        """Return whether a located pose has the doubles of a pose, or is within its proved error.
+
+        It is then as different from the other poses as this one, and can take its place.
+        """
+        if np.array_equal(pose.R, self.R[k]) and np.array_equal(pose.T, self.T[k]):
+            return pose.real == bool(self.real[k])
         here = _entries(pose.R[None], pose.T[None] / pose.scale)
         gap = np.abs(_entries(self.R[k][None], self.T[k][None] / pose.scale) - here).max()
         error = _ROUNDED * np.abs(here).max(initial=1)
