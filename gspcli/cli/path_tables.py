@@ -56,12 +56,14 @@ def _summary(found: PlannedPath) -> list[str]:
 
     worst = found.parts[int(first_largest([part.condition for part in found.parts]))]
     unit = found.instance.units.length
-    straight = f", {found.length / found.straight_length:.2f} times the straight line"
+    length = f"length {found.length:.4g} {unit}"
+    if found.straight_length:
+        length += f", {found.length / found.straight_length:.2f} times the straight line"
     ways = f"the {found.along} change" if found.along != "poses" else "position and angles change"
     lines = [
         f"from {found.start} to {found.goal}: proved, "
         f"{counted(found.straight, 'straight part')} ({ways} linearly)",
-        f"length {found.length:.4g} {unit}" + (straight if found.straight_length else ""),
+        length,
         f"largest condition number at a row: {worst.condition:.4g}, from row {worst.first + 1} to "
         f"{worst.last + 1}",
     ]
@@ -130,8 +132,10 @@ def groups_table(found: ModeGroups) -> Table:
     else:
         pairs = listed([f"{a} and {b}" for a, b in found.undecided], "or")
         text = f"{groups}; groups {pairs} may belong together: no path was found"
-    note = f"signs are those of {listed(found.names, 'and')}: a regular path keeps them"
-    return Table(columns, rows, title=found.instance.title, summary=[text], notes=[note])
+    notes = [f"signs are those of {listed(found.names, 'and')}: a regular path keeps them"]
+    if any("?" in str(row["signs"]) for row in rows):
+        notes.append("?: the sign is not proved")
+    return Table(columns, rows, title=found.instance.title, summary=[text], notes=notes)
 
 
 def _status(row: dict[str, object]) -> str:

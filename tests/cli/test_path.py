@@ -56,6 +56,18 @@ def test_a_path_with_a_time_is_proved_again(gsp, tmp_path):
     assert (timing["corners"], timing["rounded"]) == (0, 0)
 
 
+def test_a_path_to_where_it_begins_has_no_length(gsp):
+    result = gsp("path", "@rubin-m2", "--from", "1", "--to", "1")
+    assert result.code == 0
+    assert "\nlength 0 m\n" in result.out
+
+
+def test_signs_that_are_not_proved_are_explained(gsp):
+    result = gsp("path", "@three-prs", "--all", "--time", "0.1")
+    assert "?: the sign is not proved" in result.out
+    assert "?:" not in gsp("path", "@rubin-m2", "--all").out
+
+
 def test_json(gsp):
     run = gsp("path", "@rubin-m2", "--from", "home", "--to", NEAR, "--format", "json")
     assert (run.code, run.err) == (0, "")

@@ -15,15 +15,18 @@ Array = NDArray[np.float64]
 
 #: Decimals of estimated costs: last digits must not choose a way.
 _DECIMALS = 6
+#: Moves that are smaller are rounding errors of equal poses, in lengths of the platform.
+_STILL = 1e-12
 
 
 def steps(instance: Instance, R: Array, T: Array) -> Array:
     """Return how far the points of the platform move from row to row, shape (r - 1,).
 
-    Root mean squares, in the unit of length.
+    Root mean squares, in the unit of length; 0 where the poses differ by rounding errors only.
     """
     places = _places(instance, R, T)
-    return np.asarray(np.sqrt((np.diff(places, axis=0) ** 2).sum(axis=2).mean(axis=1)))
+    moved = np.sqrt((np.diff(places, axis=0) ** 2).sum(axis=2).mean(axis=1))
+    return np.where(moved > _STILL * Arrangement.of(instance).length, moved, 0.0)
 
 
 def cost(instance: Instance, R: Array, T: Array, power: float = 1.0) -> float:

@@ -76,7 +76,7 @@ def test_straight_ways_come_first(study):
 
 def test_the_pose_where_one_is(study):
     found = checked(gspcli.path(study, "home", "home"))
-    assert found.length < 1e-9
+    assert found.length == found.straight_length == 0
 
 
 @pytest.mark.parametrize(
