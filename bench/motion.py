@@ -29,9 +29,9 @@ from gspcli.catalogue.names import parse_type
 from gspcli.catalogue.types import GspType, all_types
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.quaternions import rotation_from_quaternion
+from gspcli.geometry.random_instances import random_instance
 from gspcli.motion import FollowOptions, MovingPlatform, measure
 from gspcli.motion.following.trajectories import track_from
-from gspcli.solver.instances.generate import random_instance
 
 Array = NDArray[np.float64]
 

@@ -13,9 +13,9 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.measurement import jacobian
 from gspcli.geometry.quaternions import rotation_from_quaternion, rotation_from_vector
+from gspcli.geometry.random_instances import random_instance
 from gspcli.geometry.residuals import condition_numbers
 from gspcli.motion import measure
-from gspcli.solver.instances.generate import random_instance
 from gspcli.spec import loads
 
 Array = NDArray[np.float64]

@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from gspcli.geometry.masses import Arm, Carriage, Drives, Dynamics, Leg, LegBody, RigidBody
     from gspcli.geometry.numbers import Number
     from gspcli.geometry.primitives import Cone, Crank, Line, Plane, Point, Slide
+    from gspcli.geometry.random_instances import new
     from gspcli.geometry.shapes import Shapes
     from gspcli.machines.api import import_machine
     from gspcli.motion import Follower, track
@@ -56,9 +57,7 @@ if TYPE_CHECKING:
     from gspcli.reality.real_search import maximize_real
     from gspcli.reality.sample_results import sample
     from gspcli.sensing import fit_poses, fit_readings, sensors
-    from gspcli.solver import solve, solve_batch, solve_values
-    from gspcli.solver.instances.new_instance import new
-    from gspcli.solver.parallel_certificates import certify
+    from gspcli.solver import certify, solve, solve_batch, solve_values
     from gspcli.spec import dump, dumps, load, loads, read, set_values
     from gspcli.spec.checks import check
     from gspcli.spec.shipped import example
@@ -104,7 +103,7 @@ _HOMES = {
     "atlas_summary": "gspcli.atlas.count_summary",
     "bound": "gspcli.catalogue.known_facts",
     "calibrate": "gspcli.calibration",
-    "certify": "gspcli.solver.parallel_certificates",
+    "certify": "gspcli.solver",
     "check": "gspcli.spec.checks",
     "clearance": "gspcli.motion.singularities.clearance_results",
     "coincident_types": "gspcli.catalogue.coincidence",
@@ -132,7 +131,7 @@ _HOMES = {
     "measure": "gspcli.motion.poses.measured_values",
     "mechanism": "gspcli.catalogue.mechanism",
     "natural_modes": "gspcli.dynamics",
-    "new": "gspcli.solver.instances.new_instance",
+    "new": "gspcli.geometry.random_instances",
     "notebook_view": "gspcli.pictures.notebook",
     "parse_class": "gspcli.catalogue.names",
     "parse_kind": "gspcli.catalogue.names",

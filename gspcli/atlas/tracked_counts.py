@@ -12,9 +12,9 @@ from gspcli.catalogue.types import CONSTRAINTS, GspType
 from gspcli.certification import certify
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.quaternions import study_from_pose
+from gspcli.geometry.random_instances import random_instance
 from gspcli.reality.poses_by_paths import solve_by_tracking
 from gspcli.records import dataclass
-from gspcli.solver.instances.generate import random_instance
 from gspcli.solver.study_systems import target_systems
 
 

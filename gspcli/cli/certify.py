@@ -96,7 +96,7 @@ def command(
     from gspcli.export.answers import read_answer
     from gspcli.export.candidates import read_candidates
     from gspcli.geometry.frames import PoseFrame
-    from gspcli.solver.parallel_certificates import certify
+    from gspcli.solver import certify
 
     instance = load_instance(spec, changes)
     text, name = text_of(result)

@@ -11,7 +11,7 @@ from gspcli.cli.number_types import Whole
 from gspcli.cli.streams import say
 
 if TYPE_CHECKING:
-    from gspcli.solver.home_mode import HomeMode
+    from gspcli.geometry.home_mode import HomeMode
 
 HOME: Literal["home"] = "home"
 #: A number as `gsp solve` lists the real poses, from 1, or the home mode.

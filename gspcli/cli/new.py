@@ -90,7 +90,7 @@ def command(
             "rotary" if rotary else "linear", rotary and linear, type_words, output, template
         )
         return
-    from gspcli.solver.instances.new_instance import new
+    from gspcli.geometry.random_instances import new
     from gspcli.spec import dumps
     from gspcli.spec.schema import EDITOR_LINE
 

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 def one_mode(instance: Instance, mode: Mode | None) -> tuple[int, Array, Array]:
     """Return the number of a mode and its pose, shapes (1, 3, 3) and (1, 3); by default home."""
-    from gspcli.solver.home_mode import home_mode
+    from gspcli.geometry.home_mode import home_mode
 
     R, T = real_poses(instance)
     number = chosen(mode, home_mode(instance, R, T), len(R))

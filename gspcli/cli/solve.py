@@ -300,7 +300,7 @@ def _sorted(result: SolveResult, shown: Shown, R: Any, T: Any) -> Shown:
 
     import numpy as np
 
-    from gspcli.solver.home_mode import distances
+    from gspcli.geometry.home_mode import distances
 
     chosen = np.array([k for k in shown.indices if result.real[k]], dtype=int)
     moved, turned = distances(result.R[chosen].real, result.T[chosen].real, R, T)

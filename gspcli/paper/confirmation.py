@@ -13,11 +13,11 @@ from gspcli.defaults import SEED
 from gspcli.errors import CheckFailed
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.quaternions import apply, cross, dot
+from gspcli.geometry.random_instances import random_instance
 from gspcli.paper.table3 import Entry, compute
 from gspcli.progress import Progress, silent
 from gspcli.records import dataclass
 from gspcli.solver import SolveResult, solve
-from gspcli.solver.instances.generate import random_instance
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@ import numpy as np
 
 from gspcli.errors import ArgumentError
 from gspcli.geometry.frames import IDENTITY, PoseFrame
+from gspcli.geometry.home_mode import distances
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.quaternions import quaternion_from_rotation
 from gspcli.motion.poses.chosen_mode import chosen_mode
@@ -19,7 +20,6 @@ from gspcli.pictures.scene import Scene
 from gspcli.pictures.shown_poses import Poses
 from gspcli.pictures.staging import scene_of
 from gspcli.solver import SolveResult, solve
-from gspcli.solver.home_mode import distances
 from gspcli.ties import first_smallest
 from gspcli.wording import listed, shown
 

@@ -1,6 +1,6 @@
 """Solve an instance for its assembly modes, once or for many sets of values."""
 
-from gspcli.solver.api import solve, solve_batch, solve_values
+from gspcli.solver.api import certify, solve, solve_batch, solve_values
 from gspcli.solver.result import SolveResult
 from gspcli.solver.results.pose_batch import PoseBatch
 from gspcli.solver.results.pose_set import Motion, PoseSet
@@ -13,6 +13,7 @@ __all__ = [
     "PoseSet",
     "Solution",
     "SolveResult",
+    "certify",
     "solve",
     "solve_batch",
     "solve_values",

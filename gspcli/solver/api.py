@@ -1,14 +1,15 @@
-"""The functions that solve any instance: once, or for many sets of values."""
+"""The functions that solve any instance, once or for many sets of values, and certify poses."""
 
 from __future__ import annotations
 
 from collections import deque
 from collections.abc import Iterable, Iterator
 from itertools import chain, islice
+from typing import TYPE_CHECKING
 
 from numpy.typing import ArrayLike
 
-from gspcli.defaults import SEED
+from gspcli.defaults import MAX_PRECISION, SEED, TOLERANCE
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.checking import checked
 from gspcli.geometry.instance import Instance
@@ -21,6 +22,10 @@ from gspcli.solver.result import SolveResult
 from gspcli.solver.results.pose_batch import PoseBatch
 from gspcli.solver.results.pose_set import PoseSet
 from gspcli.solver.starts.solved_starts import STARTS, SolvedStarts
+
+if TYPE_CHECKING:
+    from gspcli.certification import Certificates
+    from gspcli.geometry.quaternions import Field
 
 
 def solve(
@@ -164,3 +169,40 @@ def solve_batch(
         deque(islice(steps, len(each.rows)), maxlen=0)
     rows = values_of(instance, value_rows(values), signed=False)
     return batch_of(Arrangement.of(instance), rows, answers)
+
+
+def certify(
+    instance: Instance,
+    R: ArrayLike,
+    T: ArrayLike,
+    *,
+    sides: ArrayLike | None = None,
+    tolerance: float = TOLERANCE,
+    max_precision: int = MAX_PRECISION,
+) -> Certificates:
+    """Prove what can be proved about approximate solutions of an instance.
+
+    Parameters, result and errors are those of `gspcli.certification.certify`. The platform is
+    solved only for candidates that the equations leave open, and at which the lines of a DLL may be
+    parallel. That such a candidate is certified rests on the proof of that solution, which may be
+    modulo a random prime (`SolveResult.proof`).
+    """
+    from gspcli import certification
+
+    return certification.certify(
+        instance,
+        R,
+        T,
+        sides=sides,
+        tolerance=tolerance,
+        max_precision=max_precision,
+        solve=_proved,
+    )
+
+
+def _proved(instance: Instance) -> tuple[Field, Field] | None:
+    """Return the certified poses of a platform, None if it is not proved that they are all."""
+    result = solve(instance)
+    if result.verdict != "complete" or result.proof is None:
+        return None
+    return result.R[result.certified], result.T[result.certified]

@@ -14,6 +14,7 @@ from gspcli.catalogue.kinds import DLL
 from gspcli.continuation.paths import PathAccount, Verdict
 from gspcli.defaults import PATIENCE
 from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.home_mode import HomeMode, home_among, home_mode
 from gspcli.geometry.instance import Instance, Side
 from gspcli.geometry.limits import LeftLimit, left_limits, restricts
 from gspcli.geometry.quaternions import Field
@@ -24,7 +25,6 @@ from gspcli.geometry.residuals import (
     residuals,
 )
 from gspcli.records import dataclass
-from gspcli.solver.home_mode import HomeMode, home_among, home_mode
 from gspcli.solver.results.pose_set import Motion, PoseSet
 from gspcli.solver.results.proof import CountKind, Proof
 from gspcli.solver.results.solution import Counts, Solution

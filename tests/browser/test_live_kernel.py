@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from gspcli.geometry.primitives import Crank, Point, Slide
+from gspcli.geometry.random_instances import random_instance
 from gspcli.pictures.live_numbers import live_module
 from gspcli.resources import instance_files
-from gspcli.solver.instances.generate import random_instance
 from gspcli.spec import load
 from tools.recording import ROOT
 from tools.verify.live import compared

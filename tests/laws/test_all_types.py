@@ -21,8 +21,8 @@ from gspcli.geometry.instance import Constraint, Instance, Side
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Geometry, Line, Plane, Point, Vector
 from gspcli.geometry.quaternions import Field
+from gspcli.geometry.random_instances import random_instance
 from gspcli.solver import SolveResult, solve
-from gspcli.solver.instances.generate import random_instance
 from gspcli.solver.starts.solved_starts import SolvedStarts
 
 MANY = 320

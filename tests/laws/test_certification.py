@@ -18,8 +18,8 @@ from gspcli.geometry.instance import Constraint, Instance
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Geometry, Line, Plane, Point, Vector
 from gspcli.geometry.quaternions import rotation_from_quaternion
+from gspcli.geometry.random_instances import random_instance
 from gspcli.solver import solve
-from gspcli.solver.instances.generate import random_instance
 
 #: Families with few poses, so that many platforms can be tried.
 TYPES = [

@@ -7,9 +7,9 @@ import pytest
 
 from gspcli.catalogue.types import CLASSES, families
 from gspcli.geometry.quaternions import rotation_from_quaternion, rotation_from_vector
+from gspcli.geometry.random_instances import random_instance
 from gspcli.motion import measure
 from gspcli.motion.statics.wrenches import wrenches
-from gspcli.solver.instances.generate import random_instance
 
 #: Of central differences; they are exact to its square.
 STEP = 1e-5

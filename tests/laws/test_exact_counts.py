@@ -16,8 +16,8 @@ from gspcli.certification.counting import count_exactly, count_geometry
 from gspcli.geometry.instance import Constraint, Instance
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Geometry, Line, Plane, Point
+from gspcli.geometry.random_instances import random_instance
 from gspcli.resources import data_directory
-from gspcli.solver.instances.generate import random_instance
 from gspcli.spec import load
 
 #: A rotation with rational entries, of the quaternion (1, 2, 3, 4), and a translation.

@@ -12,9 +12,9 @@ from gspcli.catalogue.types import GspType, all_types
 from gspcli.geometry.instance import Side
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.quaternions import rotation_from_quaternion
+from gspcli.geometry.random_instances import random_instance
 from gspcli.motion import measure
 from gspcli.solver import solve
-from gspcli.solver.instances.generate import random_instance
 
 #: Types with more poses are left to tools/verify/round_trips.py, which takes all types.
 FEW = 64

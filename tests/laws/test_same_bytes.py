@@ -23,11 +23,11 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Geometry, vector
+from gspcli.geometry.random_instances import random_instance
 from gspcli.geometry.residuals import residuals, sides_of
 from gspcli.motion import track
 from gspcli.resources import data_path
 from gspcli.solver import all_poses, solve, solve_batch, solve_values
-from gspcli.solver.instances.generate import random_instance
 from gspcli.solver.problem import Problem
 from gspcli.solver.results.pose_set import PoseSet
 from gspcli.solver.starts.solved_starts import SolvedStarts

@@ -11,12 +11,12 @@ import gspcli
 from gspcli.catalogue.names import parse_type
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.quaternions import rotation_from_vector
+from gspcli.geometry.random_instances import random_instance
 from gspcli.geometry.residuals import residuals
 from gspcli.resources import instance_files
 from gspcli.sensing.candidates import candidates
 from gspcli.sensing.mirror import mirror_of
 from gspcli.sensing.notation import parse_sensor
-from gspcli.solver.instances.generate import random_instance
 
 SIGMA = {"leg": 0.001, "coordinate": 0.001, "joint": 0.1, "inclinometer": 0.1}
 HEXAPODS = range(3)

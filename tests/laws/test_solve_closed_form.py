@@ -18,8 +18,8 @@ from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side, Unit
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Geometry, Line, Plane, Point, vector
 from gspcli.geometry.quaternions import apply, rotation_from_quaternion
+from gspcli.geometry.random_instances import random_instance
 from gspcli.solver import SolveResult, solve, solve_values
-from gspcli.solver.instances.generate import random_instance
 
 #: Sets of poses that are equal in exact arithmetic agree to this; poses are simple.
 AGREE = 1e-7

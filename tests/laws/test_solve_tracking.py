@@ -13,9 +13,9 @@ from gspcli.catalogue.types import all_types, type_by_number
 from gspcli.continuation.quadrics import evaluate
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.quaternions import study_from_pose
+from gspcli.geometry.random_instances import random_instance
 from gspcli.reality.poses_by_paths import solve_by_tracking
 from gspcli.solver import solve
-from gspcli.solver.instances.generate import random_instance
 from gspcli.solver.study_systems import target_systems
 
 seeds = st.integers(0, 10**6)

@@ -18,12 +18,12 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.lengths import METRES
 from gspcli.geometry.measurement import jacobian, measured
 from gspcli.geometry.quaternions import rotation_from_vector
+from gspcli.geometry.random_instances import random_instance
 from gspcli.geometry.residuals import condition_numbers
 from gspcli.motion import measure
 from gspcli.motion.statics.wrenches import wrenches
 from gspcli.resources import instance_files
 from gspcli.solver import solve
-from gspcli.solver.instances.generate import random_instance
 from gspcli.spec import load
 from tests.support.masses import random_platform
 from tests.support.simulated_trees import signs

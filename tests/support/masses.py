@@ -13,10 +13,10 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.lengths import METRES
 from gspcli.geometry.masses import Drives, Dynamics, Leg, LegBody, RigidBody
 from gspcli.geometry.quaternions import rotation_from_vector
+from gspcli.geometry.random_instances import random_instance
 from gspcli.geometry.residuals import condition_numbers
 from gspcli.resources import data_directory, instance_files
 from gspcli.solver import solve
-from gspcli.solver.instances.generate import random_instance
 from gspcli.spec import load
 
 _FILES = {p.stem: p.read_text("utf-8") for p in (data_directory() / "platforms").glob("*.yaml")}

@@ -72,9 +72,7 @@ INNER_ROOMS = {
     "solver": (
         "study_systems",
         "arguments",
-        "home_mode",
         "ends",
-        "instances",
         "results",
         "starts",
         "problem",
@@ -86,7 +84,6 @@ INNER_ROOMS = {
         "many_poses",
         "result",
         "api",
-        "parallel_certificates",
     ),
 }
 #: Rooms that import less than their place allows: the engine has no words of platforms.

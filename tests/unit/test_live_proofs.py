@@ -15,9 +15,9 @@ from gspcli.catalogue.names import parse_type
 from gspcli.certification.numbers.rounding import COMPLEX, ISOLATED, REAL, ROUNDED, ROUNDING
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.quaternions import rotation_from_vector
+from gspcli.geometry.random_instances import random_instance
 from gspcli.motion.singularities.displacements import Displacements
 from gspcli.motion.singularities.pose_clearances import pose_clearances
-from gspcli.solver.instances.generate import random_instance
 
 ROOT = Path(__file__).resolve().parents[2]
 MODULE = ROOT / "tools" / "view" / "module"

@@ -28,7 +28,7 @@ from gspcli.certification.counting import count_exactly
 from gspcli.cli.progress_bars import progress
 from gspcli.defaults import SEED
 from gspcli.geometry.instance import Instance
-from gspcli.solver.instances.generate import random_instance
+from gspcli.geometry.random_instances import random_instance
 from tools.oracle import singular
 from tools.oracle.homomorphisms import fields
 from tools.oracle.quaternion_counts import count as groebner_count

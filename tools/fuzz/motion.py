@@ -43,10 +43,10 @@ from gspcli.errors import GspError
 from gspcli.geometry.coordinates import choose, coordinates, moved
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.quaternions import rotation_from_vector
+from gspcli.geometry.random_instances import random_instance
 from gspcli.motion import measure
 from gspcli.motion.following.row_instances import at_values
 from gspcli.solver import solve
-from gspcli.solver.instances.generate import random_instance
 from gspcli.spec import dumps
 from tools.fuzz.attacks import attack_by_seeds, call
 

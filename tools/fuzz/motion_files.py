@@ -41,9 +41,9 @@ from gspcli.catalogue.types import all_types
 from gspcli.errors import GspError
 from gspcli.geometry.instance import Instance, Side
 from gspcli.geometry.quaternions import quaternion_from_rotation, rotation_from_vector
+from gspcli.geometry.random_instances import random_instance
 from gspcli.motion import measure
 from gspcli.motion.files.value_files import nominal_values
-from gspcli.solver.instances.generate import random_instance
 from gspcli.spec import dumps
 from tools.fuzz.attacks import attack_by_seeds, call
 

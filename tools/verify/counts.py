@@ -34,7 +34,7 @@ from gspcli.certification.counting.residue_counts import count
 from gspcli.cli.progress_bars import progress
 from gspcli.defaults import SEED
 from gspcli.geometry.instance import Instance
-from gspcli.solver.instances.generate import random_instance
+from gspcli.geometry.random_instances import random_instance
 from tools.oracle import msolve
 from tools.oracle.homomorphisms import fields
 from tools.oracle.matrix_ideal import (

@@ -38,12 +38,12 @@ from gspcli.defaults import SEED
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.limits import has_limits, within_limits
+from gspcli.geometry.random_instances import random_instance
 from gspcli.motion import mode_groups
 from gspcli.motion.paths.classes import Classes
 from gspcli.motion.paths.pose_ways import PoseWays
 from gspcli.motion.paths.smoothing import LONG
 from gspcli.motion.poses.inverse_kinematics import values_at
-from gspcli.solver.instances.generate import random_instance
 from tools.recording import ROOT, add_workers, csv_text, parser, workers_of
 from tools.verify.campaigns import TaskRow, add_work, conclude, results
 from tools.verify.sampled_signs import determinants

@@ -22,7 +22,7 @@ from gspcli.continuation.start import start_system
 from gspcli.continuation.systems import System
 from gspcli.continuation.tracker import PathStatus, track
 from gspcli.defaults import SEED
-from gspcli.solver.instances.generate import random_instance
+from gspcli.geometry.random_instances import random_instance
 from gspcli.solver.problem import Problem
 from tools.recording import ROOT, save, with_section
 

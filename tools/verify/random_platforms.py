@@ -18,7 +18,7 @@ from gspcli.geometry.measurement import measured
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Point, vector
 from gspcli.geometry.quaternions import rotation_from_quaternion
-from gspcli.solver.instances.generate import random_instance
+from gspcli.geometry.random_instances import random_instance
 from tools.verify.examination import Pose
 
 #: Platforms in one task.

@@ -23,9 +23,9 @@ from gspcli.defaults import SEED
 from gspcli.geometry.instance import Instance, Side
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.quaternions import rotation_from_quaternion
+from gspcli.geometry.random_instances import random_instance
 from gspcli.motion import measure
 from gspcli.solver import SolveResult, solve
-from gspcli.solver.instances.generate import random_instance
 from tools.recording import ROOT, csv_text, sampled
 from tools.verify.campaigns import TaskRow, conclude, exit_after, options, results
 

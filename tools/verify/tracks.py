@@ -32,9 +32,9 @@ from gspcli.catalogue.counts import generic_counts
 from gspcli.catalogue.types import GspType, all_types, type_by_number
 from gspcli.defaults import SEED
 from gspcli.geometry.quaternions import rotation_from_vector
+from gspcli.geometry.random_instances import random_instance
 from gspcli.motion import MovingPlatform, PoseFormat, Track, measure, read_values, track
 from gspcli.motion.following.branch_follower import Stop
-from gspcli.solver.instances.generate import random_instance
 from tools.recording import ROOT, csv_text, sampled
 from tools.verify.campaigns import TaskRow, conclude, exit_after, options, results
 

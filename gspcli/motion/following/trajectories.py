@@ -12,6 +12,7 @@ from gspcli.defaults import SEED
 from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.coordinates import choose, drive_corrections
+from gspcli.geometry.home_mode import distances
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.readings import values_of
 from gspcli.motion.following.branch_follower import FollowOptions, MovingPlatform
@@ -21,7 +22,6 @@ from gspcli.motion.following.moving_geometry import MovingGeometry
 from gspcli.motion.following.parallel_lines import along_parallel_lines
 from gspcli.motion.following.row_instances import at_values, over_rows
 from gspcli.motion.following.tracks import Track
-from gspcli.solver.home_mode import distances
 from gspcli.ties import first_smallest
 
 Array = NDArray[np.float64]

@@ -7,12 +7,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from gspcli.errors import ArgumentError, IncompleteError, NotFiniteError
 from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.home_mode import home_mode
 from gspcli.geometry.instance import Instance
 from gspcli.motion.poses.chosen_mode import chosen_mode
 from gspcli.motion.poses.inverse_kinematics import checked_poses, values_at
 from gspcli.records import dataclass
 from gspcli.solver import SolveResult, solve
-from gspcli.solver.home_mode import home_mode
 
 Array = NDArray[np.float64]
 #: A mode by its number, ``home``, or a pose (R, T).

@@ -8,7 +8,7 @@ from gspcli.errors import GspError
 from gspcli.wording import counted
 
 if TYPE_CHECKING:
-    from gspcli.solver.home_mode import HomeMode
+    from gspcli.geometry.home_mode import HomeMode
 
 
 def chosen_mode(mode: int | None, home: HomeMode | None, count: int) -> int:

@@ -59,7 +59,7 @@ class Solution:
         The ranges and cones that the pose does not keep; None if it is not real, or the instance
         has none.
     home
-        Whether it is the home mode (`gspcli.solver.home_mode`).
+        Whether it is the home mode (`gspcli.geometry.home_mode`).
     """
 
     number: int

@@ -10,7 +10,7 @@ from gspcli.catalogue.names import parse_type
 from gspcli.continuation.quadrics import ComplexArray
 from gspcli.continuation.systems import Structure, System
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.solver.instances.generate import random_instance
+from gspcli.geometry.random_instances import random_instance
 from gspcli.solver.study_systems import target_systems
 from tests.support.systems import solve_system
 

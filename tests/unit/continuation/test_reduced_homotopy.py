@@ -11,7 +11,7 @@ from gspcli.continuation.reduced_homotopy import ReducedHomotopy, ends_from_star
 from gspcli.continuation.start import path_count, start_system
 from gspcli.continuation.systems import Coefficients, System
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.solver.instances.generate import random_instance
+from gspcli.geometry.random_instances import random_instance
 from gspcli.solver.study_systems import coefficients_of, target_systems
 from tests.support.systems import solve_system
 

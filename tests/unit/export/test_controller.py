@@ -12,11 +12,11 @@ import pytest
 import gspcli
 from gspcli.export.controller.writing import TRIES, controller
 from gspcli.geometry.quaternions import rotation_from_quaternion
+from gspcli.geometry.random_instances import random_instance
 from gspcli.motion import FollowerStatus
 from gspcli.motion.following import platform_numbers as numbers_module
 from gspcli.motion.following.platform_numbers import platform_numbers
 from gspcli.resources import instance_files
-from gspcli.solver.instances.generate import random_instance
 from tools.verify.controllers.compiled import CompiledController, poses_of
 from tools.verify.controllers.rounding import ExactEquations
 

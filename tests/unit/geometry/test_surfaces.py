@@ -20,7 +20,7 @@ from gspcli.geometry.quaternions import (
     quaternion_product,
     rotation_from_quaternion,
 )
-from gspcli.solver.instances.generate import random_instance
+from gspcli.geometry.random_instances import random_instance
 
 TRIPLES = list(combinations_with_replacement(DISTANCE_KINDS, 3))
 

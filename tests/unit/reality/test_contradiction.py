@@ -9,9 +9,9 @@ import pytest
 
 from gspcli.catalogue.names import parse_type
 from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.random_instances import random_instance
 from gspcli.reality.contradiction import contradiction
 from gspcli.resources import instance_files
-from gspcli.solver.instances.generate import random_instance
 from gspcli.spec import load
 
 

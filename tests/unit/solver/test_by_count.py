@@ -17,9 +17,9 @@ from gspcli.defaults import SEED
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Units
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Line, Point, vector
+from gspcli.geometry.random_instances import random_instance
 from gspcli.solver import side_poses as side
 from gspcli.solver import solve
-from gspcli.solver.instances.generate import random_instance
 from gspcli.solver.ledger import Ledger
 from gspcli.solver.problem import Problem
 from gspcli.solver.results.proof import CountKind

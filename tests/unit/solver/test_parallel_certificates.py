@@ -8,8 +8,7 @@ from gspcli import loads
 from gspcli.certification import Outcome
 from gspcli.certification import certify as certify_alone
 from gspcli.geometry.instance import Instance
-from gspcli.solver import SolveResult, solve
-from gspcli.solver.parallel_certificates import certify
+from gspcli.solver import SolveResult, certify, solve
 from tests.support.posts import PLATE_ON_POSTS
 
 SPEC = PLATE_ON_POSTS.replace("F1: {point: [3, 0, 0]}", "F1: {point: [3, 0, 1]}").replace(

@@ -12,8 +12,8 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.measurement import measured
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Line, vector
+from gspcli.geometry.random_instances import random_instance
 from gspcli.solver import SolveResult, solve
-from gspcli.solver.instances.generate import random_instance
 from gspcli.spec import loads
 
 SPEC = """

@@ -14,8 +14,8 @@ from gspcli.continuation import reduced_homotopy
 from gspcli.continuation.reduced_homotopy import ends_from_start
 from gspcli.continuation.tracker_options import SHORT_STEPS
 from gspcli.geometry.quaternions import rotation_from_quaternion
+from gspcli.geometry.random_instances import random_instance
 from gspcli.solver import solve
-from gspcli.solver.instances.generate import random_instance
 from gspcli.solver.problem import Problem
 from gspcli.solver.starts.platform_starts import planar_starts, structure_start
 from gspcli.solver.starts.solved_starts import OFTEN, SolvedStarts

@@ -9,9 +9,9 @@ import pytest
 from gspcli.catalogue.types import type_by_number
 from gspcli.defaults import SEED
 from gspcli.geometry.quaternions import quaternion_from_rotation
+from gspcli.geometry.random_instances import random_instance
 from gspcli.resources import data_path
 from gspcli.solver import solve
-from gspcli.solver.instances.generate import random_instance
 from gspcli.spec import load
 
 

@@ -12,10 +12,10 @@ from gspcli.catalogue.names import parse_type
 from gspcli.continuation.tracked_paths import TrackedPaths
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.numbers import Number
+from gspcli.geometry.random_instances import random_instance
 from gspcli.resources import instance_files
 from gspcli.solver import solve, solve_batch
 from gspcli.solver.all_poses import all_poses
-from gspcli.solver.instances.generate import random_instance
 from gspcli.solver.problem import Problem
 from gspcli.solver.starts.geometry_starts import geometry_among
 from gspcli.solver.strategies import elimination, row_groups

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from gspcli.catalogue.names import parse_type
+from gspcli.geometry.random_instances import random_instance
 from gspcli.solver import solve
-from gspcli.solver.instances.generate import random_instance
 from gspcli.solver.problem import Problem
 from gspcli.solver.results.proof import CountKind
 from gspcli.solver.starts.solved_starts import SolvedStarts

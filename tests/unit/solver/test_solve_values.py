@@ -14,11 +14,11 @@ from gspcli.errors import ArgumentError, GspError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import AngleUnit
 from gspcli.geometry.numbers import Number
+from gspcli.geometry.random_instances import random_instance
 from gspcli.geometry.residuals import condition_numbers, residuals
 from gspcli.reality.poses_by_paths import solve_by_tracking
 from gspcli.solver import solve, solve_batch, solve_values
 from gspcli.solver.all_poses import all_poses, first_poses
-from gspcli.solver.instances.generate import random_instance
 from gspcli.solver.problem import Problem
 from gspcli.solver.results import pose_batch as batch_module
 from gspcli.solver.results.proof import CountKind

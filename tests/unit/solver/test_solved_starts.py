@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 from gspcli.catalogue.names import parse_type
+from gspcli.geometry.random_instances import random_instance
 from gspcli.resources import data_path
 from gspcli.solver import solve, solve_batch, solve_values
-from gspcli.solver.instances.generate import random_instance
 from gspcli.solver.starts.solved_starts import STARTS, SolvedStarts, Sort
 from gspcli.spec import load
 

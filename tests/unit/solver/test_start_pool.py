@@ -13,9 +13,9 @@ from gspcli.continuation.tracker import PathStatus
 from gspcli.continuation.tracker_options import FROM_START, VALUE_STEPS
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
+from gspcli.geometry.random_instances import random_instance
 from gspcli.solver import solve_batch, solve_values
 from gspcli.solver.all_poses import first_poses
-from gspcli.solver.instances.generate import random_instance
 from gspcli.solver.problem import Problem
 from gspcli.solver.starts import geometry_starts as one_geometry
 from gspcli.solver.starts.solved_starts import SolvedStarts

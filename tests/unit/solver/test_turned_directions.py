@@ -13,8 +13,8 @@ from gspcli.certification.poses.turned_directions import TurnedDirections
 from gspcli.geometry.instance import Constraint, Instance
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Line
+from gspcli.geometry.random_instances import random_instance
 from gspcli.solver import solve
-from gspcli.solver.instances.generate import random_instance
 from gspcli.solver.strategies import elimination, turned_directions
 
 

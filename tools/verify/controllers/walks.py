@@ -44,10 +44,10 @@ from gspcli.geometry.drives import Drives
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.primitives import Geometry, Point
 from gspcli.geometry.quaternions import rotation_from_quaternion, rotation_from_vector
+from gspcli.geometry.random_instances import random_instance
 from gspcli.geometry.readings import values_of
 from gspcli.motion import MovingPlatform
 from gspcli.motion.following.row_instances import at_values
-from gspcli.solver.instances.generate import random_instance
 from tools.recording import ROOT, csv_text, sampled
 from tools.verify.campaigns import TaskRow, conclude, exit_after, options, results
 from tools.verify.controllers.compiled import CompiledController, Walks, poses_of

@@ -11,10 +11,10 @@ from gspcli.certification.branches.arcs import Arc, at_time, corrected, tangent,
 from gspcli.certification.branches.fold_system import CurveSystem
 from gspcli.certification.branches.taylor import MovingSystem
 from gspcli.geometry.coordinates import choose
+from gspcli.geometry.random_instances import random_instance
 from gspcli.motion import MovingPlatform
 from gspcli.motion.following.row_instances import at_values
 from gspcli.resources import data_path
-from gspcli.solver.instances.generate import random_instance
 
 NOW = [*[arb(0)] * 8, arb(1)]
 #: Two modes meet and vanish on the way.

@@ -9,10 +9,10 @@ from gspcli.certification.branches.chord_residuals import ExactChords
 from gspcli.certification.branches.folds import prove_fold
 from gspcli.defaults import SEED
 from gspcli.geometry.quaternions import rotation_from_vector
+from gspcli.geometry.random_instances import random_instance
 from gspcli.motion import MovingPlatform, measure, track
 from gspcli.motion.following.row_instances import at_values
 from gspcli.resources import data_path
-from gspcli.solver.instances.generate import random_instance
 
 #: The two modes of the example meet and vanish on the way.
 VALUES = np.array([[2.53, 2.08, 0.93, 1.97, 1.46, 1.73], [2.6, 2.0, 1.0, 1.9, 1.46, 1.73]])

@@ -17,9 +17,9 @@ from gspcli.certification.branches.arcs import Arc, at_time
 from gspcli.certification.branches.folds import Fold, _krawczyk, _Turn
 from gspcli.certification.branches.parametric_quadrics import moving_equations
 from gspcli.certification.branches.taylor import MovingSystem
+from gspcli.geometry.random_instances import random_instance
 from gspcli.motion import MovingPlatform
 from gspcli.motion.following.branch_runs import _same
-from gspcli.solver.instances.generate import random_instance
 
 NOTHING = [arb(0)] * 9
 

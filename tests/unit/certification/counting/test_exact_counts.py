@@ -12,8 +12,8 @@ from gspcli.certification.counting import (
     geometry_count,
 )
 from gspcli.geometry.numbers import Number, parse_number
+from gspcli.geometry.random_instances import random_instance
 from gspcli.resources import data_directory, data_json
-from gspcli.solver.instances.generate import random_instance
 from gspcli.spec import load
 
 EXPECTED = data_json("examples", "expected.json")["examples"]

@@ -19,7 +19,7 @@ from gspcli.certification.counting.modular_platform import ModularPlatform, NotC
 from gspcli.certification.counting.parts import PartCount
 from gspcli.certification.counting.residue_counts import Ending, ResidueCount
 from gspcli.geometry.building import hexapod
-from gspcli.solver.instances.generate import random_instance
+from gspcli.geometry.random_instances import random_instance
 
 COUNTED = ResidueCount(Ending.FINITE, 40, 40, (), False, 6, True, 1)
 

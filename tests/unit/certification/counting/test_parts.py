@@ -16,8 +16,8 @@ from gspcli.certification.counting import (
 )
 from gspcli.certification.counting.parts import count_parts
 from gspcli.geometry.instance import Instance
+from gspcli.geometry.random_instances import random_instance
 from gspcli.resources import data_directory
-from gspcli.solver.instances.generate import random_instance
 from gspcli.spec import load, loads
 from tests.support.posts import PLATE_ON_POSTS
 

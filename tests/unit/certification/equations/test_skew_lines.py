@@ -6,7 +6,7 @@ import pytest
 from gspcli.catalogue.names import parse_type
 from gspcli.certification.equations.skew_lines import are_skew
 from gspcli.geometry.quaternions import rotation_from_quaternion
-from gspcli.solver.instances.generate import random_instance
+from gspcli.geometry.random_instances import random_instance
 
 
 @pytest.fixture(scope="module")

@@ -20,8 +20,8 @@ from gspcli.geometry.instance import Instance, Side
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import vector
 from gspcli.geometry.quaternions import pose_from_study
+from gspcli.geometry.random_instances import random_instance
 from gspcli.geometry.residuals import residuals, sides_of
-from gspcli.solver.instances.generate import random_instance
 
 SHIFT = np.array([1, -1, 1])
 TYPES = [

@@ -16,8 +16,8 @@ from gspcli.certification.poses.many_values import ValueProofs
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.quaternions import study_from_pose
+from gspcli.geometry.random_instances import random_instance
 from gspcli.solver import solve
-from gspcli.solver.instances.generate import random_instance
 from gspcli.solver.many_poses import many_poses
 from gspcli.solver.starts.solved_starts import SolvedStarts
 from gspcli.solver.study_systems import side_choices

@@ -8,6 +8,7 @@ from gspcli.certification.branches.chord_residuals import ExactChords
 from gspcli.certification.branches.taylor import MovingSystem
 from gspcli.defaults import SEED
 from gspcli.geometry.quaternions import rotation_from_vector
+from gspcli.geometry.random_instances import random_instance
 from gspcli.motion import MovingPlatform, measure
 from gspcli.motion.following import branch_runs as running
 from gspcli.motion.following import branch_steps as stepping
@@ -15,7 +16,6 @@ from gspcli.motion.following import chords
 from gspcli.motion.following.chord_bends import Bends
 from gspcli.motion.following.chord_equations import DEGREE, Chord, Parts, equations_at
 from gspcli.motion.following.chords import prove
-from gspcli.solver.instances.generate import random_instance
 
 
 def moved(kinds, seed, step):

@@ -10,10 +10,10 @@ import pytest
 import gspcli
 from gspcli.catalogue.types import all_types
 from gspcli.geometry.quaternions import rotation_from_vector
+from gspcli.geometry.random_instances import random_instance
 from gspcli.motion import FollowerStatus, measure
 from gspcli.motion.following.platform_numbers import platform_numbers
 from gspcli.resources import instance_files
-from gspcli.solver.instances.generate import random_instance
 from gspcli.spec import loads
 
 TYPES = list(all_types())

@@ -9,13 +9,13 @@ import gspcli
 from gspcli.certification.branches.taylor import MovingSystem
 from gspcli.geometry.coordinates import choose, coordinates, moved, nominal_coordinates
 from gspcli.geometry.quaternions import rotation_from_vector
+from gspcli.geometry.random_instances import random_instance
 from gspcli.motion import FollowOptions, MovingPlatform, measure, track
 from gspcli.motion.following.chord_equations import DEGREE, Parts
 from gspcli.motion.following.chords import prove
 from gspcli.motion.following.moving_geometry import MovingGeometry
 from gspcli.motion.following.trajectories import track_from
 from gspcli.resources import data_path
-from gspcli.solver.instances.generate import random_instance
 
 MIXED = ["6PP", "6DLL", "PP PL LP PH HP DLL", "PL PL LP ALL ALH AHH"]
 

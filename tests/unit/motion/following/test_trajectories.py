@@ -7,13 +7,13 @@ import gspcli
 from gspcli import _kernel
 from gspcli.errors import GspError
 from gspcli.geometry.quaternions import rotation_from_quaternion, rotation_from_vector
+from gspcli.geometry.random_instances import random_instance
 from gspcli.motion import FollowOptions, MovingPlatform, measure, track
 from gspcli.motion.following import branch_steps as stepping
 from gspcli.motion.following.branch_runs import Run
 from gspcli.motion.following.row_instances import at_values
 from gspcli.motion.singularities.clearances import clearances
 from gspcli.resources import data_path
-from gspcli.solver.instances.generate import random_instance
 
 
 @pytest.fixture(scope="module")

@@ -8,6 +8,7 @@ import pytest
 
 from gspcli.geometry.expressed_instances import expressed_instance
 from gspcli.geometry.frames import PoseFrame
+from gspcli.geometry.home_mode import home_mode
 from gspcli.geometry.readings import without_corrections
 from gspcli.motion import measure, track
 from gspcli.motion.collisions.compared import ComparedShapes
@@ -18,7 +19,6 @@ from gspcli.motion.paths.pose_ways import PoseWays
 from gspcli.motion.paths.track_bounds import worst_between
 from gspcli.motion.poses.inverse_kinematics import values_at
 from gspcli.solver import solve
-from gspcli.solver.home_mode import home_mode
 from tests.support.thick_legs import MACHINES, poses_near, thick
 
 

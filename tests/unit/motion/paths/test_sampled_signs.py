@@ -8,8 +8,8 @@ import pytest
 from gspcli.catalogue.names import parse_type
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.measurement import jacobian
+from gspcli.geometry.random_instances import random_instance
 from gspcli.motion.paths.pose_ways import PoseWays
-from gspcli.solver.instances.generate import random_instance
 
 #: Together all ten kinds.
 TYPES = ("6PP", "DPP DPL DLP DPH DHP ALL", "3PP ALL ALH AHL", "2DLL DPP DPL AHH ALH", "3DLL 3ALL")

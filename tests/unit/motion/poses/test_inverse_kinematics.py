@@ -8,10 +8,10 @@ from gspcli.errors import GspError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.measurement import measured
 from gspcli.geometry.quaternions import rotation_from_quaternion
+from gspcli.geometry.random_instances import random_instance
 from gspcli.motion import measure
 from gspcli.motion.poses.inverse_kinematics import _CHUNK
 from gspcli.resources import data_path
-from gspcli.solver.instances.generate import random_instance
 
 
 def test_batches_of_any_shape_are_measured_as_single_poses():

@@ -5,13 +5,13 @@ import pytest
 
 import gspcli
 from gspcli.errors import ArgumentError
+from gspcli.geometry.random_instances import random_instance
 from gspcli.motion import MovingPlatform, measure
 from gspcli.motion.following.branch_follower import Stop
 from gspcli.motion.singularities import clearances as module
 from gspcli.motion.singularities.clearances import clearance, clearances, range_weights
 from gspcli.motion.singularities.enclosures import SIGNS
 from gspcli.resources import data_path, instance_files
-from gspcli.solver.instances.generate import random_instance
 
 TYPES = ["6PP", "6PH", "6PL", "6DLL", "PP PL LP PH HP DLL", "PL PL LP ALL ALH AHH"]
 

@@ -10,6 +10,7 @@ import pytest
 from gspcli.catalogue.names import parse_type
 from gspcli.certification.branches.parametric_quadrics import MovingEquations, Shape, ValueFunction
 from gspcli.geometry.quaternions import cross
+from gspcli.geometry.random_instances import random_instance
 from gspcli.motion.following.branch_follower import MovingPlatform
 from gspcli.motion.singularities import pose_clearances
 from gspcli.motion.singularities.displacements import Displacements
@@ -17,7 +18,6 @@ from gspcli.motion.singularities.enclosures import Neighbourhood
 from gspcli.motion.singularities.pose_clearances import _divided
 from gspcli.motion.singularities.screw_forms import Regular, ScrewForms
 from gspcli.motion.singularities.taylor_forms import Form
-from gspcli.solver.instances.generate import random_instance
 
 
 def quadric(**entries: float) -> np.ndarray:

@@ -6,12 +6,12 @@ import pytest
 import gspcli
 from gspcli.errors import ArgumentError
 from gspcli.geometry.quaternions import apply, cross
+from gspcli.geometry.random_instances import random_instance
 from gspcli.motion.singularities import pose_clearances as searching
 from gspcli.motion.singularities.displacements import Displacements
 from gspcli.motion.singularities.pose_clearances import pose_clearance, pose_clearances
 from gspcli.motion.singularities.screw_forms import ScrewForms
 from gspcli.resources import data_path
-from gspcli.solver.instances.generate import random_instance
 
 TYPES = ["6PP", "6PH", "6PL", "6DLL", "PP PL LP PH HP DLL", "PL PL LP ALL ALH AHH"]
 

@@ -5,11 +5,11 @@ import pytest
 
 import gspcli
 from gspcli.errors import ArgumentError
+from gspcli.geometry.random_instances import random_instance
 from gspcli.motion import PoseFormat
 from gspcli.motion.singularities.pose_scans import PoseAxis, PoseScan
 from gspcli.motion.statics.wrenches import wrenches
 from gspcli.resources import data_path
-from gspcli.solver.instances.generate import random_instance
 
 POSE = (0, 0, 0.5, 1, 0.2, 0.1, 0)
 

@@ -7,11 +7,11 @@ import pytest
 
 import gspcli
 from gspcli.errors import ArgumentError
+from gspcli.geometry.random_instances import random_instance
 from gspcli.motion import measure
 from gspcli.motion.statics.geometry_errors import geometry_accuracy, geometry_slopes
 from gspcli.motion.statics.wrenches import wrenches
 from gspcli.resources import data_path
-from gspcli.solver.instances.generate import random_instance
 
 TYPES = ["6PP", "PP PL LP PH HP DLL", "PL PL LP ALL ALH AHH", "LP HP DLL AHL ALL AHH"]
 

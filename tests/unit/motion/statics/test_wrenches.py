@@ -6,12 +6,12 @@ import pytest
 import gspcli
 from gspcli.errors import ArgumentError
 from gspcli.geometry.quaternions import rotation_from_vector
+from gspcli.geometry.random_instances import random_instance
 from gspcli.motion import MovingPlatform, measure
 from gspcli.motion.singularities.enclosures import SIGNS
 from gspcli.motion.statics.accuracy import accuracy
 from gspcli.motion.statics.wrenches import wrenches
 from gspcli.resources import data_path
-from gspcli.solver.instances.generate import random_instance
 
 TYPES = ["6PP", "6PL", "6LP", "6PH", "6HP", "6DLL", "PP PL LP PH HP DLL", "PL PL LP ALL ALH AHH"]
 

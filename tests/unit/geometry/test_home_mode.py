@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from gspcli.geometry.home_mode import home_mode
 from gspcli.geometry.home_pose import HomePose
 from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.resources import instance_files
 from gspcli.solver import solve
-from gspcli.solver.home_mode import home_mode
 from gspcli.spec import load
 
 HEXAPOD = load(instance_files()["simmechanics-hexapod"])

@@ -1,1 +1,0 @@
-"""Platforms to begin with."""
