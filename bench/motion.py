@@ -1,7 +1,7 @@
 """Speed of what moves, on one core: `python -m bench.motion [--write]`.
 
-With ``--write`` the table in docs/motion.md is written anew. Figures are processor time, the least
-of some runs; peers are asked once.
+With ``--write`` the table in docs/motion-speed.md is written anew. Figures are processor time, the
+least of some runs; peers are asked once.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ Array = NDArray[np.float64]
 POSES = 100_000
 POSES_OF_PEERS = 999
 ROWS_OF_HARD_CYCLES = (50, 12)
-PAGE = Path(__file__).resolve().parents[1] / "docs" / "motion.md"
+PAGE = Path(__file__).resolve().parents[1] / "docs" / "motion-speed.md"
 _BEGIN, _END = "<!-- speed -->\n", "<!-- end of speed -->\n"
 
 
@@ -168,7 +168,7 @@ def page() -> str:
 def main() -> None:
     """Print or write the tables."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--write", action="store_true", help="write docs/motion.md anew")
+    parser.add_argument("--write", action="store_true", help="write docs/motion-speed.md anew")
     arguments = parser.parse_args()
     tables = page()
     if not arguments.write:

@@ -43,7 +43,23 @@ MACHINES = {
     "avx512": {"GSP_BUILD": "avx512", "OPENBLAS_CORETYPE": "SkylakeX"},
 }
 #: Pages that are run with --fast: modes of vibration, conditions, forces, clearances, equal loads.
-FAST = ("README.md", "dynamics.md", "lower-mobility.md", "motion.md")
+FAST = (
+    "README.md",
+    "accuracy.md",
+    "analyze.md",
+    "clearance.md",
+    "dynamics.md",
+    "limits.md",
+    "lower-mobility.md",
+    "measure.md",
+    "mode-change.md",
+    "moving-joints.md",
+    "pose-scan.md",
+    "requirements.md",
+    "scan.md",
+    "track.md",
+    "workspace.md",
+)
 #: Commands whose runs for the reference are, too: motions, multiple poses, tracks, requirements.
 FAST_COMMANDS = ("solve", "measure", "track", "dynamics")
 #: Keys whose numbers are written with no more digits than are known.
