@@ -64,7 +64,8 @@ class Kind:
     law
         The polynomial as a function of the value.
     space
-        The space of quadrics in Study coordinates that contains its equation (docs/counts.md).
+        The space of quadrics in Study coordinates that contains its equation
+        (docs/count-proofs.md).
     is_product
         Whether the equation is a product of two such quadrics, not one.
     """

@@ -1,11 +1,11 @@
 """Lines that are parallel at every pose, such as posts and bores of a plate on a table.
 
-For parallel lines the equation of a DLL holds at any distance (docs/counts.md), and the constraint
-is that of a point of one line and the other line. Whether lines are always parallel depends on the
-other constraints. If there are m DLL, the others have a solution set of dimension m, and the lines
-must be parallel on all its components. To test this, m spheres about random points replace the DLL.
-The six equations then have finitely many solutions, some on every component, and the lines are
-parallel at all of them.
+For parallel lines the equation of a DLL holds at any distance (docs/count-proofs.md). The
+constraint is that of a point of one line and the other line. Whether lines are always parallel
+depends on the other constraints. If there are m DLL, the others have a solution set of dimension
+m, and the lines must be parallel on all its components. To test this, m spheres about random
+points replace the DLL. The six equations then have finitely many solutions, some on every
+component, and the lines are parallel at all of them.
 
 The test is wrong with a probability below ``4 m deg / 2^60``, deg the degree of the solution set.
 Proof: let W be a component on which the lines are not parallel, and B the part where they are, or

@@ -136,7 +136,7 @@ def geometry_about(
             counted = count()
             if counted is None or counted.solutions != found:
                 continue
-            # Two pairs of lines that are parallel at once spoil the argument (docs/counts.md).
+            # Two pairs of lines parallel at once spoil the argument (docs/count-proofs.md).
             proof = (
                 Proof.modulo(CountKind.GEOMETRY, counted.error) if counted.has_lone_lines else None
             )
