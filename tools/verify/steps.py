@@ -258,7 +258,7 @@ STEPS = (
     Step("live-module", ("data/live/*",), "tools.build.live_module --check --jobs {jobs}"),
     Step(
         "distribution",
-        ("docs/real-counts.md", "docs/images/real-6-6.svg"),
+        ("docs/real-samples.md", "docs/images/real-6-6.svg"),
         "tools.build.distribution --check --jobs {jobs}",
         sample=None,
     ),

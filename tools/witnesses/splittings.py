@@ -1,8 +1,8 @@
 """Platforms at which the equation of a point and a line is a product of two real quadrics.
 
 DPL is ``G H = d^2 N^2`` with complex conjugate G and H. So the argument that doubles real solutions
-by the two sides of a plane (`docs/real-counts.md`) does not hold for it. But in some cases it is a
-product of two *real* quadrics on the solutions of the other constraints:
+by the two sides of a plane (docs/real-constructions.md) does not hold for it. But in some cases it
+is a product of two *real* quadrics on the solutions of the other constraints:
 
 turned
     The point y is far from the platform's other points. Then R y moves on a large sphere about
