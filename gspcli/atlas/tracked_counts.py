@@ -10,10 +10,10 @@ from gspcli.atlas.trace import TraceTest, trace_test
 from gspcli.catalogue.kinds import ALL, Kind
 from gspcli.catalogue.types import CONSTRAINTS, GspType
 from gspcli.certification import certify
+from gspcli.continuation.solve import solve_systems
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.quaternions import study_from_pose
 from gspcli.geometry.random_instances import random_instance
-from gspcli.reality.poses_by_paths import solve_by_tracking
 from gspcli.records import dataclass
 from gspcli.solver.study_systems import target_systems
 
@@ -54,9 +54,10 @@ def tracked(distances: Sequence[Kind], sides: int, seed: int) -> Tracked:
     rng = np.random.default_rng([seed, sides, *(kind.order for kind in distances)])
     instance, _ = random_instance(gsp_type, rng, one_sided=sides == 1)
     arrangement = Arrangement.of(instance)
-    poses = solve_by_tracking(arrangement, seed=seed)
-    certified = certify(instance, poses.R, poses.T).distinct
+    systems = solve_systems(target_systems(arrangement.normalized), seed=seed)
+    R, T = arrangement.poses_of(np.concatenate([found.points for found in systems]))
+    certified = certify(instance, R, T).distinct
     if sides == 2:
         return Tracked(certified, None)
-    points = np.concatenate(study_from_pose(poses.R, poses.T), axis=-1)
+    points = np.concatenate(study_from_pose(R, T), axis=-1)
     return Tracked(certified, trace_test(target_systems(arrangement)[0], points, seed))

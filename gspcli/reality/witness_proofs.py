@@ -17,6 +17,7 @@ from gspcli.catalogue.real_counts import witness_with
 from gspcli.catalogue.types import GspType
 from gspcli.catalogue.witnesses import Witness, witness
 from gspcli.certification import certify
+from gspcli.continuation.tracked_paths import track_all
 from gspcli.defaults import SEED
 from gspcli.errors import GspError
 from gspcli.geometry.arrangement import Arrangement, angle_of
@@ -26,16 +27,14 @@ from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Geometry, Line, Plane, Point, Vector
 from gspcli.geometry.quaternions import pose_from_study
 from gspcli.reality.platforms import Platforms
-from gspcli.reality.poses_by_paths import (
-    poses_by_paths,
-    track_platforms,
-)
 from gspcli.reality.recognition import look_real
 from gspcli.solver.ledger import Ledger
 from gspcli.solver.problem import Problem
 from gspcli.solver.strategies.stored_start import careful_paths
+from gspcli.solver.study_systems import target_systems
 
 Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
 
 #: Decimals that are tried, in units of the size of the platform. If the first number suffices and
 #: there are not too many poses, fewer are tried, down to the least.
@@ -146,8 +145,8 @@ def certified_real(instance: Instance, enough: int | None = None, *, jobs: int =
         return int(found.real.sum())
     if enough is not None and (real := quickly_certified_real(instance, enough)) >= enough:
         return real
-    found = poses_by_paths(problem.arrangement, problem.tracked)
-    return certify(instance, found.R[found.real], found.T[found.real]).real
+    points = np.concatenate([paths.solutions().points for paths in problem.tracked])
+    return _certified(instance, made_real(points[look_real(points)]))
 
 
 def quickly_certified_real(instance: Instance, enough: int) -> int:
@@ -155,25 +154,34 @@ def quickly_certified_real(instance: Instance, enough: int) -> int:
 
     Some attempts with other random paths are made until there are enough.
     """
-    points, real = np.zeros((0, 8)), 0
+    points, real, arrangement = np.zeros((0, 8)), 0, Arrangement.of(instance)
     for seed in range(SEED, SEED + _ATTEMPTS):
-        ((arrangement, tracked),) = track_platforms([Arrangement.of(instance)], seed=seed)
-        ends = (tracked_paths.first() for tracked_paths in tracked)
-        more = np.concatenate([end.points[end.converged] for end in ends])
-        points = np.concatenate((points, made_real(more[look_real(more)])))
+        points = np.concatenate((points, made_real(_look_real(arrangement, seed))))
         if len(points) >= enough or seed == SEED + _ATTEMPTS - 1:
-            R, T = pose_from_study(points[:, :4], points[:, 4:])
-            real = certify(instance, R, arrangement.restored(R, T)).real
+            real = _certified(instance, points)
         if real >= enough:
             break
     return real
 
 
+def _certified(instance: Instance, points: Array) -> int:
+    """Return how many different real poses are proved near real Study points, shape (n, 8)."""
+    R, T = pose_from_study(points[:, :4], points[:, 4:])
+    return certify(instance, R, Arrangement.of(instance).restored(R, T)).real
+
+
 def _real_count(instance: Instance) -> int:
     """Return the number of probably real poses after the first attempt at the paths."""
-    ((_, tracked),) = track_platforms([Arrangement.of(instance)], seed=SEED)
-    ends = (tracked_paths.first() for tracked_paths in tracked)
-    return sum(int(look_real(end.points[end.converged]).sum()) for end in ends)
+    return len(_look_real(Arrangement.of(instance), SEED))
+
+
+def _look_real(arrangement: Arrangement, seed: int) -> Complex:
+    """Return the ends of first attempts at the paths that look real, Study points (k, 8)."""
+    tracked = track_all(target_systems(arrangement.normalized), seed=seed)
+    ends = [paths.first() for paths in tracked]
+    points = np.concatenate([end.points[end.converged] for end in ends])
+    found: Complex = points[look_real(points)]
+    return found
 
 
 def _scaled(platform: Platforms, length: float) -> Platforms:

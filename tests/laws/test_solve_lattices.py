@@ -18,8 +18,8 @@ from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Geometry, Line, Plane, Point, vector
 from gspcli.geometry.quaternions import rotation_from_quaternion
 from gspcli.geometry.residuals import residuals
-from gspcli.reality.poses_by_paths import solve_by_tracking
 from gspcli.solver.study_systems import side_choices
+from tools.oracle.poses_by_paths import solve_by_tracking
 
 
 def nonzero(rng: np.random.Generator, size: int) -> np.ndarray:

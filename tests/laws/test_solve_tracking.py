@@ -14,9 +14,9 @@ from gspcli.continuation.quadrics import evaluate
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.quaternions import study_from_pose
 from gspcli.geometry.random_instances import random_instance
-from gspcli.reality.poses_by_paths import solve_by_tracking
 from gspcli.solver import solve
 from gspcli.solver.study_systems import target_systems
+from tools.oracle.poses_by_paths import solve_by_tracking
 
 seeds = st.integers(0, 10**6)
 

@@ -21,8 +21,8 @@ from gspcli.geometry.measurement import jacobian, measured
 from gspcli.geometry.quaternions import Field, normalized, rotation_from_quaternion
 from gspcli.geometry.random_instances import random_instance
 from gspcli.geometry.residuals import residuals
-from gspcli.reality.poses_by_paths import solve_by_tracking
 from gspcli.solver import SolveResult, solve
+from tools.oracle.poses_by_paths import solve_by_tracking
 
 DATA = Path(__file__).parents[2] / "data"
 EXAMPLES = DATA / "examples"

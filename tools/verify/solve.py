@@ -32,8 +32,8 @@ from gspcli.catalogue.counts import generic_counts
 from gspcli.catalogue.kinds import DPP
 from gspcli.catalogue.types import CONSTRAINTS, MAX_ANGLES, GspType
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.reality.poses_by_paths import solve_by_tracking, solve_each_by_tracking
 from gspcli.solver import PoseSet, SolveResult, solve
+from tools.oracle.poses_by_paths import solve_by_tracking, solve_each_by_tracking
 from tools.recording import (
     add_sample,
     add_workers,

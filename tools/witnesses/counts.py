@@ -27,9 +27,9 @@ from gspcli.catalogue.witnesses import best_real
 from gspcli.defaults import SEED
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
-from gspcli.reality.poses_by_paths import solve_by_tracking
 from gspcli.reality.witness_proofs import certified_real, witness_instance
 from gspcli.workers import Workers
+from tools.oracle.poses_by_paths import solve_by_tracking
 from tools.recording import CONFIRMED, add_sample, add_workers, workers_of
 from tools.witnesses.record import FOLDER, Record
 

@@ -21,11 +21,11 @@ from gspcli.reality.fold_distances import moved, neighbours
 from gspcli.reality.maximize import Search
 from gspcli.reality.patterns import Pattern
 from gspcli.reality.platforms import Platforms, multiplier, random_platforms, reduced
-from gspcli.reality.poses_by_paths import solve_by_tracking
 from gspcli.reality.recognition import look_real
 from gspcli.reality.solved_platforms import Solved, solved
 from gspcli.reality.state import State, read_state
 from gspcli.reality.witness_proofs import certified_real, platform_of, real_instance
+from tools.oracle.poses_by_paths import solve_by_tracking
 
 MIXED = "DPP DPL DLP DPH DHP ALL"
 

@@ -16,7 +16,6 @@ from gspcli.geometry.instance import AngleUnit
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.random_instances import random_instance
 from gspcli.geometry.residuals import condition_numbers, residuals
-from gspcli.reality.poses_by_paths import solve_by_tracking
 from gspcli.solver import solve, solve_batch, solve_values
 from gspcli.solver.all_poses import all_poses, first_poses
 from gspcli.solver.problem import Problem
@@ -24,6 +23,7 @@ from gspcli.solver.results import pose_batch as batch_module
 from gspcli.solver.results.proof import CountKind
 from gspcli.solver.starts.solved_starts import SolvedStarts
 from gspcli.solver.strategies.row_groups import groups_of
+from tools.oracle.poses_by_paths import solve_by_tracking
 
 
 def instance_of(name: str):

@@ -21,8 +21,8 @@ from gspcli.geometry.numbers import Number
 from gspcli.geometry.quaternions import quaternion_from_rotation, study_from_pose
 from gspcli.geometry.random_instances import random_instance
 from gspcli.geometry.residuals import residuals
-from gspcli.reality.poses_by_paths import solve_by_tracking
 from gspcli.solver.study_systems import side_choices
+from tools.oracle.poses_by_paths import solve_by_tracking
 
 TYPES = (
     "DPP DPP DPP DPP DPP DPP",

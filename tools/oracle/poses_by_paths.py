@@ -21,9 +21,9 @@ from gspcli.geometry.quaternions import (
     quaternion_from_rotation,
     unit_quaternion,
 )
-from gspcli.reality.parallel_lines import judge_parallel_lines, polish_parallel_lines
 from gspcli.solver.results.pose_set import Motion, PoseSet
 from gspcli.solver.study_systems import target_systems
+from tools.oracle.parallel_ends import judge_parallel_lines, polish_parallel_lines
 
 
 def solve_by_tracking(arrangement: Arrangement, *, seed: int, jobs: int = 1) -> PoseSet:

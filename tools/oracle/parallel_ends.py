@@ -17,9 +17,10 @@ from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import DLL
 from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.measurement import jacobian, measured
 from gspcli.geometry.quaternions import Field, cross, dot, rotation_from_vector
+from gspcli.geometry.residuals import relative_residuals
 from gspcli.geometry.tolerances import NEARLY_PARALLEL_SINE, PARALLEL_SINE_OF_MULTIPLE_ENDS
-from gspcli.reality.pose_newton import improved
 
 #: Distances, in lengths of the platform, that differ by less are equal at such an end ...
 _EQUAL = 1e-5
@@ -90,7 +91,7 @@ def polish_parallel_lines(
     if len(chosen):
         R, T = R.copy(), T.copy()
     for i in chosen:
-        R[i], T[i], _ = improved(arrangement, R[i], T[i], _POLISHING_STEPS)
+        R[i], T[i], _ = _improved(arrangement, R[i], T[i], _POLISHING_STEPS)
     return R, T
 
 
@@ -113,9 +114,63 @@ def _poses_nearby(arrangement: Arrangement, R: Field, T: Field) -> bool:
         for _ in range(_TRIALS):
             turned = rotation_from_vector(size * rng.standard_normal(3)) @ R
             with np.errstate(divide="ignore", invalid="ignore"):
-                pose, place, residual = improved(arrangement, turned, T, _TRIAL_STEPS)
+                pose, place, residual = _improved(arrangement, turned, T, _TRIAL_STEPS)
             distance = np.abs(pose - R).max() + np.abs(place - T).max() / arrangement.length
             least = min(_ARRIVED, _ARRIVED_OF_SINE * _sines(arrangement, pose, place).min())
             if residual < least and distance < _NEAR:
                 return True
     return False
+
+
+def _improved(
+    arrangement: Arrangement, R: Field, T: Field, steps: int
+) -> tuple[Field, Field, float]:
+    """Return one pose after Newton steps, as long as they make its largest residual smaller.
+
+    Parameters
+    ----------
+    arrangement
+        The platform.
+    R, T
+        The pose, shapes (3, 3) and (3,), complex.
+    steps
+        How many steps at most.
+
+    Returns
+    -------
+    R, T, residual
+        The pose, and its largest residual, lengths by that of the platform and angles in radians.
+    """
+    best = float(relative_residuals(arrangement, R, T).max())
+    for _ in range(steps):
+        try:
+            step = np.linalg.solve(jacobian(arrangement, R, T), -_errors(arrangement, R, T))
+        except np.linalg.LinAlgError:
+            break
+        if not np.isfinite(step).all():
+            break
+        moved = _turned(step[:3], R), T + step[3:]
+        residual = float(relative_residuals(arrangement, *moved).max())
+        if not residual < best:
+            break
+        (R, T), best = moved, residual
+    return R, T, best
+
+
+def _turned(omega: Field, R: Field) -> Field:
+    """Return ``(I - K/2)^-1 (I + K/2) R``, K the cross product with omega: Cayley's rotation."""
+    x, y, z = omega / 2
+    half = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    turned: Field = np.linalg.solve(np.eye(3) - half, (np.eye(3) + half) @ R)
+    return turned
+
+
+def _errors(arrangement: Arrangement, R: Field, T: Field) -> Field:
+    """Return measured less stated values, shape (6,); of two signs the nearer one counts."""
+    values, targets = measured(arrangement, R, T), arrangement.targets
+    distances = np.array([kind.is_distance for kind in arrangement.kinds])
+    free = distances & (arrangement.signs == 0)
+    signs = np.where(distances & ~free, arrangement.signs, 1)
+    opposite = free & (np.abs(values + targets) < np.abs(values - targets))
+    errors: Field = values - np.where(opposite, -1, signs) * targets
+    return errors
