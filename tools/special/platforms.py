@@ -12,7 +12,7 @@ from gspcli import dumps, loads
 from gspcli.defaults import SEED
 from gspcli.geometry.instance import Instance
 from tools.recording import ROOT
-from tools.special import extremes, fixtures, hexapods, mixtures, surfaces
+from tools.special import extremes, fixtures, hexapods, lines_of_points, mixtures, surfaces
 from tools.special.parts import Draws
 
 TABLE = ROOT / "data" / "verification" / "special-platforms.csv"
@@ -22,6 +22,7 @@ GROUPS = {
     **surfaces.GROUPS,
     **mixtures.GROUPS,
     **extremes.GROUPS,
+    **lines_of_points.GROUPS,
 }
 
 

@@ -12,12 +12,16 @@ from gspcli.solver.strategies.more_digits import (
     with_64_digits,
     with_more_steps,
 )
-from gspcli.solver.strategies.turned_directions import from_turned_directions
+from gspcli.solver.strategies.special_families import (
+    from_points_off_lines,
+    from_turned_directions,
+)
 
 FURTHER: tuple[Callable[[SidePoses], Iterator[None]], ...] = (
     with_32_digits,
-    # Poses far away because directions are nearly parallel.
+    # Poses far away because directions are nearly parallel, or points nearly on a line.
     from_turned_directions,
+    from_points_off_lines,
     # Eigenvectors, where most paths lead to no pose.
     early_elimination,
     with_64_digits,

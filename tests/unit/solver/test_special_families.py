@@ -1,4 +1,4 @@
-"""Directions of a body that are nearly parallel: poses far away, and side by side, are found."""
+"""Directions nearly parallel, points nearly on a line: poses far away are found, side by side."""
 
 from __future__ import annotations
 
@@ -8,14 +8,16 @@ import numpy as np
 import pytest
 from flint import arb, ctx
 
+from gspcli.catalogue.kinds import DLP, DPL
 from gspcli.catalogue.names import parse_type
+from gspcli.certification.poses.points_off_lines import PointsOffLines
 from gspcli.certification.poses.turned_directions import TurnedDirections
-from gspcli.geometry.instance import Constraint, Instance
+from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Units
 from gspcli.geometry.numbers import Number
-from gspcli.geometry.primitives import Line
+from gspcli.geometry.primitives import Line, Point
 from gspcli.geometry.random_instances import random_instance
 from gspcli.solver import solve
-from gspcli.solver.strategies import elimination, turned_directions
+from gspcli.solver.strategies import elimination, special_families
 
 
 def _nearly_parallel(names: str, eps: Fraction, sign: int = 1) -> Instance:
@@ -49,13 +51,13 @@ def test_poses_far_away_are_found_and_proved(power: int) -> None:
 
 def test_they_are_found_from_the_other_side(monkeypatch: pytest.MonkeyPatch) -> None:
     """With s < 0, where other real poses meet."""
-    monkeypatch.setattr(turned_directions, "_APART", (-3e-3,))
+    monkeypatch.setattr(special_families, "_APART", (-3e-3,))
     result = solve(_nearly_parallel("DPL DPL DPP DPP DPP DPP", Fraction(1, 10**20)))
     assert (result.verdict, result.counts.certified) == ("complete", 160)
 
 
 def test_without_them_poses_are_missing_and_that_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(turned_directions, "_APART", ())
+    monkeypatch.setattr(special_families, "_APART", ())
     monkeypatch.setattr(elimination, "_MOST", 0)
     result = solve(_nearly_parallel("DPL DPL DPP DPP DPP DPP", Fraction(1, 10**20)))
     assert (result.verdict, result.counts.certified) == ("incomplete", 128)
@@ -65,7 +67,7 @@ def test_differences_are_multiplied_and_nothing_else_changes() -> None:
     instance = _nearly_parallel("DPL DPL DPP DPP DPP DPP", Fraction(1, 10**20), sign=-1)
     turned = TurnedDirections.of(instance)
     assert turned is not None
-    assert 1e-21 < turned.angle < 1e-19
+    assert 1e-21 < turned.size < 1e-19
     with ctx.workprec(600):
         same, apart = turned.at(arb(1)), turned.at(arb(10) ** 17)
     for row, other, given in zip(
@@ -90,3 +92,56 @@ def test_differences_are_multiplied_and_nothing_else_changes() -> None:
 @pytest.mark.parametrize("eps", [Fraction(0), Fraction(1, 10**3)])
 def test_directions_that_are_parallel_or_not_nearly_so_are_not_turned(eps: Fraction) -> None:
     assert TurnedDirections.of(_nearly_parallel("DPL DPL DPP DPP DPP DPP", eps)) is None
+
+
+def _four_on_a_line(eps: Fraction, *, on_platform: bool = True) -> Instance:
+    """Return a platform of which four points are on a line up to eps, at equal heights at home."""
+    places = [(Fraction(k), Fraction(2 * k), Fraction(-k)) for k in (0, 1, -2, 3)]
+    x, y, z = places[3]
+    points = [Point(tuple(map(Number.of, place))) for place in (*places[:3], (x + eps, y, z - eps))]
+    line = Line([Number.of(k) for k in (5, 1, 2)], [Number.of(k) for k in (2, -1, 2)])
+    kind = DPL if on_platform else DLP
+    rows = [
+        Constraint(kind, *((point, line) if on_platform else (line, point)), Number.of(4 + k))
+        for k, point in enumerate(points)
+    ]
+    others = random_instance(parse_type("DPP DPP DPP DPP DPP DPP"), np.random.default_rng(1))
+    return Instance((*others[0].constraints[:2], *rows), others[0].units)
+
+
+@pytest.mark.parametrize("on_platform", [True, False])
+def test_points_are_moved_off_their_line_and_nothing_else_changes(on_platform: bool) -> None:
+    body = "platform" if on_platform else "base"
+    instance = _four_on_a_line(Fraction(1, 10**20), on_platform=on_platform)
+    family = PointsOffLines.of(instance)
+    assert family is not None
+    assert 1e-22 < family.size < 1e-19
+    with ctx.workprec(600):
+        same, apart = family.at(arb(1)), family.at(arb(10) ** 17)
+    for row, other, given in zip(
+        same.constraints, apart.constraints, instance.constraints, strict=True
+    ):
+        for one in (row, other):
+            assert (one.kind, one.value, one.side) == (given.kind, given.value, given.side)
+            unmoved = "base" if on_platform else "platform"
+            assert getattr(one, unmoved) == getattr(given, unmoved)
+        exact, stated = (
+            [_fraction(number) for number in getattr(one, body).position] for one in (row, given)
+        )
+        assert all(abs(x - y) < Fraction(1, 10**100) for x, y in zip(exact, stated, strict=True))
+    moved = np.array([getattr(row, body).position for row in apart.constraints[2:]], float)
+    along = moved[3] - moved[2]
+    off = np.linalg.norm(np.cross(moved - moved[2], along), axis=1) / np.linalg.norm(along)
+    assert 1e-4 < off.max() < 1e-2
+
+
+@pytest.mark.parametrize("eps", [Fraction(0), Fraction(1, 10**2)])
+def test_points_that_are_on_a_line_or_not_nearly_so_are_not_moved(eps: Fraction) -> None:
+    assert PointsOffLines.of(_four_on_a_line(eps)) is None
+
+
+def test_three_points_on_a_line_are_not_moved() -> None:
+    """Their distances from another line are independent."""
+    rows = list(_four_on_a_line(Fraction(1, 10**20)).constraints)
+    rows[2] = rows[0]
+    assert PointsOffLines.of(Instance(tuple(rows), Units("m", AngleUnit.DEGREE))) is None

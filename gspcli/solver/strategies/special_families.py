@@ -1,6 +1,7 @@
-"""Poses far away because directions of a body are nearly parallel.
+"""Poses far away because a body is nearly special, from a platform that is less so.
 
-They are continued from a platform whose directions are turned apart, in the angle between them.
+They are continued in the angle between nearly parallel directions, or in the distance of points
+from a line.
 """
 
 from __future__ import annotations
@@ -9,26 +10,38 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from gspcli.certification.poses.turned_directions import TurnedDirections, TurnedEquations
+from gspcli.certification.poses.points_off_lines import PointsOffLines
+from gspcli.certification.poses.special_family import FamilyPaths, SpecialFamily
+from gspcli.certification.poses.turned_directions import TurnedDirections
 from gspcli.continuation.quadrics import ComplexArray
 from gspcli.solver.problem import Problem
 from gspcli.solver.side_poses import SidePoses, conjugate_sources, is_nearly_real
 
-#: By how much directions shall differ, each tried in turn, negative for the other side: poses are
-#: found there with 32 digits.
+#: The differences from which poses are followed, each tried in turn, negative for the other side:
+#: poses are found there with 32 digits.
 _APART = (3e-3, -3e-3)
 
 
 def from_turned_directions(side: SidePoses) -> Iterator[None]:
     """Add the poses to which those of a platform with directions turned apart lead."""
     turned = TurnedDirections.of(side.problem.instance) if len(side.unresolved) else None
-    if turned is None:
-        return
+    if turned is not None:
+        yield from _from_family(side, turned)
+
+
+def from_points_off_lines(side: SidePoses) -> Iterator[None]:
+    """Add the poses to which those of a platform with points farther from a line lead."""
+    moved = PointsOffLines.of(side.problem.instance) if len(side.unresolved) else None
+    if moved is not None:
+        yield from _from_family(side, moved)
+
+
+def _from_family(side: SidePoses, family: SpecialFamily) -> Iterator[None]:
     for apart in _APART:
-        equations = TurnedEquations(turned, side.locator, side.sides, apart)
-        problem = side.problem.like(equations.instance)
+        paths = FamilyPaths(family, side.locator, side.sides, apart)
+        problem = side.problem.like(paths.instance)
         for point, low in _ends(problem, side.k):
-            side.found.add([equations.locate(problem.locator, point, low)])
+            side.found.add([paths.locate(problem.locator, point, low)])
             side.found.add_conjugates()
             yield
         side.found.add_close_conjugates()
