@@ -98,7 +98,7 @@ def _measured(
     if name in ("range", "cone", "transmission"):
         return limits_of(instance, name, values, R, T)
     if name == "gap":
-        return _gaps(instance, R, T)
+        return gaps_of(instance, R, T)
     if name == "condition":
         from gspcli.geometry.printed_numbers import printed_conditions
         from gspcli.geometry.residuals import condition_numbers
@@ -125,15 +125,22 @@ def _measured(
     return pose_clearances(instance, R, T)
 
 
-def _gaps(instance: Instance, R: Array, T: Array) -> QuantityParts:
-    from gspcli.motion.collisions.leg_gaps import gaps
+def gaps_of(instance: Instance, R: Array, T: Array, q: Array | None = None) -> QuantityParts:
+    """Return the gaps of n poses, with cranks and slides at q or where the poses ask them to be.
+
+    Raises
+    ------
+    GspError
+        If the instance states no shapes.
+    """
+    from gspcli.motion.collisions.compared import ComparedShapes
     from gspcli.motion.files.requirements import QuantityParts
 
     if instance.shapes is None:
         message = "--require gap: SPEC states no shapes of its legs (shapes: {diameter: ...})"
         raise GspError(message)
-    found = gaps(instance, R, T)
-    return QuantityParts(found.values, found.pairs)
+    compared = ComparedShapes(instance)
+    return QuantityParts(compared.gaps(R, T, q), compared.names)
 
 
 def _arrangement(instance: Instance, R: Array, T: Array) -> Arrangement:

@@ -154,12 +154,13 @@ def command(
     at the rows only.
 
     --require names the worst row of each requirement, and the exit code is 1 unless all rows keep
-    all of them. Ranges, cones, condition, clearance and gap must hold between the rows, too, with
-    proof, unless coordinates move.
+    all of them. Ranges, cones, condition, clearance, gap and transmission must hold between the
+    rows, too, with proof, unless coordinates move other than those of cranks and slides.
 
     --along poses changes x, y, z and the angles linearly between the rows of a file of poses,
     as a controller with six axes does. The angles are rx, ry, rz in the order of --euler, ZYX
-    by default, each the shorter way round. It is proved that no pose on the way is singular.
+    by default, each the shorter way round. It is proved that no pose on the way is singular, and
+    that no crank or slide passes a dead point.
 
     The exit code is 4 if a mode ends before the last row, unless --allow-loss is given. It is
     also 4 if a mode that is followed along a file of poses is not at the pose of a row.
@@ -256,10 +257,15 @@ def _clearances(
     asked = {one.quantity for one in requirements}
     found = {}
     if clear or "clearance" in asked:
+        from gspcli.motion.paths.track_bounds import moves_by_drives
         from gspcli.motion.singularities.clearances import clearances, range_weights
+        from gspcli.motion.singularities.drive_clearances import drive_clearances
 
-        weighted = partial(clearances, weights=range_weights(result.instance))
-        found["clearance"] = _of_poses(result, weighted)
+        if moves_by_drives(result):
+            found["clearance"] = _of_machine(result, lambda *pose: drive_clearances(*pose)[0])
+        else:
+            weighted = partial(clearances, weights=range_weights(result.instance))
+            found["clearance"] = _of_poses(result, weighted)
     if pose_clear or "pose-clearance" in asked:
         from gspcli.motion.singularities.pose_clearances import pose_clearances
 
@@ -311,6 +317,16 @@ def _new_modes(result: Track) -> str:
         f"mode{'s' if many else ''} {names}: new, not reached from the {result.known} real poses "
         "of SPEC on the way to the first row"
     )
+
+
+def _of_machine(result: Track, bound: Callable[[Instance, Array, Array], Array]) -> Array:
+    """Return what is bounded at each pose of the whole machine with its drives, shape (m, r)."""
+    import numpy as np
+
+    there = ~np.isnan(result.T[..., 0])
+    found = np.full(there.shape, np.nan)
+    found[there] = bound(result.instance, result.R[there], result.T[there])
+    return found
 
 
 def _of_poses(result: Track, bound: Callable[[Instance, Array, Array], Array]) -> Array:

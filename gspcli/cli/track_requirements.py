@@ -72,10 +72,13 @@ def _at_all_rows(result: Track, requirement: Requirement) -> Array | QuantityPar
 
     from gspcli.geometry.drive_numbers import is_driven
     from gspcli.motion.files.requirements import QuantityParts
+    from gspcli.motion.following.drive_events import moves_drives_only
 
     name = requirement.quantity
     if name in ("range", "transmission") and is_driven(result.instance):
         return _of_drives(result, name)
+    if name == "gap" and is_driven(result.instance) and moves_drives_only(result):
+        return _gaps(result)
     if name in ("clearance", "pose_clearance") and is_driven(result.instance):
         rows, modes = np.nonzero(~np.isnan(result.T[..., 0].T))
         R, T = (array[modes, rows] for array in (result.R, result.T))
@@ -111,9 +114,22 @@ def _of_drives(result: Track, name: str) -> QuantityParts:
     return limits_of(result.instance, name, result.values[rows], R, T, at)
 
 
+def _gaps(result: Track) -> QuantityParts:
+    """Return gaps of each pose, with the points where the drives have them."""
+    import numpy as np
+
+    from gspcli.cli.requirements import gaps_of
+    from gspcli.geometry.drives import Drives
+    from gspcli.motion.following.drive_events import drive_rows
+
+    rows, modes = np.nonzero(~np.isnan(result.T[..., 0].T))
+    R, T = (array[modes, rows] for array in (result.R, result.T))
+    q = drive_rows(result, Drives.of(result.instance))[rows]
+    return gaps_of(result.instance, R, T, q)
+
+
 def _between(verdict: RequirementVerdict, done: FollowedTrack) -> RequirementVerdict:
     """Return a verdict that also holds between the rows, where that can be proved."""
-    from gspcli.geometry.drive_numbers import is_driven
     from gspcli.motion.following.limit_events import cones_proved
     from gspcli.motion.paths.track_bounds import BOUNDED, can_be_bounded
 
@@ -124,9 +140,8 @@ def _between(verdict: RequirementVerdict, done: FollowedTrack) -> RequirementVer
     if quantity not in ("range", "cone"):
         return verdict
     left = [one for one in done.limits if one.kind == quantity]
-    known = cones_proved(done.track) or done.ways is not None
-    if quantity == "range":
-        known = not is_driven(done.track.instance)
+    # Values and drives change linearly between rows, so they keep a range that both rows keep.
+    known = quantity == "range" or cones_proved(done.track) or done.ways is not None
     if not verdict.met or not left:
         return replace(verdict, between=known)
     event = left[0]
@@ -137,7 +152,7 @@ def _between(verdict: RequirementVerdict, done: FollowedTrack) -> RequirementVer
 
 
 def _bounded(verdict: RequirementVerdict, done: FollowedTrack) -> RequirementVerdict:
-    """Return a verdict on a condition, a clearance or a gap that also holds between the rows."""
+    """Return a verdict on a quantity of `BOUNDED` that also holds between the rows."""
     from gspcli.motion.paths.track_bounds import worst_between
 
     quantity, wanted = verdict.requirement.quantity, verdict.requirement.limit

@@ -99,14 +99,19 @@ def test_a_track_keeps_a_gap_between_its_rows(gsp, thick, tmp_path, along):
     assert (run.code, "met, between rows too" in run.out) == (0, True), run.err
 
 
-def test_a_track_of_a_machine_with_arms_keeps_a_gap_at_its_rows(gsp, tmp_path):
+@pytest.mark.parametrize("along", ["poses", "values"])
+def test_a_track_of_a_machine_with_arms_keeps_a_gap_between_its_rows(gsp, tmp_path, along):
     text = instance_files()["t-top-head"].read_text(encoding="utf-8").rstrip()
     path, poses = tmp_path / "thick.yaml", tmp_path / "poses.csv"
     path.write_text(f"{text}\nshapes: {{diameter: 0}}\n", encoding="utf-8")
     poses.write_text("x,y,z,rx,ry,rz\n0,0,0.17,0,0,0\n0,0,0.171,0,0,1\n", encoding="utf-8")
-    run = gsp("track", path, poses, "--euler", "ZYX", "--require", "gap>=0.001")
+    words = ("track", path, poses, "--euler", "ZYX", "--along", along, "--require")
+    run = gsp(*words, "gap>=0.001")
     assert run.code == 0, run.err
-    assert "gap >= 0.001: met; worst" in run.out
+    assert "gap >= 0.001: met, between rows too; worst 0.03" in run.out
+    run = gsp(*words, "gap>=0.03")
+    assert run.code == 1
+    assert "gap >= 0.03: NOT met" in run.out
 
 
 def test_documents_of_workspaces_say_which_gap_was_asked_for(gsp, thick):

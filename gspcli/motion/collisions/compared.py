@@ -165,31 +165,6 @@ class ComparedShapes:
         decimals = _DIGITS - math.ceil(math.log10(self._arrangement.length))
         return np.round(self.bounds(R, T, q).high, decimals)
 
-    def _slips(
-        self,
-        shifts: Array,
-        turns: Array,
-        centre: Array,
-        places: Array,
-        R: Array,
-        T: Array,
-        q: Array,
-    ) -> tuple[Array, Array, Array]:
-        """Return the joints where drives have them, and how far these move them, (2, n, 6)."""
-        from gspcli.geometry.drives import Drives
-        from gspcli.motion.collisions.driven_moves import point_moves
-
-        drives = Drives.of(self.instance)
-        placed = drives.arrangement(q)
-        own = np.linalg.norm(placed.y - centre, axis=-1)
-        away = np.linalg.norm(places[:, None] - placed.x, axis=-1)
-        arms = np.where(drives.on_platform, away, own)
-        moved = point_moves(drives, R, T, q, shifts[:, None] + turns[:, None] * arms)
-        slips = np.stack(
-            [np.where(drives.on_platform == side, moved, 0.0) for side in (True, False)]
-        )
-        return placed.y, placed.x, slips
-
     def _placed(self, R: Array, T: Array, q: Array | None) -> Array:
         """Return the points of the hulls at poses, one hull after the other, shape (n, m, 3)."""
         if q is None:
@@ -232,6 +207,7 @@ class ComparedShapes:
         centre: Array,
         places: Array,
         driven: tuple[Array, Array, Array] | None = None,
+        slips: Array | None = None,
     ) -> Array:
         """Bound how much each gap changes while the platform moves a little, shape (n, p).
 
@@ -247,6 +223,9 @@ class ComparedShapes:
         driven
             The poses R and T, and the numbers q of cranks and slides there; needed if there are
             any.
+        slips
+            How far these move their points in their bodies, shape (n, 6); if None, as far as the
+            near poses ask for (`driven_moves`).
 
         Notes
         -----
@@ -260,11 +239,21 @@ class ComparedShapes:
         a = self._arrangement
         y, x = a.y, a.x
         # How far cranks and slides move the joints on the platform, and on the base.
-        slips = np.zeros((2, len(shifts), 6))
+        sides = np.zeros((2, len(shifts), 6))
         if driven is not None:
-            y, x, slips = self._slips(shifts, turns, centre, places, *driven)
-        own = np.linalg.norm(y - centre, axis=-1) + slips[0]
-        away = np.linalg.norm(places[:, None] - x, axis=-1) + slips[1]
+            from gspcli.geometry.drives import Drives
+            from gspcli.motion.collisions.driven_moves import slips_near
+
+            drives, q = Drives.of(self.instance), driven[2]
+            placed = drives.arrangement(q)
+            y, x = placed.y, placed.x
+            if slips is None:
+                slips = slips_near(drives, *driven, shifts, turns, centre)
+            sides[0], sides[1] = (
+                np.where(drives.on_platform == side, slips, 0.0) for side in (True, False)
+            )
+        own = np.linalg.norm(y - centre, axis=-1) + sides[0]
+        away = np.linalg.norm(places[:, None] - x, axis=-1) + sides[1]
         far = {
             "platform": np.linalg.norm(self._points["platform"] - centre, axis=-1).max()
             if len(self._points["platform"])
@@ -274,7 +263,7 @@ class ComparedShapes:
         from_base, from_platform = np.zeros((2, len(shifts), count))
         for k, hull in enumerate(self._hulls):
             if hull.leg is not None:
-                on_platform, on_base = slips[:, :, hull.leg]
+                on_platform, on_base = sides[:, :, hull.leg]
                 # Of a part of a leg whose both ends move, both moves count.
                 both = np.add if hull.beyond else np.maximum
                 from_base[:, k] = both(shifts + turns * own[:, hull.leg] + on_platform, on_base)

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.geometry.drives import Drives
+from gspcli.geometry.quaternions import apply
 
 Array = NDArray[np.float64]
 
@@ -68,3 +69,29 @@ def point_moves(drives: Drives, R: Array, T: Array, q: Array, moves: Array) -> A
                 far = drives.arms[k] * factor * linear[:, k] * _OUTWARD
                 found[:, k] = np.where(fits, np.minimum(found[:, k], far), found[:, k])
     return np.asarray(found)
+
+
+def slips_near(
+    drives: Drives, R: Array, T: Array, q: Array, shifts: Array, turns: Array, centre: Array
+) -> Array:
+    """Bound how far driven points move in their bodies near poses, shape (n, 6); `point_moves`.
+
+    Parameters
+    ----------
+    drives
+        The drives of a platform.
+    R, T, q
+        Poses and the numbers of the drives there, shapes (n, 3, 3), (n, 3) and (n, m).
+    shifts, turns
+        How far a point of the platform moves, and by which angle, in radians, the platform turns,
+        at most; shapes (n,).
+    centre
+        This point, in the frame of the platform, shape (3,).
+    """
+    placed = drives.arrangement(q)
+    places = T + apply(R, np.broadcast_to(centre, T.shape))
+    own = np.linalg.norm(placed.y - centre, axis=-1)
+    away = np.linalg.norm(places[:, None] - placed.x, axis=-1)
+    # Seen from the body of the driven point the other body moves.
+    arms = np.where(drives.on_platform, away, own)
+    return point_moves(drives, R, T, q, shifts[:, None] + turns[:, None] * arms)

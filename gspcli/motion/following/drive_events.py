@@ -47,6 +47,11 @@ def drive_rows(track: Track, drives: Drives) -> Array:
     return q
 
 
+def moves_drives_only(track: Track) -> bool:
+    """Whether no point of the machine moves but those of its cranks and slides."""
+    return all(one.is_drive for one in track.coordinates)
+
+
 def _ranges(track: Track, drives: Drives, q: Array) -> list[LimitEvent]:
     found = []
     for k in np.flatnonzero(drives.moved & np.isfinite(drives.high)):

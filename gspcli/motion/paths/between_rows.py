@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import DLL, Primitive
+from gspcli.certification.branches.taylor import MovingSystem
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.quaternions import apply
@@ -91,6 +92,19 @@ class PathRows:
     def instance(self) -> Instance:
         """The platform."""
         return self.ways.instance
+
+    def drive_numbers(self) -> Array | None:
+        """Return what cranks and slides are at in the rows, shape (r, m); None without motors."""
+        motors = self.ways.motors if isinstance(self.ways, PoseWays) else None
+        return None if motors is None else motors.numbers(self.R, self.T)
+
+    def followed(self) -> tuple[MovingSystem, Array] | None:
+        """Return what moves linearly between the rows, and its numbers there, shape (r, k).
+
+        None if the mode cannot be followed again. Not for ways of poses.
+        """
+        assert isinstance(self.ways, ValueWays)
+        return self.ways.system, self.values
 
     def halved(self, gaps: NDArray[np.int64]) -> PathRows | None:
         """Return the rows with one more in the middle of some ways; None if one is not found.

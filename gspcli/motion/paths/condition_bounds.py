@@ -1,10 +1,11 @@
 """Bounds of condition numbers over all poses that are near to given ones.
 
 If the centre of the platform moves by at most d and the platform turns by at most t, each row of
-the Jacobian matrix changes by a bounded amount. Rows are (moment / L, force) as in
-`condition_numbers`, of norm one; let e be the root of the sum of the squares of the bounds of their
-changes. No singular value changes by more than e, by Weyl's inequality. So the condition number is
-at most ``(s_1 + e) / (s_6 - e)``, if e is below the least singular value s_6.
+the Jacobian matrix changes by a bounded amount. It changes by more if cranks or slides move the
+points of legs. Rows are (moment / L, force) as in `condition_numbers`, of norm one; let e be the
+root of the sum of the squares of the bounds of their changes. No singular value changes by more
+than e, by Weyl's inequality. So the condition number is at most ``(s_1 + e) / (s_6 - e)``, if e is
+below the least singular value s_6.
 """
 
 from __future__ import annotations
@@ -25,7 +26,13 @@ _OUTWARD = 1 + 2.0**-30
 
 
 def condition_bounds(
-    arrangement: Arrangement, R: Array, T: Array, shifts: Array, turns: Array, length: float
+    arrangement: Arrangement,
+    R: Array,
+    T: Array,
+    shifts: Array,
+    turns: Array,
+    length: float,
+    slips: Array | None = None,
 ) -> Array:
     """Return upper bounds of the condition numbers of poses near to given ones, shape (n,).
 
@@ -42,6 +49,9 @@ def condition_bounds(
         at most; shapes (n,).
     length
         The typical length, as for `condition_numbers`.
+    slips
+        How far cranks and slides move the points of legs (DPP) in their bodies, at most: those of
+        the platform and those of the base, shape (2, n, 6); None if no point moves.
     """
     with np.errstate(all="ignore"):
         rows = jacobian(arrangement, R, T)
@@ -49,7 +59,7 @@ def condition_bounds(
         rows[..., :3] -= np.cross(np.broadcast_to(offset, rows[..., 3:].shape), rows[..., 3:])
         rows[..., :3] /= length
         norms = np.linalg.norm(rows, axis=-1)
-        changes = _changes(arrangement, R, T, shifts, turns, length)
+        changes = _changes(arrangement, R, T, shifts, turns, length, slips)
         known = np.isfinite(norms) & np.isfinite(changes) & (changes < norms)
         # Vectors of norm one differ by at most 2 |a - b| / (|a| + |b|).
         moved = changes / (norms - changes / 2) * _OUTWARD
@@ -63,7 +73,13 @@ def condition_bounds(
 
 
 def _changes(
-    a: Arrangement, R: Array, T: Array, shifts: Array, turns: Array, length: float
+    a: Arrangement,
+    R: Array,
+    T: Array,
+    shifts: Array,
+    turns: Array,
+    length: float,
+    slips: Array | None,
 ) -> Array:
     """Bound the changes of the rows before they are scaled, shape (n, 6)."""
     turned = np.swapaxes(R, -1, -2)
@@ -77,16 +93,39 @@ def _changes(
     d = shifts + 2.0**-48 * far
     t = 2 * np.sin(np.minimum(turns, np.pi) / 2) * _OUTWARD + 2.0**-48
     found = np.empty(offsets.shape[:2])
+    own, other = np.zeros((2, *found.shape)) if slips is None else slips
     for k, kind in enumerate(a.kinds):
-        moment, force = _of_kind(kind, arms[:, k], offsets[:, k], w[:, k], a.v[k], d, t)
+        if kind is DPP:
+            moment, force = _of_leg(arms[:, k], offsets[:, k], d, t, own[:, k], other[:, k])
+        else:
+            moment, force = _of_kind(kind, arms[:, k], offsets[:, k], w[:, k], a.v[k], d, t)
         found[:, k] = np.hypot(moment / length, force)
     return found * _OUTWARD
+
+
+def _of_leg(
+    arm: Array, offset: Array, d: Array, t: Array, own: Array, other: Array
+) -> tuple[Array, Array]:
+    """Bound the changes of moment and force of a leg, shape (n,) each.
+
+    Parameters
+    ----------
+    arm, offset, d, t
+        As for `_of_kind`.
+    own, other
+        How far drives move its points on the platform and on the base, shape (n,).
+    """
+    a = _size(arm)
+    # The arm of a point that moves is ``E (y + s)`` with the turn E and the move s.
+    moved = t * a + own
+    force = _direction(arm + offset, d + moved + other)
+    return moved + a * force, force
 
 
 def _of_kind(
     kind: Kind, arm: Array, offset: Array, w: Array, v: Array, d: Array, t: Array
 ) -> tuple[Array, Array]:
-    """Bound the changes of moment and force of one constraint, shape (n,) each.
+    """Bound the changes of moment and force of a constraint that is no leg, shape (n,) each.
 
     Parameters
     ----------
@@ -104,9 +143,6 @@ def _of_kind(
     a, s = _size(arm), _size(offset)
     r = arm + offset
     moves = d + t * a
-    if kind is DPP:
-        force = _direction(r, moves)
-        return t * a + a * force, force
     if kind is DPL:
         force = _direction(r - (r @ v)[:, None] * v, moves)
         return t * a + a * force, force

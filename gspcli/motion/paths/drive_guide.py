@@ -94,7 +94,7 @@ class DriveGuide:
                 return None
             proofs[part] += pieces
         rows = DrivenRows(
-            self.ways, followed.values, R, T, motors=self.motors, numbers=q, middle=self._middle,
+            self.ways, followed.values, R, T, motors=self.motors, numbers=q, middle=self.middle,
             clear=self.clear > 0,
         )  # fmt: skip
         trace = GuideRows(given.part, given.fraction, followed.values, R, T, proofs, rows, q)
@@ -146,7 +146,7 @@ class DriveGuide:
             return 1
         if not halvings:
             return 0
-        there = self._middle(q, R, T)
+        there = self.middle(q, R, T)
         if there is None:
             return 0
         middle = numbers.mean(axis=0)
@@ -154,7 +154,7 @@ class DriveGuide:
         second = first and self._keeps_knees(np.stack((middle, numbers[1])), *there, halvings - 1)
         return first + second if second else 0
 
-    def _middle(self, q: Array, R: Array, T: Array) -> tuple[Array, Array] | None:
+    def middle(self, q: Array, R: Array, T: Array) -> tuple[Array, Array] | None:
         """Return the pose in the middle of a way of drives from a pose; None if it is not found.
 
         Parameters

@@ -13,7 +13,9 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from gspcli.certification.branches.taylor import MovingSystem
 from gspcli.geometry.residuals import condition_numbers
+from gspcli.motion.following.moving_geometry import MovingGeometry
 from gspcli.motion.paths.between_rows import PathRows
 from gspcli.motion.paths.motors import Motors
 from gspcli.motion.paths.pose_ways import PoseWays
@@ -41,17 +43,35 @@ class DrivenRows(PathRows):
         the pose there; None if it is not found.
     clear
         Whether clearances are asked for. They take long.
+    geometry
+        The platform with the drives that move, for ways of drives; None if bounds that need it are
+        not asked for.
     """
 
     motors: Motors | None = None
     numbers: Array | None = None
     middle: Callable[[Array, Array, Array], tuple[Array, Array] | None] | None = None
     clear: bool = False
+    geometry: MovingGeometry | None = None
 
     @property
     def most_halvings(self) -> int:
         """How often ways between rows are halved at most: clearances of drives take long."""
         return _HALVINGS
+
+    def drive_numbers(self) -> Array:
+        """Return what the drives are at in the rows, shape (r, m)."""
+        assert self.motors is not None
+        return self.motors.numbers(self.R, self.T) if self.numbers is None else self.numbers
+
+    def followed(self) -> tuple[MovingSystem, Array] | None:
+        """Return the machine with its drives, and values and drives at the rows, (r, 6 + d)."""
+        if self.geometry is None or self.numbers is None:
+            return None
+        assert self.motors is not None
+        drives = self.motors.drives
+        places = (self.numbers / drives.units)[:, drives.moved]
+        return self.geometry.system, np.column_stack((self.values, places))
 
     def halved(self, gaps: NDArray[np.int64]) -> DrivenRows | None:
         """Return the rows with one more in the middle of some ways; None if one is not found."""
@@ -66,7 +86,8 @@ class DrivenRows(PathRows):
             R, T = self.ways.poses(half)
             parameters = np.insert(parameters, gaps + 1, half, axis=0)
         else:
-            assert self.middle is not None
+            if self.middle is None:
+                return None
             there = [self.middle(numbers[[k, k + 1]], self.R[k], self.T[k]) for k in gaps]
             poses = [one for one in there if one is not None]
             if len(poses) < len(there):

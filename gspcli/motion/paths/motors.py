@@ -25,12 +25,21 @@ class Motors:
         The platform.
     R, T
         A pose, shapes (3, 3) and (3,), whose knees are taken if no home is stated.
+    knees
+        The knees, shape (6,), if they are known.
     """
 
-    def __init__(self, instance: Instance, R: Array | None = None, T: Array | None = None) -> None:
+    def __init__(
+        self,
+        instance: Instance,
+        R: Array | None = None,
+        T: Array | None = None,
+        *,
+        knees: NDArray[np.int64] | None = None,
+    ) -> None:
         self.instance = instance
         self.drives = Drives.of(instance)
-        self.knees = knees_of(instance, R, T)
+        self.knees = knees_of(instance, R, T) if knees is None else knees
         self.shared = shares_drives(instance)
 
     @staticmethod

@@ -7,17 +7,32 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from gspcli.geometry.coordinates import coordinates, moved
+from gspcli.geometry.drive_numbers import is_driven
+from gspcli.geometry.drives import Drives
 from gspcli.geometry.frames import PoseFrame
 from gspcli.geometry.readings import without_corrections
+from gspcli.motion.following.drive_events import drive_rows, moves_drives_only
+from gspcli.motion.following.moving_geometry import MovingGeometry
 from gspcli.motion.following.tracks import Track
 from gspcli.motion.paths.between_rows import PathRows, largest_conditions, least_clearances
+from gspcli.motion.paths.drive_guide import DriveGuide
+from gspcli.motion.paths.driven_bounds import largest_driven_conditions, least_transmissions
+from gspcli.motion.paths.driven_rows import DrivenRows
+from gspcli.motion.paths.ends import PathEnd
 from gspcli.motion.paths.gaps_between import least_gaps
+from gspcli.motion.paths.motors import Motors
 from gspcli.motion.paths.pose_ways import PoseWays
 from gspcli.motion.paths.value_ways import ValueWays
 from gspcli.records import dataclass
 
-#: What is judged between rows, and how.
-BOUNDED = {"condition": largest_conditions, "clearance": least_clearances, "gap": least_gaps}
+Array = NDArray[np.float64]
+
+#: Rods are the stated ones up to this part of their length.
+_SAME = 1e-12
+
+#: What is judged between rows: whether the least counts, not the largest.
+BOUNDED = {"condition": False, "clearance": True, "gap": True, "transmission": True}
 
 
 @dataclass(frozen=True)
@@ -40,8 +55,23 @@ class Between:
 
 
 def can_be_bounded(track: Track) -> bool:
-    """Whether bounds between the rows of a track are known: its ways are proved, no point moves."""
-    return track.certified and not track.coordinates and len(track.t) > 1
+    """Whether bounds between the rows of a track are known.
+
+    Its ways are proved, and no point moves but those that drives move, with the stated rods.
+    """
+    if not track.certified or len(track.t) < 2:
+        return False
+    return not track.coordinates or moves_by_drives(track)
+
+
+def moves_by_drives(track: Track) -> bool:
+    """Whether cranks and slides move a track, and nothing else, with the stated rods."""
+    instance = track.instance
+    if not track.coordinates or not is_driven(instance) or not moves_drives_only(track):
+        return False
+    drives = Drives.of(instance)
+    rods = track.values[:, drives.driven] - drives.rods[drives.driven]
+    return bool((np.abs(rods) <= _SAME * np.abs(drives.rods[drives.driven])).all())
 
 
 def worst_between(
@@ -60,28 +90,39 @@ def worst_between(
     quantity
         A key of `BOUNDED`.
     wanted
-        The largest condition number, or the least clearance or gap.
+        The largest condition number, or the least clearance, gap or transmission.
     ways
-        Straight ways in position and angles, if they lead from row to row; None for values.
+        Straight ways in position and angles, if they lead from row to row; None for values and
+        drives.
     frame
         The frame of the poses of these ways; None for the platform's own.
     """
     worst: Between | None = None
+    least = BOUNDED[quantity]
     for k, mode in enumerate(track.modes.tolist()):
         there = np.flatnonzero(~np.isnan(track.T[k, :, 0]))
         if len(there) < 2:
             continue
-        _, bounds = BOUNDED[quantity](_rows(track, k, there, ways, frame), wanted)
-        bad = bounds if quantity == "condition" else -bounds
+        bounds = _bounds(_rows(track, k, there, ways, frame), quantity, wanted)
+        bad = -bounds if least else bounds
         row = int(bad.argmax())
-        kept = bounds[row] <= wanted if quantity == "condition" else bounds[row] >= wanted
-        if not kept and (worst is None or bad[row] > _badness(worst, quantity)):
+        kept = bounds[row] >= wanted if least else bounds[row] <= wanted
+        if not kept and (worst is None or bad[row] > (-worst.bound if least else worst.bound)):
             worst = Between(mode, int(there[row]), float(bounds[row]))
     return worst
 
 
-def _badness(one: Between, quantity: str) -> float:
-    return one.bound if quantity == "condition" else -one.bound
+def _bounds(rows: PathRows, quantity: str, wanted: float) -> Array:
+    """Return proved bounds of a quantity on the ways between rows, shape (r - 1,)."""
+    if quantity == "gap":
+        return least_gaps(rows, wanted)[1]
+    if quantity == "clearance":
+        return least_clearances(rows, wanted)[1]
+    if not isinstance(rows, DrivenRows):
+        return largest_conditions(rows, wanted)[1]
+    if quantity == "condition":
+        return largest_driven_conditions(rows, wanted)[1]
+    return least_transmissions(rows, wanted)[1]
 
 
 def _rows(
@@ -92,9 +133,37 @@ def _rows(
     if ways is not None:
         if frame is not None:
             R, T = frame.from_platform(R, T)
-        return PathRows(ways, values, R, T, ways.continued(R, T))
-    # Limits are judged apart: a way that leaves them has its condition numbers all the same.
+        parameters = ways.continued(R, T)
+        if ways.motors is None:
+            return PathRows(ways, values, R, T, parameters)
+        return DrivenRows(ways, values, R, T, parameters, motors=ways.motors, clear=True)
+    if track.coordinates:
+        return _of_drives(track, k, there)
     instance = without_corrections(track.followed)
+    # Drives that no column moves stay where the file states their points.
+    still = [one for one in coordinates(instance) if one.is_drive]
+    instance = moved(instance, still, np.zeros(len(still)))
+    # Limits are judged apart: a way that leaves them has its condition numbers all the same.
     rows = tuple(replace(row, limits=None) for row in instance.constraints)
     free = ValueWays(replace(instance, constraints=rows), np.sign(values[0]))
     return PathRows(free, values, R, T, weights=PathRows.weights_of(track.instance))
+
+
+def _of_drives(track: Track, k: int, there: NDArray[np.int64]) -> DrivenRows:
+    """Return the rows of one mode of a track of drives."""
+    instance = without_corrections(track.instance)
+    R, T = track.R[k, there], track.T[k, there]
+    drives = Drives.of(instance)
+    numbers = drive_rows(track, drives)[there]
+    # Where no home is stated the knees are those of the mode.
+    gains = drives.gains(R[0], T[0], numbers[0])
+    knees = np.where(drives.driven & (gains < 0), -1, 1)
+    motors = Motors(instance, knees=knees)
+    ways = PoseWays(instance, limits=False, motors=motors)
+    begin = PathEnd("", track.values[there[0]], R[0], T[0])
+    middle = DriveGuide(motors, ways, begin, begin).middle
+    geometry = MovingGeometry(track.followed, track.coordinates)
+    return DrivenRows(
+        ways, track.values[there], R, T, motors=motors, numbers=numbers, middle=middle,
+        clear=True, geometry=geometry,
+    )  # fmt: skip
