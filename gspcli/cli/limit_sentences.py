@@ -111,4 +111,8 @@ def _of_drive(result: Track, event: LimitEvent, what: str) -> str:
     drives = Drives.of(result.instance)
     k = drives.names.index(event.drive)
     low, high = (f"{drives.readings(end)[k]:.10g}" for end in (drives.low, drives.high))
-    return f"{event.drive} {what} its range from {low} to {high} at t = {event.low:.10g}"
+    when = f"at t = {event.low:.10g}"
+    if not event.proved and event.low < event.high:
+        what = "may leave"
+        when = f"between t = {event.low:.10g} and {event.high:.10g}"
+    return f"{event.drive} {what} its range from {low} to {high} {when}"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from gspcli.cli.progress_bars import working
@@ -95,17 +96,16 @@ def along_poses(
     steps: int,
 ) -> FollowedTrack:
     """Prove the straight ways in position and angles between the poses of a file."""
-    from gspcli.geometry.coordinates import refuse_cranks
     from gspcli.geometry.expressed_instances import expressed_instance
     from gspcli.geometry.readings import without_corrections
     from gspcli.motion import track
     from gspcli.motion.paths.pose_tracks import pose_track
 
     assert table.poses is not None
-    refuse_cranks(instance, "--along poses is for machines without cranks and slides")
     with working("proving"):
         # Its only row determines the mode at which the file begins.
-        first = track(instance, table.values[:1], near=table.start)
+        at = {name: column[:1] for name, column in table.coordinates.items()}
+        first = track(instance, table.values[:1], coordinates=at, near=table.start)
         given, frame = without_corrections(instance), form.pivot_frame
         expressed = given
         if not frame.is_identity:
@@ -122,4 +122,6 @@ def along_poses(
             mode=int(first.modes[0]),
             steps=steps,
         )
-    return FollowedTrack(found.track, list(found.limits), [], found.ways, frame)
+    # Readings are those of the file.
+    result = replace(found.track, instance=instance)
+    return FollowedTrack(result, list(found.limits), [], found.ways, frame)

@@ -10,6 +10,7 @@ import pytest
 
 import gspcli
 from gspcli.geometry.numbers import Number
+from gspcli.motion.singularities.drive_clearances import drive_clearances
 
 POSES = """t,x,y,z,rx,ry,rz
 0,0,0,400,0,0,0
@@ -78,6 +79,36 @@ def test_a_range_that_is_left_between_rows(gsp, tmp_path):
     assert f"constraint {leg + 1} perhaps left between rows" in run.out
     wide = gsp("track", "@workspace-study", str(path), "--along", "poses", "--require", "range")
     assert wide.code == 0
+
+
+def test_a_path_of_a_machine_with_slides_is_a_safe_file(gsp, tmp_path):
+    path = tmp_path / "path.csv"
+    ends = ("--from", "home", "--to", "0,0,4.2,1,0,0,0")
+    run = gsp("path", "@three-prs", *ends, "--along", "poses", "-o", path)
+    assert run.code == 0, run.err
+    require = "range, transmission>=0.75, condition<=4.5, clearance>=0.08"
+    words = ("track", "@three-prs", path, "--along", "poses", "--require")
+    run = gsp(*words, require, "--format", "json")
+    assert (run.code, run.err) == (0, "")
+    document = json.loads(run.out)
+    assert [one["between"] for one in document["requirements"]] == [True] * 4
+    assert document["coordinates"]["slide.B1"] == pytest.approx([0, 0.05, 0.1, 0.15, 0.2])
+    # The clearance is that of the slides, as gsp measure has it.
+    poses = document["poses"]
+    T = np.array([[row[key] for key in "xyz"] for row in poses])
+    clear = drive_clearances(gspcli.example("three-prs"), np.tile(np.eye(3), (len(T), 1, 1)), T)[0]
+    assert [row["clearance"] for row in poses] == pytest.approx(clear, rel=1e-9)
+
+
+def test_a_range_of_a_slide_that_is_left_is_named(gsp, tmp_path):
+    path = tmp_path / "poses.csv"
+    path.write_text("x,y,z,rx,ry,rz\n0,0,4.8,0,0,0\n0,0,5.2,0,0,0\n", encoding="utf-8")
+    run = gsp(
+        "track", "@three-prs", path, "--euler", "ZYX", "--along", "poses", "--require", "range"
+    )
+    assert run.code == 1
+    assert "slide.B1 may leave its range from -1 to 1 between t = " in run.err
+    assert "range <= 1: NOT met; worst 1.2 in row 2 (t = 2), mode 8" in run.out
 
 
 def test_a_way_through_a_singular_pose_is_no_safe_file(gsp, tmp_path):

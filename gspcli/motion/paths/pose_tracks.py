@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from gspcli.errors import ArgumentError
+from gspcli.geometry.coordinates import choose
 from gspcli.geometry.frames import PoseFrame
 from gspcli.geometry.instance import Instance
-from gspcli.geometry.limits import joint_cones, out_of_cone, out_of_range
+from gspcli.geometry.limits import joint_cones, out_of_cone, out_of_motor_range, out_of_range
 from gspcli.motion.following.limit_event import LimitEvent
 from gspcli.motion.following.tracks import Event, Track
+from gspcli.motion.paths.motors import Motors
 from gspcli.motion.paths.pose_ways import PoseWays, WayProof
 from gspcli.motion.poses.inverse_kinematics import values_at
 from gspcli.records import dataclass
@@ -74,8 +78,12 @@ def pose_track(
         So many rows are made of each.
     """
     origin = np.zeros(3)
-    regular = PoseWays(expressed, pivot=origin, sequence=sequence, limits=False)
-    inside = PoseWays(expressed, pivot=origin, sequence=sequence, limits=True)
+    motors = Motors.of(instance, R[0], T[0])
+    there = None if motors is None else Motors(expressed, knees=motors.knees)
+    regular, inside = (
+        PoseWays(expressed, pivot=origin, sequence=sequence, limits=limits, motors=there)
+        for limits in (False, True)
+    )
     parameters = regular.continued(*frame.from_platform(R, T))
     if steps > 1:
         rows = np.arange(len(t))
@@ -83,13 +91,14 @@ def pose_track(
         parameters = np.stack([np.interp(places, rows, one) for one in parameters.T], axis=1)
         t = np.interp(places, rows, t)
         R, T = frame.to_platform(*regular.poses(parameters))
+    moving = _moving(motors, R, T, t)
     events: tuple[Event, ...] = ()
     cells, end = 0, len(t)
     for k in range(len(t) - 1):
         proof = regular.prove(parameters[k], parameters[k + 1])
         cells += proof.cells
         if not proof.sign:
-            reason = "a pose on the straight way may be singular"
+            reason = _reason(proof)
             low, high = float(t[k]), float(t[k + 1])
             events = (Event("undecided", reason, False, mode, k, low, high, R[k], T[k]),)
             end = k + 1
@@ -98,54 +107,96 @@ def pose_track(
         reason = "the pose is nearly singular"
         here = float(t[0])
         events = (Event("undecided", reason, False, mode, 0, here, here, R[0], T[0]),)
-    there = np.arange(len(t)) < end
+    known = np.arange(len(t)) < end
     track = Track(
         instance,
         instance,
         t,
-        values_at(instance, R, T),
+        values_at(instance, R, T) if motors is None else motors.values(R, T),
         np.array([mode]),
-        np.where(there[:, None, None], R, np.nan)[None],
-        np.where(there[:, None], T, np.nan)[None],
+        np.where(known[:, None, None], R, np.nan)[None],
+        np.where(known[:, None], T, np.nan)[None],
         True,
         events,
         None,
         cells,
         known=mode,
+        **moving,
     )
-    limits = tuple(_limits(inside, expressed, parameters[:end], t, mode))
+    limits = tuple(_limits(inside, parameters[:end], t, mode))
     return PoseTrack(track, regular, limits)
 
 
-def _limits(
-    ways: PoseWays, instance: Instance, parameters: Array, t: Array, mode: int
-) -> Iterator[LimitEvent]:
+def _moving(motors: Motors | None, R: Array, T: Array, t: Array) -> dict[str, Any]:
+    """Return the cranks and slides of a track and what they are at, as `Track` has them.
+
+    Raises
+    ------
+    ArgumentError
+        If a motor does not reach a row.
+    """
+    if motors is None:
+        return {}
+    drives = motors.drives
+    q = motors.numbers(R, T)
+    missing = np.argwhere(np.isnan(q))
+    if len(missing):
+        row, k = missing[0].tolist()
+        message = f"the pose at t = {t[row]:.10g} is out of reach"
+        raise ArgumentError(message, drives.names[k])
+    moved = np.flatnonzero(drives.moved).tolist()
+    chosen = choose(motors.instance, [drives.names[k] for k in moved])
+    return {"coordinates": chosen, "places": (q / drives.units)[:, moved]}
+
+
+def _reason(proof: WayProof) -> str:
+    """Return why a way is not proved to be regular, in words."""
+    if proof.shared:
+        return "rods that share a motor are not parallel on the straight way"
+    if proof.reason.startswith("reach"):
+        return f"a rod may not reach its motor on the straight way ({proof.reason})"
+    if proof.reason == "limit":
+        return "a rod does not reach its motor on the straight way"
+    return "a pose on the straight way may be singular"
+
+
+def _limits(ways: PoseWays, parameters: Array, t: Array, mode: int) -> Iterator[LimitEvent]:
     """Yield each limit where it is first left on a way, or first not proved to be kept."""
-    seen: set[tuple[str, int, str]] = set()
+    seen: set[tuple[str, int, str, str]] = set()
     for k in range(len(parameters) - 1):
         proof = ways.prove(parameters[k], parameters[k + 1])
         if not proof.sign:
             parts = np.linspace(0, 1, _LOOKS + 1)[:, None]
             way = parameters[k] + (parameters[k + 1] - parameters[k]) * parts
             times = t[k] + (t[k + 1] - t[k]) * parts[:, 0]
-            for event in _on_way(instance, *ways.poses(way), times, mode, proof):
-                name = event.kind, event.constraint, event.body
+            for event in _on_way(ways, *ways.poses(way), times, mode, proof):
+                name = event.kind, event.constraint, event.body, event.drive
                 if name not in seen:
                     seen.add(name)
                     yield event
 
 
 def _on_way(
-    instance: Instance, R: Array, T: Array, t: Array, mode: int, proof: WayProof
+    ways: PoseWays, R: Array, T: Array, t: Array, mode: int, proof: WayProof
 ) -> Iterator[LimitEvent]:
     """Yield the limits that samples of a way violate; if there are none, those not proved."""
+    instance, motors = ways.instance, ways.motors
     cones = joint_cones(instance)
-    ranges = out_of_range(instance, values_at(instance, R, T))
+    values = values_at(instance, R, T) if motors is None else motors.values(R, T)
+    q = None if motors is None else motors.numbers(R, T)
+    ranges = out_of_range(instance, values)
     seen = False
     for k in np.flatnonzero(ranges.any(axis=0)).tolist():
         seen = True
         yield LimitEvent("range", True, k, "", None, *_interval(ranges[:, k], t), False)
-    tilted = out_of_cone(instance, R, T)
+    if motors is not None and q is not None:
+        beyond = out_of_motor_range(motors.drives, q)
+        for k in np.flatnonzero(beyond.any(axis=0)).tolist():
+            seen = True
+            user, name = motors.drives.users(k)[0], motors.drives.names[k]
+            times = _interval(beyond[:, k], t)
+            yield LimitEvent("range", True, user, "", None, *times, False, name)
+    tilted = out_of_cone(instance, R, T, q)
     for k in np.flatnonzero(tilted.any(axis=0)).tolist():
         seen = True
         one = cones[k]
@@ -153,13 +204,18 @@ def _on_way(
         yield LimitEvent("cone", True, one.constraint, one.body, mode, low, high, False)
     if seen:
         return
+    # Of a way with a pose that violates some limit it is not known which one.
+    left = proof.left or int(ways.boxes.conditions)
+    low, high = float(t[0]), float(t[-1])
     count = len(instance.constraints)
     for k in range(count):
-        if proof.left >> k & 1 and instance.constraints[k].limits is not None:
-            yield LimitEvent("range", True, k, "", None, float(t[0]), float(t[-1]), False)
+        drive = ""
+        if motors is not None and motors.drives.driven[k]:
+            drive = motors.drives.names[motors.drives.index[k]]
+        if left >> k & 1 and (drive or instance.constraints[k].limits is not None):
+            yield LimitEvent("range", True, k, "", None, low, high, False, drive)
     for k, one in enumerate(cones):
-        if proof.left >> (count + k) & 1:
-            low, high = float(t[0]), float(t[-1])
+        if left >> (count + k) & 1:
             yield LimitEvent("cone", True, one.constraint, one.body, mode, low, high, False)
 
 

@@ -50,6 +50,8 @@ class WayProof:
         Whether it is proved that some pose of the way is singular or violates a limit.
     left
         The conditions that are not proved on some part of the way, as bits of `PoseBoxes`.
+    shared
+        Whether rods that share a motor are not parallel on the way.
     """
 
     sign: int
@@ -57,6 +59,7 @@ class WayProof:
     reason: str = ""
     violated: bool = False
     left: int = 0
+    shared: bool = False
 
 
 class PoseWays:
@@ -168,7 +171,7 @@ class PoseWays:
         """Prove the straight way between two sets of parameters, shape (6,) each."""
         reason = self._is_apart(begin, end)
         if reason:
-            return WayProof(0, 0, reason)
+            return WayProof(0, 0, reason, shared=True)
         steps = max(1, int(np.ceil(np.abs(end - begin)[3:].max() / _TURN)))
         knots = begin + (end - begin) * (np.arange(steps + 1) / steps)[:, None]
         knots[-1] = end
@@ -262,5 +265,5 @@ class PoseWays:
             half[3:] = 0
         reason = self._is_apart(parameters - half, parameters + half)
         if reason:
-            return WayProof(0, 0, reason)
+            return WayProof(0, 0, reason, shared=True)
         return self.contains(parameters - half, parameters + half, cuts=0)

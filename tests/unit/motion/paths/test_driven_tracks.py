@@ -1,0 +1,175 @@
+"""Files of poses of machines with motors, proved between rows; and what their tracks keep there."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import gspcli
+from gspcli.errors import ArgumentError
+from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.drives import Drives
+from gspcli.geometry.frames import PoseFrame
+from gspcli.geometry.quaternions import rotation_from_vector
+from gspcli.geometry.residuals import condition_numbers
+from gspcli.geometry.shapes import Shapes
+from gspcli.motion.collisions.compared import ComparedShapes
+from gspcli.motion.paths.driven_bounds import largest_driven_conditions, least_transmissions
+from gspcli.motion.paths.gaps_between import least_gaps
+from gspcli.motion.paths.motors import Motors
+from gspcli.motion.paths.pose_tracks import pose_track
+from gspcli.motion.paths.pose_ways import PoseWays, WayProof
+from gspcli.motion.paths.track_bounds import _rows, can_be_bounded, worst_between
+
+ROWS, SAMPLES = 3, 60
+
+
+def thick(name):
+    """Return a machine with rods that have shapes, its home, and the length of its rods."""
+    solved = gspcli.solve(gspcli.example(name))
+    home = 0 if solved.home is None else solved.home.number - 1
+    size = float(Drives.of(solved.instance).rods[0])
+    shapes = Shapes(size / 60, near_joint=size / 10)
+    instance = replace(solved.instance, shapes=shapes)
+    return instance, solved.R[home].real, solved.T[home].real, size
+
+
+def tracked(instance, R, T, steps=1):
+    """Return the straight ways of poses between rows."""
+    return pose_track(
+        instance, instance, PoseFrame(), np.arange(float(len(T))), R, T,
+        sequence="ZYX", mode=1, steps=steps,
+    )  # fmt: skip
+
+
+def along_rows(numbers):
+    """Return numbers at the samples between rows."""
+    places = np.linspace(0, ROWS - 1, SAMPLES * (ROWS - 1) + 1)
+    return np.stack([np.interp(places, range(ROWS), one) for one in numbers.T], axis=1)
+
+
+def rows_and_samples(name, along, seed=1, spread=0.05):
+    """Return rows of a track about home, and poses with drives at samples of its ways."""
+    instance, R0, T0, size = thick(name)
+    draw = np.random.default_rng(seed)
+    turned = [rotation_from_vector(spread * draw.normal(size=3)) @ R0 for _ in range(ROWS - 1)]
+    shifts = spread * size * draw.normal(size=(ROWS - 1, 3))
+    R, T = np.stack([R0, *turned]), np.concatenate((T0[None], T0 + shifts))
+    motors = Motors.of(instance, R[0], T[0])
+    drives, q = motors.drives, motors.numbers(R, T)
+    if along == "poses":
+        found = tracked(instance, R, T)
+        assert found.track.ends == ()
+        samples = found.ways.poses(along_rows(found.ways.continued(R, T)))
+        rows = _rows(found.track, 0, np.arange(ROWS), found.ways, None)
+        return rows, *samples, motors.numbers(*samples)
+    values = motors.values(R, T)
+
+    def follow(values, q):
+        columns = {one: drives.readings(q)[:, k] for k, one in enumerate(drives.names)}
+        return gspcli.track(instance, values, coordinates=columns, near=(R0, T0))
+
+    coarse, fine = follow(values, q), follow(along_rows(values), along_rows(q))
+    assert can_be_bounded(coarse)
+    rows = _rows(coarse, 0, np.arange(ROWS), None, None)
+    return rows, fine.R[0], fine.T[0], along_rows(q)
+
+
+def sampled(instance, R, T, q):
+    """Return gaps, transmissions and condition numbers with a minus, at samples."""
+    drives = Drives.of(instance)
+    length = Arrangement.of(instance).length
+    return {
+        least_gaps: ComparedShapes(instance).bounds(R, T, q).high.min(axis=1),
+        least_transmissions: drives.transmission(drives.gains(R, T, q)).min(axis=1),
+        largest_driven_conditions: -condition_numbers(drives.arrangement(q), R, T, length),
+    }
+
+
+@pytest.mark.parametrize("along", ["poses", "drives"])
+@pytest.mark.parametrize("name", ["reachy-mini-head", "modified-paradex"])
+def test_no_sample_is_worse_than_what_is_proved(name, along):
+    rows, *samples = rows_and_samples(name, along)
+    for bound, numbers in sampled(rows.instance, *samples).items():
+        worse = -1 if bound is largest_driven_conditions else 1
+        least = np.minimum(numbers[:-1].reshape(-1, SAMPLES).min(axis=1), numbers[SAMPLES::SAMPLES])
+        room = 1e-9 * np.abs(least)
+        for wanted in (least.min() - 2e-3 * abs(least.min()), least.max(), -1e9):
+            proved = worse * bound(rows, worse * wanted)[1]
+            assert (proved <= least + room).all()
+            assert not (proved >= wanted)[least < wanted - room].any()
+            # What is well above is proved.
+            assert (proved >= wanted)[least > wanted + 1e-3 * abs(wanted)].all()
+
+
+def test_rows_have_the_numbers_of_their_motors():
+    instance, R0, T0, size = thick("three-prs")
+    T = T0 + np.array([[0, 0, 0], [0, 0, 0.1 * size]])
+    found = tracked(instance, np.stack([R0, R0]), T, steps=4)
+    track = found.track
+    assert [one.name for one in track.coordinates] == ["slide.B1", "slide.B2", "slide.B3"]
+    motors = Motors.of(instance, R0, T0)
+    assert (track.places == motors.numbers(track.R[0], track.T[0])[:, :3]).all()
+    assert (track.values[:, :3] == motors.drives.rods[:3]).all()
+    assert (found.limits, track.events, len(track.t)) == ((), (), 5)
+
+
+def test_a_range_that_a_slide_leaves():
+    instance, R0, T0, _ = thick("three-prs")
+    T = T0 + np.array([[0, 0, 0], [0, 0, 1.5]])
+    found = tracked(instance, np.stack([R0, R0]), T)
+    assert [one.drive for one in found.limits] == ["slide.B1", "slide.B2", "slide.B3"]
+    assert all(one.low <= 1 / 1.5 <= one.high for one in found.limits)
+    assert found.track.ends == ()
+
+
+def test_a_way_beyond_the_reach_of_the_rods_ends():
+    """A row that is not reached is refused; of two that are the way between them may not be."""
+    instance, R0, T0, size = thick("reachy-mini-head")
+    T = T0 + size * np.array([[0, 0, 0], [0, 0, 10]])
+    with pytest.raises(ArgumentError, match=r"crank.B1: the pose at t = 1 is out of reach"):
+        tracked(instance, np.stack([R0, R0]), T)
+    delta = gspcli.example("delta")
+    T = np.array([[-890.0, 811.0, -732.0], [585.0, -1107.0, -112.0]])
+    (event,) = tracked(delta, np.tile(np.eye(3), (2, 1, 1)), T).track.ends
+    assert event.reason == "a rod does not reach its motor on the straight way"
+
+
+def test_rods_that_share_a_motor_do_not_turn():
+    delta = gspcli.example("delta")
+    R0, T0 = delta.home.R(1.0), np.array([delta.home.T] * 2)
+    R = np.stack([R0, rotation_from_vector([0, 0, 1e-12]) @ R0])
+    (event,) = tracked(delta, R, T0 + np.eye(3)[:2]).track.ends
+    assert event.reason == "rods that share a motor are not parallel on the straight way"
+
+
+def test_a_way_that_violates_some_limit_violates_perhaps_all(monkeypatch):
+    """Samples of the way may show none."""
+    instance, R0, T0, size = thick("three-prs")
+    prove = PoseWays.prove
+
+    def violated(ways, *ends):
+        inside = ways._conditions == ways.boxes.conditions
+        return WayProof(0, 0, "limit", violated=True) if inside else prove(ways, *ends)
+
+    monkeypatch.setattr(PoseWays, "prove", violated)
+    T = T0 + np.array([[0, 0, 0], [0, 0, 0.1 * size]])
+    found = tracked(instance, np.stack([R0, R0]), T)
+    assert [one.drive for one in found.limits] == ["slide.B1", "slide.B2", "slide.B3"]
+
+
+def test_drives_that_stay_have_their_points_where_the_file_states_them():
+    """The lengths of rods change: nothing is asked of the cranks."""
+    instance, R0, T0, size = thick("reachy-mini-head")
+    base = gspcli.measure(instance, R0, T0)
+    values = np.stack([base, base + 0.02 * size * np.array([1, -1, 1, -1, 1, -1])])
+    track = gspcli.track(instance, values, near=(R0, T0))
+    assert can_be_bounded(track)
+    drives = Drives.of(instance)
+    q = np.zeros((2, drives.count))
+    ends = ComparedShapes(instance).bounds(track.R[0], track.T[0], q).low.min()
+    found = worst_between(track, "gap", ends + size)
+    assert found is None or found.bound <= ends
+    assert worst_between(track, "gap", ends - 0.2 * abs(ends)) is None
