@@ -157,7 +157,8 @@ def command(
     instance file is written, unless --accept is given.
 
     With -o FILE.yaml the result is an instance file with `offset` and `scale` at constraints,
-    which every command honours. JSON has the covariance; a picture shows the residuals.
+    which
+    every command uses. JSON has the covariance; a picture shows the residuals.
 
     --plan N fits nothing. It chooses N poses within ranges and cones (and --require) whose
     measurement determines the numbers best (D-optimal), and states how exactly each number will be

@@ -70,11 +70,11 @@ def command(
 ) -> None:
     """Prove that the poses in RESULT solve the platform in SPEC, without trusting them.
 
-    For each pose it is proved that a solution is within --max-deviation, and alone in a ball
-    about it. It is also proved whether it is real, which others are the same, and how well the
-    pose as given meets the constraints. The proofs are in ball arithmetic, for the numbers of
-    SPEC exactly as written. Whether the list is complete is not examined: compare the number of
-    different solutions with the one that `gsp solve` expects.
+    For each pose it is proved that a solution is within --max-deviation, and that it is the only
+    one in a ball. It is also proved whether the solution is real, which other poses stand for the
+    same solution, and how well the pose as given meets the constraints. The proofs are in ball
+    arithmetic, for the numbers of SPEC exactly as written. Whether the list is complete is not
+    examined: compare the number of different solutions with the one that `gsp solve` expects.
 
     RESULT is what `gsp solve --format json --all` prints, or any list of poses as JSON or CSV: R
     (by rows) or a quaternion (scalar first), and T; or what msolve, PHCpack or one of the other

@@ -108,10 +108,10 @@ def command(
 ) -> None:
     """List the 3850 types of generalized Stewart platform.
 
-    KINDS are names as PL or DPL, A for all angles, D for all distances; LL means both
-    DLL and ALL. Bounds are two-sided and the paper's own, except where the name says
-    one_sided; table_3 is one-sided and counts one orientation of each DLL; no value means that the
-    theorem does not apply.
+    KINDS are names such as PL or DPL, A for all angles, D for all distances; LL means both DLL and
+    ALL. Bounds are those of the paper and two-sided, except where the name says one_sided. table_3
+    is one-sided and counts one orientation of each DLL. A bound has no value if its theorem does
+    not apply.
 
     \b
     Examples:

@@ -39,15 +39,15 @@ def command(
 ) -> None:
     """Say which freedoms any number of constraints leave, and which are redundant.
 
-    SPEC is an instance file, in which this command takes fewer than six constraints, and more, too.
-    At the pose (home if none is given) each free twist is a screw, with its axis and by how much
-    the platform moves along it in a turn, or a translation. If there are several, a basis is shown.
+    SPEC is an instance file with any number of constraints, fewer or more than six. Each freedom at
+    the pose (home by default) is a screw or a translation. A screw has an axis, and a length by
+    which the platform moves along it in one turn. If there are several, a basis is shown.
     Coincident points, points on lines and parallel directions (values of 0 or 180) count with all
     the freedoms that they remove.
 
     A second table has the constraints that could be added between primitives of the file: how many
-    freedoms each would take, and which of the screws it restrains. All of it holds at this pose and
-    to first order; ranks are numerical.
+    freedoms each would remove, and which of the screws it restrains. The answer holds at this pose
+    and to first order; ranks are numerical.
 
     \b
     Examples:

@@ -66,9 +66,9 @@ def command(
     points, lines, planes and values so that pairs of complex poses come together and become real,
     and no real one is lost (after P. Dietmaier, 1998). TYPE may be a family: the kinds of the
     angles make no difference. The best platform found is rounded to short decimals, its real poses
-    are certified, and it is written as an instance file. Their number, with both sides of PH and HP
-    distances, is a lower bound of the largest possible number. A line for each attempt goes to
-    stderr.
+    are certified, and it is written as an instance file. The number of its real poses, with
+    both sides of PH and HP distances, is a lower bound of the largest possible number. Stderr has a
+    line for each attempt.
 
     \b
     Examples:

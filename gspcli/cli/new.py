@@ -65,15 +65,15 @@ def command(
     `gsp enumerate --coincident` lists them. A pattern has capitals on the platform, small letters
     on the base, - for a distance and ^ for an angle. The instance has at least one real pose.
 
-    With --rotary or --linear the words are numbers KEY=NUMBER of a symmetric hexapod whose motors
-    stand in three pairs. The word base=RADIUS,HALF_ANGLE places the motors (HALF_ANGLE is half the
-    angle between the two of a pair, in degrees), platform=RADIUS,HALF_ANGLE the joints of the
-    platform. Give rod or height (at home); range=LOW:HIGH of the motors, from home, and unit=mm are
-    optional. --rotary also takes horn (the length of the arms), axis-angle (of the motors' axes
-    with the direction of their pair; 0 by default), horns=out or horns=in (away from the other
-    motor of the pair, or towards it), and both rod and height if the arms are not level at home.
-    --linear also takes tilt (of the rails from the vertical; 0 by default) and rails=3: the rods of
-    a pair share one carriage, as in a linear delta.
+    With --rotary or --linear the arguments have the form KEY=NUMBER. They describe a symmetric
+    hexapod whose motors stand in three pairs: base=RADIUS,HALF_ANGLE places the motors (HALF_ANGLE
+    is half the angle between the two of a pair, in degrees), platform=RADIUS,HALF_ANGLE the joints
+    of the platform. Give rod or height (at home); range=LOW:HIGH of the motors, from home, and
+    unit=mm are optional. --rotary also takes horn (the length of the arms), axis-angle (of the
+    motors' axes with the direction of their pair; 0 by default), horns=out or horns=in (away from
+    the other motor of the pair, or towards it), and both rod and height if the arms are not level
+    at home. --linear also takes tilt (of the rails from the vertical; 0 by default) and rails=3:
+    the rods of a pair share one carriage, as in a linear delta.
 
     \b
     Examples:

@@ -158,11 +158,11 @@ def command(
 ) -> None:
     """Plan a path from one pose to another that is proved safe on the whole way.
 
-    It is proved for every pose of the path, between its rows, too, that it is not singular and
-    keeps the ranges and cones that SPEC states. The path has straight parts: on each the six values
-    change linearly, or position and angles do. CSV has a row for each step, with values and pose;
-    `gsp track` takes the file, and `gsp view --track` plays it. Of a machine with cranks or slides
-    the drives change linearly, and keep their ranges and knees.
+    Two facts are proved for every pose of the path, also between its rows: it is not singular, and
+    it keeps the ranges and cones that SPEC states. The path has straight parts: on each the six
+    values change linearly, or position and angles do. CSV has a row for each step, with values and
+    pose; `gsp track` takes the file, and `gsp view --track` plays it. In a machine with cranks or
+    slides the drives change linearly, and keep their ranges and knees.
 
     First both straight ways are tried. If none is proved, a map of random values or poses is made,
     and the path found on it is made shorter. The same seed gives the same path.
@@ -179,7 +179,7 @@ def command(
     parabolas, which are proved.
 
     With --all the modes of SPEC are grouped: those of one group are joined by proved paths. The
-    exit code is 4 if it is not known of all groups that no path joins them.
+    exit code is 4 if two groups are not proved to be apart.
 
     \b
     Examples:

@@ -60,11 +60,11 @@ def command(names: tuple[str, ...], chosen: str, output: Output) -> None:
     input. DLL and ALL between the same two lines make one chain with two driven joints.
 
     Joints: R revolute, P prismatic, C cylindrical, S spherical, E planar; * is driven. Σf is the
-    sum of their freedoms; idle ones do not move the platform; held are the freedoms of the platform
-    that a chain permits when its driven joints are held.
+    sum of their freedoms. Idle freedoms do not move the platform. The column held has the freedoms
+    of the platform that a chain permits while its driven joints do not move.
 
-    With the suffix svg, png or pdf a SPEC is drawn as a whole, in its home mode. Of a TYPE, a
-    PATTERN or single kinds such as PL the chains are drawn (needs matplotlib).
+    The suffix svg, png or pdf gives a drawing (needs matplotlib): of a SPEC the whole mechanism in
+    its home mode, of a TYPE, a PATTERN or single kinds such as PL the chains.
 
     \b
     Examples:

@@ -69,9 +69,8 @@ def command(
 
     Points are uniform in a cube, directions and a hidden pose are uniform. The values are those
     that the constraints measure at that pose, so there is always a real solution. Every platform is
-    solved completely. A platform with a solution too near a double one is counted as undecided. An
-    interruption shows the result so far. TYPE may be a family: the kinds of the angles make no
-    difference.
+    solved completely. A platform with a nearly double solution is counted as undecided. Ctrl-C
+    shows the result so far. TYPE may be a family: the kinds of the angles make no difference.
 
     \b
     Examples:

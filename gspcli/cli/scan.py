@@ -93,24 +93,26 @@ def command(
 ) -> int:
     """Count the real assembly modes where one or two values or motors vary.
 
-    All poses are found at every node of the grid: modes is the number of real ones, condition the
-    smallest condition number of one. With --folds, where neighbouring nodes have different numbers,
-    the values or readings at which a pair of modes meets and vanishes are proved: points of the
-    discriminant, each with the pose. Mirror images have one each, at the same values. Over two
-    values or motors the discriminant is a curve through these points, which pictures show with its
-    cusps. Between the proved points it is followed numerically, without proof.
+    All poses are found at every node of the grid. The column modes has the number of real ones,
+    condition the smallest condition number of one.
 
-    Of a machine with arms or rails the readings of its motors vary (crank.B1, slide.B1); each node
-    is the machine with its joints moved there, and the other motors stay where they are stated.
-    There is no clearance over motors (gsp clearance has that of one pose).
+    --folds gives the values or readings at which a pair of modes meets and vanishes (a fold),
+    between neighbouring nodes with different numbers. Each fold is proved, and shown with its
+    pose. Mirror images have one fold each, at the same values. Over two values or motors the folds
+    are points of a curve (the discriminant), which pictures show with its cusps. Between the proved
+    points the curve is followed numerically, without proof.
+
+    For a machine with arms or rails the readings of its motors vary (crank.B1, slide.B1). At each
+    node the joints are moved there, and the other motors stay where they are stated. There is no
+    clearance over motors; `gsp clearance` gives it for one pose.
 
     Over poses (--pose) nothing is solved. Each node has the determinant of the Jacobian matrix
     (free of units, as in `gsp analyze`), its sign and the condition number. --folds gives the poses
     on edges of the grid at which the determinant changes its sign, to the last digit; pictures show
     the singular curve through them.
 
-    Ctrl-C shows the result so far; a file of -o is not written then. The exit code is 4 if not all
-    poses could be found at some node; its modes are left out.
+    Ctrl-C shows the result so far; a file of -o is not written then. If not all poses were found at
+    a node, it has no number of modes, and the exit code is 4.
 
     \b
     Examples:

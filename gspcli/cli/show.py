@@ -22,9 +22,10 @@ from gspcli.cli.output import Column, Output, Table, emit, output_options
 def command(names: tuple[str, ...], output: Output) -> None:
     """Show on one page all that is known of a type.
 
-    The page has its constraints with their degrees and meaning, the bounds with their reasons, how
-    it is solved, a mechanism that realizes it, and in how many ways its constraints can share
-    primitives. TYPE is six kinds in any order, a number of the catalogue, or an instance file.
+    The page lists the constraints with their degrees and meaning, the bounds with their reasons,
+    how the type is solved, and a mechanism that realizes it. It also counts the ways in which
+    constraints can share primitives. TYPE is six kinds in any order, a number of the catalogue, or
+    an instance file.
 
     \b
     Examples:

@@ -138,15 +138,15 @@ def command(
     home is chosen among those listed. Numbers of modes and the statement about completeness do not
     change.
 
-    With --reading the mode is marked at which one more sensor would read the given number, within
-    three standard deviations. gsp sensors says which sensor distinguishes the modes, and how
+    --reading gives what one more sensor reads, and marks the modes at which it would read this,
+    within three standard deviations. gsp sensors says which sensor distinguishes the modes, and how
     readings are written.
 
-    With --fit more than six measurements with errors are fitted: the six values, and the readings
-    of --reading or of the list `readings` in SPEC. Each minimum of the sum of squares that is found
-    has its pose, chi-squared with its probability, and covariance (JSON). If none fits, the outlier
-    is named, with the fit without it. The fits start from all poses of several choices of six
-    measurements. It is not proved that all minima are found.
+    --fit fits poses to more than six measurements with errors: the six values, and the readings of
+    --reading or of the list `readings` in SPEC. Each minimum of the sum of squares that was found
+    is shown with its pose, chi-squared and its probability; JSON has the covariance, too. If none
+    fits, the outlier is named, with the fit without it. The fits start from all poses of several
+    choices of six measurements. It is not proved that all minima are found.
 
     Given several SPEC, or with --lines, each instance has one line of the answer, in their order.
     An error in one does not stop the others. --format jsonl prints the whole document of each

@@ -147,7 +147,8 @@ def command(
     All real poses at the first row are followed. Along a file of poses only the mode of these poses
     is followed, unless --all-modes or --complete is given. Modes have the numbers of `gsp solve
     SPEC`. If the first row differs from SPEC, the modes are followed with proof from the values of
-    SPEC to the first row. Modes that are not reached so are new, and have the next numbers.
+    SPEC to the first row. Modes that are not reached in this way are new, and have the next
+    numbers.
 
     Events also tell where values leave their ranges, and legs the cones of their joints (`range`,
     `cone` in SPEC). They are proved for all poses between rows; with --no-certify cones are checked

@@ -132,17 +132,18 @@ def command(
     are proved. x, y, z are the position of the pivot; rx, ry, rz are turns about axes through
     it that are parallel to those of the base.
 
-    Three options give volumes. --orientation: of the positions x, y, z at one orientation.
-    --position: of the orientations at one position, as a share of all rotations; rx, ry, rz
-    vary from home, in the order of --euler or ZYX. --over: of any of these six. A volume lies
-    between two proved bounds: boxes of which every pose can be reached, and boxes outside of
-    which no pose can. CSV with --boxes lists the boxes with the pose in the middle of each, for
-    `gsp view --track`. A picture shows them over two parameters, or in slices.
+    Three options give volumes. --orientation gives the volume of the positions x, y, z at one
+    orientation. --position gives the share of all rotations that can be reached at one position;
+    rx, ry, rz vary from home, in the order of --euler or ZYX. --over gives the volume over any of
+    these six. A volume lies between two proved bounds: every pose in the boxes of the lower bound
+    can be reached, and no pose outside the boxes of the upper bound can. CSV with --boxes lists the
+    boxes with the pose in the middle of each, for `gsp view --track`. A picture shows them over two
+    parameters, or in slices.
 
     Home is the pose of --pose or --mode; by default it is the home mode of SPEC, which `gsp
     solve` marks. If SPEC states a home, only poses that are connected with it are counted. If
     not, mirror images are counted, too, and the other modes in the set are named. The exit code
-    is 4 if the bounds do not come as near to each other as --gap asks.
+    is 4 if the bounds differ by more than --gap.
 
     \b
     Examples:
