@@ -62,20 +62,22 @@ INLINE void differentiate(const Block& b, int form, const C* s, C& value, C* gra
     }
 }
 
-INLINE C product(const double& shift, const C& x) { return splat(shift) * x; }
-INLINE C product(const Complex& shift, const C& x) { return shift * x; }
+// The shift of each equation (7) for values further by a shift (6).
+INLINE void mix(const Block& b, const Complex* shift, C* mixed) {
+  for (int i = 0, k = kMixed; i < kRows; ++i) {
+    mixed[i] = C{};
+    for (int r = 0; r < kEquations; ++r, ++k) add_product(mixed[i], shift[r], b.number(k));
+  }
+}
 
-// The equations for values further by a shift; returns N.
-template <class Shift>
-C linearize(const Block& b, const Shift* shift, const C* s, Linear& at) {
+// The equations, shifted; returns N.
+C linearize(const Block& b, const C* shift, const C* s, Linear& at) {
   C norm, slope[kRows];
   differentiate(b, kOfNorm, s, norm, slope);
   for (int r = 0; r < kRows; ++r) {
     differentiate(b, r, s, at.value[r], at.jacobian[r]);
-    if (r == 0) continue;
-    const Shift& by = shift[r - 1];
-    at.value[r] = at.value[r] - product(by, norm);
-    for (int k = 0; k < kRows; ++k) at.jacobian[r][k] = at.jacobian[r][k] - product(by, slope[k]);
+    at.value[r] = at.value[r] - shift[r] * norm;
+    for (int k = 0; k < kRows; ++k) at.jacobian[r][k] = at.jacobian[r][k] - shift[r] * slope[k];
   }
   invert(at.jacobian, at.inverse);
   return norm;

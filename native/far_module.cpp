@@ -31,7 +31,7 @@ nb::tuple decide_far(Array<Numbers, 3> numbers, Array<double, 1> errors, Array<s
   const std::size_t count = errors.shape(0), sets = units.shape(0), three = 3, four = 4;
   require(numbers.shape(0) == 2 && numbers.shape(1) == count && numbers.shape(2) == kFarNumbers &&
               real.shape(0) == count && paired.shape(0) == count,
-          "numbers, errors, real and paired must have shapes (2, count, 752) and (count,)");
+          "numbers, errors, real and paired must have shapes (2, count, 794) and (count,)");
   require(shifts.shape(0) == sets && shifts.shape(1) == kShifts && shifts.shape(2) == kEquations,
           "shifts and units must have shapes (sets, 3, 6) and (sets,)");
   require(origin.shape(0) == kEquations && starts.shape(0) <= count && starts.shape(1) == kLocal,
@@ -81,7 +81,7 @@ nb::tuple follow_far(Array<Numbers, 3> numbers, Array<Numbers, 1> from, Array<Nu
   const std::size_t count = local.shape(0), seven = kLocal;
   require(numbers.shape(0) == 2 && numbers.shape(1) == count && numbers.shape(2) == kFarNumbers &&
               from.shape(0) == kEquations && to.shape(0) == kEquations && local.shape(1) == kLocal,
-          "numbers, shifts and local must have shapes (2, count, 752), (6,) and (count, 7)");
+          "numbers, shifts and local must have shapes (2, count, 794), (6,) and (count, 7)");
   const auto* given = reinterpret_cast<const Complex*>(numbers.data());
   const std::vector<double> errors(count);
   const std::vector<std::uint8_t> none(count);

@@ -16,8 +16,9 @@ constexpr double kFirstStep = 0.125, kLeastStep = 0x1p-14;
 // The second step of Newton's method after a prediction is at most such a part of the first: then the other
 // solutions are many times as far away as the prediction is off. After a much smaller one steps grow.
 constexpr double kCertainly = 1.0 / 16, kEasily = 1.0 / 512;
-// Of values in doubles, as a part of the moduli of their terms.
-constexpr double kNoise = 0x1p-48;
+// Of values in doubles, as a part of the moduli of their terms. Where a step may be longer than such a part of the
+// coordinates (or of kLeastSize, if they are smaller), digits are lost, and nothing is found.
+constexpr double kNoise = 0x1p-48, kLostDigits = 1e-4, kLeastSize = 1e-3;
 
 struct Tangent {
   C at[kRows], along[kRows];
@@ -29,8 +30,6 @@ INLINE V largest(const C* x) {
   return most;
 }
 
-INLINE double modulus(const Complex& z) { return (z.re < 0.0 ? -z.re : z.re) + (z.im < 0.0 ? -z.im : z.im); }
-
 INLINE bool all(const Mask& m) {
   for (int l = 0; l < W; ++l)
     if (!m[l]) return false;
@@ -38,13 +37,12 @@ INLINE bool all(const Mask& m) {
 }
 
 // How long a step of Newton's method may be because of rounding.
-INLINE V noise(const Block& b, const Complex* shift, const C* s, const Linear& at) {
+INLINE V noise(const Block& b, const C* shift, const C* s, const Linear& at) {
   V size[kRows], terms[kRows], most = splat(0.0);
   for (int i = 0; i < kRows; ++i) size[i] = bound(s[i]);
   const Sizes norm = sizes_of(b, kOfNorm, size);
   for (int r = 0; r < kRows; ++r) {
-    terms[r] = sizes_of(b, r, size).value;
-    if (r > 0) terms[r] += splat(modulus(shift[r - 1])) * norm.value;
+    terms[r] = sizes_of(b, r, size).value + bound(shift[r]) * norm.value;
   }
   for (int i = 0; i < kRows; ++i) {
     V sum = splat(0.0);
@@ -55,18 +53,19 @@ INLINE V noise(const Block& b, const Complex* shift, const C* s, const Linear& a
 }
 
 // How local coordinates change with a shift, from the equations there and N.
-INLINE void differentiate_by_shift(const Linear& at, const C& norm, const Complex* change, C* along) {
+INLINE void differentiate_by_shift(const Linear& at, const C& norm, const C* change, C* along) {
   for (int i = 0; i < kRows; ++i) {
     along[i] = C{};
-    for (int r = 1; r < kRows; ++r) add_product(along[i], change[r - 1], at.inverse[i][r]);
+    for (int r = 0; r < kRows; ++r) add_product(along[i], change[r], at.inverse[i][r]);
     along[i] = norm * along[i];
   }
 }
 
-// Follows local coordinates in all lanes; false if steps become too small for one of them.
-bool follow_line(const Block& b, const Complex* from, const Complex* to, C* s) {
-  Complex change[kEquations], here[kEquations];
-  for (int r = 0; r < kEquations; ++r) change[r] = {to[r].re - from[r].re, to[r].im - from[r].im};
+// Follows local coordinates in all lanes between two shifts of the equations; false if steps become too small for
+// one of them.
+bool follow_line(const Block& b, const C* from, const C* to, C* s) {
+  C change[kRows], here[kRows];
+  for (int r = 0; r < kRows; ++r) change[r] = to[r] - from[r];
   Linear at;
   Tangent now, last;
   C norm = linearize(b, from, s, at), first[kRows], second[kRows];
@@ -77,9 +76,9 @@ bool follow_line(const Block& b, const Complex* from, const Complex* to, C* s) {
     // A last step that is hardly shorter goes to the end.
     if (done + 1.125 * step > 1.0) step = 1.0 - done;
     if (step < kLeastStep) return false;
-    for (int r = 0; r < kEquations; ++r) {
+    for (int r = 0; r < kRows; ++r) {
       const double t = done + step;
-      here[r] = {from[r].re + t * change[r].re, from[r].im + t * change[r].im};
+      here[r] = from[r] + splat(t) * change[r];
       if (t >= 1.0) here[r] = to[r];
     }
     // By the cubic through the last two points with their tangents, else by the tangent.
@@ -104,7 +103,8 @@ bool follow_line(const Block& b, const Complex* from, const Complex* to, C* s) {
     // Not a number is not below anything.
     Mask good = two <= kCertainly * one, easy = two <= kEasily * one;
     if (!all(easy)) {
-      const Mask exact = one + two <= noise(b, here, guess, at);
+      const V least = noise(b, here, guess, at);
+      const Mask exact = (one + two <= least) & (least <= kLostDigits * maximum(largest(guess), splat(kLeastSize)));
       good |= exact, easy |= exact;
     }
     const bool is_good = all(good), is_easy = all(easy);

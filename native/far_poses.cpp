@@ -4,7 +4,8 @@
 namespace gsp {
 namespace {
 
-constexpr double kValueRounding = 0x1p-97;  // of `FineFarPoses.values`
+constexpr double kShiftRounding = 0x1p-97;  // of `FineFarPoses.mix`
+constexpr double kValueRounding = 0x1p-96;  // of `FineFarPoses.values`
 constexpr double kStepRounding = 0x1p-48;   // of a step of Newton's method where nothing cancels
 // Newton's method in doubles takes at most kMostSteps steps, each at most kShrinking times the one
 // before. It has arrived after a step below kArrived times the coordinates (or times kNear, if they
@@ -17,8 +18,32 @@ constexpr double kLeastPart = 0x1p-6;
 constexpr int kEntries = 12, kNumbers = 16;
 constexpr double kNothing = 5e-10;  // rounds to zero to nine digits
 
+// The shift of each equation for values further by a shift: with 32 digits and in doubles, its modulus, and by how
+// much it errs.
+struct Shift {
+  Shared<kRows> high, low;
+  C at[kRows];
+  V size[kRows], off[kRows];
+
+  Shift(const Block& b, const double* shift) {
+    const double* const gap = shift + 2 * kEquations;
+    V own;
+    __builtin_memcpy(&own, b.doubt, sizeof own);
+    GSP_FINE_FAR.mix(b.numbers(), shift, shift + kEquations, {high, low});
+    high.load(at);
+    for (int i = 0, k = kMixed; i < kRows; ++i) {
+      V sum = splat(0.0);
+      for (int r = 0; r < kEquations; ++r, ++k) {
+        const double by = shift[r] < 0.0 ? -shift[r] : shift[r];
+        sum += bound(b.number(k)) * splat(gap[r] + kShiftRounding * by) + own * splat(gap[r] + by);
+      }
+      size[i] = bound(at[i]), off[i] = kOutward * sum;
+    }
+  }
+};
+
 // Whether there is exactly one solution near local coordinates, and how far it is off after Newton's step.
-void isolate(const Block& b, const double* shift, const double* gap, const C* s, const Linear& at, Mask& isolated,
+void isolate(const Block& b, const Shift& shift, const C* s, const Linear& at, Mask& isolated,
              V& error_after) {
   V size[kRows], rounding[kRows], curvature[kRows], moved[kRows], doubt[kRows], total = splat(1.0), own;
   __builtin_memcpy(&own, b.doubt, sizeof own);
@@ -26,15 +51,9 @@ void isolate(const Block& b, const double* shift, const double* gap, const C* s,
   const Sizes norm = sizes_of(b, kOfNorm, size);
   for (int r = 0; r < kRows; ++r) {
     Sizes here = sizes_of(b, r, size);
-    V in_numbers = own;
-    double off = 0.0;
-    if (r > 0) {
-      const double by = shift[r - 1] < 0.0 ? -shift[r - 1] : shift[r - 1];
-      off = gap[r - 1];
-      here.value += by * norm.value, here.slope += by * norm.slope, here.curvature += by * norm.curvature;
-      in_numbers = in_numbers * splat(1.0 + by);
-    }
-    // Every number errs by its doubt, and the shift by its gap.
+    const V by = shift.size[r], off = shift.off[r], in_numbers = own * (1.0 + by);
+    here.value += by * norm.value, here.slope += by * norm.slope, here.curvature += by * norm.curvature;
+    // Every number errs by its doubt, and the shift by what it is off.
     rounding[r] = kOutward * (kRounding * here.slope + off * norm.slope + 128.0 * in_numbers * total);
     curvature[r] = kOutward * (here.curvature + off * norm.curvature + 128.0 * in_numbers);
     doubt[r] = kOutward * (kValueRounding * here.value + off * norm.value + in_numbers * total * total) + kTiny;
@@ -80,7 +99,7 @@ INLINE bool any(const Mask& m) {
 }
 
 // Newton's method in doubles; returns in which lanes it has found a solution.
-Mask converge(const Block& b, const double* shift, C* s) {
+Mask converge(const Block& b, const C* shift, C* s) {
   C change[kRows];
   Linear at;
   V last = splat(__builtin_inf());
@@ -102,17 +121,17 @@ Mask converge(const Block& b, const double* shift, C* s) {
   return arrived & ~lost;
 }
 
-// Local coordinates of solutions for values further by the shift, as well as they are found from the poses that
+// Local coordinates of solutions of shifted equations, as well as they are found from the poses that
 // are known.
-void follow(const Block& b, const double* shift, C* s) {
+void follow(const Block& b, const C* shift, C* s) {
   const Mask found = converge(b, shift, s);
   if (!any(~found)) return;
   C reached[kRows];
   for (int i = 0; i < kRows; ++i) reached[i] = {splat(0.0), splat(0.0)};
   double done = 0.0, part = 0.5;
   while (done < 1.0 && part >= kLeastPart) {
-    double here[kEquations];
-    for (int r = 0; r < kEquations; ++r) here[r] = (done + part) * shift[r];
+    C here[kRows];
+    for (int r = 0; r < kRows; ++r) here[r] = splat(done + part) * shift[r];
     C moved[kRows];
     for (int i = 0; i < kRows; ++i) moved[i] = reached[i];
     if (any(~converge(b, here, moved) & ~found)) {
@@ -128,11 +147,11 @@ void follow(const Block& b, const double* shift, C* s) {
 // Coordinates beside which an imaginary part is rounding.
 constexpr double kImaginary = 1e-8;
 
-// Local coordinates of the poses to which paths lead, for values further by the shift.
-void follow_paths(const FarGeometry& g, const Block& b, const double* shift, C* s) {
-  Complex to[kEquations];
-  for (int r = 0; r < kEquations; ++r) to[r] = {shift[r], 0.0};
-  if (!follow_line(b, g.origin, to, s)) return;
+// Local coordinates of the poses to which paths lead, of shifted equations.
+void follow_paths(const FarGeometry& g, const Block& b, const C* shift, C* s) {
+  C from[kRows];
+  mix(b, g.origin, from);
+  if (!follow_line(b, from, shift, s)) return;
   converge(b, shift, s);
   // A real solution is proved to be one from real coordinates.
   V size = largest(s), height = splat(0.0);
@@ -143,7 +162,7 @@ void follow_paths(const FarGeometry& g, const Block& b, const double* shift, C* 
 }
 
 // Newton's method in doubles, then with values of 32 digits until those are rounded.
-void prove(const FarGeometry& g, const Block& b, const double* shift, C* s, double unit, Lanes& out) {
+void prove(const FarGeometry& g, const Block& b, Shift& shift, C* s, double unit, Lanes& out) {
   C low[kRows] = {}, change[kRows];
   Linear at;
   // Real numbers and real coordinates.
@@ -158,13 +177,13 @@ void prove(const FarGeometry& g, const Block& b, const double* shift, C* s, doub
   double errors[W], deviation[W], rounded[W];
   for (int step = 0;; ++step) {
     local.store(s), rest.store(low);
-    linearize(b, shift, s, at);
-    GSP_FINE_FAR.values(b.numbers(), {local, rest}, shift, shift + kEquations, value);
+    linearize(b, shift.at, s, at);
+    GSP_FINE_FAR.values(b.numbers(), {local, rest}, {shift.high, shift.low}, value);
     value.load(at.value);
     newton_step(at, change);
     moved.store(change);
     V error;
-    isolate(b, shift, shift + 2 * kEquations, s, at, out.isolated, error);
+    isolate(b, shift, s, at, out.isolated, error);
     __builtin_memcpy(errors, &error, sizeof error);
     GSP_FINE_FAR.poses(b.numbers(), {local, rest}, moved, errors, b.doubt, is_real, unit,
                        {entry, deviation, rounded});
@@ -252,11 +271,11 @@ void decide_block(const FarGeometry& g, const FarValues& given, int first, int s
     Lanes s;
     C local[kRows];
     for (int i = 0; i < kRows; ++i) local[i] = start[i];
-    const double* shift = given.shift + 3 * kEquations * row;
+    Shift shift(b, given.shift + 3 * kEquations * row);
     if (bent < 0)
-      follow(b, shift, local);
+      follow(b, shift.at, local);
     else
-      follow_paths(g, b, shift, local);
+      follow_paths(g, b, shift.at, local);
     prove(g, b, shift, local, given.unit[row], s);
     for (int l = 0; l < size; ++l)
       put_pose(s, l, g.scale, row * total + first + l, partner[l] < 0 ? -1 : row * total + partner[l], out);
@@ -295,7 +314,9 @@ void GSP_FOLLOW_FAR(const FarGeometry& g, const Complex* from, const Complex* to
       const Complex& x = local[p * kRows + i];
       s[i] = {splat(x.re), splat(x.im)};
     }
-    found[p] = follow_line(b, from, to, s);
+    C begin[kRows], end[kRows];
+    mix(b, from, begin), mix(b, to, end);
+    found[p] = follow_line(b, begin, end, s);
     for (int i = 0; i < kRows; ++i) local[p * kRows + i] = lane(s[i], 0);
   }
 }

@@ -10,6 +10,9 @@
 //
 // seven equations whose numbers are all of order one or small, for any N. The proof is that of
 // gspcli.certification.poses.isolation, with second derivatives that are constant.
+//
+// Where some coordinates of solutions are many powers of ten larger than others, s is P u with another vector u, and
+// the equations are multiplied by P^-1 = L: then each has the terms of one coordinate. The shift is L D.
 #pragma once
 
 #include <cstdint>
@@ -20,10 +23,11 @@ namespace gsp {
 
 // Local coordinates; their monomials: 1, s_i, s_i s_j (i <= j, row by row).
 constexpr int kLocal = kEquations + 1, kSquares = 28, kLocalMonomials = 1 + kLocal + kSquares;
-// Forms in them: F / N, then N, N R by rows and N T, over N at z. The last is e over the root of N at z, of
-// which only the first 1 + kLocal coefficients are there.
+// Forms in them: F / N, then N, N R by rows and N T, over N at z. Then e over the root of N at z, of which only the
+// first 1 + kLocal coefficients are there. The last are the columns of L that D is multiplied by, row by row.
 constexpr int kOfNorm = kLocal, kFarForms = kOfNorm + 13;
-constexpr int kFarNumbers = kFarForms * kLocalMonomials + 4 * (1 + kLocal);
+constexpr int kMixed = kFarForms * kLocalMonomials + 4 * (1 + kLocal);
+constexpr int kFarNumbers = kMixed + kLocal * kEquations;
 
 // The poses of one geometry with known values.
 struct FarGeometry {
@@ -68,10 +72,13 @@ constexpr int kFarRoom = 4 * kFarNumbers * 8;  // for 8 lanes
 
 // The same with 32 digits, for as many poses as there are lanes.
 struct FineFarPoses {
-  // The equations at local coordinates (7): they err by less than 2^-97 times the sum of the moduli of
+  // The shift of each equation (7) for values further by a shift and what doubles leave of it (6 each): they err by
+  // less than 2^-97 times the sum of the moduli of their terms.
+  void (*mix)(const FineNumbers& number, const double* shift, const double* shift_low, const FineNumbers& mixed);
+  // The equations at local coordinates (7), shifted: they err by less than 2^-96 times the sum of the moduli of
   // their terms.
-  void (*values)(const FineNumbers& number, const FineNumbers& local, const double* shift,
-                 const double* shift_low, const LaneNumbers& value);
+  void (*values)(const FineNumbers& number, const FineNumbers& local, const FineNumbers& mixed,
+                 const LaneNumbers& value);
   // The poses at local coordinates less a change (7), which are known up to an error each then, as
   // `FinePoints.poses`. The numbers err by `doubt`.
   void (*poses)(const FineNumbers& number, const FineNumbers& local, const LaneNumbers& change,

@@ -51,18 +51,25 @@ C form_at(const FineNumbers& number, int first, const Local& at) {
   return sum;
 }
 
-void values(const FineNumbers& number, const FineNumbers& local, const double* shift, const double* shift_low,
-            const LaneNumbers& out) {
+void mix(const FineNumbers& number, const double* shift, const double* shift_low, const FineNumbers& out) {
+  for (int i = 0, k = kMixed; i < kLocal; ++i) {
+    C sum{V(D{}), V(D{})};
+    for (int r = 0; r < kEquations; ++r, ++k) {
+      const V by{D{} + shift[r], D{} + shift_low[r]};
+      const C a = load(number, k);
+      sum = plus(sum, C{times(by, a.re), times(by, a.im)});
+    }
+    store(out, i, sum);
+  }
+}
+
+void values(const FineNumbers& number, const FineNumbers& local, const FineNumbers& mixed, const LaneNumbers& out) {
   Local at;
   for (int i = 0; i < kLocal; ++i) at.s[i] = load(local, i);
   multiply_out(at);
   const C norm = form_at(number, kOfNorm * kLocalMonomials, at);
   for (int r = 0; r < kLocal; ++r) {
-    C value = form_at(number, r * kLocalMonomials, at);
-    if (r > 0) {
-      const V by{D{} + shift[r - 1], D{} + shift_low[r - 1]};
-      value = minus(value, C{times(by, norm.re), times(by, norm.im)});
-    }
+    const C value = minus(form_at(number, r * kLocalMonomials, at), times(load(mixed, r), norm));
     store(out.re, r, value.re.hi + value.re.lo), store(out.im, r, value.im.hi + value.im.lo);
   }
 }
@@ -142,6 +149,6 @@ void poses(const FineNumbers& number, const FineNumbers& local, const LaneNumber
 }  // namespace
 
 extern const FineFarPoses GSP_FINE_FAR;
-const FineFarPoses GSP_FINE_FAR{values, poses};
+const FineFarPoses GSP_FINE_FAR{mix, values, poses};
 
 }  // namespace gsp

@@ -47,6 +47,9 @@ _SPREAD = (0.2, 0.4)
 #: a part of that; the shortest axis of those is at least such a part of the longest.
 _SAMPLES, _SAMPLED = 24, 0.25
 _THINNEST = 1e-3
+#: Coordinates are chosen at most so many times. If solutions are lost, values differ by this part
+#: of what they did, down to the last.
+_STAGES, _NEARER, _LEAST_REACH = 30, 0.25, 2.0**-60
 #: To poses not farther away than so many lengths paths lead.
 _PATHS = 1e3
 #: Poses not farther away than so many lengths are proved by the equations of near poses.
@@ -61,7 +64,7 @@ class FarPoses:
     ----------
     numbers
         The numbers of each pose for the kernel (native/far_poses.hpp), as two doubles each, shape
-        (2, n, 752).
+        (2, n, 794).
     errors
         Bounds of their errors, shape (n,).
     real
@@ -303,18 +306,43 @@ def _coordinates(
         # Not so far away a pose may take the place of a near one, to which paths lead.
         size = max(np.abs(R).max(), np.abs(T).max() / locator.scale)
         return found._replace(is_bent=bool(size < _PATHS))
-    products = _products(found, origin)
-    better = None if products is None else combined(locator, sides, found, products)
+    better = _natural(locator, sides, found, origin)
     return better and better._replace(is_bent=True)
 
 
-def _products(given: LocalCoordinates, origin: Complex) -> Complex | None:
-    """Return a matrix (7, 7): its products with vectors of order one are solutions for others."""
+def _natural(
+    locator: Locator, sides: tuple[int, ...], given: LocalCoordinates, origin: Complex
+) -> LocalCoordinates | None:
+    """Return coordinates in which solutions for other values are of order one; None if none are.
+
+    Where the first coordinates of these solutions differ by many powers of ten, doubles lose them
+    on the way. Then coordinates are chosen for values that differ less, and again from there on.
+    """
+    known, products, last = given, np.eye(LOCAL, dtype=complex), _LEAST_REACH
+    for _ in range(_STAGES):
+        reach = 1.0
+        while (found := _products(known, origin, reach)) is None and reach * _NEARER > last:
+            reach *= _NEARER
+        if found is None:
+            return None
+        products = products @ found
+        better = combined(locator, sides, given, products)
+        if better is None or reach == 1:
+            return better
+        known, last = better, reach
+    return None
+
+
+def _products(given: LocalCoordinates, origin: Complex, reach: float) -> Complex | None:
+    """Return a matrix (7, 7): its products with vectors of order one are solutions for others.
+
+    Values differ by that part of the origin.
+    """
     numbers = np.ascontiguousarray(given.numbers[:, None])
     rng = np.random.default_rng(0)
 
     def followed(begin: Complex, end: Complex, at: Complex) -> Complex | None:
-        reached, found = _kernel.follow_far(numbers, begin, end, at)
+        reached, found = _kernel.follow_far(numbers, begin * reach, end * reach, at)
         return reached if found[0] else None
 
     start = followed(np.zeros_like(origin), origin, np.zeros((1, LOCAL), complex))

@@ -153,19 +153,26 @@ def _coefficients(
             # Any exact numbers will do.
             x = inverse[i, j].mid()
             directions[k, j] = acb(x.real) if located.real else x
+    # What the equations are multiplied by.
+    mixing = acb_mat(7, 7, [int(i == j) for i in range(7) for j in range(7)])
     if products is not None:
         across = acb_mat(7, 7, [acb(x) for x in products.ravel().tolist()])
         directions = acb_mat(8, 7, [x.mid() for x in (directions * across).entries()])
+        mixing = acb_mat(7, 7, [x.mid() for x in across.inv().entries()])
     norm = sum((x * x for x in point[:4]), acb(0))
-    found: list[acb] = []
-    for hessian in (*equations, *_pose_forms()):
+    forms = [_form(hessian, column, directions, norm) for hessian in equations]
+    if products is not None:
+        forms = (mixing * acb_mat(forms)).tolist()
+    found: list[acb] = list(chain.from_iterable(forms))
+    for hessian in _pose_forms():
         found += _form(hessian, column, directions, norm)
     # Not across the negative numbers, where there is no square root.
     root = norm.sqrt() if norm.real > 0 else (-norm).sqrt() * acb(0, 1)
     for k in range(4):
         found.append(point[k] / root)
         found += [directions[k, j] * root for j in range(7)]
-    return found
+    # The values are in all equations but the first.
+    return found + [mixing[i, r] for i in range(7) for r in range(1, 7)]
 
 
 def _form(hessian: acb_mat, column: acb_mat, directions: acb_mat, norm: acb) -> list[acb]:

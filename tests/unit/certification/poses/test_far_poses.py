@@ -196,14 +196,15 @@ def made_up(constant, square):
 
     The others are linear, and the pose is the identity, with e = (1, s, 0, 0).
     """
-    numbers = np.zeros((2, 1, 752), complex)
+    numbers = np.zeros((2, 1, 794), complex)
     forms = numbers[0, 0, : 20 * 36].reshape(20, 36)
     for k in range(7):
         forms[k, 1 + k] = 1
     forms[0, [0, 1, 8]] = constant, 1, square
     forms[[7, 8, 12, 16], 0] = 1
-    quaternion = numbers[0, 0, 20 * 36 :].reshape(4, 8)
+    quaternion = numbers[0, 0, 20 * 36 : 752].reshape(4, 8)
     quaternion[0, 0] = quaternion[1, 1] = 1
+    numbers[0, 0, 752:].reshape(7, 6)[1:] = np.eye(6)
     return numbers
 
 
@@ -277,6 +278,23 @@ def test_values_that_may_have_two_roots_have_no_proof():
     assert decide_made_up(of_a_value(0, 0.2), shift=0.4)[2][0] & ISOLATED
     for sign in (1, -1):
         assert not decide_made_up(of_a_value(0, (1 + sign * 1e-8) / 0.64), shift=0.4)[2].any()
+
+
+@pytest.mark.parametrize("factor", [16.0, 1 / 16, -3.0])
+def test_multiplied_equations_prove_the_same(factor):
+    """What is not known of a value is multiplied, too."""
+    plain, mixed = of_a_value(), of_a_value()
+    mixed[0, 0, 36:72] *= factor
+    mixed[0, 0, 752:].reshape(7, 6)[1, 0] = factor
+    for gap in (0.0, 1e-6, 1e-3):
+        poses, deviation, bits, _ = decide_made_up(mixed, shift=-0.1, gap=gap, entry=0)
+        known, least, wanted, _ = decide_made_up(plain, shift=-0.1, gap=gap, entry=0)
+        assert bits[0] == wanted[0]
+        np.testing.assert_allclose(poses, known, rtol=1e-15)
+        if gap:
+            assert deviation[0] == pytest.approx(least[0], rel=1e-3)
+    assert not decide_made_up(mixed, shift=-0.2, gap=0.06)[2].any()
+    assert not decide_made_up(mixed, shift=-0.26)[2].any()
 
 
 @pytest.mark.parametrize("gap", [1e-9, 1e-6, 1e-3])
