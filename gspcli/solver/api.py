@@ -93,7 +93,7 @@ def solve(
 def _ordered(problem: Problem) -> PoseSet:
     poses = all_poses(problem)
     if problem.limit is None:
-        from gspcli.solver.special.certain import made_certain
+        from gspcli.solver.special.by_count import made_certain
 
         poses = made_certain(problem, poses)
     return poses.in_order(problem.arrangement.length)

@@ -17,6 +17,7 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.home_mode import HomeMode, home_among, home_mode
 from gspcli.geometry.instance import Instance, Side
 from gspcli.geometry.limits import LeftLimit, left_limits, restricts
+from gspcli.geometry.local_motions import Motion
 from gspcli.geometry.quaternions import Field
 from gspcli.geometry.residuals import (
     condition_numbers,
@@ -25,7 +26,7 @@ from gspcli.geometry.residuals import (
     residuals,
 )
 from gspcli.records import dataclass
-from gspcli.solver.results.pose_set import Motion, PoseSet
+from gspcli.solver.results.pose_set import PoseSet
 from gspcli.solver.results.proof import CountKind, Proof
 from gspcli.solver.results.solution import Counts, Solution
 

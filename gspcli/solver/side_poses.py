@@ -27,6 +27,9 @@ if TYPE_CHECKING:
 Bits = NDArray[np.bool_]
 Index = NDArray[np.intp]
 
+#: If at most one path in so many is missing, paths have jumped rather than that the platform is
+#: special: other paths find what is missing. Else no count says whether more would be found.
+FEW = 50
 #: Poses that agree to this part of their largest entry are not located again.
 _KNOWN = 1e-13
 #: Bits for poses that 32 digits do not round correctly.
@@ -66,7 +69,7 @@ class SidePoses:
         Whether all poses are known to be simple ones.
     begun, running
         How many of the further strategies have ended, and the one that has begun
-        (`gspcli.solver.special.completion.go_on`).
+        (`gspcli.solver.strategies.further.go_on`).
     """
 
     def __init__(self, problem: Problem, k: int) -> None:

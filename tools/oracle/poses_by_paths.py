@@ -16,12 +16,13 @@ from gspcli.continuation.systems import System
 from gspcli.continuation.tracked_paths import TrackedPaths, track_all
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.conjugates import find_real_points, made_real
+from gspcli.geometry.local_motions import Motion
 from gspcli.geometry.quaternions import (
     canonical_sign,
     quaternion_from_rotation,
     unit_quaternion,
 )
-from gspcli.solver.results.pose_set import Motion, PoseSet
+from gspcli.solver.results.pose_set import PoseSet
 from gspcli.solver.study_systems import target_systems
 from tools.oracle.parallel_ends import judge_parallel_lines, polish_parallel_lines
 

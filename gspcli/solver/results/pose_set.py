@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.continuation.paths import PathAccount
+from gspcli.geometry.local_motions import Motion
 from gspcli.geometry.pose_order import stable_order
-from gspcli.geometry.quaternions import Field, quaternion_from_rotation
+from gspcli.geometry.quaternions import quaternion_from_rotation
 from gspcli.records import dataclass
 from gspcli.solver.results.proof import CountKind, Proof
 
@@ -26,28 +27,6 @@ Complex = NDArray[np.complex128]
 _FAR = 64
 #: Ends of paths that are no isolated poses.
 _NO_POSES = ("at_infinity", "on_curves", "spurious", "lost")
-
-
-@dataclass(frozen=True, eq=False)
-class Motion:
-    """A set of poses around a sample, where solutions are not isolated over the complex numbers.
-
-    Attributes
-    ----------
-    dimension
-        Local dimension of the set, as far as independent steps were found. Zero is that of a real
-        pose from which no real motion begins (`gspcli.solver.special.real_statements`).
-    real
-        Whether the poses are real, so that the platform really moves if the dimension is not
-        zero; else the set is known only over the complex numbers.
-    R, T
-        Consecutive poses, shapes (m, 3, 3) and (m, 3); the first is the sample.
-    """
-
-    dimension: int
-    real: bool
-    R: Field
-    T: Field
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,15 +11,19 @@ from gspcli.certification.counting import (
     exact_count,
     geometry_count,
 )
+from gspcli.certification.counting.certain_bounds import certain_bound
 from gspcli.geometry.instance import Instance
 from gspcli.solver.ledger import Ledger
 from gspcli.solver.problem import Problem
 from gspcli.solver.results.pose_set import PoseSet, joined
-from gspcli.solver.results.proof import CountKind, Proof
-from gspcli.solver.side_poses import SidePoses
-from gspcli.solver.special.completion import FEW, complete, go_on_until
+from gspcli.solver.results.proof import CountKind, Grade, Proof
+from gspcli.solver.side_poses import FEW, SidePoses
+from gspcli.solver.special.completion import (
+    complete,
+    complete_parts,
+    with_points_for_all,
+)
 from gspcli.solver.special.infinite_sets import infinitely_many, poses_of_repeated
-from gspcli.solver.special.poses_in_parts import complete_parts, with_points_for_all
 
 #: For each path, a count takes longer than to track this part of the paths with 32 digits. More
 #: than the second part of the paths are not tracked again: then the platform is special.
@@ -72,6 +76,7 @@ def _by_geometry_or_type(problem: Problem, ledger: Ledger) -> PoseSet | None:
     if counted is not None and (poses := ledger.complete) is not None:
         return poses
     from gspcli.solver.strategies.elimination import early_elimination
+    from gspcli.solver.strategies.further import go_on_until
     from gspcli.solver.strategies.more_digits import with_32_digits
 
     if counted is not None and counted.solutions and counted.has_lone_lines:
@@ -98,7 +103,7 @@ def _with_better_proof(problem: Problem, poses: PoseSet) -> PoseSet:
     # Angles with many decimals leave few primes to count exactly with, but not for the geometry.
     geometry = geometry_count(problem.instance, seed=problem.seed, limit=problem.limit)
     proofs = [proof for proof in (exact, _by_geometry(poses, geometry)) if proof is not None]
-    return replace(poses, proof=min(proofs, key=_error) if proofs else None)
+    return replace(poses, proof=min(proofs, key=lambda proof: proof.error) if proofs else None)
 
 
 def _of_side(side: SidePoses, count: SideCount, solve: Callable[[Problem], PoseSet]) -> PoseSet:
@@ -148,6 +153,7 @@ def _uncounted(problem: Problem, ledger: Ledger) -> PoseSet:
     if count is not None and count.solutions and count.has_lone_lines:
         # All choices of sides are alike.
         most = count.solutions // len(sides)
+    from gspcli.solver.strategies.further import go_on_until
     from gspcli.solver.strategies.more_digits import along_other_paths
 
     for side in sides:
@@ -165,10 +171,6 @@ def _by_geometry(poses: PoseSet, count: ExactCount | None) -> Proof | None:
     return Proof.modulo(CountKind.GEOMETRY, count.error) if is_all else None
 
 
-def _error(proof: Proof) -> float:
-    return proof.error
-
-
 def _proved(poses: PoseSet, count: ExactCount | None) -> PoseSet:
     """Return poses with what proves that they are all, or infinitely many."""
     proof = poses.proof_by_type
@@ -177,3 +179,23 @@ def _proved(poses: PoseSet, count: ExactCount | None) -> PoseSet:
         multiple = (poses.multiplicity > 1).any()
         proof = Proof.modulo(CountKind.EXACT, count.distinct_error if multiple else count.error)
     return replace(poses, proof=proof, exact_count=count.solutions if count else None)
+
+
+def made_certain(problem: Problem, poses: PoseSet) -> PoseSet:
+    """Return poses with a certain proof, if a platform cannot have more than are certified.
+
+    Parameters
+    ----------
+    problem, poses
+        The platform, and all its poses.
+    """
+    proof = poses.proof
+    if proof is None or proof.grade is Grade.CERTAIN or poses.account.verdict != "complete":
+        return poses
+    if not poses.certified.all() or (poses.multiplicity > 1).any():
+        return poses
+    # More sides than one share the poses: the bound of each is as low as it gets.
+    enough = len(poses.R) if len(problem.choices) == 1 else 0
+    if certain_bound(problem.instance, enough) != len(poses.R):
+        return poses
+    return replace(poses, proof=Proof(CountKind.EXACT))

@@ -3,73 +3,30 @@
 Poses are proved until there are as many as the exact count says. No certificate covers multiple
 poses; there the counts decide. If the paths of the endgame lead to as many distinct solutions as
 are counted, with as many paths together, these are the solutions.
+
+Where the lines of some DLL are parallel the poses are those of points for these lines, and of these
+poses those with parallel lines. That so many balls contain parallel lines as were counted, and no
+others do, proves that just these are parallel.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
+from gspcli.certification.counting import PartCount, SideCount, by_points
 from gspcli.certification.poses.collection import Collection
 from gspcli.certification.poses.multiple import MultiplePose, multiple_poses
+from gspcli.certification.poses.parallel_poses import where_parallel
 from gspcli.continuation.endpoints import COUNTED
 from gspcli.continuation.paths import Basis, PathAccount
 from gspcli.continuation.tracked_paths import PathEnds
+from gspcli.geometry.instance import Instance
 from gspcli.geometry.quaternions import canonical_sign
-from gspcli.solver.results.pose_set import PoseSet
+from gspcli.solver.results.pose_set import PoseSet, joined
 from gspcli.solver.side_poses import SidePoses
-
-#: If at most one path in so many is missing, paths have jumped rather than that the platform is
-#: special: other paths find what is missing. Else no count says whether more would be found.
-FEW = 50
-
-
-def is_exhausted(side: SidePoses) -> bool:
-    """Return whether all further strategies have been tried."""
-    # Imported where they are needed: for most platforms the first strategies are enough.
-    from gspcli.solver.strategies.further import FURTHER
-
-    return side.begun == len(FURTHER)
-
-
-def go_on(side: SidePoses) -> None:
-    """Do the next part of the further strategies, up to where the poses may be all."""
-    from gspcli.solver.strategies.further import FURTHER
-
-    if side.running is None:
-        side.running = FURTHER[side.begun](side)
-    if next(side.running, side) is side:
-        side.begun, side.running = side.begun + 1, None
-
-
-def go_on_until(
-    side: SidePoses, last: Callable[[SidePoses], Iterator[None]], most: int | None = None
-) -> None:
-    """Go on as long as poses are missing.
-
-    Parameters
-    ----------
-    side
-        The poses for a choice of sides.
-    last
-        The last of the further strategies that may be used.
-    most
-        How many poses there can be, if that is known.
-    """
-    from gspcli.solver.strategies.further import FURTHER
-    from gspcli.solver.strategies.more_digits import with_more_steps
-
-    paths, end = side.paths.count, FURTHER.index(last) + 1
-    side.most = most
-    while side.begun < end:
-        found = len(side.found)
-        missing = min(paths - found - len(side.infinite), (most or paths) - found)
-        if missing <= 0:
-            break
-        if side.begun > FURTHER.index(with_more_steps) and missing * FEW > paths:
-            break
-        go_on(side)
 
 
 def complete(side: SidePoses, solutions: int, distinct: int, spurious: int | None) -> PoseSet:
@@ -85,6 +42,9 @@ def complete(side: SidePoses, solutions: int, distinct: int, spurious: int | Non
     spurious
         How many solutions are none, besides; None if that is not known.
     """
+    # Imported where it is needed: for most platforms the first strategies are enough.
+    from gspcli.solver.strategies.further import go_on, is_exhausted
+
     multiple: list[MultiplePose] = []
     candidates = _Candidates(side)
     side.most, side.all_simple = solutions, solutions == distinct
@@ -184,3 +144,79 @@ def _pose_set(
             basis=Basis.COUNT,
         ),
     )
+
+
+def complete_parts(
+    side: SidePoses, count: SideCount, solve_points: Callable[[Instance], PoseSet]
+) -> PoseSet:
+    """Return all poses for a choice of sides that was counted in parts.
+
+    Parameters
+    ----------
+    side, count
+        The poses without parallel lines, and how many there are of each sort.
+    solve_points
+        Returns all poses of an instance with points for lines.
+    """
+    chosen = side.problem.instance.on_sides(count.signs)
+    found = []
+    for part in count.parts:
+        if part.parallel and part.distinct:
+            points = solve_points(by_points(chosen, part.parallel))
+            found.append(_with_parallel_lines(chosen, part, points))
+        elif part.solutions and part.distinct:
+            found.append(complete(side, part.solutions, part.distinct, 0))
+    paths = side.paths.count
+    reached = min(sum(poses.account.found for poses in found), paths)
+    lost = min(sum(poses.account.lost for poses in found), paths - reached)
+    account = PathAccount(
+        expected=paths,
+        found=reached,
+        spurious=paths - reached - lost,
+        lost=lost,
+        basis=Basis.COUNT,
+    )
+    if not found:
+        return replace(PoseSet.unsolved(paths, ""), account=account, problem=None)
+    return replace(joined(found), motions=(), account=account)
+
+
+def _with_parallel_lines(instance: Instance, part: PartCount, poses: PoseSet) -> PoseSet:
+    """Return those poses at which just the lines of a part are parallel."""
+    kept = poses.reordered(where_parallel(instance, part.parallel, poses.R, poses.T))
+    assert part.distinct is not None
+    proved = (
+        poses.account.verdict == "complete"
+        and len(kept.R) == part.distinct == part.solutions
+        and bool(kept.certified.all())
+    )
+    lost = 0 if proved else max(1, part.distinct - len(kept.R))
+    return replace(
+        kept,
+        certified=kept.certified & proved,
+        account=PathAccount(expected=len(kept.R) + lost, found=len(kept.R), lost=lost),
+        motions=(),
+        proof=None,
+    )
+
+
+def with_points_for_all(
+    side: SidePoses, count: SideCount, solve_points: Callable[[Instance], PoseSet]
+) -> PoseSet:
+    """Return the poses for a choice of sides where some lines are parallel at all of them.
+
+    They are those of the platform with points for lines. All else is in the set where the
+    equations hold because the lines are parallel.
+    """
+    instance = side.problem.instance
+    poses = solve_points(by_points(instance.on_sides(count.signs), count.parallel))
+    return replace(poses, account=_among(side.paths.count, poses.account))
+
+
+def _among(paths: int, account: PathAccount) -> PathAccount:
+    """Return the account of paths that lead to the poses of another platform, or to no poses."""
+    # The other one may have more solutions: a point at distance zero from a line counts twice.
+    found = min(account.found, paths)
+    lost = min(account.lost, paths - found)
+    rest = {"on_curves" if account.on_curves else "spurious": paths - found - lost}
+    return PathAccount(expected=paths, found=found, lost=lost, basis=Basis.COUNT, **rest)

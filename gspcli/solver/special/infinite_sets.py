@@ -19,15 +19,15 @@ from gspcli.continuation.tracked_paths import TrackedPaths
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.conjugates import made_real
 from gspcli.geometry.instance import Constraint, Instance
+from gspcli.geometry.local_motions import Motion, local_motion
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Point
 from gspcli.geometry.quaternions import Field
 from gspcli.geometry.residuals import relative_residuals
 from gspcli.solver.ledger import Ledger
 from gspcli.solver.problem import Problem
-from gspcli.solver.results.pose_set import Motion, PoseSet, joined
+from gspcli.solver.results.pose_set import PoseSet, joined
 from gspcli.solver.results.proof import CountKind, Proof
-from gspcli.solver.special.motions import local_motion
 from gspcli.solver.special.real_statements import isolated_real_poses
 
 #: Samples of a motion meet the constraints up to this part of their size.

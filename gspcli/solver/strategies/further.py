@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
-from gspcli.solver.side_poses import SidePoses
+from gspcli.solver.side_poses import FEW, SidePoses
 from gspcli.solver.strategies.elimination import by_elimination, early_elimination
 from gspcli.solver.strategies.more_digits import (
     along_other_paths,
@@ -31,3 +31,42 @@ FURTHER: tuple[Callable[[SidePoses], Iterator[None]], ...] = (
     # Some paths have jumped.
     along_other_paths,
 )
+
+
+def is_exhausted(side: SidePoses) -> bool:
+    """Return whether all further strategies have been tried."""
+    return side.begun == len(FURTHER)
+
+
+def go_on(side: SidePoses) -> None:
+    """Do the next part of the further strategies, up to where the poses may be all."""
+    if side.running is None:
+        side.running = FURTHER[side.begun](side)
+    if next(side.running, side) is side:
+        side.begun, side.running = side.begun + 1, None
+
+
+def go_on_until(
+    side: SidePoses, last: Callable[[SidePoses], Iterator[None]], most: int | None = None
+) -> None:
+    """Go on as long as poses are missing.
+
+    Parameters
+    ----------
+    side
+        The poses for a choice of sides.
+    last
+        The last of the further strategies that may be used.
+    most
+        How many poses there can be, if that is known.
+    """
+    paths, end = side.paths.count, FURTHER.index(last) + 1
+    side.most = most
+    while side.begun < end:
+        found = len(side.found)
+        missing = min(paths - found - len(side.infinite), (most or paths) - found)
+        if missing <= 0:
+            break
+        if side.begun > FURTHER.index(with_more_steps) and missing * FEW > paths:
+            break
+        go_on(side)

@@ -14,13 +14,13 @@ from gspcli.geometry.instance import AngleUnit, Constraint, Side
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Line, Plane, Point, vector
 from gspcli.geometry.quaternions import study_from_pose
+from gspcli.geometry.real_statements import real_statement
 from gspcli.solver.ledger import Ledger
 from gspcli.solver.results.proof import CountKind
 from gspcli.solver.side_poses import SidePoses
 from gspcli.solver.special.by_count import _by_geometry
 from gspcli.solver.special.completion import _multiplicities
 from gspcli.solver.special.infinite_sets import _different
-from gspcli.solver.special.real_statements import _real_statement
 
 
 @pytest.mark.parametrize(
@@ -127,7 +127,7 @@ def test_only_ends_of_a_range_are_several_real_constraints() -> None:
     for kind, base, count in ((DPP, PLATFORM, 3), (DPL, line, 2)):
         for value, rows in (("0", count), ("1e-30", 1), ("2", 1)):
             given = Constraint(kind, PLATFORM, base, Number.of(value))
-            assert len(_real_statement(given, AngleUnit.DEGREE)) == rows
+            assert len(real_statement(given, AngleUnit.DEGREE)) == rows
     for value, rows in (("0", 2), ("180", 2), ("90", 1), ("1e-9", 1), ("179.999", 1)):
         given = Constraint(ALL, line, line, Number.of(value))
-        assert len(_real_statement(given, AngleUnit.DEGREE)) == rows
+        assert len(real_statement(given, AngleUnit.DEGREE)) == rows

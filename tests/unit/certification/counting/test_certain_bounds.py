@@ -88,7 +88,7 @@ def test_the_relations_vanish_on_motions() -> None:
 def test_a_platform_with_more_poses_than_the_bound_stays_as_it_was(monkeypatch) -> None:
     instance = _rational(_example("congruent-platform"))
     for bound in (23, 25, None):
-        monkeypatch.setattr("gspcli.solver.special.certain.certain_bound", lambda *_, n=bound: n)
+        monkeypatch.setattr("gspcli.solver.special.by_count.certain_bound", lambda *_, n=bound: n)
         result = solve(instance, prove=True)
         assert result.proof is not None
         assert result.proof.grade is Grade.PRIME

@@ -7,10 +7,10 @@ import pytest
 
 from gspcli.catalogue.kinds import AHH, DPP
 from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.local_motions import local_motion
 from gspcli.geometry.measurement import measured
 from gspcli.geometry.quaternions import rotation_from_quaternion
 from gspcli.geometry.residuals import residuals
-from gspcli.solver.special.motions import local_motion
 
 
 def legs(y: np.ndarray, x: np.ndarray, R: np.ndarray, T: np.ndarray) -> Arrangement:

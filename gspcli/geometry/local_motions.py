@@ -20,7 +20,7 @@ from gspcli.geometry.quaternions import (
     rotation_from_quaternion,
 )
 from gspcli.geometry.tolerances import MEASURED_PARALLEL_SINE
-from gspcli.solver.results.pose_set import Motion
+from gspcli.records import dataclass
 from gspcli.ties import definite_basis
 
 #: Steps of a sample motion, in radians or typical lengths, and how many of them.
@@ -35,6 +35,28 @@ _KERNEL = 1e-6
 _END = 1e-12
 #: Largest remaining error of a corrected pose, in radians or typical lengths.
 _CONVERGED = 1e-11
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """A set of poses around a sample, where solutions are not isolated over the complex numbers.
+
+    Attributes
+    ----------
+    dimension
+        Local dimension of the set, as far as independent steps were found. Zero is that of a real
+        pose from which no real motion begins (`gspcli.geometry.real_statements`).
+    real
+        Whether the poses are real, so that the platform really moves if the dimension is not
+        zero; else the set is known only over the complex numbers.
+    R, T
+        Consecutive poses, shapes (m, 3, 3) and (m, 3); the first is the sample.
+    """
+
+    dimension: int
+    real: bool
+    R: Field
+    T: Field
 
 
 def local_motion(arrangement: Arrangement, R: Field, T: Field) -> Motion | None:
