@@ -233,7 +233,7 @@ def _geometry_errors(errors: dict[str, Any], unit: str) -> Table:
         Column("worst", "worst, first order", align="right", essential=True),
         Column("rms", align="right", essential=True),
     )
-    note = f"rotations in radians, distances in {unit}; of rotation and distance upper bounds"
+    note = f"rotations in radians, distances in {unit}; upper bounds for rotation and distance"
     return Table(
         columns, rows, title="Errors of the pose from the geometry", notes=[note], part="geometry"
     )

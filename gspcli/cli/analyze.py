@@ -50,8 +50,8 @@ _ZERO = 1e-12
 @click.option(
     "--point",
     metavar="X,Y,Z",
-    help="The point, in the base, that twists and wrenches are about.  [default: the mean of the "
-    "platform's points]",
+    help="The point of the base about which twists and wrenches are taken.  [default: the mean of "
+    "the platform's points]",
 )
 @click.option(
     "--length",
@@ -67,15 +67,16 @@ _ZERO = 1e-12
 @click.option(
     "--stiffness",
     metavar="K",
-    help="Stiffness of the constraints, one number or six: the unit of force of --load over the "
-    "unit of length of SPEC, as N/mm, and for angles moment by radian; gsp dynamics takes N/m.  "
+    help="Stiffness of the constraints, one number or six: in the unit of force of --load per unit "
+    "of length of SPEC, such as N/mm, for angles moment per radian. gsp dynamics takes N/m.  "
     "[default: that of the drives in SPEC]",
 )
 @click.option("--tolerance", metavar="D", help="How far each value may be off: one number or six.")
 @click.option(
     "--geometry-tolerance",
     metavar="D[,A]",
-    help="How far each coordinate of each primitive may be off, and each direction be turned.",
+    help="How far each coordinate of each primitive may be off, and how far each direction may be "
+    "turned.",
 )
 @require_option("range, cone, condition<=50, clearance>=0.5, force<=200")
 @output_options(

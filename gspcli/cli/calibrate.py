@@ -79,13 +79,13 @@ _MOST_PLANNED = 300
     help="Where a point with columns NAME.x, NAME.y, NAME.z is in the platform's frame.",
 )
 @click.option(
-    "--robust", is_flag=True, help="Count outliers less: by their modulus (pseudo-Huber)."
+    "--robust", is_flag=True, help="Give outliers less weight: by their modulus (pseudo-Huber)."
 )
 @click.option(
     "--prior",
     type=Positive(),
     metavar="D",
-    help="How exactly the numbers are known before, a length.  [default: 1/200 of a typical "
+    help="How exactly the stated numbers are known, as a length.  [default: 1/200 of a typical "
     "length]",
 )
 @click.option(
@@ -101,7 +101,7 @@ _MOST_PLANNED = 300
     "--plan",
     type=Whole(1, _MOST_PLANNED),
     metavar="N",
-    help="Which N poses to measure next, after those of DATA if it is given.",
+    help="Plan N poses to measure, in addition to those of DATA if it is given.",
 )
 @mode_option("about which poses are planned.  [default: home]")
 @require_option("condition<=50, clearance>=0.5", "for rows of --plan")

@@ -69,7 +69,7 @@ def _summary(result: Calibration) -> list[str]:
         f"{counted(len(result.seen), 'row')}, {counted(len(result.names), 'number')} found"
     )
     if freedom <= 0:
-        lines.append("as many numbers were measured as are found: nothing says how good they are")
+        lines.append("as many numbers are found as were measured: their errors are not known")
     elif result.scatter == 1.0:
         lines.append(
             f"chi-squared {chi:.4g} of {freedom} degrees of freedom, "

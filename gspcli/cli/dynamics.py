@@ -332,7 +332,6 @@ def _forward(
     emit(output, motion_table(found, form.frame), document=document)
     if not found.energy_error < 1e-6:
         message = (
-            f"the energy is wrong by {found.shown_error:.0e} of its changes: "
-            "the motion is not to be trusted"
+            f"the energy is wrong by {found.shown_error:.0e} of its changes: do not use this motion"
         )
         raise GspError(message)

@@ -149,7 +149,7 @@ def motion_table(found: SimulatedMotion, frame: PoseFrame) -> Table:
     notes = [
         f"lengths in {units.length}, angles in {units.angle.value}, seconds; w v: angular velocity "
         f"and velocity of {moving}; alpha a: their derivatives",
-        f"the work of the drives is the change of the energy to {found.shown_error:.0e}",
+        f"the work of the drives is off the change of energies by {found.shown_error:.0e} of it",
     ]
     return Table(columns, rows, title=instance.title, notes=[*notes, *frame_note(frame)])
 

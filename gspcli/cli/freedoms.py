@@ -63,7 +63,7 @@ def command(
         R, T = pose.read(conventions.form(instance))
         instance = _moved(instance, R, T)
     elif conventions.options:
-        message = f"{conventions.options[0]} says what the numbers of --pose are: give it, too"
+        message = f"{conventions.options[0]} says how --pose is read: give --pose, too"
         raise click.UsageError(message)
     else:
         R, T = _home(instance)

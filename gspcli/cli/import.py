@@ -23,7 +23,7 @@ from gspcli.errors import GspError
     default=MEETING_SHARE,
     show_default=True,
     metavar="SHARE",
-    help="Take axes to meet that pass each other at up to this share of the machine's size.",
+    help="Axes that pass each other at up to this share of the machine's size count as meeting.",
 )
 @click.option(
     "--digits",

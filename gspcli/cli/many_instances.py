@@ -109,7 +109,7 @@ def solve_many(
         The largest exit code of an instance.
     """
     if specs.count("-") > 1:
-        message = "standard input is one SPEC, and found more than once"
+        message = "standard input can be one SPEC only: - is given more than once"
         raise GspError(message)
     answers = _answers(_sources(specs, lines=lines), partial(_answer, solving, changes), jobs)
     total = None if _any_lines(specs, lines=lines) else len(specs)

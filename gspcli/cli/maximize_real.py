@@ -32,8 +32,8 @@ if TYPE_CHECKING:
     "--real",
     type=Whole(0),
     metavar="N",
-    help="The search stops at so many real poses; the exit code is 1 if it finds fewer. With "
-    "--show: the known platform with so many.  [default: as many as possible, as many as known]",
+    help="Stop at N real poses; the exit code is 1 if fewer are found. With --show: the known "
+    "platform with N.  [default: as many as possible, as many as known]",
 )
 @click.option(
     "--time",
@@ -42,9 +42,9 @@ if TYPE_CHECKING:
     metavar="SECONDS",
     default=SEARCH_SECONDS,
     show_default=True,
-    help="Stop after so many seconds.",
+    help="Stop after this time.",
 )
-@click.option("--attempts", "most", type=Whole(1), metavar="N", help="Stop after so many attempts.")
+@click.option("--attempts", "most", type=Whole(1), metavar="N", help="Stop after N attempts.")
 @seed_option("; an attempt depends only on it and on its number")
 @worker_options
 @resume_option

@@ -78,14 +78,13 @@ class _LimitType(click.ParamType):  # type: ignore[type-arg]
     "(x,y,z,qw,qx,qy,qz, or x,y,z,rx,ry,rz with --euler, or @FILE).",
 )
 @click.option(
-    "--to", "goal", type=_EndType(), metavar="K|home|POSE", help="Where it ends, likewise."
+    "--to", "goal", type=_EndType(), metavar="K|home|POSE", help="Where the path ends, likewise."
 )
 @click.option(
     "--all",
     "everything",
     is_flag=True,
-    help="Instead of one path: which modes are joined by paths, and between which it is proved "
-    "that there is none.",
+    help="Instead of one path show which modes are joined by paths, and which are proved apart.",
 )
 @click.option(
     "--along",
@@ -114,20 +113,20 @@ class _LimitType(click.ParamType):  # type: ignore[type-arg]
     default=PATH_SECONDS,
     show_default=True,
     metavar="SECONDS",
-    help="Stop after so many seconds. A path that is found does not depend on it.",
+    help="Stop after this time. A path that is found does not depend on it.",
 )
 @click.option(
     "--speed",
     type=_LimitType(),
     metavar="V",
-    help="Give the rows times in seconds. It is proved, between rows too, that no motor is faster "
-    "than V, in the unit of its value a second. Or motors=V,platform=V,turn=V.",
+    help="Give the rows times in seconds, at which no motor is faster than V, in the unit of its "
+    "value a second: proved, between rows too. Or motors=V,platform=V,turn=V.",
 )
 @click.option(
     "--acceleration",
     type=_LimitType(),
     metavar="A",
-    help="With --speed: likewise, no acceleration is above A, in units a second squared.",
+    help="With --speed: no acceleration is above A, in units a second squared, proved likewise.",
 )
 @click.option(
     "--round",

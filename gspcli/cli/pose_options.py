@@ -141,14 +141,14 @@ def pose_options(function: Function) -> Function:
     @click.option(
         "--pivot",
         metavar="X,Y,Z",
-        help="The point of the platform, in its frame (or that of the tool that SPEC states), that "
-        "x, y, z are the position of.",
+        help="The point of the platform whose position is x, y, z: its coordinates in the frame of "
+        "the platform, or of the tool that SPEC states.",
     )
     @click.option(
         RELATIVE,
         "relative_to",
         type=click.Choice([HOME]),
-        help="Poses are expressed from the home of SPEC: zero is home.",
+        help="Poses are relative to the home of SPEC: zero is home.",
     )
     @functools.wraps(function)
     def command(

@@ -65,8 +65,8 @@ _NUMBERS = tuple("123456")
 @click.option(
     "--folds",
     is_flag=True,
-    help="Find where between neighbouring nodes the number changes, proved. Tables show these "
-    "folds instead of the nodes, pictures both.",
+    help="Find, with proof, where the number changes between neighbouring nodes. Tables show "
+    "these folds instead of the nodes, pictures both.",
 )
 @click.option(
     "--quantity",
@@ -188,7 +188,7 @@ def _refuse_coordinates(texts: tuple[str, ...], conventions: PoseConventions) ->
         message = "--vary: coordinates of a pose vary with --pose, which says what does not"
         raise click.UsageError(message)
     if conventions.euler or conventions.pivot:
-        message = "--euler and --pivot say what the numbers of --pose are: give it, too"
+        message = "--euler and --pivot say how --pose is read: give --pose, too"
         raise click.UsageError(message)
 
 

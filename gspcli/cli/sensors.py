@@ -42,17 +42,16 @@ _KINDS = ("leg", "coordinate", "joint", "inclinometer", "distance", "angle")
     "count",
     type=click.IntRange(1, 100_000),
     metavar="COUNT",
-    help="For so many random sets of values: in the ranges of SPEC if each constraint has one, "
-    "else about home.",
+    help="Take this number of random sets of values: in the ranges of SPEC if each constraint has "
+    "one, else about home.",
 )
 @click.option(
     "--within",
     "intervals",
     metavar="NAME=LOW:HIGH",
     multiple=True,
-    help="Keep NAME in this interval: the value of constraint NAME, or the reading of a drive "
-    "such as crank.B1, is drawn there, the others stay; may be repeated. 100 sets unless --random "
-    "says how many.",
+    help="Draw NAME from this interval: the value of constraint NAME, or the reading of a drive "
+    "such as crank.B1. The others stay. May be repeated. 100 sets unless --random says how many.",
 )
 @click.option(
     "--sensor",
@@ -76,13 +75,12 @@ _KINDS = ("leg", "coordinate", "joint", "inclinometer", "distance", "angle")
     default=6.0,
     show_default=True,
     metavar="N",
-    help="Modes whose readings differ by at least so many standard deviations count as "
-    "distinguished.",
+    help="Modes count as distinguished if their readings differ by at least N standard deviations.",
 )
 @click.option(
     "--known-side",
     is_flag=True,
-    help="Assume that the side of the base on which the platform is is known: that of home.",
+    help="Assume that the platform is on the same side of the base as at home.",
 )
 @click.option("--up", metavar="X,Y,Z", default="0,0,1", help="The vertical in the base.")
 @click.option(
@@ -142,7 +140,7 @@ def command(
         raise click.UsageError(message)
     about_rows = [*(["--relative"] if relative else ()), *conventions.options, *columns.options]
     if rows is None and about_rows:
-        message = f"{listed(about_rows, 'and')}: for ROWS only, and there are none"
+        message = f"{listed(about_rows, 'and')}: needs ROWS"
         raise click.UsageError(message)
     if spec == rows == "-":
         message = "SPEC and ROWS cannot both be standard input"

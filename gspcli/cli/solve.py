@@ -47,7 +47,7 @@ _READABLE = ("table", "markdown", "latex")
     "--lines",
     "by_line",
     is_flag=True,
-    help="SPEC has an instance in each line, as JSON; files that end with .jsonl have, too.",
+    help="SPEC has an instance in each line, as JSON: the default for files that end with .jsonl.",
 )
 @value_options
 @click.option("--all", "everything", is_flag=True, help="Also show poses that are not real.")
@@ -59,9 +59,9 @@ _READABLE = ("table", "markdown", "latex")
 @click.option(
     "--prove/--no-prove",
     default=None,
-    help="Count the poses of a special platform exactly, however long that takes, and make a proof "
-    "up to a random prime certain where that succeeds; or never count. By default they are counted "
-    "if it takes a few seconds at most.",
+    help="--prove counts the poses of a special platform exactly, for any time, and tries to make "
+    "a proof up to a random prime certain. --no-prove never counts. By default poses are counted "
+    "if that takes a few seconds at most.",
 )
 @seed_option("; the answer does not depend on it")
 @jobs_option
@@ -82,7 +82,7 @@ _READABLE = ("table", "markdown", "latex")
     "readings",
     metavar="READING",
     multiple=True,
-    help="The reading of one more sensor with its standard deviation, as 'leg P1 B3 = 212.4 ± "
+    help="The reading of one more sensor with its standard deviation, such as 'leg P1 B3 = 212.4 ± "
     "0.1' (or +-), in the units of SPEC. The mode that fits is marked. May be repeated.",
 )
 @click.option(
@@ -322,7 +322,7 @@ def _check_usage(rotation: str, *, everything: bool, no_certify: bool) -> None:
     if no_certify:
         click.echo("--no-certify is ignored: every pose is proved", err=True)
     if everything and rotation not in ("quaternion", "matrix"):
-        message = f"--rotation {rotation} says nothing of poses that are not real: leave out --all"
+        message = f"--rotation {rotation} cannot write poses that are not real: leave out --all"
         raise click.UsageError(message)
 
 
@@ -333,9 +333,7 @@ def _goal(
     if near is not None:
         return near.read(conventions.form(instance))
     if (conventions.euler or conventions.pivot) and not filtered:
-        message = (
-            "--euler and --pivot say what the numbers of --near and --where are: give one, too"
-        )
+        message = "--euler and --pivot say how --near and --where are read: give one of them, too"
         raise click.UsageError(message)
     return None
 
@@ -451,7 +449,7 @@ def _complain(result: SolveResult) -> None:
         from gspcli.spec import out_of_proportion
 
         lost, expected = result.account.lost, result.expected
-        message = f"{lost} of {expected} expected solutions could not be made out"
+        message = f"{lost} of {expected} expected solutions could not be classified"
         if disproportion := out_of_proportion(result.instance):
             raise IncompleteError(f"{message}:\n{disproportion}")
         message += (

@@ -55,7 +55,7 @@ def test_what_is_missing(gsp, door):
     assert "SPEC states no home: give --pose" in run.err
     run = gsp("freedoms", door, "--euler", "ZYX")
     assert run.code == 2
-    assert "says what the numbers of --pose are" in run.err
+    assert "says how --pose is read" in run.err
 
 
 def test_joints_of_a_rotary_machine_are_where_the_arms_have_them(gsp):

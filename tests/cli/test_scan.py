@@ -124,7 +124,7 @@ def test_poses(gsp, tmp_path):
     [
         ((), "Missing option '--vary'"),
         (("--vary", "x=0:1:2"), "coordinates of a pose vary with --pose"),
-        (("--vary", "1=1:2:3", "--pivot", "0,0,1"), "say what the numbers of --pose are"),
+        (("--vary", "1=1:2:3", "--pivot", "0,0,1"), "say how --pose is read"),
         (("--pose", "0,0,0,1,0,0,0", "--vary", "1=1:2:3"), "NAME=LOW:HIGH:COUNT with x, y, z"),
         (("--pose", "0,0,0,0,0,0,0", "--vary", "x=1:2:3"), "a quaternion of length zero"),
         (("--pose", "0,0,0,0,0,0", "--vary", "rx=1:2:3"), "say it with --euler"),

@@ -298,7 +298,7 @@ def test_decimals_and_legend(gsp):
         (["--rotation", "zzz"], "expected three different axes"),
         (["--rotation", "ZYX", "--all"], "leave out --all"),
         (["--near", "0,0,0,0,0,0"], "say it with --euler, such as ZYX"),
-        (["--euler", "ZYX"], "say what the numbers of --near and --where are"),
+        (["--euler", "ZYX"], "say how --near and --where are read"),
         (["--near", "0,0"], "--near: found 2 numbers"),
     ],
 )
