@@ -55,6 +55,21 @@ class MachineResult:
         """How many times quicker than fkSGP that is; zero if that is not known."""
         return 0.0 if self.peer is None else self.peer / seconds
 
+    @property
+    def seconds(self) -> tuple[float, float, float]:
+        """The first solution, other values, a batch."""
+        return self.first, self.others, self.batch
+
+
+@dataclass(frozen=True)
+class Line:
+    """A line of the table: what `MachineResult.seconds` are, and how many times quicker that is."""
+
+    name: str
+    seconds: Sequence[float]
+    ratios: Sequence[float]
+    peer: float | None
+
 
 def measure(seed: int, folder: Path | None, *, quick: bool) -> Iterator[MachineResult]:
     """Yield what is measured of each; `folder` is that of fkSGP, if there is a copy."""
@@ -65,17 +80,27 @@ def measure(seed: int, folder: Path | None, *, quick: bool) -> Iterator[MachineR
             yield _machine(f"{SAMPLED} {machine.name}", machine.instance, seed, folder, quick=True)
 
 
-def quantiles(results: Sequence[MachineResult]) -> Iterator[tuple[str, MachineResult]]:
-    """Yield the median and the worst of sampled machines, with what they are called."""
+def lines(results: Sequence[MachineResult]) -> Iterator[Line]:
+    """Yield a line for each shipped machine, the median of the sampled ones, and the worst.
+
+    The worst of each column is that of a machine of its own, as is the least ratio.
+    """
+    shipped = [x for x in results if not x.name.startswith(SAMPLED)]
     sampled = [x for x in results if x.name.startswith(SAMPLED)]
-    peers = sorted(x.peer for x in sampled if x.peer is not None)
-    for name, chosen in (("median", median), ("worst", max)) if sampled else ():
-        first, others, batch = (
-            chosen(getattr(x, part) for x in sampled) for part in ("first", "others", "batch")
+    for each in shipped:
+        yield Line(each.name, each.seconds, [each.ratio(x) for x in each.seconds], each.peer)
+    if not sampled:
+        return
+    seconds = list(zip(*(x.seconds for x in sampled), strict=True))
+    ratios = list(zip(*([x.ratio(y) for y in x.seconds] for x in sampled), strict=True))
+    peers = [x.peer for x in sampled if x.peer is not None]
+    for name, slow, least in (("median", median, median), ("worst", max, min)):
+        yield Line(
+            f"{len(sampled)} {SAMPLED} machines, {name}",
+            [slow(column) for column in seconds],
+            [least(column) for column in ratios],
+            slow(peers) if peers else None,
         )
-        peer = median(peers) if peers else None
-        title = f"{len(sampled)} {SAMPLED} machines, {name}"
-        yield name, MachineResult(title, first, others, batch, peer)
 
 
 def _machine(

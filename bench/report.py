@@ -15,7 +15,7 @@ from statistics import median
 import numpy as np
 
 from bench.cases import CASES, Case
-from bench.machines import SAMPLED, MachineResult, quantiles
+from bench.machines import MachineResult, lines
 from bench.markdown import duration, number, table
 from bench.own import Shell, Throughput
 from bench.peers import Comparison
@@ -153,19 +153,12 @@ class Report:
         if not self.machines:
             return ""
 
-        def cell(result: MachineResult, seconds: float) -> str:
-            ratio = result.ratio(seconds)
+        def cell(seconds: float, ratio: float) -> str:
             return duration(seconds) + (f" ({number(ratio)}×)" if ratio else "")
 
-        shown = [x for x in self.machines if not x.name.startswith(SAMPLED)]
-        shown += [x for _, x in quantiles(self.machines)]
         rows = (
-            [
-                x.name,
-                *(cell(x, seconds) for seconds in (x.first, x.others, x.batch)),
-                duration(x.peer) if x.peer else "",
-            ]
-            for x in shown
+            [x.name, *map(cell, x.seconds, x.ratios), duration(x.peer) if x.peer else ""]
+            for x in lines(self.machines)
         )
         heading = ["platform", "first", "other values", "in a batch", "fkSGP"]
         return f"## Machines\n\n{_MACHINES}\n{table(heading, rows)}"
@@ -298,7 +291,8 @@ Platforms of six legs that are special but for the rounding of their numbers; pr
 certified and proved complete. *First*: nothing is kept of the geometry; *other values*: a platform
 of it has been solved, values change by 2 %; *in a batch*: each of 512 sets of values. In brackets
 how many times quicker than fkSGP, in turns. The sampled machines are drawn at random as people
-write them (`tools/special/realistic.py`); of these the batches have 64 sets of values.
+write them (`tools/special/realistic.py`); of these the batches have 64 sets of values. The worst
+time and the worst ratio of a column may be those of two machines.
 """
 
 _BATCHES = """\

@@ -34,6 +34,7 @@ from gspcli.geometry.instance import Instance
 from gspcli.geometry.quaternions import study_from_pose
 from gspcli.solver import SolveResult, solve
 from gspcli.spec import dumps, loads
+from tools.build import peer_table
 
 SEED = 1
 SMALL = [case for case in CASES if case.key not in ("6PL", "6LL")]
@@ -249,11 +250,15 @@ def test_of_sampled_machines_the_median_and_the_worst_are_shown() -> None:
         machines.MachineResult(f"sampled 6-6/{k}", 0.01 * k, 0.001, 1e-4 * k, 0.006)
         for k in (1, 2, 6)
     ]
-    rows = dict(machines.quantiles([one, *drawn]))
-    assert (rows["median"].first, rows["worst"].first) == (0.02, 0.06)
-    assert rows["worst"].batch == pytest.approx(6e-4)
-    assert rows["median"].name == "3 sampled machines, median"
-    assert not dict(machines.quantiles([one]))
+    shipped, middle, worst = machines.lines([one, *drawn])
+    assert (shipped.name, shipped.ratios) == ("t-top-head", [1, 1, 1])
+    assert middle.name == "3 sampled machines, median"
+    assert (middle.seconds[0], worst.seconds[0]) == (0.02, 0.06)
+    assert worst.seconds[2] == pytest.approx(6e-4)
+    # The median and the least of the ratios, not ratios of medians.
+    assert middle.ratios[0] == pytest.approx(0.3)
+    assert worst.ratios[0] == pytest.approx(0.1)
+    assert len(list(machines.lines([one]))) == 1
 
 
 def test_the_bars_of_first_solutions_are_those_of_sampled_machines() -> None:
@@ -265,3 +270,26 @@ def test_the_bars_of_first_solutions_are_those_of_sampled_machines() -> None:
     assert bars["sampled machines, first, median, fkSGP over gsp"] == pytest.approx(0.3)
     assert bars["sampled machines, first, least, fkSGP over gsp"] == pytest.approx(0.1)
     assert "3 sampled machines, worst" in report.markdown()
+
+
+@pytest.mark.parametrize(
+    ("seconds", "said"), [(0.02, "3.3 times quicker"), (0.002, "3 times slower")]
+)
+def test_the_readme_says_what_a_first_solution_of_sampled_machines_costs(
+    seconds, said, monkeypatch, tmp_path
+) -> None:
+    report = Report(seed=1, limit=1.0, quick=True, versions={})
+    report.machines = [
+        machines.MachineResult(name, seconds, 0.001, 1e-4, 0.006)
+        for name in ("t-top-head", "sampled 6-6/1")
+    ]
+    page = tmp_path / "benchmarks.md"
+    page.write_text(report.markdown())
+    monkeypatch.setattr(peer_table, "BENCHMARKS", page)
+    real, sampled = peer_table._machines()
+    assert real[0] == "1 real machines, first solve"
+    assert sampled[:3] == [
+        "1 sampled machines, first solve, median",
+        f"{1e3 * seconds:g} ms",
+        said,
+    ]
