@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from gspcli.certification.poses.collection import Collection
 from gspcli.certification.poses.distinct import same
 from gspcli.certification.poses.isolation import Isolation
-from gspcli.certification.poses.locator import DOUBLE, AtInfinity, Locator
+from gspcli.certification.poses.locator import DOUBLE, AtInfinity, Located, Locator
 from gspcli.certification.poses.many_values import ProvedPoses
 from gspcli.continuation.paths import Basis, PathAccount
 from gspcli.continuation.systems import FineCoefficients
@@ -32,8 +32,9 @@ Index = NDArray[np.intp]
 FEW = 50
 #: Poses that agree to this part of their largest entry are not located again.
 _KNOWN = 1e-13
-#: Bits for poses that 32 digits do not round correctly.
-_MANY_BITS = 128
+#: Bits for poses that 32 digits do not round correctly. The second are for numbers half-way between
+#: two doubles, as an entry of a rotation is where it is a ratio of two values.
+_MANY_BITS = 128, 512
 #: Points with smaller imaginary parts may be real.
 _NEARLY_REAL = 1e-6
 
@@ -136,10 +137,13 @@ class SidePoses:
         # Mostly pairs of conjugates, which are one after the other.
         for k in rest[place[rest] < 0].tolist():
             place[k] = self.found.place_near(R[k], T[k], off[k])
-            if place[k] < 0:
-                self.found.add([self.locator.near(R[k], T[k], self.sides, _MANY_BITS)])
-                self.found.add_conjugates()
-                place[k] = self.found.place_near(R[k], T[k], off[k])
+            for bits in _MANY_BITS if place[k] < 0 else ():
+                located = self.locator.near(R[k], T[k], self.sides, bits)
+                if isinstance(located, Located):
+                    self.found.add([located])
+                    self.found.add_conjugates()
+                    place[k] = self.found.place_near(R[k], T[k], off[k])
+                    break
         return place
 
     def add(self, ends: PathEnds) -> Bits:

@@ -283,3 +283,15 @@ def test_rows_of_realistic_machines_are_solved_together(number):
         assert poses.proof is not None
         there = sorted(map(tuple, alone.T.tolist()), key=repr)
         assert sorted(map(tuple, poses.T.tolist()), key=repr) == there
+
+
+def test_a_number_half_way_between_two_doubles_is_rounded_without_other_paths(monkeypatch):
+    """An entry of the rotation is a ratio of two values: 128 bits do not round it (fixture/185)."""
+    machine = next(machines(186, rows=71, begin=185))
+    starts = SolvedStarts()
+    solve(machine.instance, starts=starts)
+    monkeypatch.setattr(by_count, "poses_by_count", None)
+    values = {i: Number.of(Fraction(x)) for i, x in enumerate(machine.rows[29].tolist())}
+    found = solve(machine.instance.with_values(values), starts=starts)
+    assert found.verdict == "complete"
+    assert found.counts.found == found.certified.sum() == 4
