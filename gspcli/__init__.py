@@ -17,51 +17,92 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from gspcli.atlas.count_summary import atlas_summary
-    from gspcli.atlas.platform_counts import count
-    from gspcli.calibration import calibrate
-    from gspcli.calibration.identifying import identify
-    from gspcli.catalogue.bounds import family_bounds, type_bounds
-    from gspcli.catalogue.coincidence import coincident_types
-    from gspcli.catalogue.constraints import constraint_facts
-    from gspcli.catalogue.known_facts import bound, show
-    from gspcli.catalogue.listing import TypeList
-    from gspcli.catalogue.mechanism import mechanism
-    from gspcli.catalogue.names import parse_class, parse_kind, parse_kind_set, parse_type
-    from gspcli.catalogue.types import Family, GspType, all_types
-    from gspcli.dynamics import forward_dynamics, inverse_dynamics, natural_modes, simulate
-    from gspcli.dynamics.analyses import analyze
-    from gspcli.errors import ArgumentError, GspError, SpecError
-    from gspcli.export.exported import exported
-    from gspcli.geometry.building import angle, distance, hexapod, instance
-    from gspcli.geometry.frames import PoseFrame
-    from gspcli.geometry.home_pose import Frame, Frames, HomePose
-    from gspcli.geometry.instance import Constraint, Instance, Units
-    from gspcli.geometry.masses import Arm, Carriage, Drives, Dynamics, Leg, LegBody, RigidBody
-    from gspcli.geometry.numbers import Number
-    from gspcli.geometry.primitives import Cone, Crank, Line, Plane, Point, Slide
-    from gspcli.geometry.random_instances import new
-    from gspcli.geometry.shapes import Shapes
-    from gspcli.machines.api import import_machine
-    from gspcli.motion import Follower, track
-    from gspcli.motion.paths.api import path
-    from gspcli.motion.paths.nearest_poses import NearestPoses
-    from gspcli.motion.poses.measured_values import measure
-    from gspcli.motion.singularities.clearance_results import clearance
-    from gspcli.motion.singularities.scan_results import scan
-    from gspcli.motion.statics.freedoms import freedoms
-    from gspcli.motion.workspace.box_division import workspace
-    from gspcli.paper.comparison import table
-    from gspcli.pictures.notebook import notebook_view
-    from gspcli.pictures.whole_views import view
-    from gspcli.reality.real_search import maximize_real
-    from gspcli.reality.sample_results import sample
-    from gspcli.sensing import fit_poses, fit_readings, sensors
-    from gspcli.solver import certify, solve, solve_batch, solve_values
-    from gspcli.spec import dump, dumps, load, loads, read, set_values
-    from gspcli.spec.checks import check
-    from gspcli.spec.shipped import example
-    from gspcli.symbolic.derivation import derive
+    from gspcli.atlas.count_summary import atlas_summary as atlas_summary
+    from gspcli.atlas.platform_counts import count as count
+    from gspcli.calibration import calibrate as calibrate
+    from gspcli.calibration.identifying import identify as identify
+    from gspcli.catalogue.bounds import family_bounds as family_bounds
+    from gspcli.catalogue.bounds import type_bounds as type_bounds
+    from gspcli.catalogue.coincidence import coincident_types as coincident_types
+    from gspcli.catalogue.constraints import constraint_facts as constraint_facts
+    from gspcli.catalogue.known_facts import bound as bound
+    from gspcli.catalogue.known_facts import show as show
+    from gspcli.catalogue.listing import TypeList as TypeList
+    from gspcli.catalogue.mechanism import mechanism as mechanism
+    from gspcli.catalogue.names import parse_class as parse_class
+    from gspcli.catalogue.names import parse_kind as parse_kind
+    from gspcli.catalogue.names import parse_kind_set as parse_kind_set
+    from gspcli.catalogue.names import parse_type as parse_type
+    from gspcli.catalogue.types import Family as Family
+    from gspcli.catalogue.types import GspType as GspType
+    from gspcli.catalogue.types import all_types as all_types
+    from gspcli.dynamics import forward_dynamics as forward_dynamics
+    from gspcli.dynamics import inverse_dynamics as inverse_dynamics
+    from gspcli.dynamics import natural_modes as natural_modes
+    from gspcli.dynamics import simulate as simulate
+    from gspcli.dynamics.analyses import analyze as analyze
+    from gspcli.errors import ArgumentError as ArgumentError
+    from gspcli.errors import GspError as GspError
+    from gspcli.errors import SpecError as SpecError
+    from gspcli.export.exported import exported as exported
+    from gspcli.geometry.building import angle as angle
+    from gspcli.geometry.building import distance as distance
+    from gspcli.geometry.building import hexapod as hexapod
+    from gspcli.geometry.building import instance as instance
+    from gspcli.geometry.frames import PoseFrame as PoseFrame
+    from gspcli.geometry.home_pose import Frame as Frame
+    from gspcli.geometry.home_pose import Frames as Frames
+    from gspcli.geometry.home_pose import HomePose as HomePose
+    from gspcli.geometry.instance import Constraint as Constraint
+    from gspcli.geometry.instance import Instance as Instance
+    from gspcli.geometry.instance import Units as Units
+    from gspcli.geometry.masses import Arm as Arm
+    from gspcli.geometry.masses import Carriage as Carriage
+    from gspcli.geometry.masses import Drives as Drives
+    from gspcli.geometry.masses import Dynamics as Dynamics
+    from gspcli.geometry.masses import Leg as Leg
+    from gspcli.geometry.masses import LegBody as LegBody
+    from gspcli.geometry.masses import RigidBody as RigidBody
+    from gspcli.geometry.numbers import Number as Number
+    from gspcli.geometry.primitives import Cone as Cone
+    from gspcli.geometry.primitives import Crank as Crank
+    from gspcli.geometry.primitives import Line as Line
+    from gspcli.geometry.primitives import Plane as Plane
+    from gspcli.geometry.primitives import Point as Point
+    from gspcli.geometry.primitives import Slide as Slide
+    from gspcli.geometry.random_instances import new as new
+    from gspcli.geometry.shapes import Shapes as Shapes
+    from gspcli.machines.api import import_machine as import_machine
+    from gspcli.motion import Follower as Follower
+    from gspcli.motion import track as track
+    from gspcli.motion.paths.api import path as path
+    from gspcli.motion.paths.nearest_poses import NearestPoses as NearestPoses
+    from gspcli.motion.poses.measured_values import measure as measure
+    from gspcli.motion.singularities.clearance_results import clearance as clearance
+    from gspcli.motion.singularities.scan_results import scan as scan
+    from gspcli.motion.statics.freedoms import freedoms as freedoms
+    from gspcli.motion.workspace.box_division import workspace as workspace
+    from gspcli.paper.comparison import table as table
+    from gspcli.pictures.notebook import notebook_view as notebook_view
+    from gspcli.pictures.whole_views import view as view
+    from gspcli.reality.real_search import maximize_real as maximize_real
+    from gspcli.reality.sample_results import sample as sample
+    from gspcli.sensing import fit_poses as fit_poses
+    from gspcli.sensing import fit_readings as fit_readings
+    from gspcli.sensing import sensors as sensors
+    from gspcli.solver import certify as certify
+    from gspcli.solver import solve as solve
+    from gspcli.solver import solve_batch as solve_batch
+    from gspcli.solver import solve_values as solve_values
+    from gspcli.spec import dump as dump
+    from gspcli.spec import dumps as dumps
+    from gspcli.spec import load as load
+    from gspcli.spec import loads as loads
+    from gspcli.spec import read as read
+    from gspcli.spec import set_values as set_values
+    from gspcli.spec.checks import check as check
+    from gspcli.spec.shipped import example as example
+    from gspcli.symbolic.derivation import derive as derive
 
 __version__ = "1.0.0"
 
@@ -155,95 +196,7 @@ _HOMES = {
     "workspace": "gspcli.motion.workspace.box_division",
 }
 
-__all__ = [
-    "ArgumentError",
-    "Arm",
-    "Carriage",
-    "Cone",
-    "Constraint",
-    "Crank",
-    "Drives",
-    "Dynamics",
-    "Family",
-    "Follower",
-    "Frame",
-    "Frames",
-    "GspError",
-    "GspType",
-    "HomePose",
-    "Instance",
-    "Leg",
-    "LegBody",
-    "Line",
-    "NearestPoses",
-    "Number",
-    "Plane",
-    "Point",
-    "PoseFrame",
-    "RigidBody",
-    "Shapes",
-    "Slide",
-    "SpecError",
-    "TypeList",
-    "Units",
-    "__version__",
-    "all_types",
-    "analyze",
-    "angle",
-    "atlas_summary",
-    "bound",
-    "calibrate",
-    "certify",
-    "check",
-    "clearance",
-    "coincident_types",
-    "constraint_facts",
-    "count",
-    "derive",
-    "distance",
-    "dump",
-    "dumps",
-    "example",
-    "exported",
-    "family_bounds",
-    "fit_poses",
-    "fit_readings",
-    "forward_dynamics",
-    "freedoms",
-    "hexapod",
-    "identify",
-    "import_machine",
-    "instance",
-    "inverse_dynamics",
-    "load",
-    "loads",
-    "maximize_real",
-    "measure",
-    "mechanism",
-    "natural_modes",
-    "new",
-    "notebook_view",
-    "parse_class",
-    "parse_kind",
-    "parse_kind_set",
-    "parse_type",
-    "path",
-    "read",
-    "sample",
-    "scan",
-    "sensors",
-    "set_values",
-    "show",
-    "simulate",
-    "solve",
-    "solve_batch",
-    "solve_values",
-    "table",
-    "track",
-    "type_bounds",
-    "view",
-    "workspace",
-]
+__all__ = ["__version__", *_HOMES]
 
 
 #: Rooms that pages name after `import gspcli`.

@@ -14,7 +14,7 @@ from gspcli.geometry.instance import Instance
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Geometry, Line, Point
 from gspcli.records import dataclass
-from gspcli.wording import counted, shown, suggestion
+from gspcli.wording import shown, suggestion
 
 Array = NDArray[np.float64]
 Body = Literal["platform", "base"]
@@ -74,29 +74,6 @@ def coordinates(instance: Instance) -> tuple[Coordinate, ...]:
                 for k, axis in enumerate(AXES)
             ]
     return tuple(found)
-
-
-def refuse_cranks(instance: Instance, message: str) -> None:
-    """Raise if an instance has cranks or slides, for work that does not take account of them.
-
-    Parameters
-    ----------
-    instance
-        The platform.
-    message
-        What is not possible, and what is instead; the names of the drives are put before it.
-
-    Raises
-    ------
-    ArgumentError
-        If a point has a crank or a slide.
-    """
-    drives = [one for one in coordinates(instance) if one.is_drive]
-    if drives:
-        sorts = {one.vector for one in drives}
-        what = "drive" if len(sorts) > 1 else sorts.pop()
-        names = ", ".join(one.name for one in drives)
-        raise ArgumentError(f"found {counted(len(drives), what)} ({names}): {message}")
 
 
 def choose(instance: Instance, names: Sequence[str]) -> tuple[Coordinate, ...]:

@@ -13,8 +13,6 @@ PARALLEL_SINE = 1e-9
 PARALLEL_SINE_IN_FILES = 1e-12
 #: Zero up to the errors of corrected poses, of sensors, and of machines described in doubles.
 MEASURED_PARALLEL_SINE = 1e-6
-#: Zero up to the error of an end at which several paths meet, which has half the digits.
-PARALLEL_SINE_OF_MULTIPLE_ENDS = 1e-5
 #: Nearly parallel: the equation of a DLL nearly holds at any distance, and doubles do not prove its
 #: poses.
 NEARLY_PARALLEL_SINE = 1e-2

@@ -19,9 +19,9 @@ from gspcli.catalogue.realization import REALIZATIONS
 from gspcli.cli.main import run
 from gspcli.motion import PoseFormat, read_values, track
 from gspcli.pictures.chain_panels import chain_drawing
-from gspcli.pictures.track_charts import track_chart
 from gspcli.resources import instance_files
 from gspcli.spec import load
+from tools.build.track_charts import track_chart
 from tools.recording import ROOT, parser, save
 
 IMAGES = ROOT / "docs" / "images"

@@ -20,8 +20,10 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.measurement import jacobian, measured
 from gspcli.geometry.quaternions import Field, cross, dot, rotation_from_vector
 from gspcli.geometry.residuals import relative_residuals
-from gspcli.geometry.tolerances import NEARLY_PARALLEL_SINE, PARALLEL_SINE_OF_MULTIPLE_ENDS
+from gspcli.geometry.tolerances import NEARLY_PARALLEL_SINE
 
+#: Zero up to the error of an end at which several paths meet, which has half the digits.
+_PARALLEL_SINE = 1e-5
 #: Distances, in lengths of the platform, that differ by less are equal at such an end ...
 _EQUAL = 1e-5
 #: ... and those that differ by more are not.
@@ -64,7 +66,7 @@ def judge_parallel_lines(
     r, w = (field[:, lines] for field in arrangement.placed(R, T)[:2])
     v = arrangement.v[lines]
     apart = [np.sqrt((np.abs(w - sign * v) ** 2).sum(axis=-1)) for sign in (1, -1)]
-    parallel = multiple[:, None] & (np.minimum(*apart) < PARALLEL_SINE_OF_MULTIPLE_ENDS)
+    parallel = multiple[:, None] & (np.minimum(*apart) < _PARALLEL_SINE)
     # The squares of complex distances are compared: their roots have no sign.
     across = r - dot(r, v)[..., None] * v
     square = arrangement.targets[lines] ** 2

@@ -12,7 +12,7 @@ pytest.importorskip("matplotlib")
 
 
 def test_the_loop_is_drawn_with_all_its_modes():
-    from gspcli.pictures.track_charts import track_chart
+    from tools.build.track_charts import track_chart
 
     instance = gspcli.load(data_path("trajectories", "mode-change.yaml"))
     text = data_path("trajectories", "mode-change.csv").read_text(encoding="utf-8")
@@ -24,7 +24,7 @@ def test_the_loop_is_drawn_with_all_its_modes():
 
 
 def test_last_bits_are_not_seen():
-    from gspcli.pictures.track_charts import track_chart
+    from tools.build.track_charts import track_chart
 
     instance = gspcli.load(data_path("trajectories", "mode-change.yaml"))
     text = data_path("trajectories", "mode-change.csv").read_text(encoding="utf-8")
