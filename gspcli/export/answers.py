@@ -39,12 +39,12 @@ def read_answer(text: str, name: str) -> CandidatePoses | None:
     text
         The content.
     name
-        How error messages name it.
+        Its name in error messages.
 
     Raises
     ------
     SpecError
-        If the file is of a known form and cannot be read all the same.
+        If the file has a known form but cannot be read.
     """
     stripped = text.strip()
     if _PHC_SOLUTION in text:
@@ -67,7 +67,7 @@ def read_msolve(text: str, name: str) -> Points:
     Raises
     ------
     SpecError
-        If it says something else than isolated solutions.
+        If it states anything but isolated solutions.
     """
     # Numerators and denominators have hundreds of digits; their quotients are floats.
     plain = _FRACTION.sub(lambda m: repr(int(m[1]) / 2 ** int(m[2])), text)
@@ -90,7 +90,7 @@ def read_msolve(text: str, name: str) -> Points:
 def read_phcpack(text: str) -> tuple[tuple[str, ...], Points]:
     """Return the unknowns and the solutions in PHCpack's format, shape (n, unknowns).
 
-    A path that was given up is listed as well, with the point where it was left.
+    The list also has each path that was given up, with the last point of it.
     """
     listed = text[text.rfind("THE SOLUTIONS") + 1 :]
     solutions = listed.split(_PHC_SOLUTION)[1:]

@@ -30,7 +30,7 @@ class Carrier:
     Attributes
     ----------
     constraints
-        Whose rods it carries, from 0; models are named after the first of them.
+        The constraints whose rods it carries, from 0; names in models have the first of them.
     on_platform
         Whether its body is the platform.
     joint
@@ -39,7 +39,7 @@ class Carrier:
     lever
         The length of the arm, or None for a carriage.
     inertial
-        What it weighs.
+        Its mass, centre and inertia.
     """
 
     constraints: tuple[int, ...]
@@ -50,7 +50,7 @@ class Carrier:
 
     @property
     def number(self) -> int:
-        """The number in the names of the model: that of its first constraint, from 1."""
+        """The number in names of the model: its first constraint, from 1."""
         return self.constraints[0] + 1
 
     @property

@@ -58,7 +58,7 @@ class Constants:
         return [self.number(number) for number in numbers]
 
     def square(self, number: Number) -> Polynomial:
-        """Return the square of a number; of a root that is what stands under it."""
+        """Return the square of a number; for a square root this is the radicand."""
         if number.operation == "sqrt":
             return self.number(number.arguments[0])
         value = self.number(number)
@@ -92,7 +92,7 @@ class Constants:
         return name * Fraction(outside, below)
 
     def cosine(self, constraint: Constraint, unit: AngleUnit) -> Polynomial:
-        """Return the value of ``R u . v`` that an angle asks for, by Section 4."""
+        """Return the value of ``R u . v`` of an angle, by Section 4."""
         angle, law = constraint.value, constraint.kind.law
         if law.is_cosine:
             return self._cosine(angle, unit) * law.sign

@@ -35,7 +35,7 @@ class Export:
         The texts of the files by the ends of their names: one, whose end is empty, or two, as the
         header and the source of a controller.
     notes
-        What to know of it: which mode it is, what is not exact.
+        Notes: which mode it is, what is not exact.
     """
 
     target: str
@@ -84,7 +84,7 @@ def exported(
     tries
         How many parts of a line of values a step of the controller tries.
     margin
-        By which part of its range a value may leave it in a step of the controller.
+        The part of its range by which a value may leave it in a step of the controller.
 
     Raises
     ------

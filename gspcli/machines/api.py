@@ -26,15 +26,16 @@ class ImportedMachine:
     instance
         The platform.
     text
-        Its instance file, with comments that say what each chain is, and what has no place in it.
+        Its instance file, with comments that say what each chain is, and what the file cannot
+        state.
     format
-        Of the file that was read, as MJCF.
+        The format of the file that was read, such as MJCF.
     described
-        What is in it, in a line: its bodies, joints and loops, the base and the platform.
+        One line about the file: its bodies, joints and loops, the base and the platform.
     base, platform
-        The names of the bodies there.
+        The names of these two bodies in the file.
     chains
-        What was understood: a line for each constraint.
+        A line for each constraint: its chain, and what the chain holds.
     notes
         What was assumed or left out, and what the file leaves open.
     """
@@ -71,11 +72,11 @@ def import_machine(
     file
         MJCF, SDF, URDF, CASPR, LinuxCNC, CuikSuite or a table, as `gsp import --help` lists them.
     base, platform
-        The names of the bodies that are to be these; found if None.
+        The names of the bodies to take as base and platform; found if None.
     meet
-        Share of the size up to which axes that should meet are taken to meet.
+        Axes that pass each other at up to this share of the size are taken to meet.
     digits
-        Digits of the numbers in the instance, of which the size of the machine has the first.
+        Number of digits in the instance, counted from the first digit of the machine's size.
 
     Raises
     ------

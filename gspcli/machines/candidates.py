@@ -1,4 +1,4 @@
-"""Which points, lines and planes of a chain a constraint can be about."""
+"""Points, lines and planes of a chain that can be primitives of a constraint."""
 
 from __future__ import annotations
 
@@ -43,9 +43,9 @@ class CandidatePrimitives:
     planes: Primitives
 
     def pairs(self, kind: str) -> tuple[Primitives, Primitives]:
-        """Return what can be the platform's primitive and the base's of a kind, both in one frame.
+        """Return candidates for both primitives of a kind, platform's and base's, in one frame.
 
-        Planes go through no point yet.
+        The points of planes are not chosen yet.
         """
         sorts = {"P": self.points, "L": self.lines, "H": self.planes}
         if kind == "DPP":
@@ -134,7 +134,7 @@ def _foot(part: Part) -> Array:
 
 
 def _places(vectors: list[Array], same: float) -> list[int]:
-    """Return the places of the vectors that differ from all before them."""
+    """Return the indices of the vectors that differ from all earlier ones."""
     kept: list[int] = []
     for k, vector in enumerate(vectors):
         if all(np.linalg.norm(vector - vectors[other]) > same for other in kept):

@@ -48,7 +48,7 @@ class Held:
     value
         The distance, signed towards the normal of a plane, or the angle in radians.
     change
-        By how much it changes over random motions.
+        The largest change of the value over random motions.
     """
 
     kind: str
@@ -89,7 +89,7 @@ def held_constraints(chain: BodyChain, meet: float) -> tuple[list[Held], int]:
 def random_changes(
     chain: BodyChain, size: float, rng: np.random.Generator | None
 ) -> list[Array | float]:
-    """Return changes of all coordinates: none of those that are held, else random ones, or none."""
+    """Return changes of all coordinates: zero for held ones, random or zero for the others."""
     changes: list[Array | float] = []
     for p in chain.parts:
         ball = p.part.letter == "S"
@@ -121,7 +121,7 @@ def pose_after(chain: BodyChain, place: int, change: float) -> Array:
 def _rank(chain: BodyChain, size: float, least: float, rng: np.random.Generator) -> int:
     """Return how many freedoms the platform has in the chain, in general configurations.
 
-    Singular values of the screws up to `least` are none.
+    Singular values of the screws up to `least` count as zero.
     """
     ranks = []
     centre = np.mean([p.part.point for p in chain.parts], axis=0)
@@ -139,7 +139,7 @@ def _rank(chain: BodyChain, size: float, least: float, rng: np.random.Generator)
 def _through_points(kind: str, platform: Primitives, base: Primitives, X: Array) -> Array:
     """Return distances to planes, each of which goes through the point at the first pose.
 
-    They are those of `measured` but for a constant, shape (n, m).
+    They differ from those of `measured` by a constant, shape (n, m).
     """
     own = platform.moved(X)
     if kind == "DPH":

@@ -1,4 +1,4 @@
-"""Bodies that are rigid together while some joints are held, and the ways through them."""
+"""Clusters: bodies that do not move against each other while some joints are held."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Step = tuple[int, bool]
 
 @dataclass(frozen=True, eq=False)
 class Clusters:
-    """The bodies of a graph, those that rigid and held joints join taken together.
+    """The bodies of a graph; bodies that rigid or held joints join are one cluster.
 
     Attributes
     ----------
@@ -22,11 +22,11 @@ class Clusters:
     joints
         Its joints of at most one part each (`graph.split`).
     held
-        Which of them are held, by their places.
+        The indices of the held ones.
     of
-        The cluster of each body, as one of its bodies.
+        For each body the one that stands for its cluster.
     passive
-        The joints between clusters, by their places.
+        The indices of the joints between clusters.
     """
 
     graph: Graph

@@ -1,4 +1,4 @@
-"""What the drives of a chain do to a constraint that it holds: its value, its range, its crank."""
+"""The drives of a chain: how they change the value of its constraint, its range, its crank."""
 
 from __future__ import annotations
 
@@ -72,9 +72,9 @@ class Found:
     held
         The constraint.
     chain
-        The name of the chain, and its letters.
+        The name of the chain.
     letters
-        Its joints.
+        The letters of its joints, such as RRP.
     limits
         The smallest and the largest value, if they are known; equal where nothing drives it.
     driven
@@ -85,7 +85,7 @@ class Found:
     crank, rail
         What moves the base's point of a distance of two points: a hinge or a slide.
     remarks
-        What an instance file has no place for.
+        What an instance file cannot state.
     """
 
     held: Held
@@ -105,12 +105,12 @@ class Found:
 
 
 def with_drives(held: Held, chain: BodyChain, length: str) -> Found:
-    """Return a constraint with what is known of its drives.
+    """Return a constraint with its drives, as far as they are known.
 
     Parameters
     ----------
     held
-        The constraint, as it is with the drives held in the configuration of the file.
+        The constraint while the drives are held in the configuration of the file.
     chain
         Its chain.
     length
@@ -182,7 +182,7 @@ def _changes(held: Held, chain: BodyChain, drive: int) -> bool:
 
 
 def _linear(held: Held, chain: BodyChain, drive: int) -> bool:
-    """Return whether the value changes by as much as the coordinate, where it is."""
+    """Return whether the value changes by as much as the coordinate, in the file."""
     if chain.parts[drive].part.letter == "S":
         return False
     value, (step, unit) = _value(held, chain, drive), _unit(held, chain, drive)

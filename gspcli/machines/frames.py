@@ -59,6 +59,6 @@ def roll_pitch_yaw(angles: Array) -> Array:
 
 
 def unit(vector: Array) -> Array | None:
-    """Return a vector over its length; None if it has none, or is not finite."""
+    """Return a vector divided by its length; None if that is zero or not finite."""
     length = float(np.linalg.norm(vector))
     return vector / length if 0 < length < np.inf else None

@@ -43,7 +43,7 @@ class _Rounding:
     size
         The size of the machine.
     digits
-        How many digits, of which the size has the first.
+        The number of digits, counted from the first digit of the size.
     exact
         Coordinates of points that are written otherwise, by the doubles next to them.
     """
@@ -69,7 +69,7 @@ class _Rounding:
         return Number.of(repr(float(round(float(value), self.digits)) + 0.0))
 
     def point(self, point: Array) -> Vector:
-        """Return a point, as it was written if it was."""
+        """Return a point, with its coordinates as written in the file, if they are."""
         x, y, z = self.exact.get(self._key(tuple(point))) or map(self.length, point)
         return x, y, z
 
@@ -87,12 +87,12 @@ def instance_of(machine: Machine, digits: int = IMPORTED_DIGITS) -> Instance:
     machine
         The machine.
     digits
-        Digits of numbers, of which the size of the machine has the first.
+        The number of digits, counted from the first digit of the machine's size.
 
     Raises
     ------
     NoPlatform
-        If it is no instance: if more than three constraints are angles, or one is there twice.
+        If more than three constraints are angles, or one occurs twice.
     """
     rounding = _Rounding(machine, digits)
     rows = [_constraint(found, rounding) for found in machine.constraints]
@@ -167,7 +167,7 @@ def _value(value: float, found: Found, rounding: _Rounding) -> Number:
 
 
 def _dynamics(machine: Machine) -> Dynamics | None:
-    """Return the masses of what moves with the platform, if the file states them."""
+    """Return the masses of the bodies that move with the platform, if the file states them."""
     graph = machine.graph
     bodies = [(graph.bodies[name], X) for name, X in machine.carried]
     masses = [body.mass for body, _ in bodies if body.mass is not None]
@@ -197,7 +197,7 @@ def _said(value: float) -> Number:
 
 
 def sentences(machine: Machine) -> list[str]:
-    """Return a line for each constraint: its chain, its value, its drive, what has no place."""
+    """Return a line for each constraint: chain, value, drive, and what a file cannot state."""
     lines = []
     for number, found in enumerate(machine.constraints, 1):
         held = found.held
@@ -226,13 +226,13 @@ def sentences(machine: Machine) -> list[str]:
 
 
 def remarks(machine: Machine, found: Found) -> list[str]:
-    """Return what an instance file has no place for, of one constraint."""
+    """Return what an instance file cannot state about one constraint."""
     further = machine.graph.remarks.get(found.chain)
     return [plain(said) for said in (*found.remarks, *([further] if further else []))]
 
 
 def text_of(machine: Machine, instance: Instance, head: list[str]) -> str:
-    """Return the text of the file: with a comment a constraint, and lines above.
+    """Return the text of the file, with a comment for each constraint and lines at the top.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""XML as a tree whose elements know their lines; nothing outside of the text is ever opened.
+"""XML as a tree whose elements have their line numbers. No other file is opened.
 
 Documents cannot define entities: a DOCTYPE may name a file, which is not read, and may hold no
 definitions of its own.
@@ -101,7 +101,7 @@ class MarkupElement(SourceLine):
             waiting.extend(reversed(element.children))
 
     def decimal(self, path: str, otherwise: float = 0.0) -> float:
-        """Return the number that is the text of `first`."""
+        """Return the text of `first` as a number."""
         found = self.first(path)
         return otherwise if found is None else found.number(found.text)
 

@@ -1,9 +1,9 @@
-"""A graph as a platform with six constraints, or what it is instead.
+"""Recognizes a graph as a platform with six constraints, or says what it is instead.
 
-There is no table of chains. The drives are held; what then is rigid is one body; two bodies on
-which three or more chains end are the base and the platform; `chain_constraints` finds what each
-chain holds. Six constraints are a platform. Where the file does not name drives, the usual ones are
-tried, and it is said which.
+There is no table of chains. The drives are held, and bodies that then do not move against each
+other are one body. Two bodies on which three or more chains end are the base and the platform.
+`chain_constraints` finds what each chain holds; six constraints are a platform. If the file does
+not name drives, the usual ones are tried, and the notes say which.
 """
 
 from __future__ import annotations
@@ -44,11 +44,11 @@ class Machine:
     Attributes
     ----------
     graph
-        Where.
+        The graph in which it was recognized.
     structure
         Its base, its platform and its chains.
     constraints
-        Six.
+        The six constraints.
     pose
         Of the platform in the base, as the file states it, shape (4, 4).
     size
@@ -86,14 +86,14 @@ def recognized(
     graph
         The machine.
     base, platform
-        The bodies that are to be these; found if None.
+        The names of the bodies to take as base and platform; found if None.
     meet
-        Share of the size up to which axes that should meet are taken to meet.
+        Axes that pass each other at up to this share of the size are taken to meet.
 
     Raises
     ------
     NoPlatform
-        If it is none: with what it is, and what would make it one.
+        If it is no platform; the message says what it is, and what would make it one.
     """
     if len(graph.bodies) > _MOST_BODIES:
         message = f"found {len(graph.bodies)} bodies, expected at most {_MOST_BODIES}"
@@ -116,7 +116,7 @@ def recognized(
 
 
 def _check_numbers(graph: Graph) -> None:
-    """Refuse numbers with which nothing can be computed, wherever a file has them.
+    """Refuse numbers that cannot be computed with.
 
     Raises
     ------
@@ -149,7 +149,7 @@ def _names(graph: Graph) -> str:
 def _drives(
     graph: Graph, joints: tuple[Joint, ...], base: str | None
 ) -> Iterator[tuple[set[int], str]]:
-    """Yield sets of joints that may be the drives, and what is then assumed."""
+    """Yield sets of joints that may be the drives, each with the assumption that it needs."""
     if graph.drives_known:
         yield {k for k, joint in enumerate(joints) if any(p.driven for p in joint.parts)}, ""
         return
@@ -230,7 +230,7 @@ def _missed(found: Found, pose: Array, size: float) -> float:
 def _refusal(
     shape: JoinedBodies, count: int, problems: list[str], missed: float, size: float, length: str
 ) -> str:
-    """Return why the chains are no six constraints, and what would make them that."""
+    """Return why the chains are not six constraints, and what would change that."""
     kinds = Counter(chain.letters for chain in shape.chains)
     chains = ", ".join(f"{number} {letters}" for letters, number in kinds.items())
     said = f"found {len(shape.chains)} chains ({chains}) from the base {shown(shape.base)} to the "
@@ -253,7 +253,7 @@ def _refusal(
 
 
 def _carried(clusters: Clusters, shape: JoinedBodies) -> tuple[tuple[str, Array], ...]:
-    """Return the bodies that no joint and no drive separates from the platform."""
+    """Return the bodies that always move with the platform."""
     cluster = clusters.of[shape.platform]
     carried = []
     for body in clusters.members(cluster):
@@ -267,9 +267,9 @@ def _carried(clusters: Clusters, shape: JoinedBodies) -> tuple[tuple[str, Array]
 
 
 def _meeting(chain: BodyChain, size: float, meet: float) -> tuple[BodyChain, float, float]:
-    """Return a chain whose neighbouring hinge axes meet where they nearly do.
+    """Return a chain in which neighbouring hinge axes that nearly meet are moved to meet.
 
-    And by how much they were moved, and by how much axes that were not moved miss each other.
+    It is returned with how far axes were moved, and how far apart the others are.
     """
     moved = missed = 0.0
     parts: list[ChainPart] = []
@@ -292,7 +292,7 @@ def _meeting(chain: BodyChain, size: float, meet: float) -> tuple[BodyChain, flo
 
 
 def _runs(parts: tuple[ChainPart, ...]) -> Iterator[list[ChainPart]]:
-    """Yield passive hinges in a row together, and each other part alone."""
+    """Yield passive hinges that follow each other as one group, and each other part alone."""
     run: list[ChainPart] = []
     for p in parts:
         if p.part.letter == "R" and not p.held:

@@ -1,4 +1,4 @@
-"""Files of machines as text, of limited size, and where in them something is wrong."""
+"""Files of machines as text of limited size, with the places of mistakes."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class SourceLine:
     line, column
         From 1.
     what
-        Of which part of the file something is said, as ``joint 'slide_1'``.
+        The part of the file that a message is about, such as ``joint 'slide_1'``.
     """
 
     def __init__(self, file: str, line: int = 1, column: int = 1, what: str = "") -> None:
@@ -40,7 +40,7 @@ class SourceLine:
         self.what = what
 
     def error(self, message: str) -> SpecError:
-        """Return an error that says what is wrong here."""
+        """Return an error with this place."""
         return SpecError([Mistake(self.location, self.what, message)])
 
     def number(self, text: str) -> float:
@@ -49,7 +49,7 @@ class SourceLine:
         Raises
         ------
         SpecError
-            If it is none, or too large.
+            If it is no number, or too large.
         """
         if not _DECIMAL.fullmatch(text.strip()):
             raise self.error(f"found {shown(text)}, expected a number")
@@ -59,12 +59,12 @@ class SourceLine:
         return value
 
     def numbers(self, text: str, count: int) -> Array:
-        """Return so many numbers with blanks between them.
+        """Return the given number of numbers, which are separated by blanks.
 
         Raises
         ------
         SpecError
-            If it is another number of them.
+            If there are more or fewer.
         """
         words = text.split()
         if len(words) != count:

@@ -1,8 +1,8 @@
-"""An instance in a file for another program, so that the file leads back to it exactly.
+"""Stores an instance in a file for another program, so that `gsp import` returns it exactly.
 
 The text of the instance file is stored beside a digest of the model. A model that was changed since
 has another digest: then the model is read, not the text. MJCF has texts of its own; SDF and URDF
-get an element in a namespace, which their programs pass over.
+get an element in a namespace, which their programs ignore.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ _ELEMENT, _SPACE = "gsp:instance", "https://example.invalid/gsp"
 
 
 def digest(root: MarkupElement, *beside: str) -> str:
-    """Return a digest of a model: of its elements, attributes and texts, but not of what is stored.
+    """Return a digest of a model: elements, attributes and texts, without the stored instance.
 
     Parameters
     ----------
@@ -47,7 +47,7 @@ def _lines(element: MarkupElement) -> Iterator[str]:
 
 
 def stored_text(root: MarkupElement, *beside: str) -> tuple[str | None, bool]:
-    """Return the text of the instance that a model stores, and whether the model is the same still.
+    """Return the text of the instance that a model stores, and whether the model is unchanged.
 
     Parameters
     ----------

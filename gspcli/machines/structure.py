@@ -31,7 +31,7 @@ class ChainPart:
     held
         Whether it is held: driven.
     where
-        On which side of the passive joints it is: ``base``, ``inside`` or ``platform``.
+        Its place relative to the passive joints: ``base``, ``inside`` or ``platform``.
     """
 
     part: Part
@@ -50,7 +50,7 @@ class BodyChain:
     parts
         From the base to the platform.
     pose
-        Of the platform in the base as the chain has it, shape (4, 4).
+        The pose of the platform in the base along the chain, shape (4, 4).
     """
 
     name: str
@@ -79,7 +79,7 @@ class JoinedBodies:
     chains
         From the base to the platform.
     reason
-        Why this one is the base.
+        Why this body is the base.
     """
 
     base: str
@@ -96,7 +96,7 @@ def structure(clusters: Clusters, base: str | None, platform: str | None) -> Joi
     clusters
         The machine while its drives are held.
     base, platform
-        The bodies that are to be these, if it is known.
+        The names of the bodies to take as base and platform, if known.
 
     Raises
     ------
@@ -129,7 +129,7 @@ def _end(clusters: Clusters, step: Step) -> str:
 def _hubs(clusters: Clusters, asked: Sequence[str]) -> tuple[list[str], list[int]]:
     """Return the two clusters on which chains end, and the joints of the chains.
 
-    What hangs on one joint, as an antenna does, is left out.
+    Bodies with one joint only, such as an antenna, are left out.
     """
     keep = {clusters.of[body] for body in asked}
     passive = list(clusters.passive)
@@ -157,7 +157,7 @@ def _ordered(
     base: str | None,
     platform: str | None,
 ) -> tuple[str, str, str]:
-    """Return the cluster of the base, that of the platform, and what the choice rests on."""
+    """Return the clusters of the base and the platform, and the reason of the choice."""
     first, second = hubs
     if base is not None or platform is not None:
         asked = [None if body is None else clusters.of[body] for body in (base, platform)]
@@ -191,7 +191,7 @@ def _on_the_world(clusters: Clusters, hub: str) -> float:
 
 
 def _near_the_world(clusters: Clusters, hub: str, hanging: Collection[int]) -> float:
-    """Whether the world hangs on a hub, by joints that belong to no chain."""
+    """Return whether joints that belong to no chain connect the world with a hub."""
     seen, waiting = {hub}, [hub]
     while waiting:
         here = waiting.pop()
@@ -256,7 +256,7 @@ def _walks(
 def _own_body(clusters: Clusters, cluster: str, ends: Sequence[str]) -> str:
     """Return the body of a cluster from which the drives of the chains are fewest.
 
-    A drive between it and the ends of all chains would move nothing against another.
+    A drive between this body and the ends of all chains would not move the platform.
     """
     members = clusters.members(cluster)
     if not members:

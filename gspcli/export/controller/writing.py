@@ -1,7 +1,7 @@
 """C99 for one platform: ``platform.h`` and ``platform.c`` with its numbers in them.
 
-What the kinds of the platform do not need is left out; the same source, with everything, is
-compiled into the kernel (native/controller.cpp) for `gspcli.Follower`.
+Parts that the kinds of the platform do not need are left out. The complete source is compiled into
+the kernel (native/controller.cpp) for `gspcli.Follower`.
 """
 
 from __future__ import annotations
@@ -60,7 +60,7 @@ def controller(
     instance
         The platform; its values are used for the rods of cranks and slides only.
     prefix
-        What all public names begin with.
+        The beginning of all public names.
     tries
         How many parts of a line of values are tried before it is refused.
     name
@@ -68,7 +68,7 @@ def controller(
     home
         A pose that the header is to have as a constant, or None.
     margin
-        By which part of its range a value may leave it, from 0 to 1.
+        The part of its range by which a value may leave it, from 0 to 1.
 
     Raises
     ------
@@ -104,7 +104,7 @@ def controller(
 
 
 def _resolved(template: str, have: set[str]) -> str:
-    """Return a template without the parts that what it has does not need."""
+    """Return a template without the parts that the platform does not need."""
     lines: list[str] = []
     kept = [True]
     conditional: list[bool] = []
@@ -161,18 +161,18 @@ def _words(instance: Instance, numbers: PlatformNumbers, home: Solution | None) 
 
 
 def _drive_word(kinds: tuple[str, ...]) -> str:
-    """Return what does not reach, in messages."""
+    """Return the word for a drive in messages about reach."""
     cranked, slides = (any(kind.endswith(end) for kind in kinds) for end in ("CRANK", "SLIDE"))
     return "crank or slide" if cranked and slides else "slide" if slides else "crank"
 
 
 def _comment(text: str) -> str:
-    """Return a text that ends no comment."""
+    """Return a text without the mark that ends a comment."""
     return " ".join(text.replace("*/", "* /").split())
 
 
 def _values(instance: Instance, numbers: PlatformNumbers) -> str:
-    """Return what the values are, for a comment."""
+    """Return the meaning of the values, for a comment."""
     parts = []
     for k, (row, kind) in enumerate(zip(instance.constraints, numbers.kinds, strict=True)):
         what = {

@@ -25,7 +25,7 @@ def expanded(text: str, file: str) -> str:
     Raises
     ------
     SpecError
-        If there is anything else in it, with the line.
+        If the template has anything else; the message has the line.
     """
     names: dict[str, float] = {}
 

@@ -27,7 +27,7 @@ class RowLeg:
     base, platform
         Its joints, each in the frame of its body, shape (3,).
     length
-        Its length; None if it is that of the pose.
+        Its length; None for the length at the pose of the file.
     low, high
         The range of the length.
     rod
@@ -61,19 +61,19 @@ def legs_graph(
     Parameters
     ----------
     format, name
-        Of the file and of the machine.
+        The format of the file, and the name of the machine.
     legs
         The legs.
     pose
-        Of the platform as the file states it, shape (4, 4), or None.
+        The pose of the platform that the file states, shape (4, 4), or None.
     length
         The unit of length.
     platform
-        Its mass and what belongs to it, if that is known.
+        The mass of the platform with centre and inertia, if known.
     notes, exact, remarks
         As `Graph` has them.
     joints
-        Others between ``base`` and ``platform``.
+        Other joints between ``base`` and ``platform``.
     """
     X = _above(legs) if pose is None else pose
     bodies = {"base": Body("base", np.eye(4))}

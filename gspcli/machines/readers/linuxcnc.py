@@ -35,7 +35,7 @@ def read(text: str, path: Path) -> Graph:
     text
         The file.
     path
-        Where it is: INI files whose kinematics are ``genhexkins`` are looked for beside it.
+        The path of the file. INI files with the kinematics ``genhexkins`` are sought beside it.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""MJCF: the model as MuJoCo compiles it, without what is only seen or simulated."""
+"""MJCF: the model as MuJoCo compiles it, without parts that are only drawn or simulated."""
 
 from __future__ import annotations
 
@@ -84,7 +84,7 @@ def read(root: MarkupElement, name: str) -> Graph:
 
 
 def _cleaned(root: MarkupElement) -> bool:
-    """Leave out what is seen only; return whether masses come from shapes that are left out."""
+    """Remove parts that are only drawn; return whether masses came from removed shapes."""
     root.children = [child for child in root.children if child.tag not in _LEFT_OUT]
     weightless = False
     for element in root.everywhere():
@@ -216,7 +216,7 @@ class _Model:
         )
 
     def _loop(self, i: int) -> Joint | None:
-        """Return a connect or a weld as a closure; None if it is none."""
+        """Return the loop closure of an equality connect or weld; None for others."""
         model = self.model
         kinds = self.mujoco.mjtEq
         kind = int(model.eq_type[i])

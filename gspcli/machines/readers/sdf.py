@@ -1,4 +1,4 @@
-"""SDF: links and joints of one model, in which loops are as natural as branches."""
+"""SDF: links and joints of one model, which may have loops."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Tables of joints: one row a leg, with headings in any words that have one meaning."""
+"""Tables of joints: one row for each leg; each heading must have one meaning."""
 
 from __future__ import annotations
 
