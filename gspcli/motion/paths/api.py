@@ -54,12 +54,12 @@ def path(
         that of the drives.
     gap
         How far legs and bodies must be apart at every pose, in the unit of length; the instance
-        must state their shapes. None if that is not looked at.
+        must state their shapes. None for no such limit.
     time
         After this many seconds no more paths are tried. The bytes of a path that is found do not
         depend on it.
     seed
-        Of everything random: the same seed gives the same path.
+        The seed of all random numbers: the same seed gives the same path.
     pivot, sequence
         The point of the platform, in its frame, and the order of the axes of the angles of straight
         ways of poses.

@@ -192,7 +192,7 @@ def _with_drives_still(
 
 
 def default_kind(instance: Instance) -> str:
-    """Return what changes unless it is said: the drives where motors move points, else values."""
+    """Return the quantity that changes by default: drives where motors move points, else values."""
     return "drives" if is_driven(instance) else "values"
 
 
@@ -250,7 +250,7 @@ def _of_pose(instance: Instance, found: PoseClearance) -> dict[str, Any]:
 
 
 def _bounds(lower: float, upper: float, ratio: float) -> dict[str, Any]:
-    """Return both bounds, and places for where the upper one is."""
+    """Return both bounds, and room for the place of the upper one."""
     return {
         "lower": lower,
         "upper": _finite(upper),

@@ -223,7 +223,7 @@ def each_clearance(
 def _reach_ends(
     instance: Instance, R: Array, T: Array, lines: dict[int, Array]
 ) -> list[bool | None]:
-    """Return of lines of values, by the indices of their poses, whether modes reach their ends."""
+    """Return whether modes reach the ends of lines of values, by the indices of their poses."""
     if not lines:
         return []
     ends, chosen = np.array(list(lines.values())), list(lines)

@@ -111,7 +111,7 @@ class _Search:
     found
         The numbers of modes at its nodes.
     seed
-        Of what is random.
+        The seed of random numbers.
     """
 
     def __init__(self, found: Scan, seed: int) -> None:
@@ -221,7 +221,7 @@ class _Curves:
         known
             Curves that are known; may grow meanwhile.
         seed
-            Of the values.
+            The seed of the random values.
         """
         parts = np.random.default_rng(seed).uniform(size=(_SAMPLES, 2))
         read = self.equations.plane(np.pad(parts, ((0, 0), (16, 0))))

@@ -155,7 +155,7 @@ def scan(
     Raises
     ------
     ArgumentError
-        If a constraint, a drive or a value cannot be.
+        If a constraint or drive does not exist, or a value is impossible.
     """
     axes = [axis_of(instance, k, np.asarray(v, float).tolist()) for k, v in vary.items()]
     asked = Scan.empty(instance, axes, clearance=clearance)

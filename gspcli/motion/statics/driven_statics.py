@@ -32,7 +32,7 @@ class DrivenStatics:
     q
         Their numbers, lengths and radians, shape (n, m).
     gains
-        Of the drives at their constraints, shape (n, 6).
+        The gain of the drive of each constraint, shape (n, 6).
     """
 
     given: Wrenches
@@ -55,12 +55,12 @@ class DrivenStatics:
 
     @property
     def transmissions(self) -> Array:
-        """Of each constraint, NaN where its value is the drive, shape (n, 6)."""
+        """The transmission of each constraint, NaN where its value is the drive, shape (n, 6)."""
         share = self.drives.transmission(self.gains)
         return np.where(self.drives.driven, share, np.nan)
 
     def torques(self, reactions: Array) -> Array:
-        """Return what the drives do where forces act in the constraints, (n, 6) -> (n, m)."""
+        """Return the loads of the drives that hold forces in the constraints, (n, 6) -> (n, m)."""
         torques: Array = np.einsum("...km,...k->...m", self.matrix, reactions)
         return torques
 
@@ -97,7 +97,7 @@ class DrivenStatics:
     def stiffness(self, compliance: Array) -> Array:
         """Return ``J^T C^-1 J`` about the point, shape (n, 6, 6); NaN if it is not finite.
 
-        It is not where a drive is at a dead point, or moves two rods, and the rods do not give.
+        It is not finite if the rods do not give and a drive is at a dead point or moves two rods.
         """
         scales = np.sqrt(np.abs(np.einsum("nkk->nk", compliance)))
         scaled = compliance / np.where(scales > 0, scales, 1.0)[:, :, None]

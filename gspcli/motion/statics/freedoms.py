@@ -70,12 +70,12 @@ class Screw:
 
 @dataclass(frozen=True, eq=False)
 class AbsentConstraint:
-    """A constraint that is not there, and which freedoms it would touch.
+    """A constraint that could be added, and the freedoms that it would restrain.
 
     Attributes
     ----------
     kind, platform, base
-        What it would be.
+        The kind and the primitives of the constraint.
     removes
         How many freedoms it would remove: 0, 1, or more where it is at the end of its range.
     touches
@@ -96,7 +96,7 @@ class AbsentConstraint:
 
 @dataclass(frozen=True, eq=False)
 class Freedoms:
-    """What constraints leave of the six freedoms of a platform.
+    """The freedoms of a platform that its constraints do not remove.
 
     Attributes
     ----------
@@ -105,12 +105,12 @@ class Freedoms:
     R, T
         The pose.
     rank
-        How many freedoms the constraints take.
+        How many freedoms the constraints remove.
     screws
         A basis of the twists that the constraints allow, 6 - rank of them.
     redundant
-        For each constraint that takes no freedom of its own (from 1): those before it that it
-        depends on.
+        For each constraint that removes no further freedom, numbered from 1: the earlier
+        constraints on which it depends.
     off
         By how much each stated value differs from that of the pose, in the units of the instance.
     candidates
@@ -311,7 +311,7 @@ def _rank(rows: Array) -> int:
 
 
 def _by(groups: list[Array], rows: Array) -> tuple[int, ...]:
-    """Return the constraints, from 1, of which rows are combinations; as few as can be."""
+    """Return the fewest constraints, from 1, of which rows are combinations."""
     needed = list(range(len(groups)))
     for k in reversed(range(len(groups))):
         rest = [groups[j] for j in needed if j != k]
