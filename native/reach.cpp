@@ -173,14 +173,24 @@ Verdict judge_cone(const Cone& cone, const Placed& b, const Swing& swing, const 
 
 }  // namespace
 
-Verdict judge(const Reach& reach, const double* centre, const double* half, Conditions& open) {
+Verdict judge(const Reach& reach, const double* centre, const double* half, Conditions& open,
+              Whole* whole) {
   const Place at = place(reach, centre, half);
   Placed legs[32];
   const int count = static_cast<int>(reach.limit.size());
   const int cones = static_cast<int>(reach.cone.size());
-  for (const Drive& drive : reach.drive)
-    if (judge_drive(drive, reach.limit[drive.row], at, open) == Verdict::kOutside)
-      return Verdict::kOutside;
+  Conditions of_drives = kNegative;
+  for (std::size_t k = 0; k < reach.drive.size(); ++k) {
+    const Drive& drive = reach.drive[k];
+    const Limit& limit = reach.limit[drive.row];
+    of_drives |= conditions_of(drive.row);
+    if (!(open & conditions_of(drive.row))) continue;
+    const Verdict found =
+        whole ? judge_drive(DriveJudge(*whole->drive[k], limit, at), drive.row, open)
+              : judge_drive(DriveJudge(drive, limit, at), drive.row, open);
+    if (found == Verdict::kOutside) return found;
+  }
+  if (!(open & ~of_drives)) return open & ~kNegative ? Verdict::kOpen : Verdict::kInside;
   Swing swing[6];
   Conditions driven = 0, unknown = 0;
   for (const Drive& drive : reach.drive) driven |= Conditions{1} << drive.row;

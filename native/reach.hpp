@@ -49,7 +49,7 @@ struct Drive {
   bool slide, of_platform;
   double knee;            // the sign of the derivative of the distance by q, the gain: 1 or -1
   Ball middle[3], along[3], beside[3], axis[3];
-  Ball first[3], last[3];  // the point at the ends of the range,
+  Vector first, last;      // the point at the ends of the range,
   Ball low, high;          // and the range, if the condition of the limit is open
   double at_low[2], at_high[2];  // cosine and sine of both
   Ball square;             // of the distance, which is constant
@@ -72,9 +72,13 @@ constexpr Conditions kNegative = Conditions{1} << 30;
 
 enum class Verdict { kInside, kOutside, kOpen };
 
+struct Whole;  // drives.hpp
+
 // Judges the poses with parameters within `half` of `centre`. Conditions that hold for all of them are
-// taken out of `open`, and the sign is put in; outside: one is violated by all of them.
-Verdict judge(const Reach& reach, const double* centre, const double* half, Conditions& open);
+// taken out of `open`, and the sign is put in; outside: one is violated by all of them. `whole` is a
+// box that this one is a part of, or null.
+Verdict judge(const Reach& reach, const double* centre, const double* half, Conditions& open,
+              Whole* whole);
 
 // Labels of boxes that are connected: boxes of a grid that was halved `level` times in each of
 // `dimensions` directions, with coordinates of 64 / dimensions bits packed in keys. Through faces, or,

@@ -14,7 +14,7 @@
 #include <tuple>
 #include <vector>
 
-#include "reach.hpp"
+#include "drives.hpp"
 
 using namespace nanobind::literals;
 
@@ -96,7 +96,7 @@ void add_drives(const Drives& given, Reach& reach) {
     drive.of_platform = sorts.data()[2 * k + 1];
     drive.knee = knees.data()[k];
     require(drive.knee == 1.0 || drive.knee == -1.0, "a knee is 1 or -1");
-    Ball* parts[6] = {drive.middle, drive.along, drive.beside, drive.axis, drive.first, drive.last};
+    Ball* parts[6] = {drive.middle, drive.along, drive.beside, drive.axis, drive.first.c, drive.last.c};
     for (int j = 0; j < 6; ++j)
       for (int i = 0; i < 3; ++i)
         parts[j][i] = ball(vectors.data() + ((6 * k + static_cast<std::size_t>(j)) * 3 +
@@ -167,13 +167,23 @@ nb::tuple judge_boxes(Array<std::int32_t, 1> measures, Array<bool, 1> moduli,
     nb::gil_scoped_release release;
     std::atomic<std::size_t> next{0};
     const auto work = [&] {
-      double middle[kParameters], radius[kParameters];
+      double middle[kParameters], radius[kParameters], twice[kParameters];
       std::copy(centre, centre + kParameters, middle);
       std::copy(half, half + kParameters, radius);
+      for (int i = 0; i < kParameters; ++i) twice[i] = 2.0 * half[i];
+      std::optional<Whole> whole;
       for (std::size_t part = next++; part < found.size(); part = next++) {
         Judged& out = found[part];
         const std::size_t end = std::min(count, (part + 1) * piece);
-        for (std::size_t box = part * piece; box < end; ++box)
+        for (std::size_t box = part * piece; box < end; ++box) {
+          if (split && !reach.drive.empty()) {
+            for (int d = 0; d < dimensions; ++d) {
+              const int i = free.data()[d];
+              const std::uint64_t place = keys.data()[box] >> (d * stride) & mask;
+              middle[i] = bounds.data()[2 * i] + (static_cast<double>(place) + 0.5) * 2.0 * step[i];
+            }
+            whole.emplace(reach, middle, twice, left.data()[box]);
+          }
           for (int child = 0; child < (split ? 1 << dimensions : 1); ++child) {
             std::uint64_t key = 0;
             for (int d = 0; d < dimensions; ++d) {
@@ -184,7 +194,7 @@ nb::tuple judge_boxes(Array<std::int32_t, 1> measures, Array<bool, 1> moduli,
               middle[i] = bounds.data()[2 * i] + (static_cast<double>(place) + 0.5) * step[i];
             }
             Conditions open = left.data()[box];
-            switch (judge(reach, middle, radius, open)) {
+            switch (judge(reach, middle, radius, open, whole ? &*whole : nullptr)) {
               case Verdict::kInside:
                 out.inside.push_back(key);
                 out.inside_signs.push_back(open);
@@ -196,6 +206,7 @@ nb::tuple judge_boxes(Array<std::int32_t, 1> measures, Array<bool, 1> moduli,
               default:;
             }
           }
+        }
       }
     };
     std::vector<std::thread> threads;

@@ -12,13 +12,14 @@ from __future__ import annotations
 import sys
 import time
 from dataclasses import asdict, dataclass
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.defaults import SEED
 from gspcli.motion.workspace.box_division import workspace
-from gspcli.motion.workspace.pose_boxes import PoseBoxes
+from gspcli.motion.workspace.pose_boxes import PoseBoxes, places
 from tools.recording import ROOT, add_workers, csv_text, parser, sampled, workers_of
 from tools.verify.campaigns import conclude
 from tools.verify.driven_machines import Machine, PlaneGeometry, machines
@@ -59,7 +60,10 @@ def examine(key: tuple[str, int | str]) -> Row:
 
 
 def judged(machine: Machine, name: str, level: int, count: int = BOXES) -> Row:
-    """Judge random boxes of the grid of a level, and all of them again by their poses."""
+    """Judge random boxes of the grid of a level, and all of them again by their poses.
+
+    Half of the boxes are judged as the parts of larger ones, as they are when a volume is bounded.
+    """
     rng = np.random.default_rng((SEED, level, len(name)))
     boxes = PoseBoxes(machine.instance, machine.R, machine.T)
     half = np.repeat(machine.room, 3) * rng.uniform(0.3, 1.2, 6)
@@ -67,40 +71,39 @@ def judged(machine: Machine, name: str, level: int, count: int = BOXES) -> Row:
     free = [0, 1, 2] if level % 2 else list(range(6))
     bounds = np.stack((boxes.home, boxes.home), axis=1)
     bounds[free] += np.stack((-half, half), axis=1)[free]
-    places = rng.integers(0, 2**level, (count, len(free)))
-    bits = 64 // len(free)
-    keys = np.unique(
-        sum(places[:, d].astype(np.uint64) << np.uint64(d * bits) for d in range(len(free)))
-    )
-    left = np.full(len(keys), boxes.conditions)
-    found = boxes.judge(bounds, free, level, keys, left, split=False)
-    truth = PlaneGeometry(machine)
     step = np.zeros(6)
     step[free] = (bounds[:, 1] - bounds[:, 0])[free] / 2.0**level
-    wrong, verdicts = 0, []
-    for key in keys:
-        inside, open_ = key in found.inside, key in found.open
-        verdicts.append(1 if inside else 0 if open_ else -1)
-    verdict = np.array(verdicts)
-    low = np.repeat(bounds[None, :, 0], len(keys), axis=0)
-    for d, k in enumerate(free):
-        place = keys >> np.uint64(d * bits) & np.uint64(2**bits - 1)
-        low[:, k] += place.astype(float) * step[k]
-    for _ in range(POSES):
-        part = (
-            rng.choice([0.0, 1.0], (len(keys), 6))
-            if rng.uniform() < 0.5
-            else rng.uniform(size=(len(keys), 6))
+    truth, rows = PlaneGeometry(machine), []
+    for split in (False, True):
+        parts = len(free) if split else 0
+        keys = _keys(
+            rng.integers(0, 2 ** (level - split), (-(-count // 2 ** (parts + 1)), len(free)))
         )
-        R, T = boxes.poses(low + part * step)
-        reached = truth.reached(R, T)
-        bad = ((verdict == 1) & ~reached) | ((verdict == -1) & reached)
-        wrong += int(bad.sum())
-    counts = {
-        word: int((verdict == which).sum())
-        for word, which in (("inside", 1), ("outside", -1), ("open", 0))
-    }
-    return Row(name, f"level {level}", len(keys), wrong=wrong, **counts)
+        left = np.full(len(keys), boxes.conditions)
+        found = boxes.judge(bounds, free, level, keys, left, split=split)
+        if split:
+            bits = np.array(list(product((0, 1), repeat=len(free))))
+            keys = _keys((2 * places(keys, len(free))[:, None] + bits).reshape(-1, len(free)))
+        verdict = np.where(np.isin(keys, found.inside), 1, np.isin(keys, found.open) - 1)
+        low = np.repeat(bounds[None, :, 0], len(keys), axis=0)
+        low[:, free] += places(keys, len(free)) * step[free]
+        wrong = 0
+        for _ in range(POSES):
+            part = (
+                rng.choice([0.0, 1.0], (len(keys), 6))
+                if rng.uniform() < 0.5
+                else rng.uniform(size=(len(keys), 6))
+            )
+            reached = truth.reached(*boxes.poses(low + part * step))
+            wrong += int((((verdict == 1) & ~reached) | ((verdict == -1) & reached)).sum())
+        rows.append([len(keys), *(int((verdict == which).sum()) for which in (1, -1, 0)), wrong])
+    return Row(name, f"level {level}", *np.sum(rows, axis=0).tolist())
+
+
+def _keys(found: NDArray[np.int64]) -> NDArray[np.uint64]:
+    """Return the keys of places in the grid, each once, ``(n, d) -> (m,)``."""
+    shifts = np.arange(found.shape[1], dtype=np.uint64) * np.uint64(64 // found.shape[1])
+    return np.unique((found.astype(np.uint64) << shifts).sum(axis=1, dtype=np.uint64))
 
 
 def volume(machine: Machine, name: str, subject: str) -> Row:

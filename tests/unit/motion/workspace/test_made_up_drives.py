@@ -121,6 +121,16 @@ def at_a_dead_point(motor: Motor, rng: np.random.Generator) -> None:
 
 def judge(motor: Motor, half: np.ndarray, left: int, cone=None, others=None) -> tuple[int, int]:
     """Return 1, 0 or -1 for a box inside, open or outside, and the conditions that are open."""
+    inside, signs, open_, still = judged(motor, half, left, cone, others)
+    if len(inside):
+        return 1, int(signs[0])
+    return (0, int(still[0])) if len(open_) else (-1, 0)
+
+
+def judged(
+    motor: Motor, half: np.ndarray, left: int, cone=None, others=None, *, parts: bool = False
+) -> tuple[np.ndarray, ...]:
+    """Return what the kernel says of a box, or of its parts: halved in each direction."""
     balls = np.zeros((6, 4, 3, 2))
     balls[0, 2 if motor.on_platform else 0, :, 0] = motor.other
     if others is not None:
@@ -130,18 +140,16 @@ def judge(motor: Motor, half: np.ndarray, left: int, cone=None, others=None) -> 
     axis, cosine, of_base = cone or (np.zeros(3), 0.0, False)
     cones = [] if cone is None else [0]
     bounds = np.stack((motor.centre - half, motor.centre + half), axis=1)
-    inside, signs, open_, still = _kernel.judge_boxes(
+    return _kernel.judge_boxes(
         np.zeros(6, np.int32), np.zeros(6, bool), balls, ranges, np.array(cones, np.int32),
         np.array([of_base] * len(cones), bool),
         np.array([[[x, 0.0] for x in axis]] * len(cones)).reshape(-1, 3, 2),
         np.array([[cosine, 0.0]] * len(cones)).reshape(-1, 2), TURN,
         bounds=np.where((half > 0)[:, None], bounds, motor.centre[:, None]),
-        free=np.flatnonzero(half > 0).astype(np.int32), level=0, keys=np.zeros(1, np.uint64),
-        left=np.array([left], np.uint32), split=False, jobs=1, drives=motor.arrays(),
+        free=np.flatnonzero(half > 0).astype(np.int32), level=int(parts),
+        keys=np.zeros(1, np.uint64), left=np.array([left], np.uint32), split=parts, jobs=1,
+        drives=motor.arrays(),
     )  # fmt: skip
-    if len(inside):
-        return 1, int(signs[0])
-    return (0, int(still[0])) if len(open_) else (-1, 0)
 
 
 def box_of(rng: np.random.Generator, size: float) -> np.ndarray:
@@ -182,6 +190,35 @@ def test_what_is_proved_of_a_motor_holds_at_all_poses(slide: bool, on_platform: 
                 missed += says == 0 and (good.all() or not good.any())
     assert proved > 0.7 * count
     assert missed < 0.08 * count
+
+
+@pytest.mark.parametrize("slide", [False, True], ids=["crank", "slide"])
+@pytest.mark.parametrize("on_platform", [False, True], ids=["base", "platform"])
+def test_what_is_proved_of_the_parts_of_a_box_holds_at_all_poses(
+    slide: bool, on_platform: bool
+) -> None:
+    """What is proved of the box is used for its parts."""
+    rng = np.random.default_rng(13)
+    proved = count = 0
+    for size in SIZES:
+        for _ in range(100):
+            motor, half = made_up(rng, slide=slide, on_platform=on_platform), box_of(rng, size)
+            if rng.integers(3) == 0:
+                at_a_dead_point(motor, rng)
+            inside, _, open_, _ = judged(motor, half, REACH | motor.ranged, parts=True)
+            # Poses in the parts, and at their corners.
+            part = rng.uniform(-1, 1, (6 * POSES, 6))
+            part[::2] = rng.choice([-1, -1e-9, 1e-9, 1], (3 * POSES, 6))
+            free = np.flatnonzero(half > 0)
+            shifts = np.arange(len(free), dtype=np.uint64) * np.uint64(64 // len(free))
+            keys = ((part[:, free] > 0).astype(np.uint64) << shifts).sum(axis=1)
+            parameters = motor.centre + part * half
+            good = motor.keeps(motor.numbers(parameters[:, :3], rotations(parameters[:, 3:])))
+            assert good[np.isin(keys, inside)].all()
+            assert not good[~np.isin(keys, np.concatenate((inside, open_)))].any()
+            count += 1
+            proved += not len(open_)
+    assert 0.4 * count < proved < 0.95 * count
 
 
 def test_both_knees_in_the_range_and_none() -> None:
