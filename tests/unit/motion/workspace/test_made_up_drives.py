@@ -130,7 +130,7 @@ def judge(motor: Motor, half: np.ndarray, left: int, cone=None, others=None) -> 
 def judged(
     motor: Motor, half: np.ndarray, left: int, cone=None, others=None, *, parts: bool = False
 ) -> tuple[np.ndarray, ...]:
-    """Return what the kernel says of a box, or of its parts: halved in each direction."""
+    """Judge a box, or its parts: halved in each direction."""
     balls = np.zeros((6, 4, 3, 2))
     balls[0, 2 if motor.on_platform else 0, :, 0] = motor.other
     if others is not None:
