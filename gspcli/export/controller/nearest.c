@@ -188,9 +188,10 @@ static void limit_cone(const search *s, const frame *f, int i, const double *c, 
   const geometry *g = s->g;
   const limits *l = s->l;
   int j, k = l->leg[i], on_base = l->on_base[i];
-  double sign = on_base ? 1.0 : -1.0, axis[3], leg[3], side[3], towards[3], moment[3], size, along, sine;
+  double sign = on_base ? 1.0 : -1.0, y[3], x[3], axis[3], leg[3], side[3], towards[3], moment[3], size, along, sine;
   placed p;
-  place(g, f, k, c, &p);
+  points(g, k, c[k], y, x);
+  place(g, f, k, y, x, &p);
   for (j = 0; j < 3; ++j) axis[j] = l->axis[i][j];
 #if HAS_BASE_CRANK || HAS_PLATFORM_CRANK
   {
@@ -300,12 +301,10 @@ static int is_needed(const search *s, const double *needed, int k) {
 /* The slacks at a frame and their derivatives by a twist; of those with `needed`, if it is not null. */
 static void slacks(const search *s, const frame *f, const double *needed, double *room, double (*rows)[6]) {
   const geometry *g = s->g;
-  double c[6], F[6], J[6][6], changes[6][6];
-  int i, k, values = 0;
-#if HAS_DLL
-  double same[6];
-#endif
+  double c[6], changes[6][6];
+  int i, k;
   for (k = 0; k < 6; ++k) {
+    double row[6], scale, size = 1.0, *low = rows[2 * k], *high = rows[2 * k + 1];
     c[k] = s->near[k];
     if (!is_needed(s, needed, k)) continue;
 #if HAS_BASE_CRANK || HAS_PLATFORM_CRANK || HAS_BASE_SLIDE || HAS_PLATFORM_SLIDE
@@ -321,31 +320,20 @@ static void slacks(const search *s, const frame *f, const double *needed, double
       continue;
     }
 #endif
-    values = 1;
-    if (number(g, f, k, c)) c[k] = 0.0;
-  }
-  if (values) {
-#if HAS_DLL
-    for (k = 0; k < 6; ++k) same[k] = c[k];
-    (void)orient(g, f, 0.0, c, same);
-#endif
-    equations(g, f, c, F, J);
-  }
-  for (k = 0; k < 6; ++k) {
-    double scale, size = 1.0, value = c[k];
-    if (g->kind[k] >= BASE_CRANK || !is_needed(s, needed, k)) continue;
     room[2 * k] = room[2 * k + 1] = NEVER;
-    for (i = 0; i < 6; ++i) rows[2 * k][i] = rows[2 * k + 1][i] = 0.0;
+    for (i = 0; i < 6; ++i) low[i] = high[i] = 0.0;
+    if (number(g, f, k, c)) c[k] = 0.0;
     if (s->low[k] <= -NO_RANGE && s->high[k] >= NO_RANGE) continue;
     if (g->kind[k] >= ALL) size = s->l->weight;
+    if (s->low[k] > -NO_RANGE) room[2 * k] = size * (c[k] - s->low[k]);
+    if (s->high[k] < NO_RANGE) room[2 * k + 1] = size * (s->high[k] - c[k]);
+#if HAS_DLL
+    if (g->kind[k] == DLL && moment_of(g, f, k, 0.0) < 0.0) c[k] = -c[k], size = -size;
+#endif
     scale = slope(g, f, k, c);
     scale = fabs(scale) > 1e-12 ? -size / scale : 0.0;
-#if HAS_DLL
-    if (g->kind[k] == DLL && value < 0.0) scale = -scale, value = -value;
-#endif
-    if (s->low[k] > -NO_RANGE) room[2 * k] = size * (value - s->low[k]);
-    if (s->high[k] < NO_RANGE) room[2 * k + 1] = size * (s->high[k] - value);
-    for (i = 0; i < 6; ++i) rows[2 * k][i] = scale * J[k][i], rows[2 * k + 1][i] = -scale * J[k][i];
+    (void)equation(g, f, k, c[k], g->Y[k], g->X[k], row);
+    for (i = 0; i < 6; ++i) low[i] = scale * row[i], high[i] = -low[i];
   }
 #if HAS_CONES
   for (i = 0; i < s->l->cones; ++i)
@@ -456,7 +444,8 @@ static void curved(const search *s, const frame *f, const local_problem *p, cons
   }
 }
 
-/* The lower triangle with L L^T = H - share C; zero if a pivot is not above `least`. */
+/* The lower triangle with L L^T = H - share C, but the inverses of its diagonal; zero if a pivot is not
+ * above `least`. */
 static int cholesky(double (*H)[6], double (*C)[6], double share, double least, double (*L)[6]) {
   int i, j, k;
   for (j = 0; j < 6; ++j)
@@ -464,9 +453,9 @@ static int cholesky(double (*H)[6], double (*C)[6], double share, double least, 
       double x = H[i][j] - share * C[i][j];
       for (k = 0; k < j; ++k) x -= L[i][k] * L[j][k];
       if (i > j)
-        L[i][j] = x / L[j][j];
+        L[i][j] = x * L[j][j];
       else if (x > least)
-        L[j][j] = sqrt(x);
+        L[j][j] = 1.0 / sqrt(x);
       else
         return 0;
     }
@@ -479,7 +468,7 @@ static void forwards(double (*L)[6], const double *x, double *out) {
   for (i = 0; i < 6; ++i) {
     out[i] = x[i];
     for (k = 0; k < i; ++k) out[i] -= L[i][k] * out[k];
-    out[i] /= L[i][i];
+    out[i] *= L[i][i];
   }
 }
 
@@ -489,7 +478,7 @@ static void backwards(double (*L)[6], const double *x, double *out) {
   for (i = 5; i >= 0; --i) {
     out[i] = x[i];
     for (k = i + 1; k < 6; ++k) out[i] -= L[k][i] * out[k];
-    out[i] /= L[i][i];
+    out[i] *= L[i][i];
   }
 }
 
@@ -580,12 +569,14 @@ static void best_step(const search *s, const frame *f, local_problem *p, double 
   }
   forwards(L, p->gradient, pull);
   for (i = 0; i < count; ++i) {
+    norm[i] = 1.0, b[i] = -NEVER;
+    for (j = 0; j < 6; ++j) Z[i][j] = 0.0;
+    if (p->room[i] >= NO_RANGE) continue;
     forwards(L, p->rows[i], Z[i]);
     norm[i] = sqrt(dot6(Z[i], Z[i]));
     if (!(norm[i] > 0.0)) norm[i] = 1.0;
     b[i] = (dot6(Z[i], pull) - p->room[i]) / norm[i];
     for (j = 0; j < 6; ++j) Z[i][j] /= norm[i];
-    if (p->room[i] >= NO_RANGE || !(norm[i] > 0.0)) b[i] = -NEVER;
   }
   if (shortest(count, Z, b, y, multipliers)) {
     for (j = 0; j < 6; ++j) y[j] -= pull[j];
@@ -659,11 +650,11 @@ static int towards(const geometry *g, const limits *l, const frame *goal, platfo
   search s;
   frame at, found, end;
   platform_state next = *state;
-  double c[6], values[6], distance, off = 0.0;
+  double here[6], c[6], values[6], distance, off = 0.0;
   int k, status;
   if (!load(g, &state->pose, &at)) return PLATFORM_NOT_FINITE;
   for (k = 0; k < 6; ++k) {
-    c[k] = (state->values[k] + g->offset[k]) * g->unit[k];
+    c[k] = here[k] = (state->values[k] + g->offset[k]) * g->unit[k];
     if (!(c[k] - c[k] == 0.0)) return PLATFORM_NOT_FINITE;
   }
   search_from(&s, g, l, &at, c);
@@ -684,6 +675,8 @@ static int towards(const geometry *g, const limits *l, const frame *goal, platfo
     if (s.low[k] == s.high[k]) c[k] = s.low[k];
     values[k] = c[k] / g->unit[k] - g->offset[k];
   }
+  /* A proved line keeps the sign of the determinant. */
+  if (side(g, &at, here) != side(g, &found, c)) return PLATFORM_SINGULAR;
   status = follow(g, values, &next, report);
   if (status) return status;
   (void)load(g, &next.pose, &end);

@@ -29,7 +29,8 @@
 #define EPS 0x1p-46
 #define OUTWARD (1.0 + 0x1p-40)
 #define LONGEST 0.5 /* of the first correction */
-#define CORRECTIONS 5 /* with the same Y */
+#define CORRECTIONS 3 /* with the same Y, */
+#define MOST_CORRECTIONS 10 /* and all */
 #define CONVERGED 0x1p-42
 #define STALLED 0x1p-46 /* corrections that no longer decrease are rounding, if they are below this |Y| */
 #define SHORTEST 0x1p-10 /* part of the line */
@@ -153,6 +154,73 @@ static void move(frame *f, const double *d) {
   rotate(f);
 }
 
+/* The numbers of the constraints, and the points of those with cranks and slides, which move them. */
+typedef struct {
+  double c[6];
+#if HAS_BASE_CRANK || HAS_PLATFORM_CRANK || HAS_BASE_SLIDE || HAS_PLATFORM_SLIDE
+  double Y[6][3], X[6][3];
+#endif
+} setting;
+
+/* The points of constraint k at a number. */
+static void points(const geometry *g, int k, double c, double *y, double *x) {
+  int i;
+  for (i = 0; i < 3; ++i) y[i] = g->Y[k][i], x[i] = g->X[k][i];
+  (void)c; /* only drives need it */
+  switch (g->kind[k]) {
+#if HAS_BASE_CRANK
+    case BASE_CRANK:
+      add(x, cos(c), g->A[k]);
+      add(x, sin(c), g->B[k]);
+      break;
+#endif
+#if HAS_PLATFORM_CRANK
+    case PLATFORM_CRANK:
+      add(y, cos(c), g->A[k]);
+      add(y, sin(c), g->B[k]);
+      break;
+#endif
+#if HAS_BASE_SLIDE
+    case BASE_SLIDE:
+      add(x, c, g->B[k]);
+      break;
+#endif
+#if HAS_PLATFORM_SLIDE
+    case PLATFORM_SLIDE:
+      add(y, c, g->B[k]);
+      break;
+#endif
+    default:
+      break;
+  }
+}
+
+static void set(const geometry *g, const double *c, setting *s) {
+  int k;
+  for (k = 0; k < 6; ++k) {
+    s->c[k] = c[k];
+#if HAS_BASE_CRANK || HAS_PLATFORM_CRANK || HAS_BASE_SLIDE || HAS_PLATFORM_SLIDE
+    if (g->kind[k] >= BASE_CRANK) points(g, k, c[k], s->Y[k], s->X[k]);
+#endif
+  }
+  (void)g;
+}
+
+static const double *platform_point(const geometry *g, int k, const setting *s) {
+#if HAS_BASE_CRANK || HAS_PLATFORM_CRANK || HAS_BASE_SLIDE || HAS_PLATFORM_SLIDE
+  if (g->kind[k] >= BASE_CRANK) return s->Y[k];
+#endif
+  (void)s;
+  return g->Y[k];
+}
+static const double *base_point(const geometry *g, int k, const setting *s) {
+#if HAS_BASE_CRANK || HAS_PLATFORM_CRANK || HAS_BASE_SLIDE || HAS_PLATFORM_SLIDE
+  if (g->kind[k] >= BASE_CRANK) return s->X[k];
+#endif
+  (void)s;
+  return g->X[k];
+}
+
 /* A constraint at a pose: r from the base's point to the platform's, arm = R y, w = R u. */
 typedef struct {
   double arm[3], r[3];
@@ -161,35 +229,11 @@ typedef struct {
 #endif
 } placed;
 
-static void place(const geometry *g, const frame *f, int k, const double *c, placed *p) {
+static void place(const geometry *g, const frame *f, int k, const double *y, const double *x, placed *p) {
   int i;
-  (void)c; /* only cranks need it */
-  turn(f, g->Y[k], p->arm);
-#if HAS_PLATFORM_CRANK
-  if (g->kind[k] == PLATFORM_CRANK) {
-    double y[3] = {g->Y[k][0], g->Y[k][1], g->Y[k][2]};
-    add(y, cos(c[k]), g->A[k]);
-    add(y, sin(c[k]), g->B[k]);
-    turn(f, y, p->arm);
-  }
-#endif
-#if HAS_PLATFORM_SLIDE
-  if (g->kind[k] == PLATFORM_SLIDE) {
-    double y[3] = {g->Y[k][0], g->Y[k][1], g->Y[k][2]};
-    add(y, c[k], g->B[k]);
-    turn(f, y, p->arm);
-  }
-#endif
-  for (i = 0; i < 3; ++i) p->r[i] = p->arm[i] + f->T[i] - g->X[k][i];
-#if HAS_BASE_CRANK
-  if (g->kind[k] == BASE_CRANK) {
-    add(p->r, -cos(c[k]), g->A[k]);
-    add(p->r, -sin(c[k]), g->B[k]);
-  }
-#endif
-#if HAS_BASE_SLIDE
-  if (g->kind[k] == BASE_SLIDE) add(p->r, -c[k], g->B[k]);
-#endif
+  (void)g, (void)k; /* only directions need them */
+  turn(f, y, p->arm);
+  for (i = 0; i < 3; ++i) p->r[i] = p->arm[i] + f->T[i] - x[i];
 #if HAS_DLP || HAS_DHP || HAS_DLL || HAS_ALL || HAS_ALH || HAS_AHL || HAS_AHH
   turn(f, g->U[k], p->w);
 #endif
@@ -205,82 +249,92 @@ static void place(const geometry *g, const frame *f, int k, const double *c, pla
 #endif
 }
 
-/* F, and the rows of F' by a twist if J is not null. Distances of lines have signs here. */
-static void equations(const geometry *g, const frame *f, const double *c, double *F, double (*J)[6]) {
-  int k;
-  for (k = 0; k < 6; ++k) {
-    placed p;
-    double force[3] = {0.0, 0.0, 0.0}, moment[3] = {0.0, 0.0, 0.0};
-    place(g, f, k, c, &p);
-    switch (g->kind[k]) {
+/* Equation k, with its number and its two points, and its derivative by a twist if `row` is not null.
+ * Distances of lines have signs here. */
+static double equation(const geometry *g, const frame *f, int k, double c, const double *y, const double *x,
+                       double *row) {
+  double F = 0.0;
+  placed p;
+  double force[3] = {0.0, 0.0, 0.0}, moment[3] = {0.0, 0.0, 0.0};
+  place(g, f, k, y, x, &p);
+  switch (g->kind[k]) {
 #if HAS_DPP || HAS_DPL || HAS_DLP || HAS_BASE_CRANK || HAS_PLATFORM_CRANK || HAS_BASE_SLIDE || HAS_PLATFORM_SLIDE
-      default: {
-        double d = c[k];
+    default: {
+      double d = c;
 #if HAS_BASE_CRANK || HAS_PLATFORM_CRANK || HAS_BASE_SLIDE || HAS_PLATFORM_SLIDE
-        if (g->kind[k] >= BASE_CRANK) d = g->rod[k];
+      if (g->kind[k] >= BASE_CRANK) d = g->rod[k];
 #endif
-        F[k] = dot(p.r, p.r) - d * d;
-        add(force, 2.0, p.r);
-        break;
-      }
+      F = dot(p.r, p.r) - d * d;
+      add(force, 2.0, p.r);
+      break;
+    }
 #endif
 #if HAS_DPH
-      case DPH:
-        F[k] = dot(p.r, g->V[k]) - c[k];
-        add(force, 1.0, g->V[k]);
-        break;
+    case DPH:
+      F = dot(p.r, g->V[k]) - c;
+      add(force, 1.0, g->V[k]);
+      break;
 #endif
 #if HAS_DHP
-      case DHP:
-        F[k] = -dot(p.r, p.w) - c[k];
-        add(force, -1.0, p.w);
-        add(p.arm, -1.0, p.r);
-        break;
+    case DHP:
+      F = -dot(p.r, p.w) - c;
+      add(force, -1.0, p.w);
+      add(p.arm, -1.0, p.r);
+      break;
 #endif
 #if HAS_DLL
-      case DLL: { /* the moment of the lines, r.n, less distance times sine */
-        double n[3], vr[3], wvr[3], sine;
-        cross(p.w, g->V[k], n);
-        cross(g->V[k], p.r, vr);
-        cross(p.w, vr, wvr);
-        sine = length(n);
-        F[k] = dot(p.r, n) - c[k] * sine;
-        add(force, 1.0, n);
-        add(moment, 1.0, wvr);
-        add(moment, c[k] * dot(p.w, g->V[k]) / sine, n);
-        break;
-      }
+    case DLL: { /* the moment of the lines, r.n, less distance times sine */
+      double n[3], vr[3], wvr[3], sine;
+      cross(p.w, g->V[k], n);
+      cross(g->V[k], p.r, vr);
+      cross(p.w, vr, wvr);
+      sine = length(n);
+      F = dot(p.r, n) - c * sine;
+      add(force, 1.0, n);
+      add(moment, 1.0, wvr);
+      add(moment, c * dot(p.w, g->V[k]) / sine, n);
+      break;
+    }
 #endif
 #if HAS_ALL || HAS_ALH || HAS_AHL || HAS_AHH
-      case ALL:
-      case ALH:
-      case AHL:
-      case AHH: {
-        double sign = g->kind[k] == AHH ? -1.0 : 1.0, n[3];
-        int cosine = g->kind[k] == ALL || g->kind[k] == AHH;
-        F[k] = sign * dot(p.w, g->V[k]) - (cosine ? cos(c[k]) : sin(c[k]));
-        cross(p.w, g->V[k], n);
-        add(moment, sign, n);
-        break;
-      }
-#endif
+    case ALL:
+    case ALH:
+    case AHL:
+    case AHH: {
+      double sign = g->kind[k] == AHH ? -1.0 : 1.0, n[3];
+      int cosine = g->kind[k] == ALL || g->kind[k] == AHH;
+      F = sign * dot(p.w, g->V[k]) - (cosine ? cos(c) : sin(c));
+      cross(p.w, g->V[k], n);
+      add(moment, sign, n);
+      break;
     }
-    if (J) {
-      double turned[3];
-      int i;
-      cross(p.arm, force, turned);
-      for (i = 0; i < 3; ++i) {
-        J[k][i] = moment[i] + turned[i];
-        J[k][i + 3] = force[i];
-      }
+#endif
+  }
+  if (row) {
+    double turned[3];
+    int i;
+    cross(p.arm, force, turned);
+    for (i = 0; i < 3; ++i) {
+      row[i] = moment[i] + turned[i];
+      row[i + 3] = force[i];
     }
   }
+  return F;
+}
+
+/* All equations, and their derivatives if J is not null. */
+static void equations(const geometry *g, const frame *f, const setting *s, double *F, double (*J)[6]) {
+  int k;
+  for (k = 0; k < 6; ++k)
+    F[k] = equation(g, f, k, s->c[k], platform_point(g, k, s), base_point(g, k, s), J ? J[k] : 0);
 }
 
 /* The derivative of an equation by its value. */
 static double slope(const geometry *g, const frame *f, int k, const double *c) {
+  double y[3], x[3];
   placed p;
-  place(g, f, k, c, &p);
+  points(g, k, c[k], y, x);
+  place(g, f, k, y, x, &p);
   switch (g->kind[k]) {
 #if HAS_BASE_CRANK
     case BASE_CRANK:
@@ -336,18 +390,20 @@ static double slope(const geometry *g, const frame *f, int k, const double *c) {
 typedef struct {
   double first[6];  /* of |F'| */
   double second[6]; /* of |F''| */
-  double rest[6];   /* of |F'''(d, d, .)|, the values being kept */
+  double rest[6];   /* of the second derivative of F' along the chord */
   double third[6];  /* of the third derivative of F along the chord */
-  double cross[6];  /* of the change of F' by c alone */
+  double cross[6];  /* of the change of F' by c alone, for charts about the start */
   double error[6];  /* of F by rounding */
   double slant[6];  /* of F' by rounding */
 } bounds;
 
 /* A part of the line of values, and the tube about its chord. */
 typedef struct {
-  const double *from, *to;
+  const setting *from, *to;
   double size, radius; /* of the chord, and of all that is within the tube */
 } part;
+
+static double largest(const part *b, int k) { return larger(fabs(b->from->c[k]), fabs(b->to->c[k])); }
 
 #if HAS_DPP || HAS_DPL || HAS_DLP || HAS_DLL || HAS_BASE_CRANK || HAS_PLATFORM_CRANK || HAS_BASE_SLIDE || HAS_PLATFORM_SLIDE
 /* The jet of a product. */
@@ -381,12 +437,13 @@ static void seen(const geometry *g, const frame *f, int k, double radius, double
 /* Of |r|^2, with the orders e of r by a unit twist. */
 static void bound_square(const geometry *g, int k, const placed *p, const part *b, double *e,
                          double moduli, bounds *out) {
-  double size = b->size, x = 0.0, d[4], along[4], d_along[4], constant = larger(fabs(b->from[k]), fabs(b->to[k]));
+  double size = b->size, x = 0.0, d[4], along[4], d_along[4], turned[2];
+  double constant = largest(b, k);
 #if HAS_BASE_CRANK || HAS_PLATFORM_CRANK || HAS_BASE_SLIDE || HAS_PLATFORM_SLIDE
   double bent = 0.0;
   int own = 0; /* the arm, or the rail, turns with the platform */
   if (g->kind[k] >= BASE_CRANK) {
-    double change = fabs(b->to[k] - b->from[k]);
+    double change = fabs(b->to->c[k] - b->from->c[k]);
     x = g->crank[k] * change;
     constant = g->rod[k];
     if (g->kind[k] <= PLATFORM_CRANK) bent = change; /* a rail is straight */
@@ -404,6 +461,8 @@ static void bound_square(const geometry *g, int k, const placed *p, const part *
   along[1] = e[1] * size + x;
   along[2] = e[2] * size * size;
   along[3] = e[3] * size * size * size;
+  turned[0] = e[2] * size; /* of the derivative of r by a unit twist, orders 1 and 2 */
+  turned[1] = e[3] * size * size;
   out->cross[k] = 2.0 * x * e[1];
 #if HAS_BASE_CRANK || HAS_PLATFORM_CRANK || HAS_BASE_SLIDE || HAS_PLATFORM_SLIDE
   along[2] += x * bent;
@@ -412,6 +471,8 @@ static void bound_square(const geometry *g, int k, const placed *p, const part *
     double both = x * size;
     along[2] += 2.0 * both;
     along[3] += 3.0 * both * (size + bent);
+    turned[0] += x;
+    turned[1] += x * (2.0 * size + bent);
     out->cross[k] += 2.0 * e[0] * x;
   }
 #endif
@@ -419,7 +480,7 @@ static void bound_square(const geometry *g, int k, const placed *p, const part *
   times(along, along, d_along);
   out->first[k] = d[1];
   out->second[k] = d[2];
-  out->rest[k] = d[3] * size * size;
+  out->rest[k] = 2.0 * (along[2] * e[1] + 2.0 * along[1] * turned[0] + e[0] * turned[1]);
   out->third[k] = d_along[3];
   out->error[k] = EPS * (3.0 * moduli * moduli + 3.0 * constant * constant);
   out->slant[k] = EPS * 4.0 * moduli * (1.0 + moduli);
@@ -434,7 +495,7 @@ static void bound_lines(const geometry *g, int k, const placed *p, const part *b
                         bounds *out) {
   const double *v = g->V[k];
   double arm[3], r[3], n[3], nv[3], e[4], ne[4], m[4], h[4], size = b->size, s, lowest, cosine, sine;
-  double c = larger(fabs(b->from[k]), fabs(b->to[k])), change = fabs(b->to[k] - b->from[k]);
+  double c = largest(b, k), change = fabs(b->to->c[k] - b->from->c[k]);
   int i;
   cross(p->w, v, n);
   sine = length(n);
@@ -459,7 +520,7 @@ static void bound_lines(const geometry *g, int k, const placed *p, const part *b
   h[3] = (3.0 + 3.0 * cosine) / (lowest * lowest) + cosine / lowest;
   out->first[k] = m[1] + c * h[1];
   out->second[k] = m[2] + c * h[2];
-  out->rest[k] = (m[3] + c * h[3]) * size * size;
+  out->rest[k] = size * ((m[3] + c * h[3]) * size + 2.0 * change * h[2]);
   out->third[k] = size * size * ((m[3] + c * h[3]) * size + 3.0 * change * h[2]);
   out->cross[k] = change * h[1];
   out->error[k] = EPS * (3.0 * moduli + 2.0 * c);
@@ -473,7 +534,7 @@ static void bound(const geometry *g, const frame *f, const part *b, bounds *out)
   for (k = 0; k < 6; ++k) {
     placed p;
     double e[4], moduli = (g->moduli[k] + place_size) * OUTWARD + b->radius;
-    place(g, f, k, b->from, &p);
+    place(g, f, k, platform_point(g, k, b->from), base_point(g, k, b->from), &p);
     moved(g->norm_y[k], e);
     switch (g->kind[k]) {
 #if HAS_DLP
@@ -485,11 +546,11 @@ static void bound(const geometry *g, const frame *f, const part *b, bounds *out)
 #if HAS_DPP || HAS_DPL || HAS_BASE_CRANK || HAS_PLATFORM_CRANK || HAS_BASE_SLIDE || HAS_PLATFORM_SLIDE
       default:
 #if HAS_BASE_CRANK || HAS_PLATFORM_CRANK || HAS_BASE_SLIDE || HAS_PLATFORM_SLIDE
-        if (g->kind[k] >= BASE_CRANK) moduli += g->crank[k] * larger(fabs(b->from[k]), fabs(b->to[k]));
+        if (g->kind[k] >= BASE_CRANK) moduli += g->crank[k] * largest(b, k);
 #endif
 #if HAS_PLATFORM_SLIDE
         if (g->kind[k] == PLATFORM_SLIDE)
-          moved(g->norm_y[k] + larger(fabs(b->from[k]), fabs(b->to[k])), e);
+          moved(g->norm_y[k] + largest(b, k), e);
 #endif
         bound_square(g, k, &p, b, e, moduli, out);
         break;
@@ -505,7 +566,7 @@ static void bound(const geometry *g, const frame *f, const part *b, bounds *out)
         out->rest[k] = e[3] * b->size * b->size;
         out->third[k] = out->rest[k] * b->size;
         out->cross[k] = 0.0;
-        out->error[k] = EPS * (moduli + fabs(b->from[k]) + fabs(b->to[k]));
+        out->error[k] = EPS * (moduli + 2.0 * largest(b, k));
         out->slant[k] = EPS * (1.0 + moduli);
         break;
 #endif
@@ -519,12 +580,12 @@ static void bound(const geometry *g, const frame *f, const part *b, bounds *out)
       case ALH:
       case AHL:
       case AHH: {
-        double change = fabs(b->to[k] - b->from[k]);
+        double change = fabs(b->to->c[k] - b->from->c[k]);
         out->first[k] = out->second[k] = 1.0;
         out->rest[k] = b->size * b->size;
         out->third[k] = out->rest[k] * b->size + change * change * change;
         out->cross[k] = 0.0;
-        out->error[k] = EPS * (2.0 + fabs(b->from[k]) + fabs(b->to[k]));
+        out->error[k] = EPS * (2.0 + 2.0 * largest(b, k));
         out->slant[k] = EPS * 2.0;
         break;
       }
@@ -534,9 +595,10 @@ static void bound(const geometry *g, const frame *f, const part *b, bounds *out)
   }
 }
 
-/* The inverse of a matrix, which is destroyed. */
+/* The inverse of a matrix, which is destroyed. Returns the sign of its determinant; zero if it has no
+ * inverse. */
 static int invert(double (*a)[6], double (*out)[6]) {
-  int i, j, k;
+  int i, j, k, sign = 1;
   for (i = 0; i < 6; ++i)
     for (j = 0; j < 6; ++j) out[i][j] = i == j ? 1.0 : 0.0;
   for (j = 0; j < 6; ++j) {
@@ -545,6 +607,7 @@ static int invert(double (*a)[6], double (*out)[6]) {
     for (i = j + 1; i < 6; ++i)
       if (fabs(a[i][j]) > fabs(a[pivot][j])) pivot = i;
     if (!(fabs(a[pivot][j]) > 1e-12)) return 0;
+    if ((pivot != j) != (a[pivot][j] < 0.0)) sign = -sign;
     scale = 1.0 / a[pivot][j];
     for (k = 0; k < 6; ++k) {
       double x = a[pivot][k], z = out[pivot][k];
@@ -560,7 +623,7 @@ static int invert(double (*a)[6], double (*out)[6]) {
       for (k = 0; k < 6; ++k) out[i][k] -= factor * out[j][k];
     }
   }
-  return 1;
+  return sign;
 }
 
 /* |Y F|, and -Y F. */
@@ -584,51 +647,60 @@ static double spread(double (*inverse)[6], const double *b) {
   return length6(rows);
 }
 
+/* A pose with its numbers and the equations there. */
+typedef struct {
+  frame f;
+  setting at;
+  double F[6], J[6][6];
+} knot;
+
+static void evaluate(const geometry *g, knot *n) { equations(g, &n->f, &n->at, n->F, n->J); }
+
 /* Y at a pose; returns |1 - Y F'| with its rounding, or a number above one. */
-static double linearize(const geometry *g, const frame *f, const double *c, double (*inverse)[6]) {
-  double F[6], J[6][6], work[6][6], defect = 0.0, moduli = 0.0;
+static double linearize(const knot *n, double (*inverse)[6]) {
+  double work[6][6], defect = 0.0, moduli = 0.0;
   int i, j, k;
-  equations(g, f, c, F, J);
   for (i = 0; i < 6; ++i)
-    for (j = 0; j < 6; ++j) work[i][j] = J[i][j];
+    for (j = 0; j < 6; ++j) work[i][j] = n->J[i][j];
   if (!invert(work, inverse)) return 2.0;
-  for (i = 0; i < 6; ++i)
-    for (j = 0; j < 6; ++j) {
-      double s = i == j ? -1.0 : 0.0, m = 1.0;
-      for (k = 0; k < 6; ++k) {
-        double x = inverse[i][k] * J[k][j];
-        s += x;
-        m += fabs(x);
+  for (i = 0; i < 6; ++i) {
+    double s[6], m[6];
+    for (j = 0; j < 6; ++j) s[j] = i == j ? -1.0 : 0.0, m[j] = 1.0;
+    for (k = 0; k < 6; ++k)
+      for (j = 0; j < 6; ++j) {
+        double x = inverse[i][k] * n->J[k][j];
+        s[j] += x;
+        m[j] += fabs(x);
       }
-      defect += s * s;
-      moduli += m * m;
+    for (j = 0; j < 6; ++j) {
+      defect += s[j] * s[j];
+      moduli += m[j] * m[j];
     }
+  }
   return (sqrt(defect) + 0x1p-49 * sqrt(moduli)) * OUTWARD;
 }
 
-/* Bounds |Y (F'(x) - F'(0))| for x = (w, t) = d from one frame to another, and its deviation from the
- * chord in between. The derivative of exp is 1 + w^x / 2 up to |w|^2 / 6 (and |d|^3 / 5, since d may
- * have the tangent of the angle). The error of interpolation is added. The values add at most
- * `cross`, in between and at the end. */
-static double slanting(const geometry *g, double (*J0)[6], const frame *end, const double *values,
-                       const double *d, const bounds *b, double (*inverse)[6]) {
-  double F[6], J[6][6], rest[6], sum = 0.0, size = length6(d) * OUTWARD;
+/* Bounds |Y (F'(x) - F'(0))| for x = (w, t) = d from one pose to another, with their numbers, and in
+ * between. The derivative of exp is 1 + w^x / 2 up to |w|^2 / 6 (and |d|^3 / 5, since d may have the
+ * tangent of the angle). The error of linear interpolation is added: an eighth of `rest`. */
+static double slanting(const knot *start, const knot *end, const double *d, const bounds *b,
+                       double (*inverse)[6]) {
+  double rows[6][6], rest[6], sum = 0.0, size = length6(d) * OUTWARD;
   int i, j, k;
-  equations(g, end, values, F, J);
   for (k = 0; k < 6; ++k) {
     double turned[3];
-    cross(J[k], d, turned);
-    for (j = 0; j < 6; ++j) J[k][j] -= J0[k][j];
-    add(J[k], 0.5, turned);
+    cross(end->J[k], d, turned);
+    for (j = 0; j < 6; ++j) rows[k][j] = end->J[k][j] - start->J[k][j];
+    add(rows[k], 0.5, turned);
     rest[k] = (1.0 + 1.25 * size) * size * size / 6.0 * b->first[k] + 0.125 * b->rest[k] +
-              2.0 * b->cross[k] + 3.0 * b->slant[k];
+              3.0 * b->slant[k];
   }
-  for (i = 0; i < 6; ++i)
-    for (j = 0; j < 6; ++j) {
-      double s = 0.0;
-      for (k = 0; k < 6; ++k) s += inverse[i][k] * J[k][j];
-      sum += s * s;
-    }
+  for (i = 0; i < 6; ++i) {
+    double s[6] = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
+    for (k = 0; k < 6; ++k)
+      for (j = 0; j < 6; ++j) s[j] += inverse[i][k] * rows[k][j];
+    for (j = 0; j < 6; ++j) sum += s[j] * s[j];
+  }
   return sqrt(sum) + spread(inverse, rest);
 }
 
@@ -638,28 +710,31 @@ typedef struct {
 
 /* A part of the line that is to be proved: its ends and its middle. */
 typedef struct {
-  const frame *start, *end;
-  const double *from, *to;
-  frame middle;
-  double half[6], d[6]; /* the values in the middle; the twist from the start to the middle, twice */
+  const knot *start;
+  knot *end, middle; /* without J but for the proof about the middle */
+  double d[6]; /* the twist from the start to the middle, twice */
+  int central; /* the part before was proved about its middle: this one is tried there only */
 } segment;
 
 /* Finds d and the middle; the angle is at most twice the tangent of its half, which is the length of
  * the rotation. Zero if it is 120 degrees or more. */
-static int span(segment *p) {
-  const frame *f = p->start, *next = p->end;
-  double v[3], real = f->q[0] * next->q[0] + dot(f->q + 1, next->q + 1), sign = real < 0.0 ? -1.0 : 1.0;
+static int span(const geometry *g, segment *p) {
+  const frame *f = &p->start->f, *next = &p->end->f;
+  frame *middle = &p->middle.f;
+  double half[6], v[3], real = f->q[0] * next->q[0] + dot(f->q + 1, next->q + 1);
   int i;
   if (!(fabs(real) > 0.5)) return 0;
-  for (i = 0; i < 4; ++i) p->middle.q[i] = f->q[i] + sign * next->q[i];
-  rotate(&p->middle);
+  for (i = 0; i < 4; ++i) middle->q[i] = f->q[i] + (real < 0.0 ? -next->q[i] : next->q[i]);
+  rotate(middle);
   cross(f->q + 1, next->q + 1, v);
   for (i = 0; i < 3; ++i) {
-    p->middle.T[i] = 0.5 * (f->T[i] + next->T[i]);
+    middle->T[i] = 0.5 * (f->T[i] + next->T[i]);
     p->d[i] = 2.0 / real * (f->q[0] * next->q[i + 1] - next->q[0] * f->q[i + 1] + v[i]);
     p->d[i + 3] = next->T[i] - f->T[i];
   }
-  for (i = 0; i < 6; ++i) p->half[i] = 0.5 * (p->from[i] + p->to[i]);
+  for (i = 0; i < 6; ++i) half[i] = 0.5 * (p->start->at.c[i] + p->end->at.c[i]);
+  set(g, half, &p->middle.at);
+  equations(g, middle, &p->middle.at, p->middle.F, 0);
   return 1;
 }
 
@@ -670,31 +745,25 @@ static proof prove(const geometry *g, const segment *p, int central, double (*in
   bounds b;
   part tubular;
   proof result;
-  double F0[6], F1[6], bend[6], waste[6], size = length6(p->d) * OUTWARD + 0x1p-45, shake, tube, q, beta,
-         kappa, end;
-  const frame *centre = central ? &p->middle : p->start;
+  double bend[6], waste[6], size = length6(p->d) * OUTWARD + 0x1p-45, shake, tube, q, beta, kappa, end;
   int k;
   tube = 0.5 * size + TUBE;
-  tubular.from = p->from, tubular.to = p->to;
+  tubular.from = &p->start->at, tubular.to = &p->end->at;
   tubular.size = size;
   tubular.radius = (central ? 0.5 * size : size) + tube;
-  bound(g, centre, &tubular, &b);
-  equations(g, p->start, p->from, F0, 0);
-  equations(g, p->end, p->to, F1, 0);
-  equations(g, &p->middle, p->half, bend, 0);
-  for (k = 0; k < 6; ++k) bend[k] -= 0.5 * (F0[k] + F1[k]);
+  bound(g, central ? &p->middle.f : &p->start->f, &tubular, &b);
+  for (k = 0; k < 6; ++k) bend[k] = p->middle.F[k] - 0.5 * (p->start->F[k] + p->end->F[k]);
   shake = spread(inverse, b.error);
-  end = correction(inverse, F1, waste) + shake;
-  beta = larger(end, correction(inverse, F0, waste) + shake) + correction(inverse, bend, waste) + shake +
+  end = correction(inverse, p->end->F, waste) + shake;
+  beta = larger(end, correction(inverse, p->start->F, waste) + shake) + correction(inverse, bend, waste) + shake +
          0.00802 * spread(inverse, b.third);
   beta *= OUTWARD;
   kappa = spread(inverse, b.second) * OUTWARD;
   if (central) {
-    double J[6][6], back[6], on[6], quarter = 0.25;
-    equations(g, centre, p->half, waste, J);
+    double back[6], on[6], quarter = 0.25;
     for (k = 0; k < 6; ++k) on[k] = 0.5 * p->d[k], back[k] = -on[k], b.rest[k] *= quarter;
-    q = larger(slanting(g, J, p->end, p->to, on, &b, inverse),
-               slanting(g, J, p->start, p->from, back, &b, inverse));
+    q = larger(slanting(&p->middle, p->end, on, &b, inverse),
+               slanting(&p->middle, p->start, back, &b, inverse));
   } else
     q = kappa * size + spread(inverse, b.cross) + spread(inverse, b.slant);
   q = (defect + q) * OUTWARD;
@@ -707,15 +776,21 @@ static proof prove(const geometry *g, const segment *p, int central, double (*in
   return result;
 }
 
-/* The better of both proofs. */
+/* The proof about the start or, if that is not enough, about the middle. */
 static proof attempt(const geometry *g, segment *p, double (*inverse)[6], double defect) {
   double fresh[6][6];
   proof found = {8.0, 0.0, 0.0};
-  if (!span(p)) return found;
-  found = prove(g, p, 0, inverse, defect);
-  if (found.measure >= 1.0 && found.measure < 16.0) {
-    double central = linearize(g, &p->middle, p->half, fresh);
-    if (central < 0.5) found = prove(g, p, 1, fresh, central);
+  if (!span(g, p)) return found;
+  if (!p->central) {
+    found = prove(g, p, 0, inverse, defect);
+    if (found.measure < 1.0 || found.measure >= 16.0) return found;
+  }
+  evaluate(g, &p->middle);
+  defect = linearize(&p->middle, fresh);
+  if (defect < 0.5) {
+    evaluate(g, p->end);
+    found = prove(g, p, 1, fresh, defect);
+    p->central = found.measure < 1.0;
   }
   return found;
 }
@@ -729,22 +804,23 @@ static int stalled(double (*inverse)[6], double size) {
   return size < STALLED * sqrt(sum);
 }
 
-/* Newton's method from a frame to the pose of some values; zero if it does not converge at once.
- * Next to singular poses rounding keeps corrections from CONVERGED: a proof tells whether it may. */
-static int converge(const geometry *g, const double *to, double (*inverse)[6], frame *next) {
-  double F[6], d[6], fresh[6][6], (*used)[6] = inverse, before, now;
+/* Newton's method to the pose of the numbers of a knot; zero if it does not converge at once. Next to
+ * singular poses rounding keeps corrections from CONVERGED: a proof tells whether it may. */
+static int converge(const geometry *g, double (*inverse)[6], knot *n) {
+  double d[6], fresh[6][6], (*used)[6] = inverse, before, now;
   int i;
-  equations(g, next, to, F, 0);
-  before = correction(inverse, F, d);
+  equations(g, &n->f, &n->at, n->F, 0);
+  before = correction(inverse, n->F, d);
   if (!(before < LONGEST)) return 0;
-  for (i = 0; i < 2 * CORRECTIONS && before > CONVERGED; ++i) {
-    move(next, d);
+  for (i = 0; i < MOST_CORRECTIONS && before > CONVERGED; ++i) {
+    move(&n->f, d);
     if (i == CORRECTIONS) { /* slow: Y of where it is now */
-      if (!(linearize(g, next, to, fresh) < 0.5)) return 0;
+      evaluate(g, n);
+      if (!(linearize(n, fresh) < 0.5)) return 0;
       used = fresh;
-    }
-    equations(g, next, to, F, 0);
-    now = correction(used, F, d);
+    } else
+      equations(g, &n->f, &n->at, n->F, 0);
+    now = correction(used, n->F, d);
     if (!(now < 0.6 * before || now < CONVERGED)) return stalled(used, now);
     before = now;
   }
@@ -771,7 +847,7 @@ static int in_units(const geometry *g, const double *values, double *c) {
 static double moment_of(const geometry *g, const frame *f, int k, double error) {
   placed p;
   double n[3], moment;
-  place(g, f, k, 0, &p);
+  place(g, f, k, g->Y[k], g->X[k], &p);
   cross(p.w, g->V[k], n);
   moment = dot(p.r, n);
   return fabs(moment) > (error + 0x1p-40) * 4.0 * (1.0 + g->moduli[k] + length(f->T)) ? moment : 0.0;
@@ -817,28 +893,48 @@ static double least(const geometry *g, const frame *f, const double *c, double (
   return (1.0 - defect) / (sqrt(sum) * OUTWARD);
 }
 
+/* The sign of the determinant at a pose of some numbers; zero if it is nearly singular. */
+static int side(const geometry *g, const frame *f, const double *c) {
+  knot n;
+  double inverse[6][6];
+#if HAS_DLL
+  double with_sides[6], same[6];
+  int k;
+  for (k = 0; k < 6; ++k) with_sides[k] = same[k] = c[k];
+  (void)orient(g, f, 0.0, with_sides, same);
+  c = with_sides;
+#endif
+  n.f = *f;
+  set(g, c, &n.at);
+  evaluate(g, &n);
+  return invert(n.J, inverse);
+}
+
 static int follow(const geometry *g, const double *values, platform_state *state,
                   platform_report *report) {
-  frame at, next;
-  double first[6], last[6], from[6], to[6], inverse[6][6];
+  knot at, next;
+  segment whole;
+  double first[6], last[6], to[6], inverse[6][6];
   double done = 0.0, step = 1.0, defect, error = state->error / g->reach, alone = 0.0, sigma = 0.0;
   int k, status, tries = 0, steps = 0;
   if (report) report->fraction = report->sigma = report->alone = 0.0, report->steps = report->tries = 0;
   status = in_units(g, values, last);
-  if (!load(g, &state->pose, &at) || !(error >= 0.0)) status = PLATFORM_NOT_FINITE;
+  if (!load(g, &state->pose, &at.f) || !(error >= 0.0)) status = PLATFORM_NOT_FINITE;
   for (k = 0; k < 6; ++k) {
     first[k] = (state->values[k] + g->offset[k]) * g->unit[k];
     if (!(first[k] - first[k] == 0.0)) status = PLATFORM_NOT_FINITE;
   }
   if (status) return status;
-  error += rounded(g, &at);
+  error += rounded(g, &at.f);
 #if HAS_DLL
-  if (!orient(g, &at, error, first, last)) return PLATFORM_SINGULAR;
+  if (!orient(g, &at.f, error, first, last)) return PLATFORM_SINGULAR;
 #endif
-  for (k = 0; k < 6; ++k) from[k] = first[k];
+  set(g, first, &at.at);
+  evaluate(g, &at);
+  whole.start = &at, whole.end = &next, whole.central = 0;
   status = PLATFORM_TRIES_SPENT;
-  defect = linearize(g, &at, from, inverse);
-  if (report) sigma = least(g, &at, from, inverse, defect);
+  defect = linearize(&at, inverse);
+  if (report) sigma = least(g, &at.f, first, inverse, defect);
   while (tries < PLATFORM_TRIES) {
     double rest = 1.0 - done, measure = 8.0;
     proof found;
@@ -851,41 +947,40 @@ static int follow(const geometry *g, const double *values, platform_state *state
     if (step > 0.75 * rest) step = step < rest ? 0.5 * rest : rest;
     for (k = 0; k < 6; ++k)
       to[k] = step == rest ? last[k] : first[k] + (done + step) * (last[k] - first[k]);
-    next = at;
-    good = converge(g, to, inverse, &next);
+    next.f = at.f;
+    set(g, to, &next.at);
+    good = converge(g, inverse, &next);
     if (good) {
-      segment whole;
-      whole.start = &at, whole.end = &next;
-      whole.from = from, whole.to = to;
       found = attempt(g, &whole, inverse, defect);
       measure = found.measure;
       good = measure < 1.0 && 2.0 * error + 0x1p-44 < found.alone;
     }
     if (!good) {
-      step *= measure > 1.0 && measure < 4.0 ? 0.8 / measure : 0.2;
+      step *= measure > 1.0 && measure < 4.0 ? 0.8 / measure : 0.3;
       continue;
     }
     ++steps;
-    at = next;
+    at.f = next.f;
     error = found.error;
     alone = found.alone;
-    for (k = 0; k < 6; ++k) from[k] = to[k];
     if (step == rest) {
       status = PLATFORM_PROVED;
       done = 1.0;
       break;
     }
+    at = next;
     done += step;
     step *= measure < 0.4 ? 2.0 : 0.8 / measure;
-    defect = linearize(g, &at, from, inverse);
-    if (report) sigma = least(g, &at, from, inverse, defect);
+    if (!whole.central) evaluate(g, &at);
+    defect = linearize(&at, inverse);
+    if (report) sigma = least(g, &at.f, to, inverse, defect);
   }
-  error += rounded(g, &at);
+  error += rounded(g, &at.f);
 #if HAS_DLL
-  if (status == PLATFORM_PROVED && !keeps_sides(g, &at, error, first, last)) status = PLATFORM_SINGULAR;
+  if (status == PLATFORM_PROVED && !keeps_sides(g, &at.f, error, first, last)) status = PLATFORM_SINGULAR;
 #endif
   if (status == PLATFORM_PROVED) {
-    unload(g, &at, &state->pose);
+    unload(g, &at.f, &state->pose);
     for (k = 0; k < 6; ++k) state->values[k] = values[k];
     state->error = g->reach * error;
   }
@@ -952,11 +1047,10 @@ static int slide_way(const geometry *g, const frame *f, int k, double *c) {
  * one nearer to c. */
 static int number(const geometry *g, const frame *f, int k, double *c) {
   placed p;
-  double still[6] = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
 #if HAS_DLL || HAS_ALL || HAS_ALH || HAS_AHL || HAS_AHH
   double n[3] = {0.0, 0.0, 0.0};
 #endif
-  place(g, f, k, still, &p);
+  place(g, f, k, g->Y[k], g->X[k], &p);
 #if HAS_DLL || HAS_ALL || HAS_ALH || HAS_AHL || HAS_AHH
   if (g->kind[k] >= DLL) cross(p.w, g->V[k], n);
 #endif
@@ -1030,6 +1124,7 @@ static int measure(const geometry *g, const platform_pose *pose, double *values)
 static int differentiate(const geometry *g, const platform_pose *pose, const double *values,
                          double (*J)[6]) {
   frame f;
+  setting at;
   double c[6], F[6], shift[3];
   int i, k;
   if (!load(g, pose, &f)) return PLATFORM_NOT_FINITE;
@@ -1045,7 +1140,8 @@ static int differentiate(const geometry *g, const platform_pose *pose, const dou
     (void)orient(g, &f, 0.0, c, same);
   }
 #endif
-  equations(g, &f, c, F, J);
+  set(g, c, &at);
+  equations(g, &f, &at, F, J);
   turn(&f, g->middle, shift);
   for (k = 0; k < 6; ++k) {
     double moment[3], scale = slope(g, &f, k, c) * g->unit[k];
@@ -1067,34 +1163,35 @@ static int differentiate(const geometry *g, const platform_pose *pose, const dou
 static int begin_near(const geometry *g, const platform_pose *pose, double *values, platform_state *state,
                       platform_report *report) {
   double c[6], inverse[6][6], defect;
-  frame f;
+  knot at;
   segment still;
   proof found = {8.0, 0.0, 0.0};
   int k, status = measure(g, pose, values);
-  if (status || !load(g, pose, &f)) return status;
+  if (status || !load(g, pose, &at.f)) return status;
 #if HAS_DLL
   for (k = 0; k < 6; ++k) /* lines that meet */
-    if (g->kind[k] == DLL && moment_of(g, &f, k, 0.0) == 0.0) values[k] = -g->offset[k];
+    if (g->kind[k] == DLL && moment_of(g, &at.f, k, 0.0) == 0.0) values[k] = -g->offset[k];
 #endif
   for (k = 0; k < 6; ++k) c[k] = (values[k] + g->offset[k]) * g->unit[k];
 #if HAS_DLL
   {
     double same[6];
     for (k = 0; k < 6; ++k) same[k] = c[k];
-    (void)orient(g, &f, 0.0, c, same);
+    (void)orient(g, &at.f, 0.0, c, same);
   }
 #endif
-  defect = linearize(g, &f, c, inverse);
-  still.start = still.end = &f;
-  still.from = still.to = c;
+  set(g, c, &at.at);
+  evaluate(g, &at);
+  defect = linearize(&at, inverse);
+  still.start = still.end = &at, still.central = 0;
   if (defect < 0.5) found = attempt(g, &still, inverse, defect);
   if (!(found.measure < 1.0)) found.error = found.alone = 0.0;
   state->pose = *pose;
-  state->error = g->reach * (found.error + rounded(g, &f));
+  state->error = g->reach * (found.error + rounded(g, &at.f));
   for (k = 0; k < 6; ++k) state->values[k] = values[k];
   if (report) {
     report->fraction = found.measure < 1.0 ? 1.0 : 0.0;
-    report->sigma = least(g, &f, c, inverse, defect);
+    report->sigma = least(g, &at.f, c, inverse, defect);
     report->alone = found.alone * g->reach;
     report->steps = report->tries = 0;
   }

@@ -19,6 +19,7 @@ from gspcli.motion.following.platform_numbers import platform_numbers
 from gspcli.resources import instance_files
 from tools.verify.controllers.compiled import CompiledController, poses_of
 from tools.verify.controllers.rounding import ExactEquations
+from tools.verify.driven_machines import machines
 
 STRICT = ["-std=c99", "-O2", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow"]
 STRICT += ["-Wdouble-promotion", "-Wstrict-prototypes", "-Werror"]
@@ -158,6 +159,33 @@ def test_the_program_and_the_follower_are_one(kinds, tmp_path):
             break
         here = np.concatenate((follower.T, follower.quaternion))
         assert np.allclose(here, pose, rtol=0, atol=1e-13 * max(1, np.abs(here).max()))
+
+
+@pytest.mark.skipif("gcc" not in COMPILERS, reason="no gcc")
+@pytest.mark.parametrize(
+    "kinds", ["DPP DPL DLP DPH DHP DLL", "3DPP ALL ALH AHH", "@t-top-head", "@hexaglide", "mixed"]
+)
+def test_derivatives_bend_as_far_as_is_said(kinds, tmp_path):
+    if kinds == "mixed":
+        machine = machines()["mixed"]()
+        instance, (R, T) = machine.instance, (machine.R, machine.T)
+    else:
+        instance, (R, T) = platform(kinds)
+    program, numbers = CompiledController(instance, tmp_path), platform_numbers(instance)
+    rng, n = np.random.default_rng(3), 400
+    poses = np.tile(poses_of(R, T), (n, 1))
+    values, _ = program.inverse(poses[:1])
+    start = (values + numbers.offset) * numbers.unit + rng.normal(size=(n, 6))
+    sizes = np.exp(rng.uniform(-3, 0, (n, 2)))
+    twists = sizes[:, :1] * rng.normal(size=(n, 6)) / 3
+    found, bound = program.bends(
+        poses, twists, start, start + sizes[:, 1:] * rng.normal(size=(n, 6))
+    )
+    used = np.delete(bound, [k for k, kind in enumerate(numbers.kinds) if kind == "DLL"], axis=1)
+    assert (used < 1e20).all()
+    assert (found <= 1.001 * bound + 1e-4).all()
+    # The bounds are those of the worst motion: random ones come near to them.
+    assert (np.max(found / bound, axis=0) > 0.15).all()
 
 
 @pytest.mark.skipif("gcc" not in COMPILERS, reason="no gcc")

@@ -120,6 +120,28 @@ class CompiledController:
         self._call("d_rounding", n, *arrays, *found)
         return found
 
+    def bends(self, poses: Array, twists: Array, start: Array, end: Array) -> tuple[Array, Array]:
+        """Return second derivatives of F' along lines, by differences, and their bounds.
+
+        Parameters
+        ----------
+        poses
+            Positions and quaternions, shape (n, 7).
+        twists
+            What moves them from the start of a line to its end, shape (n, 6).
+        start, end
+            The numbers in the equations there, shapes (n, 6).
+
+        Returns
+        -------
+        tuple
+            Norms of the rows, and bounds of them, shapes (n, 6).
+        """
+        found, rest = np.zeros((2, len(poses), 6))
+        arrays = (np.ascontiguousarray(a) for a in (poses, twists, start, end))
+        self._call("d_bends", len(poses), *arrays, found, rest)
+        return found, rest
+
     def _call(self, name: str, *arguments: object) -> None:
         converted = [
             ctypes.c_void_p(x.ctypes.data)

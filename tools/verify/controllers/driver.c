@@ -64,10 +64,10 @@ void d_follow(long n, long rows, const double *values, double *poses, int *statu
 }
 
 /* Newton's method as controllers run it, until a correction is below `tolerance`; 1: it was not. */
-static int newton(const geometry *g, frame *f, const double *c, int most, double tolerance) {
+static int newton(const geometry *g, frame *f, const setting *at, int most, double tolerance) {
   for (int i = 0; i < most; ++i) {
     double F[6], J[6][6], Y[6][6], d[6];
-    equations(g, f, c, F, J);
+    equations(g, f, at, F, J);
     if (!invert(J, Y)) return 1;
     const double size = correction(Y, F, d);
     if (!(size < 1e6)) return 1;
@@ -79,10 +79,12 @@ static int newton(const geometry *g, frame *f, const double *c, int most, double
 
 static int newton_pose(const geometry *g, const double *values, pose_t *p, int most, double tolerance) {
   frame f;
+  setting at;
   double c[6];
   if (!load(g, p, &f)) return 1;
   for (int k = 0; k < 6; ++k) c[k] = (values[k] + g->offset[k]) * g->unit[k];
-  const int e = newton(g, &f, c, most, tolerance);
+  set(g, c, &at);
+  const int e = newton(g, &f, &at, most, tolerance);
   unload(g, &f, p);
   return e;
 }
@@ -136,7 +138,8 @@ void d_rounding(long n, const double *poses, const double *values, double *frame
     frame f;
     bounds b;
     double c[6];
-    part whole = {c, c, 0.0, 0.0};
+    setting at;
+    part whole = {&at, &at, 0.0, 0.0};
     load(&data, &p, &f);
     for (int k = 0; k < 3; ++k) frames[7 * i + k] = f.T[k];
     for (int k = 0; k < 4; ++k) frames[7 * i + 3 + k] = f.q[k];
@@ -145,8 +148,68 @@ void d_rounding(long n, const double *poses, const double *values, double *frame
     for (int k = 0; k < 3; ++k) back[7 * i + k] = p.position[k];
     for (int k = 0; k < 4; ++k) back[7 * i + 3 + k] = p.rotation[k];
     for (int k = 0; k < 6; ++k) c[k] = (values[6 * i + k] + data.offset[k]) * data.unit[k];
-    equations(&data, &f, c, F + 6 * i, (double(*)[6])(J + 36 * i));
+    set(&data, c, &at);
+    equations(&data, &f, &at, F + 6 * i, (double(*)[6])(J + 36 * i));
     bound(&data, &f, &whole, &b);
     for (int k = 0; k < 6; ++k) error[6 * i + k] = b.error[k], slant[6 * i + k] = b.slant[k];
+  }
+}
+
+/* A frame moved by exp(w), t. */
+static frame moved_by(const frame *f, const double *x) {
+  const double angle = length(x), half = angle > 0.0 ? sin(0.5 * angle) / angle : 0.5;
+  double turned[3], w[3] = {half * x[0], half * x[1], half * x[2]};
+  frame to = *f;
+  cross(w, f->q + 1, turned);
+  to.q[0] = cos(0.5 * angle) * f->q[0] - dot(w, f->q + 1);
+  for (int i = 0; i < 3; ++i) {
+    to.q[i + 1] = cos(0.5 * angle) * f->q[i + 1] + f->q[0] * w[i] + turned[i];
+    to.T[i] += x[i + 3];
+  }
+  rotate(&to);
+  return to;
+}
+
+/* Derivatives of the equations in the chart about a frame, where the share s of a line is done: by
+ * differences, of x = s d + u. */
+static void in_chart(const frame *f, const double *d, const double *from, const double *to, double s,
+                     double (*J)[6]) {
+  const double small = 1e-5;
+  double c[6], x[6], F[2][6];
+  setting at;
+  for (int k = 0; k < 6; ++k) c[k] = from[k] + s * (to[k] - from[k]);
+  set(&data, c, &at);
+  for (int j = 0; j < 6; ++j) {
+    for (int side = 0; side < 2; ++side) {
+      for (int i = 0; i < 6; ++i) x[i] = s * d[i] + (i == j ? (side ? small : -small) : 0.0);
+      const frame there = moved_by(f, x);
+      equations(&data, &there, &at, F[side], 0);
+    }
+    for (int k = 0; k < 6; ++k) J[k][j] = (F[1][k] - F[0][k]) / (2.0 * small);
+  }
+}
+
+/* Second derivatives of F' along lines from poses, by twists d (n, 6) and numbers from and to (n, 6): by
+ * differences in their middles, and the bounds `rest`; both (n, 6). */
+void d_bends(long n, const double *poses, const double *d, const double *from, const double *to,
+             double *found, double *rest) {
+  const double h = 0.1;
+  for (long i = 0; i < n; ++i) {
+    const pose_t p = pose_of(poses + 7 * i);
+    frame f;
+    setting ends[2];
+    bounds b;
+    double J[3][6][6];
+    load(&data, &p, &f);
+    set(&data, from + 6 * i, ends), set(&data, to + 6 * i, ends + 1);
+    const part whole = {ends, ends + 1, length6(d + 6 * i), length6(d + 6 * i)};
+    bound(&data, &f, &whole, &b);
+    for (int m = 0; m < 3; ++m) in_chart(&f, d + 6 * i, from + 6 * i, to + 6 * i, 0.5 + (m - 1) * h, J[m]);
+    for (int k = 0; k < 6; ++k) {
+      double bent[6];
+      for (int j = 0; j < 6; ++j) bent[j] = (J[0][k][j] - 2.0 * J[1][k][j] + J[2][k][j]) / (h * h);
+      found[6 * i + k] = length6(bent);
+      rest[6 * i + k] = b.rest[k];
+    }
   }
 }
