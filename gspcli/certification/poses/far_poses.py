@@ -48,8 +48,8 @@ _SPREAD = (0.2, 0.4)
 _SAMPLES, _SAMPLED = 24, 0.25
 _THINNEST = 1e-3
 #: Coordinates are chosen at most so many times. If solutions are lost, values differ by this part
-#: of what they did, down to the last.
-_STAGES, _NEARER, _LEAST_REACH = 30, 0.25, 2.0**-60
+#: of what they did, down to the third. The last suffices.
+_STAGES, _NEARER, _LEAST_REACH, _NEARLY = 30, 0.25, 2.0**-60, 2.0**-4
 #: To poses not farther away than so many lengths paths lead.
 _PATHS = 1e3
 #: Poses not farther away than so many lengths are proved by the equations of near poses.
@@ -324,13 +324,14 @@ def _natural(
         while (found := _products(known, origin, reach)) is None and reach * _NEARER > last:
             reach *= _NEARER
         if found is None:
-            return None
+            break
         products = products @ found
         better = combined(locator, sides, given, products)
         if better is None or reach == 1:
             return better
         known, last = better, reach
-    return None
+    # Some values may have the pose at infinity, or near other ones.
+    return known if last >= _NEARLY else None
 
 
 def _products(given: LocalCoordinates, origin: Complex, reach: float) -> Complex | None:
