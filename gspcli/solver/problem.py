@@ -165,6 +165,12 @@ class Problem:
         return self.is_reducible and bool(given.values[given.distances].all())
 
     @property
+    def is_known(self) -> bool:
+        """Whether its poses far away are kept for other values, where no start of it is."""
+        given = self.arrangement
+        return not self.is_reducible and bool(given.values[given.distances].all())
+
+    @property
     def has_kept_geometry(self) -> bool:
         """Whether a solved platform of its geometry is kept, and may be used."""
         return (
@@ -204,7 +210,7 @@ class Problem:
 
         The points are those of `SolvedPlatform`.
         """
-        if not self.is_kept:
+        if not (self.is_kept or (points and self.is_known)):
             return
         number, count = int(poses.certified.sum()), self.known_geometry_count
         known = (self.expected, count.solutions if count else None)

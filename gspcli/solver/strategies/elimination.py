@@ -19,12 +19,17 @@ _MOST = 200
 _PATHS = 8, 1 / 8000
 
 
+def can_eliminate(side: SidePoses) -> bool:
+    """Whether elimination finds all poses in some seconds."""
+    return side.all_simple and side.paths.count <= _MOST
+
+
 def is_eliminable(side: SidePoses) -> bool:
     """Whether it is quicker to eliminate than to follow the paths without a pose."""
     paths, (few, of_cube) = side.paths.count, _PATHS
     # Where nothing is found at all, paths with more digits hardly find more.
     many = len(side.unresolved) > (max(few, of_cube * paths**3) if len(side.found) else few)
-    return side.all_simple and paths <= _MOST and many
+    return can_eliminate(side) and many
 
 
 def early_elimination(side: SidePoses) -> Iterator[None]:

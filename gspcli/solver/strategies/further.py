@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 
 from gspcli.solver.side_poses import FEW, SidePoses
 from gspcli.solver.strategies.elimination import by_elimination, early_elimination
+from gspcli.solver.strategies.known_poses import from_known_poses
 from gspcli.solver.strategies.more_digits import (
     along_other_paths,
     with_32_digits,
@@ -18,6 +19,8 @@ from gspcli.solver.strategies.special_families import (
 )
 
 FURTHER: tuple[Callable[[SidePoses], Iterator[None]], ...] = (
+    # Poses far away of a platform of the same geometry.
+    from_known_poses,
     with_32_digits,
     # Poses far away because directions are nearly parallel, or points nearly on a line.
     from_turned_directions,

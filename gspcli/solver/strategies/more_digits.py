@@ -8,7 +8,7 @@ import numpy as np
 
 from gspcli.continuation.tracked_paths import joined_ends
 from gspcli.solver.side_poses import Index, SidePoses
-from gspcli.solver.strategies.elimination import is_eliminable
+from gspcli.solver.strategies.elimination import can_eliminate, is_eliminable
 
 #: A platform that is special up to less than one in so many has poses where N is below 1e-32.
 _DECIMALS = 10**9
@@ -52,8 +52,11 @@ def with_64_digits(side: SidePoses) -> Iterator[None]:
 def with_more_steps(side: SidePoses) -> Iterator[None]:
     """Follow with more steps the paths that have not arrived, if half of them lead to poses.
 
-    Paths to multiple poses, and most of those to infinity, never arrive.
+    Paths to multiple poses, and most of those to infinity, never arrive. Elimination is quicker
+    where the platform is not too large for it.
     """
+    if can_eliminate(side):
+        return
     at_infinity = side.paths.count - (side.most or 0)
     if side.all_simple and len(side.unresolved) >= max(1, 2 * at_infinity):
         yield from _followed_on(side, side.unresolved, 0, _STEPS)

@@ -17,6 +17,7 @@ from gspcli.solver.results.proof import CountKind
 from gspcli.solver.special import by_count
 from gspcli.solver.starts.solved_starts import STARTS, SolvedStarts
 from gspcli.solver.starts.start import StartMethod, geometry_start
+from gspcli.solver.strategies import elimination
 from gspcli.solver.strategies.kept_geometry import kept_geometry
 from gspcli.spec import load
 from tools.special.realistic import machines
@@ -295,3 +296,16 @@ def test_a_number_half_way_between_two_doubles_is_rounded_without_other_paths(mo
     found = solve(machine.instance.with_values(values), starts=starts)
     assert found.verdict == "complete"
     assert found.counts.found == found.certified.sum() == 4
+
+
+def test_poses_far_away_of_lines_are_found_from_those_for_other_values(monkeypatch):
+    """Elimination takes two seconds, and is needed once (4 PP + 2 PL/146)."""
+    machine = next(machines(147, rows=1, begin=146))
+    starts = SolvedStarts()
+    assert solve(machine.instance, starts=starts).verdict == "complete"
+    monkeypatch.setattr(elimination, "poses_by_elimination", None)
+    values = {i: Number.of(repr(x)) for i, x in enumerate(machine.rows[0].tolist())}
+    other = machine.instance.with_values(values)
+    found = solve(other, starts=starts)
+    assert found.verdict == "complete"
+    assert found.counts.found == found.certified.sum() == found.expected == 160
