@@ -103,8 +103,8 @@ def command(
     points the curve is followed numerically, without proof.
 
     For a machine with arms or rails the readings of its motors vary (crank.B1, slide.B1). At each
-    node the joints are moved there, and the other motors stay where they are stated. There is no
-    clearance over motors; `gsp clearance` gives it for one pose.
+    node the joints are moved there, and the other motors stay where they are stated. The
+    clearance is that of the motors, as in `gsp clearance`.
 
     Over poses (--pose) nothing is solved. Each node has the determinant of the Jacobian matrix
     (free of units, as in `gsp analyze`), its sign and the condition number. --folds gives the poses

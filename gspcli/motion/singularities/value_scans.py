@@ -17,6 +17,7 @@ from gspcli.geometry.numbers import Number
 from gspcli.geometry.residuals import condition_numbers
 from gspcli.motion.files.value_files import nominal_values
 from gspcli.motion.singularities.clearances import clearances, range_weights
+from gspcli.motion.singularities.drive_clearances import drive_clearances, drive_weights
 from gspcli.records import dataclass
 from gspcli.solver import solve, solve_batch
 from gspcli.workers import HERE, Workers
@@ -70,7 +71,8 @@ class Scan:
         The smallest condition number of a real pose, infinite where there is none, same shape.
     clearances
         The smallest proved clearance of a real pose (`gspcli.motion.singularities.clearances`),
-        infinite where there is none, same shape; None if not asked for.
+        infinite where there is none, same shape; None if not asked for. Where drives vary it is
+        that of the drives (`gspcli.motion.singularities.drive_clearances`).
     """
 
     instance: Instance
@@ -86,17 +88,11 @@ class Scan:
         Raises
         ------
         ArgumentError
-            If there are not one or two axes of different constraints or drives, or the clearance
-            is asked for over drives.
+            If there are not one or two axes of different constraints or drives.
         """
         if len(axes) not in (1, 2) or len({axis.name for axis in axes}) < len(axes):
             message = "expected one or two different constraints or drives to vary"
             raise ArgumentError(message, "axes")
-        if clearance and any(axis.drive for axis in axes):
-            message = (
-                "over cranks and slides there is no clearance: gsp clearance has that of one pose"
-            )
-            raise ArgumentError(message, "clearance")
         shape = tuple(len(axis.values) for axis in axes)
         return cls(
             instance,
@@ -185,15 +181,32 @@ def _scanned_drives(found: Scan, seed: int, number: int, nodes: NDArray[np.int64
     """Return a piece of a scan over drives: each node is solved with its joints moved."""
     drives = Drives.of(found.instance)
     places = np.unravel_index(nodes, found.modes.shape)
-    counts, conditions = [], []
+    counts, conditions, spaces = [], [], []
     for node in zip(*places, strict=True):
-        result = solve(moved_to(found, drives, [int(k) for k in node]), seed=seed)
+        here = [int(k) for k in node]
+        result = solve(moved_to(found, drives, here), seed=seed)
         known = result.verdict == "complete"
         counts.append(int(result.real.sum()) if known else UNKNOWN)
         R, T = result.R[result.real].real, result.T[result.real].real
         real = condition_numbers(Arrangement.of(result.instance), R, T)
         conditions.append(float(real.min(initial=np.inf)))
-    return Piece(number, tuple(counts), tuple(conditions), ())
+        if found.clearances is not None:
+            spaces.append(_drive_clearance(found, drives, here, R, T))
+    return Piece(number, tuple(counts), tuple(conditions), tuple(spaces))
+
+
+def _drive_clearance(found: Scan, drives: Drives, node: Sequence[int], R: Array, T: Array) -> float:
+    """Return the smallest proved clearance of the poses at a node in their drives."""
+    there = _with_values(found, node, found.instance)
+    weights, _ = drive_weights(there)
+    least = np.inf
+    # Each pose is on knees of its own: those that have the drives at this node.
+    gains = Drives.of(there).gains(R, T, np.tile(_places(found, drives, node), (len(T), 1)))
+    for k, knees in enumerate(np.where(gains < 0, -1, 1)):
+        one = slice(k, k + 1)
+        lower, _ = drive_clearances(there, R[one], T[one], weights=weights, knees=knees)
+        least = min(least, float(lower[0]))
+    return least
 
 
 def moved_to(found: Scan, drives: Drives, node: Sequence[int]) -> Instance:
@@ -201,21 +214,29 @@ def moved_to(found: Scan, drives: Drives, node: Sequence[int]) -> Instance:
 
     Other cranks and slides stay where their points are stated.
     """
-    changed = {
-        axis.constraint: Number.of(axis.values[k])
-        for axis, k in zip(found.axes, node, strict=True)
-        if not axis.drive
-    }
+    return _with_values(found, node, drives.instance_at(_places(found, drives, node)))
+
+
+def _places(found: Scan, drives: Drives, node: Sequence[int]) -> Array:
+    """Return where the cranks and slides are at a node, shape (m,)."""
     readings, q = np.zeros(drives.count), np.zeros(drives.count)
     for axis, k in zip(found.axes, node, strict=True):
         if axis.drive:
             readings[drives.names.index(axis.drive)] = axis.values[k]
     moved = np.array([name in {axis.drive for axis in found.axes} for name in drives.names])
     q[moved] = drives.from_readings(readings)[moved]
-    there = drives.instance_at(q)
-    # Values that are driven are as stated, but for those that vary.
+    return q
+
+
+def _with_values(found: Scan, node: Sequence[int], instance: Instance) -> Instance:
+    """Return an instance with the values as stated, but for those that vary."""
+    changed = {
+        axis.constraint: Number.of(axis.values[k])
+        for axis, k in zip(found.axes, node, strict=True)
+        if not axis.drive
+    }
     stated = {k: row.value for k, row in enumerate(found.instance.constraints)}
-    return there.with_values(stated | changed)
+    return instance.with_values(stated | changed)
 
 
 def scan(

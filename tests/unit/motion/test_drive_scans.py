@@ -18,6 +18,7 @@ from gspcli.geometry.residuals import condition_numbers
 from gspcli.motion.files.pose_files import PoseFormat
 from gspcli.motion.following.moving_geometry import MovingGeometry
 from gspcli.motion.poses.inverse_kinematics import values_at
+from gspcli.motion.singularities.drive_clearances import drive_clearances, drive_weights
 from gspcli.motion.singularities.pose_scans import PoseAxis, PoseScan
 from gspcli.motion.singularities.scan_results import scan
 from tests.support.driven_machines import driven
@@ -162,10 +163,42 @@ def test_folds_are_told_as_readings():
     )
 
 
+@pytest.mark.parametrize(
+    ("name", "drive", "places"),
+    [("6-PUS", "slide.B2", [0.0, 0.04]), ("t-top-head", "crank.B1", [0.0, 15.0])],
+)
+def test_the_clearance_of_a_node_is_the_least_of_its_modes(name, drive, places):
+    machine = driven(name)
+    found = scan(machine, {drive: places}, clearance=True)
+    drives = Drives.of(machine)
+    for place, clearance in zip(places, found.found.clearances, strict=True):
+        readings = np.zeros(drives.count)
+        readings[drives.names.index(drive)] = place
+        q = drives.from_readings(readings)
+        there = gspcli.solve(drives.instance_at(q))
+        R, T = there.R[there.real].real, there.T[there.real].real
+        least = []
+        for k in range(len(T)):
+            one = slice(k, k + 1)
+            knees = np.sign(drives.gains(R[one], T[one], q[None]))[0]
+            assert drives.inverse(R[k], T[k], knees) == pytest.approx(q, abs=1e-9)
+            least.append(drive_clearances(machine, R[one], T[one], knees=knees)[0][0])
+        assert clearance == pytest.approx(min(least), rel=1e-3)
+        assert clearance > 0
+    assert list(found.to_frame().columns) == [drive, "modes", "condition", "clearance"]
+
+
+def test_no_fold_is_nearer_than_the_clearance():
+    machine = driven("t-top-head")
+    found = scan(machine, {"crank.B1": [15.0, 25.0]}, folds=True, clearance=True)
+    (fold,) = found.limits.crossings
+    near = found.found.clearances * drive_weights(machine)[0][0] / np.radians(1)
+    assert 0 < near[0] <= fold.values[0] - 15
+    assert 0 < near[1] <= 25 - fold.values[0]
+
+
 def test_what_is_not_supported_is_said():
     machine = driven("6-PUS")
-    with pytest.raises(ArgumentError, match="over cranks and slides there is no clearance"):
-        scan(machine, {"slide.B1": [0.0, 0.1]}, clearance=True)
     with pytest.raises(ArgumentError, match=r"found 'slide\.B9', expected a number from 1 to 6 or"):
         scan(machine, {"slide.B9": [0.0, 0.1]})
     with pytest.raises(ArgumentError, match="found constraint 7, expected a number from 1 to 6"):
