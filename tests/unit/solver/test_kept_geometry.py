@@ -269,9 +269,9 @@ def test_a_far_pose_that_doubles_do_not_tell_from_infinity_is_not_approached(loa
 def test_rows_of_realistic_machines_are_solved_together(number):
     """Far poses that come near, conjugates that become real, and poses with few digits.
 
-    Two conjugate far poses of the known platform are two real ones for other values (3-3/434); a
-    near and a far pose change places (rotary/87); one complex path stood for two poses (6-6/369);
-    coordinates differ by many powers of ten (6-6/145).
+    Two conjugate far poses of the known platform are two real ones for other values (3-3/434). A
+    near and a far pose change places (rotary/87). One complex path stood for two poses (6-6/369).
+    Coordinates differ by many powers of ten (6-6/145).
     """
     machine = next(machines(number + 1, rows=10, begin=number))
     starts = SolvedStarts()
