@@ -33,7 +33,6 @@ from gspcli.calibration.measurements import (
     value_rows,
 )
 from gspcli.calibration.numbers import file_numbers
-from gspcli.calibration.optimal_designs import d_optimal, exchanged
 from gspcli.calibration.options import Options, chosen_model, noise_of, prior_of
 from gspcli.calibration.parameters import Model
 from gspcli.calibration.starts import started
@@ -57,6 +56,64 @@ Array = NDArray[np.float64]
 _ERRORS = 300
 #: A number is hardly determined if its deviation stays above this part of the one before.
 _HARDLY = 0.5
+#: So often each measurement is exchanged for a better one.
+_EXCHANGES = 5
+
+
+def d_optimal(slopes: Array, count: int, before: Array) -> NDArray[np.intp]:
+    """Return the indices of poses, chosen one by one for the largest determinant of information.
+
+    Parameters
+    ----------
+    slopes
+        Whitened derivatives of what each of c poses tells, shape (c, q, f).
+    count
+        How many poses; one may be chosen more than once.
+    before
+        What is known before, an information matrix, shape (f, f).
+    """
+    eye = np.eye(slopes.shape[1])
+    inverse, chosen = np.linalg.inv(before), []
+    for _ in range(count):
+        told = eye + slopes @ inverse @ np.swapaxes(slopes, 1, 2)
+        best = int(first_largest(np.linalg.slogdet(told)[1]))
+        chosen.append(best)
+        # Woodbury's formula.
+        moved = inverse @ slopes[best].T
+        inverse = inverse - moved @ np.linalg.solve(eye + slopes[best] @ moved, moved.T)
+    return np.array(chosen, np.intp)
+
+
+def exchanged(
+    slopes: Array, chosen: NDArray[np.intp], before: Array, errors: Array
+) -> NDArray[np.intp]:
+    """Return poses after exchanges, as long as they make the mean square error less.
+
+    Parameters
+    ----------
+    slopes, before
+        As for `d_optimal`.
+    chosen
+        Which poses to begin with, shape (n,).
+    errors
+        The mean square error as a form of the parameters' errors (`pose_errors`), shape (f, f).
+    """
+    eye, best = np.eye(slopes.shape[1]), chosen.tolist()
+    for _ in range(_EXCHANGES):
+        changed = False
+        for k in range(len(best)):
+            others = best[:k] + best[k + 1 :]
+            known = before + np.einsum("kqa,kqb->ab", slopes[others], slopes[others])
+            inverse = np.linalg.inv(known)
+            told = eye + slopes @ inverse @ np.swapaxes(slopes, 1, 2)
+            less = slopes @ (inverse @ errors @ inverse) @ np.swapaxes(slopes, 1, 2)
+            gain = np.trace(np.linalg.solve(told, less), axis1=1, axis2=2)
+            pose = int(first_largest(gain))
+            if gain[pose] > gain[best[k]] * (1 + 1e-9):
+                best[k], changed = pose, True
+        if not changed:
+            break
+    return np.array(best, np.intp)
 
 
 @dataclass(frozen=True, eq=False)

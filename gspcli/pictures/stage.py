@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -11,9 +11,8 @@ from numpy.typing import NDArray
 from gspcli.catalogue.kinds import Kind, Primitive
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.primitives import Geometry, Point
-from gspcli.pictures.guides import guides
 from gspcli.pictures.hulls import convex_hull
-from gspcli.pictures.scene import DrawnBody, DrawnPrimitive, Stroke
+from gspcli.pictures.scene import DrawnBody, DrawnPrimitive, Stroke, StrokeStyle
 from gspcli.pictures.strokes import (
     Sizes,
     StrokeEnds,
@@ -35,6 +34,36 @@ _MARGIN = 0.12
 _NEAR = 2.5
 #: Where on its line an angle is drawn: this far from the middle to the end.
 _OUTWARD = 0.55
+#: Feet outside by less than this fraction of the drawn part are inside.
+_INSIDE = 1e-6
+
+
+def guides(element: DrawnPrimitive, feet: Array) -> Iterator[Stroke]:
+    """Yield the way from what is drawn of a primitive to a foot on it at each pose.
+
+    Parameters
+    ----------
+    element
+        The primitive.
+    feet
+        One point of it at each pose, in the frame of its body, shape (n, 3). Where the foot is
+        inside, both ends of the stroke are the foot; if it always is, there is no stroke.
+    """
+    if element.primitive is Primitive.POINT:
+        return
+    centre = element.centre
+    if element.primitive is Primitive.LINE:
+        halves = (element.outline[1] - element.outline[0])[None] / 2
+    else:
+        corners = element.outline
+        halves = np.stack((corners[1] - corners[0], corners[3] - corners[0])) / 2
+    squares = (halves * halves).sum(axis=1)
+    along = (feet - centre) @ halves.T / squares
+    inside = np.clip(along, -1, 1)
+    if (np.abs(along - inside) <= _INSIDE).all():
+        return
+    nearest = np.where(np.abs(along - inside) <= _INSIDE, along, inside)
+    yield Stroke(StrokeStyle.GUIDE, np.stack((centre + nearest @ halves, feet), axis=1))
 
 
 class _Placed(NamedTuple):

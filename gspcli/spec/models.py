@@ -13,9 +13,9 @@ from pydantic.json_schema import SkipJsonSchema
 from gspcli.errors import Mistake
 from gspcli.geometry.numbers import Number
 from gspcli.spec import entries
-from gspcli.spec.document import Mapping, Value
+from gspcli.spec.document import Mapping, Sequence, Value
 from gspcli.spec.entries import MAX_NAME, complain, proper_name, version
-from gspcli.spec.mass_models import DynamicsModel
+from gspcli.spec.mass_models import DynamicsModel, Numbers, one_or_several
 from gspcli.spec.sections import (
     Direction,
     OptionalText,
@@ -28,7 +28,6 @@ from gspcli.spec.sections import (
     list_of,
     mistakes_of,
 )
-from gspcli.spec.shape_models import ShapesModel
 from gspcli.wording import shown
 
 _NAME_PATTERN = rf"^\S{{1,{MAX_NAME}}}$"
@@ -54,6 +53,39 @@ RealOrHome = Annotated[
         }
     ),
 ]
+_POINTS = "a list of points [[x, y, z], ...]"
+
+
+def _some(value: Value) -> Value:
+    if isinstance(value, Sequence) and not value:
+        message = f"found no point, expected {_POINTS}"
+        raise ValueError(message)
+    return value
+
+
+#: Points of a body.
+Hull = Annotated[list[Vector], Field(min_length=1), BeforeValidator(_some), list_of(_POINTS)]
+
+
+class ShapesModel(Section):
+    """The shapes of legs, cylinders with round ends, and of bodies, hulls of points."""
+
+    diameter: Numbers = Field(
+        description="Of the legs, distances of two points: one for all of them, or a list in their "
+        "order.",
+        json_schema_extra=one_or_several,
+    )
+    platform: Hull | SkipJsonSchema[None] = Field(
+        None, description="Points of the platform: their convex hull is its shape."
+    )
+    base: Hull | SkipJsonSchema[None] = Field(
+        None, description="Points of the base: their convex hull is its shape."
+    )
+    near_joint: Real | SkipJsonSchema[None] = Field(
+        None,
+        description="What of a leg is nearer to its joint is not compared with what it is joined "
+        "to there. Default: legs that share a joint are not compared; a body needs it.",
+    )
 
 
 def _body(value: Value, info: ValidationInfo) -> Mapping:

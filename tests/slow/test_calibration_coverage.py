@@ -20,10 +20,9 @@ from measured_machines import (
 import gspcli
 from gspcli.calibration.candidate_poses import Places
 from gspcli.calibration.numbers import file_numbers
-from gspcli.calibration.optimal_designs import d_optimal, exchanged
 from gspcli.calibration.options import PRIOR, noise_of
 from gspcli.calibration.parameters import Model
-from gspcli.calibration.planning import pose_errors, told_by
+from gspcli.calibration.planning import d_optimal, exchanged, pose_errors, told_by
 
 
 @pytest.mark.slow

@@ -16,8 +16,7 @@ from gspcli.geometry.quaternions import Field
 from gspcli.geometry.residuals import condition_numbers
 from gspcli.motion.following.moving_geometry import MovingGeometry
 from gspcli.motion.following.tracks import Event
-from gspcli.motion.singularities.discriminant import Curve, Discriminant
-from gspcli.motion.singularities.driven_discriminant import DrivenDiscriminant
+from gspcli.motion.singularities.discriminant import Curve, Discriminant, DrivenDiscriminant
 from gspcli.motion.singularities.scan_rows import ScanRows
 from gspcli.motion.singularities.value_scans import Scan
 from gspcli.records import dataclass

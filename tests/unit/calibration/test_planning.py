@@ -9,10 +9,9 @@ from measured_machines import HOME, SIGMA, noisy, nominal, reachable, real, seen
 import gspcli
 from gspcli.calibration.candidate_poses import CRANK_TURN, Places, candidates
 from gspcli.calibration.exact_ranks import exact_rank
-from gspcli.calibration.optimal_designs import d_optimal, exchanged
 from gspcli.calibration.options import PRIOR, noise_of
 from gspcli.calibration.parameters import Model
-from gspcli.calibration.planning import planned, pose_errors, told_by
+from gspcli.calibration.planning import d_optimal, exchanged, planned, pose_errors, told_by
 from gspcli.errors import ArgumentError, IncompleteError
 from gspcli.geometry.coordinates import coordinates, moved
 from gspcli.geometry.limits import within_limits

@@ -7,8 +7,7 @@ import dataclasses
 import numpy as np
 
 from gspcli.geometry.shapes import Shapes
-from gspcli.pictures.shells import drawn_diameters, drawn_shells
-from gspcli.pictures.staging import scene_of
+from gspcli.pictures.staging import drawn_diameters, drawn_shells, scene_of
 from gspcli.solver import solve
 from gspcli.spec.shipped import example
 from tests.support.thick_legs import thick
