@@ -171,7 +171,7 @@ class DynamicsFields(NamedTuple):
 
 
 class ShapesFields(NamedTuple):
-    """As `shape_models.ShapesModel`."""
+    """As `models.ShapesModel`."""
 
     diameter: list[Number]
     platform: list[list[Number]] | None
