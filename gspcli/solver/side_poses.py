@@ -12,7 +12,13 @@ from numpy.typing import NDArray
 from gspcli.certification.poses.collection import Collection
 from gspcli.certification.poses.distinct import same
 from gspcli.certification.poses.isolation import Isolation
-from gspcli.certification.poses.locator import DOUBLE, AtInfinity, Located, Locator
+from gspcli.certification.poses.locator import (
+    DOUBLE,
+    AtInfinity,
+    Located,
+    Locator,
+    are_conjugates,
+)
 from gspcli.certification.poses.many_values import ProvedPoses
 from gspcli.continuation.paths import Basis, PathAccount
 from gspcli.continuation.systems import FineCoefficients
@@ -167,10 +173,10 @@ class SidePoses:
         """Add the poses near ends in balls, and conjugates; return which have led to new ones."""
         if not len(ends.points):
             return np.zeros(0, np.bool_)
-        new = ~self._is_known(ends.points)
+        new = ~self._are_known(ends)
         index = np.flatnonzero(new)
         # One of each pair of conjugates is enough.
-        source = index[conjugate_sources(ends.points[index])]
+        source = index[conjugate_sources(ends.points[index], ends.low[index])]
         sought = index[source == index]
         bits = DOUBLE * ends.digits // 16
         before, place = len(self.found), self._prove_finely(ends.take(sought))
@@ -220,8 +226,20 @@ class SidePoses:
 
         return FinerProofs(self.locator, self.sides)
 
-    def _is_known(self, points: Field) -> Bits:
-        """Return which ends agree with a proved pose in double precision, shape (k,)."""
+    def _are_known(self, ends: PathEnds) -> Bits:
+        """Return which ends agree with a proved pose in all their digits, shape (k,)."""
+        near = self._near_known(ends.points)
+        known = np.asarray(near.any(axis=1))
+        if ends.low.shape[1]:
+            # Another pose may be nearer than doubles tell.
+            for i in np.flatnonzero(known).tolist():
+                point, low = ends.points[i], ends.low[i]
+                alike = np.flatnonzero(near[i]).tolist()
+                known[i] = any(self.found.surrounds(k, point, low) for k in alike)
+        return known
+
+    def _near_known(self, points: Field) -> Bits:
+        """Return which points agree with which proved poses in double precision, shape (k, n)."""
         given = self.problem.arrangement
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             R, T = pose_from_study(points[:, :4], points[:, 4:])
@@ -232,10 +250,10 @@ class SidePoses:
             )
             size = np.abs(here).max(axis=1, initial=1.0)
             near = [
-                (np.abs(known - pose).max(axis=1) < _KNOWN * unit).any()
+                np.abs(known - pose).max(axis=1) < _KNOWN * unit
                 for pose, unit in zip(here, size.tolist(), strict=True)
             ]
-        return np.array(near, np.bool_).reshape(len(here))
+        return np.array(near, np.bool_).reshape(len(here), len(known))
 
     def poses(self, most: int | None = None) -> PoseSet:
         """Return the proved poses, and an account of all paths.
@@ -272,11 +290,12 @@ def is_nearly_real(point: Field) -> bool:
     return bool(np.abs(unit.imag / size).max() < _NEARLY_REAL)
 
 
-def conjugate_sources(points: Field) -> Index:
+def conjugate_sources(points: Field, low: Field | None = None) -> Index:
     """Return for each Study point the index of an earlier conjugate, else its own, shape (k,).
 
     NaN end points have no conjugate. Points that differ in double precision are no conjugates: near
-    many a pose there is another one, where directions are nearly parallel, and its conjugate.
+    many a pose there is another one, where directions are nearly parallel, and its conjugate. The
+    same holds for points that differ in further digits, doubles to add, ``low`` (k, m, 8).
     """
     source = np.arange(len(points))
     for i, point in enumerate(points):
@@ -287,9 +306,10 @@ def conjugate_sources(points: Field) -> Index:
         with np.errstate(divide="ignore", invalid="ignore"):
             unit, size = _in_patch(point)
             gaps = np.abs((others / others[:, k : k + 1] - unit) / size).max(axis=1, initial=0.0)
-        alike = np.flatnonzero(gaps < _KNOWN)
-        if len(alike):
-            source[i] = source[alike[0]]
+        for j in np.flatnonzero(gaps < _KNOWN).tolist():
+            if low is None or not low.shape[1] or are_conjugates(points[[i, j]], low[[i, j]]):
+                source[i] = source[j]
+                break
     return source
 
 

@@ -8,10 +8,14 @@ import numpy as np
 import pytest
 
 from gspcli.certification import certify
+from gspcli.continuation.tracked_paths import PathEnds
 from gspcli.defaults import SEED
 from gspcli.geometry.instance import Side
 from gspcli.solver import solve
+from gspcli.solver.problem import Problem
+from gspcli.solver.side_poses import SidePoses
 from gspcli.solver.starts.solved_starts import SolvedStarts
+from gspcli.solver.strategies.more_digits import with_32_digits, with_64_digits
 
 SAMPLE = {
     "hexagons": ["shape-1/straight/6-places", "shape-2/turned/9-places"],
@@ -175,3 +179,28 @@ def test_residuals_of_lines_next_to_parallel_are_as_small_as_doubles_allow(
             solved = solve(platform.instance)
             assert solved.certified.all()
             assert solved.residuals.max() < max(1e-9, 1e-15 * 10 ** int(digits))
+
+
+@pytest.mark.parametrize("order", [slice(None), slice(None, None, -1)])
+def test_the_second_of_two_poses_that_doubles_do_not_tell_apart_is_found_later(
+    order: slice, load_tool: Callable, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Two real poses 1e-16 apart: paths lead to them one after the other."""
+    parts, draw = load_tool("special.parts"), load_tool("special.legs")
+    names = "DPL DPH DPP DPP DPP DPP"
+    six = draw.axis_legs(names, parts.Draws(f"double {names}"))
+    value = parts.sqrt(six[1].square(parts.HOME) - parts.tenth(32))
+    instance = parts.assembled(six, parts.HOME, values={1: value}, one_sided=[1])
+    problem = Problem(instance, starts=SolvedStarts())
+    first = SidePoses(problem, 0)
+    ends: list[PathEnds] = []
+    monkeypatch.setattr(first, "locate", lambda x: ends.append(x) or SidePoses.locate(first, x))
+    for strategy in (with_32_digits, with_64_digits):
+        list(strategy(first))
+    assert len(first.found) == 80
+    assert np.abs(first.found.R[-1] - first.found.R[-2]).max() < 1e-15
+    assert first.found.real[-2:].all()
+    one_by_one = SidePoses(problem, 0)
+    for k in [0, 1, 0, 1][order]:
+        one_by_one.locate(ends[-1].take(np.array([k])))
+    assert len(one_by_one.found) == 2

@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 import numpy as np
-from flint import acb
+from flint import acb, ctx
 from numpy.typing import NDArray
 
 from gspcli.certification.poses.distinct import places, same
 from gspcli.certification.poses.locator import (
     DOUBLE,
+    LAST_PRECISION,
     AtInfinity,
     Located,
     Locator,
@@ -163,6 +164,16 @@ class Collection:
         gaps = np.abs(entries - here).max(axis=1, initial=0)
         near = np.flatnonzero(gaps <= 2 * (self._deviations + off))
         return int(near[0]) if len(near) == 1 else -1
+
+    def surrounds(self, k: int, point: Complex, low: Complex) -> bool:
+        """Whether no other solution is as near to a pose as a point is (`Locator.in_frames`).
+
+        The answer is yes, too, for a pose whose digits cannot be computed.
+        """
+        pose = self._exactly(k)
+        with ctx.workprec(LAST_PRECISION):
+            there = self.locator.in_frames(point, low)
+            return pose is None or pose.isolation.surrounds(there)
 
     def is_near(self, R: Complex, T: Complex) -> bool:
         """Whether an approximate pose, R (3, 3) and T (3,), is probably in the collection."""

@@ -83,9 +83,10 @@ class Isolation:
 
     def contains(self, other: Isolation) -> bool:
         """Whether the solution of `other` is proved to be the solution in this ball."""
-        if self.sides != other.sides:
-            return False
-        point = other.point
+        return self.sides == other.sides and self.surrounds(other.point)
+
+    def surrounds(self, point: Sequence[acb]) -> bool:
+        """Whether a Study point of any norm is proved to be in the uniqueness ball."""
         unit = point[self.patch]
         gap = largest([x / unit - c for x, c in zip(point, self.centre, strict=True)])
         return bool(gap <= self.uniqueness)

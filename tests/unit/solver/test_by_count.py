@@ -130,6 +130,14 @@ def test_points_near_conjugates_are_no_conjugates() -> None:
     assert side.conjugate_sources(np.array([one, other, one.conj()])).tolist() == [0, 1, 0]
 
 
+@pytest.mark.parametrize(("gap", "source"), [(0, 0), (1e-30, 0), (1e-20, 1), (1e-17, 1)])
+def test_points_near_conjugates_in_further_digits_are_no_conjugates(gap, source) -> None:
+    one = np.array([1, 2j, 3, 4, 5, 6, 7j, 8])
+    low = np.zeros((2, 3, 8), complex)
+    low[1, 0] = gap * np.arange(8)
+    assert side.conjugate_sources(np.array([one, one.conj()]), low).tolist() == [0, source]
+
+
 def test_many_paths_astray_are_not_followed_before_a_count(monkeypatch: pytest.MonkeyPatch) -> None:
     """Half of the paths end elsewhere, as with every special geometry."""
 

@@ -35,7 +35,7 @@ def test_an_end_beside_a_known_pose_is_looked_at(gap: float, known: bool) -> Non
     side.found = SimpleNamespace(R=R, T=T)
     moved = T + gap * np.array([1, -1, 1])
     point = np.concatenate(study_from_pose(R, moved), axis=-1)
-    assert side._is_known(point).tolist() == [known]
+    assert side._near_known(point).tolist() == [[known]]
 
 
 @pytest.mark.parametrize(
