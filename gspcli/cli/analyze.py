@@ -189,16 +189,8 @@ def _analysis(
 ) -> Analysis:
     """Return what the options ask for."""
     from gspcli.dynamics.analyses import analyze
-    from gspcli.geometry.drive_numbers import is_driven
 
     force, at = (None, None) if load is None else _load(load)
-    drives = None
-    if is_driven(instance) and asked.modes and asked.modes[0] is not None:
-        from gspcli.geometry.drives import Drives
-
-        # Modes are poses of the values of SPEC, with all points where they are stated.
-        machine = Drives.of(instance)
-        drives = machine.readings([0.0] * machine.count)
     return analyze(
         instance,
         asked.R,
@@ -210,7 +202,7 @@ def _analysis(
         geometry_tolerance=_geometry(geometry_tolerance),
         point=_given(point, (3,), "--point"),
         length=length,
-        drives=drives,
+        drives=asked.stated_drives(instance),
     )
 
 

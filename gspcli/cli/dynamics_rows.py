@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 from gspcli.cli.mode_option import HOME
 from gspcli.cli.pose_options import text_of
+from gspcli.cli.pose_rows import asked_poses
 from gspcli.cli.progress_bars import working
-from gspcli.cli.real_poses import mode_number, one_mode, real_poses
+from gspcli.cli.real_poses import mode_number
 from gspcli.errors import GspError, IncompleteError
 from gspcli.records import dataclass
 
@@ -122,29 +123,9 @@ def asked_rows(
 def _without_file(
     instance: Instance, mode: Mode | None, pose: GivenPose | None, form: PoseFormat
 ) -> AskedMotion:
-    if pose is not None:
-        start, place = pose.read(form)
-        return AskedMotion(start[None], place[None])
-    if mode is not None:
-        number, R, T = one_mode(instance, mode)
-        return AskedMotion(R, T, modes=(number,), drives=_stated(instance, 1))
-    R, T = real_poses(instance)
-    modes = tuple(range(1, len(R) + 1))
-    return AskedMotion(R, T, modes=modes, drives=_stated(instance, len(R)))
-
-
-def _stated(instance: Instance, count: int) -> Array | None:
-    """Return where the drives are at modes: where the file states their points, at zero."""
-    import numpy as np
-
-    from gspcli.geometry.drive_numbers import is_driven
-    from gspcli.geometry.drives import Drives
-
-    if not is_driven(instance):
-        return None
-    drives = Drives.of(instance)
-    # A drive without a crank or slide is the value itself; it is not asked for here.
-    return drives.readings(np.zeros((count, len(drives.names))))
+    found = asked_poses(instance, None, mode, pose, None, form)
+    modes = tuple(mode for mode in found.modes if mode is not None)
+    return AskedMotion(found.R, found.T, modes=modes, drives=found.stated_drives(instance))
 
 
 def _followed(

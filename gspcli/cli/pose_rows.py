@@ -63,6 +63,23 @@ class AskedPoses:
             words.append(f"in mode {self.modes[k]}" if not words else f"mode {self.modes[k]}")
         return ", ".join(words) or "there"
 
+    def stated_drives(self, instance: Instance) -> Array | None:
+        """Return readings of the drives at modes, where all points are as stated, shape (n, m).
+
+        None without cranks and slides, and for poses that are no modes.
+        """
+        from gspcli.geometry.drive_numbers import is_driven
+
+        if not is_driven(instance) or None in self.modes:
+            return None
+        import numpy as np
+
+        from gspcli.geometry.drives import Drives
+
+        drives = Drives.of(instance)
+        # A drive without a crank or slide is the value itself; it is not asked for here.
+        return drives.readings(np.zeros((len(self.T), drives.count)))
+
     def check(self) -> None:
         """Raise `IncompleteError` if a mode was lost on the way."""
         if self.lost:
