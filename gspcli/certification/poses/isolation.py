@@ -83,7 +83,9 @@ class Isolation:
 
     def contains(self, other: Isolation) -> bool:
         """Whether the solution of `other` is proved to be the solution in this ball."""
-        return self.sides == other.sides and self.surrounds(other.point)
+        if self.sides != other.sides:
+            return False
+        return self.surrounds(other.point)
 
     def surrounds(self, point: Sequence[acb]) -> bool:
         """Whether a Study point of any norm is proved to be in the uniqueness ball."""
