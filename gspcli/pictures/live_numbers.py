@@ -200,17 +200,17 @@ def _values(instance: Instance) -> Array:
 
 def _rows(instance: Instance) -> tuple[Array, list[list[float]]]:
     """Return sets of readings within the ranges, the file's among them, and the ranges."""
-    values = readings_of(instance, _values(instance), signed=False)
-    ranges = [_range(instance, i, x) for i, x in enumerate(values.tolist())]
-    low, high = np.array(ranges).T
+    values = _values(instance)
+    ends = np.array([_range(instance, i, x) for i, x in enumerate(values.tolist())]).T
+    low, high = readings_of(instance, ends, signed=False)
     rng = np.random.default_rng(SEED)
     rows = low + (high - low) * rng.random((_ROWS, len(values)))
-    rows[0] = values
-    return rows, ranges
+    rows[0] = readings_of(instance, values, signed=False)
+    return rows, np.stack((low, high), axis=1).tolist()
 
 
 def _range(instance: Instance, i: int, value: float) -> list[float]:
-    """Return between which readings a slider goes; a value of zero stays."""
+    """Return between which values a slider goes; a value of zero stays."""
     row = instance.constraints[i]
     if value == 0:
         return [0.0, 0.0]

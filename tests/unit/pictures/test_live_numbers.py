@@ -50,6 +50,16 @@ def test_sliders_go_through_the_ranges_of_the_file():
     np.testing.assert_allclose(found["ranges"], limits)
 
 
+def test_sliders_are_readings_also_with_offsets_and_scales():
+    instance = gspcli.load(instance_files()["rubin-m2"])
+    rows = list(instance.constraints)
+    rows[0] = replace(rows[0], offset=Number.of("0.001"), scale=Number.of("0.01"))
+    found = live_numbers(gspcli.solve(replace(instance, constraints=tuple(rows))))
+    low, high = ((x.value - 0.001) / 1.01 for x in rows[0].limits)
+    np.testing.assert_allclose(found["ranges"][0], [low, high])
+    assert low < found["values"][0] < high
+
+
 def test_without_ranges_they_stay_within_what_values_can_be():
     found = numbers_of("surfaces-ppp")
     for value, (low, high), kind in zip(
