@@ -174,7 +174,10 @@ def _kind(instance: Instance, row: Constraint, shared: bool) -> str:
         kinds = ", ".join(leg.kind.name for leg in legs)
         message = f"the constraints of its point are {kinds}, expected one DPP"
         if point.partner or len({getattr(leg, f"{body}_name") for leg in legs}) > 1:
-            message = "several rods share it, expected one: a step has six values"
+            message = (
+                "several rods share it, and a controller has a motor for each rod; such machines "
+                "work with gsp measure --drives, gsp track and gsp export --to mjcf"
+            )
         raise ArgumentError(message, f"{drive.sort}.{point.partner or name}")
     return f"{body.upper()}_{drive.sort.upper()}"
 

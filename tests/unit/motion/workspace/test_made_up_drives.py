@@ -355,6 +355,26 @@ def test_a_range_of_half_a_turn_is_judged_from_both_sides_of_it() -> None:
             assert says != -1 or not good.any()
 
 
+@pytest.mark.parametrize("knee", [1.0, -1.0])
+def test_the_least_distance_comes_into_the_range_within_a_box(knee: float) -> None:
+    """At the centre the rod is too short for all of the range; at one end of the box it is not.
+
+    The other joint moves along x, nearly along the circle. It is too far from the first end of the
+    range all the time, and comes near to what follows.
+    """
+    x, y, z = np.eye(3)
+    first = np.pi / 2 - 0.1
+    motor = Motor(
+        False, False, knee, z, np.zeros(3), x, y, np.zeros(3), 1.0, first, first + 1,
+        np.array([2.00667 * np.cos(first) + 0.005, 2.00667 * np.sin(first), 0, 0, 0, 0]),
+    )  # fmt: skip
+    reached = motor.numbers(motor.centre[None, :3] - 0.205 * x, np.eye(3)[None])
+    assert motor.keeps(reached)[0]
+    half = np.array([0.21, 0, 0, 0, 0, 0])
+    assert judge(motor, half, REACH | 1)[0] == 0
+    assert judge(motor, half / 100, REACH | 1)[0] == -1
+
+
 @pytest.mark.parametrize("square", [0.88, 1.12], ids=["folded", "stretched"])
 def test_the_nearest_place_of_a_motor_changes_within_a_box(square: float) -> None:
     """The other joint is near the axis: it moves across, and the arm would turn with it."""
