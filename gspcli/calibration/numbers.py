@@ -173,7 +173,9 @@ def calibrated(instance: Instance, model: Model, deviations: dict[str, float]) -
         if isinstance(stated, Crank):
             centre = vector(f"{label}centre.", stated.centre)
             axis = vector(f"{label}axis.", stated.axis)
-            found = Crank(centre, axis, None, stated.tolerance, **corrections)
+            found = Crank(
+                centre, axis, None, stated.tolerance, diameter=stated.diameter, **corrections
+            )
         else:
             along = vector(f"{label}direction.", stated.direction)
             found = Slide(along, None, stated.tolerance, **corrections)

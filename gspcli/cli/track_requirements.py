@@ -12,6 +12,7 @@ from gspcli.cli.requirements import (
     verdict_entries,
     verdict_lines,
 )
+from gspcli.errors import GspError
 
 if TYPE_CHECKING:
     import numpy as np
@@ -70,7 +71,7 @@ def _at_all_rows(result: Track, requirement: Requirement) -> Array | QuantityPar
     """Return a quantity of each pose, in the order of the rows; the geometry may move."""
     import numpy as np
 
-    from gspcli.geometry.drive_numbers import is_driven
+    from gspcli.geometry.drive_numbers import arms_of, is_driven
     from gspcli.motion.files.requirements import QuantityParts
     from gspcli.motion.following.drive_events import moves_drives_only
 
@@ -84,6 +85,9 @@ def _at_all_rows(result: Track, requirement: Requirement) -> Array | QuantityPar
         R, T = (array[modes, rows] for array in (result.R, result.T))
         values = result.values[rows]
         return measured_quantities(result.instance, [requirement], values, R, T)[name]
+    if name == "gap" and arms_of(result.instance):
+        message = "--require gap: not known of arms while coordinates of points move"
+        raise GspError(message)
     found: list[Array | QuantityParts] = []
     for part, moved in result.instances():
         # What is followed has one side of each plane; ranges are those of the sides asked for.
@@ -134,7 +138,7 @@ def _between(verdict: RequirementVerdict, done: FollowedTrack) -> RequirementVer
     from gspcli.motion.paths.track_bounds import BOUNDED, can_be_bounded
 
     quantity = verdict.requirement.quantity
-    proved = can_be_bounded(done.track)
+    proved = can_be_bounded(done.track, quantity)
     if quantity in BOUNDED:
         return _bounded(verdict, done) if proved and verdict.met else verdict
     if quantity not in ("range", "cone"):

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from gspcli.errors import ArgumentError
 from gspcli.geometry.coordinates import BODIES
 from gspcli.geometry.instance import Constraint, Instance, Side
+from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Crank, Point, Slide, as_array
 from gspcli.geometry.readings import factors, offsets
 
@@ -25,6 +26,15 @@ class Driven(NamedTuple):
     drive: Crank | Slide
 
 
+class ThickArm(NamedTuple):
+    """The arm of a crank, from the axis to the point of a constraint."""
+
+    body: str
+    point: Point
+    name: str
+    diameter: Number
+
+
 def driven_points(row: Constraint) -> list[Driven]:
     """Return the points of a constraint that have cranks or slides."""
     return [
@@ -37,6 +47,16 @@ def driven_points(row: Constraint) -> list[Driven]:
 def is_driven(instance: Instance) -> bool:
     """Return whether a point of a constraint has a crank or a slide."""
     return any(driven_points(row) for row in instance.constraints)
+
+
+def arms_of(instance: Instance) -> dict[int, ThickArm]:
+    """Return the arms whose diameter is stated, by the index of the constraint."""
+    return {
+        k: ThickArm(one.body, one.point, one.name, one.drive.diameter)
+        for k, row in enumerate(instance.constraints)
+        for one in driven_points(row)
+        if isinstance(one.drive, Crank) and one.drive.diameter is not None
+    }
 
 
 def shares_drives(instance: Instance) -> bool:

@@ -184,6 +184,8 @@ class Crank(Motor):
         A nonzero vector along it; positive angles turn by the right-hand rule.
     limits, tolerance, offset, scale
         As in `Motor`, in the unit of angles.
+    diameter
+        Of the arm, a cylinder with round ends from the axis to the point, or None.
     """
 
     centre: Vector
@@ -192,6 +194,7 @@ class Crank(Motor):
     tolerance: Number | None = None
     offset: Number | None = None
     scale: Number | None = None
+    diameter: Number | None = None
     sort: ClassVar[Literal["crank"]] = "crank"
 
     def __init__(
@@ -202,10 +205,13 @@ class Crank(Motor):
         tolerance: Real | None = None,
         offset: Real | None = None,
         scale: Real | None = None,
+        diameter: Real | None = None,
     ) -> None:
         object.__setattr__(self, "centre", exact_vector(centre, "centre"))
         object.__setattr__(self, "axis", exact_direction(axis, "axis"))
         self._state(limits, tolerance, offset, scale)
+        exact = None if diameter is None else _number(diameter, "diameter")
+        object.__setattr__(self, "diameter", exact)
 
     @cached_property
     def unit(self) -> Array:

@@ -1,8 +1,9 @@
 """The shapes of legs and bodies, as an instance file states them under `shapes`.
 
 A leg is a distance of two points. Its shape is a cylinder with round ends, about the straight line
-between its joints. That of a body is the convex hull of points that are fixed in it. Nothing else
-has a shape: no motor, no joint, no arm of a crank. Lengths are in the unit of length.
+between its joints. That of a body is the convex hull of points that are fixed in it. The arm of a
+crank has a diameter at its point (`gspcli.geometry.primitives.Crank`). Nothing else has a shape: no
+motor, no joint. Lengths are in the unit of length.
 """
 
 from __future__ import annotations
@@ -27,8 +28,9 @@ class Shapes:
         Points of each body, in its frame; their convex hull is its shape. Empty if it has none.
     near_joint
         The part of a leg that is nearer to its joint is not compared with what it is joined to
-        there: the body, and the legs that share the joint. If None, or zero, legs that share a
-        joint are not compared at all.
+        there: the body, and the legs that share the joint. So it is with an arm, its rod, and the
+        body with its axis. If None, or zero, legs that share a joint, and an arm and its rod, are
+        not compared at all.
     """
 
     diameters: tuple[Number, ...]

@@ -109,6 +109,8 @@ class DrawnConstraint:
         The value asked for, in the units of the scene.
     diameter
         Of a leg whose file states it; else None.
+    arm
+        The diameter of the arm of its crank; else None.
     """
 
     number: int
@@ -117,10 +119,12 @@ class DrawnConstraint:
     base_name: str
     value: float
     diameter: float | None = None
+    arm: float | None = None
 
     def to_json(self) -> dict[str, Any]:
         """Return the constraint as plain data."""
-        thick = {} if self.diameter is None else {"diameter": self.diameter}
+        stated = {"diameter": self.diameter, "arm": self.arm}
+        thick = {key: value for key, value in stated.items() if value is not None}
         return {
             "number": self.number,
             "kind": self.kind.name,

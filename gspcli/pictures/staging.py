@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import DPP
+from gspcli.geometry.drive_numbers import arms_of
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.printed_numbers import printed_residual
 from gspcli.pictures.arms import arm_strokes, joined, with_drives
@@ -35,6 +36,12 @@ def drawn_diameters(instance: Instance) -> dict[int, float]:
     stated = [one.value for one in instance.shapes.diameters]
     every = stated * len(legs) if len(stated) == 1 else stated
     return {k: diameter for k, diameter in zip(legs, every, strict=True) if diameter > 0}
+
+
+def drawn_arms(instance: Instance) -> dict[int, float]:
+    """Return the stated diameters of arms that are not zero, by the index of the constraint."""
+    stated = {k: arm.diameter.value for k, arm in arms_of(instance).items()}
+    return {k: diameter for k, diameter in stated.items() if diameter > 0}
 
 
 def drawn_shells(instance: Instance) -> dict[str, tuple[Array, ...]]:
@@ -108,6 +115,7 @@ def scene_of(
         series.append(series_of(arrangement, poses, here, labels[chosen]))
         first = chosen.stop
     units, kind, diameters = instance.units, instance.type, drawn_diameters(instance)
+    thick_arms = drawn_arms(instance)
     return Scene(
         title=instance.name or kind.id,
         type_id=f"{kind.id} (type {kind.number}, {kind.platform_class.id})",
@@ -118,7 +126,9 @@ def scene_of(
         platform=platform,
         base=base,
         bonds=tuple(
-            DrawnConstraint(i + 1, row.kind, *names[i], row.value.value, diameters.get(i))
+            DrawnConstraint(
+                i + 1, row.kind, *names[i], row.value.value, diameters.get(i), thick_arms.get(i)
+            )
             for i, row in enumerate(instance.constraints)
         ),
         series=tuple(series),

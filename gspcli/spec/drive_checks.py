@@ -32,7 +32,7 @@ def crank_of(model: CrankModel | CrankFields | None) -> Crank | None:
     """Return a crank with its range as values."""
     if model is None:
         return None
-    return Crank(model.centre, model.axis, *_of_readings(model))
+    return Crank(model.centre, model.axis, *_of_readings(model), model.diameter)
 
 
 def slide_of(model: SlideModel | SlideFields | None) -> Slide | None:
@@ -119,6 +119,9 @@ def _of_drive(node: Mapping, drive: Crank | Slide, unit: AngleUnit | None) -> It
     if drive.tolerance is not None and drive.tolerance.value < 0:
         written = node[Scalar("tolerance")]
         yield _at(written, f"found {shown(written)}, expected a tolerance of at least 0")
+    if isinstance(drive, Crank) and drive.diameter is not None and drive.diameter.value < 0:
+        written = node[Scalar("diameter")]
+        yield _at(written, f"found {shown(written)}, expected a diameter of at least 0")
     if drive.limits is None:
         return
     low, high = drive.limits

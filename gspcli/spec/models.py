@@ -158,6 +158,9 @@ class CrankModel(DriveModel):
 
     centre: Vector = Field(description="A point of the axis.")
     axis: Direction = Field(description="Positive angles turn about it by the right-hand rule.")
+    diameter: Real | SkipJsonSchema[None] = Field(
+        None, description="Of the arm, a cylinder with round ends from the axis to the point."
+    )
 
 
 class SlideModel(DriveModel):

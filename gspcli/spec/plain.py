@@ -71,6 +71,7 @@ class CrankFields(NamedTuple):
     tolerance: Number | None
     offset: Number | None
     scale: Number | None
+    diameter: Number | None
 
 
 class SlideFields(NamedTuple):
@@ -314,8 +315,13 @@ def _primitive(value: Value) -> PrimitiveFields:
 
 
 def _crank(value: Value) -> CrankFields:
-    given = _section(value, ("centre", "axis"), ReadingFields._fields)
-    return CrankFields(_numbers(given["centre"]), _direction(given["axis"]), *_of_readings(given))
+    given = _section(value, ("centre", "axis"), (*ReadingFields._fields, "diameter"))
+    return CrankFields(
+        _numbers(given["centre"]),
+        _direction(given["axis"]),
+        *_of_readings(given),
+        number(given["diameter"]) if "diameter" in given else None,
+    )
 
 
 def _slide(value: Value) -> SlideFields:

@@ -160,9 +160,9 @@ def _drive(drive: Crank | Slide) -> str:
     """Return the entries of a crank or slide."""
     if isinstance(drive, Crank):
         said = f"centre: {_vector(drive.centre)}, axis: {_vector(drive.axis)}"
-    else:
-        said = f"direction: {_vector(drive.direction)}"
-    return said + _of_readings(drive)
+        thick = "" if drive.diameter is None else f", diameter: {drive.diameter}"
+        return said + _of_readings(drive) + thick
+    return f"direction: {_vector(drive.direction)}" + _of_readings(drive)
 
 
 def _of_readings(one: Constraint | Crank | Slide) -> str:

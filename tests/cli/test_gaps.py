@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import json
+import re
 
 import pytest
 
@@ -112,6 +113,39 @@ def test_a_track_of_a_machine_with_arms_keeps_a_gap_between_its_rows(gsp, tmp_pa
     run = gsp(*words, "gap>=0.03")
     assert run.code == 1
     assert "gap >= 0.03: NOT met" in run.out
+
+
+@pytest.fixture
+def armed(tmp_path):
+    """A machine with cranks whose arms are thicker than its rods."""
+    text = instance_files()["t-top-head"].read_text(encoding="utf-8").rstrip()
+    text = re.sub(r"(axis: \[[^\]]*\])\}", r"\1, diameter: 0.06}", text)
+    path = tmp_path / "armed.yaml"
+    path.write_text(f"{text}\nshapes: {{diameter: 0.006, near_joint: 0.01}}\n", encoding="utf-8")
+    return path
+
+
+def test_arms_are_compared_where_their_diameter_is_stated(gsp, armed, tmp_path):
+    run = gsp("measure", armed, "--pose", "0,0,0.17,1,0,0,0", "--format", "csv")
+    (row,) = table(run.out)
+    assert "arm of B" in row["gap_between"]
+    gap = float(row["gap"])
+    poses = tmp_path / "poses.csv"
+    poses.write_text("x,y,z,rx,ry,rz\n0,0,0.17,0,0,0\n0,0,0.171,0,0,1\n", encoding="utf-8")
+    words = ("track", armed, poses, "--euler", "ZYX", "--along", "poses", "--require")
+    run = gsp(*words, f"gap>={gap - 0.001}")
+    assert run.code == 0
+    assert "met, between rows too" in run.out
+    assert "arm of B" in run.out
+    assert gsp(*words, f"gap>={gap + 0.001}").code == 1
+
+
+def test_gaps_of_arms_are_not_known_where_other_points_move(gsp, armed, tmp_path):
+    values = tmp_path / "values.csv"
+    values.write_text("base.B1.z,crank.B2\n0,0\n0.0001,0.1\n", encoding="utf-8")
+    run = gsp("track", armed, values, "--require", "gap>=0.001")
+    assert run.code == 2
+    assert run.err == ("error: --require gap: not known of arms while coordinates of points move\n")
 
 
 def test_documents_of_workspaces_say_which_gap_was_asked_for(gsp, thick):

@@ -1,16 +1,19 @@
 """The shapes that are compared: which pairs, how far apart they are, and how far they move.
 
-A leg is the straight line between its joints, with a radius; a body is a convex hull. The gap of a
-pair is the distance of the lines or hulls less the radii: negative if they overlap. Legs that share
-a joint always touch there, and so do a leg and the bodies that it joins. Of these the part of the
-leg beyond `Shapes.near_joint` is compared, or nothing if that is not stated.
+A leg is the straight line between its joints, with a radius. So is the arm of a crank with a
+diameter, from the axis to the point that it turns. A body is a convex hull. The gap of a pair is
+the distance of the lines or hulls less the radii: negative if they overlap. Legs that share a joint
+always touch there, and so do a leg and the bodies that it joins, an arm and its rod, and an arm and
+the body with its axis. Of these the part beyond `Shapes.near_joint` is compared, or nothing if that
+is not stated. Points of one crank have one arm each, and these arms are not compared.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator, Sequence
 from functools import cached_property
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,10 +22,15 @@ from gspcli import _kernel
 from gspcli.catalogue.kinds import DPP
 from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.drive_numbers import is_driven
+from gspcli.geometry.drive_numbers import arms_of, is_driven
 from gspcli.geometry.instance import Constraint, Instance
+from gspcli.geometry.primitives import Vector
+from gspcli.geometry.quaternions import apply
 from gspcli.geometry.shape_mistakes import refuse_mistakes
 from gspcli.motion.poses.cranks import drive_values
+
+if TYPE_CHECKING:
+    from gspcli.geometry.drives import Drives
 
 Array = NDArray[np.float64]
 
@@ -33,6 +41,8 @@ _OUTWARD = 1 + 2.0**-50
 _DIGITS = 11
 #: Rounding errors of positions, relative to the largest coordinate.
 _ROUNDING = 2.0**-46
+#: Arms begin at one point of a body up to this part of the length of the platform.
+_ONE_POINT = 1e-9
 NO_SHAPES = "the platform states no shapes of its legs (shapes: {diameter: ...})"
 
 
@@ -49,11 +59,13 @@ class _ComparedHull(NamedTuple):
     """A hull that is compared: a leg, a part of one, or a body."""
 
     leg: int | None
-    """The index of the leg's constraint; None for a body."""
+    """The index of the leg's constraint; None for a body and for an arm."""
     beyond: str
-    """The body beyond whose joint the leg counts; empty for the whole leg."""
+    """The body beyond whose joint a leg counts; ``axis`` or ``point`` of an arm; empty for all."""
     body: str
     """``platform`` or ``base``; empty for a leg."""
+    arm: int | None = None
+    """The index of the constraint whose point an arm turns; its body is that of the axis."""
 
 
 class ComparedShapes:
@@ -82,6 +94,8 @@ class ComparedShapes:
         if len(diameters) == 1:
             diameters *= len(self.legs)
         self._radii = dict(zip(self.legs, (d / 2 for d in diameters), strict=True))
+        #: The constraints whose points are turned by arms with a diameter, one of each point.
+        self.arms = _arms(instance)
         self._points = {
             name: np.array([[x.value for x in point] for point in getattr(shapes, name)])
             for name in ("platform", "base")
@@ -93,7 +107,7 @@ class ComparedShapes:
             raise ArgumentError(message)
         #: What the pairs are called, such as ``legs 2 and 5``.
         self.names = tuple(self._name(*(self._hulls[k] for k in pair)) for pair in self.pairs)
-        radii = np.array([0.0 if one.leg is None else self._radii[one.leg] for one in self._hulls])
+        radii = np.array([self._radius(one) for one in self._hulls])
         self._thick = radii[self.pairs].sum(axis=1)
 
     def _pairs(self) -> list[tuple[int, int]]:
@@ -107,7 +121,35 @@ class ComparedShapes:
         found += [(self._hull(leg, body), self._body(body)) for leg in self.legs for body in bodies]
         if len(bodies) == 2:
             found.append((self._body("platform"), self._body("base")))
+        found += self._pairs_of_arms(bodies)
         return found
+
+    def _pairs_of_arms(self, bodies: Sequence[str]) -> Iterator[tuple[int, int]]:
+        near = self._near > 0
+        for place, (k, point, own) in enumerate(self.arms):
+            for leg in self.legs:
+                joined = _joint(self.instance.constraints[leg], own) == point
+                if not joined or near:
+                    hull = self._hull(leg, own if joined else "")
+                    yield hull, self._arm(k, own, "point" if joined else "")
+            for other, _, body in self.arms[place + 1 :]:
+                same = self._drives.index[other] == self._drives.index[k]
+                one_axis = body == own and self._on_one_axis(k, other)
+                if not same and not one_axis:
+                    yield self._arm(k, own, ""), self._arm(other, body, "")
+            for body in bodies:
+                if body != own or near:
+                    yield self._arm(k, own, "axis" if body == own else ""), self._body(body)
+
+    def _on_one_axis(self, first: int, second: int) -> bool:
+        """Whether two arms begin at one point of the body."""
+        a, b = (self._drives.middle[k] for k in (first, second))
+        return bool(np.abs(a - b).max() <= _ONE_POINT * self._arrangement.length)
+
+    def _radius(self, hull: _ComparedHull) -> float:
+        if hull.arm is not None:
+            return arms_of(self.instance)[hull.arm].diameter.value / 2
+        return 0.0 if hull.leg is None else self._radii[hull.leg]
 
     def _hull(self, leg: int, beyond: str) -> int:
         return self._number(_ComparedHull(leg, beyond if self._near > 0 else "", ""))
@@ -115,18 +157,34 @@ class ComparedShapes:
     def _body(self, name: str) -> int:
         return self._number(_ComparedHull(None, "", name))
 
+    def _arm(self, constraint: int, body: str, beyond: str) -> int:
+        return self._number(_ComparedHull(None, beyond, body, constraint))
+
     def _number(self, hull: _ComparedHull) -> int:
         if hull not in self._hulls:
             self._hulls.append(hull)
         return self._hulls.index(hull)
 
-    @staticmethod
-    def _name(first: _ComparedHull, second: _ComparedHull) -> str:
+    def _name(self, first: _ComparedHull, second: _ComparedHull) -> str:
+        if first.arm is not None or second.arm is not None:
+            return " and ".join(map(self._called, (first, second)))
         if second.leg is not None:
             assert first.leg is not None
             return f"legs {first.leg + 1} and {second.leg + 1}"
         one = "the platform" if first.leg is None else f"leg {first.leg + 1}"
         return f"{one} and the {second.body}"
+
+    def _called(self, hull: _ComparedHull) -> str:
+        if hull.arm is None:
+            return f"the {hull.body}" if hull.leg is None else f"leg {hull.leg + 1}"
+        row = self.instance.constraints[hull.arm]
+        return f"the arm of {getattr(row, f'{hull.body}_name') or f'rod {hull.arm + 1}'}"
+
+    @cached_property
+    def _drives(self) -> Drives:
+        from gspcli.geometry.drives import Drives
+
+        return Drives.of(self.instance)
 
     @cached_property
     def _arrangement(self) -> Arrangement:
@@ -134,7 +192,10 @@ class ComparedShapes:
 
     @cached_property
     def _starts(self) -> NDArray[np.int64]:
-        sizes = [2 if one.leg is not None else len(self._points[one.body]) for one in self._hulls]
+        sizes = [
+            len(self._points[one.body]) if one.leg is None and one.arm is None else 2
+            for one in self._hulls
+        ]
         return np.concatenate(([0], np.cumsum(sizes))).astype(np.int64)
 
     def bounds(self, R: Array, T: Array, q: Array | None = None) -> GapBounds:
@@ -171,12 +232,13 @@ class ComparedShapes:
             a = self._arrangement
             ends = a.y @ np.swapaxes(R, -1, -2) + T[:, None], np.broadcast_to(a.x, (len(T), 6, 3))
         else:
-            from gspcli.geometry.drives import Drives
-
-            base, arm, _ = Drives.of(self.instance).ends(R, T, q)
+            base, arm, _ = self._drives.ends(R, T, q)
             ends = arm + T[:, None], base
         found = []
         for hull in self._hulls:
+            if hull.arm is not None:
+                found.append(self._placed_arm(hull, R, T, ends))
+                continue
             if hull.leg is None:
                 points = self._points[hull.body]
                 if hull.body == "platform":
@@ -192,6 +254,21 @@ class ComparedShapes:
             found.append(np.stack((platform, base), axis=1))
         return np.ascontiguousarray(np.concatenate(found, axis=1))
 
+    def _placed_arm(
+        self, hull: _ComparedHull, R: Array, T: Array, ends: tuple[Array, Array]
+    ) -> Array:
+        """Return both ends of an arm, or of its part beyond one, at poses, shape (n, 2, 3)."""
+        k, on_platform = hull.arm, hull.body == "platform"
+        point = ends[0 if on_platform else 1][:, k]
+        axis = np.broadcast_to(self._drives.middle[k], point.shape)
+        if on_platform:
+            axis = apply(R, axis) + T
+        if hull.beyond == "axis":
+            axis = self._beyond(axis, point)
+        elif hull.beyond == "point":
+            point = self._beyond(point, axis)
+        return np.stack((axis, point), axis=1)
+
     def _beyond(self, joint: Array, end: Array) -> Array:
         """Return the point of a leg at the stated length from a joint, but not beyond its end."""
         along = end - joint
@@ -199,6 +276,23 @@ class ComparedShapes:
         with np.errstate(divide="ignore", invalid="ignore"):
             part = np.where(length > self._near, self._near / length, 1.0)
         return np.where(np.isfinite(length), joint + part * along, np.nan)
+
+    def _slips(
+        self,
+        shifts: Array,
+        turns: Array,
+        centre: Array,
+        driven: tuple[Array, Array, Array],
+        slips: Array | None,
+    ) -> tuple[Array, Array, Array]:
+        """Return the joints where drives have them, and how far these move them, (2, n, 6)."""
+        from gspcli.motion.collisions.driven_moves import slips_near
+
+        drives, placed = self._drives, self._drives.arrangement(driven[2])
+        if slips is None:
+            slips = slips_near(drives, *driven, shifts, turns, centre)
+        on = drives.on_platform
+        return placed.y, placed.x, np.stack([np.where(on, slips, 0.0), np.where(on, 0.0, slips)])
 
     def moves(
         self,
@@ -237,21 +331,9 @@ class ComparedShapes:
         a point and its image.
         """
         a = self._arrangement
-        y, x = a.y, a.x
-        # How far cranks and slides move the joints on the platform, and on the base.
-        sides = np.zeros((2, len(shifts), 6))
+        y, x, sides = a.y, a.x, np.zeros((2, len(shifts), 6))
         if driven is not None:
-            from gspcli.geometry.drives import Drives
-            from gspcli.motion.collisions.driven_moves import slips_near
-
-            drives, q = Drives.of(self.instance), driven[2]
-            placed = drives.arrangement(q)
-            y, x = placed.y, placed.x
-            if slips is None:
-                slips = slips_near(drives, *driven, shifts, turns, centre)
-            sides[0], sides[1] = (
-                np.where(drives.on_platform == side, slips, 0.0) for side in (True, False)
-            )
+            y, x, sides = self._slips(shifts, turns, centre, driven, slips)
         own = np.linalg.norm(y - centre, axis=-1) + sides[0]
         away = np.linalg.norm(places[:, None] - x, axis=-1) + sides[1]
         far = {
@@ -262,7 +344,16 @@ class ComparedShapes:
         count = len(self._hulls)
         from_base, from_platform = np.zeros((2, len(shifts), count))
         for k, hull in enumerate(self._hulls):
-            if hull.leg is not None:
+            if hull.arm is not None:
+                # Its axis is fixed in its body, and its point slips there.
+                side = 0 if hull.body == "platform" else 1
+                slip = sides[side, :, hull.arm]
+                axis = self._drives.middle[hull.arm]
+                farthest = np.linalg.norm((centre, places)[side] - axis, axis=-1)
+                farthest = np.maximum(farthest, (own, away)[side][:, hull.arm])
+                (from_platform, from_base)[side][:, k] = slip
+                (from_base, from_platform)[side][:, k] = shifts + turns * farthest + slip
+            elif hull.leg is not None:
                 on_platform, on_base = sides[:, :, hull.leg]
                 # Of a part of a leg whose both ends move, both moves count.
                 both = np.add if hull.beyond else np.maximum
@@ -280,8 +371,33 @@ class ComparedShapes:
         size = np.abs(places).max(axis=1) + max(np.abs(a.x).max(), np.abs(a.y).max())
         if driven is not None:
             size = size + np.abs(x).max(axis=(1, 2)) + np.abs(y).max(axis=(1, 2))
+            size = size + np.abs(self._drives.middle[self._drives.driven]).max(initial=0.0)
         room = _ROUNDING * size[:, None]
         return np.asarray(np.minimum(*sums) * _OUTWARD + room)
+
+
+def _joint(row: Constraint, body: str) -> Vector:
+    """Return the stated place of a joint of a leg."""
+    position: Vector = getattr(row, body).position
+    return position
+
+
+def _arms(instance: Instance) -> list[tuple[int, Vector, str]]:
+    """Return which points have arms with a diameter: constraint, stated place, and body.
+
+    Raises
+    ------
+    ArgumentError
+        If a diameter is negative.
+    """
+    found: list[tuple[int, Vector, str]] = []
+    for k, (body, point, name, diameter) in arms_of(instance).items():
+        if diameter.value < 0:
+            message = f"found {diameter}, expected a diameter of at least 0"
+            raise ArgumentError(message, name or f"constraints[{k}]")
+        if not any((point.position, body) == one[1:] for one in found):
+            found.append((k, point.position, body))
+    return found
 
 
 def _shared(first: Constraint, second: Constraint) -> str:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.geometry.coordinates import coordinates, moved
-from gspcli.geometry.drive_numbers import is_driven
+from gspcli.geometry.drive_numbers import arms_of, is_driven
 from gspcli.geometry.drives import Drives
 from gspcli.geometry.frames import PoseFrame
 from gspcli.geometry.readings import without_corrections
@@ -54,14 +54,17 @@ class Between:
     bound: float
 
 
-def can_be_bounded(track: Track) -> bool:
-    """Whether bounds between the rows of a track are known.
+def can_be_bounded(track: Track, quantity: str = "") -> bool:
+    """Whether bounds of a quantity between the rows of a track are known.
 
-    Its ways are proved, and no point moves but those that drives move, with the stated rods.
+    Its ways are proved, and no point moves but those that drives move, with the stated rods. Arms
+    of cranks that stay while the rods change have gaps at the rows only.
     """
     if not track.certified or len(track.t) < 2:
         return False
-    return not track.coordinates or moves_by_drives(track)
+    if track.coordinates:
+        return moves_by_drives(track)
+    return quantity != "gap" or not arms_of(track.instance)
 
 
 def moves_by_drives(track: Track) -> bool:

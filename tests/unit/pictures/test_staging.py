@@ -6,6 +6,7 @@ import dataclasses
 
 import numpy as np
 
+from gspcli.geometry.numbers import Number
 from gspcli.geometry.shapes import Shapes
 from gspcli.pictures.staging import drawn_diameters, drawn_shells, scene_of
 from gspcli.solver import solve
@@ -56,3 +57,13 @@ def test_points_in_a_plane_are_one_face_and_on_a_line_none() -> None:
     shapes = Shapes(1, platform=flat, base=flat[:2], near_joint=1)
     found = drawn_shells(dataclasses.replace(machine, shapes=shapes))
     assert {name: len(faces) for name, faces in found.items()} == {"platform": 1}
+
+
+def test_arms_are_as_thick_as_stated() -> None:
+    plain = example("t-top-head")
+    row = plain.constraints[1]
+    crank = dataclasses.replace(row.base.crank, diameter=Number.of(0.01))
+    thick_arm = dataclasses.replace(row, base=dataclasses.replace(row.base, crank=crank))
+    rows = (plain.constraints[0], thick_arm, *plain.constraints[2:])
+    scene = scene_of(solve(dataclasses.replace(plain, constraints=rows))).to_json()
+    assert [one.get("arm") for one in scene["constraints"]] == [None, 0.01, *[None] * 4]

@@ -11,9 +11,11 @@ const CYLINDER = 0.5;
 const THICKER = 1.75;
 
 export class Bond {
-  /** `thick` is the radius of a leg whose file states its diameter, else 0. */
-  constructor(constraint, thick, colours) {
-    this.thick = thick;
+  /** `thick` has the radii of the leg and of the arm of its crank where the file states their diameters, else 0. */
+  constructor(constraint, size, colours) {
+    const [leg, arm] = [constraint.diameter, constraint.arm].map((diameter) => (diameter ?? 0) / 2 / size);
+    this.thick = { leg, arm };
+    this.isLeg = constraint.kind === "DPP";
     this.isAngle = constraint.kind.startsWith("A");
     this.group = new Group();
     this.main = solid(colours.main);
@@ -39,14 +41,20 @@ export class Bond {
       }
       this.meshes.set(k, mesh);
       this.group.add(mesh);
-      if (stroke.style === "leg" && this.thick) this.addEnds(k, userData);
+      if (this.radius(stroke)) this.addEnds(k, this.radius(stroke), userData);
     });
   }
 
-  /** The round ends of a thick leg. */
-  addEnds(k, userData) {
+  /** The stated radius of a stroke, or 0: of a leg, or of the arm beside it, its only other solid line. */
+  radius({ style }) {
+    if (style === "leg") return this.thick.leg;
+    return this.isLeg && style === "perpendicular" ? this.thick.arm : 0;
+  }
+
+  /** The round ends of a thick leg or arm. */
+  addEnds(k, radius, userData) {
     for (const end of [0, 1]) {
-      const mesh = ball(new Vector3(), this.thick, this.main);
+      const mesh = ball(new Vector3(), radius, this.main);
       mesh.userData = userData;
       this.pickable.push(mesh);
       this.meshes.set(`${k} ${end}`, mesh);
@@ -59,9 +67,10 @@ export class Bond {
       const points = stroke.points[index].map(toScene);
       const radius = RADII[stroke.style];
       const mesh = this.meshes.get(k);
+      const stated = this.radius(stroke);
       if (DASHED.has(stroke.style)) setRods(mesh, dashes(points[0], points[1]), radius);
-      else if (stroke.style === "leg" && this.thick) {
-        setRods(mesh, [points], this.thick);
+      else if (stated) {
+        setRods(mesh, [points], stated);
         points.forEach((point, end) => this.meshes.get(`${k} ${end}`).position.copy(point));
       } else if (stroke.style === "leg") setRods(mesh, telescope(points[0], points[1], radius), radius);
       else setRods(mesh, pairs(points), radius);

@@ -70,7 +70,7 @@ export class Stage {
     this.scene.add(this.base.group, this.platform.group, this.ghosts);
 
     this.bonds = this.data.constraints.map((constraint) => {
-      const bond = new Bond(constraint, (constraint.diameter ?? 0) / 2 / size, { main: colour("distance"), mark: colour("mark") });
+      const bond = new Bond(constraint, size, { main: colour("distance"), mark: colour("mark") });
       this.scene.add(bond.group);
       return bond;
     });

@@ -27,12 +27,21 @@ ROWS, SAMPLES = 3, 60
 
 
 def thick(name):
-    """Return a machine with rods that have shapes, its home, and the length of its rods."""
+    """Return a machine with rods and arms that have shapes, its home, and the length of its rods.
+
+    The arms are nearer to each other than the rods.
+    """
     solved = gspcli.solve(gspcli.example(name))
     home = 0 if solved.home is None else solved.home.number - 1
     size = float(Drives.of(solved.instance).rods[0])
     shapes = Shapes(size / 60, near_joint=size / 10)
-    instance = replace(solved.instance, shapes=shapes)
+    rows = []
+    for row in solved.instance.constraints:
+        crank = getattr(row.base, "crank", None)
+        arm = gspcli.Number.of(size / 8)
+        turned = crank and replace(row.base, crank=replace(crank, diameter=arm))
+        rows.append(replace(row, base=turned or row.base))
+    instance = replace(solved.instance, constraints=tuple(rows), shapes=shapes)
     return instance, solved.R[home].real, solved.T[home].real, size
 
 
