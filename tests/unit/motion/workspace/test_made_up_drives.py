@@ -390,6 +390,9 @@ def test_the_nearest_place_of_a_motor_changes_within_a_box(square: float) -> Non
     assert np.isnan(middle[0])
     assert judge(motor, half, REACH)[0] == 0
     assert judge(motor, half / 50, REACH)[0] == -1
+    # At greater heights no rod reaches; at the least height one does.
+    motor.centre[2] = 0.15
+    assert judge(motor, half + 0.15 * np.eye(6)[2], REACH)[0] == 0
 
 
 @pytest.mark.parametrize("on_platform", [False, True], ids=["base", "platform"])
