@@ -17,6 +17,7 @@ from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Line, Point
 from gspcli.geometry.random_instances import random_instance
 from gspcli.solver import solve
+from gspcli.solver.starts.solved_starts import SolvedStarts
 from gspcli.solver.strategies import elimination, special_families
 
 
@@ -40,7 +41,9 @@ def _fraction(number: Number) -> Fraction:
 
 @pytest.mark.parametrize("power", [14, 20])
 def test_poses_far_away_are_found_and_proved(power: int) -> None:
-    result = solve(_nearly_parallel("DPL DPL DPP DPP DPP DPP", Fraction(1, 10**power)))
+    result = solve(
+        _nearly_parallel("DPL DPL DPP DPP DPP DPP", Fraction(1, 10**power)), starts=SolvedStarts()
+    )
     assert (result.verdict, result.counts.certified) == ("complete", 160)
     assert result.proof is not None
     assert result.proof.by.name == "TYPE"
@@ -52,14 +55,18 @@ def test_poses_far_away_are_found_and_proved(power: int) -> None:
 def test_they_are_found_from_the_other_side(monkeypatch: pytest.MonkeyPatch) -> None:
     """With s < 0, where other real poses meet."""
     monkeypatch.setattr(special_families, "_APART", (-3e-3,))
-    result = solve(_nearly_parallel("DPL DPL DPP DPP DPP DPP", Fraction(1, 10**20)))
+    result = solve(
+        _nearly_parallel("DPL DPL DPP DPP DPP DPP", Fraction(1, 10**20)), starts=SolvedStarts()
+    )
     assert (result.verdict, result.counts.certified) == ("complete", 160)
 
 
 def test_without_them_poses_are_missing_and_that_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(special_families, "_APART", ())
     monkeypatch.setattr(elimination, "_MOST", 0)
-    result = solve(_nearly_parallel("DPL DPL DPP DPP DPP DPP", Fraction(1, 10**20)))
+    result = solve(
+        _nearly_parallel("DPL DPL DPP DPP DPP DPP", Fraction(1, 10**20)), starts=SolvedStarts()
+    )
     assert (result.verdict, result.counts.certified) == ("incomplete", 128)
 
 
