@@ -24,7 +24,10 @@ def path_table(found: PlannedPath, frame: PoseFrame) -> Table:
 
     columns = [
         Column("t", align="right", essential=True),
-        *(Column(name, _titled(found, name), align="right", minor=1) for name in found.motors),
+        *(
+            Column(name, _titled(found, name), align="right", minor=1, size=_size(found, name))
+            for name in found.motors
+        ),
         *pose_columns(_POSE, Arrangement.of(found.instance).length),
         Column("condition", align="right"),
     ]
@@ -39,6 +42,15 @@ def path_table(found: PlannedPath, frame: PoseFrame) -> Table:
         notes=frame_note(frame),
         summary=_summary(found),
     )
+
+
+def _size(found: PlannedPath, motor: str) -> float:
+    """Return a typical number of a motor."""
+    from gspcli.geometry.arrangement import Arrangement
+
+    if _unit(found, motor) == found.instance.units.angle.value:
+        return 1 / found.instance.units.angle.in_radians
+    return float(Arrangement.of(found.instance).length)
 
 
 def _titled(found: PlannedPath, name: str) -> str:

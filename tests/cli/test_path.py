@@ -168,3 +168,12 @@ def test_a_mode_beyond_a_dead_point_is_outside_the_limits(gsp):
     assert run.err.endswith(
         "mode 1 is outside the limits: crank B1 is beyond a dead point from home\n"
     )
+
+
+def test_rounding_errors_of_motors_are_zero_in_tables(gsp, tmp_path):
+    path = tmp_path / "rotary.yaml"
+    numbers = ["base=80,12", "platform=55,10", "horn=24", "rod=130"]
+    gsp("new", "--rotary", *numbers, "-o", path)
+    result = gsp("path", path, "--from", "home", "--to", "0,0,127,1,0,0,0")
+    (first,) = (line for line in result.out.splitlines() if line.split()[:1] == ["0"])
+    assert first.split()[1:7] == ["0"] * 6
