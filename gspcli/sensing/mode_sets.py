@@ -18,12 +18,12 @@ from gspcli.geometry.limits import out_of_motor_range
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.quaternions import apply, rotation_from_vector
 from gspcli.geometry.readings import readings_of, values_of
+from gspcli.geometry.value_rows import problems_of, value_rows
 from gspcli.motion.poses.cranks import drive_values
 from gspcli.motion.poses.inverse_kinematics import values_at
 from gspcli.records import dataclass
 from gspcli.sensing.candidates import body_normal
 from gspcli.solver import SolveResult, solve, solve_batch
-from gspcli.solver.arguments import problems_of, value_rows
 from gspcli.wording import listed, shown, suggestion
 
 Array = NDArray[np.float64]

@@ -14,8 +14,9 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.checking import checked
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.readings import values_of
+from gspcli.geometry.value_rows import value_rows
 from gspcli.solver.all_poses import all_poses
-from gspcli.solver.arguments import value_rows, warn_of_certify, whole
+from gspcli.solver.arguments import warn_of_certify, whole
 from gspcli.solver.many_poses import batch_of, many_poses
 from gspcli.solver.problem import Problem
 from gspcli.solver.result import SolveResult

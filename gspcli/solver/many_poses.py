@@ -13,8 +13,9 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.checking import checked
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.readings import values_of
+from gspcli.geometry.value_rows import problems_of, value_rows
 from gspcli.solver.all_poses import all_poses, first_poses
-from gspcli.solver.arguments import problems_of, value_rows, whole
+from gspcli.solver.arguments import whole
 from gspcli.solver.ledger import Ledger
 from gspcli.solver.problem import Problem
 from gspcli.solver.results.pose_batch import PoseBatch

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.certification.poses.collection import Collection
+from gspcli.certification.poses.conjugate_points import conjugate_sources
 from gspcli.certification.poses.distinct import same
 from gspcli.certification.poses.isolation import Isolation
 from gspcli.certification.poses.locator import (
@@ -17,7 +18,6 @@ from gspcli.certification.poses.locator import (
     AtInfinity,
     Located,
     Locator,
-    are_conjugates,
 )
 from gspcli.certification.poses.many_values import ProvedPoses
 from gspcli.continuation.paths import Basis, PathAccount
@@ -41,8 +41,6 @@ _KNOWN = 1e-13
 #: Bits for poses that 32 digits do not round correctly. The second are for numbers half-way between
 #: two doubles, as an entry of a rotation is where it is a ratio of two values.
 _MANY_BITS = 128, 512
-#: Points with smaller imaginary parts may be real.
-_NEARLY_REAL = 1e-6
 
 
 class SidePoses:
@@ -282,39 +280,3 @@ class SidePoses:
                 basis=Basis.COUNT if number == most else Basis.PATHS,
             ),
         ).on_sides(self.problem.choices[self.k : self.k + 1])
-
-
-def is_nearly_real(point: Field) -> bool:
-    """Whether a Study point, shape (8,), may be one of a real pose."""
-    unit, size = _in_patch(point)
-    return bool(np.abs(unit.imag / size).max() < _NEARLY_REAL)
-
-
-def conjugate_sources(points: Field, low: Field | None = None) -> Index:
-    """Return for each Study point the index of an earlier conjugate, else its own, shape (k,).
-
-    NaN end points have no conjugate. Points that differ in double precision are no conjugates: near
-    many a pose there is another one, where directions are nearly parallel, and its conjugate. The
-    same holds for points that differ in further digits, doubles to add, ``low`` (k, m, 8).
-    """
-    source = np.arange(len(points))
-    for i, point in enumerate(points):
-        if is_nearly_real(point):
-            continue
-        k = np.abs(point[:4]).argmax()
-        others = points[:i].conj()
-        with np.errstate(divide="ignore", invalid="ignore"):
-            unit, size = _in_patch(point)
-            gaps = np.abs((others / others[:, k : k + 1] - unit) / size).max(axis=1, initial=0.0)
-        for j in np.flatnonzero(gaps < _KNOWN).tolist():
-            if low is None or not low.shape[1] or are_conjugates(points[[i, j]], low[[i, j]]):
-                source[i] = source[j]
-                break
-    return source
-
-
-def _in_patch(point: Field) -> tuple[Field, NDArray[np.float64]]:
-    """Return a point whose largest coordinate of e is 1, and the sizes of its parts."""
-    with np.errstate(divide="ignore", invalid="ignore"):
-        unit = point / point[np.abs(point[:4]).argmax()]
-        return unit, np.repeat([1.0, np.abs(unit[4:]).max()], 4)

@@ -37,8 +37,6 @@ DOUBLE, LAST_PRECISION = 64, 1024
 #: From this precision on a point is given up if Newton's method moves it by more than the second
 #: number, relative to its largest coordinate: it is no approximation of a simple solution.
 _PATIENCE, _UNSETTLED = 256, 2.0**-12
-#: Points with 32 digits and more that agree to this part are conjugates.
-_CONJUGATE = 1e-24
 #: A solution with a smaller N counts as infinite: a platform with such a pose needs decimals of
 #: three hundred digits.
 _NULL = 2.0**-900
@@ -300,25 +298,6 @@ class Locator:
                     reached = list(found)
             precision *= 2
         return None
-
-
-def are_conjugates(points: Complex, low: Complex) -> bool:
-    """Whether two points that are conjugates in doubles agree in further digits.
-
-    Parameters
-    ----------
-    points, low
-        The points and doubles to add to them, shapes (2, 8) and (2, k, 8).
-    """
-    one, other = np.concatenate((points[:, None], low), axis=1)
-    k = int(np.abs(one[0, :4]).argmax())
-    with ctx.workprec(LAST_PRECISION):
-        sums = (Locator.exact_sum(part) for part in (one, other.conj()))
-        first, second = ([x / part[k] for x in part] for part in sums)
-        gaps = [x - y for x, y in zip(first, second, strict=True)]
-        return bool(
-            largest(gaps[:4]) < _CONJUGATE and largest(gaps[4:]) < _CONJUGATE * largest(first[4:])
-        )
 
 
 def _located(system: BallSystem, isolation: Isolation) -> Located | None:

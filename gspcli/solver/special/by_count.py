@@ -12,7 +12,6 @@ from gspcli.certification.counting import (
     geometry_count,
 )
 from gspcli.certification.counting.certain_bounds import certain_bound
-from gspcli.geometry.instance import Instance
 from gspcli.solver.ledger import Ledger
 from gspcli.solver.problem import Problem
 from gspcli.solver.results.pose_set import PoseSet, joined
@@ -108,14 +107,10 @@ def _with_better_proof(problem: Problem, poses: PoseSet) -> PoseSet:
 
 def _of_side(side: SidePoses, count: SideCount, solve: Callable[[Problem], PoseSet]) -> PoseSet:
     """Return the poses for a choice of sides by its count."""
-
-    def solve_points(same: Instance) -> PoseSet:
-        return solve(side.problem.like(same))
-
     if count.parallel:
-        return with_points_for_all(side, count, solve_points)
+        return with_points_for_all(side, count, solve)
     if count.parts:
-        return complete_parts(side, count, solve_points)
+        return complete_parts(side, count, solve)
     return _counted(side, count)
 
 

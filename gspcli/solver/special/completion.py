@@ -25,6 +25,7 @@ from gspcli.continuation.paths import Basis, PathAccount
 from gspcli.continuation.tracked_paths import PathEnds
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.quaternions import canonical_sign
+from gspcli.solver.problem import Problem
 from gspcli.solver.results.pose_set import PoseSet, joined
 from gspcli.solver.side_poses import SidePoses
 
@@ -147,7 +148,7 @@ def _pose_set(
 
 
 def complete_parts(
-    side: SidePoses, count: SideCount, solve_points: Callable[[Instance], PoseSet]
+    side: SidePoses, count: SideCount, solve: Callable[[Problem], PoseSet]
 ) -> PoseSet:
     """Return all poses for a choice of sides that was counted in parts.
 
@@ -155,14 +156,14 @@ def complete_parts(
     ----------
     side, count
         The poses without parallel lines, and how many there are of each sort.
-    solve_points
-        Returns all poses of an instance with points for lines.
+    solve
+        Returns all poses of a platform: that with points for lines.
     """
     chosen = side.problem.instance.on_sides(count.signs)
     found = []
     for part in count.parts:
         if part.parallel and part.distinct:
-            points = solve_points(by_points(chosen, part.parallel))
+            points = solve(side.problem.like(by_points(chosen, part.parallel)))
             found.append(_with_parallel_lines(chosen, part, points))
         elif part.solutions and part.distinct:
             found.append(complete(side, part.solutions, part.distinct, 0))
@@ -201,15 +202,16 @@ def _with_parallel_lines(instance: Instance, part: PartCount, poses: PoseSet) ->
 
 
 def with_points_for_all(
-    side: SidePoses, count: SideCount, solve_points: Callable[[Instance], PoseSet]
+    side: SidePoses, count: SideCount, solve: Callable[[Problem], PoseSet]
 ) -> PoseSet:
     """Return the poses for a choice of sides where some lines are parallel at all of them.
 
     They are those of the platform with points for lines. All else is in the set where the
     equations hold because the lines are parallel.
     """
-    instance = side.problem.instance
-    poses = solve_points(by_points(instance.on_sides(count.signs), count.parallel))
+    problem = side.problem
+    same = by_points(problem.instance.on_sides(count.signs), count.parallel)
+    poses = solve(problem.like(same))
     return replace(poses, account=_among(side.paths.count, poses.account))
 
 

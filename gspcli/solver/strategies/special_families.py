@@ -10,12 +10,13 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from gspcli.certification.poses.conjugate_points import conjugate_sources, is_nearly_real
 from gspcli.certification.poses.points_off_lines import PointsOffLines
 from gspcli.certification.poses.special_family import FamilyPaths, SpecialFamily
 from gspcli.certification.poses.turned_directions import TurnedDirections
 from gspcli.continuation.quadrics import ComplexArray
 from gspcli.solver.problem import Problem
-from gspcli.solver.side_poses import SidePoses, conjugate_sources, is_nearly_real
+from gspcli.solver.side_poses import SidePoses
 
 #: The differences from which poses are followed, each tried in turn, negative for the other side:
 #: poses are found there with 32 digits.

@@ -12,13 +12,13 @@ from gspcli.catalogue.kinds import KINDS_BY_NAME
 from gspcli.catalogue.names import parse_type
 from gspcli.certification.counting import count_geometry, exact_count
 from gspcli.certification.counting.modular_platform import ModularPlatform
+from gspcli.certification.poses.conjugate_points import conjugate_sources
 from gspcli.continuation.tracked_paths import TrackedPaths
 from gspcli.defaults import SEED
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Units
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Line, Point, vector
 from gspcli.geometry.random_instances import random_instance
-from gspcli.solver import side_poses as side
 from gspcli.solver import solve
 from gspcli.solver.ledger import Ledger
 from gspcli.solver.problem import Problem
@@ -120,14 +120,14 @@ def test_the_end_of_a_lost_path_may_be_no_point() -> None:
     ends = np.array(
         [[0j] * 8, [np.nan] * 8, [1, 2j, 3, 4, 5, 6, 7j, 8], [1, -2j, 3, 4, 5, 6, -7j, 8]]
     )
-    assert side.conjugate_sources(ends).tolist() == [0, 1, 2, 2]
+    assert conjugate_sources(ends).tolist() == [0, 1, 2, 2]
 
 
 def test_points_near_conjugates_are_no_conjugates() -> None:
     """Nearly parallel lines have pairs of poses, 1e-5 apart: of two of these, one was left out."""
     one = np.array([1, 2j, 3, 4, 5, 6, 7j, 8])
     other = (one * (1 + 1e-5 * np.arange(8))).conj()
-    assert side.conjugate_sources(np.array([one, other, one.conj()])).tolist() == [0, 1, 0]
+    assert conjugate_sources(np.array([one, other, one.conj()])).tolist() == [0, 1, 0]
 
 
 @pytest.mark.parametrize(("gap", "source"), [(0, 0), (1e-30, 0), (1e-20, 1), (1e-17, 1)])
@@ -135,7 +135,7 @@ def test_points_near_conjugates_in_further_digits_are_no_conjugates(gap, source)
     one = np.array([1, 2j, 3, 4, 5, 6, 7j, 8])
     low = np.zeros((2, 3, 8), complex)
     low[1, 0] = gap * np.arange(8)
-    assert side.conjugate_sources(np.array([one, one.conj()]), low).tolist() == [0, source]
+    assert conjugate_sources(np.array([one, one.conj()]), low).tolist() == [0, source]
 
 
 def test_many_paths_astray_are_not_followed_before_a_count(monkeypatch: pytest.MonkeyPatch) -> None:
