@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 import pytest
 
+import gspcli
+from gspcli.geometry.drives import Drives
 from gspcli.motion import gaps
 from tests.support.thick_legs import MACHINES, poses_near, thick
 
@@ -64,3 +68,33 @@ def test_gaps_of_three_machines(name, near):
             else:
                 assert gap < 1e-5 * size, (k, pair)
     assert seen > 200
+
+
+def test_gaps_of_a_machine_with_arms():
+    """Rods begin where the cranks have their points, and arms lead there from the axes."""
+    plain = gspcli.example("t-top-head")
+    rows = []
+    for row in plain.constraints:
+        crank = dataclasses.replace(row.base.crank, diameter=gspcli.Number.of(0.012))
+        rows.append(dataclasses.replace(row, base=dataclasses.replace(row.base, crank=crank)))
+    shapes = gspcli.Shapes(0.006)
+    instance = dataclasses.replace(plain, constraints=tuple(rows), shapes=shapes)
+    drives = Drives.of(instance)
+    R, T = poses_near(np.eye(3), np.array([0, 0, 0.17]), 25, 0.02, 0.3, 1)
+    q = drives.inverse(R, T)
+    reached = np.isfinite(q).all(axis=1)
+    R, T, q = R[reached], T[reached], q[reached]
+    assert len(T) > 10
+    found = gaps(instance, R, T)
+    for k in range(len(T)):
+        base, arm, _ = drives.ends(R[k], T[k], q[k])
+        shapes = {f"leg {i + 1}": capsule(arm[i] + T[k], base[i], 0.006) for i in range(6)}
+        for i in range(6):
+            shapes[f"the arm of B{i + 1}"] = capsule(drives.middle[i], base[i], 0.012)
+        for pair, gap in zip(found.pairs, found.values[k], strict=True):
+            one, other = pair.split(" and ")
+            if one.startswith("legs"):
+                one, other = f"leg {one[5:]}", f"leg {other}"
+            expected = distance(shapes[one], shapes[other])
+            assert expected > 1e-4
+            assert gap == pytest.approx(expected, abs=1e-6), (k, pair)

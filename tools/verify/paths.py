@@ -13,6 +13,8 @@ What must hold:
   ranges the groups are those known, within 30 seconds, along values and along poses.
 - Lengths: of paths between modes of one group at most one of a machine is longer than three times
   the straight line.
+- Motors: each path along poses of a machine with cranks or slides, to random poses near home, is
+  proved again row by row, as `gsp track --along poses --require range` does.
 - Homes: from 200 random poses within the limits of each of four machines 95 of 100 ways home are
   straight, and all others are found on a map.
 
@@ -36,11 +38,14 @@ import gspcli
 from gspcli.catalogue.names import parse_type
 from gspcli.defaults import SEED
 from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.frames import PoseFrame
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.limits import has_limits, within_limits
+from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.geometry.random_instances import random_instance
 from gspcli.motion import mode_groups
 from gspcli.motion.paths.classes import Classes
+from gspcli.motion.paths.pose_tracks import pose_track
 from gspcli.motion.paths.pose_ways import PoseWays
 from gspcli.motion.paths.smoothing import LONG
 from gspcli.motion.poses.inverse_kinematics import values_at
@@ -74,12 +79,25 @@ RANGED = {
 }
 RANDOM = 10
 #: What is looked at.
-WHAT = ("groups", "groups with ranges", "groups along poses", "homes", "lengths", "segments")
+WHAT = (
+    *("groups", "groups with ranges", "groups along poses", "homes", "lengths", "motors"),
+    "segments",
+)
 #: Machines for segments: all ten kinds.
 SEGMENTS = (*LEGS, *FACTORS, "six-planes", "fixture-3-2-1", "figure-2", "figure-4")
 #: Machines for lengths of paths, and how many pairs of modes each.
 LENGTHS = ("workspace-study", "nano-hexapod", "octahedral-3-3", "surfaces-sss", "dietmaier")
 _PAIRS = 6
+#: Machines with cranks or slides, and whether their platforms turn; how many goals each.
+MOTORS = {
+    "t-top-head": True,
+    "reachy-mini-head": True,
+    "hexaglide": True,
+    "modified-paradex": True,
+    "delta": False,
+    "three-prs": False,
+}
+_GOALS = 10
 HOMES = ("workspace-study", "workspace-study-cones", "rubin-camera", "rubin-m2")
 #: What the answers about segments come from.
 SOURCES = (
@@ -244,12 +262,40 @@ def lengths(name: str) -> tuple[int, int, int]:
     return len(pairs), short, sum(one.verdict != "proved" for one in planned)
 
 
+def motors(name: str) -> tuple[int, int, int]:
+    """Return how many goals are tried, how many paths found, how many not proved again."""
+    solved = gspcli.solve(gspcli.example(name))
+    instance = solved.instance
+    home = 0 if solved.home is None else solved.home.number - 1
+    R, T = solved.R[home].real, solved.T[home].real
+    size = Arrangement.of(instance).length
+    draw = np.random.default_rng(SEED)
+    found = wrong = 0
+    for _ in range(_GOALS):
+        turn, shift = draw.normal(size=(2, 3)) * 10.0 ** -draw.uniform(1, 3)
+        # The platform of the tripod moves along its axis only.
+        shift = shift if name != "three-prs" else shift * [0, 0, 1]
+        turned = rotation_from_vector(turn) @ R if MOTORS[name] else R
+        goal = turned, T + size * shift
+        way = gspcli.path(instance, (R, T), goal, along="poses", pivot=[0, 0, 0], time=0)
+        if way.verdict != "proved":
+            continue
+        found += 1
+        again = pose_track(
+            instance, instance, PoseFrame(), way.t, way.R, way.T, sequence="ZYX", mode=1
+        )
+        wrong += bool(again.track.ends or again.limits)
+    return _GOALS, found, wrong
+
+
 def _work(job: tuple[str, str, int]) -> tuple[Row, float]:
     what, name, chunk = job
     begin = time.process_time()
     if what == "homes":
         straight, missing = homes(name, chunk)
         return Row(what, name, _HOMES, straight, missing), time.process_time() - begin
+    if what == "motors":
+        return Row(what, name, *motors(name)), time.process_time() - begin
     if what == "lengths":
         return Row(what, name, *lengths(name)), time.process_time() - begin
     return groups(what, name), time.process_time() - begin
@@ -303,6 +349,7 @@ def main() -> int:
     jobs += [(what, name, 0) for what in WHAT[1:3] for name in RANGED]
     jobs += [("homes", name, k) for name in HOMES for k in range(_POSES // _HOMES)]
     jobs += [("lengths", name, 0) for name in LENGTHS]
+    jobs += [("motors", name, 0) for name in MOTORS]
     wanted = arguments.only or WHAT
     jobs = [job for job in jobs if job[0] in wanted]
     done = _together(list(workers_of(arguments).in_order(_work, jobs)))

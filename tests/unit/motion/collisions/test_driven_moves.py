@@ -11,7 +11,7 @@ from gspcli.geometry.drives import Drives
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.shapes import Shapes
 from gspcli.motion.collisions.compared import ComparedShapes
-from gspcli.motion.collisions.driven_moves import point_moves
+from gspcli.motion.collisions.driven_moves import point_moves, slips_near
 from gspcli.motion.poses.cranks import drive_values
 from gspcli.solver import solve
 from gspcli.spec.shipped import example
@@ -97,3 +97,44 @@ def test_the_wrong_knee_is_not_proved() -> None:
     # A number that fits no rod is proved for none, however near it is.
     bound = point_moves(drives, R[None], T[None], q + 1e-2, moves)
     assert np.isinf(bound).any()
+
+
+@pytest.mark.parametrize("name", ["reachy-mini-head", "hexaglide"])
+def test_points_near_dead_points_move_no_more_than_is_proved(name: str) -> None:
+    """The platform moves straight, so all joints move as far; some rods then do not reach."""
+    instance, R0, T0 = at_home(name)
+    drives = Drives.of(instance)
+    knees = drives.knees(R0, T0)
+    size = float(drives.rods.max())
+    R, T = poses_near(R0, T0, 400, 0.6 * size, 1.2, 4)
+    q = drives.inverse(R, T, knees)
+    reached_ = np.isfinite(q).all(axis=1)
+    R, T, q = R[reached_], T[reached_], q[reached_]
+    draw = np.random.default_rng(5)
+    far = size * 10 ** draw.uniform(-3, -0.7, len(T))
+    found = point_moves(drives, R, T, q, np.tile(far[:, None], 6))
+    # Of each rod the worst ways are along it.
+    rods = drives.ends(R, T, q)[2] / drives.rods[:, None]
+    ways = np.concatenate([rods, -rods, draw.normal(size=(len(T), 100, 3))], axis=1)
+    ways /= np.linalg.norm(ways, axis=-1, keepdims=True)
+    moved = drives.wanted(R[:, None], T[:, None] + far[:, None, None] * ways, knees)
+    slips = np.linalg.norm(drives.points(moved) - drives.points(q)[:, None], axis=-1)
+    unreached = np.isnan(slips).any(axis=1)
+    assert np.isinf(found[unreached]).all()
+    assert unreached.sum() > 10
+    known = ~unreached
+    most = np.nanmax(np.where(np.isnan(slips), 0.0, slips), axis=1)
+    assert (most[known] <= found[known] + 1e-9 * size).all()
+    # Where a gain is small twice and four times the linear change count.
+    assert (found / most)[known & np.isfinite(found)].min() < 1.2
+
+
+def test_points_move_with_the_turn_of_the_platform() -> None:
+    instance, R0, T0 = at_home("reachy-mini-head")
+    drives, turn = Drives.of(instance), 1e-3
+    R, T = poses_near(R0, T0, 200, 0.0, turn, 6)
+    start = R0[None], T0[None], drives.inverse(R0[None], T0[None])
+    found = slips_near(drives, *start, np.zeros(1), np.full(1, turn), np.zeros(3))[0]
+    moved = np.linalg.norm(drives.points(drives.inverse(R, T)) - drives.points(start[2]), axis=-1)
+    assert (moved.max(axis=0) <= found).all()
+    assert (moved.max(axis=0) > found / 10).all()

@@ -22,6 +22,7 @@ from gspcli.motion.paths.motors import Motors
 from gspcli.motion.paths.pose_tracks import pose_track
 from gspcli.motion.paths.pose_ways import PoseWays, WayProof
 from gspcli.motion.paths.track_bounds import _rows, can_be_bounded, worst_between
+from gspcli.motion.paths.way_pieces import ValueParts
 
 ROWS, SAMPLES = 3, 60
 
@@ -182,3 +183,20 @@ def test_drives_that_stay_have_their_points_where_the_file_states_them():
     found = worst_between(track, "gap", ends + size)
     assert found is None or found.bound <= ends
     assert worst_between(track, "gap", ends - 0.2 * abs(ends)) is None
+
+
+def test_joints_on_a_piece_of_a_way_of_drives_are_as_near_as_is_said():
+    rows, *_ = rows_and_samples("reachy-mini-head", "drives")
+    drives = rows.motors.drives
+    centre = Arrangement.of(rows.instance).platform_centre
+    parts = ValueParts(rows, rows.followed(), np.array([0]), 4, centre)
+    which = np.arange(len(parts.way))
+    middle = parts.near(which, np.zeros(len(which)), 0.5)
+    assert (middle.slips > 0).all()
+    for place in (-0.5, -0.2, 0.4, 0.5):
+        there = parts.near(which, np.full(len(which), place), 0.0)
+        moved = np.linalg.norm(drives.points(there.q) - drives.points(middle.q), axis=-1)
+        assert (moved <= middle.slips).all()
+        assert (moved > 0.3 * abs(place) * middle.slips).all()
+    ends = parts.near(which[[0, -1]], np.array([-0.5, 0.5]), 0.0).q
+    assert ends == pytest.approx(rows.numbers[[0, 1]], abs=1e-12)
