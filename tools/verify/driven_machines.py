@@ -246,7 +246,13 @@ class Equations:
     def kept(
         self, R: Array, T: Array, q: Array, change: Array, steps: int, *, gains: bool
     ) -> NDArray[np.bool_]:
-        """Return whether poses exist and stay regular on the way to changes, shape (n,).
+        """Return whether poses exist and stay regular on the way to changes, shape (n,)."""
+        return self.followed(R, T, q, change, steps, gains=gains)[0]
+
+    def followed(
+        self, R: Array, T: Array, q: Array, change: Array, steps: int, *, gains: bool
+    ) -> tuple[NDArray[np.bool_], Array, Array]:
+        """Return whether poses exist and stay regular on the way to changes, and where it leads.
 
         Parameters
         ----------
@@ -258,6 +264,11 @@ class Equations:
             How many to take.
         gains
             Whether the derivatives of the rods by their motors must keep their signs.
+
+        Returns
+        -------
+        tuple
+            Shapes (n,), (n, 3, 3) and (n, 3).
         """
         count = len(change)
         R, T = np.repeat(R[None], count, axis=0), np.repeat(T[None], count, axis=0)
@@ -276,7 +287,12 @@ class Equations:
             good &= now == sign
             if gains:
                 good &= (np.sign(rate) == gain).all(axis=1)
-        return good
+        return good, R, T
+
+    def side(self, R: Array, T: Array, q: Array) -> Array:
+        """Return the signs of the determinants at poses, shape (n,)."""
+        signs: Array = np.sign(np.linalg.det(self._jets(R, T, q)[1]))
+        return signs
 
     def _jets(self, R: Array, T: Array, q: Array) -> tuple[Array, Array, Array]:
         """Return half the squares less those of the rods, and derivatives by twists and motors."""

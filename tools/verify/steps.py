@@ -212,6 +212,12 @@ STEPS = (
         sample="--sample 1",
     ),
     Step(
+        "nearest-requests",
+        ("data/verification/nearest-requests.csv",),
+        "tools.verify.controllers.nearest --check --jobs {jobs}",
+        sample="--sample 1",
+    ),
+    Step(
         "sensors",
         ("data/verification/sensors*", "docs/sensors.md"),
         "tools.verify.sensors --check --jobs {jobs}",

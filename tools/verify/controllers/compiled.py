@@ -41,6 +41,29 @@ class Walks:
     seconds: Array
 
 
+@dataclass
+class Requests:
+    """What became of n requests for nearest poses.
+
+    Attributes
+    ----------
+    poses, values
+        Where the platform went: positions and quaternions, and values there, (n, 7) and (n, 6).
+    status
+        Shape (n,).
+    lines
+        1 if it is one proved line of values, 2 if there are several, 0 if none: shape (n,).
+    seconds
+        Processor time, shape (n,).
+    """
+
+    poses: Array
+    values: Array
+    status: NDArray[np.int32]
+    lines: NDArray[np.int32]
+    seconds: Array
+
+
 class CompiledController:
     """The program of one platform, compiled in a folder."""
 
@@ -119,6 +142,15 @@ class CompiledController:
         arrays = np.ascontiguousarray(poses), np.ascontiguousarray(values)
         self._call("d_rounding", n, *arrays, *found)
         return found
+
+    def nearest(self, home: Array, given: Array) -> Requests:
+        """Ask for the nearest poses to given ones, shape (n, 7), each from home."""
+        n = len(given)
+        status, lines = np.zeros((2, n), np.int32)
+        asked = Requests(np.zeros((n, 7)), np.zeros((n, 6)), status, lines, np.zeros(n))
+        arrays = asked.poses, asked.values, asked.status, asked.lines, asked.seconds
+        self._call("d_nearest", n, *map(np.ascontiguousarray, (home, given)), *arrays)
+        return asked
 
     def bends(self, poses: Array, twists: Array, start: Array, end: Array) -> tuple[Array, Array]:
         """Return second derivatives of F' along lines, by differences, and their bounds.

@@ -213,3 +213,26 @@ void d_bends(long n, const double *poses, const double *d, const double *from, c
     }
   }
 }
+
+/* Nearest poses to given ones (n, 7), each from one pose. Moves `found` (n, 7) and `values` (n, 6); `lines`
+ * is 1 if one straight line leads there, 2 if several do, and 0 if the state did not move. */
+void d_nearest(long n, const double *home, const double *given, double *found, double *values, int *status,
+               int *lines, double *seconds) {
+  const pose_t begin = pose_of(home);
+  state_t start;
+  PUBLIC(_start)(&begin, &start, 0);
+  for (long i = 0; i < n; ++i) {
+    const pose_t goal = pose_of(given + 7 * i);
+    state_t s = start, straight = start;
+    frame f;
+    const double t = now();
+    status[i] = PUBLIC(_nearest)(&goal, &s, 0);
+    seconds[i] = now() - t;
+    const int one = load(&data, &goal, &f) && towards(&data, &within, &f, &straight, 0) == 0;
+    int moved = 0;
+    for (int k = 0; k < 6; ++k) moved |= s.values[k] != start.values[k], values[6 * i + k] = s.values[k];
+    lines[i] = one ? 1 : moved ? 2 : 0;
+    for (int k = 0; k < 3; ++k) found[7 * i + k] = s.pose.position[k];
+    for (int k = 0; k < 4; ++k) found[7 * i + 3 + k] = s.pose.rotation[k];
+  }
+}
