@@ -106,11 +106,13 @@ def examine(count: int, name: str) -> Row:
         turn = nearest.length * np.linalg.norm(vector_from_rotation(found_R[k] @ R[k].T))
         compared += 1
         farther += bool(np.hypot(np.linalg.norm(found_T[k] - T[k]), turn) > FARTHER * best)
-    lines = np.bincount(asked.lines, minlength=3)
+    stays, one_line, several = (int((asked.lines == k).sum()) for k in range(3))
     return Row(
         name,
         count,
-        *(int(lines[k]) for k in (1, 2, 0)),
+        one_line,
+        several,
+        stays,
         int((~within).sum()),
         int((~regular).sum()),
         passing,
