@@ -202,7 +202,7 @@ STEPS = (
     ),
     Step(
         "gaps",
-        ("data/verification/gaps.csv",),
+        ("data/verification/gaps.csv", "data/verification/driven-gaps.csv"),
         "tools.verify.gaps --check",
     ),
     Step(
