@@ -11,8 +11,8 @@
 // seven equations whose numbers are all of order one or small, for any N. The proof is that of
 // gspcli.certification.poses.isolation, with second derivatives that are constant.
 //
-// Where some coordinates of solutions are many powers of ten larger than others, s is P u with another vector u, and
-// the equations are multiplied by P^-1 = L: then each has the terms of one coordinate. The shift is L D.
+// Some coordinates of solutions may be many powers of ten larger than others. Then s is P u with another vector u, and
+// the equations are multiplied by P^-1 = L, so that each has the terms of one coordinate. The shift is L D.
 #pragma once
 
 #include <cstdint>
