@@ -56,7 +56,8 @@ def examine(name: str, count: int = CHANGES) -> Row:
         # Half of them in the corners of the box, where a singularity comes first.
         part[::2] = np.sign(part[::2])
         change = part * weights * bound * _WITHIN
-        good = equations.kept(machine.R, machine.T, q0, change, STEPS, gains=gains)
+        followed = equations.followed(machine.R, machine.T, q0, change, STEPS)
+        good = followed.regular & followed.knees if gains else followed.regular
         wrong += int((~good).sum())
     lower, knees, fold, dead_point = (
         float(f"{number:.3g}")

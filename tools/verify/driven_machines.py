@@ -10,7 +10,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -227,6 +227,17 @@ class PlaneGeometry:
             return np.stack(ends, axis=1)
 
 
+class Followed(NamedTuple):
+    """Where n ways have led, shapes (n, ...)."""
+
+    R: Array
+    T: Array
+    regular: NDArray[np.bool_]
+    """Whether poses exist at all steps, and det J keeps its sign."""
+    knees: NDArray[np.bool_]
+    """Whether the derivatives of the rods by their motors keep their signs at all steps."""
+
+
 class Equations:
     """The squares of the rods of a machine by its pose and its motors, and their derivatives.
 
@@ -243,16 +254,8 @@ class Equations:
         self.y = np.array([row.platform.point for row in self.rows])
         self.x = np.array([row.base.point for row in self.rows])
 
-    def kept(
-        self, R: Array, T: Array, q: Array, change: Array, steps: int, *, gains: bool
-    ) -> NDArray[np.bool_]:
-        """Return whether poses exist and stay regular on the way to changes, shape (n,)."""
-        return self.followed(R, T, q, change, steps, gains=gains)[0]
-
-    def followed(
-        self, R: Array, T: Array, q: Array, change: Array, steps: int, *, gains: bool
-    ) -> tuple[NDArray[np.bool_], Array, Array]:
-        """Return whether poses exist and stay regular on the way to changes, and where it leads.
+    def followed(self, R: Array, T: Array, q: Array, change: Array, steps: int) -> Followed:
+        """Follow a pose by Newton's method while the motors change linearly, in n ways.
 
         Parameters
         ----------
@@ -262,39 +265,32 @@ class Equations:
             Changes of the motors, shape (n, 6).
         steps
             How many to take.
-        gains
-            Whether the derivatives of the rods by their motors must keep their signs.
-
-        Returns
-        -------
-        tuple
-            Shapes (n,), (n, 3, 3) and (n, 3).
         """
         count = len(change)
         R, T = np.repeat(R[None], count, axis=0), np.repeat(T[None], count, axis=0)
-        sign, gain, good = None, None, np.ones(count, bool)
+        sign, gain = None, None
+        regular, knees = np.ones(count, bool), np.ones(count, bool)
         for step in range(steps + 1):
             numbers = q + change * step / steps
             for _ in range(8):
-                F, J, _ = self._jets(R, T, numbers)
+                F, J, _ = self.jets(R, T, numbers)
                 twist = np.linalg.solve(J, -F[..., None])[..., 0]
                 R, T = _rotations(twist[:, :3]) @ R, T + twist[:, 3:]
-            F, J, rate = self._jets(R, T, numbers)
-            good &= np.abs(F).max(axis=1) < 1e-11 * self.rods.max() ** 2
+            F, J, rate = self.jets(R, T, numbers)
+            regular &= np.abs(F).max(axis=1) < 1e-11 * self.rods.max() ** 2
             now = np.sign(np.linalg.det(J))
             if sign is None or gain is None:
                 sign, gain = now, np.sign(rate)
-            good &= now == sign
-            if gains:
-                good &= (np.sign(rate) == gain).all(axis=1)
-        return good, R, T
+            regular &= now == sign
+            knees &= (np.sign(rate) == gain).all(axis=1)
+        return Followed(R, T, regular, knees)
 
     def side(self, R: Array, T: Array, q: Array) -> Array:
         """Return the signs of the determinants at poses, shape (n,)."""
-        signs: Array = np.sign(np.linalg.det(self._jets(R, T, q)[1]))
+        signs: Array = np.sign(np.linalg.det(self.jets(R, T, q)[1]))
         return signs
 
-    def _jets(self, R: Array, T: Array, q: Array) -> tuple[Array, Array, Array]:
+    def jets(self, R: Array, T: Array, q: Array) -> tuple[Array, Array, Array]:
         """Return half the squares less those of the rods, and derivatives by twists and motors."""
         count = len(T)
         y, x = (np.repeat(part[None], count, axis=0) for part in (self.y, self.x))

@@ -201,6 +201,12 @@ STEPS = (
         sample="--only groups --only 'groups with ranges' --only lengths",
     ),
     Step(
+        "driven-paths",
+        ("data/verification/driven-paths.csv",),
+        "tools.verify.driven_paths --check --jobs {jobs}",
+        sample=None,
+    ),
+    Step(
         "gaps",
         ("data/verification/gaps.csv", "data/verification/driven-gaps.csv"),
         "tools.verify.gaps --check",

@@ -141,11 +141,10 @@ def _ways(
     left = np.flatnonzero(asked.lines == 1)
     passing = 0
     for steps, gains in ((STEPS, True), (FINER, False)):
-        signs, last_R, last_T = equations.followed(
-            machine.R, machine.T, begin, change[left], steps, gains=gains
-        )
-        off = np.abs(last_R - R[left]).max(axis=(1, 2), initial=0)
-        far = np.abs(last_T - T[left]).max(axis=1, initial=0) / np.abs(equations.rods).max()
+        last = equations.followed(machine.R, machine.T, begin, change[left], steps)
+        off = np.abs(last.R - R[left]).max(axis=(1, 2), initial=0)
+        far = np.abs(last.T - T[left]).max(axis=1, initial=0) / np.abs(equations.rods).max()
+        signs = last.regular & last.knees if gains else last.regular
         good[left] = signs & (off < SAME) & (far < SAME)
         passing = int(good[left].sum()) if not gains else 0
         left = left[~good[left]]
