@@ -47,16 +47,23 @@ class DriveGuide:
         The ends.
     clear
         The clearance of the drives that every pose must have.
+    gap
+        How far legs and bodies must be apart; None if that is not looked at.
     """
 
     along = "drives"
-    gap: float | None = None
 
     def __init__(
-        self, motors: Motors, ways: PoseWays, start: PathEnd, goal: PathEnd, clear: float = 0.0
+        self,
+        motors: Motors,
+        ways: PoseWays,
+        start: PathEnd,
+        goal: PathEnd,
+        clear: float = 0.0,
+        gap: float | None = None,
     ) -> None:
         self.motors, self.ways, self.start, self.goal = motors, ways, start, goal
-        self.clear = clear
+        self.clear, self.gap = clear, gap
         drives = motors.drives
         moved = np.flatnonzero(drives.moved).tolist()
         self._chosen = choose(motors.instance, [drives.names[k] for k in moved])
@@ -84,7 +91,8 @@ class DriveGuide:
         if followed.events or np.isnan(followed.T).any() or limit_events(followed):
             return None
         R, T = followed.R[0], followed.T[0]
-        ends = ValueWays.same(*(self._points(followed, *one) for one in self._ends(R, T)))
+        geometry = MovingGeometry(followed.followed, self._chosen)
+        ends = ValueWays.same(*(geometry.points(*one) for one in self._ends(R, T)))
         if not ends.all():
             return None
         proofs = np.zeros(int(given.part[-1]) + 1, np.int64)
@@ -95,10 +103,10 @@ class DriveGuide:
             proofs[part] += pieces
         rows = DrivenRows(
             self.ways, followed.values, R, T, motors=self.motors, numbers=q, middle=self.middle,
-            clear=self.clear > 0,
+            clear=self.clear > 0, geometry=geometry,
         )  # fmt: skip
         trace = GuideRows(given.part, given.fraction, followed.values, R, T, proofs, rows, q)
-        return trace if trace.keeps(self.clear, None) else None
+        return trace if trace.keeps(self.clear, self.gap) else None
 
     def refused(self, given: RowsOnWay) -> list[int]:
         """Return nothing: it is not looked for."""
@@ -117,10 +125,6 @@ class DriveGuide:
         first, last = self.start, self.goal
         wanted = np.stack((first.R, last.R)), np.stack((first.T, last.T))
         return (R[[0, -1]], T[[0, -1]]), wanted
-
-    def _points(self, followed: Track, R: Array, T: Array) -> Array:
-        geometry = MovingGeometry(followed.followed, self._chosen)
-        return geometry.points(R, T)
 
     def _followed(self, numbers: Array) -> Track:
         """Follow the mode of the start along rows of drives, in the units of the instance."""

@@ -109,9 +109,6 @@ class Planner:
         self.limits, self.rounded = limits, rounded
         if gap is not None:
             _check_gap(instance, gap)
-            if along == "values" and is_driven(instance):
-                message = "gaps of machines with cranks or slides are proved along poses only"
-                raise ArgumentError(message, "along")
         self.gap = gap
         self.given = instance
         self.instance = without_corrections(instance)
@@ -177,8 +174,8 @@ class Planner:
         """Plan a path of a machine with cranks or slides: drives, poses, then a map of poses."""
         guide: Guide | None = None
         corners: Array | None = None
-        if self.along != "poses" and self.gap is None:
-            drives = DriveGuide(motors, self.ways, start, goal, self.clear)
+        if self.along != "poses":
+            drives = DriveGuide(motors, self.ways, start, goal, self.clear, self.gap)
             if drives.trace(drives.corners, np.array([PROVED_ROWS])) is not None:
                 guide, corners = drives, drives.corners
         if guide is None and self.along != "values":

@@ -185,6 +185,18 @@ def test_drives_that_stay_have_their_points_where_the_file_states_them():
     assert worst_between(track, "gap", ends - 0.2 * abs(ends)) is None
 
 
+def test_a_planned_path_of_drives_keeps_a_gap():
+    instance, R, T, size = thick("reachy-mini-head")
+    goal = rotation_from_vector([0.08, -0.05, 0.06]) @ R, T + 0.05 * size
+    compared = ComparedShapes(instance)
+    ends = min(compared.gaps(one[None], two[None]).min() for one, two in ((R, T), goal))
+    found = gspcli.path(instance, (R, T), goal, along="values", gap=ends - size / 10)
+    assert (found.verdict, found.along) == ("proved", "drives")
+    assert ends - size / 10 <= min(part.gap for part in found.parts) <= found.gaps.min()
+    between = gspcli.path(instance, (R, T), goal, along="values", gap=ends + size / 10)
+    assert between.verdict == "impossible"
+
+
 def test_joints_on_a_piece_of_a_way_of_drives_are_as_near_as_is_said():
     rows, *_ = rows_and_samples("reachy-mini-head", "drives")
     drives = rows.motors.drives
