@@ -50,8 +50,9 @@ _KINDS = ("leg", "coordinate", "joint", "inclinometer", "distance", "angle")
     "intervals",
     metavar="NAME=LOW:HIGH",
     multiple=True,
-    help="Draw NAME from this interval: the value of constraint NAME, or the reading of a drive "
-    "such as crank.B1. The others stay. May be repeated. 100 sets unless --random says how many.",
+    help="Keep NAME in this interval: random numbers for it are drawn there. NAME is the number of "
+    "a constraint, or a drive such as crank.B1. The others stay. May be repeated. 100 sets unless "
+    "--random says how many.",
 )
 @click.option(
     "--sensor",

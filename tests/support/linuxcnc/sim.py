@@ -66,8 +66,15 @@ def home():
 def move(words):
     command.mode(linuxcnc.MODE_MDI)
     command.wait_complete()
+    status.poll()
+    begin = status.position[0]
     command.mdi(f"G20 G1 F20 {words}")
-    time.sleep(0.3)
+    # A busy computer is late.
+    for _ in range(200):
+        time.sleep(0.05)
+        status.poll()
+        if status.position[0] > begin + 0.05:
+            break
 
 
 def put_off(by):

@@ -1,6 +1,6 @@
 """Judge nearest poses that controllers go to, and record it.
 
-    python -m tools.verify.controllers.nearest [--count 4000] [--jobs 2] [--check [--sample N]]
+    python -m tools.verify.controllers.nearest [--count 20000] [--jobs 2] [--check [--sample N]]
 
 `gsp export --to c` writes the programs of five machines, which are compiled and asked for random
 poses about home, each from home. All that follows is computed with vectors and plane geometry, not
@@ -154,7 +154,7 @@ def _ways(
 def main() -> int:
     """Judge, compare or write; return the exit code."""
     options = parser(__doc__, sample=True)
-    options.add_argument("--count", type=int, default=4000, help="requests to each machine")
+    options.add_argument("--count", type=int, default=20_000, help="requests to each machine")
     add_workers(options)
     arguments = options.parse_args()
     chosen = sampled(MACHINES, arguments.sample if arguments.check else None)
