@@ -163,14 +163,24 @@ def test_the_program_and_the_follower_are_one(kinds, tmp_path):
 
 @pytest.mark.skipif("gcc" not in COMPILERS, reason="no gcc")
 @pytest.mark.parametrize(
-    "kinds", ["DPP DPL DLP DPH DHP DLL", "3DPP ALL ALH AHH", "@t-top-head", "@hexaglide", "mixed"]
+    ("kinds", "far"),
+    [
+        ("DPP DPL DLP DPH DHP DLL", 0),
+        ("3DPP ALL ALH AHH", 0),
+        ("@t-top-head", 0),
+        ("@hexaglide", 0),
+        ("mixed", 0),
+        # Legs that are long beside the platform.
+        ("6PP", 400),
+    ],
 )
-def test_derivatives_bend_as_far_as_is_said(kinds, tmp_path):
+def test_derivatives_bend_as_far_as_is_said(kinds, far, tmp_path):
     if kinds == "mixed":
         machine = machines()["mixed"]()
         instance, (R, T) = machine.instance, (machine.R, machine.T)
     else:
         instance, (R, T) = platform(kinds)
+    T = T + far
     program, numbers = CompiledController(instance, tmp_path), platform_numbers(instance)
     rng, n = np.random.default_rng(3), 400
     poses = np.tile(poses_of(R, T), (n, 1))
