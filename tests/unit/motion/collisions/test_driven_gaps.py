@@ -8,12 +8,13 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from gspcli.errors import ArgumentError
 from gspcli.geometry.drives import Drives
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.shapes import Shapes
 from gspcli.motion.collisions.compared import ComparedShapes
 from gspcli.motion.paths.api import path
+from gspcli.motion.paths.drive_guide import DriveGuide
+from gspcli.motion.paths.ends import PathEnd
 from gspcli.motion.paths.motors import Motors
 from gspcli.motion.paths.pose_ways import PoseWays
 from gspcli.motion.workspace.box_division import workspace
@@ -39,7 +40,7 @@ def thick_machine() -> tuple[Instance, np.ndarray, np.ndarray, float]:
 def test_samples_of_a_path_keep_the_gap(share: float) -> None:
     instance, R, T, least = thick_machine()
     goal = R, T + np.array([0.1, 0.05, 0.02]) * SIZE
-    found = path(instance, "home", goal, gap=share * least, time=5)
+    found = path(instance, "home", goal, along="poses", gap=share * least, time=5)
     assert (found.verdict, found.along) == ("proved", "poses")
     assert len(found.T) >= 2
     assert found.gaps is not None
@@ -54,10 +55,18 @@ def test_samples_of_a_path_keep_the_gap(share: float) -> None:
         assert (low >= share * least - 1e-9).all()
 
 
-def test_gaps_along_drives_are_refused() -> None:
+def test_samples_of_a_path_of_drives_keep_the_gap() -> None:
     instance, R, T, least = thick_machine()
-    with pytest.raises(ArgumentError, match="along poses only"):
-        path(instance, "home", (R, T), along="values", gap=least / 2)
+    goal = T + np.array([0.1, 0.05, 0.02]) * SIZE
+    found = path(instance, "home", (R, goal), gap=least / 2, time=5)
+    assert (found.verdict, found.along) == ("proved", "drives")
+    ends = [PathEnd("", found.values[k], found.R[k], found.T[k]) for k in (0, -1)]
+    guide = DriveGuide(Motors(instance), PoseWays(instance, limits=False), *ends)
+    samples = guide.trace(guide.corners, np.array([300]))
+    assert samples is not None
+    low = ComparedShapes(instance).bounds(samples.R, samples.T, samples.drives).low
+    least_proved = min(part.gap for part in found.parts if part.gap is not None)
+    assert least / 2 <= least_proved <= low.min() + 1e-9
 
 
 def test_a_gap_that_home_does_not_keep_is_impossible() -> None:
