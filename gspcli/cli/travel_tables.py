@@ -11,8 +11,8 @@ from gspcli.cli.pose_options import frame_note
 from gspcli.cli.progress_bars import progress
 from gspcli.cli.reachable_home import Home
 from gspcli.errors import GspError
-from gspcli.geometry.drive_numbers import shares_drives
-from gspcli.wording import shown
+from gspcli.geometry.drive_numbers import driven_points, is_driven, shares_drives
+from gspcli.wording import listed, shown
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -107,6 +107,7 @@ def show_travels(
         f"x, y, z in {units.length}, rx, ry, rz in {units.angle.value}; proved: up to there {what}",
     ]
     notes += frame_note(home.frame)
+    notes += _free_values(instance)
     if shares_drives(instance):
         notes.append("rods share drives: what the platform reaches when it turns is not computed")
     if any(row["down"] is None for row in rows):
@@ -125,6 +126,18 @@ def show_travels(
         "volume": None,
     }
     emit(output, Table(columns, rows, title=instance.title, notes=notes), document=document)
+
+
+def _free_values(instance: Instance) -> list[str]:
+    """Return which values neither a motor nor a range holds, of a machine with motors."""
+    free = [
+        str(k)
+        for k, row in enumerate(instance.constraints, 1)
+        if row.limits is None and not driven_points(row)
+    ]
+    if not free or not is_driven(instance):
+        return []
+    return [f"values that may change on the way, without a range: {listed(free, 'and')}"]
 
 
 def _offset_rows(
