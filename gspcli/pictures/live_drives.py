@@ -34,8 +34,8 @@ from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Crank, Point
 from gspcli.records import dataclass
 from gspcli.solver.results.proof import CountKind, Proof
-from gspcli.solver.starts.geometry_starts import SolvedGeometry
 from gspcli.solver.starts.solved_starts import SolvedStarts, counted_sides
+from gspcli.solver.starts.start import Start
 from gspcli.solver.study_systems import coefficients_of
 
 if TYPE_CHECKING:
@@ -118,14 +118,14 @@ def _cross(a: Vector, b: Vector) -> Vector:
     return entry(1, 2), entry(2, 0), entry(0, 1)
 
 
-def counted(instance: Instance, geometry: SolvedGeometry) -> list[ExactCount | None]:
+def counted(instance: Instance, start: Start) -> list[ExactCount | None]:
     """Return how many isolated poses a machine can have, by which motors have moved.
 
     Parameters
     ----------
     instance
         The machine.
-    geometry
+    start
         Of its family.
 
     Returns
@@ -146,7 +146,7 @@ def counted(instance: Instance, geometry: SolvedGeometry) -> list[ExactCount | N
                 continue
             held = frozenset(names) - {names[k] for k in moved}
             count = SolvedStarts().count(anywhere(instance, held), sides, SEED, COUNT_LIMIT)
-            if count is not None and (count.solutions or 0) < geometry.found:
+            if count is not None and (count.solutions or 0) < start.found:
                 found[sum(2**k for k in moved)] = count
     return found
 
@@ -164,13 +164,13 @@ def apart(instance: Instance) -> Instance:
     return replace(instance, constraints=tuple(rows), dynamics=None)
 
 
-def terms(drives: Drives, geometry: SolvedGeometry) -> Coefficients:
+def terms(drives: Drives, start: Start) -> Coefficients:
     """Return the three quadrics of each rod, shape (3, 6, ...), multiplied as those of the start.
 
     Rows of values have no meaning.
     """
-    given, inner, start = geometry.given, geometry.inner, geometry.start
-    unit = geometry.length
+    given, inner = start.given, start.inner
+    unit = start.length
     cranked = np.array([drives.sorts[k] == "crank" for k in drives.index])
     # A crank at 0, 90 and 180 degrees, a slide at -1, 0 and 1 units.
     steps = np.where(cranked, np.array([[0.0], [0.5], [1.0]]) * np.pi, [[-unit], [0.0], [unit]])
@@ -234,16 +234,16 @@ class LiveMotors:
             np.where(drives.driven, drives.offsets[k], shift),
         )
 
-    def terms(self, geometry: SolvedGeometry) -> Coefficients:
+    def terms(self, start: Start) -> Coefficients:
         """As the function."""
-        return terms(self.drives, geometry)
+        return terms(self.drives, start)
 
     def numbers(self, proofs: ValueProofs) -> list[Any]:
         """As `joint_numbers`."""
         return joint_numbers(self.given, self.drives, proofs)
 
     def moved(
-        self, found: Mapping[str, list[Any]], geometry: SolvedGeometry
+        self, found: Mapping[str, list[Any]], start: Start
     ) -> tuple[dict[str, Any], Proof | None]:
         """Return the facts about values that a page shows, for motors, and the proof of the counts.
 
@@ -274,15 +274,15 @@ class LiveMotors:
             said["units"].append(units.angle.value if is_turn else units.length)
             said["sides"].append(None)
             said["titles"].append(names)
-        counts = counted(self.given, geometry)
-        proof = geometry.proof
+        counts = counted(self.given, start)
+        proof = start.proof
         if proof is not None:
             errors = [proof.error, *(count.error for count in counts if count is not None)]
             proof = Proof.modulo(CountKind.GEOMETRY, max(errors)) if max(errors) else proof
         said |= {
             "index": drives.index.tolist(),
             "names": list(drives.names),
-            "counts": [geometry.found if x is None else x.solutions for x in counts],
+            "counts": [start.found if x is None else x.solutions for x in counts],
         }
         return said, proof
 

@@ -43,13 +43,12 @@ from gspcli.pictures.live_drives import LiveMotors, apart
 from gspcli.pictures.live_home import live_home
 from gspcli.resources import data_path
 from gspcli.solver.problem import Problem
-from gspcli.solver.starts.geometry_starts import SolvedGeometry
 from gspcli.solver.starts.solved_starts import SolvedStarts
+from gspcli.solver.starts.start import Start
 from gspcli.solver.study_systems import coefficients_of
 
 if TYPE_CHECKING:
     from gspcli.solver.result import SolveResult
-    from gspcli.solver.starts.start import Start
 
 Array = NDArray[np.float64]
 
@@ -118,40 +117,40 @@ def live_numbers(result: SolveResult) -> dict[str, Any]:
     if not problem.local_frames.is_none:
         raise _cannot("its frames are far away from its bodies")
     proofs = ValueProofs.of(instance, corrected)
-    geometry = _geometry(problem, corrected)
-    if proofs is None or geometry is None:
+    start = _start(problem, corrected)
+    if proofs is None or start is None:
         count = problem.count_geometry()
         if count is not None and not count.solutions:
             raise _cannot("its geometry has poses for special values alone")
         raise _cannot("no start was found that leads to all its poses")
-    if motors is not None and geometry.far is not None:
+    if motors is not None and start.far is not None:
         raise _cannot("some of its poses are far away wherever its joints are")
     numbers = _Numbers()
-    _put_values(numbers, instance, geometry, motors)
+    _put_values(numbers, instance, start, motors)
     if motors is None:
-        _put_pools(numbers, geometry)
+        _put_pools(numbers, start)
     else:
         numbers.put(0)
-    _put_whole(numbers, geometry, motors)
-    _put_proofs(numbers, instance, proofs, geometry)
-    _put_far(numbers, geometry)
+    _put_whole(numbers, start, motors)
+    _put_proofs(numbers, instance, proofs, start)
+    _put_far(numbers, start)
     controller = platform_numbers(given if motors is None else apart(given))
     numbers.put(controller.kind, controller.either, controller.doubles)
     arrangement = result.arrangement
-    numbers.put(geometry.found, arrangement.platform_centre, arrangement.extent)
+    numbers.put(start.found, arrangement.platform_centre, arrangement.extent)
     _put_clearance(numbers, given)
     numbers.put(*([0] if motors is None else [1, *motors.numbers(proofs)]))
-    found, proof = _said(problem, ranges), geometry.proof
+    found, proof = _said(problem, ranges), start.proof
     reservation = "" if proof is None else proof.reservation
     if motors is not None:
-        found, proof = motors.moved(found, geometry)
+        found, proof = motors.moved(found, start)
         found["stated"] = _stated(result)
         if proof is not None and proof.error:
             reservation = f"{proof.reservation}, counted with its joints at random places"
     return {
         **found,
         "home": None if result.home is None else result.home.number - 1,
-        "quick": geometry.found <= _QUICK,
+        "quick": start.found <= _QUICK,
         "proof": proof and proof.to_json(),
         "reservation": reservation,
         "drives": drawn_drives(given),
@@ -232,15 +231,15 @@ def _limits(instance: Instance) -> list[list[float | None]]:
     return [[x if math.isfinite(x) else None for x in pair] for pair in readings.tolist()]
 
 
-def _geometry(problem: Problem, rows: Array) -> SolvedGeometry | None:
+def _start(problem: Problem, rows: Array) -> Start | None:
     from gspcli.solver.all_poses import all_poses
-    from gspcli.solver.strategies.row_groups import start_among
+    from gspcli.solver.strategies.row_groups import common_start
 
-    return start_among(problem.with_rows(rows), all_poses)
+    return common_start(problem.with_rows(rows), all_poses)
 
 
 def _put_values(
-    numbers: _Numbers, instance: Instance, geometry: SolvedGeometry, motors: LiveMotors | None
+    numbers: _Numbers, instance: Instance, start: Start, motors: LiveMotors | None
 ) -> None:
     scale, shift = factors(instance), offsets(instance, signed=False)
     if motors is not None:
@@ -251,33 +250,34 @@ def _put_values(
         height = kind.is_distance and kind.has_sides
         law = kind.law
         numbers.put(kind.is_distance, square, height, law.is_cosine, law.sign, scale[i], shift[i])
-    numbers.put(len(geometry.choices), geometry.choices, geometry.length)
+    numbers.put(len(start.choices), start.choices, start.length)
     degrees = instance.units.angle is AngleUnit.DEGREE
     sine = SineNumbers.of(degrees=degrees)
     numbers.put(degrees, sine.quarter, sine.unit, len(sine.terms), sine.small, sine.terms)
     numbers.put(COSINE_ERROR, SINE_ERROR)
 
 
-def _put_pools(numbers: _Numbers, geometry: SolvedGeometry) -> None:
-    near, first = geometry.near, geometry.start
-    homotopy = near.homotopy
+def _put_pools(numbers: _Numbers, start: Start) -> None:
+    homotopy = start.homotopy
     if homotopy is None:
         numbers.put(0)
         return
-    stages: list[tuple[Start, TrackerOptions]] = [(near, VALUE_STEPS), (first, SHORT_STEPS)]
+    first = slice(1)
+    stages: list[tuple[slice, TrackerOptions]] = [(start.near, VALUE_STEPS), (first, SHORT_STEPS)]
     has_h = len(homotopy.pivots) + len(homotopy.free) == 7
     numbers.put(len(stages), len(homotopy.free), has_h, homotopy.pivots, homotopy.free)
     numbers.put(homotopy.forms, homotopy.slopes, homotopy.combinations)
-    numbers.put(near.reduced.shape[1], geometry.length)
+    numbers.put(start.reduced.shape[1], start.length)
     for each, options in stages:
-        numbers.put(len(each.parameters), each.parameters, each.unit, each.reduced)
+        parameters = start.parameters[each]
+        numbers.put(len(parameters), parameters, start.unit, start.reduced[each])
         numbers.put(options.predictor_tolerance, options.contraction, options.radius_fraction)
         numbers.put(options.min_step, options.max_steps)
 
 
-def _put_whole(numbers: _Numbers, geometry: SolvedGeometry, motors: LiveMotors | None) -> None:
-    inner, start = geometry.inner, geometry.start
-    signs = np.where(geometry.given.values == 0, 0.0, 1.0)
+def _put_whole(numbers: _Numbers, start: Start, motors: LiveMotors | None) -> None:
+    inner = start.inner
+    signs = np.where(start.given.values == 0, 0.0, 1.0)
     given = inner.kinds, inner.y, inner.x, inner.u, inner.v
     # Coefficients are polynomials of second degree in the value.
     structure, found = coefficients_of(*given, np.outer((1.0, 2.0, 3.0), signs))
@@ -289,7 +289,7 @@ def _put_whole(numbers: _Numbers, geometry: SolvedGeometry, motors: LiveMotors |
     slope = two - one - 3 * square
     parts = np.stack((one - slope - square, slope, square))
     if motors is not None:
-        terms = [x[:, order] for x in motors.terms(geometry)]
+        terms = [x[:, order] for x in motors.terms(start)]
         moved = [
             np.broadcast_to(
                 motors.drives.driven[order].reshape(-1, *(1,) * (x.ndim - 2)), x.shape
@@ -301,17 +301,15 @@ def _put_whole(numbers: _Numbers, geometry: SolvedGeometry, motors: LiveMotors |
     system = start.system
     numbers.put(system.structure.is_product, order, *system.coefficients)
     numbers.put(len(start.points), start.points, *parts)
-    numbers.put(geometry.length * float(start.scale))
+    numbers.put(start.length * float(start.scale))
     for options in (SHORT, CAREFUL):
         numbers.put(options.predictor_tolerance, options.contraction, options.arrival)
         numbers.put(options.radius_fraction, options.min_step, options.waypoint, options.nearest)
         numbers.put(options.max_steps, options.late_steps)
 
 
-def _put_proofs(
-    numbers: _Numbers, instance: Instance, proofs: ValueProofs, geometry: SolvedGeometry
-) -> None:
-    given = geometry.given
+def _put_proofs(numbers: _Numbers, instance: Instance, proofs: ValueProofs, start: Start) -> None:
+    given = start.given
     numbers.put(len(proofs.numbers[0]), *proofs.numbers, given.base_centre, given.platform_centre)
     numbers.put(proofs.scale, TOLERANCE, reach(instance))
     lines = [
@@ -322,8 +320,8 @@ def _put_proofs(
     numbers.put(len(lines), *lines, ROUNDING)
 
 
-def _put_far(numbers: _Numbers, geometry: SolvedGeometry) -> None:
-    far = geometry.far
+def _put_far(numbers: _Numbers, start: Start) -> None:
+    far = start.far
     if far is None:
         numbers.put(0)
         return

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from gspcli.certification.poses.locator import Locator
     from gspcli.continuation.tracked_paths import TrackedPaths
     from gspcli.solver.results.pose_set import PoseSet
-    from gspcli.solver.starts.geometry_starts import SolvedGeometry
+    from gspcli.solver.starts.start import Start
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
@@ -75,7 +75,7 @@ class Problem:
         self.known_geometry_count: ExactCount | None = None
         self._has_counted = False
         #: From where paths lead to the sets of values, if they have a start together.
-        self.start: SolvedGeometry | None = None
+        self.start: Start | None = None
 
     def like(self, instance: Instance) -> Problem:
         """Return another platform, to be solved likewise."""

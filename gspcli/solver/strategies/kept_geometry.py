@@ -20,14 +20,14 @@ from gspcli.solver.ends import Ends
 from gspcli.solver.ledger import Ledger
 from gspcli.solver.problem import Problem
 from gspcli.solver.results.pose_set import PoseSet, are_far
-from gspcli.solver.starts.geometry_starts import (
-    SolvedGeometry,
-    geometry_about,
+from gspcli.solver.starts.solved_starts import SolvedPlatform, Sort, geometry_key
+from gspcli.solver.starts.start import (
+    Start,
+    StartMethod,
     parameters_in,
     solved_system,
+    start_about,
 )
-from gspcli.solver.starts.solved_starts import SolvedPlatform, Sort, geometry_key
-from gspcli.solver.starts.start import StartMethod
 
 if TYPE_CHECKING:
     from gspcli.certification.poses.far_poses import FarPoses
@@ -45,30 +45,30 @@ _ATTEMPTS = 6
 
 
 class _Entry(NamedTuple):
-    """A geometry with far poses, and the solved platform that it was made from."""
+    """A start of a geometry with far poses, and the solved platform that it was made from."""
 
     made_from: SolvedPlatform
-    geometry: SolvedGeometry | None
+    start: Start | None
 
 
 def same_geometry(problem: Problem) -> Iterator[Ends]:
     """Yield the ends of paths from a start of the geometry, and its far poses, where it is kept."""
-    geometry = kept_geometry(problem)
+    start = kept_start(problem)
     # Where it has fewer poses than its type, its count is what says that these are all.
-    if geometry is not None and (
-        geometry.found == problem.expected or problem.geometry_count is not None
+    if start is not None and (
+        start.found == problem.expected or problem.geometry_count is not None
     ):
-        yield geometry.quick_ends(problem.values)
+        yield start.quick_ends(problem.values)
 
 
 def from_nearest(problem: Problem) -> Iterator[Ends]:
-    """Yield the ends of paths to sets of values, each from the nearest start."""
+    """Yield the ends of paths to sets of values, each from the nearest system."""
     if problem.start is not None:
         yield problem.start.quick_ends(problem.values, problem.jobs)
 
 
 def by_short_steps(problem: Problem) -> Iterator[Ends]:
-    """Yield the ends of paths from the geometry's own start, with short steps."""
+    """Yield the ends of paths from the start's first system, with short steps."""
     start = problem.start
     ends = None if start is None else start.short_ends(problem.values, problem.jobs)
     if ends is not None:
@@ -76,13 +76,13 @@ def by_short_steps(problem: Problem) -> Iterator[Ends]:
 
 
 def by_careful_steps(problem: Problem) -> Iterator[Ends]:
-    """Yield the ends of paths of the equations in all unknowns, from the geometry's own start."""
+    """Yield the ends of paths of the equations in all unknowns, from the start's first system."""
     if problem.start is not None:
         yield problem.start.careful_ends(problem.values, problem.jobs)
 
 
-def kept_geometry(problem: Problem) -> SolvedGeometry | None:
-    """Return the geometry of a platform with a start; None where none is kept, or none is safe."""
+def kept_start(problem: Problem) -> Start | None:
+    """Return a start from a kept platform of the geometry; None if there is no safe one."""
     known = problem.starts.platform(problem.arrangement)
     if known is None:
         return None
@@ -97,13 +97,13 @@ def kept_geometry(problem: Problem) -> SolvedGeometry | None:
     if entry is None or entry.made_from is not known:
         made = _Entry(known, _with_far_poses(problem, known, far) or _with_paths(problem, known))
         entry = problem.starts.keep(Sort.SAME, key, made)
-    return entry.geometry
+    return entry.start
 
 
 def kept_among(
     problem: Problem, solve: Callable[[Problem], PoseSet], *, begin: bool
-) -> SolvedGeometry | None:
-    """Return a geometry with poses far away and starts among sets of values; None if it has none.
+) -> Start | None:
+    """Return a start with poses far away among sets of values; None if there are no such poses.
 
     Parameters
     ----------
@@ -122,14 +122,14 @@ def kept_among(
         known = problem.starts.platform(one.arrangement)
     if known is None or not are_far(known.poses.R, known.poses.T, known.arrangement.length).any():
         return None
-    found = kept_geometry(one)
+    found = kept_start(one)
     return found and found.among(rows, problem.jobs)
 
 
 def _with_far_poses(
     problem: Problem, known: SolvedPlatform, is_far: NDArray[np.bool_]
-) -> SolvedGeometry | None:
-    """Return the geometry with a start of the near poses, and with the far ones."""
+) -> Start | None:
+    """Return a start of the near poses, with the far ones."""
     solved = problem.like(known.instance)
     if len(solved.choices) > 1 or solved.proofs is None or is_far.all():
         return None
@@ -149,7 +149,7 @@ def _with_far_poses(
         # Near and far poses are followed from the same values on the same way: where values change,
         # one may take the place of the other.
         same = far.about(
-            found.start.parameters[0], parameters_in(known.arrangement, problem.unit), problem.unit
+            found.parameters[0], parameters_in(known.arrangement, problem.unit), problem.unit
         )
         if same is None:
             continue
@@ -159,8 +159,8 @@ def _with_far_poses(
     return None
 
 
-def _with_paths(problem: Problem, known: SolvedPlatform) -> SolvedGeometry | None:
-    """Return the geometry with a start of all poses, if paths lead back to all of them.
+def _with_paths(problem: Problem, known: SolvedPlatform) -> Start | None:
+    """Return a start of all poses, if paths lead back to all of them.
 
     Poses a hundred lengths away may have equations that are too nearly dependent for local
     coordinates; with 64 digits they are proved at the ends of paths.
@@ -172,10 +172,8 @@ def _with_paths(problem: Problem, known: SolvedPlatform) -> SolvedGeometry | Non
     return found if found is not None and _leads_back(found, problem, solved, known) else None
 
 
-def _leads_back(
-    found: SolvedGeometry, problem: Problem, solved: Problem, known: SolvedPlatform
-) -> bool:
-    """Whether all poses of the platform that a geometry was made from are found and proved."""
+def _leads_back(found: Start, problem: Problem, solved: Problem, known: SolvedPlatform) -> bool:
+    """Whether all poses of the platform that a start was made from are found and proved."""
     rows = known.arrangement.values[None]
     ledger = Ledger(solved.with_rows(rows))
     ledger.problem.known_geometry_count = problem.geometry_count
@@ -189,11 +187,11 @@ def _about(
     poses: PoseSet,
     seed: int,
     far: FarPoses | None = None,
-) -> SolvedGeometry | None:
-    """Return the geometry with a start from a solved platform; None if that is not safe."""
+) -> Start | None:
+    """Return a start from a solved platform; None if that is not safe."""
     length = problem.unit
     square = [kind.is_distance and not kind.has_sides for kind in known.kinds]
-    geometry = geometry_about(
+    start = start_about(
         problem.arrangement if far is None else known,
         length,
         np.where(square, _SQUARE, 0.0),
@@ -205,7 +203,7 @@ def _about(
         solved=solved_system(known, length, poses),
         far=far,
     )
-    return None if geometry is None or geometry.proof is None else geometry
+    return None if start is None or start.proof is None else start
 
 
 def _flattened(arrangement: Arrangement) -> Arrangement:

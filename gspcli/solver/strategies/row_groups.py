@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.solver.problem import Problem
 from gspcli.solver.results.pose_set import PoseSet
-from gspcli.solver.starts.geometry_starts import SolvedGeometry, geometry_among
+from gspcli.solver.starts.start import Start, start_among
 from gspcli.solver.strategies.kept_geometry import kept_among
 
 Array = NDArray[np.float64]
@@ -57,7 +57,7 @@ def groups_of(
         if group.proofs is None:
             continue
         if sizes is not None:
-            group.start = start_among(group, solve)
+            group.start = common_start(group, solve)
             if group.start is None or group.start.proof is None:
                 continue
             if group.start.found < group.expected:
@@ -65,12 +65,12 @@ def groups_of(
         yield np.array(members, np.intp), group
 
 
-def start_among(problem: Problem, solve: Callable[[Problem], PoseSet]) -> SolvedGeometry | None:
-    """Return the geometry with a start for sets of values of one size; None if none is safe."""
+def common_start(problem: Problem, solve: Callable[[Problem], PoseSet]) -> Start | None:
+    """Return a start for sets of values of one size; None if none is safe."""
     among = problem.arrangement, problem.values, problem.count_geometry
     return (
         kept_among(problem, solve, begin=False)
-        or geometry_among(*among, problem.seed, problem.jobs, problem.starts)
+        or start_among(*among, problem.seed, problem.jobs, problem.starts)
         or kept_among(problem, solve, begin=True)
     )
 

@@ -16,9 +16,9 @@ from gspcli.solver.problem import Problem
 from gspcli.solver.results.proof import CountKind
 from gspcli.solver.special import by_count
 from gspcli.solver.starts.solved_starts import STARTS, SolvedStarts
-from gspcli.solver.starts.start import StartMethod, geometry_start
+from gspcli.solver.starts.start import StartMethod, solved_start
 from gspcli.solver.strategies import elimination
-from gspcli.solver.strategies.kept_geometry import kept_geometry
+from gspcli.solver.strategies.kept_geometry import kept_start
 from gspcli.spec import load
 from tools.special.realistic import machines
 
@@ -75,12 +75,12 @@ def test_a_start_that_lacks_a_solution_proves_nothing(monkeypatch):
     known = solve(instance)
 
     def lacking(*about, **how):
-        start = geometry_start(*about, **how)
+        start = solved_start(*about, **how)
         if start is None:
             return None
         return replace(start, points=start.points[1:], reduced=start.reduced[:, 1:])
 
-    monkeypatch.setattr("gspcli.solver.starts.geometry_starts.geometry_start", lacking)
+    monkeypatch.setattr("gspcli.solver.starts.start.solved_start", lacking)
     starts = SolvedStarts()
     for _ in range(2):
         found = solve(instance, starts=starts)
@@ -94,13 +94,13 @@ def test_the_first_of_a_geometry_needs_neither_a_start_nor_an_exact_count(name, 
 
     def seen(*about, way, solved):
         ways.append(way)
-        return geometry_start(*about, way=way, solved=solved)
+        return solved_start(*about, way=way, solved=solved)
 
     def counted(*_, **__):
         raise AssertionError
 
     STARTS.clear()
-    monkeypatch.setattr("gspcli.solver.starts.geometry_starts.geometry_start", seen)
+    monkeypatch.setattr("gspcli.solver.starts.start.solved_start", seen)
     monkeypatch.setattr("gspcli.solver.special.by_count.exact_count", counted)
     first = solve(platform("platforms", name))
     assert not ways
@@ -115,15 +115,15 @@ def test_a_start_from_a_solved_platform_has_the_solutions_of_any_other(name, mon
     starts = {}
 
     def each(*about, way, solved):
-        start = geometry_start(*about, way=way, solved=solved)
+        start = solved_start(*about, way=way, solved=solved)
         if way is StartMethod.SOLVED:
             starts.update(
-                {way: start, StartMethod.CAREFUL: geometry_start(*about, way=StartMethod.CAREFUL)}
+                {way: start, StartMethod.CAREFUL: solved_start(*about, way=StartMethod.CAREFUL)}
             )
         return start
 
     STARTS.clear()
-    monkeypatch.setattr("gspcli.solver.starts.geometry_starts.geometry_start", each)
+    monkeypatch.setattr("gspcli.solver.starts.start.solved_start", each)
     for _ in range(2):
         solve(platform("platforms", name))
     found, known = (
@@ -163,12 +163,12 @@ def test_nearly_special_platforms_are_proved_by_their_geometry_too(monkeypatch):
 def test_values_of_zero_and_platforms_not_to_be_counted_go_other_ways():
     instance, starts = platform("examples", "octahedral-3-3"), SolvedStarts()
     assert solve(instance, prove=False, starts=starts).proof is None
-    assert kept_geometry(Problem(instance, starts=starts)) is None
+    assert kept_start(Problem(instance, starts=starts)) is None
     zero = instance.with_values({0: Number.of(0)})
     solve(zero, starts=starts)
     assert starts.platform(Problem(zero).arrangement) is None
     solve(instance, starts=starts)
-    assert kept_geometry(Problem(instance, starts=starts)).found == 16
+    assert kept_start(Problem(instance, starts=starts)).found == 16
     assert not Problem(instance, prove=False, starts=starts).has_kept_geometry
     assert not Problem(zero, starts=starts).has_kept_geometry
 
@@ -190,7 +190,7 @@ def test_far_poses_need_no_paths(monkeypatch):
     # 28 poses are near; 12 are so far away that doubles find none of them.
     instance, starts = platform("platforms", "reachy-mini-head"), SolvedStarts()
     first = solve(instance, starts=starts)
-    assert kept_geometry(Problem(instance, starts=starts)).start.points.shape == (28, 8)
+    assert kept_start(Problem(instance, starts=starts)).points.shape == (28, 8)
 
     def nothing_else(*_):
         raise AssertionError
@@ -221,8 +221,8 @@ def test_far_poses_of_another_geometry_are_not_used():
         instance, constraints=(replace(first, platform=moved), *instance.constraints[1:])
     )
     assert starts.platform(Problem(other).arrangement) is not None
-    assert kept_geometry(Problem(other, starts=starts)) is None
-    assert kept_geometry(Problem(instance, starts=starts)) is not None
+    assert kept_start(Problem(other, starts=starts)) is None
+    assert kept_start(Problem(instance, starts=starts)) is not None
 
 
 def test_a_count_that_disagrees_proves_nothing_of_far_poses():
@@ -234,7 +234,7 @@ def test_a_count_that_disagrees_proves_nothing_of_far_poses():
     fewer = SolvedStarts()
     poses = kept.poses.reordered(np.delete(np.arange(len(kept.poses.R)), near[0]))
     fewer.keep_platform(kept._replace(poses=poses))
-    assert kept_geometry(Problem(instance, starts=fewer)) is None
+    assert kept_start(Problem(instance, starts=fewer)) is None
     found = solve(instance, starts=fewer)
     assert found.verdict == "complete"
     assert len(found.R) == 36

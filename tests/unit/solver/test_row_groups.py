@@ -17,7 +17,7 @@ from gspcli.resources import instance_files
 from gspcli.solver import solve, solve_batch
 from gspcli.solver.all_poses import all_poses
 from gspcli.solver.problem import Problem
-from gspcli.solver.starts.geometry_starts import geometry_among
+from gspcli.solver.starts.start import start_among
 from gspcli.solver.strategies import elimination, row_groups
 from gspcli.spec import load
 
@@ -70,9 +70,9 @@ def test_sets_of_several_sizes_have_a_start_each(name, monkeypatch):
 
     def counting(arrangement, group, *rest):
         sizes.append(len(group))
-        return geometry_among(arrangement, group, *rest)
+        return start_among(arrangement, group, *rest)
 
-    monkeypatch.setattr(row_groups, "geometry_among", counting)
+    monkeypatch.setattr(row_groups, "start_among", counting)
     batch = solve_batch(instance, mixed)
     assert sorted(sizes) == [SETS // 2] * 2
     assert batch.proved.all()
@@ -87,7 +87,7 @@ def test_sets_of_several_sizes_have_a_start_each(name, monkeypatch):
 def test_a_start_that_proves_something_else_leaves_its_sets_to_others(monkeypatch):
     instance, rows = case()
     mixed = np.concatenate((rows[:5], 20 * rows[5:]))
-    known = row_groups.geometry_among
+    known = row_groups.start_among
 
     def unproved(arrangement, group, *rest):
         geometry = known(arrangement, group, *rest)
@@ -95,7 +95,7 @@ def test_a_start_that_proves_something_else_leaves_its_sets_to_others(monkeypatc
             object.__setattr__(geometry, "proof", None)
         return geometry
 
-    monkeypatch.setattr(row_groups, "geometry_among", unproved)
+    monkeypatch.setattr(row_groups, "start_among", unproved)
     batch = solve_batch(instance, mixed)
     assert sorted(batch.others) == [5, 6, 7, 8, 9]
     assert batch.proved.all()

@@ -1,7 +1,8 @@
-"""Starts among many sets of values, against the start of the geometry that they are solved from."""
+"""Members of a start among many sets of values, against its first system."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -10,34 +11,39 @@ import pytest
 from gspcli.catalogue.names import parse_type
 from gspcli.continuation.reduced_homotopy import ReducedHomotopy
 from gspcli.continuation.tracker import PathStatus
-from gspcli.continuation.tracker_options import FROM_START, VALUE_STEPS
+from gspcli.continuation.tracker_options import VALUE_STEPS
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.random_instances import random_instance
 from gspcli.solver import solve_batch, solve_values
 from gspcli.solver.all_poses import first_poses
 from gspcli.solver.problem import Problem
-from gspcli.solver.starts import geometry_starts as one_geometry
+from gspcli.solver.starts import start as start_module
 from gspcli.solver.starts.solved_starts import SolvedStarts
-from gspcli.solver.starts.start import Start
+from gspcli.solver.starts.start import Start, start_among
 
 SETS = 160
 
 
 @cache
 def case(name: str = "DPP DPP DPP DPP DPP DPP"):
-    """Return an instance, sets of values, and its geometry with a pool for them."""
+    """Return an instance, sets of values, and a start with members for them."""
     instance, _ = random_instance(parse_type(name), np.random.default_rng(41), one_sided=True)
     own = np.array([row.value.value for row in instance.constraints])
     rows = own * (1 + 0.1 * np.random.default_rng(42).normal(size=(SETS, 6)))
-    return instance, rows, geometry_of(instance, rows)
+    return instance, rows, start_of(instance, rows)
 
 
-def geometry_of(instance: Instance, rows: np.ndarray) -> one_geometry.Geometry:
+def start_of(instance: Instance, rows: np.ndarray) -> Start:
     arrangement, starts = Arrangement.of(instance), SolvedStarts()
-    found = one_geometry.geometry_among(arrangement, rows, lambda: None, 1, 1, starts)
+    found = start_among(arrangement, rows, lambda: None, 1, 1, starts)
     assert found is not None
     return found
+
+
+def _first_of(start: Start) -> Start:
+    """Return a start without members."""
+    return replace(start, parameters=start.parameters[:1], reduced=start.reduced[:1])
 
 
 def _overlaps(a: np.ndarray, b: np.ndarray) -> np.ndarray:
@@ -47,11 +53,9 @@ def _overlaps(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 @pytest.mark.parametrize("name", ["DPP DPP DPP DPP DPP DPP", "DPP DPP DPP DPH DHP ALL"])
 def test_paths_from_the_pool_end_where_those_from_the_start_do(name):
-    _, rows, geometry = case(name)
-    parameters = geometry._parameters(rows)
-    assert len(geometry.near.parameters) == SETS // 32
-    near = geometry.near.follow(parameters, FROM_START, 1)
-    far = geometry.start.follow(parameters, FROM_START, 1)
+    _, rows, start = case(name)
+    assert len(start.parameters) == 1 + SETS // 32
+    near, far = start.quick_ends(rows).points[:, 0], start.short_ends(rows).points[:, 0]
     found = np.isfinite(near).all(axis=(1, 2)) & np.isfinite(far).all(axis=(1, 2))
     assert found.mean() > 0.9
     # Each end of one is an end of the other.
@@ -61,34 +65,35 @@ def test_paths_from_the_pool_end_where_those_from_the_start_do(name):
 
 
 def test_paths_from_the_pool_are_shorter():
-    _, rows, geometry = case()
-    parameters = geometry._parameters(rows)
+    _, rows, start = case()
+    parameters = start._parameters(rows)
     steps = []
-    for pool in (geometry.near, geometry.start):
-        given = parameters.astype(complex), pool._nearest(parameters), VALUE_STEPS, 1
-        steps.append(pool._follow(*given).steps.mean())
+    for each in (start, _first_of(start)):
+        given = parameters.astype(complex), each._nearest(parameters), VALUE_STEPS, 1
+        steps.append(each._track(*given).steps.mean())
     assert steps[0] < 0.8 * steps[1]
 
 
 def test_the_nearest_member_is_taken():
-    _, rows, geometry = case()
-    pool, parameters = geometry.near, geometry._parameters(rows)
-    far = ((parameters[:, None] - pool.parameters.real) / pool.unit) ** 2
-    np.testing.assert_array_equal(pool._nearest(parameters), far.sum(axis=2).argmin(axis=1))
+    _, rows, start = case()
+    members, parameters = start.parameters[1:].real, start._parameters(rows)
+    far = ((parameters[:, None] - members) / start.unit) ** 2
+    np.testing.assert_array_equal(start._nearest(parameters), 1 + far.sum(axis=2).argmin(axis=1))
     # Each member is one of the sets.
-    assert len(np.unique(pool._nearest(pool.parameters.real))) == len(pool.parameters)
+    assert len(np.unique(start._nearest(members))) == len(members)
 
 
 def test_few_sets_start_from_the_geometry():
     instance, rows, _ = case()
-    geometry = geometry_of(instance, rows[:100])
-    assert geometry.near is geometry.start
+    start = start_of(instance, rows[:100])
+    assert len(start.parameters) == 1
+    assert not start._nearest(start._parameters(rows)).any()
 
 
 @pytest.mark.parametrize("wrong", ["lost", "jumped"])
 def test_members_whose_paths_went_wrong_are_left_out(wrong, monkeypatch):
-    _, rows, geometry = case()
-    follow = Start._follow
+    _, rows, start = case()
+    follow = Start._track
 
     def spoiled(*given):
         ends = follow(*given)
@@ -98,14 +103,13 @@ def test_members_whose_paths_went_wrong_are_left_out(wrong, monkeypatch):
             ends.study[1, 7] = 2j * ends.study[1, 8]
         return ends
 
-    monkeypatch.setattr(Start, "_follow", spoiled)
-    pool = geometry.start.about(geometry._parameters(rows), 1)
-    others = np.delete(np.arange(SETS // 32), 1)
-    np.testing.assert_array_equal(pool.parameters, geometry.near.parameters[others])
+    monkeypatch.setattr(Start, "_track", spoiled)
+    found = _first_of(start).among(rows, 1)
+    np.testing.assert_array_equal(found.parameters, np.delete(start.parameters, 2, axis=0))
 
 
 def test_what_long_steps_lose_is_found_by_short_ones(monkeypatch):
-    instance, rows, geometry = case()
+    instance, rows, start = case()
     track = ReducedHomotopy.track
     tolerances = []
 
@@ -117,18 +121,18 @@ def test_what_long_steps_lose_is_found_by_short_ones(monkeypatch):
         return ends
 
     monkeypatch.setattr(ReducedHomotopy, "track", losing)
-    monkeypatch.setattr(one_geometry, "track", None)  # the paths of the equations as they are
+    monkeypatch.setattr(start_module, "track", None)  # the paths of the equations as they are
     problem = Problem(instance, Arrangement.of(instance), rows=rows[:4])
-    problem.start = geometry
+    problem.start = start
     assert not len(first_poses(problem).left)
     assert len(tolerances) == 2
     assert tolerances[1] < tolerances[0]
 
 
 def test_long_steps_end_as_near_to_the_poses_as_short_ones():
-    instance, rows, geometry = case()
+    instance, rows, start = case()
     batch = solve_batch(instance, rows)
-    lengths = np.array([geometry.given.length_with(row) for row in rows])
+    lengths = np.array([start.given.length_with(row) for row in rows])
     size = np.maximum(1, np.abs(batch.R).max(axis=(2, 3)))
     size += np.abs(batch.T).max(axis=2) / lengths[:, None]
     # Relative to what the largest numbers in the equations are.

@@ -1,4 +1,4 @@
-// Paths from solved systems of a geometry to the values asked for (gspcli.solver.starts.geometry_starts).
+// Paths from solved systems of a geometry to the values asked for (gspcli.solver.starts.start).
 #pragma once
 
 #include <vector>
