@@ -18,7 +18,7 @@ def all_poses(problem: Problem) -> PoseSet:
     if (poses := ledger.complete) is None:
         from gspcli.solver.special.by_count import poses_by_count
 
-        poses = poses_by_count(problem, ledger, all_poses)
+        poses = poses_by_count(problem, ledger, lambda other: all_poses(problem.like(other)))
     # What quick paths find at once is found as quickly the next time.
     if not ledger.is_quick:
         problem.keep(poses, ledger.points)

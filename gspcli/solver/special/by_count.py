@@ -12,6 +12,7 @@ from gspcli.certification.counting import (
     geometry_count,
 )
 from gspcli.certification.counting.certain_bounds import certain_bound
+from gspcli.geometry.instance import Instance
 from gspcli.solver.ledger import Ledger
 from gspcli.solver.problem import Problem
 from gspcli.solver.results.pose_set import PoseSet, joined
@@ -32,7 +33,7 @@ _DOUBTFUL = 1e-9
 
 
 def poses_by_count(
-    problem: Problem, ledger: Ledger, solve: Callable[[Problem], PoseSet]
+    problem: Problem, ledger: Ledger, solve: Callable[[Instance], PoseSet]
 ) -> PoseSet:
     """Return all poses of a platform of which fewer are proved than its type has.
 
@@ -41,7 +42,7 @@ def poses_by_count(
     problem, ledger
         The platform, and its proved poses. Its careful paths have been tracked.
     solve
-        Returns all poses of another platform.
+        Returns all poses of another platform, solved likewise.
     """
     count = None
     if problem.limit != 0:
@@ -105,7 +106,7 @@ def _with_better_proof(problem: Problem, poses: PoseSet) -> PoseSet:
     return replace(poses, proof=min(proofs, key=lambda proof: proof.error) if proofs else None)
 
 
-def _of_side(side: SidePoses, count: SideCount, solve: Callable[[Problem], PoseSet]) -> PoseSet:
+def _of_side(side: SidePoses, count: SideCount, solve: Callable[[Instance], PoseSet]) -> PoseSet:
     """Return the poses for a choice of sides by its count."""
     if count.parallel:
         return with_points_for_all(side, count, solve)

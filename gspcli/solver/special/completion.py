@@ -25,7 +25,6 @@ from gspcli.continuation.paths import Basis, PathAccount
 from gspcli.continuation.tracked_paths import PathEnds
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.quaternions import canonical_sign
-from gspcli.solver.problem import Problem
 from gspcli.solver.results.pose_set import PoseSet, joined
 from gspcli.solver.side_poses import SidePoses
 
@@ -148,7 +147,7 @@ def _pose_set(
 
 
 def complete_parts(
-    side: SidePoses, count: SideCount, solve: Callable[[Problem], PoseSet]
+    side: SidePoses, count: SideCount, solve: Callable[[Instance], PoseSet]
 ) -> PoseSet:
     """Return all poses for a choice of sides that was counted in parts.
 
@@ -163,7 +162,7 @@ def complete_parts(
     found = []
     for part in count.parts:
         if part.parallel and part.distinct:
-            points = solve(side.problem.like(by_points(chosen, part.parallel)))
+            points = solve(by_points(chosen, part.parallel))
             found.append(_with_parallel_lines(chosen, part, points))
         elif part.solutions and part.distinct:
             found.append(complete(side, part.solutions, part.distinct, 0))
@@ -202,16 +201,15 @@ def _with_parallel_lines(instance: Instance, part: PartCount, poses: PoseSet) ->
 
 
 def with_points_for_all(
-    side: SidePoses, count: SideCount, solve: Callable[[Problem], PoseSet]
+    side: SidePoses, count: SideCount, solve: Callable[[Instance], PoseSet]
 ) -> PoseSet:
     """Return the poses for a choice of sides where some lines are parallel at all of them.
 
     They are those of the platform with points for lines. All else is in the set where the
     equations hold because the lines are parallel.
     """
-    problem = side.problem
-    same = by_points(problem.instance.on_sides(count.signs), count.parallel)
-    poses = solve(problem.like(same))
+    chosen = side.problem.instance.on_sides(count.signs)
+    poses = solve(by_points(chosen, count.parallel))
     return replace(poses, account=_among(side.paths.count, poses.account))
 
 

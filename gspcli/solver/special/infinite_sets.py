@@ -85,20 +85,19 @@ def _leg(R: np.ndarray, T: np.ndarray, on_platform: np.ndarray, on_base: np.ndar
 
 
 def infinitely_many(
-    problem: Problem, ledger: Ledger, count: ExactCount, solve: Callable[[Problem], PoseSet]
+    problem: Problem, ledger: Ledger, count: ExactCount, solve: Callable[[Instance], PoseSet]
 ) -> PoseSet:
     """Return motions and isolated poses of a platform with infinitely many."""
     instance, proof = problem.instance, _proof(problem.instance, count)
     if (moving := _moving_with_parallel_lines(instance, count)) is not None:
-        samples = solve(problem.like(moving)).motions
+        samples = solve(moving).motions
         poses = along_points(instance, problem.arrangement, samples, proof)
     else:
         poses = solve_infinite(problem, ledger, proof)
     if poses.account.verdict != "infinite" or any(motion.real for motion in poses.motions):
         return poses
-    isolated = isolated_real_poses(
-        instance, lambda other: solve(problem.like(other)).in_order(problem.arrangement.length)
-    )
+    length = problem.arrangement.length
+    isolated = isolated_real_poses(instance, lambda other: solve(other).in_order(length))
     return replace(poses, motions=(*(isolated or ()), *poses.motions))
 
 

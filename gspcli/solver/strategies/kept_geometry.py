@@ -31,6 +31,7 @@ from gspcli.solver.starts.start import (
 
 if TYPE_CHECKING:
     from gspcli.certification.poses.far_poses import FarPoses
+    from gspcli.certification.poses.many_values import ValueProofs
 
 Array = NDArray[np.float64]
 
@@ -95,8 +96,7 @@ def kept_start(problem: Problem) -> Start | None:
     entry = cast("_Entry | None", problem.starts.fetch(Sort.SAME, key))
     # Platforms that are the same in doubles may not be the same.
     if entry is None or entry.made_from is not known:
-        made = _Entry(known, _with_far_poses(problem, known, far) or _with_paths(problem, known))
-        entry = problem.starts.keep(Sort.SAME, key, made)
+        entry = problem.starts.keep(Sort.SAME, key, _Entry(known, _checked(problem, known, far)))
     return entry.start
 
 
@@ -126,50 +126,45 @@ def kept_among(
     return found and found.among(rows, problem.jobs)
 
 
-def _with_far_poses(
-    problem: Problem, known: SolvedPlatform, is_far: NDArray[np.bool_]
-) -> Start | None:
-    """Return a start of the near poses, with the far ones."""
-    solved = problem.like(known.instance)
-    if len(solved.choices) > 1 or solved.proofs is None or is_far.all():
-        return None
-    from gspcli.certification.poses.far_poses import FarPoses
-
-    apart = known.poses.reordered(is_far)
-    equations = solved.locator, solved.proofs
-    sides, length = (solved.choices[0], solved.sides[0]), known.arrangement.length
-    far = FarPoses.of(*equations, *sides, apart.R, apart.T, known.points, length)
-    if far is None:
-        return None
-    near = known.poses.reordered(~is_far)
-    for attempt in range(_ATTEMPTS):
-        found = _about(problem, _flattened(known.arrangement), near, problem.seed + attempt, far)
-        if found is None:
-            continue
-        # Near and far poses are followed from the same values on the same way: where values change,
-        # one may take the place of the other.
-        same = far.about(
-            found.parameters[0], parameters_in(known.arrangement, problem.unit), problem.unit
-        )
-        if same is None:
-            continue
-        found = replace(found, far=same)
-        if _leads_back(found, problem, solved, known):
-            return found
-    return None
-
-
-def _with_paths(problem: Problem, known: SolvedPlatform) -> Start | None:
-    """Return a start of all poses, if paths lead back to all of them.
-
-    Poses a hundred lengths away may have equations that are too nearly dependent for local
-    coordinates; with 64 digits they are proved at the ends of paths.
-    """
+def _checked(problem: Problem, known: SolvedPlatform, is_far: NDArray[np.bool_]) -> Start | None:
+    """Return a start from a platform with far poses, if paths from it lead back to all poses."""
     solved = problem.like(known.instance)
     if len(solved.choices) > 1 or solved.proofs is None:
         return None
+    starts = _starts(problem, solved, solved.proofs, known, is_far)
+    return next((x for x in starts if _leads_back(x, problem, solved, known)), None)
+
+
+def _starts(
+    problem: Problem,
+    solved: Problem,
+    proofs: ValueProofs,
+    known: SolvedPlatform,
+    is_far: NDArray[np.bool_],
+) -> Iterator[Start]:
+    """Yield starts of the near poses, with the far ones beside them, then one of all poses."""
+    from gspcli.certification.poses.far_poses import FarPoses
+
+    near, apart = known.poses.reordered(~is_far), known.poses.reordered(is_far)
+    sides, length = (solved.choices[0], solved.sides[0]), known.arrangement.length
+    given = solved.locator, proofs, *sides, apart.R, apart.T, known.points, length
+    far = None if is_far.all() else FarPoses.of(*given)
+    for attempt in range(0 if far is None else _ATTEMPTS):
+        found = _about(problem, _flattened(known.arrangement), near, problem.seed + attempt, far)
+        if found is None or far is None:
+            continue
+        # Near and far poses are followed from the same values on the same way: where values change,
+        # one may take the place of the other.
+        moved = far.about(
+            found.parameters[0], parameters_in(known.arrangement, problem.unit), problem.unit
+        )
+        if moved is not None:
+            yield replace(found, far=moved)
+    # Poses a hundred lengths away may have equations that are too nearly dependent for local
+    # coordinates; with 64 digits they are proved at the ends of paths.
     found = _about(problem, known.arrangement, known.poses, problem.seed)
-    return found if found is not None and _leads_back(found, problem, solved, known) else None
+    if found is not None:
+        yield found
 
 
 def _leads_back(found: Start, problem: Problem, solved: Problem, known: SolvedPlatform) -> bool:
