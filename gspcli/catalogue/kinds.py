@@ -98,6 +98,11 @@ class Kind:
         """Whether the distance has two sides to choose from: DPH and DHP (Theorem 5.4)."""
         return self.is_distance and Primitive.PLANE in (self.platform, self.base)
 
+    @cached_property
+    def is_squared(self) -> bool:
+        """Whether the equation is linear in the square of the value: distances without sides."""
+        return self.is_distance and not self.has_sides
+
     @property
     def mirrored(self) -> Kind:
         """The kind with platform and base exchanged."""

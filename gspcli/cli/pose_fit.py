@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -19,7 +18,7 @@ if TYPE_CHECKING:
     from gspcli.geometry.instance import Instance
     from gspcli.sensing import PoseFit
     from gspcli.sensing.notation import SensorReading
-    from gspcli.solver.results.columns import PoseColumn, PosesOfColumns
+    from gspcli.solver.results.columns import PoseColumn
 
 #: Decimals of residuals and of chi-squared: further decimals are rounding errors.
 _DECIMALS = 3
@@ -85,21 +84,14 @@ def _poses(
     import numpy as np
 
     from gspcli.geometry.arrangement import Arrangement
-    from gspcli.geometry.quaternions import quaternion_from_rotation
+    from gspcli.solver.results.columns import expressed
 
     instance = fit.numbers.instance
     R = np.array([pose.R for pose in fit.poses]).reshape(-1, 3, 3)
-    R, T = frame.from_platform(R, np.array([pose.T for pose in fit.poses]).reshape(-1, 3))
-    poses = SimpleNamespace(
-        instance=instance,
-        arrangement=Arrangement.of(instance),
-        R=R,
-        real=np.ones(len(R), bool),
-        T=T,
-        quaternions=quaternion_from_rotation(R),
-    )
+    T = np.array([pose.T for pose in fit.poses]).reshape(-1, 3)
+    poses = expressed(frame, Arrangement.of(instance), R, T, np.ones(len(R), bool))
     rows = fit.rows()
-    for row, place in zip(rows, T.tolist(), strict=True):
+    for row, place in zip(rows, poses.T.tolist(), strict=True):
         row |= dict(zip(("Tx", "Ty", "Tz"), place, strict=True))
     units = {"": "", "length": instance.units.length, "angle": instance.units.angle.value}
     columns = [Column("number", "no.", "right", essential=True)]
@@ -110,7 +102,7 @@ def _poses(
     for one in rotation:
         title = f"{one.key} [{units[one.unit]}]" if one.unit else ""
         columns.append(Column(one.key, title, "right", True, aligned=True, decimals=decimals))
-        for row, cell in zip(rows, one.read(cast("PosesOfColumns", poses)), strict=True):
+        for row, cell in zip(rows, one.read(poses), strict=True):
             row[one.key] = float(cell)
     columns += [
         Column("chi_squared", "chi²", "right", essential=True),

@@ -246,7 +246,7 @@ def _put_values(
         scale, shift = motors.corrections(scale, shift)
     for i, row in enumerate(instance.constraints):
         kind = row.kind
-        square = kind.is_distance and not kind.has_sides
+        square = kind.is_squared
         height = kind.is_distance and kind.has_sides
         law = kind.law
         numbers.put(kind.is_distance, square, height, law.is_cosine, law.sign, scale[i], shift[i])

@@ -23,7 +23,7 @@ from gspcli.geometry.arrangement import Bodies
 from gspcli.geometry.measurement import measured
 from gspcli.geometry.quaternions import dot, normalized, rotation_from_quaternion
 from gspcli.records import dataclass
-from gspcli.solver.study_systems import systems_of
+from gspcli.solver.study_systems import coefficients_of, systems_of
 
 Array = NDArray[np.float64]
 
@@ -66,7 +66,8 @@ class Platforms(Bodies):
 
     def systems(self) -> Iterator[System]:
         """Yield the system of each platform, for the sides that its values have."""
-        return systems_of(self.kinds, self.y, self.x, self.u, self.v, self.values)
+        given = self.kinds, self.y, self.x, self.u, self.v, self.values
+        return systems_of(*coefficients_of(*given))
 
     def on_all_sides(self) -> Platforms:
         """Return each platform with all combinations of sides, one directly after the other."""

@@ -121,11 +121,7 @@ class Ledger:
         problem = self.problem
         if number == problem.expected:
             return Proof(CountKind.TYPE)
-        count = problem.known_geometry_count
-        # Two pairs of lines parallel at once spoil the argument (docs/count-proofs.md).
-        if count is None or count.solutions != number or not count.has_lone_lines:
-            return None
-        return Proof.modulo(CountKind.GEOMETRY, count.error)
+        return Proof.by_geometry(problem.known_geometry_count, number)
 
     @property
     def is_complete(self) -> bool:

@@ -22,7 +22,7 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.numbers import Number
 from gspcli.solver.starts.solved_starts import STARTS, SolvedPlatform, SolvedStarts, counted_sides
-from gspcli.solver.study_systems import coefficients_at, coefficients_of, side_choices
+from gspcli.solver.study_systems import coefficients_at, coefficients_of, side_choices, systems_of
 
 if TYPE_CHECKING:
     from gspcli.certification.counting import ExactCount
@@ -77,9 +77,15 @@ class Problem:
         #: From where paths lead to the sets of values, if they have a start together.
         self.start: Start | None = None
 
-    def like(self, instance: Instance) -> Problem:
+    def like(
+        self,
+        instance: Instance,
+        arrangement: Arrangement | None = None,
+        rows: Array | None = None,
+    ) -> Problem:
         """Return another platform, to be solved likewise."""
-        other = Problem(instance, seed=self.seed, jobs=self.jobs, starts=self.starts)
+        seed, jobs, starts = self.seed, self.jobs, self.starts
+        other = Problem(instance, arrangement, rows=rows, seed=seed, jobs=jobs, starts=starts)
         other.limit = self.limit
         return other
 
@@ -87,26 +93,11 @@ class Problem:
         """Return the same geometry with other values (6,), doubles that are meant exactly."""
         # Of a float itself a number would be the shortest decimal.
         numbers = {i: Number.of(Fraction(x)) for i, x in enumerate(values.tolist())}
-        return Problem(
-            self.instance.with_values(numbers),
-            self.arrangement.with_values(values),
-            seed=self.seed,
-            jobs=self.jobs,
-            starts=self.starts,
-        )
+        return self.like(self.instance.with_values(numbers), self.arrangement.with_values(values))
 
     def with_rows(self, rows: Array) -> Problem:
         """Return the same geometry with sets of values (b, 6), to be solved together."""
-        other = Problem(
-            self.instance,
-            self.arrangement.with_values(rows[0]),
-            rows=rows,
-            seed=self.seed,
-            jobs=self.jobs,
-            starts=self.starts,
-        )
-        other.limit = self.limit
-        return other
+        return self.like(self.instance, self.arrangement.with_values(rows[0]), rows)
 
     def part(self, chosen: Index) -> Problem:
         """Return the same with some of its sets of values."""
@@ -161,14 +152,12 @@ class Problem:
     @cached_property
     def is_kept(self) -> bool:
         """Whether the count and a start of its geometry are kept for other values."""
-        given = self.arrangement
-        return self.is_reducible and bool(given.values[given.distances].all())
+        return self.is_reducible and self._has_distances
 
     @property
-    def is_known(self) -> bool:
-        """Whether its poses far away are kept for other values, where no start of it is."""
-        given = self.arrangement
-        return not self.is_reducible and bool(given.values[given.distances].all())
+    def _has_distances(self) -> bool:
+        """Whether no distance is zero."""
+        return bool(self.arrangement.values[self.arrangement.distances].all())
 
     @property
     def has_kept_geometry(self) -> bool:
@@ -195,8 +184,7 @@ class Problem:
     @property
     def systems(self) -> list[System]:
         """The equations of paths as systems, one for each choice of sides."""
-        structure, given = self.equations
-        return [System.of(structure, *rest) for rest in zip(*given, strict=True)]
+        return list(systems_of(*self.equations))
 
     @cached_property
     def tracked(self) -> list[TrackedPaths]:
@@ -210,7 +198,8 @@ class Problem:
 
         The points are those of `SolvedPlatform`.
         """
-        if not (self.is_kept or (points and self.is_known)):
+        # Without a start, poses far away are of use for other values.
+        if not (self.is_kept or (points and self._has_distances)):
             return
         number, count = int(poses.certified.sum()), self.known_geometry_count
         known = (self.expected, count.solutions if count else None)

@@ -35,8 +35,7 @@ def target_systems(arrangement: Arrangement) -> list[System]:
     The arrangement should be `Arrangement.normalized`: lengths of order one, points near the
     origins.
     """
-    structure, coefficients = coefficients_at(arrangement)
-    return [System.of(structure, *rest) for rest in zip(*coefficients, strict=True)]
+    return list(systems_of(*coefficients_at(arrangement)))
 
 
 def coefficients_at(arrangement: Arrangement) -> tuple[Structure, Coefficients]:
@@ -68,19 +67,9 @@ def _choices(kinds: tuple[Kind, ...], signs: tuple[int, ...]) -> Array:
     return found
 
 
-def systems_of(
-    kinds: Sequence[Kind], y: Array, x: Array, u: Array, v: Array, values: Array
-) -> Iterator[System]:
-    """Yield the systems of platforms with constraints of the same kinds.
-
-    Parameters
-    ----------
-    kinds, y, x, u, v, values
-        As for `coefficients_of`.
-    """
-    structure, coefficients = coefficients_of(kinds, y, x, u, v, values)
-    for rest in zip(*coefficients, strict=True):
-        yield System.of(structure, *rest)
+def systems_of(structure: Structure, coefficients: Coefficients) -> Iterator[System]:
+    """Yield the systems of one structure with coefficients along a leading axis."""
+    return (System.of(structure, *rest) for rest in zip(*coefficients, strict=True))
 
 
 def complex_system(
@@ -98,7 +87,7 @@ def complex_system(
     parameters
         What the equations are linear in: squares of distances without sides, shape (6,).
     """
-    square = [kind.is_distance and not kind.has_sides for kind in kinds]
+    square = [kind.is_squared for kind in kinds]
     lines = [kind is DLL for kind in kinds]
     values = np.where(square, np.sqrt(parameters), parameters)
     values = np.where(lines, np.abs(values), values)

@@ -330,7 +330,7 @@ def _limits(instance: Instance, largest: Array, margin: float) -> tuple[Array, A
                 low, high = max(low - more, min(low, lowest)), min(high + more, max(high, highest))
         room = _ROUNDING * max(abs(x) for x in (low, high) if math.isfinite(x) or x == low)
         room = room if math.isfinite(room) else 0.0
-        distance = motor is None and row.kind.is_distance and not row.kind.has_sides
+        distance = motor is None and row.kind.is_squared
         floor = 0.0 if distance and low >= 0 else -math.inf
         least[k] = max(low - room, floor, -largest[k])
         most[k] = min(high + room, largest[k])

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, Any, Literal, Protocol
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any, Literal, Protocol, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -142,36 +143,14 @@ FACTS = (
 COLUMNS = (*TRANSLATION, *QUATERNION, *FACTS)
 
 
-@dataclass(frozen=True, eq=False)
-class _Expressed:
-    """Poses of a result as they are expressed in a frame, for the columns of poses."""
-
-    result: PosesOfColumns
-    frame: PoseFrame
-
-    @property
-    def instance(self) -> Instance:
-        return self.result.instance
-
-    @property
-    def arrangement(self) -> Arrangement:
-        return self.result.arrangement
-
-    @property
-    def R(self) -> Field:
-        return self.frame.from_platform(self.result.R, self.result.T)[0]
-
-    @property
-    def T(self) -> Field:
-        return self.frame.from_platform(self.result.R, self.result.T)[1]
-
-    @property
-    def quaternions(self) -> Field:
-        return quaternion_from_rotation(self.R)
-
-    @property
-    def real(self) -> NDArray[np.bool_]:
-        return self.result.real
+def expressed(
+    frame: PoseFrame, arrangement: Arrangement, R: Field, T: Field, real: NDArray[np.bool_]
+) -> PosesOfColumns:
+    """Return poses as they are expressed in a frame, with what `rotation_columns` read of them."""
+    R, T = frame.from_platform(R, T)
+    quaternions = quaternion_from_rotation(R)
+    given = {"arrangement": arrangement, "R": R, "T": T, "quaternions": quaternions, "real": real}
+    return cast("PosesOfColumns", SimpleNamespace(**given))
 
 
 def expressed_columns(columns: Sequence[PoseColumn], frame: PoseFrame) -> Sequence[PoseColumn]:
@@ -189,7 +168,7 @@ def expressed_columns(columns: Sequence[PoseColumn], frame: PoseFrame) -> Sequen
 def _expressed(
     read: Reader, frame: PoseFrame, result: PosesOfColumns
 ) -> Sequence[Any] | NDArray[Any]:
-    return read(_Expressed(result, frame))  # type: ignore[arg-type]
+    return read(expressed(frame, result.arrangement, result.R, result.T, result.real))
 
 
 def rotation_columns(form: str) -> tuple[PoseColumn, ...]:

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import math
 from enum import StrEnum
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from gspcli.records import dataclass
+
+if TYPE_CHECKING:
+    from gspcli.certification.counting import ExactCount
 
 
 class CountKind(StrEnum):
@@ -49,6 +52,14 @@ class Proof:
     def modulo(cls, by: CountKind, error: float) -> Proof | None:
         """Return a proof by a count modulo a random prime; None if the bound of its error is 1."""
         return cls(by, error) if error < 1 else None
+
+    @classmethod
+    def by_geometry(cls, count: ExactCount | None, number: int) -> Proof | None:
+        """Return the proof that so many poses, at least one, are all that the geometry has."""
+        # Two pairs of lines parallel at once spoil the argument (docs/count-proofs.md).
+        if count is None or not number or count.solutions != number or not count.has_lone_lines:
+            return None
+        return cls.modulo(CountKind.GEOMETRY, count.error)
 
     @property
     def grade(self) -> Grade:

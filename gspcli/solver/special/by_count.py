@@ -161,10 +161,8 @@ def _uncounted(problem: Problem, ledger: Ledger) -> PoseSet:
 
 def _by_geometry(poses: PoseSet, count: ExactCount | None) -> Proof | None:
     """Return the proof that poses are all, if they are as many as the geometry has."""
-    if count is None or not count.solutions or not count.has_lone_lines:
-        return None
-    is_all = poses.certified.sum() == count.solutions < poses.account.expected
-    return Proof.modulo(CountKind.GEOMETRY, count.error) if is_all else None
+    number = int(poses.certified.sum())
+    return Proof.by_geometry(count, number) if number < poses.account.expected else None
 
 
 def _proved(poses: PoseSet, count: ExactCount | None) -> PoseSet:

@@ -120,7 +120,7 @@ def complex_platform(kinds: tuple[Kind, ...], flat: tuple[bool, bool], seed: int
     for i, kind in enumerate(kinds):
         u[i] *= kind.platform is not Primitive.POINT
         v[i] *= kind.base is not Primitive.POINT
-    square = np.array([kind.is_distance and not kind.has_sides for kind in kinds])
+    square = np.array([kind.is_squared for kind in kinds])
     turns = rng.choice([-1.0, 1.0], len(kinds)) * rng.uniform(*_SPREAD, len(kinds))
     parameters = np.asarray(np.where(square, _MEAN, 0.0) + 1j * turns, np.complex128)
     return complex_system(kinds, y / length, x / length, u, v, parameters)

@@ -320,10 +320,7 @@ def start_about(
             return replace(start, proof=Proof(CountKind.TYPE))
         counted = count()
         if counted is not None and counted.solutions == start.found:
-            # Two pairs of lines parallel at once spoil the argument (docs/count-proofs.md).
-            lone = counted.has_lone_lines
-            proof = Proof.modulo(CountKind.GEOMETRY, counted.error) if lone else None
-            return replace(start, proof=proof)
+            return replace(start, proof=Proof.by_geometry(counted, start.found))
     return None
 
 
@@ -444,5 +441,5 @@ def _inner_values(given: Arrangement, rows: Array, length: float, choices: Array
 
 def _squared(given: Arrangement, values: Array) -> Array:
     """Return what the equations are linear in: distances without sides squared, (..., 6)."""
-    square = [kind.is_distance and not kind.has_sides for kind in given.kinds]
+    square = [kind.is_squared for kind in given.kinds]
     return np.where(square, values**2, values)

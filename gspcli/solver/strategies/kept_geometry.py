@@ -185,7 +185,7 @@ def _about(
 ) -> Start | None:
     """Return a start from a solved platform; None if that is not safe."""
     length = problem.unit
-    square = [kind.is_distance and not kind.has_sides for kind in known.kinds]
+    square = [kind.is_squared for kind in known.kinds]
     start = start_about(
         problem.arrangement if far is None else known,
         length,
