@@ -110,16 +110,16 @@ def section() -> str:
 
 
 _TEXT = """\
-One random platform of each type, the sides of planes chosen; *all* solutions, each proved.
-Processor times of one machine: elsewhere only the ratios mean anything. *Other values*: the same
-geometry again, as while a dimension is dragged, in a batch of 40. The last column compares that
-with Newton's method in NumPy for *one* solution from a pose beside it, mostly overhead of
-Python. `python -m bench.constraint_solvers` measures all of it.
+The platforms are one random platform of each type, with the sides of planes chosen. *All*
+solutions are found, and each is proved. The times are processor times of one machine. On other
+machines only the ratios are similar. *Other values*: the same geometry with other values, as
+while a dimension is dragged, in a batch of 40. The last column is the ratio of this time to the
+time of Newton's method in NumPy for *one* solution, from a pose near it; most of that time is
+overhead of Python. `python -m bench.constraint_solvers` measures all of it.
 
 """
 _CONTRADICTION = """
-To say which constraints of a platform without a real pose contradict each other takes {each} (the
-shipped `no-real-pose`), after it was solved.
+After the shipped `no-real-pose` is solved, `contradiction` takes {each}.
 """
 
 

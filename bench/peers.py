@@ -58,7 +58,7 @@ class Comparison:
         Solutions of ours that the peer has not.
     duplicated
         Solutions that the peer lists again.
-    strangers
+    extra
         Listed points that are none of our solutions.
     """
 
@@ -66,12 +66,12 @@ class Comparison:
     real: int
     lost: int
     duplicated: int
-    strangers: int
+    extra: int
 
     @property
     def clean(self) -> bool:
         """Whether the peer found what we found, once each."""
-        return not (self.lost or self.duplicated or self.strangers)
+        return not (self.lost or self.duplicated or self.extra)
 
 
 def compare(answer: Answer, ours: SolveResult) -> Comparison:
@@ -93,7 +93,7 @@ def compare(answer: Answer, ours: SolveResult) -> Comparison:
         real=len(np.unique(nearest[near][real])),
         lost=lost,
         duplicated=int((hits - 1).clip(0).sum()),
-        strangers=int((~near).sum()),
+        extra=int((~near).sum()),
     )
 
 

@@ -50,7 +50,7 @@ def test_recorded_answers_are_our_solutions_but_for_known_faults(
     answer, result = read(AUTHORITIES / name), ours(name)
     comparison = compare(answer, result)
     lost, duplicated = FAULTS.get((name, read.__name__), (0, 0))
-    assert (comparison.lost, comparison.duplicated, comparison.strangers) == (lost, duplicated, 0)
+    assert (comparison.lost, comparison.duplicated, comparison.extra) == (lost, duplicated, 0)
     assert comparison.complex_count + lost == result.expected == result.counts.found
     if not lost:
         assert comparison.real == result.counts.real

@@ -135,7 +135,7 @@ def test_faults_of_peers_are_counted() -> None:
     answer = Answer(1.0, np.concatenate((points[1:], points[-2:], stranger)))
     comparison = compare(answer, result)
     assert (comparison.complex_count, comparison.lost) == (39, 1)
-    assert (comparison.duplicated, comparison.strangers) == (2, 1)
+    assert (comparison.duplicated, comparison.extra) == (2, 1)
     assert not comparison.clean
     assert comparison.real == result.counts.real - 1
     whole = compare(Answer(1.0, points), result)
@@ -219,7 +219,7 @@ def test_the_page_states_the_worst_ratio_first() -> None:
     report.bars = bars(report)
     assert [bar.measured for bar in report.bars] == [2.0, 3.0]
     text = report.markdown()
-    assert text.index("The worst ratio is 2") < text.index("quick over gsp | ≥")
+    assert text.index("The lowest ratio is 2") < text.index("quick over gsp | ≥")
 
 
 def test_the_plot_has_a_dot_for_each_family() -> None:
