@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from inspect import cleandoc
 from pathlib import Path
 
 import click
@@ -140,7 +141,7 @@ def _irrational() -> str:
     return ", ".join(f"{how} for {listed(those, 'and')}" for how, those in names.items())
 
 
-command.help = str(command.help).format(
+command.help = cleandoc(str(command.help)).format(
     poses="\n\n".join(form.what for form in _POSES.values()),
     programs="\n\n".join(form.what for form in _PROGRAMS.values()),
     irrational=_irrational(),

@@ -39,6 +39,7 @@ def test_every_command_has_help_with_examples(name: str) -> None:
         assert not undocumented
         page = leaf.get_help(click.Context(leaf, info_name=name, terminal_width=80))
         assert max(map(len, page.splitlines())) <= 80, page
+        assert "\n\n      " not in page.split("Options:")[0], "a paragraph is indented"
 
 
 def test_help_exits_with_0_and_lists_every_command(gsp: Run) -> None:
