@@ -37,7 +37,7 @@ class TrackerOptions:
     late_steps: int = 60
     """Steps beyond the waypoint after which a path needs the endgame."""
     digits: int = 16
-    """Digits to compute with: 16, or 32 or 64, ten and a hundred times slower. Start systems and
+    """Digits to compute with: 16, or 32 or 64, about 20 and 160 times slower. Start systems and
     start points stay doubles, taken as exact; of a target 64 digits may be given."""
     short_series: bool = False
     """Whether the Taylor series have few terms (with 16 digits): quicker where steps are few."""
