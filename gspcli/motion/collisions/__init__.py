@@ -1,1 +1,1 @@
-"""How far legs and bodies are from each other."""
+"""Gaps between legs and bodies."""

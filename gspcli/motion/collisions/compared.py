@@ -1,11 +1,12 @@
-"""The shapes that are compared: which pairs, how far apart they are, and how far they move.
+"""Pairs of shapes, the gaps between them, and bounds of how much a motion changes a gap.
 
 A leg is the straight line between its joints, with a radius. So is the arm of a crank with a
 diameter, from the axis to the point that it turns. A body is a convex hull. The gap of a pair is
 the distance of the lines or hulls less the radii: negative if they overlap. Legs that share a joint
 always touch there, and so do a leg and the bodies that it joins, an arm and its rod, and an arm and
-the body with its axis. Of these the part beyond `Shapes.near_joint` is compared, or nothing if that
-is not stated. Points of one crank have one arm each, and these arms are not compared.
+the body with its axis. Only the parts of these beyond `Shapes.near_joint` are compared. If it is
+not stated, they are not compared. Points of one crank have one arm each, and these arms are not
+compared.
 """
 
 from __future__ import annotations
@@ -41,7 +42,8 @@ _OUTWARD = 1 + 2.0**-50
 _DIGITS = 11
 #: Rounding errors of positions, relative to the largest coordinate.
 _ROUNDING = 2.0**-46
-#: Arms begin at one point of a body up to this part of the length of the platform.
+#: Two arms begin at one point of a body if these points differ by less than this part of the length
+#: of the platform.
 _ONE_POINT = 1e-9
 NO_SHAPES = "the platform states no shapes of its legs (shapes: {diameter: ...})"
 
@@ -56,7 +58,7 @@ class GapBounds(NamedTuple):
 
 
 class _ComparedHull(NamedTuple):
-    """A hull that is compared: a leg, a part of one, or a body."""
+    """A hull that is compared: a leg, a part of a leg, an arm, or a body."""
 
     leg: int | None
     """The index of the leg's constraint; None for a body and for an arm."""
@@ -79,7 +81,7 @@ class ComparedShapes:
     Raises
     ------
     ArgumentError
-        If it states no shapes, there is something wrong with them, or there is no pair.
+        If the platform states no shapes, its shapes are wrong, or there is no pair.
     """
 
     def __init__(self, instance: Instance) -> None:
@@ -105,7 +107,7 @@ class ComparedShapes:
         if not len(self.pairs):
             message = "no two legs of the platform are compared: all of them share joints"
             raise ArgumentError(message)
-        #: What the pairs are called, such as ``legs 2 and 5``.
+        #: The names of the pairs, such as ``legs 2 and 5``.
         self.names = tuple(self._name(*(self._hulls[k] for k in pair)) for pair in self.pairs)
         radii = np.array([self._radius(one) for one in self._hulls])
         self._thick = radii[self.pairs].sum(axis=1)
@@ -199,15 +201,15 @@ class ComparedShapes:
         return np.concatenate(([0], np.cumsum(sizes))).astype(np.int64)
 
     def bounds(self, R: Array, T: Array, q: Array | None = None) -> GapBounds:
-        """Return bounds of the gaps at poses; NaN where a pose is.
+        """Return bounds of the gaps at poses; NaN where a pose is NaN.
 
         Parameters
         ----------
         R, T
             Poses, shapes (n, 3, 3) and (n, 3).
         q
-            The numbers of cranks and slides there, shape (n, m); if None, where the poses ask them
-            to be.
+            The numbers of cranks and slides at the poses, shape (n, m); if None, they are computed
+            from the poses.
         """
         low, high = np.empty((2, len(T), len(self.pairs)))
         if is_driven(self.instance) and q is None:
@@ -285,7 +287,7 @@ class ComparedShapes:
         driven: tuple[Array, Array, Array],
         slips: Array | None,
     ) -> tuple[Array, Array, Array]:
-        """Return the joints where drives have them, and how far these move them, (2, n, 6)."""
+        """Return the joints at numbers of drives, and how far the drives move them, (2, n, 6)."""
         from gspcli.motion.collisions.driven_moves import slips_near
 
         drives, placed = self._drives, self._drives.arrangement(driven[2])
@@ -308,27 +310,27 @@ class ComparedShapes:
         Parameters
         ----------
         shifts, turns
-            How far a point of the platform moves, and by which angle, in radians, the platform
-            turns, at most; shapes (n,).
+            The largest distance that a point of the platform moves, and the largest angle, in
+            radians, by which the platform rotates; shapes (n,).
         centre
-            This point, in the frame of the platform, shape (3,).
+            This point of the platform, in its frame, shape (3,).
         places
-            Where it is at the poses, shape (n, 3).
+            The position of this point at the poses, shape (n, 3).
         driven
-            The poses R and T, and the numbers q of cranks and slides there; needed if there are
-            any.
+            The poses R and T, and the numbers q of cranks and slides at the poses; needed if there
+            are such drives.
         slips
-            How far these move their points in their bodies, shape (n, 6); if None, as far as the
-            near poses ask for (`driven_moves`).
+            How far drives move their points in their bodies, shape (n, 6); if None, the bound of
+            `driven_moves`.
 
         Notes
         -----
-        No point of a hull moves farther than its corners do, and a gap changes at most by the sum
-        of what its two hulls do. Seen from the base the joints of the base stay; seen from the
-        platform those of the platform do. The smaller sum is taken. The part of a leg beyond a
-        joint moves no farther than the end that moves. For the other end is fixed, and
-        the map to the nearest point of a ball moves no two points apart; nor does the difference of
-        a point and its image.
+        No point of a hull moves farther than its corners. A gap changes at most by the sum of the
+        motions of its two hulls. In the frame of the base the joints of the base do not move; in
+        the frame of the platform those of the platform do not. The smaller of both sums is taken.
+        The part of a leg beyond a joint moves no farther than the end that moves. The reason: the
+        other end is fixed. The map to the nearest point of a ball increases no distance of two
+        points; nor does the difference of a point and its image.
         """
         a = self._arrangement
         y, x, sides = a.y, a.x, np.zeros((2, len(shifts), 6))
@@ -345,7 +347,8 @@ class ComparedShapes:
         from_base, from_platform = np.zeros((2, len(shifts), count))
         for k, hull in enumerate(self._hulls):
             if hull.arm is not None:
-                # Its axis is fixed in its body, and its point slips there.
+                # The axis of the arm is fixed in its body, and the point of the arm moves in this
+                # body.
                 side = 0 if hull.body == "platform" else 1
                 slip = sides[side, :, hull.arm]
                 axis = self._drives.middle[hull.arm]
@@ -355,7 +358,7 @@ class ComparedShapes:
                 (from_base, from_platform)[side][:, k] = shifts + turns * farthest + slip
             elif hull.leg is not None:
                 on_platform, on_base = sides[:, :, hull.leg]
-                # Of a part of a leg whose both ends move, both moves count.
+                # If both ends of a part of a leg move, both motions count.
                 both = np.add if hull.beyond else np.maximum
                 from_base[:, k] = both(shifts + turns * own[:, hull.leg] + on_platform, on_base)
                 from_platform[:, k] = both(
@@ -401,7 +404,7 @@ def _arms(instance: Instance) -> list[tuple[int, Vector, str]]:
 
 
 def _shared(first: Constraint, second: Constraint) -> str:
-    """Return the body on which two legs have one joint; empty if there is none."""
+    """Return the body on which two legs share a joint; empty if they share none."""
     for body in ("platform", "base"):
         names = {getattr(row, f"{body}_name") for row in (first, second)}
         one, other = (getattr(row, body) for row in (first, second))

@@ -1,10 +1,10 @@
-"""How far cranks and slides move their points while the platform moves a little.
+"""Bounds of how far cranks and slides move their points while the platform moves a little.
 
-At a pose the number q of a drive is the one at which a rod has its length, on the knee of home. Let
-one end of the rod move by at most d. At ``q - e`` and ``q + e`` the ends are nearer than the rod is
-long by more than d, and farther by more than d. Then a number between both fits at each pose near
-by. The distance passes the length of the rod there in the direction of the knee. No other number
-does so: of a crank, and of a slide, each direction has one.
+At a pose the number q of a drive is where the distance of the two ends of the rod is the length l
+of the rod, on the knee of home. Let one end of the rod move by at most d. Suppose that the distance
+is below ``l - d`` at one of ``q - e`` and ``q + e``, and above ``l + d`` at the other. Then the new
+number is between both: the distance passes l there, in the direction of the knee. For a crank and
+for a slide there is only one such number for each direction.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from gspcli.geometry.quaternions import apply
 
 Array = NDArray[np.float64]
 
-#: Changes of drives that are tried, by what they would be if lengths were linear in them.
+#: Changes of drives that are tried, as multiples of the change for linear lengths.
 _TRIED = (1.05, 1.3, 2.0, 4.0)
 _OUTWARD = 1 + 2.0**-30
 #: Rounding errors of lengths, relative to the largest coordinate.
@@ -25,7 +25,7 @@ _ROUNDING = 2.0**-44
 
 
 def point_moves(drives: Drives, R: Array, T: Array, q: Array, moves: Array) -> Array:
-    """Bound how far driven points move in their bodies, shape (n, 6).
+    """Return bounds of how far driven points move in their bodies, shape (n, 6).
 
     Parameters
     ----------
@@ -34,9 +34,9 @@ def point_moves(drives: Drives, R: Array, T: Array, q: Array, moves: Array) -> A
     R, T
         Poses, shapes (n, 3, 3) and (n, 3).
     q
-        The numbers of the drives there, shape (n, m).
+        The numbers of the drives at the poses, shape (n, m).
     moves
-        How far the other end of each rod moves, seen from the body of the driven point, shape
+        How far the other end of each rod moves, in the frame of the body of the driven point, shape
         (n, 6).
 
     Returns
@@ -60,10 +60,11 @@ def point_moves(drives: Drives, R: Array, T: Array, q: Array, moves: Array) -> A
                     - drives.rods[k]
                     for sign in (-1, 1)
                 )
-                # With the platform still, the length of the rod changes by minus the gain.
+                # If the platform does not move, the derivative of the length of the rod is minus
+                # the gain.
                 knee = -np.sign(gains[:, k])
                 fits = (knee * low < -room[:, k]) & (knee * high > room[:, k])
-                # Of a crank both numbers are less than a turn apart.
+                # The two numbers of a crank differ by less than a turn.
                 if drives.sorts[drives.index[k]] == "crank":
                     fits &= factor * linear[:, k] < np.pi / 2
                 far = drives.arms[k] * factor * linear[:, k] * _OUTWARD
@@ -74,7 +75,7 @@ def point_moves(drives: Drives, R: Array, T: Array, q: Array, moves: Array) -> A
 def slips_near(
     drives: Drives, R: Array, T: Array, q: Array, shifts: Array, turns: Array, centre: Array
 ) -> Array:
-    """Bound how far driven points move in their bodies near poses, shape (n, 6); `point_moves`.
+    """Return bounds of how far driven points move near poses, shape (n, 6); see `point_moves`.
 
     Parameters
     ----------
@@ -83,15 +84,15 @@ def slips_near(
     R, T, q
         Poses and the numbers of the drives there, shapes (n, 3, 3), (n, 3) and (n, m).
     shifts, turns
-        How far a point of the platform moves, and by which angle, in radians, the platform turns,
-        at most; shapes (n,).
+        The largest distance that a point of the platform moves, and the largest angle, in radians,
+        by which the platform rotates; shapes (n,).
     centre
-        This point, in the frame of the platform, shape (3,).
+        This point of the platform, in its frame, shape (3,).
     """
     placed = drives.arrangement(q)
     places = T + apply(R, np.broadcast_to(centre, T.shape))
     own = np.linalg.norm(placed.y - centre, axis=-1)
     away = np.linalg.norm(places[:, None] - placed.x, axis=-1)
-    # Seen from the body of the driven point the other body moves.
+    # In the frame of the body of the driven point the other body moves.
     arms = np.where(drives.on_platform, away, own)
     return point_moves(drives, R, T, q, shifts[:, None] + turns[:, None] * arms)

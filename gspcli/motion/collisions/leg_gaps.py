@@ -26,8 +26,8 @@ class Gaps:
     Attributes
     ----------
     pairs
-        What is compared, such as ``legs 2 and 5`` or ``leg 3 and the base``; p names. Legs are
-        numbered as their constraints.
+        Names of the p pairs, such as ``legs 2 and 5`` or ``leg 3 and the base``. A leg has the
+        number of its constraint.
     values
         The gaps, shape (n, p), in the unit of length; negative where the shapes overlap.
     """
@@ -48,7 +48,7 @@ class Gaps:
     def nearest(self) -> list[str]:
         """The pair with the least gap at each pose, the first one of equal ones.
 
-        Empty where a gap is not known, since a rod does not reach the pose.
+        Empty where a rod does not reach the pose, so that the gap is not known.
         """
         known = np.asarray(~np.isnan(self.values).any(axis=1))
         return [
@@ -71,7 +71,7 @@ class Gaps:
 
 
 def gaps(instance: Instance, R: ArrayLike, T: ArrayLike) -> Gaps:
-    """Return how far legs and bodies are from each other at poses.
+    """Return the gaps between legs and bodies at poses.
 
     Parameters
     ----------

@@ -30,10 +30,10 @@ Index = NDArray[np.int64]
 
 
 class Stop(IntEnum):
-    """The end of a branch; the numbers are those of native/branch_follower.hpp."""
+    """How following a branch ended; the numbers are those of native/branch_follower.hpp."""
 
     END = 0
-    """After the last row."""
+    """The branch was followed to the last row."""
     STEP = 1
     """The step became too small: a fold, or another singular pose."""
     START = 2
@@ -55,7 +55,7 @@ class FollowOptions:
     jobs
         Threads. The answer does not depend on them.
     build
-        Name of the kernel's build; the quickest for this processor if empty.
+        Name of the kernel's build; if empty, the quickest one for this processor.
     """
 
     certify: bool = True
@@ -248,7 +248,7 @@ class MovingPlatform(StudyUnits):
         start
             Study points near the branches at the first rows, shape (n, 8).
         options
-            The options of following.
+            How to follow branches.
         near
             The distance of the pose from its start, if another pose may be as near, shape (n,).
             Zero, or None for all, stands for the pose that Newton's method finds.

@@ -107,7 +107,7 @@ class Run:
     def _follow_closely(self, branches: Branches, k: int, towards: Fold | None) -> None:
         """Follow a branch with residuals in balls, to the next row, and from there as usual.
 
-        A branch towards a fold is never given up early.
+        A branch that approaches a fold is not stopped early.
         """
         platform, row = self.platform, int(branches.reached[k])
         rows = self.values[row : row + 2]

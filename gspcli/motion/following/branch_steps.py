@@ -1,8 +1,8 @@
 """Branches followed while values and coordinates move, each step proved (`chords`), in NumPy.
 
-The equations of each step are found in ball arithmetic, and the steps of all branches are taken
-together. Where modes are so near to each other that doubles do not suffice, the same is done with
-residuals in balls (`follow_closely`).
+The equations of each step are computed in ball arithmetic. All branches take their steps together.
+Where modes are too near to each other for doubles, residuals are computed in balls, too
+(`follow_closely`).
 """
 
 from __future__ import annotations
@@ -27,9 +27,9 @@ Index = NDArray[np.int64]
 
 #: Newton's method: a correction below this leaves an error of its square; its most steps.
 _CONVERGED, _DIVERGED, _STEPS = 1e-8, 0.5, 6
-#: And of its steps with exact residuals.
+#: The most steps of Newton's method with exact residuals.
 _CORRECTIONS = 10
-#: What a proof must stay below.
+#: A chord is proved if its measure is below this.
 PROVED = 0.98
 #: What points may move by when they are scaled to another patch: of rounding alone, and with
 #: a margin.
@@ -54,7 +54,8 @@ class _Cursor:
     level: int = 0
     #: How long the next step is, in lengths of the last one.
     ratio: float = 0.0
-    #: How near the pose is that was proved last, and how near no other one.
+    #: A bound of the distance of the last proved pose, and a distance within which there is no
+    #: other pose.
     end: float = 0.0
     alone: float = 0.0
 
@@ -81,14 +82,14 @@ class Segment:
     Attributes
     ----------
     branch
-        Which one.
+        The number of the branch.
     row, part, level
-        It is the part of that number of 2^``level`` between a row and the next one.
+        The part number ``part`` of the 2^``level`` equal parts between a row and the next one.
     first, last
         The ends of the chord, Study points of norm one, shape (8,).
     end, radius, alone
-        As in `ChordProofs`: how near the pose is at the ends and all along, and how near no other
-        one is.
+        Bounds as in `ChordProofs`: of the distance of the pose at the ends and on the whole chord,
+        and a distance within which there is no other pose.
     """
 
     branch: int
@@ -113,8 +114,8 @@ class BranchSteps:
     exact
         Whether residuals are computed in balls.
     hopeless
-        Whether it is no use to go on in balls from a Study point: where a platform goes to
-        infinity, steps get shorter for ever.
+        Whether to stop computing in balls at a Study point. Where a platform goes to infinity, the
+        steps become shorter without end.
     kept
         The list to which the proved parts are added, or None.
     """
@@ -239,7 +240,7 @@ class BranchSteps:
 
 
 def _not_started(start: Array, rows: int) -> Branches:
-    """Return branches of which nothing is known yet."""
+    """Return branches at the first row, before any step."""
     count = len(start)
     return Branches(
         points=np.full((count, rows, 8), np.nan),
@@ -269,7 +270,7 @@ def follow_closely(
     Parameters
     ----------
     system
-        What moves.
+        The moving instance.
     rows
         The row before and the next one, in the units of the instance, shape (2, n).
     branches, k

@@ -122,9 +122,9 @@ class Chord:
     off, slope_off
         Bounds of the remainders of A and B and of their gradients on the chord, (n, 6, 2).
     moduli
-        Not below the same expressions of moduli as A and B, shape (n, 6, 2).
+        Bounds of A and B with all terms replaced by their moduli, shape (n, 6, 2).
     size
-        Not below |z| on the chord, shape (n, 1).
+        Upper bound of |z| on the chord, shape (n, 1).
     """
 
     def __init__(self, parts: Parts, z: Array, d: Array) -> None:

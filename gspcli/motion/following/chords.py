@@ -44,11 +44,11 @@ _SPARE = 0.005
 _OUTWARD = 1 + 2.0**-30
 #: Singular values below this part of the largest are taken for zero.
 _SINGULAR = 2.0**-200
-#: Of the inverse times p, sums of eight products.
+#: Rounding error of the inverse times p: sums of eight products.
 PATCH = 2.0**-49
 #: A proof with a measure below this is good enough.
 EASY = 0.35
-#: The powers of singular values.
+#: The powers of singular values that are tried.
 EXPONENTS = (0.0, 0.3, 0.5, 0.7, 0.85, 1.0)
 
 
@@ -174,7 +174,7 @@ def _prove_in(chord: Chord, middle: Array, frame: Array, bends: Bends | None) ->
     q = np.linalg.norm(inverse @ matrix - np.eye(8), axis=(1, 2))
     inner, size = inverse[:, :, :7], sizes[:, :7]
     moved = np.einsum("nxr,nrdy->ndxy", inner, chord.slopes[:, :, 1:]) @ frame[:, None]
-    # The first in the spectral norm.
+    # The first derivatives, in the spectral norm.
     norms = np.linalg.norm(moved, axis=(2, 3))
     q += 0.5 * np.linalg.norm(moved[:, 0], ord=2, axis=(1, 2)) + ROUNDING * norms[:, 0]
     q += norms[:, 1:] @ 0.5 ** np.arange(2, SLOPES)
@@ -192,7 +192,8 @@ def _prove_in(chord: Chord, middle: Array, frame: Array, bends: Bends | None) ->
         kappa, reach = np.sum(size * chord.curvatures, axis=1), REACH
     else:
         along, third = _second_and_third(inner, frame, bends)
-        # As far as the measure grows little; a larger distance is better for uniqueness.
+        # The distance grows while the measure grows little: a larger distance is better for
+        # uniqueness.
         far = np.fmin(np.sqrt(left / third), _SPARE / (third * beta))
         reach = np.clip(np.fmax(along / third, far), 4 * radius * longer, REACH)
         kappa = along + third * reach
@@ -221,7 +222,7 @@ def _second_and_third(inner: Array, frame: Array, bends: Bends) -> tuple[Array, 
     moved = np.einsum("nyr,nrdij->ndyij", inner, bends.values)
     moved = np.swapaxes(frame, 1, 2)[:, None, None] @ moved @ frame[:, None, None]
     norms = np.sqrt((moved**2).sum(axis=(2, 3, 4)))
-    # The first component by component in the spectral norm.
+    # The second derivatives, component by component, in the spectral norm.
     spectral = np.abs(np.linalg.eigvalsh(moved[:, 0])).max(axis=2)
     second = np.linalg.norm(spectral, axis=1) + ROUNDING * norms[:, 0]
     second += norms[:, 1:] @ 0.5 ** np.arange(1, BENDS) + np.sum(size * bends.errors, axis=1)

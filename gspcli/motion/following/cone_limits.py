@@ -2,9 +2,9 @@
 
 A mode is followed once more, and each proved part is kept: on it the pose is within a radius of a
 chord. The quadric of a cone (`gspcli.certification.branches.moving_cones`) is a polynomial along
-the chord, plus a bounded change within the radius. If its sign is not clear the part is halved, and
-both halves are proved anew. They belong to the same branch: each shares an end with the part, and
-there is no other pose near that end.
+the chord, plus a bounded change within the radius. If its sign is not proved, the part is halved,
+and both halves are proved again. They belong to the same branch: each shares an end with the part,
+and there is no other pose near that end.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ Index = NDArray[np.int64]
 _HALVINGS = 34
 #: After this many halvings residuals are computed in balls: doubles are not accurate enough.
 _IN_DOUBLES = 16
-#: Parts that are judged at a time.
+#: How many parts are tested at a time.
 _PIECE = 256
 #: Rounding of sums of products, relative to the same expression of moduli, as in `chords`.
 _ROUNDING = 2.0**-44
@@ -176,7 +176,7 @@ class ConeProofs:
         Parameters
         ----------
         row
-            The one that the rows of the segments are counted from.
+            The row from which the rows of the segments are counted.
         segments
             The segments.
         exact

@@ -1,4 +1,4 @@
-"""Where a mode that is followed along a file of poses is at another pose than the file."""
+"""Rows at which a mode that follows a file of poses is at another pose than the file."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from gspcli.geometry.quaternions import vector_from_rotation
 from gspcli.motion.following.tracks import Track
 from gspcli.records import dataclass
 
-#: Poses differ if a direction, in radians, or the place by the length of the platform differs by
-#: more than this.
+#: Two poses are different if an angle (radians) or a shift (in lengths of the platform) is larger
+#: than this.
 _LEAST = 1e-6
 #: Near singular poses rounding errors of values move a pose further: by its condition number times
 #: this, and not by more than that.
@@ -27,7 +27,7 @@ class Departure:
     Attributes
     ----------
     mode
-        Its number.
+        The number of the mode.
     row
         The row of the file, from 0.
     t
@@ -45,7 +45,7 @@ class Departure:
     turn: float
 
     def to_json(self, in_radians: float) -> dict[str, Any]:
-        """Return it as plain data; rows are counted from 1.
+        """Return the departure as plain data; rows are counted from 1.
 
         Parameters
         ----------
@@ -65,13 +65,14 @@ def departures(track: Track, R: ArrayLike, T: ArrayLike) -> list[Departure]:
     """Return the rows at which modes are not at the poses whose values they were followed along.
 
     Values that change linearly between two poses which are far apart can lead a mode to another
-    pose with the same values. Only modes that begin at the first pose are compared. If none begins
-    there, it is the mode that begins nearest to it.
+    pose with the same values. Only modes that begin at the first pose are compared. If no mode
+    begins there, the mode that begins nearest to it is compared.
 
     Parameters
     ----------
     track
-        What was followed. Its rows are those of the poses, or these with equally many in between.
+        The followed modes. Its rows are those of the poses, or have equally many rows between two
+        of these.
     R, T
         The n poses, shapes (n, 3, 3) and (n, 3).
 

@@ -16,16 +16,16 @@ from gspcli.motion.following.tracks import Track
 
 Array = NDArray[np.float64]
 
-#: A transmission below this has no sign that is known.
+#: The sign of a smaller transmission is not known.
 _SIGN_KNOWN = 1e-9
 
 
 def drive_events(track: Track) -> list[LimitEvent]:
-    """Return the events of cranks and slides; none if the platform has none or they stay.
+    """Return the events of cranks and slides; none if there are no such drives or they do not move.
 
     Drives move linearly between rows, so they leave a range at one t. A mode passes a dead point
     between two rows if the gain of a drive has different signs there; gains between rows are not
-    looked at.
+    computed.
     """
     if not is_driven(track.instance) or not any(one.is_drive for one in track.coordinates):
         return []
@@ -35,7 +35,7 @@ def drive_events(track: Track) -> list[LimitEvent]:
 
 
 def drive_rows(track: Track, drives: Drives) -> Array:
-    """Return what the drives are at in each row, lengths and radians, shape (r, m)."""
+    """Return the numbers of the drives in each row, lengths and radians, shape (r, m)."""
     q = np.zeros((len(track.t), drives.count))
     for k in range(drives.count):
         if not drives.moved[k]:
@@ -48,7 +48,7 @@ def drive_rows(track: Track, drives: Drives) -> Array:
 
 
 def moves_drives_only(track: Track) -> bool:
-    """Whether no point of the machine moves but those of its cranks and slides."""
+    """Whether only cranks and slides move points."""
     return all(one.is_drive for one in track.coordinates)
 
 
@@ -68,7 +68,7 @@ def _ranges(track: Track, drives: Drives, q: Array) -> list[LimitEvent]:
 def _pieces(drives: Drives, k: int, t: Array, q: Array) -> tuple[Array, NDArray[np.bool_]]:
     """Return the first row and the pieces between rows on which a drive meets no end of its range.
 
-    Their beginnings, and which are out of range.
+    Returns the beginnings of these pieces, and which pieces are out of range.
     """
     times, places = [t[0]], [q[0, k]]
     for row in range(len(t) - 1):

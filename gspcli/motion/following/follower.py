@@ -23,7 +23,7 @@ Array = NDArray[np.float64]
 
 
 class FollowerStatus(IntEnum):
-    """What a step says; the numbers are those of the header that `gsp export --to c` writes."""
+    """The result of a step; the numbers are those of the header that `gsp export --to c` writes."""
 
     PROVED = 0
     """The pose is the continuation along the straight line of values, and simple."""
@@ -32,16 +32,16 @@ class FollowerStatus(IntEnum):
     RANGE = 2
     """A value is outside the range of its constraint."""
     SINGULAR = 3
-    """Refused: too near to a singular pose, here or ahead, or two lines would meet."""
+    """Refused: a singular pose is too near, to the start or on the line, or two lines meet."""
     TRIES_SPENT = 4
-    """Refused: the line is too long for the tries that a step has."""
+    """Refused: the line of values is too long for the tries of one step."""
     NOT_FOUND = 5
     """No pose within the limits was found."""
 
 
 @dataclass(frozen=True)
 class FollowerReport:
-    """How the last step went, or before the first one how the start is.
+    """Numbers of the last step, or of the start before the first step.
 
     At a start ``fraction`` is 1, or 0 if the pose is so nearly singular that no step from it can be
     proved; ``sigma`` and ``alone`` are those of the pose.
@@ -80,14 +80,14 @@ class Follower:
     instance
         The platform. Its values are used for the rods of cranks and slides only.
     R, T
-        Its pose, shapes (3, 3) and (3,), ``x_base = R x_platform + T``; its values are those that
-        it measures; of cranks and slides their numbers near zero.
+        Its pose, shapes (3, 3) and (3,), ``x_base = R x_platform + T``; its values are measured at
+        the pose. Cranks and slides have the numbers nearest to zero.
 
     Raises
     ------
     ArgumentError
-        If the pose is none or a crank or slide does not reach it, or one is not at the end of
-        exactly one leg.
+        If the pose is not a pose, a crank or slide does not reach it, or a drive is not at the end
+        of exactly one leg.
 
     Examples
     --------
@@ -137,7 +137,8 @@ class Follower:
         -------
         FollowerStatus
             PROVED: for every value on the straight line between, exactly one pose is near, it is
-            not singular, and the new pose is its end. With any other one nothing has moved.
+            not singular, and the new pose is its end. With any other status the follower has not
+            moved.
         """
         try:
             array = np.ascontiguousarray(values, np.float64)
@@ -166,8 +167,8 @@ class Follower:
         -------
         FollowerStatus
             PROVED: the follower is at the nearest pose that was found, within the limits, and a
-            straight line of values leads there as for `forward`, or several do. With any other one
-            it is where the last such line ended, or where it was.
+            straight line of values leads there as for `forward`, or several do. With any other
+            status it is at the end of the last proved line, or has not moved.
         """
         rotation, translation = checked_poses(R, T)
         if translation.shape != (3,):
@@ -207,12 +208,12 @@ class Follower:
 
     @property
     def error(self) -> float:
-        """The exact pose of the values is so near: a length, or radians times the size."""
+        """A bound of the distance of the exact pose: a length, or radians times the size."""
         return self._controller.error()
 
     @property
     def report(self) -> FollowerReport:
-        """How the last step went; before the first one, how the start is."""
+        """Numbers of the last step; before the first step, of the start."""
         return FollowerReport(*self._controller.report())
 
     def __repr__(self) -> str:
@@ -220,7 +221,7 @@ class Follower:
 
 
 def _moved(instance: Instance, R: Array, T: Array, values: Array) -> Follower:
-    """Return a follower that stands at a pose and has its values, as one that is unpickled."""
+    """Return a follower at a pose with given values (for unpickling)."""
     follower = Follower(instance, R, T)
     follower.forward(values)
     return follower

@@ -1,4 +1,4 @@
-"""An event of a track: a limit is violated, or kept again; a drive passes a dead point."""
+"""Events of a track: a limit is left or kept again, or a drive passes a dead point."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ class LimitEvent:
         ``range`` for a value, a crank or a slide (the same for all modes), ``cone`` for a joint,
         ``dead point`` for a crank or slide whose gain changes its sign.
     leaves
-        Whether the limit is violated from here on; at the first row: whether it is so from the
+        Whether the limit is violated from here on; at the first row, whether it is violated at the
         start.
     constraint
         The index of the constraint.
@@ -29,9 +29,9 @@ class LimitEvent:
         An interval that contains t. Values are linear between rows, so they leave a range at one t.
     proved
         Whether it is proved that the limit is kept before and violated after, or the reverse. An
-        unproved event of a certified track says that a cone may be violated between: the leg comes
-        to its edge, or the mode is nearly singular. Without certification cones are checked at
-        rows.
+        unproved event of a certified track means that a cone may be violated between: the leg is
+        near the edge of the cone, or the mode is nearly singular. Without certification cones are
+        checked at rows.
     drive
         The name of the crank or slide; empty for values and cones.
     """

@@ -1,4 +1,4 @@
-"""The times at which a motion leaves ranges of values and cones of joints, and returns."""
+"""The times at which a motion leaves ranges of values and cones of joints, or keeps them again."""
 
 from __future__ import annotations
 
@@ -86,7 +86,7 @@ def _between_rows(track: Track) -> list[LimitEvent]:
     """Return the events of cones, proved between rows, too."""
     rows = np.column_stack((track.values, track.places))
     found = []
-    # Modes that are born on the way are followed back from the last row.
+    # Modes that begin on the way are followed back from the last row.
     born = np.isnan(track.T[:, 0, 0])
     for step in (1, -1):
         proofs = ConeProofs(track.followed, track.coordinates, rows[::step])
@@ -171,7 +171,7 @@ def _changes(
 
 
 def _at_rows(track: Track) -> list[LimitEvent]:
-    """Return the events of cones that the poses at rows show, each between two rows."""
+    """Return the events of cones by the poses at the rows; each event is between two rows."""
     cones = joint_cones(track.instance)
     outside = np.zeros((*track.T.shape[:2], len(cones)), bool)
     for rows, instance in track.instances():

@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 
 #: A number without a range is between this and its negative.
 NEVER = 1e30
-#: As many joints can have a cone.
+#: The largest number of joints with a cone.
 _CONES = 12
 
 
@@ -42,7 +42,7 @@ class LimitNumbers:
 
     @property
     def arguments(self) -> tuple[Any, ...]:
-        """What ``_kernel.Controller.limit`` takes."""
+        """The arguments of ``_kernel.Controller.limit``."""
         names = ("low", "high", "axis", "half", "pivot", "weight")
         doubles = np.concatenate([np.ravel(getattr(self, name)) for name in names])
         return doubles, self.leg, self.on_base, self.still
@@ -62,7 +62,7 @@ def limit_numbers(
     instance
         The platform.
     numbers
-        Its other numbers.
+        The other numbers of the platform.
     pivot
         The point of the platform whose position is compared, shape (3,); its origin if None.
     still

@@ -29,12 +29,12 @@ Array = NDArray[np.float64]
 
 #: How far inside its limits a pose is sought, relative to the length: rounding errors are less.
 MARGIN = 1e-7
-#: A limit is met if a pose is so near to it, relative to the length.
+#: A pose is at a limit if it is nearer to it than this, relative to the length.
 _MET = 2e-7
 
 
 class FoundPose(NamedTuple):
-    """A pose within the limits to which no small motion leads nearer."""
+    """A pose within the limits, locally nearest to the given one."""
 
     distance: float
     R: Array
@@ -58,7 +58,8 @@ class LimitSearch:
     Raises
     ------
     ArgumentError
-        If a crank or slide does not reach the pose, or rods share one that may turn.
+        If a crank or slide does not reach the pose, or rods share a drive and the platform may
+        rotate.
     """
 
     def __init__(
@@ -69,7 +70,7 @@ class LimitSearch:
         limits = limit_numbers(instance, numbers, pivot=pivot, still=still)
         self._kernel = _kernel.Controller(numbers.kind, numbers.either, numbers.doubles)
         self._kernel.limit(*limits.arguments)
-        #: What turns are multiplied by in distances: the typical length of the platform.
+        #: The typical length of the platform, the factor of angles in distances.
         self.length = limits.weight * numbers.reach
         self._far = NEVER * numbers.reach / 10
         if self._kernel.start(_numbers(R, T)):
@@ -78,7 +79,7 @@ class LimitSearch:
 
     @cached_property
     def begins(self) -> bool:
-        """Whether the pose that decides is within the limits, and a step from it can be proved."""
+        """Whether the pose that decides sides is within the limits and allows a proved step."""
         at = np.concatenate((self._kernel.position(), self._kernel.rotation()))
         room = self._kernel.slack(at)[0]
         return bool(self._kernel.report()[0] == 1 and room.min() >= -MARGIN * self.length)
@@ -94,8 +95,8 @@ class LimitSearch:
     def slack(self, R: Array, T: Array) -> Array:
         """Return how far a pose is within each limit, as lengths, negative outside, shape (c,).
 
-        The limits are narrower by 1e-7 of the length. Of a crank or slide it is how much its rod
-        would be too short or too long at the end of its range.
+        The limits are narrower by 1e-7 of the length. For a crank or slide it is by how much its
+        rod would be too short or too long at the end of its range.
         """
         room = self._room(R, T)
         return room[room < self._far]
@@ -126,7 +127,7 @@ class LimitSearch:
         if drives.sorts[drive] == "crank":
             apart = math.remainder(apart, 2 * math.pi)
         end = float((drives.high if slack % 2 else drives.low)[drive])
-        # Both numbers of a drive are the same where its rod just reaches.
+        # At the boundary of the reach of a rod both numbers of its drive are equal.
         what = "range" if min(abs(first - end), abs(second - end)) < abs(apart) / 2 else "reach"
         return f"{what} of {drives.names[drive].replace('.', ' ')}"
 

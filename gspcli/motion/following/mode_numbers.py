@@ -109,7 +109,7 @@ def _carried(
         same = along_parallel_lines(at_values(instance, rows[0]), rows[:, :6], R)
         between = MovingPlatform(over_rows(same, rows))
     if not np.array_equal(rows[0], rows[1]):
-        # The ends of modes on the way are not needed: no folds are searched for.
+        # Folds are not searched for: the ends of modes on the way are not needed.
         followed = between.follow(
             between.internal(rows)[None],
             np.zeros(len(R), np.int64),

@@ -1,4 +1,4 @@
-"""The equations on dyadic parts of the way between two rows, each computed once."""
+"""The equations on the parts of the way between two rows, each computed once and kept."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class PartModels:
     Parameters
     ----------
     system
-        What moves.
+        The moving instance.
     rows
         The row before and the next one, in the units of the instance.
     """
@@ -45,7 +45,7 @@ class PartModels:
         return found if good else None
 
     def _piece(self, part: int, level: int) -> MovingQuadrics | None:
-        """Return the equations on a part, from the longest part around it that has any.
+        """Return the equations on a part, from the longest part around it with small remainders.
 
         The part is one of 2^``level``. The result is None if the remainders are too large on all of
         these parts.

@@ -22,8 +22,8 @@ from gspcli.records import dataclass
 Array = NDArray[np.float64]
 Exact = list[Fraction]
 
-#: The kinds of ``platform.c``, in its order: a leg whose joint a crank or slide moves is one of its
-#: own, because its value is the angle or the way of that.
+#: The kinds of ``platform.c``, in its order. A leg with a crank or slide is a kind of its own,
+#: because its value is the angle or the way of the drive.
 CONTROLLER_KINDS = (
     *("DPP", "DPL", "DLP", "DPH", "DHP", "DLL", "ALL", "ALH", "AHL", "AHH"),
     *("BASE_CRANK", "PLATFORM_CRANK", "BASE_SLIDE", "PLATFORM_SLIDE"),
@@ -32,7 +32,8 @@ _DRIVES = CONTROLLER_KINDS[-4:]
 BODIES = ("platform", "base")
 #: Norms are rounded up.
 _UP = 1 + 2.0**-40
-#: A value is outside a limit if it is so by more than this part of it, as in `geometry.limits`.
+#: A value is outside a limit if it exceeds it by more than this part of the limit, as in
+#: `geometry.limits`.
 _ROUNDING = 1e-12
 #: No value is larger, in units of the size or radians.
 _LARGEST = 1e9
@@ -91,8 +92,8 @@ def platform_numbers(
     instance
         The platform.
     margin
-        By which part of its range a value may leave it, from 0 to 1. What no distance or angle
-        can be stays refused.
+        By which part of its range a value may leave the range, from 0 to 1. Impossible distances
+        and angles are refused in any case.
     shared
         Whether several rods may share a drive. Each has its number then: the same where they agree.
 
@@ -183,7 +184,7 @@ def _kind(instance: Instance, row: Constraint, shared: bool) -> str:
 
 
 def _rides(row: Constraint, body: str, name: str) -> bool:
-    """Return whether a point of a constraint is that of a name, or rides with it."""
+    """Return whether a point of a constraint has a name, or moves with the point of this name."""
     point = getattr(row, body)
     return getattr(row, f"{body}_name") == name or (
         isinstance(point, Point) and bool(name) and point.partner == name
@@ -191,7 +192,7 @@ def _rides(row: Constraint, body: str, name: str) -> bool:
 
 
 def motor_of(row: Constraint) -> Crank | Slide | None:
-    """Return what moves a point of a constraint."""
+    """Return the crank or slide that moves a point of a constraint."""
     return next((one.drive for one in driven_points(row)), None)
 
 
@@ -202,10 +203,10 @@ def _stated(motor: Crank | Slide | None, name: str) -> float:
 
 
 def _lever(row: Constraint, platform: float, base: float) -> float:
-    """Return the length that a rotation is worth for a constraint, about: 0 for an angle.
+    """Return the approximate length that equals a radian for a constraint; 0 for an angle.
 
-    With it as the unit of length the second derivatives by rotations are as large as those by
-    translations. A row is refused least often so: with half of it twice as many lines are.
+    With this unit of length the second derivatives by rotations are as large as those by
+    translations. Then fewest lines are refused: with half of it twice as many.
 
     Parameters
     ----------
@@ -256,7 +257,7 @@ class _Place:
             self.moduli += 2 * math.hypot(*map(float, stated))
 
     def _turn(self, crank: Crank, place: Exact, middle: Exact) -> Exact:
-        """Note the circle of a crank; return its centre."""
+        """Store the circle of a crank; return its centre."""
         axis = _exact(crank.axis)
         centre = [_apart(x, m) for x, m in zip(crank.centre, middle, strict=True)]
         arm = _less(place, _exact(centre))
@@ -269,7 +270,7 @@ class _Place:
 
 
 def _apart(number: Number, middle: Fraction) -> Number:
-    """Return a number less another one, whose nearest double has no digits that cancel."""
+    """Return the difference of two numbers as the nearest double, without cancellation."""
     return Number("-", (number, Number.of(middle)))
 
 
@@ -313,7 +314,7 @@ def _middle(instance: Instance, body: str) -> Exact:
 
 
 def _limits(instance: Instance, largest: Array, margin: float) -> tuple[Array, Array]:
-    """Return the least and the greatest value of each constraint, planes signed unless either."""
+    """Return the least and greatest value of each constraint, signed if a side is chosen."""
     least, most = np.zeros((2, 6))
     for k, row in enumerate(instance.constraints):
         lowest, highest = value_range(row.kind, instance.units.angle)

@@ -41,7 +41,7 @@ class Event:
         ``fold``: it is proved that the mode and its partner meet and vanish. ``undecided``: the
         mode was followed up to here, and was neither continued nor proved to end.
     reason
-        For an undecided event the observation at its pose: lines of a DLL become parallel, the
+        For an undecided event what was observed at its pose: lines of a DLL become parallel, the
         platform goes far away, or the pose is nearly singular.
     begins
         Whether the mode begins here instead of ending.
@@ -106,8 +106,8 @@ class Track:
         linearly between them.
     modes
         The numbers of the modes as `solve` orders them for the values of the instance
-        (`gspcli.motion.following.mode_numbers`); those that are new at the first row, and those
-        that are born later, are numbered on. Shape (m,).
+        (`gspcli.motion.following.mode_numbers`); modes that are new at the first row, or begin
+        later, have the next numbers. Shape (m,).
     R, T
         Poses, shapes (m, r, 3, 3) and (m, r, 3); NaN where a mode does not exist or was not
         followed.
@@ -163,7 +163,7 @@ class Track:
 
     @cached_property
     def readings(self) -> Array:
-        """What files and tables have for `places`: cranks and slides as readings, shape (r, c)."""
+        """The numbers of `places` as in files: cranks and slides as readings, shape (r, c)."""
         added, times = drive_corrections(self.instance, self.coordinates)
         if not added.any() and (times == 1).all():
             return self.places
@@ -173,7 +173,7 @@ class Track:
     def conditions(self) -> Array:
         """Condition numbers of the poses, shape (m, r); NaN where there is none.
 
-        Lengths are measured by that of the instance as given, at all rows.
+        The unit of length is the size of the given instance, at all rows.
         """
         length = Arrangement.of(self.instance).length
         conditions = np.full(self.T.shape[:2], np.nan)
@@ -231,7 +231,7 @@ class Track:
     def to_json(
         self, rows: list[dict[str, Any]] | None = None, frame: PoseFrame = IDENTITY
     ) -> dict[str, Any]:
-        """Return everything as plain data of schema ``gsp.track/1``, but for ranges and cones.
+        """Return the track as plain data of schema ``gsp.track/1``, without ranges and cones.
 
         Parameters
         ----------
@@ -280,5 +280,5 @@ def _continuous(R: Array) -> Array:
 
 
 def _finite(part: Array) -> Any:
-    """Return a part of a pose; None at infinity, where there is none."""
+    """Return a part of a pose; None for a pose at infinity."""
     return part.tolist() if np.isfinite(part).all() else None

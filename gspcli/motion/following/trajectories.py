@@ -45,7 +45,7 @@ def track(
     Parameters
     ----------
     instance
-        Geometry, units, and the values by which the modes have their numbers.
+        Geometry, units, and the values whose modes give the numbers of modes.
     values
         Shape (r, 6), in the units and order of the instance; DPH and DHP distances are signed.
         Offsets are added to them.
@@ -195,7 +195,7 @@ def _nearest(instance: Instance, first: RowModes, pose: tuple[ArrayLike, ArrayLi
 def _with_births(run: Run, forward: Track, last: RowModes) -> Track:
     """Add the modes that begin on the way, followed back from the last row.
 
-    Their numbers are those that are carried from the stated values to the last row; if such a
+    Their numbers are those of modes followed from the stated values to the last row. If such a
     number is in use, the mode gets the next free one.
     """
     platform = run.platform

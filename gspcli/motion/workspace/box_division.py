@@ -58,9 +58,8 @@ def workspace(
     Parameters
     ----------
     instance
-        The platform; constraints without a range and joints without a cone limit nothing. Cranks
-        and slides limit poses to what their rods reach, on the knees of the home pose, and their
-        ranges do.
+        The platform. Its limits are the ranges of constraints, cranks and slides, the cones of
+        joints, and the reach of rods of cranks and slides, on the knees of the home pose.
     R, T
         The home pose, shapes (3, 3) and (3,); the parameters that do not vary have its numbers.
     free
@@ -79,12 +78,12 @@ def workspace(
         The signs of the gains of cranks and slides, shape (6,). If None they are those of the
         stated home, or, without one, those of the pose.
     gap
-        How far legs and bodies must be apart, for poses to count; None if that is not looked at.
+        The least gap between legs and bodies; None if gaps are not tested.
         The instance must state their shapes.
     tolerance
         Boxes are divided until the relative difference of the bounds of the volume is at most this,
     most_boxes
-        or until this many were judged.
+        or until this many boxes were tested.
     jobs
         Threads; the answer does not depend on them.
     progress
@@ -191,7 +190,7 @@ class _Division:
         inner = self._share(self.inner)
         still = self._share(waiting)
         for k, (keys, left, level) in enumerate(waiting):
-            # Weighted shares, and parts of a connected set, are known only at the end.
+            # Weighted shares and parts of a connected set are computed only at the end.
             near = still <= tolerance * (1 - 10 * ROUNDING) * (inner + still)
             simple = not (self.boxes.regular or self.weighted)
             if stop() or (near and simple):

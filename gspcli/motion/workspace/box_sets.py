@@ -39,7 +39,7 @@ class BoxSet(NamedTuple):
         return BoxSet(self.keys[which], self.conditions[which], self.levels[which])
 
     def and_also(self, other: BoxSet) -> BoxSet:
-        """Return these boxes and then those."""
+        """Return the boxes of both layers, one after the other."""
         return BoxSet(
             np.concatenate((self.keys, other.keys)),
             np.concatenate((self.conditions, other.conditions)),

@@ -14,9 +14,9 @@ from gspcli.geometry.instance import Instance
 
 Array = NDArray[np.float64]
 
-#: A number is outside its range if it is so by more than this part of it.
+#: A number is outside its range if it exceeds the range by more than this part of it.
 _ROUNDING = 1e-12
-#: Rods with one drive must ask for the same place, up to this part of the size.
+#: Rods with one drive must need the same place of it, up to this part of the size.
 _SAME = 1e-9
 _ADVICE = (
     "\nwrite a machine of parallel rods as three distances (DPP) and three angles that stay "
@@ -49,7 +49,7 @@ class DrivenBoxes:
 
     @property
     def ranged(self) -> list[int]:
-        """The constraints of which the motor has a range."""
+        """The constraints whose motor has a range."""
         index, low = self.drives.index, self.drives.low
         return [k for k in self.rows if np.isfinite(low[index[k]])]
 
@@ -65,8 +65,8 @@ class DrivenBoxes:
     def places(self, constraint: int, y: Array, x: Array) -> list[tuple[Array, Array, Array]]:
         """Return the points of platform and base that a rod joins, and a margin, shapes (3,).
 
-        The point that the motor moves is between two places that are returned, or within the margin
-        of the one that is. The other point is given, as the kernel has it.
+        The point that the motor moves is between two returned places, or within the margin of one.
+        The other point is that of the kernel.
         """
         assert self.balls is not None
         k = self.rows.index(constraint)
@@ -87,7 +87,7 @@ class DrivenBoxes:
         ]
 
     def refuse_shared(self, R: Array, free: Sequence[str]) -> None:
-        """Raise unless rods that share a drive ask for the same place at all poses that vary.
+        """Raise unless rods that share a drive need the same place of it at all poses that vary.
 
         Parameters
         ----------
@@ -138,7 +138,8 @@ def knees_of(
     Raises
     ------
     ArgumentError
-        If the pose is not reached, or is reached at two numbers as near to the stated point.
+        If a drive does not reach the pose, or reaches it at two numbers equally near to the stated
+        point.
     """
     drives = Drives.of(instance)
     stated = drives.home_knees
@@ -150,7 +151,7 @@ def knees_of(
 
 
 def drive_violations(drives: Drives, knees: NDArray[np.int64], R: Array, T: Array) -> Iterator[str]:
-    """Yield which drives a pose takes out of reach or out of range, in words."""
+    """Yield the drives that do not reach a pose, or are out of range there, in words."""
     wanted = drives.wanted(R, T, knees)
     for k in np.flatnonzero(drives.driven).tolist():
         drive = drives.index[k]

@@ -39,7 +39,7 @@ class HomePart:
     bounds
         The box that is divided, all six parameters, shape (6, 2).
     indices
-        Which of them vary.
+        The indices of the parameters that vary.
 
     Raises
     ------
@@ -93,7 +93,8 @@ class HomePart:
         low, high = self.bounds[self.indices].T
         part = (self.boxes.home[self.indices] - low) / (high - low) * 2.0 ** boxes.levels[:, None]
         place = places(boxes.keys, len(self.indices))
-        # At a corner rounding decides. A margin does no harm: the box about home keeps the limits.
+        # At a corner of a box rounding errors would decide, so there is a margin. It is safe: the
+        # box about home keeps the limits.
         room = 1e-12 * np.maximum(1.0, part)
         return np.asarray(((part >= place - room) & (part <= place + 1 + room)).all(axis=1))
 

@@ -28,12 +28,12 @@ REGULAR, NEGATIVE = np.uint32(_kernel.REGULAR), np.uint32(_kernel.NEGATIVE)
 #: Largest difference of a given matrix from a rotation.
 _ROTATION = 1e-9
 _RANGES = 6
-#: The condition that legs and bodies are as far apart as asked for; the kernel does not judge it.
+#: The condition that legs and bodies have the required gap; the kernel does not test it.
 GAP = np.uint32(1 << 24)
 _OUTWARD = 1 + 2.0**-30
 #: Rounding errors of parameters, relative to their sizes.
 _ROUNDING = 2.0**-46
-#: The first of the conditions that rods reach the points of their motors.
+#: The first condition of those that rods reach the points of their motors.
 _REACH = int(_kernel.REACH).bit_length() - 1
 
 
@@ -72,7 +72,7 @@ class PoseBoxes:
         The signs of the gains of cranks and slides, shape (6,). If None they are those of the
         stated home, or, without one, those of the pose.
     gap
-        How far legs and bodies must be apart; None if that is not looked at.
+        The least gap between legs and bodies; None if gaps are not tested.
 
     Raises
     ------
@@ -153,7 +153,7 @@ class PoseBoxes:
 
     @property
     def reached(self) -> np.uint32:
-        """Of these, that rods reach the points of their motors, and regularity."""
+        """The conditions that rods reach the points of their motors, and regularity."""
         rows = self.drives.rows if self.drives else []
         return np.uint32(sum(1 << (_REACH + k) for k in rows) | int(REGULAR))
 
@@ -240,7 +240,7 @@ class PoseBoxes:
         Parameters
         ----------
         bounds
-            The box, shape (6, 2); of parameters that are not free, the first number counts.
+            The box, shape (6, 2); a parameter that is not free has its first number.
         free
             The indices of the free parameters, d of them.
         level
@@ -277,7 +277,7 @@ class PoseBoxes:
         free: Sequence[int],
         level: int,
     ) -> Judged:
-        """Judge the gaps of the boxes that the kernel left open."""
+        """Test the gaps of the boxes that the kernel did not decide."""
         keys, left = judged.open, judged.open_left.copy()
         asked = np.flatnonzero(left & GAP)
         if not len(asked):

@@ -43,13 +43,14 @@ class Travel:
     axis
         The parameter, one of x, y, z, rx, ry, rz.
     reached
-        The changes down to which and up to which every pose is proved to keep the limits, in the
-        units of the instance: a number at most 0 and one at least 0.
+        Two changes, at most 0 and at least 0, in the units of the instance: every pose between them
+        is proved to keep the limits.
     ends
-        The changes before which a limit is proved to be violated; infinite if no such change was
-        found (within a whole turn, or a hundred typical lengths for positions).
+        Two changes: a limit is proved to be violated between home and each of them. Infinite if no
+        such change was found (within a whole turn, or a hundred typical lengths for positions).
     stops
-        The limits that end the travel, in words: those undecided between the two.
+        The limits that end the travel, in words: those that are undecided between ``reached`` and
+        ``ends``.
     """
 
     axis: str
@@ -124,7 +125,7 @@ def travels(
         The signs of the gains of cranks and slides, shape (6,). If None they are those of the
         stated home, or, without one, those of the pose.
     gap
-        How far legs and bodies must be apart; None if that is not looked at.
+        The least gap between legs and bodies; None if gaps are not tested.
 
     Raises
     ------
@@ -195,7 +196,7 @@ def refuse_held(instance: Instance) -> None:
 def too_near(instance: Instance, R: Array, T: Array, gap: float) -> list[str]:
     """Return which legs or bodies are proved to be nearer than a gap at a pose, in words.
 
-    Only the two that are nearest are named; shapes (3, 3) and (3,).
+    Only the nearest two are named. The pose has shapes (3, 3) and (3,).
     """
     compared = ComparedShapes(instance)
     gaps = compared.bounds(R[None], T[None]).high[0]
@@ -301,7 +302,8 @@ def _divided(
         gap = _first_gap(covered)
         near = starts < gap
         keys, left, starts = keys[near], left[near], starts[near]
-        # A motor near a dead point may be near its end where regularity is not proved already.
+        # Where regularity is not proved, a motor may be near a dead point, and so near the end of
+        # its reach.
         stops = int(left[-1 if boxes.drives else 0]) if len(left) else stops
         if not len(keys) or len(keys) > _MOST_OPEN or part < _FINEST:
             break

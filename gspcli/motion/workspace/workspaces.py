@@ -29,7 +29,7 @@ _SAME = 1e-7
 
 @dataclass(frozen=True, eq=False)
 class Workspace:
-    """Poses that keep all limits, between two sets of boxes.
+    """The poses that keep all limits, enclosed between two sets of boxes.
 
     It is proved that every pose of an inner box keeps the limits, and that every pose outside the
     inner and the open boxes violates one.
@@ -47,7 +47,7 @@ class Workspace:
     inner_keys, inner_levels, open_keys, open_levels
         Boxes by their keys in the grid of their level.
     judged
-        The number of boxes that were judged.
+        The number of boxes that were tested.
     """
 
     boxes: PoseBoxes
