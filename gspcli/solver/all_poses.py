@@ -31,6 +31,8 @@ def first_poses(problem: Problem) -> Ledger:
     for strategy, is_quick in first_strategies(problem):
         for ends in strategy(ledger.open):
             ledger.add(ends)
+            if ends.has_directions and not ledger.is_complete:
+                ledger.add_far(ends)
             if ledger.is_complete:
                 ledger.is_quick = is_quick and ledger.is_at_once
                 return ledger

@@ -23,9 +23,13 @@ class Ends(NamedTuple):
         Poses far away, to which no paths lead, if there is one choice of sides.
     all_poses
         Whether all paths lead to poses, for values in general position.
+    has_directions
+        Whether quaternions are right in all digits, up to a factor, where N nearly vanishes, too:
+        where paths with fewer unknowns to one platform have arrived.
     """
 
     points: ComplexArray
     frames: StudyFrames
     far: FarPoses | None = None
     all_poses: bool = False
+    has_directions: bool = False

@@ -96,6 +96,20 @@ class Ledger:
                     found._replace(**{name: getattr(found, name)[:, each] for name in OF_POSES})
                 )
 
+    def add_far(self, ends: Ends) -> None:
+        """Add poses far away of one platform; count its geometry if some are missing still.
+
+        Parameters
+        ----------
+        ends
+            Where paths have led, with all digits of quaternions (`Ends.has_directions`).
+        """
+        for k, side in enumerate(self.sides if self.problem.proofs is not None else ()):
+            side.add_far(ends.points[0, k])
+        if self._answer is None:
+            # From now on the ledger has the count of the geometry.
+            _ = self.problem.geometry_count
+
     def _keep(self, found: ProvedPoses) -> None:
         """Keep the poses for sets of values that were left and are complete now."""
         if self.proved is None:

@@ -15,6 +15,7 @@ from gspcli.catalogue.kinds import ANGLE_KINDS, DHP, DPH, DPP
 from gspcli.catalogue.types import MAX_ANGLES
 from gspcli.certification.equations.frames import StudyFrames
 from gspcli.certification.equations.local_frames import LocalFrames
+from gspcli.certification.equations.mirror_images import has_mirror_images
 from gspcli.certification.poses.many_values import ValueProofs
 from gspcli.continuation.systems import Coefficients, FineCoefficients, Structure, System
 from gspcli.defaults import PATIENCE, SEED
@@ -192,6 +193,11 @@ class Problem:
         from gspcli.continuation.tracked_paths import track_all
 
         return list(track_all(self.systems, seed=self.seed, jobs=self.jobs))
+
+    @cached_property
+    def has_mirror_images(self) -> bool:
+        """Whether each pose has a mirror image (`gspcli.certification.equations.mirror_images`)."""
+        return has_mirror_images(self.instance)
 
     def keep(self, poses: PoseSet, points: StudyPoints) -> None:
         """Keep poses for platforms of the same geometry, if they are all it has.

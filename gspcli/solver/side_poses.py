@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from gspcli.certification.equations.frames import OWN
+from gspcli.certification.equations.mirror_images import mirrored, mirrored_pose
 from gspcli.certification.poses.collection import Collection
 from gspcli.certification.poses.conjugate_points import conjugate_sources
 from gspcli.certification.poses.distinct import same
@@ -41,6 +44,8 @@ _KNOWN = 1e-13
 #: Bits for poses that 32 digits do not round correctly. The second are for numbers half-way between
 #: two doubles, as an entry of a rotation is where it is a ratio of two values.
 _MANY_BITS = 128, 512
+#: Bits of points that are known to many digits.
+_FAR_BITS = 256
 
 
 class SidePoses:
@@ -191,6 +196,40 @@ class SidePoses:
             ):
                 self.infinite.append(end.isolation)
         return new
+
+    def add_far(self, ends: Field) -> None:
+        """Add poses far away, their conjugates and mirror images.
+
+        Parameters
+        ----------
+        ends
+            Study points of any norm with quaternions that are right in double precision, up to a
+            factor, one for each path, shape (n, 8).
+        """
+        from gspcli.certification.poses.far_points import far_points
+
+        has_images = self.problem.has_mirror_images
+        open_ = ends[~self.reached, :4]
+        with np.errstate(invalid="ignore"):
+            e = open_ / np.linalg.norm(open_, axis=1, keepdims=True)
+        e = e[np.isfinite(e).all(axis=1)]
+        points = far_points(self.locator, self.sides, e, has_mirror_images=has_images)
+        if not len(points):
+            return
+        frames = replace(OWN, length=self.locator.scale)
+        found, reached = self._finer.at(points[:, 0], points[:, 1:], frames)
+        place = self._add_finer(found, reached)
+        if has_images:
+            R, T = mirrored_pose(found.R, found.T)
+            quaternions = canonical_sign(mirrored(found.quaternions))
+            self._add_finer(found._replace(R=R, T=T, quaternions=quaternions), mirrored(reached))
+        for point in points[place < 0]:
+            start = self.locator.exact_sum(point)
+            located = self.locator.locate_exactly(start, self.sides, _FAR_BITS)
+            if isinstance(located, Located):
+                self.found.add([located, located.mirrored] if has_images else [located])
+                self.found.add_conjugates()
+        self.found.add_close_conjugates()
 
     def _prove_finely(self, ends: PathEnds) -> Index:
         """Add the poses near ends that 64 digits prove; return their places, or -1, shape (k,)."""

@@ -21,6 +21,9 @@ from gspcli.geometry.numbers import Number
 
 Ball = TypeVar("Ball", arb, acb)
 
+#: Numbers are written as sums of so many doubles, from those of at most so many bits.
+_DOUBLES, _LONG = 4, 1024
+
 
 def _same_ball(mid: tuple[int, int] | str, rad: tuple[int, int] | str) -> arb:
     """Return the ball with a midpoint and a radius, each m 2^e as (m, e), or a name.
@@ -123,6 +126,16 @@ def float_ends(value: arb) -> tuple[float, float]:
     """Return floats below and above all numbers of a ball."""
     low = math.nextafter(float(value.lower()), -math.inf)
     return low, math.nextafter(float(value.upper()), math.inf)
+
+
+def sums_of_doubles(numbers: Sequence[acb]) -> NDArray[np.complex128]:
+    """Return numbers as sums of four doubles, shape (4, n); radii are ignored."""
+    rest, parts = [x.mid() for x in numbers], []
+    with ctx.workprec(_LONG):
+        for _ in range(_DOUBLES):
+            parts.append([complex(x) for x in rest])
+            rest = [x - acb(part.real, part.imag) for x, part in zip(rest, parts[-1], strict=True)]
+    return np.array(parts)
 
 
 def decimal_near(number: Number, digits: int) -> Fraction:

@@ -22,6 +22,7 @@ from gspcli.certification.equations.ball_system import BallSystem
 from gspcli.certification.equations.frames import StudyFrames
 from gspcli.certification.equations.local_frames import length_scale
 from gspcli.certification.equations.measures import satisfies_constraints
+from gspcli.certification.equations.mirror_images import STUDY_SIGNS
 from gspcli.certification.equations.pose_balls import PoseBall, pose_of_point
 from gspcli.certification.numbers.balls import largest
 from gspcli.certification.numbers.correct_rounding import rounded
@@ -78,6 +79,21 @@ class Located:
             R, T, quaternion = (x.conj() + 0.0 for x in self.numbers)
             other.__dict__["numbers"] = R, T, canonical_sign(quaternion[None])[0]
         return other
+
+    @property
+    def mirrored(self) -> Located:
+        """The mirror image in the planes z = 0, of equations that are the same in it."""
+        signs = STUDY_SIGNS.astype(int).tolist()
+        patch = signs[self.isolation.patch]
+        with ctx.workprec(2 * self.isolation.precision):
+            centre = [x * (s * patch) for x, s in zip(self.isolation.centre, signs, strict=True)]
+            x, y, z = self.pose.rotation
+            pose = PoseBall(
+                [[x[0], x[1], -x[2]], [y[0], y[1], -y[2]], [-z[0], -z[1], z[2]]],
+                [*self.pose.translation[:2], -self.pose.translation[2]],
+            )
+        isolation = replace(self.isolation, centre=tuple(centre))
+        return replace(self, isolation=isolation, pose=pose)
 
     @cached_property
     def numbers(self) -> tuple[Complex, Complex, Complex] | None:

@@ -4,17 +4,20 @@ A platform is a start for others of its structure, as the stored quadrics are, w
 times as long: a stream of new platforms takes three quarters to four fifths of the time. The
 equations of a planar body are not solved for the same quantities as those of others
 (`ReducedHomotopy`). From a platform that is planar, too, another is solved in a third of the time
-that all paths of the equations as they are take (`make bench`, rows "6-6, one", "planar 6-6").
+that all paths of the equations as they are take (`make bench`, row "planar 6-6").
 """
 
 from __future__ import annotations
 
-from functools import partial
+from collections.abc import Iterator
+from functools import cache, partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import ALL, DHP, DPH, DPP, Kind, Primitive
+from gspcli.certification.equations.mirror_images import mirrored, with_mirror_images
+from gspcli.continuation.quadrics import ComplexArray
 from gspcli.continuation.start import StartSystem, path_count
 from gspcli.continuation.systems import EQUATIONS, Structure, System
 from gspcli.geometry.arrangement import Arrangement
@@ -24,7 +27,7 @@ from gspcli.solver.study_systems import complex_system
 #: Heights of points of a planar body over its plane, in lengths of order one.
 _FLAT = 1e-12
 #: Seeds of the random platforms, of which from the first fewest paths go wrong.
-_SEEDS, _PLANAR_SEEDS = (0, 3, 1), (1, 3)
+_SEEDS, _PLANAR_SEEDS = (0, 3, 1), (3, 1)
 #: What the equations are linear in: a mean for squares of distances, and zero else, plus i times
 #: numbers between these with random signs.
 _MEAN, _SPREAD = 0.6, (0.2, 0.4)
@@ -51,31 +54,43 @@ def _first_solved(structure: Structure) -> StartSystem | None:
     return next((start for start in made if start is not None), None)
 
 
-def planar_starts(arrangement: Arrangement, starts: SolvedStarts) -> list[StartSystem]:
-    """Return solved platforms that are planar where another is.
+def planar_starts(arrangement: Arrangement) -> Iterator[StartSystem]:
+    """Yield solved platforms that are planar where another is; they are kept for the process.
 
-    They are solved when they were asked for `OFTEN` times. None before, and where the planes are
-    not those of two coordinates or joints are shared.
+    None where the planes are not those of two coordinates or joints are shared.
 
     Parameters
     ----------
     arrangement
         The other one, lengths of order one.
-    starts
-        What is kept of solved platforms.
     """
     bodies = arrangement.y, arrangement.x
     flat = (_is_flat(arrangement.y), _is_flat(arrangement.x))
     if set(arrangement.kinds) != {DPP} or not any(flat) or any(map(_shares_joints, bodies)):
-        return []
-    if not starts.is_frequent(flat):
-        return []
-    legs = (DPP,) * EQUATIONS
-    made = (
-        starts.kept(Sort.START, (flat, seed), partial(_solved, legs, flat, seed))
-        for seed in _PLANAR_SEEDS
-    )
-    return [start for start in made if start is not None]
+        return
+    for seed in _PLANAR_SEEDS:
+        if (start := _planar(flat, seed)) is not None:
+            yield start
+
+
+@cache
+def _planar(flat: tuple[bool, bool], seed: int) -> StartSystem | None:
+    """Return a solved platform of which these bodies are planar.
+
+    If both are, the second half of the solutions are the mirror images of the first.
+    """
+    start = _solved((DPP,) * EQUATIONS, flat, seed)
+    if start is None or not all(flat):
+        return start
+    half = _one_of_each_pair(start.points)
+    return None if half is None else StartSystem(start.system, with_mirror_images(half))
+
+
+def _one_of_each_pair(points: ComplexArray) -> ComplexArray | None:
+    """Return half of the points (n, 8) of norm 1: of each pair of mirror images one, or None."""
+    alike = np.abs(mirrored(points).conj() @ points.T)
+    first = alike.argmax(axis=1) > np.arange(len(points))
+    return points[first] if 2 * first.sum() == len(points) else None
 
 
 def _is_flat(points: NDArray[np.float64]) -> bool:

@@ -123,10 +123,10 @@ class SolvedStarts:
             return cast(_Entry, self.fetch(sort, key))
         return self.keep(sort, key, make())
 
-    def is_frequent(self, sort: Structure | tuple[bool, bool]) -> bool:
+    def is_frequent(self, sort: Structure) -> bool:
         """Return whether `OFTEN` platforms were solved before, and count this one.
 
-        They have the same structure of equations, or the same planar bodies.
+        They have the same structure of equations.
         """
         met = cast(int, self.fetch(Sort.MET, sort) or 0)
         self.keep(Sort.MET, sort, met + 1)

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from gspcli.certification.equations.mirror_images import with_mirror_images
 from gspcli.solver.ends import Ends
 from gspcli.solver.problem import Problem
 
 if TYPE_CHECKING:
+    from gspcli.continuation.quadrics import ComplexArray
     from gspcli.continuation.start import StartSystem
     from gspcli.continuation.systems import Structure
     from gspcli.continuation.tracked_paths import TrackedPaths
@@ -20,32 +23,38 @@ if TYPE_CHECKING:
 def reduced_paths(problem: Problem) -> Iterator[Ends]:
     """Yield the ends of paths with fewer unknowns, of equations without products."""
     from gspcli.continuation.reduced_homotopy import ends_from_start
+    from gspcli.solver.starts.platform_starts import planar_starts
 
     structure, given = problem.equations
     targets, structure = given.g[:, list(structure.order)], structure.canonical()
+    for start in planar_starts(problem.arrangement.normalized):
+        if (planar := _planar_ends(problem, start, targets[0])) is not None:
+            yield Ends(planar[None, None], problem.frames, has_directions=True)
     for start, options in _ways(problem, structure):
         found = [ends_from_start(start, quadrics, options) for quadrics in targets]
         ends = [points for points in found if points is not None]
         if len(ends) == len(found):
-            yield Ends(np.array(ends)[None], problem.frames)
+            yield Ends(np.array(ends)[None], problem.frames, has_directions=True)
+
+
+def _planar_ends(problem: Problem, start: StartSystem, target: ComplexArray) -> ComplexArray | None:
+    """Return the ends of paths from a planar platform: of one of each pair of mirror images."""
+    from gspcli.continuation.reduced_homotopy import ends_from_start
+    from gspcli.continuation.tracker_options import SHORT_STEPS
+
+    if not problem.has_mirror_images:
+        return ends_from_start(start, target, SHORT_STEPS)
+    half = replace(start, points=start.points[: len(start.points) // 2])
+    ends = ends_from_start(half, target, SHORT_STEPS)
+    return None if ends is None else with_mirror_images(ends)
 
 
 def _ways(problem: Problem, structure: Structure) -> Iterator[tuple[StartSystem, TrackerOptions]]:
-    """Yield where reduced paths begin, and how long their steps are, the shortest first."""
+    """Yield where reduced paths begin, and how long their steps are."""
     from gspcli.continuation.start import start_system
-    from gspcli.continuation.tracker_options import (
-        FROM_START,
-        LONG_STEPS,
-        MEDIUM_STEPS,
-        SHORT_STEPS,
-    )
-    from gspcli.solver.starts.platform_starts import planar_starts, structure_start
+    from gspcli.continuation.tracker_options import FROM_START, LONG_STEPS
+    from gspcli.solver.starts.platform_starts import structure_start
 
-    planar = planar_starts(problem.arrangement.normalized, problem.starts)
-    if planar:
-        yield planar[0], MEDIUM_STEPS
-        yield from ((start, SHORT_STEPS) for start in planar)
-        return
     if (start := structure_start(structure, problem.starts)) is not None:
         yield start, LONG_STEPS
     yield start_system(structure), FROM_START
