@@ -117,8 +117,8 @@ INLINE Rounded round_entry(const V& number, const D& error, const D& unit) {
 }
 
 // The power of two above the largest part of some numbers, rounded, but not less than another one.
-INLINE D unit_of(const C* numbers, int count, double least) {
-  D largest = D{} + 0.5 * least;
+INLINE D unit_of(const C* numbers, int count, const D& least) {
+  D largest = 0.5 * least;
   for (int i = 0; i < count; ++i)
     for (int k = 0; k < 2; ++k) {
       const V& x = k ? numbers[i].im : numbers[i].re;
@@ -130,10 +130,10 @@ INLINE D unit_of(const C* numbers, int count, double least) {
 }
 
 // The numbers of poses that are known up to errors (16), rounded.
-void put_rounded(const C* entry, const D* error, const Mask& real, double unit, const FinePoses& out) {
+void put_rounded(const C* entry, const D* error, const Mask& real, const D& unit, const FinePoses& out) {
   D re[kEntries], im[kEntries], deviation = D{};
-  const D turning = unit_of(entry, kOfR, 0.0), moving = unit_of(entry + kOfR, kOfPose - kOfR, unit),
-          quaternion = unit_of(entry + kOfPose, kEntries - kOfPose, 0.0);
+  const D turning = unit_of(entry, kOfR, D{}), moving = unit_of(entry + kOfR, kOfPose - kOfR, unit),
+          quaternion = unit_of(entry + kOfPose, kEntries - kOfPose, D{});
   Mask sure = real | ~real;
   for (int i = 0; i < kEntries; ++i) {
     const D here = i < kOfR ? turning : i < kOfPose ? moving : quaternion;

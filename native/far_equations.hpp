@@ -11,7 +11,7 @@
 namespace gsp {
 namespace {
 
-// The numbers of as many poses as there are lanes: number k of lane l stands at k W + l.
+// The numbers of a pose for each lane: number k of lane l stands at k W + l.
 struct Block {
   double *re, *im, *low_re, *low_im;
   double doubt[W], real[W];
@@ -25,12 +25,11 @@ struct Block {
   FineNumbers numbers() const { return {{re, im}, {low_re, low_im}}; }
 };
 
-Block packed(const FarGeometry& g, int first, double* work) {
+Block packed(const FarGeometry& g, const int* pose, double* work) {
   constexpr int size = kFarNumbers * W;
   Block b{work, work + size, work + 2 * size, work + 3 * size, {}, {}};
   for (int l = 0; l < W; ++l) {
-    // Lanes without a pose repeat the first one.
-    const int p = first + l < g.count ? first + l : first;
+    const int p = pose[l];
     b.doubt[l] = g.error[p], b.real[l] = g.real[p];
     for (int k = 0; k < kFarNumbers; ++k) {
       const Complex &x = g.number[p * kFarNumbers + k], &y = g.low[p * kFarNumbers + k];

@@ -30,10 +30,10 @@ INLINE V largest(const C* x) {
   return most;
 }
 
-INLINE bool all(const Mask& m) {
+INLINE bool any(const Mask& m) {
   for (int l = 0; l < W; ++l)
-    if (!m[l]) return false;
-  return true;
+    if (m[l]) return true;
+  return false;
 }
 
 // How long a step of Newton's method may be because of rounding.
@@ -61,9 +61,9 @@ INLINE void differentiate_by_shift(const Linear& at, const C& norm, const C* cha
   }
 }
 
-// Follows local coordinates in all lanes between two shifts of the equations; false if steps become too small for
-// one of them.
-bool follow_line(const Block& b, const C* from, const C* to, C* s) {
+// Follows local coordinates in all lanes between two shifts of the equations, with steps of their own. In lanes where
+// steps become too small the coordinates are not changed; returns the others.
+Mask follow_line(const Block& b, const C* from, const C* to, C* s) {
   C change[kRows], here[kRows];
   for (int r = 0; r < kRows; ++r) change[r] = to[r] - from[r];
   Linear at;
@@ -71,27 +71,24 @@ bool follow_line(const Block& b, const C* from, const C* to, C* s) {
   C norm = linearize(b, from, s, at), first[kRows], second[kRows];
   differentiate_by_shift(at, norm, change, now.along);
   for (int i = 0; i < kRows; ++i) now.at[i] = s[i];
-  double done = 0.0, step = kFirstStep, before = 0.0;
-  while (done < 1.0) {
+  last = now;
+  V done = splat(0.0), step = splat(kFirstStep), before = splat(0.0);
+  Mask active = done < 1.0;
+  while (true) {
     // A last step that is hardly shorter goes to the end.
-    if (done + 1.125 * step > 1.0) step = 1.0 - done;
-    if (step < kLeastStep) return false;
-    for (int r = 0; r < kRows; ++r) {
-      const double t = done + step;
-      here[r] = from[r] + splat(t) * change[r];
-      if (t >= 1.0) here[r] = to[r];
-    }
+    step = select(done + 1.125 * step > 1.0, 1.0 - done, step);
+    active &= (done < 1.0) & (step >= kLeastStep);
+    if (!any(active)) break;
+    const V t = done + step;
+    for (int r = 0; r < kRows; ++r) here[r] = select(t >= 1.0, to[r], from[r] + t * change[r]);
     // By the cubic through the last two points with their tangents, else by the tangent.
     C guess[kRows];
-    const double q = before > 0.0 ? step / before : 0.0;
+    const V q = select(before > 0.0, step / before, splat(0.0));
     for (int i = 0; i < kRows; ++i) {
-      guess[i] = now.at[i] + splat(step) * now.along[i];
-      if (before > 0.0) {
-        const C gap = now.at[i] - last.at[i];
-        const C bend = splat(before) * (splat(2.0) * now.along[i] + last.along[i]) - splat(3.0) * gap;
-        const C twist = splat(before) * (now.along[i] + last.along[i]) - splat(2.0) * gap;
-        guess[i] = guess[i] + splat(q * q) * (bend + splat(q) * twist);
-      }
+      const C gap = now.at[i] - last.at[i];
+      const C bend = before * (splat(2.0) * now.along[i] + last.along[i]) - splat(3.0) * gap;
+      const C twist = before * (now.along[i] + last.along[i]) - splat(2.0) * gap;
+      guess[i] = now.at[i] + step * now.along[i] + (q * q) * (bend + q * twist);
     }
     linearize(b, here, guess, at);
     newton_step(at, first);
@@ -102,25 +99,24 @@ bool follow_line(const Block& b, const C* from, const C* to, C* s) {
     const V one = largest(first), two = largest(second);
     // Not a number is not below anything.
     Mask good = two <= kCertainly * one, easy = two <= kEasily * one;
-    if (!all(easy)) {
+    if (any(active & ~easy)) {
       const V least = noise(b, here, guess, at);
       const Mask exact = (one + two <= least) & (least <= kLostDigits * maximum(largest(guess), splat(kLeastSize)));
       good |= exact, easy |= exact;
     }
-    const bool is_good = all(good), is_easy = all(easy);
-    if (!is_good) {
-      step *= 0.5;
-      if (step < kLeastStep) return false;
-      continue;
+    good &= active;
+    C along[kRows];
+    differentiate_by_shift(at, norm, change, along);
+    for (int i = 0; i < kRows; ++i) {
+      last.at[i] = select(good, now.at[i], last.at[i]), last.along[i] = select(good, now.along[i], last.along[i]);
+      now.at[i] = select(good, guess[i], now.at[i]), now.along[i] = select(good, along[i], now.along[i]);
     }
-    last = now, before = step, done += step;
-    if (step >= 1.0 - done + step) done = 1.0;
-    for (int i = 0; i < kRows; ++i) now.at[i] = guess[i];
-    differentiate_by_shift(at, norm, change, now.along);
-    if (is_easy) step *= 2.0;
+    before = select(good, step, before), done = select(good, t, done);
+    step = select(good, select(easy, 2.0 * step, step), 0.5 * step);
   }
-  for (int i = 0; i < kRows; ++i) s[i] = now.at[i];
-  return true;
+  const Mask arrived = done >= 1.0;
+  for (int i = 0; i < kRows; ++i) s[i] = select(arrived, now.at[i], s[i]);
+  return arrived;
 }
 
 }  // namespace

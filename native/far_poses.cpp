@@ -18,6 +18,20 @@ constexpr double kLeastPart = 0x1p-6;
 constexpr int kEntries = 12, kNumbers = 16;
 constexpr double kNothing = 5e-10;  // rounds to zero to nine digits
 
+// Of the values in each lane: by how much they are greater, what double precision leaves of that, by how much it errs.
+struct LaneValues {
+  V shift[kEquations], low[kEquations], gap[kEquations];
+  double unit[W];
+
+  void put(int l, const FarValues& given, int row) {
+    const double* const from = given.shift + 3 * kEquations * row;
+    for (int r = 0; r < kEquations; ++r) {
+      shift[r][l] = from[r], low[r][l] = from[kEquations + r], gap[r][l] = from[2 * kEquations + r];
+    }
+    unit[l] = given.unit[row];
+  }
+};
+
 // The shift of each equation for values further by a shift: with 32 digits and in doubles, its modulus, and by how
 // much it errs.
 struct Shift {
@@ -25,17 +39,17 @@ struct Shift {
   C at[kRows];
   V size[kRows], off[kRows];
 
-  Shift(const Block& b, const double* shift) {
-    const double* const gap = shift + 2 * kEquations;
+  Shift(const Block& b, const LaneValues& values) {
     V own;
     __builtin_memcpy(&own, b.doubt, sizeof own);
-    GSP_FINE_FAR.mix(b.numbers(), shift, shift + kEquations, {high, low});
+    GSP_FINE_FAR.mix(b.numbers(), reinterpret_cast<const double*>(values.shift),
+                     reinterpret_cast<const double*>(values.low), {high, low});
     high.load(at);
     for (int i = 0, k = kMixed; i < kRows; ++i) {
       V sum = splat(0.0);
       for (int r = 0; r < kEquations; ++r, ++k) {
-        const double by = shift[r] < 0.0 ? -shift[r] : shift[r];
-        sum += bound(b.number(k)) * splat(gap[r] + kShiftRounding * by) + own * splat(gap[r] + by);
+        const V by = maximum(values.shift[r], -values.shift[r]), gap = values.gap[r];
+        sum += bound(b.number(k)) * (gap + kShiftRounding * by) + own * (gap + by);
       }
       size[i] = bound(at[i]), off[i] = kOutward * sum;
     }
@@ -45,7 +59,7 @@ struct Shift {
 // Whether there is exactly one solution near local coordinates, and how far it is off after Newton's step.
 void isolate(const Block& b, const Shift& shift, const C* s, const Linear& at, Mask& isolated,
              V& error_after) {
-  V size[kRows], rounding[kRows], curvature[kRows], moved[kRows], doubt[kRows], total = splat(1.0), own;
+  V size[kRows], rounding[kRows], curvature[kRows], doubt[kRows], total = splat(1.0), own;
   __builtin_memcpy(&own, b.doubt, sizeof own);
   for (int i = 0; i < kRows; ++i) size[i] = bound(s[i]), total += size[i];
   const Sizes norm = sizes_of(b, kOfNorm, size);
@@ -57,12 +71,12 @@ void isolate(const Block& b, const Shift& shift, const C* s, const Linear& at, M
     rounding[r] = kOutward * (kRounding * here.slope + off * norm.slope + 128.0 * in_numbers * total);
     curvature[r] = kOutward * (here.curvature + off * norm.curvature + 128.0 * in_numbers);
     doubt[r] = kOutward * (kValueRounding * here.value + off * norm.value + in_numbers * total * total) + kTiny;
-    moved[r] = bound(at.value[r]) + doubt[r];
-    doubt[r] += kStepRounding * moved[r];
+    doubt[r] += kStepRounding * (bound(at.value[r]) + doubt[r]);
   }
   V a = splat(0.0), bend = splat(0.0), delta = splat(0.0), left = splat(0.0), sum = splat(0.0);
   for (int i = 0; i < kRows; ++i) {
-    V defect = splat(0.0), bent = splat(0.0), far = splat(0.0), doubtful = splat(0.0);
+    V defect = splat(0.0), bent = splat(0.0), doubtful = splat(0.0);
+    C step{splat(0.0), splat(0.0)};
     for (int k = 0; k < kRows; ++k) {
       C x{splat(i == k ? 1.0 : 0.0), splat(0.0)};
       for (int j = 0; j < kRows; ++j) subtract_product(x, at.inverse[i][j], at.jacobian[j][k]);
@@ -72,8 +86,11 @@ void isolate(const Block& b, const Shift& shift, const C* s, const Linear& at, M
       const V y = bound(at.inverse[i][j]);
       V row = rounding[j];
       for (int k = 0; k < kRows; ++k) row += kRounding * bound(at.jacobian[j][k]);
-      defect += y * row, bent += y * curvature[j], far += y * moved[j], doubtful += y * doubt[j];
+      defect += y * row, bent += y * curvature[j], doubtful += y * doubt[j];
+      add_product(step, at.inverse[i][j], at.value[j]);
     }
+    // Its terms cancel where the inverse is large.
+    const V far = bound(step) + doubtful;
     a = maximum(defect, a), bend = maximum(bent, bend);
     delta = maximum(far, delta), left = maximum(doubtful, left);
     sum += defect + bent + far;
@@ -91,12 +108,6 @@ struct Lanes {
   V deviation;
   Mask isolated, real, imaginary, rounded;
 };
-
-INLINE bool any(const Mask& m) {
-  for (int l = 0; l < W; ++l)
-    if (m[l]) return true;
-  return false;
-}
 
 // Newton's method in doubles; returns in which lanes it has found a solution.
 Mask converge(const Block& b, const C* shift, C* s) {
@@ -125,21 +136,16 @@ Mask converge(const Block& b, const C* shift, C* s) {
 // are known.
 void follow(const Block& b, const C* shift, C* s) {
   const Mask found = converge(b, shift, s);
-  if (!any(~found)) return;
   C reached[kRows];
   for (int i = 0; i < kRows; ++i) reached[i] = {splat(0.0), splat(0.0)};
-  double done = 0.0, part = 0.5;
-  while (done < 1.0 && part >= kLeastPart) {
-    C here[kRows];
-    for (int r = 0; r < kRows; ++r) here[r] = splat(done + part) * shift[r];
-    C moved[kRows];
+  V done = splat(0.0), part = splat(0.5);
+  for (Mask left = ~found; any(left); left = ~found & (done < 1.0) & (part >= kLeastPart)) {
+    C here[kRows], moved[kRows];
+    for (int r = 0; r < kRows; ++r) here[r] = (done + part) * shift[r];
     for (int i = 0; i < kRows; ++i) moved[i] = reached[i];
-    if (any(~converge(b, here, moved) & ~found)) {
-      part *= 0.5;
-      continue;
-    }
-    for (int i = 0; i < kRows; ++i) reached[i] = moved[i];
-    done += part;
+    const Mask good = converge(b, here, moved) & left;
+    for (int i = 0; i < kRows; ++i) reached[i] = select(good, moved[i], reached[i]);
+    done = select(good, done + part, done), part = select(good, part, 0.5 * part);
   }
   for (int i = 0; i < kRows; ++i) s[i] = select(found, s[i], reached[i]);
 }
@@ -149,10 +155,12 @@ constexpr double kImaginary = 1e-8;
 
 // Local coordinates of the poses to which paths lead, of shifted equations.
 void follow_paths(const FarGeometry& g, const Block& b, const C* shift, C* s) {
-  C from[kRows];
+  C from[kRows], end[kRows];
   mix(b, g.origin, from);
-  if (!follow_line(b, from, shift, s)) return;
-  converge(b, shift, s);
+  const Mask found = follow_line(b, from, shift, s);
+  for (int i = 0; i < kRows; ++i) end[i] = s[i];
+  converge(b, shift, end);
+  for (int i = 0; i < kRows; ++i) s[i] = select(found, end[i], s[i]);
   // A real solution is proved to be one from real coordinates.
   V size = largest(s), height = splat(0.0);
   for (int i = 0; i < kRows; ++i) height = maximum(height, maximum(s[i].im, -s[i].im));
@@ -162,7 +170,7 @@ void follow_paths(const FarGeometry& g, const Block& b, const C* shift, C* s) {
 }
 
 // Newton's method in doubles, then with values of 32 digits until those are rounded.
-void prove(const FarGeometry& g, const Block& b, Shift& shift, C* s, double unit, Lanes& out) {
+void prove(const FarGeometry& g, const Block& b, Shift& shift, C* s, const double* unit, Lanes& out) {
   C low[kRows] = {}, change[kRows];
   Linear at;
   // Real numbers and real coordinates.
@@ -258,41 +266,54 @@ bool is_complete(int first, int count, double scale, const Poses& out) {
   return true;
 }
 
-// Poses in lanes of one block for each set of values.
-void decide_block(const FarGeometry& g, const FarValues& given, int first, int size, int total, const int* partner,
-                  double* work, const Poses& out) {
-  const Block b = packed(g, first, work);
-  const int bent = first - (g.count - g.bent);
-  C start[kRows];
-  for (int i = 0; i < kRows; ++i) start[i] = {splat(0.0), splat(0.0)};
-  for (int l = 0; l < W && bent >= 0; ++l)
-    for (int i = 0; i < kRows; ++i) put(start[i], l, g.start[(bent + (l < size ? l : 0)) * kRows + i]);
-  for (int row = 0; row < given.count; ++row) {
-    Lanes s;
+// Poses of one sort, each for all sets of values before the next: as many at a time as there are lanes.
+void decide_sort(const FarGeometry& g, const FarValues& given, int begin, int end, bool is_bent, int total,
+                 double* work, const Poses& out) {
+  const int all = (end - begin) * given.count;
+  int before[W] = {};
+  Block b;
+  for (int first = 0; first < all; first += W) {
+    const int size = all - first < W ? all - first : W;
+    int pose[W];
+    LaneValues values;
     C local[kRows];
-    for (int i = 0; i < kRows; ++i) local[i] = start[i];
-    Shift shift(b, given.shift + 3 * kEquations * row);
-    if (bent < 0)
-      follow(b, shift.at, local);
-    else
+    for (int i = 0; i < kRows; ++i) local[i] = {splat(0.0), splat(0.0)};
+    bool is_new = first == 0;
+    for (int l = 0; l < W; ++l) {
+      // Lanes beyond the last one repeat the first.
+      const int at = first + (l < size ? l : 0);
+      pose[l] = begin + at / given.count;
+      values.put(l, given, at % given.count);
+      is_new = is_new || pose[l] != before[l];
+      before[l] = pose[l];
+      for (int i = 0; i < kRows && is_bent; ++i) put(local[i], l, g.start[(pose[l] - begin) * kRows + i]);
+    }
+    if (is_new) b = packed(g, pose, work);
+    Lanes s;
+    Shift shift(b, values);
+    if (is_bent)
       follow_paths(g, b, shift.at, local);
-    prove(g, b, shift, local, given.unit[row], s);
-    for (int l = 0; l < size; ++l)
-      put_pose(s, l, g.scale, row * total + first + l, partner[l] < 0 ? -1 : row * total + partner[l], out);
+    else
+      follow(b, shift.at, local);
+    prove(g, b, shift, local, values.unit, s);
+    for (int l = 0; l < size; ++l) {
+      const int place = (first + l) % given.count * total;
+      int other = -1;
+      if (g.paired[pose[l]]) {
+        other = place + g.count;
+        for (int p = 0; p < pose[l]; ++p) other += g.paired[p];
+      }
+      put_pose(s, l, g.scale, place + pose[l], other, out);
+    }
   }
 }
 
 void decide(const FarGeometry& g, const FarValues& given, double* work, const Poses& out) {
-  int total = g.count, pairs = 0;
+  int total = g.count;
   for (int p = 0; p < g.count; ++p) total += g.paired[p];
-  // No block has poses of both sorts.
-  for (int begin = 0, end = g.count - g.bent; begin < g.count; begin = end, end = g.count)
-    for (int first = begin; first < end; first += W) {
-      const int size = end - first < W ? end - first : W;
-      int partner[W];
-      for (int l = 0; l < size; ++l) partner[l] = g.paired[first + l] ? g.count + pairs++ : -1;
-      decide_block(g, given, first, size, total, partner, work, out);
-    }
+  const int straight = g.count - g.bent;
+  decide_sort(g, given, 0, straight, false, total, work, out);
+  decide_sort(g, given, straight, g.count, true, total, work, out);
   for (int row = 0; row < given.count; ++row) out.complete[row] = is_complete(row * total, total, g.scale, out);
 }
 
@@ -308,7 +329,8 @@ void GSP_FOLLOW_FAR(const FarGeometry& g, const Complex* from, const Complex* to
   for (int p = 0; p < g.count; ++p) {
     FarGeometry one = g;
     one.count = 1, one.number += p * kFarNumbers, one.low += p * kFarNumbers, one.error += p, one.real += p;
-    const Block b = packed(one, 0, work);
+    const int none[W] = {};
+    const Block b = packed(one, none, work);
     C s[kRows];
     for (int i = 0; i < kRows; ++i) {
       const Complex& x = local[p * kRows + i];
@@ -316,7 +338,7 @@ void GSP_FOLLOW_FAR(const FarGeometry& g, const Complex* from, const Complex* to
     }
     C begin[kRows], end[kRows];
     mix(b, from, begin), mix(b, to, end);
-    found[p] = follow_line(b, begin, end, s);
+    found[p] = follow_line(b, begin, end, s)[0] != 0;
     for (int i = 0; i < kRows; ++i) local[p * kRows + i] = lane(s[i], 0);
   }
 }

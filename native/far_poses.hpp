@@ -70,19 +70,19 @@ struct FarBuild {
 };
 constexpr int kFarRoom = 4 * kFarNumbers * 8;  // for 8 lanes
 
-// The same with 32 digits, for as many poses as there are lanes.
+// The same with 32 digits, for a pose and values in each lane.
 struct FineFarPoses {
-  // The shift of each equation (7) for values further by a shift and what doubles leave of it (6 each): they err by
-  // less than 2^-97 times the sum of the moduli of their terms.
+  // The shift of each equation (7) for values further by a shift and what doubles leave of it (6 for each lane): they
+  // err by less than 2^-97 times the sum of the moduli of their terms.
   void (*mix)(const FineNumbers& number, const double* shift, const double* shift_low, const FineNumbers& mixed);
   // The equations at local coordinates (7), shifted: they err by less than 2^-96 times the sum of the moduli of
   // their terms.
   void (*values)(const FineNumbers& number, const FineNumbers& local, const FineNumbers& mixed,
                  const LaneNumbers& value);
   // The poses at local coordinates less a change (7), which are known up to an error each then, as
-  // `FinePoints.poses`. The numbers err by `doubt`.
+  // `FinePoints.poses`, with a unit for each. The numbers err by `doubt`.
   void (*poses)(const FineNumbers& number, const FineNumbers& local, const LaneNumbers& change,
-                const double* error, const double* doubt, const double* real, double unit, const FinePoses&);
+                const double* error, const double* doubt, const double* real, const double* unit, const FinePoses&);
 };
 extern const FineFarPoses fine_far_portable, fine_far_avx2, fine_far_avx512;
 

@@ -55,7 +55,7 @@ void mix(const FineNumbers& number, const double* shift, const double* shift_low
   for (int i = 0, k = kMixed; i < kLocal; ++i) {
     C sum{V(D{}), V(D{})};
     for (int r = 0; r < kEquations; ++r, ++k) {
-      const V by{D{} + shift[r], D{} + shift_low[r]};
+      const V by{load(shift, r), load(shift_low, r)};
       const C a = load(number, k);
       sum = plus(sum, C{times(by, a.re), times(by, a.im)});
     }
@@ -109,7 +109,7 @@ D error_of(const FineNumbers& number, int first, bool is_linear, const Local& at
 }
 
 void poses(const FineNumbers& number, const FineNumbers& local, const LaneNumbers& change, const double* error,
-           const double* doubt, const double* real, double unit, const FinePoses& out) {
+           const double* doubt, const double* real, const double* unit, const FinePoses& out) {
   Local at;
   D size[kLocal], errors[kEntries];
   C entry[kEntries];
@@ -143,7 +143,7 @@ void poses(const FineNumbers& number, const FineNumbers& local, const LaneNumber
     }
     errors[i] = kOutward * (own + least * bound(entry[i]) * (norm_off + kRounding * norm_size));
   }
-  put_rounded(entry, errors, is_real, unit, out);
+  put_rounded(entry, errors, is_real, load(unit, 0), out);
 }
 
 }  // namespace

@@ -152,7 +152,7 @@ void finish(C* z, C& norm, C* entry, const D& off, const D& f_unit, const Mask& 
     }
     errors[i] = change_of * least;
   }
-  put_rounded(entry, errors, is_real, unit, out);
+  put_rounded(entry, errors, is_real, D{} + unit, out);
 }
 
 void poses(const FineNumbers& point, const FineNumbers& monomials, const LaneNumbers& change,

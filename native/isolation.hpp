@@ -157,7 +157,8 @@ void isolate(const ProofSystem& system, const Units& units, const C* z, const Ma
   }
   D a = D{}, b = D{}, delta = D{}, left = D{}, sum = D{};
   for (int i = 0; i < kRows; ++i) {
-    D defect = D{}, bent = D{}, moved = D{}, doubtful = D{};
+    D defect = D{}, bent = D{}, doubtful = D{};
+    C step{splat(0.0), splat(0.0)};
     for (int k = 0; k < kRows; ++k) {
       C s{splat(i == k ? 1.0 : 0.0), splat(0.0)};
       for (int j = 0; j < kRows; ++j) subtract_product(s, at.inverse[i][j], at.jacobian[j][k]);
@@ -167,9 +168,11 @@ void isolate(const ProofSystem& system, const Units& units, const C* z, const Ma
       const D y = bound(at.inverse[i][j]);
       defect += y * rounding[j];
       bent += y * curvature[j];
-      moved += y * size[j];
       doubtful += y * doubt[j];
+      add_product(step, at.inverse[i][j], at.value[j]);
     }
+    // Its terms cancel where the inverse is large.
+    const D moved = bound(step) + doubtful;
     a = maximum(defect, a);
     b = maximum(bent, b);
     delta = maximum(moved, delta);
