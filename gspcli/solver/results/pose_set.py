@@ -162,10 +162,10 @@ class PoseSet:
         )
 
 
-def are_far(R: Complex, T: Complex, length: float) -> NDArray[np.bool_]:
+def are_far(R: Complex, T: Complex, length: float, limit: float = _FAR) -> NDArray[np.bool_]:
     """Return which poses, (n, 3, 3) and (n, 3), are far away, by the typical length."""
     turns, places = np.abs(R).max(axis=(1, 2)), np.abs(T).max(axis=1)
-    return np.asarray(np.maximum(turns, places / length) > _FAR)
+    return np.asarray(np.maximum(turns, places / length) > limit)
 
 
 def on_sides(choices: NDArray[np.float64], count: int) -> NDArray[np.float64]:

@@ -235,6 +235,7 @@ class Start:
         given = self.given
         # What is no end must not pass for one.
         points[status != PathStatus.REGULAR] = np.nan
+        points = with_conjugates(points)
         frames = StudyFrames(length=unit, platform=given.platform_centre, base=given.base_centre)
         points = points.reshape(-1, len(self.choices), len(self.points), 8)
         return Ends(points, frames, self.far, all_poses=True)
@@ -402,6 +403,22 @@ def _all_finite(tracked_paths: TrackedPaths) -> ComplexArray | None:
     solutions = tracked_paths.solutions()
     simple = (solutions.multiplicity == 1).all() and not solutions.singular.any()
     return solutions.points if solutions.account.verdict == "complete" and simple else None
+
+
+def with_conjugates(study: ComplexArray) -> ComplexArray:
+    """Return ends of paths to real systems (b, n, 8), lost ones replaced by conjugates of others.
+
+    An end whose conjugate is no end has the conjugate among the lost ones.
+    """
+    lost = np.asarray(~np.isfinite(study).all(axis=2))
+    for k in np.flatnonzero(lost.any(axis=1) & ~lost.all(axis=1)).tolist():
+        points = study[k, ~lost[k]]
+        points = points / np.linalg.norm(points, axis=1, keepdims=True)
+        has_conjugate = (np.abs(points @ points.T) > 1 - _SAME).any(axis=1)
+        places = np.flatnonzero(lost[k])
+        missing = points[~has_conjugate].conj()[: len(places)]
+        study[k, places[: len(missing)]] = missing
+    return study
 
 
 def _all_different(ends: ReducedEnds) -> NDArray[np.bool_]:

@@ -41,6 +41,8 @@ _SQUARE = 0.5
 _SPREAD = 0.5
 #: Bodies with a smaller part of their largest extent across a plane are nearly planar.
 _FLAT = 1e-3
+#: To poses not farther away than so many lengths paths lead, and 64 digits round them.
+_REACHED = 512
 #: So many random starts are tried near far poses: from some, paths are lost or jump.
 _ATTEMPTS = 6
 
@@ -87,7 +89,7 @@ def kept_start(problem: Problem) -> Start | None:
     known = problem.starts.platform(problem.arrangement)
     if known is None:
         return None
-    far = are_far(known.poses.R, known.poses.T, known.arrangement.length)
+    far = _are_far(known)
     if not far.any():
         return _about(problem, known.arrangement, known.poses, problem.seed)
     if not known.has_geometry_of(problem.instance):
@@ -120,10 +122,15 @@ def kept_among(
     if known is None and begin:
         solve(one)
         known = problem.starts.platform(one.arrangement)
-    if known is None or not are_far(known.poses.R, known.poses.T, known.arrangement.length).any():
+    if known is None or not _are_far(known).any():
         return None
     found = kept_start(one)
     return found and found.among(rows, problem.jobs)
+
+
+def _are_far(known: SolvedPlatform) -> NDArray[np.bool_]:
+    """Return which poses of a platform need no paths."""
+    return are_far(known.poses.R, known.poses.T, known.arrangement.length, _REACHED)
 
 
 def _checked(problem: Problem, known: SolvedPlatform, is_far: NDArray[np.bool_]) -> Start | None:

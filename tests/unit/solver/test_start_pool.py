@@ -20,7 +20,7 @@ from gspcli.solver.all_poses import first_poses
 from gspcli.solver.problem import Problem
 from gspcli.solver.starts import start as start_module
 from gspcli.solver.starts.solved_starts import SolvedStarts
-from gspcli.solver.starts.start import Start, start_among
+from gspcli.solver.starts.start import Start, start_among, with_conjugates
 
 SETS = 160
 
@@ -127,6 +127,20 @@ def test_what_long_steps_lose_is_found_by_short_ones(monkeypatch):
     assert not len(first_poses(problem).left)
     assert len(tolerances) == 2
     assert tolerances[1] < tolerances[0]
+
+
+def test_lost_ends_are_conjugates_of_ends_without_one():
+    rng = np.random.default_rng(3)
+    (a, b, c), d = np.moveaxis(rng.normal(size=(2, 3, 8)), 0, -1) @ [1, 1j], rng.normal(size=8)
+    row = np.array([a, a.conj(), b, d * 1j, c])
+    lost = np.full(8, np.nan)
+    study = np.array([[2j * b, lost, d, a, a.conj()], [lost] * 5, row, [a, b, lost, c, d]])
+    ends = with_conjugates(study.copy())
+    np.testing.assert_allclose(_overlaps(ends[:1, 1:2], b.conj()[None, None]), 1)
+    np.testing.assert_array_equal(ends[1:3], study[1:3])  # None are there; none are lost.
+    assert np.isfinite(ends[3]).all()  # One of three candidates: what it is must be proved.
+    kept = np.isfinite(study)
+    np.testing.assert_array_equal(ends[kept], study[kept])
 
 
 def test_long_steps_end_as_near_to_the_poses_as_short_ones():
