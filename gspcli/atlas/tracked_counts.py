@@ -10,7 +10,7 @@ from gspcli.atlas.trace import TraceTest, trace_test
 from gspcli.catalogue.kinds import ALL, Kind
 from gspcli.catalogue.types import CONSTRAINTS, GspType
 from gspcli.certification import certify
-from gspcli.continuation.solve import solve_systems
+from gspcli.continuation.tracked_paths import solve_systems
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.quaternions import study_from_pose
 from gspcli.geometry.random_instances import random_instance

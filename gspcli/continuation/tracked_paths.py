@@ -33,6 +33,7 @@ from gspcli.continuation.tracker_options import (
     EXTENDED,
     TrackerOptions,
 )
+from gspcli.defaults import SEED
 from gspcli.records import dataclass
 
 #: Newton's method has converged if its last correction is at most this part of e.
@@ -282,6 +283,23 @@ class TrackedPaths:
         return PathEnds(points, low, clearly_simple(results)[0], converged, digits)
 
 
+def solve_systems(
+    targets: Iterable[System],
+    *,
+    seed: int = SEED,
+    jobs: int = 1,
+    options: TrackerOptions = DEFAULT,
+) -> Iterator[SystemSolutions]:
+    """Yield the solutions of many systems, in order, as they become known.
+
+    Each result has all isolated solutions, and evidence of any others. Consecutive systems of one
+    structure are tracked together, which is quicker than a loop. Lost paths are tracked again with
+    `CAREFUL` and `PARANOID`. Another seed gives the same solutions.
+    """
+    for tracked_paths in track_all(targets, seed=seed, jobs=jobs, options=options):
+        yield tracked_paths.solutions()
+
+
 def track_all(
     targets: Iterable[System],
     *,
@@ -296,7 +314,7 @@ def track_all(
     Parameters
     ----------
     targets, seed, jobs, options
-        As for `gspcli.continuation.solve.solve_systems`.
+        As for `solve_systems`.
     """
     for structure, group in groupby(targets, key=lambda target: target.structure):
         start = start_system(structure.canonical())

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.continuation.parameter_homotopy import follow
-from gspcli.continuation.solve import solve_systems
 from gspcli.continuation.systems import System
+from gspcli.continuation.tracked_paths import solve_systems
 from gspcli.defaults import SEED
 from gspcli.geometry.quaternions import pose_from_study
 from gspcli.reality.fold_distances import Folds, folds

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from gspcli.continuation.solutions import SystemSolutions
-from gspcli.continuation.solve import solve_systems
 from gspcli.continuation.systems import System
+from gspcli.continuation.tracked_paths import solve_systems
 from gspcli.defaults import SEED
 
 

@@ -19,8 +19,7 @@ from gspcli.geometry.instance import Instance
 from gspcli.motion.following.branch_follower import FollowOptions, MovingPlatform, Stop
 from gspcli.motion.following.branch_runs import SAME
 from gspcli.motion.following.moving_geometry import MovingGeometry
-from gspcli.motion.following.parallel_lines import along_parallel_lines
-from gspcli.motion.following.row_instances import at_values, over_rows
+from gspcli.motion.following.row_instances import along_rows, at_values, over_rows
 from gspcli.records import dataclass
 from gspcli.solver import SolveResult, solve
 
@@ -106,8 +105,7 @@ def _carried(
     if platform.chosen:
         between = MovingGeometry(over_rows(instance, rows), platform.chosen)
     else:
-        same = along_parallel_lines(at_values(instance, rows[0]), rows[:, :6], R)
-        between = MovingPlatform(over_rows(same, rows))
+        between = MovingPlatform(along_rows(instance, rows, R))
     if not np.array_equal(rows[0], rows[1]):
         # Folds are not searched for: the ends of modes on the way are not needed.
         followed = between.follow(

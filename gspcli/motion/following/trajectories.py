@@ -19,8 +19,7 @@ from gspcli.motion.following.branch_follower import FollowOptions, MovingPlatfor
 from gspcli.motion.following.branch_runs import SAME, Run
 from gspcli.motion.following.mode_numbers import RowModes, row_modes
 from gspcli.motion.following.moving_geometry import MovingGeometry
-from gspcli.motion.following.parallel_lines import along_parallel_lines
-from gspcli.motion.following.row_instances import at_values, over_rows
+from gspcli.motion.following.row_instances import along_rows, over_rows
 from gspcli.motion.following.tracks import Track
 from gspcli.ties import first_smallest
 
@@ -105,8 +104,7 @@ def track(
     first = row_modes(instance, platform, rows[0], seed=seed, jobs=jobs)
     R, T, numbers = first.R, first.T, first.numbers
     if not chosen:
-        same = along_parallel_lines(at_values(instance, rows[0]), rows[:, :6], R)
-        platform = MovingPlatform(over_rows(same, rows))
+        platform = MovingPlatform(along_rows(instance, rows, R))
     if near is not None:
         followed = [_nearest(instance, first, near)]
     elif modes is not None:

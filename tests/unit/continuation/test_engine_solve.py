@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from gspcli.continuation.solve import solve_systems
+from gspcli.continuation.tracked_paths import solve_systems
 from tests.support.systems import solve_system
 
 KINDS = [
