@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.geometry.quaternions import Field, study_from_pose
+from gspcli.geometry.quaternions import Field
 
 #: Positions of the forms in the list that `forms` returns: N, then N times R (rows), T, U, rho
 #: and W with W[i][j] = (T x R e_j)_i (rows), then e . f.
@@ -108,8 +108,43 @@ def study_points(R: Field, T: Field) -> tuple[Field, NDArray[np.intp]]:
     patches
         For each point the index of the largest coordinate of e, shape (n,).
     """
-    points = np.concatenate(study_from_pose(R, T), axis=-1)
-    patches = np.argmax(np.abs(points[:, :4]), axis=-1)
-    points /= np.take_along_axis(points, patches[:, None], axis=-1)
-    np.put_along_axis(points, patches[:, None], 1, axis=-1)
-    return points, patches
+    r = np.moveaxis(np.asarray(R, complex), 0, -1)
+    # The products e_j e_k, times four, for N = 1. Every sum and product is rounded in this order, so
+    # that the digits do not depend on the processor.
+    ij, ik, jk = r[1, 0] + r[0, 1], r[0, 2] + r[2, 0], r[2, 1] + r[1, 2]
+    i, j, k = r[2, 1] - r[1, 2], r[0, 2] - r[2, 0], r[1, 0] - r[0, 1]
+    x, y, z = r[0, 0], r[1, 1], r[2, 2]
+    squares = 1 + x + y + z, 1 + x - y - z, 1 - x + y - z, 1 - x - y + z
+    products = np.array(
+        [
+            [squares[0], i, j, k],
+            [i, squares[1], ij, ik],
+            [j, ij, squares[2], jk],
+            [k, ik, jk, squares[3]],
+        ]
+    )
+    rows = np.arange(len(R))
+    sizes = np.array([square.real**2 + square.imag**2 for square in squares])
+    patches = np.argmax(sizes, axis=0)
+    column = products[patches, :, rows]
+    e = _product(column, 1 / np.take_along_axis(column, patches[:, None], axis=1))
+    np.put_along_axis(e, patches[:, None], 1, axis=1)
+    (a, b, c, d), (u, v, w) = e.T, np.asarray(T, complex).T
+    f = (
+        -(_product(u, b) + _product(v, c) + _product(w, d)),
+        _product(u, a) + (_product(v, d) - _product(w, c)),
+        _product(v, a) + (_product(w, b) - _product(u, d)),
+        _product(w, a) + (_product(u, c) - _product(v, b)),
+    )
+    return np.concatenate((e, np.stack(f, axis=1) / 2), axis=1), patches
+
+
+def _product(x: Field, y: Field) -> Field:
+    """Return products of complex numbers, each part rounded after each operation.
+
+    NumPy's own products differ in the last digit between processors.
+    """
+    found = np.empty(np.broadcast(x, y).shape, complex)
+    found.real = x.real * y.real - x.imag * y.imag
+    found.imag = x.real * y.imag + x.imag * y.real
+    return found

@@ -1,11 +1,15 @@
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
 from fractions import Fraction
 
 import numpy as np
 import pytest
 
 from gspcli.certification.equations import study
+from gspcli.geometry.quaternions import pose_from_study
 
 
 def _point(seed: int) -> list[Fraction]:
@@ -66,3 +70,37 @@ def test_few_forms_have_a_monomial_in_common() -> None:
     """The numbers of roundings that bounds allow for depend on it (`numbers.rounding`)."""
     assert (study.form_hessians() != 0).sum(axis=0).max() == 4
     assert np.abs(study.form_hessians()[: study.TRANSLATION[-1] + 1]).sum(axis=2).max() == 2
+
+
+_DIGEST = """
+import numpy as np
+from hashlib import sha256
+from gspcli.certification.equations.study import study_points
+source = np.random.default_rng(0)
+R, T = (source.normal(size=(60, 3, k, 2)) @ [1, 1j] for k in (3, 1))
+print(sha256(study_points(R, T[..., 0])[0].tobytes()).hexdigest())
+"""
+
+
+def test_study_points_do_not_depend_on_the_processor() -> None:
+    old = {"OPENBLAS_CORETYPE": "Prescott", "NPY_DISABLE_CPU_FEATURES": "X86_V3 X86_V4"}
+    command = [sys.executable, "-W", "ignore", "-c", _DIGEST]
+    digests = {
+        subprocess.run(
+            command, env=os.environ | more, capture_output=True, text=True, check=True
+        ).stdout
+        for more in ({}, old)
+    }
+    assert len(digests) == 1
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_study_points_are_those_of_the_quaternion(seed: int) -> None:
+    source = np.random.default_rng(seed)
+    e, f = source.normal(size=(2, 20, 4, 2)) @ np.array([1, 1j])
+    f -= ((e * f).sum(axis=1) / (e * e).sum(axis=1))[:, None] * e
+    points, patches = study.study_points(*pose_from_study(e, f))
+    expected = np.concatenate((e, f), axis=1)
+    expected /= np.take_along_axis(expected, patches[:, None], axis=1)
+    np.testing.assert_allclose(points, expected, rtol=1e-10, atol=1e-10)
+    assert (np.abs(points[:, :4]) < 1 + 1e-12).all()
