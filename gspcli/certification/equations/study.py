@@ -109,8 +109,8 @@ def study_points(R: Field, T: Field) -> tuple[Field, NDArray[np.intp]]:
         For each point the index of the largest coordinate of e, shape (n,).
     """
     r = np.moveaxis(np.asarray(R, complex), 0, -1)
-    # The products e_j e_k, times four, for N = 1. Every sum and product is rounded in this order, so
-    # that the digits do not depend on the processor.
+    # The products e_j e_k, times four, for N = 1. Every sum and product is rounded in this order:
+    # the digits do not depend on the processor.
     ij, ik, jk = r[1, 0] + r[0, 1], r[0, 2] + r[2, 0], r[2, 1] + r[1, 2]
     i, j, k = r[2, 1] - r[1, 2], r[0, 2] - r[2, 0], r[1, 0] - r[0, 1]
     x, y, z = r[0, 0], r[1, 1], r[2, 2]
