@@ -51,7 +51,7 @@ SLOW = 10
 
 @dataclass
 class Count:
-    """What became of a peer on walks; it goes on from where it was."""
+    """The results of a peer on walks; after each it continues from its own state."""
 
     walks: int = 0
     steps: int = 0

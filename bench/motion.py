@@ -1,6 +1,6 @@
 """Speed of what moves, on one core: `python -m bench.motion [--write]`.
 
-With ``--write`` the table in docs/motion-speed.md is written anew. Figures are processor time, the
+With ``--write`` the table in docs/motion-speed.md is written again. Figures are processor time, the
 least of some runs; peers are asked once.
 """
 

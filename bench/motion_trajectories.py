@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 
 SEED = 2003
 #: Components of wide turns (quaternions, beside a scalar part of one), among how many cycles is
-#: chosen, how many are, and at how many poses each is looked at.
+#: chosen, how many are, and at how many poses each is tested.
 WIDE, CYCLES, NEAREST, FINE = 0.4, 200, 5, 2000
 
 

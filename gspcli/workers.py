@@ -40,7 +40,7 @@ _AHEAD = 2
 
 @dataclass(frozen=True)
 class Workers:
-    """Processes that do pieces of work; what comes out does not depend on them.
+    """Processes that do pieces of work; the results do not depend on them.
 
     Attributes
     ----------

@@ -26,8 +26,8 @@ struct Cursor {
   int row = 0, level = 0;
   std::int64_t part = 0;
   double z[N];
-  double end = 0.0;    // how near the proved zero is
-  double alone = 0.0;  // and how near no other one
+  double end = 0.0;    // a bound of the distance of the proved zero
+  double alone = 0.0;  // a distance within which there is no other zero
   // The points before at the same step, the last one first.
   double before[kBefore][N];
   int known = 0;

@@ -11,7 +11,7 @@ namespace gsp {
 namespace {
 
 // A dense row that is being built: sums of products, reduced late. Multiples of rows may be
-// subtracted later, several at once; until then (`flush`) no sum is to be looked at.
+// subtracted later, several at once; until then (`flush`) the sums are not valid.
 template <class F>
 class Accumulator {
  public:

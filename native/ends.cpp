@@ -278,7 +278,7 @@ void decide(const OpenGeometry& open, const OpenValues& given, int count, const 
                    coefficients, coefficients + fine, low, high};
   for (int p = 0; p < count; ++p) list[p] = p;
   const int left = given.finer ? count : decide_all(d, count, list, kSteps);
-  // What does not even exist is not looked at again.
+  // NaN end points are not tested again.
   int there = 0;
   for (int k = 0; k < left; ++k)
     if (points[N * static_cast<int>(list[k])].re == points[N * static_cast<int>(list[k])].re)

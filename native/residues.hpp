@@ -41,7 +41,7 @@ struct ResidueOperations {
 };
 
 // Modulo an odd prime p below 2^30. A sum stays below 8 p^2 < 2^63, so eight products may be
-// subtracted before it is looked at: if it is negative then, 8 p^2 is added.
+// subtracted before the next test: if the sum is negative then, 8 p^2 is added.
 struct Residues30 : ResidueOperations<Residues30, std::uint32_t> {
   using Residue = std::uint32_t;
   using Sum = std::int64_t;

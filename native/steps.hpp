@@ -25,7 +25,7 @@ constexpr double kLongestNoise = 1e-6;
 // factor, between the two bounds (no single step is trusted more than four digits).
 constexpr double kSurplusMemory = 0.3;
 constexpr double kLeastSurplus = 1e-4, kMostSurplus = 1e4;
-// The measured curvature is halved from step to step unless it is measured anew.
+// The measured curvature is halved from step to step unless it is measured again.
 constexpr double kBendMemory = 0.5;
 // The next correction is to contract by this part of what is allowed.
 constexpr double kContraction = 0.4;

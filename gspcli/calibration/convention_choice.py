@@ -14,7 +14,7 @@ from gspcli.geometry.lengths import METRES
 
 Array = NDArray[np.float64]
 
-#: So many rows are looked at by linear equations, and so many of the best conventions are fitted.
+#: How many rows are used in linear equations, and how many of the best conventions are fitted.
 _FIRST_ROWS, _FITTED = 200, 16
 #: Of conventions, or machines, of which the data are not a thousand times as likely none is chosen.
 LIKELIER = float(2 * np.log(1000))

@@ -293,7 +293,7 @@ def _body_motion(model: Model, body: str, axis: Array, *, turning: bool) -> Arra
 
 
 def _sparse(rows: Array) -> Array:
-    """Return rows that span the same space, each with a number in which no other one has a part."""
+    """Return rows that span the same space, each with a number that is zero in all other rows."""
     rows = rows.copy()
     for k in range(len(rows)):
         column = int(np.abs(rows[k:]).max(axis=0).argmax())

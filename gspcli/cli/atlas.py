@@ -137,8 +137,8 @@ def verify(
     """Count again and compare with the record; exit with 1 if anything differs.
 
     Without --fast everything is counted: platforms of all types, and general quadrics for
-    the 119 intersection numbers. That takes hours; --resume FILE lets it be interrupted and taken
-    up again.
+    the 119 intersection numbers. That takes hours; --resume FILE lets it be interrupted and
+    continued.
 
     \b
     Examples:
@@ -239,8 +239,8 @@ def build(
 ) -> None:
     """Count everything and write the record, to the same bytes each time.
 
-    This takes hours and needs msolve. Use --resume FILE, so that it can be interrupted and taken
-    up again. What is not finished within --timeout is recorded as not confirmed.
+    This takes hours and needs msolve. Use --resume FILE, so that it can be interrupted and
+    continued. What is not finished within --timeout is recorded as not confirmed.
 
     \b
     Examples:

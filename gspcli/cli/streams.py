@@ -83,7 +83,7 @@ class _Whole(io.RawIOBase):
 
 
 def manner(encoding: str) -> dict[str, str]:
-    """Return in which encoding a stream is written, and what becomes of errors."""
+    """Return the encoding of a stream, and how errors of encoding are handled."""
     codecs.register_error(HANDLER, _in_ascii)
     if codecs.lookup(encoding).name == "ascii":
         codecs.register(_found)

@@ -33,7 +33,7 @@ def collided(points: ComplexArray, error: FloatArray, regular: Array) -> Array:
 def retracked(
     origin: System, target: System, points: ComplexArray, first: PathResults, jobs: int
 ) -> PathResults:
-    """Return first results (1, P) after a second attempt at the few paths that went wrong.
+    """Return first results (1, P) after a second attempt at the few wrong paths.
 
     One of hundreds of paths may fail or jump; with smaller steps it does not. If many paths go
     wrong, the target is special, and the first results are returned.

@@ -350,7 +350,7 @@ def first_attempts(
 
     Yields
     ------
-    The ends (1, P), after a second attempt at the few paths that went wrong, and whether all are
+    The ends (1, P), after a second attempt at the few wrong paths, and whether all are
     distinct finite regular solutions, by doubles.
     """
     results = track(origin, targets, points, options=options, jobs=jobs)

@@ -264,7 +264,7 @@ def simulate(
     Notes
     -----
     Runge and Kutta's method of order 8 (SciPy's ``DOP853``) with a relative accuracy of 1e-11 a
-    step. `SimulatedMotion.energy_error` says what became of it.
+    step. `SimulatedMotion.energy_error` has the result.
     """
     model = MassModel.of(instance)
     R, T = checked_rows(R, T)

@@ -10,7 +10,7 @@ from gspcli.geometry.instance import Constraint
 from gspcli.geometry.primitives import Vector
 from gspcli.geometry.shapes import Shapes
 
-#: Most points of a hull: all of them are looked at at each pose.
+#: Most points of a hull: all of them are compared at each pose.
 MOST_POINTS = 1000
 
 

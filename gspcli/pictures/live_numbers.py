@@ -112,7 +112,7 @@ def live_numbers(result: SolveResult) -> dict[str, Any]:
     problem = Problem(instance, seed=SEED, starts=SolvedStarts())
     corrected = rows * factors(instance) + offsets(instance, signed=False)
     if motors is not None:
-        # Members among the sets of values are of no use: their joints are elsewhere.
+        # Members among the sets of values do not help: their joints are elsewhere.
         corrected = corrected[:_FEW]
     if not problem.local_frames.is_none:
         raise _cannot("its frames are far away from its bodies")

@@ -51,7 +51,7 @@ def live_page(
 
 
 def _expressed(frame: PoseFrame) -> dict[str, Any]:
-    """Return how sliders express poses: frames in both bodies, by rows, and what is said of it."""
+    """Return how sliders express poses: frames in both bodies, by rows, and the text about them."""
     what = frame.words or "poses of the platform in the base"
     return {
         **{

@@ -137,7 +137,7 @@ def _modes(scene: Scene, modes: SceneSeries) -> str:
     return _table("modes", heads, rows)
 
 
-#: Facts that have a column in the list; all of them are said of the pose that is shown.
+#: Facts that have a column in the list; all of them are shown for the chosen pose.
 _COLUMNS = ("sides", "multiplicity")
 
 

@@ -65,7 +65,7 @@ def _cut(boxes: Array, at: float) -> Array:
 
 
 def _ends(found: Workspace) -> Array:
-    """Return where the set ends at most, or all that was looked at if there is none, (d, 2)."""
+    """Return bounds of the set, or the whole divided box if the set is empty, (d, 2)."""
     outer = found.extents[:, 1]
     whole = found.bounds / found.units[:, None]
     return np.where(np.isnan(outer), whole, outer)

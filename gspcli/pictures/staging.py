@@ -88,7 +88,7 @@ def scene_of(
         The index of one mode, if nothing else is to be shown: lines and planes are then drawn
         no larger than it needs.
     summary
-        What is said of the result; its account if empty.
+        The text about the result; if empty, its account.
     """
     instance, arrangement = result.instance, result.arrangement
     shown = [_modes(result.drawn, only)]

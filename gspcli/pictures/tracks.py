@@ -20,7 +20,7 @@ _CONDITION = "condition"
 _INFINITE = ("", "inf", "infinity", "infinite")
 #: What coordinates that move begin with.
 _MOVING = tuple(f"{word}." for word in (*BODIES, "crank", "slide"))
-#: Numbers or words said of each pose where there are such columns.
+#: Numbers or words of each pose, if there are such columns.
 _FACTS = ("clearance", "pose_clearance", "certified", "status")
 #: Longer tracks are thinned: a page cannot show more poses one after the other.
 MOST_POSES = 2000

@@ -204,7 +204,7 @@ class Problem:
 
         The points are those of `SolvedPlatform`.
         """
-        # Without a start, poses far away are of use for other values.
+        # Without a start, poses far away help with other values.
         if not (self.is_kept or (points and self._has_distances)):
             return
         number, count = int(poses.certified.sum()), self.known_geometry_count

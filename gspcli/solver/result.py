@@ -132,7 +132,7 @@ class SolveResult:
 
     @property
     def account(self) -> PathAccount:
-        """What became of every path."""
+        """The account of all paths."""
         return self.poses.account
 
     @property

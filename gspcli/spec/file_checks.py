@@ -77,7 +77,7 @@ def _has_drives(body: Body, nodes: Mapping) -> bool:
     )
 
 
-#: Where files with another number are of use.
+#: The command for files with another number of constraints.
 _ANY_NUMBER = "; gsp freedoms takes any number"
 
 

@@ -1,4 +1,4 @@
-"""Links, the way home and what is said of both on live pages."""
+"""Links, the way home and the text about both on live pages."""
 
 from __future__ import annotations
 

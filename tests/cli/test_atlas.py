@@ -51,7 +51,7 @@ def test_verify_a_sample(gsp: Run, tmp_path: Path) -> None:
     (row,) = json.loads(outcome.out)["methods"]
     assert (row["different"], row["unfinished"]) == (0, 0)
     assert row["equal"] == row["counts"] == len(work.read_text().splitlines())
-    # Taken up again, there is nothing left to do.
+    # Continued, there is nothing to do.
     again = gsp(*VERIFY, "--resume", str(work), "--format", "json")
     assert again.out == outcome.out
     assert len(work.read_text().splitlines()) == row["counts"]

@@ -1,4 +1,4 @@
-"""`gsp count`: the counts, what stands behind them, and its exit codes."""
+"""`gsp count`: the counts, their proofs, and its exit codes."""
 
 from __future__ import annotations
 

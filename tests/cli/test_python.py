@@ -159,7 +159,7 @@ def test_the_json_of_a_command_is_that_of_its_function(
     assert _near(json.loads(outcome.out), json.loads(json.dumps(results[name].to_json())))
 
 
-#: What rows are called, what was claimed, and what is asked besides; and what became of paths: a
+#: What rows are called, what was claimed, and further results; and the account of paths: a
 #: platform that was solved before needs none.
 _ADDED = {"file", "account", "row", "t", "mode", "number", "claimed_real", "claimed_sides", "home"}
 

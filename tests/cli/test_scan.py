@@ -189,7 +189,7 @@ def test_mirror_images_have_a_fold_each(gsp, spec, vary, modes):
     assert sum(fold["change"] for fold in folds) == modes[-1] - modes[0]
     assert {abs(fold["change"]) for fold in folds} == {2}
     # Two at each value, at different poses, which have that value; between the nodes some modes end
-    # and others are born.
+    # and others begin.
     for one, other in zip(folds[::2], folds[1::2], strict=True):
         assert one["1"] == pytest.approx(other["1"], rel=1e-12)
         poses = [[fold[key] for key in ("Tx", "Ty", "Tz", "qw", "qx", "qy", "qz")]

@@ -18,7 +18,7 @@ WIDTHS = [40, 48, 60, 72, 80, 96, 100, 120, 140, 160, 180, 200]
 _UNLIMITED = 50_000
 Shown = Callable[..., tuple[list[str], int]]
 EXAMPLES = "data/examples"
-#: What is looked at besides a sample of each command that prints tables and is not here.
+#: What is tested besides a sample of each command that prints tables and is not here.
 CALLS = [
     ["enumerate", "--first", "4"],
     ["enumerate", "--by-class"],

@@ -1,4 +1,4 @@
-"""The trajectories that are shipped do what is said of them."""
+"""The shipped trajectories have the stated properties."""
 
 from __future__ import annotations
 

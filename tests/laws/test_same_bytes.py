@@ -76,7 +76,7 @@ def said(poses: PoseSet) -> tuple[object, ...]:
 
 @cache
 def known(name: str) -> tuple[object, ...]:
-    """Return what is said of a platform of which nothing is kept."""
+    """Return the output for a platform of which nothing is kept."""
     return said(solve(platform(name), starts=SolvedStarts()).poses)
 
 
@@ -218,7 +218,7 @@ def test_rows_of_a_track(name: str) -> None:
 
 @pytest.mark.parametrize(("name", "spread"), FAR)
 def test_whether_far_poses_are_kept(name: str, spread: float) -> None:
-    """Known for other values, alone and among many, or found anew."""
+    """Known for other values, alone and among many, or found again."""
     instance, starts = platform(name), SolvedStarts()
     solve(instance, starts=starts)
     own = np.array([row.value.value for row in instance.constraints])
@@ -262,7 +262,7 @@ def in_any_order(R: np.ndarray, T: np.ndarray) -> list[bytes]:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_each_double_is_the_correct_rounding(name: str) -> None:
-    """Against balls of 512 bits, located anew."""
+    """Against balls of 512 bits, located again."""
     instance = platform(name)
     result = solve(instance, starts=SolvedStarts())
     chosen = np.flatnonzero(result.certified)[:40]

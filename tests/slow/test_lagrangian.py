@@ -1,6 +1,6 @@
 """Forces of the drives against Lagrange's equations, derived numerically with forty digits.
 
-The energies and the ten distances and angles are stated here anew, in SI units; nothing of the
+The energies and the ten distances and angles are stated here again, in SI units; nothing of the
 package computes them. All derivatives are central differences, whose errors forty digits hide.
 """
 
@@ -200,7 +200,7 @@ class Machine:
 def test_forces_satisfy_the_equations_of_lagrange(name, angle, length):
     rng = np.random.default_rng(11)
     instance, R, T = random_platform(name, rng, universal=False)
-    # Another name of the unit is another machine: its lengths are taken anew.
+    # Another name of the unit is another machine: its lengths are read again.
     angles = {
         i: float(measured)
         for i, measured in enumerate(measure(instance, R, T) * np.pi / 180)

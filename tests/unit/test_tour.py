@@ -1,4 +1,4 @@
-"""What the tour and the page of the mount show is what is shipped, and what comes out."""
+"""The tour and the page of the mount show shipped files and real output."""
 
 from __future__ import annotations
 

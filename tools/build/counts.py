@@ -3,7 +3,7 @@
     python -m tools.build.counts --work counts.jsonl [--jobs N] [--timeout SECONDS] [--check]
     python -m tools.build.counts --docs [--check]
 
-The first counts everything (hours; taken up again from the work file) and writes the data as
+The first counts everything (hours; it continues from the work file) and writes the data as
 `gsp atlas build` does; both draw docs/images/counts.svg and put the tables of `gsp atlas summary`
 into the page.
 """

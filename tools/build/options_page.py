@@ -25,7 +25,7 @@ with it is in [its help](commands.md). A test compares them.
 - **I=V** is a constraint from 1 to 6 and a number: `--set 1=5.2` gives the value, `--delta 1=0.1`
   adds to it; both are exact, and may be expressions such as `sqrt(3)/2`.
 - **FILE** of `-o` is replaced, whole or not at all; that of `--resume` is kept up to date while a
-  command works, so that it can be stopped and taken up again.
+  command works, so that it can be stopped and continued.
 """
 
 

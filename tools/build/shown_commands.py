@@ -24,7 +24,7 @@ from gspcli.cli.main import run
 from tools.build.samples import commands
 from tools.recording import ROOT
 
-#: Generated from the helps, which are looked at themselves.
+#: Generated from the helps, which are tested directly.
 _GENERATED = {"commands.md"}
 #: Programs that are run where they are installed. Lines that begin with another one are not ours.
 OTHERS = ("printf", "msolve", "phc", "Singular", "M2")

@@ -6,7 +6,7 @@ They are those of the campaign's mixtures with other random numbers, and crowds 
 few places (`special/crowds.py`). Each is counted by msolve and Singular (`special/counts.py`) and
 solved with several seeds (`special/answers.py`). The files of those of which something wrong is
 said are written to build/attacks. The exit code is 1 then, and 4 if nothing could be counted.
-Platforms that the other programs cannot count in time are named, and nothing is said of them.
+Platforms that the other programs cannot count in time are listed, and not compared.
 """
 
 from __future__ import annotations

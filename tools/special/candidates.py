@@ -102,7 +102,7 @@ class _Poses:
 
 
 def attacked(platform: Platform) -> tuple[str, list[tuple[str, str, str]]]:
-    """Return what is said of candidates for a platform.
+    """Return the statements about candidates for a platform.
 
     Returns
     -------
@@ -159,7 +159,7 @@ def certified(spec: Path, text: str) -> tuple[int, dict[str, Any]]:
 def _all_right(
     code: int, answer: dict[str, Any], solved: SolveResult, poses: Sequence[int]
 ) -> list[tuple[str, str, str]]:
-    """Judge what is said of all certified poses as they were printed."""
+    """Judge the statements about all certified poses as printed."""
     for k, item in enumerate(answer["solutions"]):
         agrees = item["real"] == item["claimed_real"] and item["same_as"] is None
         if not item["certified"] or not agrees or item["unresolved"]:
@@ -236,7 +236,7 @@ def _judged(
     poses: _Poses,
     solved: SolveResult,
 ) -> list[tuple[str, str, str]]:
-    """Judge what is said of a list of candidates."""
+    """Judge the statements about a list of candidates."""
     remarks = []
     first: dict[int, int] = {}
     wrong = False

@@ -83,7 +83,7 @@ def run(step: Step, *, fast: bool, jobs: int, work: Path) -> Outcome:
 def verify(
     steps: Sequence[Step], outcomes: list[Outcome], *, fast: bool, jobs: int, work: Path
 ) -> None:
-    """Run the steps and add what comes out."""
+    """Run the steps and add their results."""
     for number, step in enumerate(steps, start=1):
         print(f"{number} of {len(steps)}: {step.name}", file=sys.stderr, flush=True)
         outcome = run(step, fast=fast, jobs=jobs, work=work)
@@ -144,7 +144,7 @@ def main() -> int:
             shutil.rmtree(work)
     code = conclude(outcomes)
     if code == CONFIRMED and not arguments.fast:
-        # Next time everything is derived anew.
+        # Next time everything is derived again.
         shutil.rmtree(work)
     return code
 

@@ -1,4 +1,4 @@
-"""Long comparisons: many tasks with a work file, and the table of what came out of them."""
+"""Long comparisons: many tasks with a work file, and the table of their results."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ Result = TypeVar("Result", bound=Done)
 
 @dataclass
 class TaskRow:
-    """A row of a record: what became of one task, which the first field names."""
+    """A row of a record: the result of one task, which the first field names."""
 
     @property
     def task(self) -> Any:
@@ -60,7 +60,7 @@ def results(
     label: str,
     sources: Sequence[str] = SOURCES,
 ) -> list[Result]:
-    """Return what comes out of tasks, in their order; what the work file has is not done again."""
+    """Return the results of tasks, in their order; what the work file has is not done again."""
     arguments.work.mkdir(parents=True, exist_ok=True)
     done = carry_out(
         tasks,

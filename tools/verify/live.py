@@ -137,7 +137,7 @@ def compared(
     states: int,
     run: Callable[[Mapping[str, Any], Array], dict[str, Any]] = solved_in_page,
 ) -> Row:
-    """Return what came out of one platform, with one way to run the kernel."""
+    """Return the results of one platform, with one way to run the kernel."""
     try:
         live = live_numbers(gspcli.solve(instance))
     except GspError as error:
@@ -266,7 +266,7 @@ def _have_one_basis(instance: Instance, R: Array, T: Array) -> NDArray[np.bool_]
 
 
 def examine(name: str, states: int) -> Row:
-    """Return what came out of one machine."""
+    """Return the results of one machine."""
     return compared(name, gspcli.load(PLATFORMS / f"{name}.yaml"), states)
 
 

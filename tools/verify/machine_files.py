@@ -106,7 +106,7 @@ def platforms(types: int, seed: int) -> Iterator[tuple[str, Instance]]:
 
 
 def there_and_back(instance: Instance, form: str, folder: Path) -> tuple[str, bool]:
-    """Return what became of an instance in a format, and whether that is right."""
+    """Return the result for an instance in a format, and whether it is right."""
     before, verdict = poses(instance)
     if not len(before) or verdict == "infinite":
         return f"no finite real pose: {verdict}", True
@@ -129,7 +129,7 @@ def there_and_back(instance: Instance, form: str, folder: Path) -> tuple[str, bo
 
 
 def exports(forms: list[str], types: int, seed: int, sample: int | None) -> int:
-    """Print what became of platforms in each format, all or a sample; return how many are wrong."""
+    """Print the results for platforms in each format, all or a sample; return the failures."""
     wrong = count = 0
     every = list(platforms(types, seed))
     drawn = every if sample is None else Random(seed).sample(every, min(sample, len(every)))

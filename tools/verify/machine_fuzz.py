@@ -165,7 +165,7 @@ def holds(machine: Machine) -> bool:
 
 
 def read(path: Path) -> str:
-    """Return what became of a file: refused, the stored instance, or a machine that holds."""
+    """Return the result for a file: refused, the stored instance, or a machine that holds."""
     try:
         found = gspcli.import_machine(path)
         graph = machine_of(path)

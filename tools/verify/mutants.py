@@ -11,7 +11,7 @@ object files that depend on the changed file are compiled again, and of the inst
 the one that this processor uses.
 
 What is found is kept in ``build/mutants``, by the contents of the changed file and of the tests: an
-interrupted run is taken up where it stopped. With ``--known`` the record is made of what is kept.
+interrupted run continues where it stopped. With ``--known`` the record is made of what is kept.
 """
 
 from __future__ import annotations
@@ -275,7 +275,7 @@ def _output(command: str) -> str:
 
 
 def tried(copy: Copy, mutant: Mutant) -> str:
-    """Return what becomes of a mutant: ``killed``, ``survives`` or why it could not be tried."""
+    """Return the result of a mutant: ``killed``, ``survives`` or why it could not be tried."""
     with copy.changed(mutant) as compiled:
         if not compiled:
             return "not compiled"
@@ -287,7 +287,7 @@ def tried(copy: Copy, mutant: Mutant) -> str:
 
 
 class Results:
-    """What became of mutants, kept in a file.
+    """The results of mutants, kept in a file.
 
     Parameters
     ----------
@@ -301,11 +301,11 @@ class Results:
         self._known = dict(json.loads(line) for line in lines)
 
     def of(self, mutant: Mutant) -> str | None:
-        """Return what became of a mutant of these files; None if it was not tried."""
+        """Return the result of a mutant of these files; None if it was not tried."""
         return self._known.get(_key(mutant))
 
     def add(self, mutant: Mutant, result: str) -> None:
-        """Keep what became of a mutant."""
+        """Keep the result of a mutant."""
         self._known[_key(mutant)] = result
         with self._path.open("a", encoding="utf-8") as file:
             file.write(json.dumps([_key(mutant), result]) + "\n")
@@ -318,7 +318,7 @@ def _key(mutant: Mutant) -> str:
 
 
 def try_all(chosen: Sequence[Mutant], folder: Path, jobs: int) -> dict[str, str]:
-    """Return what becomes of mutants, by their names; those of C++ are all tried in one copy."""
+    """Return the results of mutants, by their names; those of C++ are all tried in one copy."""
     results = Results(folder / "results.jsonl")
     left = [one for one in chosen if results.of(one) is None]
     copies = [Copy(folder, number) for number in range(jobs if left else 0)]
@@ -395,7 +395,7 @@ def _record(listed: Sequence[Mutant], ends: Mapping[str, str]) -> dict[Path, str
 
 
 def _recorded(listed: Sequence[Mutant]) -> dict[str, str]:
-    """Return what the record says became of mutants, where it has them as the list does."""
+    """Return the recorded results of mutants that are in the list unchanged."""
     known = {str(row["mutant"]): row for row in _rows(listed)}
     with RECORD.open(encoding="utf-8", newline="") as file:
         recorded = {row["mutant"]: (row.pop("result"), row) for row in csv.DictReader(file)}

@@ -78,7 +78,7 @@ RANGED = {
     "sdss-primary": 8,
 }
 RANDOM = 10
-#: What is looked at.
+#: The parts of the record.
 WHAT = (
     *("groups", "groups with ranges", "groups along poses", "homes", "lengths", "motors"),
     "segments",
@@ -340,7 +340,7 @@ def main() -> int:
     options.add_argument("--segments", type=int, default=100_000, help="how many random ways")
     options.add_argument("--samples", type=int, default=10_000, help="samples of each proved way")
     options.add_argument(
-        "--only", action="append", choices=WHAT, help="what is looked at; may be repeated"
+        "--only", action="append", choices=WHAT, help="which part; may be repeated"
     )
     add_workers(options)
     arguments = options.parse_args()

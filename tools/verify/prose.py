@@ -4,7 +4,8 @@
 
 A sentence has at most 35 words. Numbers, programs and files are no persons: words such as `nobody`
 and `wants` are refused, and the plain word to write instead is named. Tables, code and text
-in backquotes are not checked. Help and messages are the strings in `gspcli` of four words or more.
+in backquotes are not checked. Help and messages are the strings of four words or more in `gspcli`,
+and the meanings of keys in `tools/build/output_keys.py`.
 Prints each finding as FILE:LINE, and ends with 1 if there is one.
 """
 
@@ -53,6 +54,18 @@ BANNED = {
     r"so to speak": "leave it out",
     r"as good as": "say how good",
     r"of age": "leave it out",
+    r"looked at": "'tested', 'compared', 'read'",
+    r"(?:come|comes|came) out": "'the result is'",
+    r"(?:stand|stands) behind": "'the proof of', 'the reason for'",
+    r"said of": "'stated about'",
+    r"taken up": "'continued'",
+    r"(?:of|no) use": "say what it does not help",
+    r"went wrong": "say what is wrong",
+    r"born": "'begins'",
+    r"near no": "'not near a'",
+    r"no other one": "name the thing",
+    r"bec[ao]mes? of": "'the result of', 'the account of'",
+    r"anew": "'again'",
 }
 _BANNED = [(re.compile(rf"\b{word}\b", re.IGNORECASE), better) for word, better in BANNED.items()]
 
@@ -69,6 +82,9 @@ EXCEPTIONS: tuple[tuple[str, str], ...] = (
     # A column of the record.
     ("tools/verify/sensors.py", "sets, told"),
 )
+
+#: Files besides the package whose strings are shown to users.
+SHOWN = ("tools/build/output_keys.py",)
 
 #: Folders and files whose sentences are checked.
 CHECKED = (
@@ -100,7 +116,7 @@ _LEFT_OUT = re.compile(r"``.*?``|`[^`]*`|\[([^\]]*)\]\([^)]*\)|\$[^$]*\$|!\[[^\]
 
 
 class Finding(NamedTuple):
-    """A sentence to write anew, and why."""
+    """A sentence to rewrite, and why."""
 
     path: str
     line: int
@@ -219,11 +235,11 @@ def _split(start: int, block: list[str]) -> Iterator[tuple[int, str]]:
 
 
 def findings(path: Path) -> Iterator[Finding]:
-    """Yield what is to be written anew in a file."""
+    """Yield the sentences to rewrite in a file."""
     source, name = path.read_text(encoding="utf-8"), path.relative_to(ROOT).as_posix()
     texts = {".py": python_texts, ".md": page_texts}.get(path.suffix, comment_texts)
     parts = list(texts(source))
-    if name.startswith("gspcli/") and path.suffix == ".py":
+    if (name.startswith("gspcli/") and path.suffix == ".py") or name in SHOWN:
         parts += message_texts(source)
     for first, text in parts:
         for line, sentence in sentences(first, text):

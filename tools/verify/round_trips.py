@@ -43,7 +43,7 @@ class Found:
     real
         The number of real poses.
     complete, proved
-        What is said of the set.
+        The statement about the set.
     met
         Whether the pose that was measured is one of them.
     """

@@ -143,7 +143,7 @@ def _clean(value: float) -> float:
 
 
 def _wrong(result: SensorResult) -> Iterable[str]:
-    """Yield what does not hold: every set complete, and what is said of planar machines."""
+    """Yield violations: sets that are not complete, and wrong statements about planar machines."""
     found = result.separations
     if not found.complete.all():
         yield f"{int((~found.complete).sum())} sets are not complete"

@@ -7,7 +7,7 @@
     python -m tools.verify.special certain [--only PATTERN] [--jobs N] [--sample N]
     python -m tools.verify.special show ID ...
 
-`count` makes the platforms anew and counts their poses exactly (`special/counts.py`); the table is
+`count` makes the platforms again and counts their poses exactly (`special/counts.py`); the table is
 ``data/verification/special-platforms.csv``. Rows of unchanged platforms are kept without --check.
 `solve` solves them and judges every answer by the table (`special/answers.py`); with --record the
 result of all of them goes into docs/special-platforms.md. `batches` asks `solve_values` and

@@ -67,7 +67,7 @@ def search(known: Known, minutes: float, effort: int, most: int, workers: Worker
 
 
 def attempt(which: tuple[Family, int, Platforms | None], effort: int) -> dict[str, Any]:
-    """Make an attempt, from the best platform or anew; return its entry of the journal."""
+    """Make an attempt, from the best platform or a random one; return its entry of the journal."""
     family, number, best = which
     kinds, total = kinds_of(family), solutions(family)
     starts, steps = max(4, min(32, effort // (20 * total))), max(20, effort // total)

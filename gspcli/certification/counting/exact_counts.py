@@ -89,7 +89,7 @@ class ExactCount:
         equation holds at any distance, and have another distance. None if unknown or infinite.
     has_lone_lines
         Whether the lines of no two DLL can be parallel together. Then a platform of the geometry
-        that has as many distinct simple solutions as the count of the geometry has no other one.
+        that has as many distinct simple solutions as the count of the geometry has no others.
     primes
         The primes that were used; more than one only if one was not enough.
     """

@@ -41,7 +41,7 @@ class Order(NamedTuple):
 
     @property
     def words(self) -> str:
-        """What is said of a file that has such headings."""
+        """The message about a file with such headings."""
         heads = " ".join(self.names if len(self.names[0]) > 1 else map(str.upper, self.names))
         return (
             f"{heads}: turns about x, y, z in the order {self.sequence}{self.source} "

@@ -69,7 +69,7 @@ class PoseFormat:
     columns
         The names of the columns of a file without a heading.
     note
-        Takes what is to be said of a file: the order of axes that its heading says.
+        Takes messages about a file, such as the order of axes in its heading.
     """
 
     euler: str | None = None

@@ -96,7 +96,7 @@ class Classes:
     instance
         The platform.
     ways
-        Straight ways of it, whose limits are not looked at.
+        Straight ways of the platform, whose limits are not tested.
     """
 
     def __init__(self, instance: Instance, ways: PoseWays) -> None:

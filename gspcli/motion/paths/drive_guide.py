@@ -48,7 +48,7 @@ class DriveGuide:
     clear
         The clearance of the drives that every pose must have.
     gap
-        How far legs and bodies must be apart; None if that is not looked at.
+        The least gap between legs and bodies; None if gaps are not tested.
     """
 
     along = "drives"

@@ -77,7 +77,7 @@ class Guide(Protocol):
     clear: float
     """The clearance that every pose must have."""
     gap: float | None
-    """How far legs and bodies must be apart; None if that is not looked at."""
+    """The least gap between legs and bodies; None if gaps are not tested."""
 
     def trace(self, corners: Array, rows: NDArray[np.int64]) -> GuideRows | None:
         """Return rows along a polygon, or None if it is not proved.
@@ -120,7 +120,7 @@ class ValueGuide:
     clear
         The clearance that every pose must have.
     gap
-        How far legs and bodies must be apart; None if that is not looked at.
+        The least gap between legs and bodies; None if gaps are not tested.
     """
 
     along = "values"
@@ -210,7 +210,7 @@ class PoseGuide:
     clear
         The clearance that every pose must have.
     gap
-        How far legs and bodies must be apart; None if that is not looked at.
+        The least gap between legs and bodies; None if gaps are not tested.
     """
 
     along = "poses"

@@ -67,7 +67,7 @@ class Planner:
     clear
         The clearance that every pose must have, in the units of `gsp clearance`.
     gap
-        How far legs and bodies must be apart; None if that is not looked at.
+        The least gap between legs and bodies; None if gaps are not tested.
     seconds
         After this time nothing more is tried.
     seed

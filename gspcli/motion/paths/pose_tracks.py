@@ -22,7 +22,7 @@ from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
 
-#: Poses of a way that are looked at for the limit that it leaves.
+#: Poses of a way that are tested for the limit that it violates.
 _LOOKS = 64
 
 

@@ -19,7 +19,7 @@ from gspcli.motion.singularities.enclosures import Neighbourhood
 
 Array = NDArray[np.float64]
 
-#: Most boxes that are looked at, and how many at a time.
+#: The most boxes that are tested, and how many at a time.
 _MOST, _PIECE = 4000, 256
 _OUTWARD = 1 + 2.0**-40
 

@@ -3,7 +3,7 @@
 Of straight ways of values the motors move linearly, so their limits hold exactly. On straight ways
 of poses the speeds and accelerations of motors are bounded between all samples (`rate_bounds`), as
 are the speed of the pivot and the turn of the platform. Corners are stops, or parabolas that are
-proved anew: of values in the boxes about their rows that the clearance proves, of poses in boxes
+proved again: of values in the boxes about their rows that the clearance proves, of poses in boxes
 that are proved to keep all limits.
 """
 

@@ -29,7 +29,7 @@ _MARGIN = 1e-3
 _DIGITS = 6
 #: Values that a pose measures differ by less from those that it was solved for.
 _SOLVED = 1e-6
-#: Where the cones are looked at before they are proved.
+#: In how many places cones are tested before they are proved.
 _LOOKS = 12
 
 

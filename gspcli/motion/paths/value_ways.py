@@ -39,7 +39,7 @@ _HALVINGS = 14
 
 
 class Arrived(NamedTuple):
-    """What became of modes that were followed along ways with r rows each."""
+    """The results of following modes along ways with r rows each."""
 
     there: NDArray[np.bool_]
     """Which are proved on the whole way, shape (n,)."""

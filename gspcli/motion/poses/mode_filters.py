@@ -1,6 +1,6 @@
 """Which real poses a machine can mean: those in a half space, within its limits, above its base.
 
-The other real poses are poses, too: they are counted, and what is said of completeness is about
+The other real poses are poses, too: they are counted, and completeness is about
 all. Filters do not change the numbers of modes.
 """
 
@@ -43,7 +43,7 @@ _CONDITION = re.compile(
 )
 #: Coordinates that are this near to a bound, next to the size of the platform, are equal to it.
 _EQUAL = 1e-12
-#: Points are near no plane if their least extent is more than this of the second one.
+#: Points are not near a plane if their least extent is more than this of the second one.
 _ROUND = 0.9
 
 

@@ -28,7 +28,7 @@ Array = NDArray[np.float64]
 
 #: Halvings of the interval of a clearance, and the ratio of its ends that suffices.
 _HALVINGS, _CLOSE = 60, 1.002
-#: The largest change that is looked at, in weights.
+#: The largest change that is tried, in weights.
 _FARTHEST = 1e3
 #: Steps along a line of drives: the first in clearances, their growth, and the least relatively.
 _FIRST, _GROWTH, _LEAST, _STEPS = 1.0, 1.5, 1e-7, 400

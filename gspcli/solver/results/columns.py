@@ -1,4 +1,4 @@
-"""What is said of every pose of a result: each column is one line, for tables, CSV and frames."""
+"""The columns of poses, one line each, for tables, CSV and frames."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ ROTATIONS = ("quaternion", "matrix", "rotvec")
 
 @dataclass(frozen=True)
 class PoseColumn:
-    """Something said of every pose.
+    """A column: one entry for every pose.
 
     Attributes
     ----------
@@ -224,7 +224,7 @@ def _of_real(
 
 
 def plain_table(result: PosesOfColumns, account: str) -> str:
-    """Return the real poses as a table of plain text, and what became of every path below it."""
+    """Return the real poses as a table of plain text, with the account of paths below it."""
     units = {
         "length": f" [{result.instance.units.length}]",
         "angle": f" [{result.instance.units.angle.value}]",

@@ -55,7 +55,7 @@ class PoseSet:
     motions
         Sets of poses that are not isolated, as far as they were found.
     account
-        What became of every path, for all sides asked for.
+        The account of all paths, for all chosen sides.
     proof
         What proves that there are no other poses, or that there are infinitely many; None if
         nothing does.

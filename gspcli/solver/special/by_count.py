@@ -87,7 +87,7 @@ def _by_geometry_or_type(problem: Problem, ledger: Ledger) -> PoseSet | None:
             side.all_simple = counted.distinct == counted.solutions
             go_on_until(side, early_elimination, most)
         return ledger.complete
-    # Paths that went wrong are followed with 32 digits as long as a count would take longer.
+    # Wrong paths are followed with 32 digits as long as a count would take longer.
     if not any(_too_many_unresolved(side) for side in ledger.sides):
         for side in ledger.sides:
             go_on_until(side, with_32_digits)

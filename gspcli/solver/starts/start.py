@@ -66,8 +66,8 @@ _GRID = 0.125
 #: that nothing about it is special. Anything from a third to three standard deviations of the
 #: parameters asked for makes paths about as short.
 _SPREAD = (0.7, 1.3)
-#: Sets of values for each member: one costs about as much as ten sets cost less by it, and no
-#: more than so many are of use.
+#: Sets of values for each member: one costs about as much as ten sets cost less by it, and more
+#: than so many do not help.
 _SETS_A_MEMBER = 32
 _LEAST, _MOST = 4, 128
 #: The imaginary parts of a member as parts of those of the start.

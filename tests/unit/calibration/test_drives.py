@@ -37,7 +37,7 @@ def _vector(numbers):
 
 
 def _length(model, k, step, readings, R, T):
-    """Return the length of leg k after a step of the parameters, stated anew with mpmath.
+    """Return the length of leg k after a step of the parameters, stated again with mpmath.
 
     Written from the words: a crank turns its points about its axis, a slide moves them along it.
     """

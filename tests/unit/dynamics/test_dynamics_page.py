@@ -1,4 +1,4 @@
-"""What the page on dynamics shows of Python is what comes out."""
+"""The page on dynamics shows the output of its lines of Python."""
 
 from __future__ import annotations
 

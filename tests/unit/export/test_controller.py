@@ -200,7 +200,7 @@ def test_derivatives_bend_as_far_as_is_said(kinds, far, tmp_path):
 
 @pytest.mark.skipif("gcc" not in COMPILERS, reason="no gcc")
 def test_a_state_that_may_be_that_of_another_pose_goes_nowhere(tmp_path):
-    """The error of a state says how near its pose is: no other one may be as near as twice that."""
+    """The error of a state bounds the distance of its pose: no other pose is within twice that."""
     instance, (R, T) = platform("6PP")
     library = CompiledController(instance, tmp_path)._library
     pose = np.ascontiguousarray(poses_of(R, T))

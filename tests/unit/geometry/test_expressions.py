@@ -140,7 +140,7 @@ def test_what_is_no_number_is_refused_with_a_reason(text, message):
         ("sin(-(pi/6))", "-1/2"),
         ("sqrt(9/16)", "3/4"),
         ("acos(1)", "0"),
-        # Zero by algebra: a number so small and of that degree is no other one.
+        # Zero by algebra: no other number so small has that degree.
         ("sqrt(2) - sqrt(2)", "0"),
         ("sqrt(2)*sqrt(2) - 2", "0"),
         ("sqrt(2) + sqrt(3) - sqrt(5 + 2*sqrt(6))", "0"),

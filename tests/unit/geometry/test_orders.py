@@ -1,4 +1,4 @@
-"""Orders of makers, against formulas of their sources written anew."""
+"""Orders of makers, against formulas of their sources, written again."""
 
 from itertools import permutations
 from math import cos, radians, sin

@@ -1,4 +1,4 @@
-"""One small machine in each format: the same hexapod comes out, or it is said why not."""
+"""One small machine in each format: the same hexapod is read, or a message has the reason."""
 
 from __future__ import annotations
 

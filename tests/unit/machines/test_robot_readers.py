@@ -1,4 +1,4 @@
-"""One hexapod as a robot in SDF and URDF: the same comes out, or it is said why not."""
+"""One hexapod as a robot in SDF and URDF: the same hexapod is read, or a message has the reason."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Charts: every datum is in them, and the same bytes come out every time."""
+"""Charts: every datum is in them, and the bytes are the same every time."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is kept of solved platforms: looked at, forgotten, of one's own; no answer depends on it."""
+"""What is kept of solved platforms: inspected, cleared, passed; no answer depends on it."""
 
 from __future__ import annotations
 

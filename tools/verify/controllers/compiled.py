@@ -21,7 +21,7 @@ PREFIX = "machine"
 
 @dataclass
 class Walks:
-    """What became of walks: n of them over r rows.
+    """The results of n walks over r rows.
 
     Attributes
     ----------
@@ -43,7 +43,7 @@ class Walks:
 
 @dataclass
 class Requests:
-    """What became of n requests for nearest poses.
+    """The results of n requests for nearest poses.
 
     Attributes
     ----------

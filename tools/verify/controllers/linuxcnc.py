@@ -56,7 +56,7 @@ SHORTER = 40
 
 @dataclass
 class Row(TaskRow):
-    """What became of the worlds of one machine."""
+    """The results for the worlds of one machine."""
 
     name: str
     worlds: int = 0

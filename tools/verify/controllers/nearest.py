@@ -52,7 +52,7 @@ COMPARED = 3
 
 @dataclass(frozen=True)
 class Row:
-    """What became of the requests to one machine.
+    """The results of the requests to one machine.
 
     Attributes
     ----------

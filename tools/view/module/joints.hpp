@@ -19,7 +19,7 @@ class Joints {
   void place(const Values& given, const double* numbers);
   // Puts the lengths of rods in the places of the numbers of their motors.
   void hold(double* numbers) const;
-  // What is written anew by each move: the equations, weights (4, 6), and the points of both bodies (6, 3) in
+  // Each move writes these again: the equations, weights (4, 6), and the points of both bodies (6, 3) in
   // lengths of the file.
   const OpenEquations& equations() const { return open_; }
   const double* points(bool of_platform) const { return of_platform ? y_ : x_; }

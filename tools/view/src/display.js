@@ -5,7 +5,7 @@ const byId = (id) => document.getElementById(id);
 const TURNS = { ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, 0.1], ArrowDown: [0, -0.1] };
 
 export class Display {
-  /** `recolour` paints anew; `words` gives what a picture is of. The stage is null without WebGL. */
+  /** `recolour` paints again; `words` gives what a picture is of. The stage is null without WebGL. */
   constructor(stage, scene, { recolour, words }) {
     Object.assign(this, { stage, recolour, words });
     byId("theme").addEventListener("change", (event) => this.theme(event.target.value));

@@ -1,4 +1,4 @@
-// What is said of the part under the pointer.
+// The text about the part under the pointer.
 import { Vector3 } from "three";
 import { coordinate, rounded, short, vector } from "./numbers.js";
 

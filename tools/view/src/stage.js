@@ -195,7 +195,7 @@ export class Stage {
     return this.sphere([...this.near(this.series.T.map((_, k) => k)), this.index]);
   }
 
-  /** Those of some poses that can be looked at together. */
+  /** Those of some poses that are shown together. */
   near(indices) {
     return indices.filter((k) => this.sphere([k]).radius <= NEAR);
   }

@@ -11,7 +11,7 @@ const MEANINGS = {
 };
 /** Letters of a kind: distance or angle, of which parts of the platform and the base. */
 const KIND = /^([DA])([PLH])([PLH])$/;
-/** Pixels between a word and what is said of it, and to the edge of the window. */
+/** Pixels between a word and its explanation, and to the edge of the window. */
 const GAP = 6;
 
 /** The meaning of a word or a kind; undefined if there is none. */
@@ -33,7 +33,7 @@ export function explain(root) {
   }
 }
 
-/** Show what is said of a term while the pointer or the focus is on it; Escape takes it away. */
+/** Show the explanation of a term while the pointer or the focus is on it; Escape takes it away. */
 export function showMeanings() {
   const tip = document.createElement("div");
   tip.id = "meaning";

@@ -67,7 +67,7 @@ class MadeUp:
             return _prove(self, poor, 0, SIDES)
 
     def is_right(self, found: Isolation, x: complex) -> bool:
-        """Whether one root is within the error, and no other one in the uniqueness ball."""
+        """Whether one root is within the error, and no other root in the uniqueness ball."""
         gaps = np.sort(np.abs(self.polynomial.roots() - x))
         error = float(found.error) * (1 + 1e-9)
         return gaps[0] <= error and (len(gaps) < 2 or gaps[1] > found.uniqueness * (1 - 1e-9))

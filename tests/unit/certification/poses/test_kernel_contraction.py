@@ -195,7 +195,7 @@ def test_poses_that_are_known_less_well_than_is_tolerated_are_not_proved() -> No
 
 
 def test_reality_is_not_claimed_beyond_the_theorem() -> None:
-    """Where the conjugate of the solution may lie outside of the ball nothing is said of it."""
+    """Where the conjugate of the solution may lie outside the ball, nothing is proved."""
     steps = np.geomspace(0.02, 2, 60)
     points = (-0.25 + steps[:, None] + 1j * steps).ravel()
     bits = decide({0: [form(0, 1, 2)]}, points.tolist()).bits

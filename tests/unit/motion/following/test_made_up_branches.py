@@ -115,7 +115,7 @@ def test_no_branch_is_followed_across_the_crossing(name: str, size: float, halvi
 
 @pytest.mark.parametrize("name", EQUATIONS)
 def test_where_the_pose_may_be_another_one_no_branch_begins(name: str) -> None:
-    """The pose that is meant is known within a distance: no other one may be so near."""
+    """The pose is given up to a distance: no other pose may be within it."""
     x = solution(name, 0.05, 1)
     alone = follow(name, [0.05, 0.052], x).alone
     assert follow(name, [0.05, 0.052], x, near=alone / 8).stop == Stop.END

@@ -38,7 +38,7 @@ def near(instance, turn, shift, seed=0):
 
 
 def checked(found, start):
-    """Rows are poses that the drives reach on their knees; the kernel follows them anew."""
+    """Rows are poses that the drives reach on their knees; the kernel follows them again."""
     assert found.verdict == "proved"
     instance, R, T, q = found.instance, found.R, found.T, found.drives
     motors = Motors(instance, *start)

@@ -1,4 +1,4 @@
-"""Planned paths, checked by following them anew; and proofs that there is none."""
+"""Planned paths, checked by following them again; and proofs that there is none."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from gspcli.motion.following.trajectories import track_from
 
 
 def checked(found):
-    """Follow a path anew by its values: it stays at its poses, and within the limits."""
+    """Follow a path again by its values: it stays at its poses, and within the limits."""
     assert found.verdict == "proved"
     followed = track_from(found.instance, found.values, found.R[:1], found.T[:1])
     assert followed.certified

@@ -19,7 +19,7 @@ const TRIED = 24;
 const PATIENCE = 250;
 /** Parts of a range, or of one, that rounding may leave it by. */
 const ROOM = 1e-9;
-/** Cones are looked at in so many places of each piece. */
+/** In how many places of each piece cones are tested. */
 const LOOKS = 12;
 
 export class WaysHome {

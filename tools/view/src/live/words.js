@@ -1,4 +1,4 @@
-// What is said of the state, in words.
+// The text about the state.
 import { short } from "../numbers.js";
 
 const plural = (count, one, many = `${one}s`) => `${count} ${count === 1 ? one : many}`;
@@ -37,7 +37,7 @@ export function noModeText({ complete, isPossible, real }, ahead) {
 
 /**
  * Which way leads home, and what is proved of it, in a sentence. `words`: whether values are those of motors or all
- * are lengths of legs, whether the file has ranges, and cones (null: such as are not looked at).
+ * are lengths of legs, whether the file has ranges, and cones (null: not tested).
  */
 export function wayText(found, { isMotors, isLegs, ranges, cones }) {
   if (!found) return "";
