@@ -14,7 +14,7 @@ constexpr double kOutward = 1.0 + 0x1p-40;
 constexpr double kTiny = 0x1p-1000;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// A number known to lie within r of m.
+// A number whose distance from m is at most r.
 struct Ball {
   double m, r;
 };

@@ -18,8 +18,8 @@ double distance(const double* p, const double* q) {
   return std::hypot(p[0] - q[0], p[1] - q[1], p[2] - q[2]);
 }
 
-// The mean of points that are not far from the others: not so many times as far from the one amid
-// them as the nearer half.
+// The mean of the points without those far from the others. A point is far if its distance from the
+// central point is many times that of the nearer half.
 void find_centre(std::size_t count, const double* point, double far, double* centre) {
   std::vector<double> from(count), best;
   double least = INFINITY;
@@ -32,7 +32,7 @@ void find_centre(std::size_t count, const double* point, double far, double* cen
   from = best;
   std::sort(from.begin(), from.end());
   double usual = 0.0;
-  // Nothing is far from points that coincide.
+  // If points coincide, no point is far.
   for (std::size_t k = (count - 1) / 2; k < count && usual == 0.0; ++k) usual = from[k];
   std::fill(centre, centre + kCoordinates, 0.0);
   std::size_t used = 0;

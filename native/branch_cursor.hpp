@@ -1,4 +1,4 @@
-// Where a branch is that is being followed, and the values there.
+// The place of a branch while it is followed, and the values at this place.
 //
 // Included by branch_follower.cpp in each of its builds: all in an anonymous namespace, so that the
 // linker cannot merge functions that were compiled for different processors.
@@ -20,7 +20,7 @@ constexpr int kBlock = 8;
 // quartic through all, whichever predicted the last point better. Values have corners at rows.
 constexpr int kBefore = 4;
 
-// Where a branch is: at `row` and `part` of 2^`level` steps to the next row.
+// The place of a branch: at `row`, and `part` of 2^`level` equal steps to the next row.
 struct Cursor {
   Branch* branch = nullptr;
   int row = 0, level = 0;

@@ -42,7 +42,7 @@ class Follower {
     const D first = newton_step(system_, c, z);
     D step = first;
     for (int i = 1; i < kNewtonSteps; ++i) {
-      // A lane that is done is not changed, so that no branch depends on the others.
+      // A finished lane is not changed, so that no branch depends on the others.
       const Mask busy = (step >= kConverged) & (step < kDiverged);
       bool any = false;
       for (int l = 0; l < W; ++l) any |= busy[l] != 0;
@@ -119,7 +119,7 @@ class Follower {
       bool any = false, all_known = false;
       for (int l = 0; l < W; ++l) {
         Cursor& cursor = cursors_[l];
-        // One step less from an odd part, so that the step can be doubled afterwards.
+        // From an odd part one step less is taken, so that the step can be doubled afterwards.
         const int steps = kBlock - static_cast<int>(cursor.part % 2);
         going[l] = going[l] && s < steps && row[l] + 1 < cursor.branch->rows;
         if (going[l]) {
@@ -273,7 +273,7 @@ class Follower {
         cursor.successes = 0;
         --cursor.level;
         cursor.part /= 2;
-        // Of points in a row every other one is as far from the next as the next step.
+        // Every second one of the points has the distance of the next step.
         for (int j = 0; 2 * j + 1 < cursor.known; ++j)
           std::copy(cursor.before[2 * j + 1], cursor.before[2 * j + 1] + N, cursor.before[j]);
         cursor.known /= 2;

@@ -20,16 +20,16 @@ enum class Law : std::int32_t { kSquare = 0, kLinear = 1, kCosine = 2, kSine = 3
 
 struct RealQuadric {
   double hessian[kCoordinates][kCoordinates];
-  double spectral;  // not below the spectral norm of the Hessian matrix
-  double moduli;    // not below that of the matrix of the moduli of its terms
+  double spectral;  // upper bound of the spectral norm of the Hessian matrix
+  double moduli;    // upper bound of that of the matrix of the moduli of its terms
 };
 
 struct MovingEquation {
   Form form;
   Law law;
   double sign;      // of the cosine or sine
-  double largest;   // not below |c| for all values that occur
-  double spectral;  // not below the norm of the Hessian matrix of A - c N for all these c
+  double largest;   // upper bound of |c| for all values that occur
+  double spectral;  // upper bound of the norm of the Hessian matrix of A - c N for all these c
   RealQuadric a, b;
 };
 
@@ -54,8 +54,8 @@ struct Branch {
   const double* values;  // (rows, 6)
   int rows;
   double start[kCoordinates];
-  double near;           // how near to the start the pose is that is meant; 0: any that Newton finds.
-                         // Afterwards, how near to `last` the proved pose is
+  double near;           // bound of the distance of the followed pose from the start; 0: the pose
+                         // that Newton's method finds. Afterwards, a bound of the distance of the proved pose from `last`
   double* point;         // (rows, 8), of norm one
   Stop stop;
   int reached;           // the last row that was reached, -1 if none
@@ -63,7 +63,7 @@ struct Branch {
   double last[kCoordinates];      // the point there
   double previous[kCoordinates];  // the one before, to see the direction
   std::int64_t segments, tries;
-  double alone;          // how near to `last` no other pose is
+  double alone;          // distance from `last` within which there is no other pose
   double worst;          // largest q + sqrt(2 kappa beta) of a segment; proved below one
 };
 

@@ -43,7 +43,7 @@ struct Along {
   D constant[kRows][N], linear[kRows][N];
   D rest[kRows];       // of the part of order two and more, for |tau| <= 1/2
   Series value[kRows];
-  D curvature[kRows];  // not below the second derivatives within kReach
+  D curvature[kRows];  // upper bound of the second derivatives within kReach
   D value_error[kRows], gradient_error[kRows];
 };
 

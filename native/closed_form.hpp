@@ -32,8 +32,8 @@ struct ValueSets {
 int poses_of(const Measures&);
 
 // Returns Study points of any norm of all poses of each set (count, signs, poses, 8); those of real
-// poses are exactly real. Also whether everything is in general position; by Bezout's theorem there
-// are then no other poses. If not, the points are zero.
+// poses are exactly real. Also whether the set is in general position: then there are no other
+// poses, by Bezout's theorem. If not, the points are zero.
 void solve_closed_forms(const Directions&, const Measures&, const ValueSets&, Intersect* intersect,
                         std::complex<double>* point, bool* general);
 

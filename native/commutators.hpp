@@ -1,4 +1,4 @@
-// Border bases: commutators of two variables on the normal monomials, and when there are enough.
+// Border bases: commutators of two variables on the normal monomials, and a test whether there are enough.
 //
 // Part of border_basis.hpp, which includes it.
 #pragma once
@@ -46,7 +46,7 @@ void BorderBasis<F>::add_commutators(Echelon<F>& matrix, int d) {
     for (const auto& [column, row] : first) push_commutator(matrix, row, d);
   }
   std::shuffle(rest.begin(), rest.end(), random_);
-  // Random combinations of all commutators tell when the rest brings nothing new.
+  // Random combinations of all commutators show whether the remaining ones add nothing new.
   std::size_t next = 0;
   int streak = kStreak;
   while (next < rest.size()) {

@@ -5,8 +5,9 @@
 
 namespace gsp {
 
-// Of points (count, size) of projective space those are real whose conjugate is, of all points of
-// the set, nearest to themselves. `representative` are the points with norm 1, real ones real.
+// A point of projective space, of points (count, size), is real if no other point of the set is
+// nearer to its conjugate. `representative` has the points with norm 1; real points have real
+// coordinates.
 void find_real_points(int count, int size, const std::complex<double>* point,
                       std::complex<double>* representative, bool* real);
 

@@ -6,7 +6,7 @@
 
 namespace gsp {
 
-// What forward says besides its status; see platform.h.
+// The results of forward besides its status; see platform.h.
 struct StepReport {
   double fraction, sigma, alone;
   int steps, tries;

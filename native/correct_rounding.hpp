@@ -68,7 +68,7 @@ INLINE void store(const FineNumbers& to, int k, const C& x) {
   store(to.high.im, k, x.im.hi), store(to.low.im, k, x.im.lo);
 }
 
-// Not below the modulus of z, and not much above it.
+// An upper bound of the modulus of z, not much above it.
 INLINE D bound(const C& z) {
   const D re = z.re.hi < 0.0 ? -z.re.hi : z.re.hi, im = z.im.hi < 0.0 ? -z.im.hi : z.im.hi;
   return kOutward * (re + im);
@@ -141,7 +141,7 @@ void put_rounded(const C* entry, const D* error, const Mask& real, const D& unit
     re[i] = a.value, im[i] = real ? D{} : b.value;
     sure &= a.sure & (b.sure | real);
     if (i >= kOfPose) continue;
-    // What is not rounded for sure may be off by its error in either part besides.
+    // A number that is not proved to be rounded correctly can differ by its error in either part.
     const D off = 3.0 * error[i] + 0x1p-52 * bound(entry[i]) + kGrid * here;
     deviation = off > deviation ? off : deviation;
   }

@@ -258,7 +258,7 @@ class Chain {
   double turns_[3], bend_, reach_, most_, least_;
 };
 
-// The order of places of a motor on the half circle (half line) on which s F falls at the centre of
+// The order of the places of a motor on the half circle (half line) on which s F falls at the centre of
 // the box. The places are its first, its last, and the ends of the range between them.
 struct Fall {
   bool known;          // no two places are too near to each other to be in order

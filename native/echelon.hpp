@@ -65,7 +65,7 @@ class Accumulator {
   void set(int column, Residue value) { sums_[column] = value; }
 
  private:
-  // Rows that are subtracted at once, and the length from which that pays.
+  // The number of rows that are subtracted together, and the least length at which this is quicker.
   static constexpr int kTogether = 8, kShortest = 64;
 
   struct Waiting {
@@ -78,7 +78,7 @@ class Accumulator {
     for (Sum& sum : sums_) sum = field_.reduce(sum);
     pending_ = 0;
   }
-  // What all rows have in common at once, the rest of each alone.
+  // Subtracts the common columns of all rows together, and the others of each row alone.
   void subtract_together() {
     int begin = 0, end = size();
     for (const Waiting& one : waiting_) {

@@ -6,8 +6,8 @@
 namespace gsp {
 namespace {
 
-// Errors of a coefficient plus a weight times a value (`many_values`): those of coefficient, weight,
-// value, their product and the sum.
+// Errors of a coefficient plus a weight times a value (`many_values`): the errors of coefficient,
+// weight, value, their product and the sum.
 constexpr double kParts = 4.0;
 constexpr int kSteps = 0, kMoreSteps = 3;      // before the proof: paths have had theirs
 constexpr double kValueRounding = 0x1p-94;     // of values with 32 digits (FinePoints)
@@ -104,7 +104,7 @@ bool different(int count, const double* low, const double* high, double* index) 
   return true;
 }
 
-// The linear form of `distinct`, and how far it can be off.
+// The linear form of `distinct`, and a bound of its error.
 void form(const C* entry, const V& deviation, V& middle, V& reach) {
   middle = reach = splat(0.0);
   double total = 0.0;
@@ -143,7 +143,7 @@ struct FinePoint {
   Shared<kMonomials> monomials, monomials_low;
 };
 
-// The poses of proved points, and how far they are off.
+// The poses of proved points, and bounds of their errors.
 void measure(const Decision& d, FinePoint& point, Lanes& s) {
   const OpenGeometry& open = d.open;
   Shared<kNumbers> entry;

@@ -97,7 +97,7 @@ Mask follow_line(const Block& b, const C* from, const C* to, C* s) {
     newton_step(at, second);
     for (int i = 0; i < kRows; ++i) guess[i] = guess[i] - second[i];
     const V one = largest(first), two = largest(second);
-    // Not a number is not below anything.
+    // A comparison with NaN is false.
     Mask good = two <= kCertainly * one, easy = two <= kEasily * one;
     if (any(active & ~easy)) {
       const V least = noise(b, here, guess, at);

@@ -56,7 +56,7 @@ struct Shift {
   }
 };
 
-// Whether there is exactly one solution near local coordinates, and how far it is off after Newton's step.
+// Whether there is exactly one solution near local coordinates, and a bound of its distance after Newton's step.
 void isolate(const Block& b, const Shift& shift, const C* s, const Linear& at, Mask& isolated,
              V& error_after) {
   V size[kRows], rounding[kRows], curvature[kRows], doubt[kRows], total = splat(1.0), own;
@@ -67,7 +67,7 @@ void isolate(const Block& b, const Shift& shift, const C* s, const Linear& at, M
     Sizes here = sizes_of(b, r, size);
     const V by = shift.size[r], off = shift.off[r], in_numbers = own * (1.0 + by);
     here.value += by * norm.value, here.slope += by * norm.slope, here.curvature += by * norm.curvature;
-    // Every number errs by its doubt, and the shift by what it is off.
+    // Each number has an error up to its doubt, and so has the shift.
     rounding[r] = kOutward * (kRounding * here.slope + off * norm.slope + 128.0 * in_numbers * total);
     curvature[r] = kOutward * (here.curvature + off * norm.curvature + 128.0 * in_numbers);
     doubt[r] = kOutward * (kValueRounding * here.value + off * norm.value + in_numbers * total * total) + kTiny;
@@ -124,7 +124,7 @@ Mask converge(const Block& b, const C* shift, C* s) {
       length = maximum(length, bound(change[i])), size = maximum(size, bound(s[i]));
     }
     arrived = length <= kArrived * size;
-    // Not a number is not below anything.
+    // A comparison with NaN is false.
     lost |= ~(arrived | (length <= kShrinking * last));
     last = length;
     if (!any(~arrived & ~lost)) break;
@@ -173,7 +173,7 @@ void follow_paths(const FarGeometry& g, const Block& b, const C* shift, C* s) {
 void prove(const FarGeometry& g, const Block& b, Shift& shift, C* s, const double* unit, Lanes& out) {
   C low[kRows] = {}, change[kRows];
   Linear at;
-  // Real numbers and real coordinates.
+  // Only real numbers and real coordinates occur.
   double is_real[W];
   for (int l = 0; l < W; ++l) {
     is_real[l] = b.real[l];
@@ -325,7 +325,7 @@ void GSP_DECIDE_FAR(const FarGeometry& geometry, const FarValues& given, double*
 
 void GSP_FOLLOW_FAR(const FarGeometry& g, const Complex* from, const Complex* to, double* work, Complex* local,
                     std::uint8_t* found) {
-  // One by one: what one pose loses is not lost for others.
+  // One by one, so that a lost pose does not affect the others.
   for (int p = 0; p < g.count; ++p) {
     FarGeometry one = g;
     one.count = 1, one.number += p * kFarNumbers, one.low += p * kFarNumbers, one.error += p, one.real += p;

@@ -36,7 +36,7 @@ struct FineNumbers {
 // Poses of as many points as there are lanes.
 struct FinePoses {
   LaneNumbers entry;   // (16): R by rows, T, the quaternion with e.e = 1
-  double* deviation;   // how far entries of R and T are off at most
+  double* deviation;   // bounds of the errors of entries of R and T
   double* rounded;     // 1 where every number is proved to be rounded correctly, else 0
 };
 

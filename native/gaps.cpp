@@ -1,8 +1,9 @@
 // Gilbert's algorithm with simplices (E. G. Gilbert, D. W. Johnson, S. S. Keerthi, IEEE J. Robotics
 // and Automation 4 (1988), 193-203): the point of a hull that is nearest to the origin.
 //
-// Each step proves both bounds. A convex combination of the points has at least the distance. And if
-// all points lie beyond a plane, the distance of the plane is at most that of the hull. So the answer
+// Each step proves both bounds. The distance of a convex combination of the points is at least that
+// of the hull. If all points lie beyond a plane, the distance of the plane is at most that of the
+// hull. So the answer
 // depends on no tolerance of the algorithm, only on rounding, which is bounded.
 #include "gaps.hpp"
 

@@ -3,7 +3,7 @@
 
 namespace gsp {
 
-// Two bounds with the distance of two hulls between them; both are NaN if a coordinate is.
+// A lower and an upper bound of the distance of two hulls; both are NaN if a coordinate is NaN.
 struct Gap {
   double low, high;
 };

@@ -1,5 +1,5 @@
-// Where planes and quadrics of projective 3-space meet: what the builds of intersection.cpp (one an
-// instruction set) have in common. Nothing here but plain data, as in tracker.hpp.
+// Common points of planes and quadrics of projective 3-space: the interface of the builds of
+// intersection.cpp, one for each instruction set. Nothing here but plain data, as in tracker.hpp.
 //
 // A plane is a vector p of length 4, its equation p.z = 0; a quadric is a symmetric matrix Q of
 // order 4, its equation z^T Q z = 0. By Bezout's theorem n quadrics and 3 - n planes meet in 2^n

@@ -26,7 +26,7 @@ INLINE D minimum(const D& a, const D& b) { return a < b ? a : b; }
 INLINE D maximum(const D& a, const D& b) { return a > b ? a : b; }
 #endif
 INLINE D size_of(const V& x) { return maximum(leading(x), -leading(x)); }
-// Not below the modulus of z but for rounding, and not much above it.
+// An upper bound of the modulus of z up to rounding, not much above it.
 INLINE D bound(const C& z) { return size_of(z.re) + size_of(z.im); }
 
 #if GSP_PARTS == 1

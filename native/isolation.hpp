@@ -119,8 +119,8 @@ INLINE void newton_step(const Linear& at, C* change) {
   }
 }
 
-// What is known of a point: how far a solution is off, and after the step of Newton's method that its
-// values and the inverse give.
+// Bounds of the distance of a solution from a point, and from the point after a step of Newton's
+// method.
 struct Isolation {
   D error, error_after;
   Mask isolated, real, imaginary;
@@ -141,7 +141,7 @@ void isolate(const ProofSystem& system, const Units& units, const C* z, const Ma
   for (int i = 0; i < N; ++i) height = maximum(height, units.into(i, size_of(z[i].im)));
   for (int i = 0; i < N; ++i) m[i] = kOutward * (m[i] + units.from(i, D{} + kReach));
   curvatures(system, units, m, curvature);
-  // Of each row: what rounding does to the product of the inverse with it, and to its value.
+  // For each row: the effect of rounding on the product of the inverse with it, and on its value.
   D rounding[kRows], size[kRows], doubt[kRows];
   for (int j = 0; j < kRows; ++j) {
     D row_bound[kRows];
@@ -184,7 +184,7 @@ void isolate(const ProofSystem& system, const Units& units, const C* z, const Ma
   delta = kOutward * delta;
   const D radius = minimum((1.0 - a) / (2.0 * b), D{} + kReach);
   const D q = kOutward * (a + b * radius);
-  // NaN proves nothing: it is part of the sum.
+  // A NaN is part of the sum, so that it proves nothing.
   out.isolated = (sum < __builtin_inf()) & (q < 1.0) & (radius > 0.0) &
                  (kOutward * delta <= (1.0 - q) * radius);
   out.error = kOutward * (delta / (1.0 - q));

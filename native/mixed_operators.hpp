@@ -1,4 +1,4 @@
-// Operators of numbers of several doubles that follow from others; T(d) makes one of a vector of doubles.
+// Mixed operators for numbers of several doubles, from the other operators; T(d) converts a vector of doubles.
 #pragma once
 
 namespace gsp {

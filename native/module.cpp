@@ -91,7 +91,7 @@ Build choose_build() {
   return kPortable;
 }
 
-// The environment variable that names a build for a whole process: what is printed is compared with.
+// The environment variable that names the build for a whole process, to compare the output of builds.
 constexpr const char* kVariable = "GSP_BUILD";
 
 Build build_named(const std::string& name) {

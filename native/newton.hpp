@@ -2,7 +2,7 @@
 //
 // Points are in C^8 of norm 1. The Jacobian matrix J has seven rows with J z = 0 on solutions, so
 // least-norm solutions of J dz = b are orthogonal to z: the row conj(z).dz = 0 of a moving patch is
-// there without being written.
+// satisfied without being stated.
 //
 // With 64 digits lengths are measured in units of e and of f at the point:
 // poses far away are near each other in C^8, where e nearly vanishes, but not in these.
@@ -25,7 +25,7 @@ constexpr int kOrder = GSP_ORDER;  // of the Taylor series
 // Where e or f is zero it has no unit of its own.
 constexpr double kLeastSquare = 1e-280;
 
-// What one lane-wide step works with.
+// The numbers of one step in all lanes.
 struct Workspace {
   C row[kRows][N];        // of the Jacobian matrix, then of R; row 0 is that of e.f
   C lower[kRows][kRows];  // L below its diagonal
@@ -167,7 +167,7 @@ void solve(const Workspace& w, C* b, C* x) {
 }
 
 // About how far rounding in the values moves a solution: the least-norm solution of J x = b for
-// one b of the size of the rounding errors, with phases that nothing is special about.
+// one b of the size of the rounding errors, with phases in general position.
 V rounding(const Workspace& w) {
   constexpr double kPhase[kRows][2] = {{1.0, 0.0},   {-0.54, 0.84}, {0.28, 0.96}, {-0.8, -0.6},
                                        {0.6, -0.8},  {0.96, 0.28},  {-0.28, 0.96}};

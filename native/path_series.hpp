@@ -1,4 +1,4 @@
-// The Taylor series of paths, from the factors of the Jacobian matrix where they are.
+// The Taylor series of paths, from the factors of the Jacobian matrix at their start.
 //
 // Included by tracker.cpp in each of its builds: all in an anonymous namespace, so that the linker
 // cannot merge functions that were compiled for different processors.

@@ -1,4 +1,4 @@
-// A box of poses: its centre, and how far the vectors of the constraints reach from there.
+// A box of poses: its centre, and how far the vectors of the constraints move within the box.
 //
 // Let h be the half widths of the position, d_i those of the angles, and rho the sum of the d_i.
 // Along a straight line of parameters the angular velocity is at most rho. The angular acceleration
@@ -43,7 +43,7 @@ struct Placed {
   Vector s, r, y, w, v;
   double y_size, r_size, s_size;
   double reach;  // how far r moves
-  double bend;   // how far it is off its linear part
+  double bend;   // how far r differs from its linear part
 };
 
 inline Placed placed_points(const Vector& y, const Vector& x, const Place& at) {
@@ -68,7 +68,7 @@ inline Placed placed(const Limit& limit, const Place& at) {
 
 // How the point of a motor moves in the box: by at most `delta` times its rate at the centre, and `bend`.
 struct Swing {
-  const Drive* drive = nullptr;  // none: the point stands still
+  const Drive* drive = nullptr;  // none: the point does not move
   double q, delta, bend;
   Vector rate;  // turned as at the centre
 };

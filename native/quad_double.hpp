@@ -1,8 +1,8 @@
 // Vectors of quadruple-double numbers: an unevaluated sum of four doubles has 64 digits.
 //
 // Sums and products after Y. Hida, X. S. Li, D. H. Bailey (Algorithms for quad-double precision
-// floating point arithmetic, 2001), without branches: what is too small is left out rather than
-// looked for. Results are not rounded correctly; some bits of the 212 are lost. As in double_double.hpp
+// floating point arithmetic, 2001), without branches: terms that are too small are omitted without
+// a test. Results are not rounded correctly; some bits of the 212 are lost. As in double_double.hpp
 // nothing may be reassociated.
 //
 // Functions are not inlined: each takes hundreds of operations on all lanes. Included by lanes.hpp:

@@ -99,12 +99,12 @@ Verdict judge_range(const Limit& limit, const Placed& b, const Place& at) {
   return compare(found, limit.low, limit.high);
 }
 
-// Whether the axis of a cone turns with an arm.
+// Whether the axis of a cone rotates with an arm.
 bool turns(const Cone& cone, const Swing& swing) {
   return swing.drive && !swing.drive->slide && swing.drive->of_platform != cone.of_base;
 }
 
-// The axis of a cone in the frame of its body when the motor is where it is at the centre.
+// The axis of a cone in the frame of its body when the motor is at its place at the centre of the box.
 Vector axis_at(const Cone& cone, const Swing& swing) {
   const Vector axis = vector(cone.axis);
   if (!turns(cone, swing)) return axis;

@@ -75,7 +75,7 @@ enum class Verdict { kInside, kOutside, kOpen };
 struct Whole;  // drives.hpp
 
 // Judges the poses with parameters within `half` of `centre`. Conditions that hold for all of them are
-// taken out of `open`, and the sign is put in; outside: one is violated by all of them. `whole` is a
+// removed from `open`, and the sign is added. Outside: all poses violate one condition. `whole` is a
 // box that this one is a part of, or null.
 Verdict judge(const Reach& reach, const double* centre, const double* half, Conditions& open,
               Whole* whole);

@@ -1,4 +1,4 @@
-// What moves along the paths of reduced_homotopy.hpp: only values, or all coefficients.
+// The moving numbers on the paths of reduced_homotopy.hpp: only values, or all coefficients.
 //
 // Included by each build of reduced_homotopy.cpp: all in an anonymous namespace.
 #pragma once

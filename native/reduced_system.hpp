@@ -28,7 +28,7 @@ struct Wedge {
 constexpr Wedge kWedge[6] = {{2, 3, 3, 2}, {3, 1, 1, 3}, {1, 2, 2, 1},
                              {0, 1, 1, 0}, {0, 2, 2, 0}, {0, 3, 3, 0}};
 
-// What a series in D coordinates is computed from: nothing but vectors.
+// The vectors from which a series in D coordinates is computed.
 template <int D>
 struct Expansion {
   C x[D];                     // where it is expanded
@@ -37,7 +37,7 @@ struct Expansion {
   C row[D][D], lower[D][D];   // of the Jacobian matrix, then of its factors R and L
   V inverse[D];               // of the squares of the lengths of R's rows
 
-  // All that is in a lane, as one path keeps it.
+  // The numbers of one path in a lane.
   INLINE void give(int l, double* out) const {
     const V* const given = reinterpret_cast<const V*>(this);
     for (std::size_t i = 0; i < sizeof(Expansion) / sizeof(V); ++i) out[i] = lane(given[i], l);
@@ -218,7 +218,7 @@ struct System : Expansion<4 + M> {
     if (k % 2 == 0) take_square<false>(pairs, series[k / 2]);
   }
 
-  // What equations of order k are without the terms that are linear in that order, negative.
+  // The negative of the equations of order k without the terms that are linear in that order.
   INLINE void right_hand_side(int k, const C (*series)[D], const C (*quantity)[kQuantities],
                               const C* norm, C* b) const {
     C wedge[4] = {};

@@ -79,7 +79,7 @@ struct Residues30 : ResidueOperations<Residues30, std::uint32_t> {
         const __m512i row = _mm512_cvtepu32_epi64(_mm256_loadu_si256(from));
         t = _mm512_sub_epi64(t, _mm512_mul_epu32(row, multipliers[r]));
       }
-      // Without signs a negative number is above all others.
+      // As an unsigned number a negative number is larger than all others.
       _mm512_storeu_si512(sums + k, _mm512_min_epu64(t, _mm512_add_epi64(t, lift)));
     }
 #elif defined(__AVX2__)

@@ -27,14 +27,14 @@ namespace {
 
 // Chords longer than this are not tried: points have norm one.
 constexpr double kLongest = 0.5;
-// Not below the norm of the middle of such a chord.
+// Upper bound of the norm of the middle of such a chord.
 constexpr double kNorm = 1.07;
 
 constexpr int kAll = kRows + 1;  // with the patch
 
 struct Proof {
   D measure;     // q + sqrt(2 kappa beta); below one: proved
-  D end;         // how near the zeros at both ends are to the points, at least
+  D end;         // a bound of the distances of the zeros at both ends from the points
   D uniqueness;  // u
 };
 

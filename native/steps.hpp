@@ -32,12 +32,12 @@ constexpr double kContraction = 0.4;
 // A rejected step is tried again with this part of its length.
 constexpr double kRetry = 0.5;
 // The last term is summed as a geometric series unless |1 - step / pole|^2 is smaller: there the
-// step would go right into the pole, of which only the distance is known well.
+// step would end near the pole, and only the distance of the pole is known well.
 constexpr double kIntoPole = 0.09;
-// Added to norms, so that quotients of two that vanish are 1 where a path stands still.
+// Added to norms, so that the quotient of two zero norms is 1 where a path does not move.
 constexpr double kTiny = 1e-100;
 
-// What a step is to be like.
+// The requirements of a step.
 struct Aims {
   double predictor_tolerance, contraction, radius_fraction;
 };
@@ -90,7 +90,7 @@ struct Steps {
   V bend;     // estimate of the norm of J^-1 D^2 F
   V radius;   // of convergence, of the last expansion
 
-  // The first step goes nowhere: it corrects the start point and expands there.
+  // The first step has length zero: it corrects the start point and expands there.
   INLINE void begin(int l) {
     put(pole, l, {0.0, 0.0});
     V* const zero[] = {&t, &next, &leading, &bend};
@@ -98,7 +98,7 @@ struct Steps {
     put(surplus, l, 1.0);
   }
 
-  // The first step goes nowhere at 1 - left, with all digits.
+  // The first step has length zero, at 1 - left, with all digits.
   INLINE void start_before_end(int l, double left) {
     Mask chosen{};
     chosen[l] = -1;
@@ -130,7 +130,7 @@ struct Steps {
     leading = select(accepted, a0 / radius, leading);
   }
 
-  // What the corrections tell of the prediction and of the curvature; before the next expansion.
+  // Estimates the error of the prediction and the curvature from the corrections, before the next expansion.
   INLINE void learn(const V& n1, const V& n2, const V& noise, const Mask& accepted) {
     const V step = next - t;
     const V measured = n1 / (leading * step_power<order>(step) + kTiny * kTiny * kTiny);
@@ -142,7 +142,7 @@ struct Steps {
     bend = select(accepted, maximum(curved, kBendMemory * bend), bend);
   }
 
-  // Goes where the step went, if it was accepted, and sets where the next one goes.
+  // Moves to the end of an accepted step, and sets the end of the next one.
   INLINE void advance(const Aims& aims, const Mask& accepted) {
     const V step = next - t;
     const V aim = minimum(splat(aims.predictor_tolerance),

@@ -1,4 +1,4 @@
-// Where the platform can be once its orientation is known (Propositions 6.4, 6.5 and 6.7); plain data.
+// The positions of a platform with a known orientation (Propositions 6.4, 6.5 and 6.7); plain data.
 //
 // With the rotation fixed, each distance constraint keeps the translation T on a surface: DPH, DHP
 // and DLL on a plane or two parallel ones, DPP on a sphere, DPL and DLP on a circular cylinder,

@@ -12,8 +12,8 @@
 namespace gsp {
 
 // Runs `work` on up to `jobs` threads, this one among them, and no more than there are pieces of
-// it. Each call of `work` takes pieces until none is left, so that fewer threads do the same: those
-// that the system refuses are done without. What a call throws is thrown here, after all have ended.
+// it. Each call of `work` takes pieces until all are taken, so fewer threads give the same result
+// if the system refuses some. An exception of a call is thrown here, after all calls have ended.
 template <class Work>
 void share(int jobs, std::size_t pieces, const Work& work) {
   std::exception_ptr failure;
@@ -32,7 +32,7 @@ void share(int jobs, std::size_t pieces, const Work& work) {
   try {
     while (threads.size() + 1 < most) threads.emplace_back(guarded);
   } catch (const std::system_error&) {
-    // No more threads are to be had.
+    // The system refuses further threads.
   }
   guarded();
   for (std::thread& thread : threads) thread.join();

@@ -68,7 +68,7 @@ INLINE void store_low([[maybe_unused]] const C& x, [[maybe_unused]] int l, Compl
 #endif
 }
 
-// A point of norm 1 goes out.
+// Stores a point of norm 1.
 INLINE void store(const C* z, int l, int path, const Results& out) {
   for (int i = 0; i < N; ++i) {
     out.point[path * N + i] = lane(z[i], l);
@@ -268,7 +268,7 @@ class Tracker {
   INLINE void retire_lanes(const C* z, const V& arrived, const Mask& accepted) {
     const V ahead = s.next - s.t;
     const double waypoint = 1.0 - options_.waypoint;
-    // With all digits: a double cannot tell 1 - 1e-20 from 1.
+    // With all digits: in doubles 1 - 1e-20 is equal to 1.
     const Mask there = arrived >= 1.0;
     const V left = 1.0 - s.t;
     const Mask near = (left < options_.nearest) & (s.next < 1.0);

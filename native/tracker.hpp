@@ -1,4 +1,4 @@
-// The path tracker: what the three builds of tracker.cpp (one an instruction set) have in common.
+// The path tracker: the interface of the three builds of tracker.cpp, one for each instruction set.
 //
 // Nothing here but plain data: a translation unit compiled for AVX-512 must not emit functions
 // that the linker could merge with those of the portable build.
