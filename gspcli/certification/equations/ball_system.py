@@ -21,6 +21,7 @@ from collections.abc import Sequence
 from functools import cache, cached_property
 from itertools import chain, product
 from math import prod
+from typing import Any
 
 import numpy as np
 from flint import acb, acb_mat, arb, arb_mat, fmpz_mat
@@ -70,12 +71,17 @@ class BallSystem:
         The exact instance.
     precision
         The number of bits; the caller uses the same precision (``flint.ctx``).
+    given
+        Constraints in place of those of the instance, in the same unit of length. Their points
+        and directions may be complex.
     """
 
-    def __init__(self, instance: Instance, precision: int) -> None:
+    def __init__(
+        self, instance: Instance, precision: int, given: tuple[Statement, ...] | None = None
+    ) -> None:
         self.precision = precision
         self.scale = length_scale(instance)
-        self.statements = statements(instance)
+        self.statements = statements(instance) if given is None else given
         #: The quadrics: N, e . f, and those of the constraints.
         self.forms: list[Form] = [{study.NORM: arb(1)}, {study.STUDY: arb(1)}]
         #: For each constraint its equation, or those of its positive and its negative side.
@@ -83,24 +89,29 @@ class BallSystem:
         self._single: dict[tuple[int, ...], acb_mat | None] = {}
 
     @cached_property
-    def rows(self) -> arb_mat:
-        """The coefficients of the quadrics in all forms, a quadric a row."""
-        return arb_mat([[form.get(k, arb(0)) for k in range(study.COUNT)] for form in self.forms])
+    def rows(self) -> Any:
+        """The coefficients of the quadrics in all forms, a quadric a row.
+
+        An `acb_mat` if points or directions are complex, else an `arb_mat`.
+        """
+        rows = [[form.get(k, arb(0)) for k in range(study.COUNT)] for form in self.forms]
+        is_real = all(isinstance(entry, arb) for entry in chain(*rows))
+        return arb_mat(rows) if is_real else acb_mat(rows)
 
     @cached_property
     def _coefficients(self) -> acb_mat:
         return acb_mat(self.rows)
 
     @cached_property
-    def _entries(self) -> list[list[arb]]:
+    def _entries(self) -> list[list[Any]]:
         """The entries of the Hessian matrix of each quadric."""
-        entries = (self.rows * arb_mat(_hessians())).entries()
+        entries = (self.rows * type(self.rows)(arb_mat(_hessians()))).entries()
         return [entries[64 * k : 64 * (k + 1)] for k in range(len(self.forms))]
 
     @cached_property
     def _hessians(self) -> acb_mat:
         """The Hessian matrices below each other."""
-        return acb_mat(arb_mat(8 * len(self.forms), 8, list(chain(*self._entries))))
+        return acb_mat(8 * len(self.forms), 8, list(chain(*self._entries)))
 
     @cached_property
     def _moduli(self) -> NDArray[np.float64]:
@@ -253,7 +264,7 @@ class BallSystem:
             self._single[sides] = (
                 None
                 if any(equation.squares for equation in chosen)
-                else acb_mat(arb_mat(56, 8, list(entries)))
+                else acb_mat(56, 8, list(entries))
             )
         return self._single[sides]
 

@@ -98,9 +98,10 @@ def rotated(rotation: Sequence[Sequence[Ball]], vector: Sequence[Ball]) -> list[
     return [dot(row, vector) for row in rotation]
 
 
-def norm(vector: Sequence[arb]) -> arb:
-    """Return the Euclidean norm of a real vector."""
-    return dot(vector, vector).nonnegative_part().sqrt()
+def norm(vector: Sequence[Ball]) -> Ball:
+    """Return the Euclidean norm of a vector, as an analytic function of its components."""
+    square = dot(vector, vector)
+    return (square.nonnegative_part() if isinstance(square, arb) else square).sqrt()
 
 
 def largest(values: Sequence[Ball]) -> arb:

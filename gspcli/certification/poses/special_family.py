@@ -3,55 +3,120 @@
 If lines or planes of one body are parallel up to eps, or points on a line, there are poses eps^-2
 lengths away, with N of size eps^4, near each other. Paths with 64 digits from a start in general
 position do not reach them. Multiply the small differences by s: the Study points are then power
-series in s, also for s < 0. They are followed from differences of 3e-3 to s = 1, along polynomials
-through the last points, with as many bits as N needs. Real poses that meet on the way are lost;
-from s < 0 other poses meet. The ends are located and proved like the ends of all paths.
+series in s. They are followed from differences of 3e-4 to s = 1, along polynomials through the last
+points, with as many bits as N needs. On the way s is complex, so that no poses meet: each pose of
+the beginning leads to another one. The ends are located and proved like the ends of all paths.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Container, Mapping, Sequence
+from dataclasses import replace
 from fractions import Fraction
-from math import exp, log, log2
-from typing import Protocol
+from math import exp, log, log2, pi, tanh
+from typing import Any
 
 import numpy as np
 from flint import acb, acb_mat, arb, ctx
 
 from gspcli.certification.equations.ball_system import BallSystem
-from gspcli.certification.numbers.balls import largest
+from gspcli.certification.equations.local_frames import length_scale
+from gspcli.certification.equations.statement import Statement, statements
+from gspcli.certification.numbers.balls import Ball, largest
 from gspcli.certification.poses.locator import AtInfinity, Complex, Located, Locator
-from gspcli.geometry.instance import Instance
+from gspcli.geometry.instance import Constraint, Instance
 from gspcli.geometry.numbers import Number
+from gspcli.geometry.primitives import Geometry, Point, Vector
+from gspcli.records import dataclass
 
 #: Bits in which differences are computed; bits of the equations for each bit of s eps; additional
 #: bits.
-DIFFERENCE_BITS, _TIMES, _MORE = 2048, 8, 256
+DIFFERENCE_BITS, _TIMES, _MORE = 2048, 5, 256
 #: The first step of log s; the factors of the next step after success and after failure.
-_FIRST, _LONGER, _SHORTER = 1e-6, 4.0, 4.0
+_FIRST, _LONGER, _SHORTER = 1e-6, 3.0, 4.0
 #: The most steps of a pose, and the number of points of a polynomial.
-_STEPS, _POINTS = 100, 16
+_STEPS, _POINTS = 200, 16
 #: Newton's method near a simple solution: the largest ratio of two steps (of the first step to the
 #: point), the part of the bits with which it has converged, and the most steps.
-_SHRINKS, _ARRIVED, _NEWTON = 0.3, 0.5, 14
+_SHRINKS, _ARRIVED, _NEWTON = 0.3, 0.25, 14
+#: Another coordinate becomes 1 if it is so many times as large as the one that is.
+_LARGE = 4.0
 #: No coordinate is smaller, but zero (`Number.of`).
 _LEAST = 1e-59
 Numbers = list[acb]
 
 
-class SpecialFamily(Protocol):
-    """A platform, the one with s = 1, among those with its small differences multiplied by s."""
+@dataclass(frozen=True)
+class SpecialFamily:
+    """A platform, the one with s = 1, among those with its small differences multiplied by s.
 
-    @property
-    def instance(self) -> Instance:
-        """The platform."""
+    Attributes
+    ----------
+    instance
+        The platform.
+    differences
+        For each constraint the differences: by the name of a point or a direction of its
+        `Statement` a vector in the same units.
+    size
+        The largest of them, as an angle or as a part of the distance of two points.
+    """
 
-    @property
-    def size(self) -> float:
-        """The largest of the differences."""
+    instance: Instance
+    differences: tuple[Mapping[str, Sequence[arb]], ...]
+    size: float
 
-    def at(self, s: arb) -> Instance:
+    def at(self, s: Ball) -> tuple[Statement, ...]:
+        """Return the constraints with the differences multiplied by s."""
+        rows = zip(statements(self.instance), self.differences, strict=True)
+        return tuple(replace(row, **_changed(row, small, s)) for row, small in rows)
+
+    def instance_at(self, s: arb) -> Instance:
         """Return the platform with the differences multiplied by s, to the working precision."""
+        scale = length_scale(self.instance)
+        rows = (
+            _moved(row, given, small, scale)
+            for row, given, small in zip(
+                self.instance.constraints, self.at(s), self.differences, strict=True
+            )
+        )
+        return Instance(tuple(rows), self.instance.units)
+
+
+def _changed(row: Statement, differences: Mapping[str, Sequence[arb]], s: Ball) -> dict[str, Any]:
+    """Return the points and directions of a constraint that differ, at s."""
+    return {
+        name: [x + (s - 1) * d for x, d in zip(getattr(row, name), small, strict=True)]
+        for name, small in differences.items()
+    }
+
+
+def _moved(row: Constraint, given: Statement, names: Container[str], scale: float) -> Constraint:
+    """Return a constraint with some numbers of a statement, by their names."""
+
+    def part(geometry: Geometry, point: str, direction: str) -> Geometry:
+        position, vector = geometry.position, getattr(geometry, "vector", ())
+        if point in names:
+            position = _vector([x * scale for x in getattr(given, point)])
+        if direction in names:
+            vector = _vector(getattr(given, direction))
+        return Point(position) if isinstance(geometry, Point) else type(geometry)(position, vector)
+
+    return Constraint(
+        row.kind, part(row.platform, "a", "u"), part(row.base, "b", "v"), row.value, row.side
+    )
+
+
+def _vector(numbers: Sequence[arb]) -> Vector:
+    x, y, z = map(_exact, numbers)
+    return x, y, z
+
+
+def _exact(x: arb) -> Number:
+    """Return the middle of a ball; zero for what is too small for a coordinate."""
+    if abs(x) < _LEAST:
+        return Number.of(0)
+    mantissa, exponent = x.mid().man_exp()
+    return Number.of(int(mantissa) * Fraction(2) ** int(exponent))
 
 
 class FamilyPaths:
@@ -71,16 +136,16 @@ class FamilyPaths:
         self, family: SpecialFamily, locator: Locator, sides: tuple[int, ...], apart: float
     ) -> None:
         self._family, self._locator, self._sides = family, locator, sides
-        self._sign = 1 if apart > 0 else -1
+        self._turn = 0.0 if apart > 0 else pi
         #: A place is log |s|; zero is s = 1, the platform itself.
         self._begin = log(abs(apart) / family.size)
-        self._systems: dict[float, tuple[arb, BallSystem]] = {}
+        self._systems: dict[float, tuple[acb, BallSystem]] = {}
 
     @property
     def instance(self) -> Instance:
         """The platform at the beginning."""
         with ctx.workprec(self._bits(self._begin)):
-            return self._family.at(self._system(self._begin)[0])
+            return self._family.instance_at(self._system(self._begin)[0].real)
 
     def locate(self, begin: Locator, point: Complex, low: Complex) -> Located | AtInfinity | None:
         """Return the pose at the end of the path from a point of the beginning; None if lost.
@@ -93,7 +158,9 @@ class FamilyPaths:
             An approximation of the Study point, as for `Locator.in_frames`.
         """
         with ctx.workprec(self._bits(0)):
-            end = self._followed(begin.in_frames(point, low))
+            unit = acb(begin.scale) / acb(self._locator.scale)
+            start = begin.in_frames(point, low)
+            end = self._followed(start[:4] + [unit * x for x in start[4:]])
             if end is None:
                 return None
             return self._locator.locate_exactly(end, self._sides, ctx.prec)
@@ -102,12 +169,17 @@ class FamilyPaths:
         """Return the bits for a place."""
         return int(_MORE - _TIMES * log2(self._family.size * exp(x)))
 
-    def _system(self, x: float) -> tuple[arb, BallSystem]:
+    def _system(self, x: float) -> tuple[acb, BallSystem]:
         """Return s and the equations at a place, with as many bits as N needs there."""
         if x not in self._systems:
             with ctx.workprec(self._bits(x)):
-                s = (arb(x).exp() * (self._sign if x else 1)).mid()
-                self._systems[x] = s, BallSystem(self._family.at(s), ctx.prec)
+                # Real at both ends.
+                turn = self._turn * x / self._begin + tanh(x) * tanh(self._begin - x)
+                s = acb(x, turn).exp().mid() if 0 < x < self._begin else acb(arb(x).exp().mid())
+                if x == self._begin and self._turn:
+                    s = -s
+                given = self._family.at(s)
+                self._systems[x] = s, BallSystem(self._family.instance, ctx.prec, given)
         return self._systems[x]
 
     def _solution(
@@ -138,45 +210,46 @@ class FamilyPaths:
     def _followed(self, start: Numbers) -> Numbers | None:
         """Return the end of the path from a Study point, exact numbers of any norm."""
         x = self._begin
-        patch = max(range(8), key=lambda k: float(abs(start[k]).mid()))
-        first = [(number / start[patch]).mid() for number in start]
-        point = self._solution(x, first, patch, near=False)
+        patch = _largest(start)
+        point = self._solution(x, _divided(start, patch), patch, near=False)
         if point is None:
             return None
         points, places, step = [point], [self._system(x)[0]], _FIRST
         for _ in range(_STEPS):
             after = max(x - step, 0.0)
             s = self._system(after)[0]
-            ahead = _extrapolated(places[-_POINTS:], points[-_POINTS:], s)
-            found = self._solution(after, ahead, patch)
+            found = self._solution(after, _extrapolated(places, points, s), patch)
             if found is None:
                 step /= _SHORTER
                 continue
             if after == 0:
                 return found
-            points.append(found)
-            places.append(s)
+            points, places = [*points, found][-_POINTS:], [*places, s][-_POINTS:]
             x, step = after, step * _LONGER
+            if float(abs(found[_largest(found)]).mid()) > _LARGE:
+                # A coordinate that becomes large has a pole at s = 0.
+                patch = _largest(found)
+                points = [_divided(point, patch) for point in points]
         return None
 
 
-def exact(x: arb) -> Number:
-    """Return the middle of a ball; zero for what is too small for a coordinate."""
-    if abs(x) < _LEAST:
-        return Number.of(0)
-    mantissa, exponent = x.mid().man_exp()
-    return Number.of(int(mantissa) * Fraction(2) ** int(exponent))
+def _largest(point: Numbers) -> int:
+    return max(range(8), key=lambda k: float(abs(point[k]).mid()))
 
 
-def _extrapolated(places: Sequence[arb], points: Sequence[Numbers], s: arb) -> Numbers:
+def _divided(point: Numbers, patch: int) -> Numbers:
+    return [(number / point[patch]).mid() for number in point]
+
+
+def _extrapolated(places: Sequence[acb], points: Sequence[Numbers], s: acb) -> Numbers:
     """Return the value at s of the polynomial through points (Lagrange)."""
     weights = []
     for i, here in enumerate(places):
-        weight = arb(1)
+        weight = acb(1)
         for k, other in enumerate(places):
             if k != i:
                 weight *= (s - other) / (here - other)
-        weights.append(acb(weight))
+        weights.append(weight)
     row = acb_mat(1, len(weights), weights) * acb_mat(points)
     return [x.mid() for x in row.entries()]
 

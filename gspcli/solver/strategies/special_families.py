@@ -10,29 +10,29 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from gspcli.certification.poses.conjugate_points import conjugate_sources, is_nearly_real
-from gspcli.certification.poses.points_off_lines import PointsOffLines
+from gspcli.certification.poses.conjugate_points import conjugate_sources
+from gspcli.certification.poses.points_off_lines import points_off_lines
 from gspcli.certification.poses.special_family import FamilyPaths, SpecialFamily
-from gspcli.certification.poses.turned_directions import TurnedDirections
+from gspcli.certification.poses.turned_directions import turned_directions
 from gspcli.continuation.quadrics import ComplexArray
 from gspcli.solver.problem import Problem
 from gspcli.solver.side_poses import SidePoses
 
 #: The differences from which poses are followed, each tried in turn, negative for the other side:
 #: poses are found there with 32 digits.
-_APART = (3e-3, -3e-3)
+_APART = (3e-4, -3e-4)
 
 
 def from_turned_directions(side: SidePoses) -> Iterator[None]:
     """Add the poses to which those of a platform with directions turned apart lead."""
-    turned = TurnedDirections.of(side.problem.instance) if len(side.unresolved) else None
+    turned = turned_directions(side.problem.instance) if len(side.unresolved) else None
     if turned is not None:
         yield from _from_family(side, turned)
 
 
 def from_points_off_lines(side: SidePoses) -> Iterator[None]:
     """Add the poses to which those of a platform with points farther from a line lead."""
-    moved = PointsOffLines.of(side.problem.instance) if len(side.unresolved) else None
+    moved = points_off_lines(side.problem.instance) if len(side.unresolved) else None
     if moved is not None:
         yield from _from_family(side, moved)
 
@@ -50,7 +50,7 @@ def _from_family(side: SidePoses, family: SpecialFamily) -> Iterator[None]:
 
 
 def _ends(problem: Problem, k: int) -> Iterator[tuple[ComplexArray, ComplexArray]]:
-    """Yield ends of paths with 32 digits: real ones first, which may meet, then the farthest."""
+    """Yield ends of paths with 32 digits: of each pair of conjugates one first, the farthest."""
     paths = problem.tracked[k]
     first = paths.first()
     others = paths.track(np.flatnonzero(~first.simple), problem.target(k), digits=32)
@@ -58,8 +58,6 @@ def _ends(problem: Problem, k: int) -> Iterator[tuple[ComplexArray, ComplexArray
     points = np.concatenate([ends.points for ends in parts])
     low = [more for ends in parts for more in ends.low]
     norm = np.abs((points[:, :4] ** 2).sum(axis=1)) / np.abs(points).max(axis=1) ** 2
-    source = conjugate_sources(points)
-    for i in np.lexsort((norm, [not is_nearly_real(point) for point in points])).tolist():
-        # One of each pair of conjugates is enough.
-        if source[i] == i:
-            yield points[i], low[i]
+    is_second = conjugate_sources(points) != np.arange(len(points))
+    for i in np.lexsort((norm, is_second)).tolist():
+        yield points[i], low[i]

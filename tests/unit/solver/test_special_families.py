@@ -6,12 +6,13 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from flint import arb, ctx
+from flint import acb, arb, ctx
 
 from gspcli.catalogue.kinds import DLP, DPL
 from gspcli.catalogue.names import parse_type
-from gspcli.certification.poses.points_off_lines import PointsOffLines
-from gspcli.certification.poses.turned_directions import TurnedDirections
+from gspcli.certification.equations.ball_system import BallSystem
+from gspcli.certification.poses.points_off_lines import points_off_lines
+from gspcli.certification.poses.turned_directions import turned_directions
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Units
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Line, Point
@@ -53,8 +54,8 @@ def test_poses_far_away_are_found_and_proved(power: int) -> None:
 
 
 def test_they_are_found_from_the_other_side(monkeypatch: pytest.MonkeyPatch) -> None:
-    """With s < 0, where other real poses meet."""
-    monkeypatch.setattr(special_families, "_APART", (-3e-3,))
+    """With s < 0 at the beginning."""
+    monkeypatch.setattr(special_families, "_APART", (-3e-4,))
     result = solve(
         _nearly_parallel("DPL DPL DPP DPP DPP DPP", Fraction(1, 10**20)), starts=SolvedStarts()
     )
@@ -72,11 +73,11 @@ def test_without_them_poses_are_missing_and_that_is_said(monkeypatch: pytest.Mon
 
 def test_differences_are_multiplied_and_nothing_else_changes() -> None:
     instance = _nearly_parallel("DPL DPL DPP DPP DPP DPP", Fraction(1, 10**20), sign=-1)
-    turned = TurnedDirections.of(instance)
-    assert turned is not None
-    assert 1e-21 < turned.size < 1e-19
+    family = turned_directions(instance)
+    assert family is not None
+    assert 1e-21 < family.size < 1e-19
     with ctx.workprec(600):
-        same, apart = turned.at(arb(1)), turned.at(arb(10) ** 17)
+        same, apart = family.instance_at(arb(1)), family.instance_at(arb(10) ** 17)
     for row, other, given in zip(
         same.constraints, apart.constraints, instance.constraints, strict=True
     ):
@@ -98,7 +99,7 @@ def test_differences_are_multiplied_and_nothing_else_changes() -> None:
 
 @pytest.mark.parametrize("eps", [Fraction(0), Fraction(1, 10**3)])
 def test_directions_that_are_parallel_or_not_nearly_so_are_not_turned(eps: Fraction) -> None:
-    assert TurnedDirections.of(_nearly_parallel("DPL DPL DPP DPP DPP DPP", eps)) is None
+    assert turned_directions(_nearly_parallel("DPL DPL DPP DPP DPP DPP", eps)) is None
 
 
 def _four_on_a_line(eps: Fraction, *, on_platform: bool = True) -> Instance:
@@ -120,11 +121,11 @@ def _four_on_a_line(eps: Fraction, *, on_platform: bool = True) -> Instance:
 def test_points_are_moved_off_their_line_and_nothing_else_changes(on_platform: bool) -> None:
     body = "platform" if on_platform else "base"
     instance = _four_on_a_line(Fraction(1, 10**20), on_platform=on_platform)
-    family = PointsOffLines.of(instance)
+    family = points_off_lines(instance)
     assert family is not None
     assert 1e-22 < family.size < 1e-19
     with ctx.workprec(600):
-        same, apart = family.at(arb(1)), family.at(arb(10) ** 17)
+        same, apart = family.instance_at(arb(1)), family.instance_at(arb(10) ** 17)
     for row, other, given in zip(
         same.constraints, apart.constraints, instance.constraints, strict=True
     ):
@@ -144,11 +145,35 @@ def test_points_are_moved_off_their_line_and_nothing_else_changes(on_platform: b
 
 @pytest.mark.parametrize("eps", [Fraction(0), Fraction(1, 10**2)])
 def test_points_that_are_on_a_line_or_not_nearly_so_are_not_moved(eps: Fraction) -> None:
-    assert PointsOffLines.of(_four_on_a_line(eps)) is None
+    assert points_off_lines(_four_on_a_line(eps)) is None
 
 
 def test_three_points_on_a_line_are_not_moved() -> None:
     """Their distances from another line are independent."""
     rows = list(_four_on_a_line(Fraction(1, 10**20)).constraints)
     rows[2] = rows[0]
-    assert PointsOffLines.of(Instance(tuple(rows), Units("m", AngleUnit.DEGREE))) is None
+    assert points_off_lines(Instance(tuple(rows), Units("m", AngleUnit.DEGREE))) is None
+
+
+def test_equations_of_a_family_are_those_of_its_platforms_also_where_s_is_complex() -> None:
+    family = turned_directions(
+        _nearly_parallel("DPL DPL DPP DPP DPP DPP", Fraction(1, 10**14), sign=-1)
+    )
+    assert family is not None
+    point, sides = [acb(k + 1, -k) for k in range(8)], (0,) * 6
+    with ctx.workprec(400):
+        s = arb(10) ** 10
+        at_s, of_platform, above, below = (
+            BallSystem(platform, 400, given).at(point, sides)[0].entries()
+            for platform, given in (
+                (family.instance, family.at(s)),
+                (family.instance_at(s), None),
+                (family.instance, family.at(acb(s, 10**7))),
+                (family.instance, family.at(acb(s, -(10**7)))),
+            )
+        )
+        for one, other, up, down in zip(at_s, of_platform, above, below, strict=True):
+            assert abs(one - other) < 1e-90
+            # Analytic in s: differences are of first order, those of the mean of second order.
+            assert abs((up + down) / 2 - one) <= 1e-3 * abs(up - down) + 1e-90
+        assert any(abs(up - down) > 1e-6 for up, down in zip(above, below, strict=True))
