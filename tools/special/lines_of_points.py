@@ -11,7 +11,7 @@ from tools.special.legs import Draw, legs, planes_of
 from tools.special.parts import Draws, Leg, Vector, assembled, plus, tenth
 
 #: What holds the platform beside the four distances from one line.
-_BESIDE = ("DPP DPP", "DPP DPH")
+_BESIDE = ("DPP DPP", "DPP DPH", "DPH DPH", "DPP ALL")
 
 
 def points_on_lines(draws: Draw) -> Iterator[Named]:
@@ -25,7 +25,7 @@ def points_on_lines(draws: Draw) -> Iterator[Named]:
             text = f"{kind.short}-{names.replace('D', '').replace(' ', '-')}"
             random = draws(text)
             six, at = [*_four(kind, random), *legs(names, random)], random.motion()
-            for power in (4, 10, 20):
+            for power in (4, 10, 14, 20, 30):
                 shake = draws(f"{text} {power}")
                 nearly = [*six]
                 nearly[3] = _moved(six[3], shake.point(), power)

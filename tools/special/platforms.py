@@ -12,7 +12,15 @@ from gspcli import dumps, loads
 from gspcli.defaults import SEED
 from gspcli.geometry.instance import Instance
 from tools.recording import ROOT
-from tools.special import extremes, fixtures, hexapods, lines_of_points, mixtures, surfaces
+from tools.special import (
+    extremes,
+    fixtures,
+    hexapods,
+    lines_of_points,
+    mixtures,
+    small_differences,
+    surfaces,
+)
 from tools.special.parts import Draws
 
 TABLE = ROOT / "data" / "verification" / "special-platforms.csv"
@@ -23,6 +31,7 @@ GROUPS = {
     **mixtures.GROUPS,
     **extremes.GROUPS,
     **lines_of_points.GROUPS,
+    **small_differences.GROUPS,
 }
 
 
