@@ -33,6 +33,13 @@ def found(text: str, suffix: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatc
         ),
         (".py", '"""Title.\n\n\\b\nExamples:\n  gsp as it is.\n\nIt wants.\n"""\n', ["7 'wants'"]),
         (".md", "# Nobody\n\nThe `nobody` of [a page](nobody.md).\n\n    nobody\n", []),
+        (".md", "# What nobody can read\n", ["1 'nobody'"]),
+        (
+            ".md",
+            f"| a | b |\n|---|---|\n| `x` | of no use. A {LONG[5:]} |\n",
+            ["3 'of no use'", "3 36 words"],
+        ),
+        (".py", "x = 1  # The path is taken up and followed anew.\n", ["1 'taken up'", "1 'anew'"]),
         (".md", f"Text.\n\n- {LONG}\n", ["3 36 words"]),
         (".md", "```\nnobody\n```\n\nand somebody\n", ["5 'somebody'"]),
     ],

@@ -3,10 +3,9 @@
     python -m tools.verify.prose [FILE ...]
 
 A sentence has at most 35 words. Numbers, programs and files are no persons: words such as `nobody`
-and `wants` are refused, and the plain word to write instead is named. Tables, code and text
-in backquotes are not checked. Help and messages are the strings of four words or more in `gspcli`,
-and the meanings of keys in `tools/build/output_keys.py`.
-Prints each finding as FILE:LINE, and ends with 1 if there is one.
+and `wants` are refused, and the plain word to write instead is named. Code and text in backquotes
+are not checked; headings and cells of tables are. Help and messages are the strings in `gspcli` of
+four words or more. Prints each finding as FILE:LINE, and ends with 1 if there is one.
 """
 
 from __future__ import annotations
@@ -59,7 +58,7 @@ BANNED = {
     r"(?:stand|stands) behind": "'the proof of', 'the reason for'",
     r"said of": "'stated about'",
     r"taken up": "'continued'",
-    r"(?:of|no) use": "say what it does not help",
+    r"(?:of no|of|no) use": "say what it does not help",
     r"went wrong": "say what is wrong",
     r"born": "'begins'",
     r"near no": "'not near a'",
@@ -82,9 +81,6 @@ EXCEPTIONS: tuple[tuple[str, str], ...] = (
     # A column of the record.
     ("tools/verify/sensors.py", "sets, told"),
 )
-
-#: Files besides the package whose strings are shown to users.
-SHOWN = ("tools/build/output_keys.py",)
 
 #: Folders and files whose sentences are checked.
 CHECKED = (
@@ -192,15 +188,21 @@ def comment_texts(source: str) -> Iterator[tuple[int, str]]:
 
 
 def page_texts(source: str) -> Iterator[tuple[int, str]]:
-    """Yield the text of a page without its blocks of code and tables, line by line the same."""
+    """Yield the text of a page without code and tables, line by line the same.
+
+    Then yield the headings and the cells of tables.
+    """
     code = False
-    lines = []
-    for line in source.splitlines():
+    lines, apart = [], []
+    for number, line in enumerate(source.splitlines(), 1):
         fence = line.lstrip().startswith("```")
         left_out = code or fence or line.startswith(("    ", "|", "#", "<!--", "gsp:"))
         lines.append("" if left_out else line)
         code ^= fence
+        if line.startswith(("|", "#")) and not (code or fence):
+            apart += [(number, cell.strip(" #")) for cell in line.strip("|").split("|")]
     yield 1, "\n".join(lines)
+    yield from apart
 
 
 def sentences(first: int, text: str) -> Iterator[tuple[int, str]]:
@@ -239,7 +241,7 @@ def findings(path: Path) -> Iterator[Finding]:
     source, name = path.read_text(encoding="utf-8"), path.relative_to(ROOT).as_posix()
     texts = {".py": python_texts, ".md": page_texts}.get(path.suffix, comment_texts)
     parts = list(texts(source))
-    if (name.startswith("gspcli/") and path.suffix == ".py") or name in SHOWN:
+    if name.startswith("gspcli/") and path.suffix == ".py":
         parts += message_texts(source)
     for first, text in parts:
         for line, sentence in sentences(first, text):
