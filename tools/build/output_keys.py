@@ -107,6 +107,9 @@ KEYS: dict[str, str] = {
     "platform": "primitive of the platform",
     "base": "primitive of the base",
     "shared": "primitives that several constraints share",
+    "shared.name": "name of the primitive",
+    "shared.chains": "numbers of the chains that share it",
+    "shared.joints": "the joints of these chains at the primitive, in words",
     "check.platform": "of the platform: numbers of the constraints by name",
     "check.base": "of the base: numbers of the constraints by name",
     "body": "platform or base",
@@ -162,7 +165,10 @@ KEYS: dict[str, str] = {
     "if_zero": "the consequence of a zero",
     "notes": "remarks",
     # Atlas
-    "counts": "the counts, each with its name",
+    "counts": "numbers of poses, by kind; of `gsp solve` also of paths",
+    "atlas summary.counts": "statistics of the generic counts of each class",
+    "atlas summary.counts.name": "the class, or all",
+    "bounds.name": "the bound",
     "sides": "for each PH and HP distance the side: positive or negative; none if not decided",
     "atlas summary.sides": "sides of planes given or both",
     "smallest": "the smallest count",
@@ -219,6 +225,9 @@ KEYS: dict[str, str] = {
     "condition": "condition number of the pose, free of units; null if infinite",
     "motions": "sample motions of a platform that can move, real where possible, otherwise complex",
     "solutions.number": "number of the pose, from 1",
+    "motions.real": "whether the motion is real",
+    "motions.R": "rotations along the motion, by rows",
+    "motions.T": "translations along the motion",
     "contradicting": "constraints that contradict each other; numerical evidence",
     "refined": "the pose with proved digits",
     **{f"refined_R{i}{j}": "entry of the rotation, proved digits" for i in "123" for j in "123"},
@@ -252,6 +261,12 @@ KEYS: dict[str, str] = {
     "primes": "the primes modulo which solutions were counted",
     "geometries": "classes of geometry",
     "geometry": "name of the class of geometry",
+    "geometries.distinct": "solutions without multiplicities",
+    "sides.distinct": "count of these sides without multiplicities; null if infinite or not "
+    "counted",
+    "sides.exact_count": "count of these sides with multiplicities; null if infinite or not "
+    "counted",
+    "geometries.proof": "the proof of the count; null without one",
     "count.meaning": "the special property",
     "count.count": "solutions with multiplicities",
     # Proofs
@@ -419,6 +434,11 @@ KEYS: dict[str, str] = {
     "complete": "whether every mode was followed to the last row",
     "track.coordinates": "the values of moving coordinates at each row, by their names",
     "parts": "proved segments of the motion; how many depends on the processor",
+    "departures.row": "row of the file, from 1",
+    "events.row": "row before the event, from 1",
+    "events.t": "an interval of t that contains the event",
+    "track.limits.t": "an interval of t that contains the event",
+    "track.certified": "whether every part of every mode is proved to be one branch",
     "departures": "rows at which a mode that follows poses is not at the pose of the file",
     "departures.distance": "distance between the origins of the platform at the two poses",
     "departures.turn": "angle between the two orientations",
@@ -467,7 +487,7 @@ KEYS: dict[str, str] = {
     "analyze.row": "row of the file, from 1",
     "clearance.row": "row of the file, from 1",
     # Requirements
-    "requirements": "whether all rows satisfy --require",
+    "requirements": "the requirements of --require, and whether all rows satisfy them",
     "requirement": "a quantity with its bound",
     "met": "whether all rows satisfy the requirement",
     "requirements.worst": "value of the quantity in the worst row; null if it has no value",
@@ -533,9 +553,10 @@ KEYS: dict[str, str] = {
     "frequency": "natural frequency, Hz",
     "limits": "events at which a range of a value or a cone of a joint is left, or entered again",
     "solve.limits": "the limits that a real pose violates: ranges, cones, dead points",
-    "solve.limits.kind": "range, cone, or knee: the mode is on the other side of a dead point "
-    "than home",
-    "solve.limits.body": "the body of the joint or drive: platform or base; null for ranges",
+    "solve.solutions.limits.kind": "range, cone, or knee: the mode is on the other side of a dead "
+    "point than home",
+    "solve.solutions.limits.body": "the body of the joint or drive: platform or base; null for "
+    "ranges",
     "leaves": "true if the limit is left, false if it is kept again",
     "track.limits.body": "the body of the joint of the cone: platform or base; null for ranges",
     "track.limits.mode": "the mode whose leg leaves its cone; null for ranges",
@@ -578,6 +599,7 @@ KEYS: dict[str, str] = {
     "sensors.pair.sensors": "the two sensors",
     "closest": "the pair of modes, of all sets, that the best sensor distinguishes worst; null "
     "if there is no pair",
+    "closest.set": "number of the set with this pair, from 1",
     "sensors.closest.modes": "numbers of the two modes",
     "sensors.closest.least": "difference of the readings of the best sensor, in standard "
     "deviations",
@@ -603,7 +625,7 @@ KEYS: dict[str, str] = {
     "solve.fit.outlier.alike": (
         "other possible outliers: their studentised residuals are as large"
     ),
-    "solve.fit.outlier.without": "the best pose without it",
+    "solve.fit.outlier.without": "the best pose without this measurement",
     **{
         f"solve.fit.{where}.{key}": what
         for where in ("poses", "outlier.without")
