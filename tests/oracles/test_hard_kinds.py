@@ -123,15 +123,8 @@ def test_guide_rods_on_the_platform_are_complete():
     assert check(exchanged, *counts)
 
 
-def test_touching_angles_are_not_wrong():
-    check(*HARD["three dependent angles with loci that touch up to 1e-13"])
-
-
-@pytest.mark.xfail(
-    reason="two poses of multiplicity 8: neither is found, and the answer is incomplete",
-    strict=True,
-)
 def test_touching_angles_are_complete():
+    """Paths end in two charts, where the larger of two equal coordinates of e is 1."""
     assert check(*HARD["three dependent angles with loci that touch up to 1e-13"])
 
 

@@ -91,7 +91,7 @@ def multiple_poses(
             limit = _limit(system, locator.in_frames(start, more), sides)
             if limit is None:
                 continue
-            same = next((k for k, x in enumerate(limits) if _gap(limit, x) < _SAME), None)
+            same = next((k for k, x in enumerate(limits) if _are_same(limit, x)), None)
             if same is None:
                 limits.append(limit)
                 paths.append(number)
@@ -171,6 +171,14 @@ def _step(
         return None
     step.insert(patch, acb(0))
     return [x.mid() for x in step] if largest(step).is_finite() else None
+
+
+def _are_same(a: Sequence[acb], b: Sequence[acb]) -> bool:
+    """Whether two limits are one point; of equal coordinates of e another may be 1 in each."""
+    patch = max(range(4), key=lambda k: float(abs(a[k])))
+    if not abs(b[patch]) > _SAME:
+        return False
+    return _gap([x / a[patch] for x in a], [x / b[patch] for x in b]) < _SAME
 
 
 def _gap(a: Sequence[acb], b: Sequence[acb]) -> float:
