@@ -34,6 +34,7 @@ OTHERS = [
     ["dynamics", "MASSES", "--mode", "1"],
     ["dynamics", "MASSES", "--mode", "2", "--modes"],
     ["clearance", "@figure-3", "--mode", "1"],
+    ["clearance", "@t-top-head", "--of", "drives"],
     ["scan", "@platform-6-3", "--vary", "3=1.4:1.5:2", "--vary", "5=1.4:1.5:2"],
     ["workspace", "@workspace-study", "--shift", "x=1:2:2", "--connected"],
     ["workspace", "@workspace-study", "--over", "rx,ry", "--boxes", "--gap", "0.5"],

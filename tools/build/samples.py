@@ -95,7 +95,8 @@ SAMPLES: dict[str, tuple[str, ...]] = {
         "@surfaces-sss --from 1 --to 5",
         "THICK --from home --to 10,0,420,1,0,0,0 --leg-gap 5",
         "@workspace-study --from home --to 3 --speed 50 --acceleration 200 --round",
-        "@surfaces-sss --from 1 --to 5 --speed motors=1,platform=1,turn=9 --acceleration 1",
+        "@surfaces-sss --from 1 --to 5 --speed motors=1,platform=1,turn=9 "
+        "--acceleration motors=1,platform=1,turn=9",
         "@three-prs --from home --to 0,0,4.5,1,0,0,0 --speed 1 --acceleration 1",
         "@surfaces-sss --all",
         "@workspace-study --all --time 0.01",
@@ -129,6 +130,8 @@ SAMPLES: dict[str, tuple[str, ...]] = {
         "@surfaces-ppp --mode 1",
         "@octahedral-3-3 --mode 1 --of pose",
         "@rubin-m2 VALUES --mode 2",
+        "@reachy-mini-head --of drives",
+        "@three-prs --of drives",
     ),
     "scan": (
         "@octahedral-3-3 --vary 1=1:2:5",
