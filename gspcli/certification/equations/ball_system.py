@@ -99,6 +99,11 @@ class BallSystem:
         return arb_mat(rows) if is_real else acb_mat(rows)
 
     @cached_property
+    def monomial_rows(self) -> arb_mat:
+        """The coefficients of the quadrics in `monomials`, a quadric a row."""
+        return self.rows * arb_mat(monomials())
+
+    @cached_property
     def _coefficients(self) -> acb_mat:
         return acb_mat(self.rows)
 
@@ -309,6 +314,18 @@ class BallSystem:
                 bound += 2 * (first[..., b] ** 2 + value[..., b] * second[b])
             bounds.append(bound)
         return np.asarray(np.stack(bounds, axis=-1) * OUTWARD)
+
+
+@cache
+def monomials() -> fmpz_mat:
+    """Return the coefficients of e_i e_j, e_i f_j and f.f in each form (native/fine_points.hpp)."""
+    hessians = study.form_hessians().astype(int)
+    places = [(i, j) for i in range(4) for j in range(i, 4)]
+    places += [(i, j) for i in range(4) for j in range(4, 8)]
+    columns = [
+        [int(h[i, j]) // (2 if i == j else 1) for i, j in [*places, (4, 4)]] for h in hessians
+    ]
+    return fmpz_mat(columns)
 
 
 def _nearer(

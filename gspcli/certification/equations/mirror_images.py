@@ -39,9 +39,9 @@ def mirrored_pose(
         return R * _ROTATION_SIGNS + 0.0, T * _TRANSLATION_SIGNS + 0.0
 
 
-def with_mirror_images(points: NDArray[np.complex128]) -> NDArray[np.complex128]:
-    """Return Study points (n, 8), then their mirror images, (2n, 8)."""
-    return np.concatenate((points, mirrored(points)))
+def with_mirror_images(points: NDArray[np.complex128], axis: int = 0) -> NDArray[np.complex128]:
+    """Return Study points (..., 8), then along an axis their mirror images."""
+    return np.concatenate((points, mirrored(points)), axis=axis)
 
 
 def has_mirror_images(instance: Instance) -> bool:

@@ -22,7 +22,6 @@ from numpy.typing import NDArray
 from gspcli.certification.equations.ball_system import BallSystem
 from gspcli.certification.equations.mirror_images import mirrored
 from gspcli.certification.numbers.balls import sums_of_doubles
-from gspcli.certification.poses.finer_numbers import monomials
 from gspcli.certification.poses.locator import Locator
 
 Complex = NDArray[np.complex128]
@@ -30,7 +29,7 @@ Complex = NDArray[np.complex128]
 #: Bits of the numbers; 96 digits suffice for machines in floating point, where N is 1e-64.
 _BITS = 320
 #: Bits of N that a point needs, and a part below which N counts as zero.
-_NEEDED, _NULL = 2.0**-90, 2.0**-250
+_NEEDED, _NULL = 2.0**-50, 2.0**-250
 #: A Newton step at first, and the part of it that the next one may be.
 _FIRST, _SMALLER = 1e-3, 1e-3
 _STEPS = 12
@@ -38,11 +37,21 @@ _STEPS = 12
 _ALIKE = 1e-8
 #: Coordinates of w: the first two of each are indices of e and f.
 _PAIRS = ((0, 1), (0, 2), (0, 3), (2, 3), (3, 1), (1, 2))
+#: The terms of ``e ^ w``: the row, the coordinates of w and of e, and the sign.
+_WEDGE = (
+    *((0, 3, 1, 1), (0, 4, 2, 1), (0, 5, 3, 1), (1, 2, 2, 1), (1, 3, 0, -1), (1, 1, 3, -1)),
+    *((2, 0, 3, 1), (2, 4, 0, -1), (2, 2, 1, -1), (3, 1, 1, 1), (3, 5, 0, -1), (3, 0, 2, -1)),
+)
 _SQUARES = [(i, j) for i in range(4) for j in range(i, 4)]
 
 
 def far_points(
-    locator: Locator, sides: tuple[int, ...], e: Complex, *, has_mirror_images: bool
+    locator: Locator,
+    sides: tuple[int, ...],
+    e: Complex,
+    *,
+    has_mirror_images: bool,
+    least: float = 0.0,
 ) -> Complex:
     """Return Study points of poses with given quaternions, and none of conjugates of others.
 
@@ -56,6 +65,8 @@ def far_points(
     has_mirror_images
         Whether those of mirror images are left out, too
         (`gspcli.certification.equations.mirror_images`).
+    least
+        A pose of a smaller N, for a quaternion of norm 1, is not sought.
 
     Returns
     -------
@@ -67,8 +78,7 @@ def far_points(
     found: list[Complex] = []
     if chosen:
         with ctx.workprec(_BITS):
-            equations = _Equations(locator.system(_BITS), sides)
-            points = (equations.solved(e[k]) for k in chosen)
+            points = _Equations(locator.system(_BITS), sides).solved(e[chosen], max(least, _NULL))
             found = [sums_of_doubles(point) for point in points if point is not None]
     return np.array(found, np.complex128).reshape(-1, 4, 8)
 
@@ -77,12 +87,11 @@ def _one_of_each_orbit(e: Complex, *, has_mirror_images: bool) -> list[int]:
     """Return which quaternions (n, 4) are not those of conjugates or mirror images of others."""
     images = [e.conj()]
     if has_mirror_images:
-        mirror = mirrored(e)
-        images += [mirror, mirror.conj()]
+        images += [mirrored(e), mirrored(e).conj()]
+    alike = np.any(1 - np.abs(np.array(images).conj() @ e.T) <= _ALIKE, axis=0)
     kept: list[int] = []
-    for k, one in enumerate(e):
-        alike = (np.abs(np.vdot(image[j], one)) for image in images for j in kept)
-        if all(1 - x > _ALIKE for x in alike):
+    for k in range(len(e)):
+        if not any(alike[j, k] for j in kept):
             kept.append(k)
     return kept
 
@@ -98,22 +107,24 @@ class _Equations:
 
     def __init__(self, system: BallSystem, sides: tuple[int, ...]) -> None:
         chosen = [each[k].main for each, k in zip(system.equations, sides, strict=True)]
-        width = system.rows.ncols()
-        entries = system.rows.entries()
-        rows = [[x.mid() for x in entries[width * k : width * (k + 1)]] for k in chosen]
-        coefficients = (arb_mat(rows) * arb_mat(monomials())).tolist()
+        rows = system.monomial_rows.tolist()
         #: Of the squares and products of e; of w and h.
         self._forms = [
-            [*row[:10], *(row[10 + 4 * i + j] for i, j in _PAIRS), row[26]] for row in coefficients
+            [*row[:10], *(row[10 + 4 * i + j] for i, j in _PAIRS), row[26]]
+            for row in (rows[k] for k in chosen)
         ]
         self._matrix = acb_mat(arb_mat(self._forms))
         self._doubles = np.array([[float(x) for x in row] for row in self._forms])
         self._has_h = bool(self._doubles[:, 16].any())
 
-    def solved(self, near: Complex) -> list[acb] | None:
-        """Return the Study point of a solution near a quaternion (4,); None if there is none."""
-        start = np.concatenate((near, self._quantities(near)))
-        inverse = np.linalg.pinv(self._jacobian(start))
+    def solved(self, near: Complex, least: float) -> list[list[acb] | None]:
+        """Return the Study point of a solution near each quaternion (n, 4), or None."""
+        starts = np.concatenate((near, self._quantities(near)), axis=1)
+        inverses = _left_inverses(self._jacobians(starts))
+        return [self._solved(*each, least) for each in zip(starts, inverses, strict=True)]
+
+    def _solved(self, start: Complex, inverse: Complex, least: float) -> list[acb] | None:
+        """Return the Study point of a solution near e, w and h; None if there is none."""
         point = [acb(x.real, x.imag) for x in start.tolist()]
         last = _FIRST * np.abs(start).max()
         for _ in range(_STEPS):
@@ -122,37 +133,37 @@ class _Equations:
             point = [x - acb(d.real, d.imag) for x, d in zip(point, step.tolist(), strict=True)]
             N = sum((x * x for x in point[:4]), acb(0))
             norm = abs(complex(N))
-            if norm < _NULL or not size <= last:
+            if norm < least or not size <= last:
                 return None
-            if size < _NEEDED * norm:
+            # The next step is smaller by the same part, or by more.
+            if size * min(size / last, 1) * _SMALLER < _NEEDED * norm:
                 return _study_point([x.mid() for x in point], N.mid())
             last = size * _SMALLER
         return None
 
     def _quantities(self, e: Complex) -> Complex:
-        """Return w, and h if there is one, at a quaternion (4,), by least squares."""
-        squares = np.array([e[i] * e[j] for i, j in _SQUARES])
-        width = 16 + self._has_h
-        rows = np.concatenate((self._doubles[:, 10:width], np.zeros((4, width - 10))))
-        rows = rows.astype(complex)
-        rows[6:, :6] = _wedge(e)
-        right = np.concatenate((-self._doubles[:, :10] @ squares, np.zeros(4)))
-        found: Complex = np.linalg.lstsq(rows, right, rcond=None)[0]
+        """Return w, and h if there is one, at quaternions (n, 4), by least squares."""
+        i, j = np.transpose(_SQUARES)
+        right = -(e[:, i] * e[:, j]) @ self._doubles[:, :10].T
+        rows = np.zeros((len(e), 10, 6 + self._has_h), complex)
+        rows[:, :6] = self._doubles[:, 10 : 16 + self._has_h]
+        rows[:, 6:, :6] = _wedge(e)
+        found: Complex = (_left_inverses(rows)[:, :, :6] @ right[:, :, None])[..., 0]
         return found
 
-    def _jacobian(self, at: Complex) -> Complex:
+    def _jacobians(self, at: Complex) -> Complex:
         """Return the derivatives of the equations, and of what fixes the multiple of e."""
-        e, w = at[:4], at[4:10]
-        rows = np.zeros((11 + self._has_h, len(at)), complex)
+        e, w = at[:, :4], at[:, 4:10]
+        rows = np.zeros((len(at), 11 + self._has_h, at.shape[1]), complex)
         for k, (i, j) in enumerate(_SQUARES):
-            rows[:6, i] += self._doubles[:, k] * e[j]
-            rows[:6, j] += self._doubles[:, k] * e[i]
-        rows[:6, 4:] = self._doubles[:, 10 : 10 + len(at) - 4]
-        rows[6:10, :4], rows[6:10, 4:10] = _turn(w), _wedge(e)
+            rows[:, :6, i] += self._doubles[:, k] * e[:, j, None]
+            rows[:, :6, j] += self._doubles[:, k] * e[:, i, None]
+        rows[:, :6, 4:] = self._doubles[:, 10 : 6 + at.shape[1]]
+        rows[:, 6:10, :4], rows[:, 6:10, 4:10] = _turn(w), _wedge(e)
         if self._has_h:
-            rows[10, :4], rows[10, 4:10] = -2 * at[10] * e, 2 * w
-            rows[10, 10] = -(e @ e)
-        rows[-1, :4] = e.conj()
+            rows[:, 10, :4], rows[:, 10, 4:10] = -2 * at[:, 10:] * e, 2 * w
+            rows[:, 10, 10] = -(e * e).sum(axis=1)
+        rows[:, -1, :4] = e.conj()
         return rows
 
     def _residual(self, point: Sequence[acb]) -> Complex:
@@ -160,30 +171,34 @@ class _Equations:
         e, w, h = point[:4], point[4:10], point[10:]
         vector = [*(e[i] * e[j] for i, j in _SQUARES), *w, *(h or [acb(0)])]
         values = (self._matrix * acb_mat(17, 1, vector)).entries()
-        values += [
-            e[1] * w[3] + e[2] * w[4] + e[3] * w[5],
-            e[2] * w[2] - e[0] * w[3] - e[3] * w[1],
-            e[3] * w[0] - e[0] * w[4] - e[1] * w[2],
-            e[1] * w[1] - e[0] * w[5] - e[2] * w[0],
-        ]
+        products = [e[k] * w[column] * sign for _, column, k, sign in _WEDGE]
+        values += [a + b + c for a, b, c in zip(*(products[k::3] for k in range(3)), strict=True)]
         if h:
             norm = vector[0] + vector[4] + vector[7] + vector[9]
             values.append(sum((x * x for x in w), -norm * h[0]))
         return np.array([*map(complex, values), 0])
 
 
+def _left_inverses(matrices: Complex) -> Complex:
+    """Return the left inverses of matrices of full rank, (..., m, n) to (..., n, m)."""
+    adjoint = matrices.conj().swapaxes(-1, -2)
+    return np.asarray(np.linalg.solve(adjoint @ matrices, adjoint))
+
+
 def _wedge(e: Complex) -> Complex:
-    """Return the matrix of ``e ^ w``, linear in w, shape (4, 6)."""
-    a, b, c, d = e
-    return np.array(
-        [[0, 0, 0, b, c, d], [0, -d, c, -a, 0, 0], [d, 0, -b, 0, -a, 0], [-c, b, 0, 0, 0, -a]]
-    )
+    """Return the matrices of ``e ^ w``, linear in w, shape (n, 4, 6)."""
+    found = np.zeros((len(e), 4, 6), complex)
+    for row, column, k, sign in _WEDGE:
+        found[:, row, column] = sign * e[:, k]
+    return found
 
 
 def _turn(w: Complex) -> Complex:
-    """Return the matrix of ``e ^ w``, linear in e, shape (4, 4)."""
-    p, q, r, x, y, z = w
-    return np.array([[0, x, y, z], [-x, 0, r, -q], [-y, -r, 0, p], [-z, q, -p, 0]])
+    """Return the matrices of ``e ^ w``, linear in e, shape (n, 4, 4)."""
+    found = np.zeros((len(w), 4, 4), complex)
+    for row, column, k, sign in _WEDGE:
+        found[:, row, k] = sign * w[:, column]
+    return found
 
 
 def _study_point(point: Sequence[acb], norm: acb) -> list[acb]:

@@ -11,14 +11,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import cache
 
 import numpy as np
-from flint import arb, arb_mat, ctx, fmpz_mat
+from flint import arb, arb_mat, ctx
 from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import Law
 from gspcli.certification.equations import study
+from gspcli.certification.equations.ball_system import monomials
 from gspcli.certification.equations.quadratic_forms import Form, forms_of, scaled
 from gspcli.certification.equations.statement import Statement, statements_in
 from gspcli.certification.numbers.balls import dot, norm
@@ -103,18 +103,6 @@ class FinerNumbers:
         return found
 
 
-@cache
-def monomials() -> fmpz_mat:
-    """Return the coefficients of e_i e_j, e_i f_j and f.f in each form (native/fine_points.hpp)."""
-    hessians = study.form_hessians().astype(int)
-    places = [(i, j) for i in range(4) for j in range(i, 4)]
-    places += [(i, j) for i in range(4) for j in range(4, 8)]
-    columns = [
-        [int(h[i, j]) // (2 if i == j else 1) for i, j in [*places, (4, 4)]] for h in hessians
-    ]
-    return fmpz_mat(columns)
-
-
 def _equation(given: Statement, *, meeting: bool) -> tuple[Form, arb, tuple[Form, ...]]:
     """Return the main quadric, the weight of the value in it, and the quadrics that are squared.
 
@@ -152,7 +140,8 @@ def _sums(balls: Sequence[arb]) -> Array | None:
         for part in range(_PARTS):
             high = float(rest)
             found[part, k] = high
-            rest = (rest - arb(high)).mid()
+            # Exact: it has fewer bits.
+            rest -= high
         size = abs(found[0, k])
         error = float(ball.rad()) + abs(float(rest))
         if not (size == error == 0 or (size >= _LEAST and error <= _ERROR * size)):

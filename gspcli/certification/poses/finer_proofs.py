@@ -29,7 +29,6 @@ from gspcli.certification.equations.ball_system import BallEquation, BallSystem
 from gspcli.certification.equations.frames import OWN, StudyFrames
 from gspcli.certification.equations.skew_lines import are_skew
 from gspcli.certification.numbers.rounding import OUTWARD
-from gspcli.certification.poses.finer_numbers import monomials
 from gspcli.certification.poses.locator import Locator
 from gspcli.certification.poses.many_values import ProvedPoses, proved_bits
 from gspcli.defaults import TOLERANCE
@@ -116,7 +115,7 @@ def _coefficients(system: BallSystem, chosen: Sequence[BallEquation]) -> tuple[A
     The shapes are (4, quadrics, 27) and (quadrics, 27), the order is that of the kernel
     (native/fine_points.hpp).
     """
-    rows = system.rows
+    rows = system.monomial_rows
     points = [
         each.main
         for each in chosen
@@ -127,7 +126,7 @@ def _coefficients(system: BallSystem, chosen: Sequence[BallEquation]) -> tuple[A
         for k in points[1:]:
             across[k, points[0]] = -1
         rows = across * rows
-    entries = (rows * arb_mat(monomials())).entries()
+    entries = rows.entries()
     found, bounds = np.zeros((len(entries), _PARTS)), np.zeros(len(entries))
     for k, ball in enumerate(entries):
         if not ball.is_zero():
@@ -142,7 +141,11 @@ def _sum_of_doubles(ball: arb) -> tuple[list[float], float]:
         return [inf] * _PARTS, inf
     parts, rest = [], ball.mid()
     for _ in range(_PARTS):
+        if rest.is_zero():
+            parts.append(0.0)
+            continue
         parts.append(float(rest))
-        rest = (rest - parts[-1]).mid()
+        # Exact: it has fewer bits.
+        rest -= parts[-1]
     error = float((abs(rest) + ball.rad()).abs_upper())
     return parts, (abs(parts[0]) + error / _ERROR) * OUTWARD

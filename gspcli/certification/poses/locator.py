@@ -22,7 +22,7 @@ from gspcli.certification.equations.ball_system import BallSystem
 from gspcli.certification.equations.frames import StudyFrames
 from gspcli.certification.equations.local_frames import length_scale
 from gspcli.certification.equations.measures import satisfies_constraints
-from gspcli.certification.equations.mirror_images import STUDY_SIGNS
+from gspcli.certification.equations.mirror_images import STUDY_SIGNS, mirrored, mirrored_pose
 from gspcli.certification.equations.pose_balls import PoseBall, pose_of_point
 from gspcli.certification.numbers.balls import largest
 from gspcli.certification.numbers.correct_rounding import rounded
@@ -92,8 +92,12 @@ class Located:
                 [[x[0], x[1], -x[2]], [y[0], y[1], -y[2]], [-z[0], -z[1], z[2]]],
                 [*self.pose.translation[:2], -self.pose.translation[2]],
             )
-        isolation = replace(self.isolation, centre=tuple(centre))
-        return replace(self, isolation=isolation, pose=pose)
+        other = replace(self, isolation=replace(self.isolation, centre=tuple(centre)), pose=pose)
+        if self.numbers is not None:
+            R, T, quaternion = self.numbers
+            e = canonical_sign(mirrored(quaternion)[None])[0]
+            other.__dict__["numbers"] = *mirrored_pose(R, T), e
+        return other
 
     @cached_property
     def numbers(self) -> tuple[Complex, Complex, Complex] | None:

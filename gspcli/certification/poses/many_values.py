@@ -210,6 +210,9 @@ class ValueProofs:
         found = self._decide(values, units, points, frames, jobs)
         wanted = found.certified & ~found.rounded
         points = points.reshape(*wanted.shape, points.shape[-1])
+        if rows is None and not found.certified.all():
+            # Further numbers are needed for the others, which round these, too.
+            return found
         if all_poses:
             wanted |= ~found.certified & np.isfinite(points).all(axis=-1)
         if not wanted.any():
