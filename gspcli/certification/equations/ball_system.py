@@ -101,7 +101,8 @@ class BallSystem:
     @cached_property
     def monomial_rows(self) -> arb_mat:
         """The coefficients of the quadrics in `monomials`, a quadric a row."""
-        return self.rows * arb_mat(monomials())
+        product: arb_mat = self.rows * arb_mat(monomials())
+        return product
 
     @cached_property
     def _coefficients(self) -> acb_mat:
