@@ -173,6 +173,7 @@ def follow_far(
     to: NDArray[np.complex128],
     local: NDArray[np.complex128],
     *,
+    products: int = 0,
     build: str = "",
 ) -> tuple[NDArray[np.complex128], NDArray[np.uint8]]: ...
 def decide_finer(
@@ -206,6 +207,7 @@ def decide_far(
     *,
     scale: float,
     tolerance: float,
+    products: int = 0,
     jobs: int = 1,
     build: str = "",
 ) -> tuple[

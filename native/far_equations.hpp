@@ -15,6 +15,7 @@ namespace {
 struct Block {
   double *re, *im, *low_re, *low_im;
   double doubt[W], real[W];
+  int second[kRows];  // where Q of each equation is that is a product; zero for others
 
   INLINE C number(int k) const {
     C z;
@@ -26,13 +27,15 @@ struct Block {
 };
 
 Block packed(const FarGeometry& g, const int* pose, double* work) {
-  constexpr int size = kFarNumbers * W;
-  Block b{work, work + size, work + 2 * size, work + 3 * size, {}, {}};
+  const int numbers = far_numbers(g.products), size = numbers * W;
+  Block b{work, work + size, work + 2 * size, work + 3 * size, {}, {}, {}};
+  for (int r = 0, at = kFarNumbers; r < kRows; ++r)
+    if (g.products >> r & 1) b.second[r] = at, at += kOfProduct;
   for (int l = 0; l < W; ++l) {
     const int p = pose[l];
     b.doubt[l] = g.error[p], b.real[l] = g.real[p];
-    for (int k = 0; k < kFarNumbers; ++k) {
-      const Complex &x = g.number[p * kFarNumbers + k], &y = g.low[p * kFarNumbers + k];
+    for (int k = 0; k < numbers; ++k) {
+      const Complex &x = g.number[p * numbers + k], &y = g.low[p * numbers + k];
       b.re[k * W + l] = x.re, b.im[k * W + l] = x.im;
       b.low_re[k * W + l] = y.re, b.low_im[k * W + l] = y.im;
     }
@@ -44,9 +47,8 @@ struct Linear {
   C value[kRows], jacobian[kRows][kRows], inverse[kRows][kRows];
 };
 
-// A form and its gradient.
-INLINE void differentiate(const Block& b, int form, const C* s, C& value, C* gradient) {
-  int at = form * kLocalMonomials;
+// A form, from its first number on, and its gradient.
+INLINE void differentiate(const Block& b, int at, const C* s, C& value, C* gradient) {
   value = b.number(at++);
   for (int i = 0; i < kRows; ++i, ++at) {
     gradient[i] = b.number(at);
@@ -72,11 +74,21 @@ INLINE void mix(const Block& b, const Complex* shift, C* mixed) {
 // The equations, shifted; returns N.
 C linearize(const Block& b, const C* shift, const C* s, Linear& at) {
   C norm, slope[kRows];
-  differentiate(b, kOfNorm, s, norm, slope);
+  differentiate(b, kOfNorm * kLocalMonomials, s, norm, slope);
   for (int r = 0; r < kRows; ++r) {
-    differentiate(b, r, s, at.value[r], at.jacobian[r]);
-    at.value[r] = at.value[r] - shift[r] * norm;
-    for (int k = 0; k < kRows; ++k) at.jacobian[r][k] = at.jacobian[r][k] - shift[r] * slope[k];
+    differentiate(b, r * kLocalMonomials, s, at.value[r], at.jacobian[r]);
+    C by = shift[r];
+    if (b.second[r]) {
+      C q, along[kRows];
+      differentiate(b, b.second[r], s, q, along);
+      for (int k = 0; k < kRows; ++k)
+        at.jacobian[r][k] = q * at.jacobian[r][k] + at.value[r] * along[k];
+      at.value[r] = at.value[r] * q;
+      by = (by + b.number(b.second[r] + kConstant)) * norm;
+    }
+    at.value[r] = at.value[r] - by * norm;
+    const C twice = b.second[r] ? by + by : by;
+    for (int k = 0; k < kRows; ++k) at.jacobian[r][k] = at.jacobian[r][k] - twice * slope[k];
   }
   invert(at.jacobian, at.inverse);
   return norm;
@@ -87,8 +99,7 @@ struct Sizes {
   V value, slope, curvature;
 };
 
-INLINE Sizes sizes_of(const Block& b, int form, const V* size) {
-  int at = form * kLocalMonomials;
+INLINE Sizes sizes_of(const Block& b, int at, const V* size) {
   Sizes sum{bound(b.number(at++)), splat(0.0), splat(0.0)};
   for (int i = 0; i < kRows; ++i, ++at) {
     const V a = bound(b.number(at));

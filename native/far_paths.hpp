@@ -40,9 +40,15 @@ INLINE bool any(const Mask& m) {
 INLINE V noise(const Block& b, const C* shift, const C* s, const Linear& at) {
   V size[kRows], terms[kRows], most = splat(0.0);
   for (int i = 0; i < kRows; ++i) size[i] = bound(s[i]);
-  const Sizes norm = sizes_of(b, kOfNorm, size);
+  const V norm = sizes_of(b, kOfNorm * kLocalMonomials, size).value;
   for (int r = 0; r < kRows; ++r) {
-    terms[r] = sizes_of(b, r, size).value + bound(shift[r]) * norm.value;
+    terms[r] = sizes_of(b, r * kLocalMonomials, size).value;
+    V by = bound(shift[r]) * norm;
+    if (b.second[r]) {
+      terms[r] *= sizes_of(b, b.second[r], size).value;
+      by = (by + bound(b.number(b.second[r] + kConstant)) * norm) * norm;
+    }
+    terms[r] += by;
   }
   for (int i = 0; i < kRows; ++i) {
     V sum = splat(0.0);
@@ -53,10 +59,12 @@ INLINE V noise(const Block& b, const C* shift, const C* s, const Linear& at) {
 }
 
 // How local coordinates change with a shift, from the equations there and N.
-INLINE void differentiate_by_shift(const Linear& at, const C& norm, const C* change, C* along) {
+INLINE void differentiate_by_shift(const Block& b, const Linear& at, const C& norm, const C* change, C* along) {
+  C by[kRows];
+  for (int r = 0; r < kRows; ++r) by[r] = b.second[r] ? norm * change[r] : change[r];
   for (int i = 0; i < kRows; ++i) {
     along[i] = C{};
-    for (int r = 0; r < kRows; ++r) add_product(along[i], change[r], at.inverse[i][r]);
+    for (int r = 0; r < kRows; ++r) add_product(along[i], by[r], at.inverse[i][r]);
     along[i] = norm * along[i];
   }
 }
@@ -69,7 +77,7 @@ Mask follow_line(const Block& b, const C* from, const C* to, C* s) {
   Linear at;
   Tangent now, last;
   C norm = linearize(b, from, s, at), first[kRows], second[kRows];
-  differentiate_by_shift(at, norm, change, now.along);
+  differentiate_by_shift(b, at, norm, change, now.along);
   for (int i = 0; i < kRows; ++i) now.at[i] = s[i];
   last = now;
   V done = splat(0.0), step = splat(kFirstStep), before = splat(0.0);
@@ -106,7 +114,7 @@ Mask follow_line(const Block& b, const C* from, const C* to, C* s) {
     }
     good &= active;
     C along[kRows];
-    differentiate_by_shift(at, norm, change, along);
+    differentiate_by_shift(b, at, norm, change, along);
     for (int i = 0; i < kRows; ++i) {
       last.at[i] = select(good, now.at[i], last.at[i]), last.along[i] = select(good, now.along[i], last.along[i]);
       now.at[i] = select(good, guess[i], now.at[i]), now.along[i] = select(good, along[i], now.along[i]);

@@ -6,6 +6,8 @@ namespace {
 
 constexpr double kShiftRounding = 0x1p-97;  // of `FineFarPoses.mix`
 constexpr double kValueRounding = 0x1p-96;  // of `FineFarPoses.values`
+// Second derivatives of products are bounded for coordinates that differ by no more.
+constexpr double kReach = 0.125;
 constexpr double kStepRounding = 0x1p-48;   // of a step of Newton's method where nothing cancels
 // Newton's method in doubles takes at most kMostSteps steps, each at most kShrinking times the one
 // before. It has arrived after a step below kArrived times the coordinates (or times kNear, if they
@@ -56,21 +58,79 @@ struct Shift {
   }
 };
 
+// Bounds of rounding errors and doubts of a value, of the sum of its derivatives, and of that of its second ones.
+struct Bounds {
+  V value, slope, curvature;
+};
+
+// Of the quadric of an equation, F - c N.
+INLINE Bounds bounds_of_quadric(const Sizes& form, const Sizes& norm, const V& by, const V& off, const V& own,
+                                const V& total) {
+  const V in_numbers = own * (1.0 + by);
+  return {kValueRounding * (form.value + by * norm.value) + off * norm.value + in_numbers * total * total,
+          kRounding * (form.slope + by * norm.slope) + off * norm.slope + 128.0 * in_numbers * total,
+          form.curvature + by * norm.curvature + off * norm.curvature + 128.0 * in_numbers};
+}
+
+// Sizes of the factors of a product P Q - c N^2, and of what is doubtful in each of them, where coordinates are not
+// larger than given.
+struct Factors {
+  Sizes p, q, norm, doubt;
+
+  Factors(const Block& b, int r, const V* size, const V& own)
+      : p(sizes_of(b, r * kLocalMonomials, size)),
+        q(sizes_of(b, b.second[r], size)),
+        norm(sizes_of(b, kOfNorm * kLocalMonomials, size)) {
+    V total = splat(1.0);
+    for (int i = 0; i < kRows; ++i) total += size[i];
+    doubt = {own * total * total, 128.0 * own * total, 128.0 * own};
+  }
+};
+
+// By how much a product of two numbers grows if they do by doubts.
+INLINE V grown(const V& a, const V& a_doubt, const V& b, const V& b_doubt) {
+  return a_doubt * b + (a + a_doubt) * b_doubt;
+}
+
+// Of a product. Its second derivatives are bounded within `kReach`.
+Bounds bounds_of_product(const Block& b, int r, const V* size, const V& shift, const V& off, const V& own) {
+  V wider[kRows];
+  for (int i = 0; i < kRows; ++i) wider[i] = size[i] + kReach;
+  const Factors at(b, r, size, own), near(b, r, wider, own);
+  const V by = shift + bound(b.number(b.second[r] + kConstant)), by_off = off + own;
+  const Sizes &p = at.p, &q = at.q, &n = at.norm, &d = at.doubt, &e = near.doubt;
+  Bounds sum;
+  const V norm = n.value + d.value, norm_slope = n.slope + d.slope;
+  sum.value = 2.0 * kValueRounding * (p.value * q.value + by * n.value * n.value) +
+              grown(p.value, d.value, q.value, d.value) + by * grown(n.value, d.value, n.value, d.value) +
+              by_off * norm * norm;
+  sum.slope = 4.0 * kRounding * (p.slope * q.value + p.value * q.slope + 2.0 * by * n.value * n.slope) +
+              grown(p.slope, d.slope, q.value, d.value) + grown(q.slope, d.slope, p.value, d.value) +
+              2.0 * (by * grown(n.slope, d.slope, n.value, d.value) + by_off * norm * norm_slope);
+  const auto bent = [&](const Sizes& x, const Sizes& y) {
+    return (x.curvature + e.curvature) * (y.value + e.value) + (x.slope + e.slope) * (y.slope + e.slope);
+  };
+  sum.curvature = bent(near.p, near.q) + bent(near.q, near.p) + 2.0 * (by + by_off) * bent(near.norm, near.norm);
+  return sum;
+}
+
 // Whether there is exactly one solution near local coordinates, and a bound of its distance after Newton's step.
 void isolate(const Block& b, const Shift& shift, const C* s, const Linear& at, Mask& isolated,
              V& error_after) {
   V size[kRows], rounding[kRows], curvature[kRows], doubt[kRows], total = splat(1.0), own;
   __builtin_memcpy(&own, b.doubt, sizeof own);
   for (int i = 0; i < kRows; ++i) size[i] = bound(s[i]), total += size[i];
-  const Sizes norm = sizes_of(b, kOfNorm, size);
+  const Sizes norm = sizes_of(b, kOfNorm * kLocalMonomials, size);
+  bool has_products = false;
   for (int r = 0; r < kRows; ++r) {
-    Sizes here = sizes_of(b, r, size);
-    const V by = shift.size[r], off = shift.off[r], in_numbers = own * (1.0 + by);
-    here.value += by * norm.value, here.slope += by * norm.slope, here.curvature += by * norm.curvature;
     // Each number has an error up to its doubt, and so has the shift.
-    rounding[r] = kOutward * (kRounding * here.slope + off * norm.slope + 128.0 * in_numbers * total);
-    curvature[r] = kOutward * (here.curvature + off * norm.curvature + 128.0 * in_numbers);
-    doubt[r] = kOutward * (kValueRounding * here.value + off * norm.value + in_numbers * total * total) + kTiny;
+    const bool is_product = b.second[r] != 0;
+    const Bounds sum = is_product ? bounds_of_product(b, r, size, shift.size[r], shift.off[r], own)
+                                  : bounds_of_quadric(sizes_of(b, r * kLocalMonomials, size), norm, shift.size[r],
+                                                      shift.off[r], own, total);
+    has_products |= is_product;
+    rounding[r] = kOutward * sum.slope, curvature[r] = kOutward * sum.curvature;
+    doubt[r] = kOutward * sum.value + kTiny;
     doubt[r] += kStepRounding * (bound(at.value[r]) + doubt[r]);
   }
   V a = splat(0.0), bend = splat(0.0), delta = splat(0.0), left = splat(0.0), sum = splat(0.0);
@@ -96,7 +156,9 @@ void isolate(const Block& b, const Shift& shift, const C* s, const Linear& at, M
     sum += defect + bent + far;
   }
   a = kOutward * a + kTiny, bend = kOutward * bend + kTiny, delta = kOutward * delta;
-  const V radius = (1.0 - a) / (2.0 * bend), q = kOutward * (a + bend * radius);
+  V radius = (1.0 - a) / (2.0 * bend);
+  if (has_products) radius = minimum(radius, splat(kReach));
+  const V q = kOutward * (a + bend * radius);
   // NaN proves nothing: it is part of the sum.
   isolated = (sum < __builtin_inf()) & (q < 1.0) & (radius > 0.0) & (kOutward * delta <= (1.0 - q) * radius);
   const V error = kOutward * (delta / (1.0 - q));
@@ -153,6 +215,16 @@ void follow(const Block& b, const C* shift, C* s) {
 // Coordinates beside which an imaginary part is rounding.
 constexpr double kImaginary = 1e-8;
 
+// Makes coordinates real that are so but for rounding, where equations are: from them a solution is proved to be real.
+void round_to_real(const Block& b, C* s) {
+  const V size = largest(s);
+  V height = splat(0.0);
+  for (int i = 0; i < kRows; ++i) height = maximum(height, maximum(s[i].im, -s[i].im));
+  for (int l = 0; l < W; ++l)
+    if (b.real[l] != 0.0 && height[l] <= kImaginary * size[l])
+      for (int i = 0; i < kRows; ++i) s[i].im[l] = 0.0;
+}
+
 // Local coordinates of the poses to which paths lead, of shifted equations.
 void follow_paths(const FarGeometry& g, const Block& b, const C* shift, C* s) {
   C from[kRows], end[kRows];
@@ -161,12 +233,6 @@ void follow_paths(const FarGeometry& g, const Block& b, const C* shift, C* s) {
   for (int i = 0; i < kRows; ++i) end[i] = s[i];
   converge(b, shift, end);
   for (int i = 0; i < kRows; ++i) s[i] = select(found, end[i], s[i]);
-  // A real solution is proved to be one from real coordinates.
-  V size = largest(s), height = splat(0.0);
-  for (int i = 0; i < kRows; ++i) height = maximum(height, maximum(s[i].im, -s[i].im));
-  for (int l = 0; l < W; ++l)
-    if (b.real[l] != 0.0 && height[l] <= kImaginary * size[l])
-      for (int i = 0; i < kRows; ++i) s[i].im[l] = 0.0;
 }
 
 // Newton's method in doubles, then with values of 32 digits until those are rounded.
@@ -186,9 +252,12 @@ void prove(const FarGeometry& g, const Block& b, Shift& shift, C* s, const doubl
   for (int step = 0;; ++step) {
     local.store(s), rest.store(low);
     linearize(b, shift.at, s, at);
-    GSP_FINE_FAR.values(b.numbers(), {local, rest}, {shift.high, shift.low}, value);
+    GSP_FINE_FAR.values(b.numbers(), b.second, {local, rest}, {shift.high, shift.low}, value);
     value.load(at.value);
     newton_step(at, change);
+    // The factors of products are not real: rounding of their product is no part of it.
+    for (int l = 0; l < W; ++l)
+      for (int i = 0; i < kRows && is_real[l] != 0.0; ++i) change[i].im[l] = 0.0;
     moved.store(change);
     V error;
     isolate(b, shift, s, at, out.isolated, error);
@@ -295,6 +364,7 @@ void decide_sort(const FarGeometry& g, const FarValues& given, int begin, int en
       follow_paths(g, b, shift.at, local);
     else
       follow(b, shift.at, local);
+    round_to_real(b, local);
     prove(g, b, shift, local, values.unit, s);
     for (int l = 0; l < size; ++l) {
       const int place = (first + l) % given.count * total;
@@ -328,7 +398,8 @@ void GSP_FOLLOW_FAR(const FarGeometry& g, const Complex* from, const Complex* to
   // One by one, so that a lost pose does not affect the others.
   for (int p = 0; p < g.count; ++p) {
     FarGeometry one = g;
-    one.count = 1, one.number += p * kFarNumbers, one.low += p * kFarNumbers, one.error += p, one.real += p;
+    const int at = p * far_numbers(g.products);
+    one.count = 1, one.number += at, one.low += at, one.error += p, one.real += p;
     const int none[W] = {};
     const Block b = packed(one, none, work);
     C s[kRows];

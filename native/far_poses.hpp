@@ -13,6 +13,10 @@
 //
 // Some coordinates of solutions may be many powers of ten larger than others. Then s is P u with another vector u, and
 // the equations are multiplied by P^-1 = L, so that each has the terms of one coordinate. The shift is L D.
+//
+// The distance of a point from a line is no quadric but G H = (c + D) N^2: G and H are heights over two complex planes
+// through the line. Far away one of them, G, is large, and hardly changes. With its size g at z, and all forms over N
+// there, the equation is P Q - (c + D) N^2 / g = 0 where P = G / g and Q = H. It has no row of other equations in it.
 #pragma once
 
 #include <cstdint>
@@ -28,11 +32,16 @@ constexpr int kLocal = kEquations + 1, kSquares = 28, kLocalMonomials = 1 + kLoc
 constexpr int kOfNorm = kLocal, kFarForms = kOfNorm + 13;
 constexpr int kMixed = kFarForms * kLocalMonomials + 4 * (1 + kLocal);
 constexpr int kFarNumbers = kMixed + kLocal * kEquations;
+// What each product has besides, after all others: Q, and c / g. P is in its place among the forms.
+constexpr int kConstant = kLocalMonomials, kOfProduct = kConstant + 1;
+namespace {
+constexpr int far_numbers(unsigned products) { return kFarNumbers + __builtin_popcount(products) * kOfProduct; }
+}  // namespace
 
 // The poses of one geometry with known values.
 struct FarGeometry {
   int count;
-  const Complex *number, *low;  // (count, kFarNumbers), and what double precision leaves of them
+  const Complex *number, *low;  // (count, far_numbers), and what double precision leaves of them
   // By how much the numbers err, besides 2^-104 of themselves, and F / N at z itself; (count).
   const double* error;
   // (count): whether the numbers are real; whether the conjugate of the pose has to be added.
@@ -42,6 +51,7 @@ struct FarGeometry {
   int bent;
   const Complex *origin, *start;
   double scale, tolerance;  // see OpenGeometry
+  unsigned products;        // bit r: equation r is a product
 };
 
 // Sets of values.
@@ -68,7 +78,7 @@ struct FarBuild {
   DecideFar* decide;
   FollowFar* follow;
 };
-constexpr int kFarRoom = 4 * kFarNumbers * 8;  // for 8 lanes
+constexpr int kFarRoom = 4 * (kFarNumbers + kEquations * kOfProduct) * 8;  // for 8 lanes
 
 // The same with 32 digits, for a pose and values in each lane.
 struct FineFarPoses {
@@ -76,8 +86,8 @@ struct FineFarPoses {
   // err by less than 2^-97 times the sum of the moduli of their terms.
   void (*mix)(const FineNumbers& number, const double* shift, const double* shift_low, const FineNumbers& mixed);
   // The equations at local coordinates (7), shifted: they err by less than 2^-96 times the sum of the moduli of
-  // their terms.
-  void (*values)(const FineNumbers& number, const FineNumbers& local, const FineNumbers& mixed,
+  // their terms, products by twice that. `second` says for each where Q of a product is, zero for others.
+  void (*values)(const FineNumbers& number, const int* second, const FineNumbers& local, const FineNumbers& mixed,
                  const LaneNumbers& value);
   // The poses at local coordinates less a change (7), which are known up to an error each then, as
   // `FinePoints.poses`, with a unit for each. The numbers err by `doubt`.

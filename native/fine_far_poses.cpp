@@ -63,13 +63,19 @@ void mix(const FineNumbers& number, const double* shift, const double* shift_low
   }
 }
 
-void values(const FineNumbers& number, const FineNumbers& local, const FineNumbers& mixed, const LaneNumbers& out) {
+void values(const FineNumbers& number, const int* second, const FineNumbers& local, const FineNumbers& mixed,
+            const LaneNumbers& out) {
   Local at;
   for (int i = 0; i < kLocal; ++i) at.s[i] = load(local, i);
   multiply_out(at);
   const C norm = form_at(number, kOfNorm * kLocalMonomials, at);
   for (int r = 0; r < kLocal; ++r) {
-    const C value = minus(form_at(number, r * kLocalMonomials, at), times(load(mixed, r), norm));
+    C value = form_at(number, r * kLocalMonomials, at), constant = load(mixed, r);
+    if (second[r]) {
+      value = times(value, form_at(number, second[r], at));
+      constant = times(plus(constant, load(number, second[r] + kConstant)), norm);
+    }
+    value = minus(value, times(constant, norm));
     store(out.re, r, value.re.hi + value.re.lo), store(out.im, r, value.im.hi + value.im.lo);
   }
 }

@@ -325,7 +325,9 @@ def _put_far(numbers: _Numbers, start: Start) -> None:
     if far is None:
         numbers.put(0)
         return
-    numbers.put(len(far.real), far.numbers, far.errors, far.real, far.values, far.powers)
+    numbers.put(
+        len(far.real), far.products, far.numbers, far.errors, far.real, far.values, far.powers
+    )
     numbers.put(far.scale, TOLERANCE, len(far.starts), far.origin, far.starts)
 
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.catalogue.kinds import ANGLE_KINDS, DHP, DPH, DPP
+from gspcli.catalogue.kinds import ANGLE_KINDS, DHP, DLL, DPH, DPP
 from gspcli.catalogue.types import MAX_ANGLES
 from gspcli.certification.equations.frames import StudyFrames
 from gspcli.certification.equations.local_frames import LocalFrames
@@ -153,7 +153,7 @@ class Problem:
     @cached_property
     def is_kept(self) -> bool:
         """Whether the count and a start of its geometry are kept for other values."""
-        return self.is_reducible and self._has_distances
+        return DLL not in self.arrangement.kinds and self._has_distances
 
     @property
     def _has_distances(self) -> bool:

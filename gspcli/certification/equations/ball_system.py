@@ -21,7 +21,7 @@ from collections.abc import Sequence
 from functools import cache, cached_property
 from itertools import chain, product
 from math import prod
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from flint import acb, acb_mat, arb, arb_mat, fmpz_mat
@@ -31,7 +31,7 @@ from gspcli.catalogue.kinds import Law
 from gspcli.certification.equations import study
 from gspcli.certification.equations.local_frames import length_scale
 from gspcli.certification.equations.pose_balls import PoseBall
-from gspcli.certification.equations.quadratic_forms import Form, forms_of, scaled
+from gspcli.certification.equations.quadratic_forms import Form, forms_of, heights, scaled
 from gspcli.certification.equations.statement import Statement, statements
 from gspcli.certification.numbers.balls import dot, floats_above, norm
 from gspcli.certification.numbers.rounding import OUTWARD
@@ -57,6 +57,18 @@ class BallEquation:
 
     main: int
     squares: tuple[int, ...] = ()
+
+
+class OpenEquation(NamedTuple):
+    """The equation F = 0 of one quadric, or ``G H = c N^2`` of the distance of a point and a line.
+
+    G and H are the heights of the point over two complex planes through the line.
+    """
+
+    factors: tuple[acb_mat, ...]
+    """The Hessian matrices of F, or of G and H."""
+    constant: arb = arb(0)
+    """The square of the distance c."""
 
 
 class BallSystem:
@@ -241,24 +253,38 @@ class BallSystem:
                 outer[row][index] -= 2 * quadrics[index]
         return acb_mat(7, 1, values), acb_mat(outer) * gradients
 
-    def open_quadrics(self, sides: tuple[int, ...]) -> list[acb_mat] | None:
-        """Return the Hessian matrices of e.f and of six equations that are each one quadric alone.
+    def open_equations(self, sides: tuple[int, ...]) -> list[OpenEquation] | None:
+        """Return e.f and the six equations, None if one has a distance of lines.
 
-        They are scaled so that the value (the square of a distance, a height, a cosine) has the
-        coefficient -N in its equation. The result is None if an equation is no quadric.
+        Quadrics are scaled so that the value (the square of a distance, a height, a cosine) has the
+        coefficient -N in its equation.
         """
-        whole = self._single_quadrics(sides)
-        if whole is None:
-            return None
-        entries = whole.entries()
-        factors = [arb(1)]
-        for given in self.statements:
-            directions = [norm(vector) for vector in (given.u, given.v) if vector]
-            factors.append(1 / prod(directions, start=arb(1)))
-        return [
-            acb_mat(8, 8, entries[64 * k : 64 * (k + 1)]) * acb(factor)
-            for k, factor in enumerate(factors)
-        ]
+        found = [OpenEquation((self._hessian(self._entries[1]),))]
+        for given, equations, side in zip(self.statements, self.equations, sides, strict=True):
+            equation = equations[side]
+            if not equation.squares:
+                directions = [norm(vector) for vector in (given.u, given.v) if vector]
+                factor = acb(1 / prod(directions, start=arb(1)))
+                quadric = self._hessian(self._entries[equation.main]) * factor
+                found.append(OpenEquation((quadric,)))
+                continue
+            if given.kind.law is not Law.SQUARE:
+                return None
+            rows = arb_mat(
+                [
+                    [f.get(k, arb(0)) for k in range(study.COUNT)]
+                    for f in heights(given.a, given.b, given.u, given.v)
+                ]
+            )
+            entries = (rows * arb_mat(_hessians())).entries()
+            a, b = (self._hessian(entries[64 * k : 64 * (k + 1)]) for k in range(2))
+            factors = a + b * acb(0, 1), a - b * acb(0, 1)
+            found.append(OpenEquation(factors, given.value * given.value))
+        return found
+
+    @staticmethod
+    def _hessian(entries: list[arb]) -> acb_mat:
+        return acb_mat(arb_mat(8, 8, entries))
 
     def _single_quadrics(self, sides: tuple[int, ...]) -> acb_mat | None:
         """Return the Hessian matrices, (56, 8), if each equation is a quadric alone, else None."""

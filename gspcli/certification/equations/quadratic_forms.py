@@ -11,7 +11,7 @@ from flint import arb
 
 from gspcli.catalogue.kinds import Kind, Law
 from gspcli.certification.equations import study
-from gspcli.certification.numbers.balls import cross, dot
+from gspcli.certification.numbers.balls import cross, dot, norm
 
 #: A quadratic form: coefficients of the forms of `study`, by their position.
 Form = dict[int, arb]
@@ -66,6 +66,23 @@ def mutual_moment(a: list[arb], b: list[arb], u: list[arb], v: list[arb]) -> For
         for j in range(3):
             form[study.MOMENT[i][j]] = v[i] * u[j]
     return form
+
+
+def heights(a: list[arb], b: list[arb], u: list[arb], v: list[arb]) -> list[Form]:
+    """Return N times two coordinates across a line, whose squares add up to that of the distance.
+
+    Parameters
+    ----------
+    a, b
+        The point, and a point of the line: that of the platform first.
+    u, v
+        The direction of the line if it is the platform's or the base's; empty for the other.
+    """
+    axis = u or v
+    least = min(range(3), key=lambda k: abs(float(axis[k].mid())))
+    across = cross(axis, [arb(int(k == least)) for k in range(3)])
+    units = [[x / norm(w) for x in w] for w in (across, cross(axis, across))]
+    return [platform_height(a, b, w) if u else base_height(a, b, w) for w in units]
 
 
 def forms_of(

@@ -19,6 +19,7 @@ from flint import acb
 from numpy.typing import NDArray
 
 from gspcli import _kernel
+from gspcli.catalogue.kinds import DLP, DPL
 from gspcli.certification.equations.frames import OWN
 from gspcli.certification.numbers.doubled import two_sum
 from gspcli.certification.numbers.rounding import OUTWARD
@@ -64,7 +65,7 @@ class FarPoses:
     ----------
     numbers
         The numbers of each pose for the kernel (native/far_poses.hpp), as two doubles each, shape
-        (2, n, 794).
+        (2, n, 794), and 37 more for each product.
     errors
         Bounds of their errors, shape (n,).
     real
@@ -81,6 +82,8 @@ class FarPoses:
         Complex values, as differences from `values`, from which paths lead to other values, (6,).
     starts
         The local coordinates there of the last k poses, which need paths, shape (k, 7).
+    products
+        Bit r is 1 where equation r is a product.
     """
 
     numbers: Complex
@@ -91,6 +94,7 @@ class FarPoses:
     scale: float
     origin: Complex
     starts: Complex
+    products: int
 
     @classmethod
     def of(
@@ -122,10 +126,11 @@ class FarPoses:
         chosen = _one_of_each_pair(R, T)
         if chosen is None:
             return None
+        products = sum(2 << k for k, kind in enumerate(proofs.kinds) if kind in (DPL, DLP))
         powers = np.array([2 * k.is_distance - k.has_sides for k in proofs.kinds])
         origin = _origin(powers, length / locator.scale)
         found = [
-            _coordinates(locator, sides, R[k], T[k], points.get(T[k].tobytes()), origin)
+            _coordinates(locator, sides, R[k], T[k], points.get(T[k].tobytes()), origin, products)
             for k in chosen
         ]
         known = [each for each in found if each is not None]
@@ -143,6 +148,7 @@ class FarPoses:
             scale=locator.scale,
             origin=origin,
             starts=np.zeros((sum(each.is_bent for each in known), LOCAL), complex),
+            products=products,
         )
 
     def about(self, values: Complex, known: Array, length: float) -> FarPoses | None:
@@ -168,6 +174,7 @@ class FarPoses:
             np.zeros_like(origin),
             origin,
             np.zeros_like(self.starts),
+            products=self.products,
         )
         return replace(self, origin=origin, starts=starts) if found.all() else None
 
@@ -215,6 +222,7 @@ class FarPoses:
             units * (scale / self.scale),
             scale=self.scale,
             tolerance=TOLERANCE,
+            products=self.products,
             jobs=jobs,
         )
         certified, real, rounded = proved_bits(bits)
@@ -293,6 +301,7 @@ def _coordinates(
     T: Complex,
     point: Sequence[acb] | None,
     origin: Complex,
+    products: int,
 ) -> LocalCoordinates | None:
     """Return local coordinates at a pose; None if it is not known well enough.
 
@@ -306,27 +315,31 @@ def _coordinates(
         # Not so far away a pose may take the place of a near one, to which paths lead.
         size = max(np.abs(R).max(), np.abs(T).max() / locator.scale)
         return found._replace(is_bent=bool(size < _PATHS))
-    better = _natural(locator, sides, found, origin)
+    better = _natural(locator, sides, found, origin, products)
     return better and better._replace(is_bent=True)
 
 
 def _natural(
-    locator: Locator, sides: tuple[int, ...], given: LocalCoordinates, origin: Complex
+    locator: Locator,
+    sides: tuple[int, ...],
+    given: LocalCoordinates,
+    origin: Complex,
+    products: int,
 ) -> LocalCoordinates | None:
     """Return coordinates in which solutions for other values are of order one; None if none are.
 
     Where the first coordinates of these solutions differ by many powers of ten, doubles lose them
     on the way. Then coordinates are chosen for values that differ less, and again from there on.
     """
-    known, products, last = given, np.eye(LOCAL, dtype=complex), _LEAST_REACH
+    known, matrix, last = given, np.eye(LOCAL, dtype=complex), _LEAST_REACH
     for _ in range(_STAGES):
         reach = 1.0
-        while (found := _products(known, origin, reach)) is None and reach * _NEARER > last:
+        while (found := _axes(known, origin, reach, products)) is None and reach * _NEARER > last:
             reach *= _NEARER
         if found is None:
             break
-        products = products @ found
-        better = combined(locator, sides, given, products)
+        matrix = matrix @ found
+        better = combined(locator, sides, given, matrix)
         if better is None or reach == 1:
             return better
         known, last = better, reach
@@ -334,7 +347,7 @@ def _natural(
     return known if last >= _NEARLY else None
 
 
-def _products(given: LocalCoordinates, origin: Complex, reach: float) -> Complex | None:
+def _axes(given: LocalCoordinates, origin: Complex, reach: float, products: int) -> Complex | None:
     """Return a matrix (7, 7): its products with vectors of order one are solutions for others.
 
     Values differ by that part of the origin.
@@ -343,7 +356,8 @@ def _products(given: LocalCoordinates, origin: Complex, reach: float) -> Complex
     rng = np.random.default_rng(0)
 
     def followed(begin: Complex, end: Complex, at: Complex) -> Complex | None:
-        reached, found = _kernel.follow_far(numbers, begin * reach, end * reach, at)
+        ends = begin * reach, end * reach
+        reached, found = _kernel.follow_far(numbers, *ends, at, products=products)
         return reached if found[0] else None
 
     start = followed(np.zeros_like(origin), origin, np.zeros((1, LOCAL), complex))
@@ -357,10 +371,14 @@ def _products(given: LocalCoordinates, origin: Complex, reach: float) -> Complex
     # Some may be near values for which the pose is at infinity.
     there = there[np.abs(there).max(axis=1).argsort()[: _SAMPLES * 3 // 4]]
     square = there.T @ there.conj() / len(there)
-    sizes, axes = np.linalg.eigh(square.real if given.real else square)
+    # Equations that are products are not added to others.
+    alone = np.array([products >> r & 1 for r in range(LOCAL)], np.bool_)
+    axes = np.diag(np.sqrt(square.diagonal()))
+    rest = np.ix_(~alone, ~alone)
+    sizes, axes[rest] = np.linalg.eigh(square[rest].real if given.real else square[rest])
     sizes = np.sqrt(np.maximum(sizes, 0))
-    products: Complex = (axes * np.maximum(sizes, _THINNEST * sizes[-1])).astype(complex)
-    return products
+    axes[rest] *= np.maximum(sizes, _THINNEST * sizes[-1])
+    return axes
 
 
 def _round(

@@ -15,6 +15,7 @@ from flint import acb, acb_mat, arb, ctx
 from numpy.typing import NDArray
 
 from gspcli.certification.equations import study
+from gspcli.certification.equations.ball_system import OpenEquation
 from gspcli.certification.numbers.rounding import OUTWARD
 from gspcli.certification.poses.locator import Located, Locator
 
@@ -26,6 +27,8 @@ _BITS, _KNOWN = (256, 512, 1024, 2048), 2.0**-120
 _LEAST = 2.0**-500
 #: Coefficients may not be larger: their products are doubles.
 _LARGEST = 2.0**400
+#: Numbers of a pose without products; monomials of a form; numbers of each product besides.
+_PLAIN, _FORM, _OF_PRODUCT = 794, 36, 37
 _PAIRS = [(i, j) for i in range(7) for j in range(i, 7)]
 #: Where the equations are bent by more Newton's method needs to begin nearby: squares of lengths
 #: alone make it 8.
@@ -96,7 +99,8 @@ def combined(
     given
         The coordinates s at the pose.
     products
-        A matrix (7, 7), real at a real pose: s is its product with the other ones.
+        A matrix (7, 7), real at a real pose: s is its product with the other ones. In the row and
+        the column of an equation that is a product it has its diagonal only.
     """
     located: object = given.located
     for bits in _BITS[_BITS.index(given.bits) :]:
@@ -122,12 +126,14 @@ def _in_bits(
         balls = _coefficients(locator, sides, located, products)
         if balls is None:
             return None
-        doubles, error = _in_doubles(balls, real=located.real)
+        # Products have factors that are not real.
+        doubles, error = _in_doubles(balls, real=located.real and len(balls) == _PLAIN)
     if not error < _KNOWN:
         return None
     numbers = np.array(doubles).view(np.complex128)[..., 0]
-    squares = numbers[: 7 * 36, 0].reshape(7, 36)[:, 8:]
-    is_bent = bool(np.abs(squares).max() > _BENT)
+    first = numbers[: 7 * _FORM, 0].reshape(7, _FORM)
+    second = numbers[_PLAIN:, 0].reshape(-1, _OF_PRODUCT)[:, :_FORM]
+    is_bent = bool(np.abs(np.concatenate((first, second))[:, 8:]).max() > _BENT)
     return LocalCoordinates(numbers.T, max(error, _LEAST), located, bits, is_bent)
 
 
@@ -136,12 +142,14 @@ def _coefficients(
 ) -> list[acb] | None:
     """Return balls of the numbers of one pose in the order of the kernel."""
     system, patch = locator.system(ctx.prec), located.isolation.patch
-    equations = system.open_quadrics(sides)
+    equations = system.open_equations(sides)
     if equations is None:
         return None
     point = [acb(x.real) if located.real else x for x in located.isolation.centre]
     column = acb_mat(8, 1, point)
-    gradients = acb_mat(7, 8, list(chain.from_iterable((h * column).entries() for h in equations)))
+    norm = sum((x * x for x in point[:4]), acb(0))
+    scaled = [_scaled(each, column, norm, real=located.real) for each in equations]
+    gradients = acb_mat([_gradient(each, column, norm) for each in scaled])
     free = [k for k in range(8) if k != patch]
     try:
         inverse = acb_mat(7, 7, [gradients[i, k] for i in range(7) for k in free]).inv()
@@ -158,9 +166,12 @@ def _coefficients(
     if products is not None:
         across = acb_mat(7, 7, [acb(x) for x in products.ravel().tolist()])
         directions = acb_mat(8, 7, [x.mid() for x in (directions * across).entries()])
-        mixing = acb_mat(7, 7, [x.mid() for x in across.inv().entries()])
-    norm = sum((x * x for x in point[:4]), acb(0))
-    forms = [_form(hessian, column, directions, norm) for hessian in equations]
+        inverse, alone = across.inv(), [len(each.factors) > 1 for each in scaled]
+        for i in range(7):
+            for j in range(7):
+                # No multiples of products are added to others.
+                mixing[i, j] = 0 if i != j and (alone[i] or alone[j]) else inverse[i, j].mid()
+    forms = [_form(each.factors[0], column, directions, norm) for each in scaled]
     if products is not None:
         forms = (mixing * acb_mat(forms)).tolist()
     found: list[acb] = list(chain.from_iterable(forms))
@@ -172,7 +183,47 @@ def _coefficients(
         found.append(point[k] / root)
         found += [directions[k, j] * root for j in range(7)]
     # The values are in all equations but the first.
-    return found + [mixing[i, r] for i in range(7) for r in range(1, 7)]
+    found += [mixing[i, r] * scaled[r].factor for i in range(7) for r in range(1, 7)]
+    for i, each in enumerate(scaled):
+        for second in each.factors[1:]:
+            found += [*_form(second, column, directions, norm), mixing[i, i] * each.constant]
+    return found
+
+
+class _Scaled(NamedTuple):
+    """An equation times a factor: ``F - factor D N`` or ``P Q - (constant + factor D) N^2``."""
+
+    factors: tuple[acb_mat, ...]
+    factor: acb
+    constant: acb
+
+
+def _scaled(given: OpenEquation, column: acb_mat, norm: acb, *, real: bool) -> _Scaled:
+    """Return an equation, a product over the size of its larger factor at a Study point."""
+    if len(given.factors) == 1:
+        return _Scaled(given.factors, acb(1), acb(0))
+    a, b = sorted(given.factors, key=lambda x: -float(_value(x, column, norm).abs_upper()))
+    # Any exact number will do; a real equation stays real.
+    factor = (1 / _value(a, column, norm)).mid()
+    factor = acb(abs(factor).mid()) if real else factor
+    return _Scaled((a * factor, b), factor, given.constant * factor)
+
+
+def _value(hessian: acb_mat, column: acb_mat, norm: acb) -> acb:
+    """Return a quadratic form over N."""
+    return (column.transpose() * hessian * column)[0, 0] / (2 * norm)
+
+
+def _gradient(given: _Scaled, column: acb_mat, norm: acb) -> list[acb]:
+    """Return the gradient of an equation, of a product over N."""
+    slopes = [hessian * column for hessian in given.factors]
+    if len(slopes) == 1:
+        return slopes[0].entries()
+    p, q = (_value(hessian, column, norm) for hessian in given.factors)
+    found = slopes[0] * q + slopes[1] * p
+    for k in range(4):
+        found[k, 0] -= 4 * given.constant * column[k, 0]
+    return found.entries()
 
 
 def _form(hessian: acb_mat, column: acb_mat, directions: acb_mat, norm: acb) -> list[acb]:

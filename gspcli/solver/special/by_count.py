@@ -71,15 +71,17 @@ def poses_by_count(
 
 def _by_geometry_or_type(problem: Problem, ledger: Ledger) -> PoseSet | None:
     """Return as many proved poses as the geometry or the type has; None if fewer are found soon."""
+    # With products there are more paths, and a count takes several times as long.
+    if not problem.is_reducible and (poses := _with_32_digits(ledger)) is not None:
+        return poses
     # From now on the ledger has the count of the geometry.
     counted = problem.geometry_count
     if counted is not None and (poses := ledger.complete) is not None:
         return poses
-    from gspcli.solver.strategies.elimination import early_elimination
-    from gspcli.solver.strategies.further import go_on_until
-    from gspcli.solver.strategies.more_digits import with_32_digits
-
     if counted is not None and counted.solutions and counted.has_lone_lines:
+        from gspcli.solver.strategies.elimination import early_elimination
+        from gspcli.solver.strategies.further import go_on_until
+
         # Almost all sets of values have as many poses as the geometry: a count of the platform
         # itself takes a tenth of the time of a first solution (`tools.verify.realistic`).
         most = counted.solutions // len(ledger.sides)
@@ -87,12 +89,18 @@ def _by_geometry_or_type(problem: Problem, ledger: Ledger) -> PoseSet | None:
             side.all_simple = counted.distinct == counted.solutions
             go_on_until(side, early_elimination, most)
         return ledger.complete
-    # Wrong paths are followed with 32 digits as long as a count would take longer.
+    return _with_32_digits(ledger)
+
+
+def _with_32_digits(ledger: Ledger) -> PoseSet | None:
+    """Follow paths that went wrong, unless a count is quicker; return None if poses are missing."""
+    from gspcli.solver.strategies.further import go_on_until
+    from gspcli.solver.strategies.more_digits import with_32_digits
+
     if not any(_too_many_unresolved(side) for side in ledger.sides):
         for side in ledger.sides:
             go_on_until(side, with_32_digits)
-        return ledger.complete
-    return None
+    return ledger.complete
 
 
 def _with_better_proof(problem: Problem, poses: PoseSet) -> PoseSet:

@@ -163,7 +163,7 @@ class Start:
         chosen = np.linspace(0, len(parameters) - 1, size).astype(np.intp)
         members = parameters[chosen] + 1j * _NEARER * self.parameters[0].imag
         ends = self._track(members, np.zeros(size, np.int32), FROM_START, jobs)
-        good = np.flatnonzero(_all_different(ends))
+        good = np.flatnonzero(_all_different(ends.study, ends.status))
         deviation = parameters.std(axis=0)
         return replace(
             self,
@@ -355,22 +355,22 @@ def solved_start(
     turns = rng.choice([-1.0, 1.0], len(kinds)) * rng.uniform(*_SPREAD, len(kinds))
     parameters = np.where(spread == 0, 0.0, mean + 1j * turns * spread)
     geometry = inner.y, inner.x, inner.u, inner.v
-    system = complex_system(kinds, *geometry, parameters)
+    at = partial(complex_system, kinds, *geometry)
+    system = at(parameters)
     homotopy = None
     if not system.structure.is_product.any() and DLL not in kinds:
         _, plain = coefficients_of(kinds, *geometry, np.zeros((1, len(kinds))))
         homotopy = ReducedHomotopy.of(plain.g[0].real)
     solutions: ComplexArray | None
     if way is StartMethod.SOLVED:
-        solutions = _ends_from_solved(homotopy, solved, parameters)
+        solutions = None if solved is None else _ends_from_solved(homotopy, *solved, parameters, at)
     else:
         paths = next(track_all([system], seed=seed))
         solutions = _all_finite(paths) if way is StartMethod.CAREFUL else paths.distinct_simple()
     if solutions is None or not len(solutions):
         return None
     balanced, scale = system.coefficients.balanced()
-    points = solutions.copy()
-    points[:, 4:] /= scale
+    points = in_units(solutions, scale)
     return Start(
         given=given,
         length=length,
@@ -386,16 +386,35 @@ def solved_start(
 
 def _ends_from_solved(
     homotopy: ReducedHomotopy | None,
-    solved: tuple[Array, ComplexArray] | None,
+    real: Array,
+    points: ComplexArray,
     parameters: ComplexArray,
+    at: Callable[[ComplexArray], System],
 ) -> ComplexArray | None:
-    """Return where all poses of a solved platform lead, (n, 8); None if some are lost or meet."""
-    if homotopy is None or solved is None:
-        return None
-    real, points = solved
-    given = real[None].astype(complex), homotopy.points(points[None]), np.zeros(1, np.int32)
-    ends = homotopy.track(*given, parameters[None], options=SHORT_STEPS, jobs=1)
-    return ends.study[0] if _all_different(ends)[0] else None
+    """Return where all poses of a solved platform lead, (n, 8); None if some are lost or meet.
+
+    Parameters
+    ----------
+    homotopy
+        The equations with fewer unknowns, if there are such.
+    real, points
+        The parameters of the platform, and its poses.
+    parameters, at
+        Those of the start, and what returns the system with some parameters.
+    """
+    begin = real.astype(complex)
+    if homotopy is not None:
+        given = begin[None], homotopy.points(points[None]), np.zeros(1, np.int32)
+        ends = homotopy.track(*given, parameters[None], options=SHORT_STEPS, jobs=1)
+        study, status = ends.study[0], ends.status
+    else:
+        target, scale = at(parameters).coefficients.balanced()
+        solved = at(begin)
+        start = System(solved.structure, solved.coefficients.in_units(scale).normalized())
+        system = System(start.structure, target)
+        found = track(start, system, in_units(points, scale), options=CAREFUL)
+        study, status = in_units(found.points[0], 1 / scale), found.status
+    return study if _all_different(study[None], status)[0] else None
 
 
 def _all_finite(tracked_paths: TrackedPaths) -> ComplexArray | None:
@@ -421,14 +440,19 @@ def with_conjugates(study: ComplexArray) -> ComplexArray:
     return study
 
 
-def _all_different(ends: ReducedEnds) -> NDArray[np.bool_]:
+def in_units(points: ComplexArray, scale: Array) -> ComplexArray:
+    """Return Study points (n, 8) with f in a unit."""
+    return np.concatenate((points[:, :4], points[:, 4:] / scale), axis=1)
+
+
+def _all_different(study: ComplexArray, status: NDArray[np.uint8]) -> NDArray[np.bool_]:
     """Return to which targets (b,) all paths lead, to different solutions."""
     # Paths that fail may leave no numbers: these are different from none.
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        points = ends.study / np.linalg.norm(ends.study, axis=-1, keepdims=True)
+        points = study / np.linalg.norm(study, axis=-1, keepdims=True)
         overlaps = np.abs(points.conj() @ points.swapaxes(1, 2))
     overlaps[:, np.eye(points.shape[1], dtype=bool)] = 0
-    regular = (ends.status == PathStatus.REGULAR).all(axis=1)
+    regular = (status == PathStatus.REGULAR).all(axis=1)
     return np.asarray(regular & (overlaps < 1 - _SAME).all(axis=(1, 2)))
 
 

@@ -178,7 +178,8 @@ def _leads_back(found: Start, problem: Problem, solved: Problem, known: SolvedPl
     """Whether all poses of the platform that a start was made from are found and proved."""
     rows = known.arrangement.values[None]
     ledger = Ledger(solved.with_rows(rows))
-    ledger.problem.known_geometry_count = problem.geometry_count
+    if found.found < solved.expected:
+        ledger.problem.known_geometry_count = problem.geometry_count
     ledger.add(found.quick_ends(rows))
     return ledger.is_at_once
 

@@ -2,7 +2,7 @@
 
 Poses 1e10 lengths away and more hardly depend on the values: Newton's method in balls leads from
 those of one platform to those of another. Where a start of the geometry is kept, that is done in
-the kernel (`kept_geometry`); for lines there is none, and all poses were found by elimination.
+the kernel (`kept_geometry`); for distances of two lines there is none.
 """
 
 from __future__ import annotations

@@ -6,9 +6,11 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
+from gspcli.catalogue.kinds import DPL
 from gspcli.certification import counting
+from gspcli.geometry.building import hexapod
 from gspcli.geometry.numbers import Number
-from gspcli.geometry.primitives import Point
+from gspcli.geometry.primitives import Line, Point
 from gspcli.resources import data_path
 from gspcli.solver import solve, solve_batch
 from gspcli.solver.many_poses import many_poses
@@ -206,6 +208,63 @@ def test_far_poses_need_no_paths(monkeypatch):
     batch = solve_batch(instance, rows, starts=starts)
     assert batch.proved.all()
     assert not batch.others
+
+
+def drawn(number):
+    """Return a realistic machine, and other sets of values."""
+    machine = next(machines(number + 1, rows=32, begin=number))
+    return machine.instance, machine.rows
+
+
+#: Four legs and two distances from lines: 144 poses are near, or 128, the others far away.
+RODS = {102: 144, 377: 128}
+
+
+@pytest.mark.parametrize("number", RODS)
+def test_far_poses_of_machines_with_lines_need_no_paths(number, monkeypatch):
+    (instance, rows), starts = drawn(number), SolvedStarts()
+    first = solve(instance, starts=starts)
+    assert len(kept_start(Problem(instance, starts=starts)).points) == RODS[number]
+
+    def nothing_else(*_, **__):
+        raise AssertionError
+
+    for way in ("short_series", "careful_paths"):
+        monkeypatch.setattr(f"gspcli.solver.strategies.stored_start.{way}", nothing_else)
+    again = solve(instance, starts=starts)
+    assert again.proof == first.proof
+    assert again.proof.by is CountKind.TYPE
+    for part in ("quaternions", "R", "T", "real"):
+        np.testing.assert_array_equal(getattr(again, part), getattr(first, part))
+    batch = solve_batch(instance, rows, starts=starts)
+    assert batch.proved.all()
+    assert (batch.number == 160).all()
+    assert not batch.others
+
+
+def test_a_special_geometry_with_lines_is_counted_once(monkeypatch):
+    """Two planar, symmetric bodies, and one distance from a line: 72 poses instead of 80."""
+    base = [(3, 1, 0), (-3, 1, 0), (3, -1, 0), (-3, -1, 0), (0, 2, 0), (0, -2, 0)]
+    joints = [(2, 1, 0), (-2, 1, 0), (2, -1, 0), (-2, -1, 0), (0, 1, 0), (0, -1, 0)]
+    plain = hexapod(base, joints, ["1.2", "1.3", "1.25", "1.35", "1.1", "1.15"])
+    *legs, last = plain.constraints
+    line = Line(last.base.position, tuple(map(Number.of, (1, 0, 0))))
+    instance = replace(plain, constraints=(*legs, replace(last, kind=DPL, base=line)))
+    starts = SolvedStarts()
+    first = solve(instance, starts=starts)
+    assert first.proof.by is CountKind.GEOMETRY
+    assert len(first.R) == first.certified.sum() == 72
+    assert counting.exact_count(instance).solutions == 72
+
+    def counted(*_, **__):
+        raise AssertionError
+
+    monkeypatch.setattr(by_count, "exact_count", counted)
+    monkeypatch.setattr(counting, "geometry_count", counted)
+    other = instance.with_values({0: Number.of("1.31")})
+    found = solve(other, starts=starts)
+    assert found.proof == first.proof
+    assert len(found.R) == 72
 
 
 def test_far_poses_of_another_geometry_are_not_used():

@@ -127,8 +127,9 @@ FarPart::FarPart(Numbers& numbers) {
     bent_ = 0;
     return;
   }
-  number_ = numbers.complexes(count_ * kFarNumbers);
-  low_ = numbers.complexes(count_ * kFarNumbers);
+  products_ = static_cast<unsigned>(numbers.integer());
+  number_ = numbers.complexes(count_ * far_numbers(products_));
+  low_ = numbers.complexes(count_ * far_numbers(products_));
   error_ = numbers.doubles(count_);
   real_ = numbers.integers<std::uint8_t>(count_);
   values_ = numbers.doubles(kOfValue * kEquations);
@@ -167,7 +168,7 @@ Found FarPart::beside(Found near, const double* proved_values, double unit, doub
   Found far(poses());
   std::uint8_t complete = 0;
   decide_far_portable({count_, number_, low_, error_, real_.data(), paired_.data(), bent_, origin_, start_, scale_,
-                       tolerance_},
+                       tolerance_, products_},
                       {1, shifts, &units}, room.data(), far.at(0, &complete));
   // In units of the other equations.
   for (double& deviation : far.deviation) deviation *= std::max(scale_ / scale, 1.0);

@@ -43,6 +43,7 @@ class FarPart {
   void shift(const double* proved_values, double ratio, double* out) const;
 
   int count_, pairs_ = 0, bent_;
+  unsigned products_ = 0;
   const Complex *number_, *low_;
   const double* error_;
   std::vector<std::uint8_t> real_, paired_;

@@ -11,12 +11,14 @@ import pytest
 
 import gspcli
 from gspcli import _kernel
+from gspcli.catalogue.kinds import DLP, DPL, DPP
 from gspcli.certification.numbers.rounding import COMPLEX, ISOLATED, REAL
 from gspcli.certification.poses.far_poses import FarPoses
 from gspcli.certification.poses.locator import Located
 from gspcli.certification.poses.many_values import ProvedPoses
 from gspcli.geometry.building import hexapod
 from gspcli.geometry.numbers import Number
+from gspcli.geometry.primitives import Line
 from gspcli.resources import data_path
 from gspcli.solver import solve
 from gspcli.solver.problem import Problem
@@ -33,8 +35,26 @@ def rounded_hexagons():
     return hexapod(300 * ring, 200 * ring[[5, 0, 1, 2, 3, 4]], [250, 255] * 3)
 
 
+def rounded_rods(kind):
+    """Hexagons, whose last two points are at distances from lines of the other body."""
+    ring = np.radians([24, -24, 144, 96, 264, 216])
+    other = np.radians([48, -18, 168, 102, 288, 222])
+    x, y = (np.stack((np.cos(a), np.sin(a), 0 * a), axis=1).round(5) for a in (ring, other))
+    plain = hexapod(x, (0.81 * y).round(5), [1.2, 1.25, 1.22, 1.21, 0.9, 1.1])
+    rows = list(plain.constraints)
+    for k, direction in ((4, (1, 0, 0)), (5, (0, 0, 1))):
+        vector, row = tuple(map(Number.of, direction)), rows[k]
+        ends = [row.platform, row.base]
+        which = int(kind is DPL)
+        ends[which] = Line(ends[which].position, vector)
+        rows[k] = replace(row, kind=kind, platform=ends[0], base=ends[1])
+    return replace(plain, constraints=tuple(rows))
+
+
 INSTANCES = {
     "hexagons": rounded_hexagons,
+    "rods": lambda: rounded_rods(DPL),
+    "rods of the platform": lambda: rounded_rods(DLP),
     "reachy-mini-head": lambda: load(data_path("platforms", "reachy-mini-head.yaml")),
 }
 
@@ -42,13 +62,14 @@ INSTANCES = {
 @pytest.fixture(scope="module", params=INSTANCES)
 def known(request):
     """Return an instance and its far poses."""
-    instance = INSTANCES[request.param]()
-    poses = solve(instance, starts=SolvedStarts()).poses
+    instance, starts = INSTANCES[request.param](), SolvedStarts()
+    poses = solve(instance, starts=starts).poses
     far = poses.reordered(np.abs(poses.R).max(axis=(1, 2)) > 64)
-    problem = Problem(instance, starts=SolvedStarts())
-    sides = problem.choices[0], problem.sides[0]
+    problem = Problem(instance, starts=starts)
+    points = starts.platform(problem.arrangement).points
+    equations = problem.locator, problem.proofs, problem.choices[0], problem.sides[0]
     length = problem.arrangement.length
-    return instance, FarPoses.of(problem.locator, problem.proofs, *sides, far.R, far.T, {}, length)
+    return instance, FarPoses.of(*equations, far.R, far.T, points, length)
 
 
 def others(instance, count, spread, seed=1):
@@ -66,15 +87,27 @@ def decided(far, problem):
     return far.decide(values, np.ones(1), problem.proofs.scale)
 
 
+def located_in_balls(problem, R, T, points):
+    """Return the pose that balls prove near R and T, or from those that are known."""
+    near = problem.locator.near(R, T, (0,) * 6, 512)
+    if isinstance(near, Located):
+        return near
+    found = (problem.locator.locate_exactly(point, (0,) * 6, 512) for point in points)
+    return next(x for x in found if isinstance(x, Located) and np.allclose(x.T, T, rtol=1e-9))
+
+
 def test_poses_for_other_values_are_those_that_balls_prove_to_the_bit(known):
     instance, far = known
-    assert len(far) == 12
+    starts = SolvedStarts()
+    solve(instance, starts=starts)
+    points = starts.platform(Problem(instance).arrangement).points.values()
+    kind = instance.constraints[5].kind
+    assert len(far) == {DPP: 12, DPL: 16, DLP: 20}[kind]
     for problem in others(instance, 3, 0.1):
         found = decided(far, problem)
         assert found.complete.all()
         for k in range(len(far)):
-            located = problem.locator.near(found.R[0, k], found.T[0, k], (0,) * 6, 512)
-            assert isinstance(located, Located)
+            located = located_in_balls(problem, found.R[0, k], found.T[0, k], points)
             assert located.real == found.real[0, k]
             assert located.R.tobytes() == found.R[0, k].tobytes()
             assert located.T.tobytes() == found.T[0, k].tobytes()
@@ -94,10 +127,12 @@ def test_many_sets_of_values_are_as_each_alone_with_each_build(known):
         np.testing.assert_array_equal(getattr(together, name), one)
     builds = ["portable", "avx2", "avx512"]
     shifts = far._shifts(values, scale / far.scale)
-    given = far.numbers, far.errors, far.real, 1 - far.real, far.origin, far.starts, shifts
+    given = far.numbers, far.errors, far.real, far._paired, far.origin, far.starts, shifts
     given = *given, np.ones(len(values))
     for build in builds[: builds.index(_kernel.build())]:
-        R, T, *_ = _kernel.decide_far(*given, scale=far.scale, tolerance=1e-9, build=build)
+        R, T, *_ = _kernel.decide_far(
+            *given, scale=far.scale, tolerance=1e-9, products=far.products, build=build
+        )
         np.testing.assert_array_equal(R, together.R[:])
         np.testing.assert_array_equal(T, together.T[:])
 
@@ -208,13 +243,17 @@ def made_up(constant, square):
     return numbers
 
 
-def decide_made_up(numbers, *, error=0.0, shift=0.0, gap=0.0, real=1, entry=2, start=None):
+def decide_made_up(
+    numbers, *, error=0.0, shift=0.0, gap=0.0, real=1, entry=2, start=None, products=0
+):
     shifts = np.zeros((1, 3, 6))
     shifts[0, 0, 0], shifts[0, 2, 0] = shift, gap
     origin = np.full(6, 0.3j)
     starts = np.zeros((0, 7), complex)
     if start is not None:
-        starts, found = _kernel.follow_far(numbers, np.zeros(6, complex), origin, start)
+        starts, found = _kernel.follow_far(
+            numbers, np.zeros(6, complex), origin, start, products=products
+        )
         assert found.all()
     *poses, deviation, bits, complete = _kernel.decide_far(
         numbers,
@@ -227,6 +266,7 @@ def decide_made_up(numbers, *, error=0.0, shift=0.0, gap=0.0, real=1, entry=2, s
         np.ones(1),
         scale=1.0,
         tolerance=1e9,
+        products=products,
     )
     return poses[entry][0], deviation[0], bits[0], complete
 
@@ -338,3 +378,85 @@ def test_a_path_leads_to_a_root_for_values_beyond_where_two_meet(shift):
     assert bits[0] & REAL
     roots = [(-1 + sign * np.sqrt(1 + 4 * shift)) / 2 for sign in (1, -1)]
     assert min(abs(R[0, 0, 0] - 1 - root) for root in roots) <= deviation[0]
+
+
+def of_a_product(p, q, constant):
+    """Return one whose second equation is P Q = (constant + D) N^2 in s_1, N = 1.
+
+    P and Q are numbers times 1, s_1, s_1^2.
+    """
+    plain = of_a_value(0.0)
+    numbers = np.concatenate((plain, np.zeros((2, 1, 37), complex)), axis=2)
+    first = numbers[0, 0, 36:72]
+    first[:] = 0
+    first[[0, 1, 8]] = p
+    numbers[0, 0, 794:][[0, 1, 8, 36]] = *q, constant
+    return numbers
+
+
+PRODUCT = 2
+
+
+def test_a_root_of_a_product_is_proved():
+    """(1 + s / 4) (1/2 + s + s^2) = 1/2 + D."""
+    numbers = of_a_product((1, 0.25, 0), (0.5, 1, 1), 0.5)
+    for shift in (0.0, -0.1, 0.2):
+        R, deviation, bits, _ = decide_made_up(numbers, shift=shift, entry=0, products=PRODUCT)
+        assert bits[0] & ISOLATED
+        assert bits[0] & REAL
+        roots = np.roots(np.polymul([0.25, 1], [1, 1, 0.5]) - [0, 0, 0, 0.5 + shift])
+        assert min(abs(R[0, 0, 0] - 1 - roots)) <= deviation[0] + 1e-15
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_next_to_two_roots_of_a_product_none_is_isolated(sign):
+    """(1 + 3 s) (1 + s) is -1/3 at s = -2/3, twice."""
+    shift = -4 / 3 * (1 - sign * 1e-10)
+    near = of_a_product((1, 3, 0), (1, 1, 0), 1.0)
+    assert not decide_made_up(near, shift=shift, products=PRODUCT)[2].any()
+    # As exactly one root may be meant, or none: what is not known decides.
+    assert decide_made_up(near, shift=-0.9, products=PRODUCT)[2][0] & ISOLATED
+    assert not decide_made_up(near, shift=-0.9, gap=0.44, products=PRODUCT)[2].any()
+    assert not decide_made_up(near, shift=-1.2, error=0.02, products=PRODUCT)[2].any()
+
+
+def test_second_derivatives_of_products_are_bounded_where_coordinates_may_be():
+    """s (1 - 200 s^2) = D has no second derivative at zero, and two roots meet at D = 0.027."""
+    numbers = of_a_product((0, 1, 0), (1, 0, -200), 0.0)
+    assert decide_made_up(numbers, gap=1e-3, products=PRODUCT)[2][0] & ISOLATED
+    assert not decide_made_up(numbers, gap=0.04, products=PRODUCT)[2].any()
+
+
+@pytest.mark.parametrize("gap", [1e-9, 1e-6, 1e-3])
+def test_the_bound_of_a_pose_covers_what_is_not_known_of_a_product(gap):
+    numbers = of_a_product((1, 0.25, 0), (0.5, 1, 1), 0.5)
+    R, deviation, bits, _ = decide_made_up(numbers, shift=-0.1, gap=gap, entry=0, products=PRODUCT)
+    assert bits[0] & ISOLATED
+    for moved in (-gap, gap):
+        roots = np.roots(np.polymul([0.25, 1], [1, 1, 0.5]) - [0, 0, 0, 0.4 + moved])
+        assert min(abs(R[0, 0, 0] - 1 - roots)) <= deviation[0]
+    # The same if numbers are not known so well.
+    for part in (36, 37, 794, 795, 796, 794 + 36):
+        wrong = numbers.copy()
+        wrong[0, 0, part] += gap
+        other = decide_made_up(wrong, shift=-0.1, error=gap, entry=0, products=PRODUCT)
+        assert other[2][0] & ISOLATED
+        assert abs(other[0][0, 0, 0] - R[0, 0, 0]) <= other[1][0] + deviation[0]
+
+
+def test_factors_that_are_conjugate_have_a_real_root():
+    """(1 + i s) (1 - i s) = 1 + D has a real root for D > 0, and none for D < 0."""
+    numbers = of_a_product((1 + 1j, 1j, 0), (1 - 1j, -1j, 0), 2.0)
+    for shift, kind in ((0.25, REAL), (-0.25, REAL)):
+        R, _, bits, _ = decide_made_up(numbers, shift=shift, entry=0, products=PRODUCT)
+        assert bits[0] & ISOLATED
+        assert bits[0] & kind
+        assert not R.imag.any()
+        # |1 + i (1 + s)|^2 = 2 + D.
+        assert R[0, 0, 0].real == pytest.approx(np.sqrt(1 + shift), rel=1e-15)
+
+
+@pytest.mark.parametrize("products", [1, 128])
+def test_only_six_equations_can_be_products(products):
+    with pytest.raises(ValueError, match="products"):
+        decide_made_up(made_up(0.1, 1.0), products=products)
