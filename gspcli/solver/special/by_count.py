@@ -93,7 +93,7 @@ def _by_geometry_or_type(problem: Problem, ledger: Ledger) -> PoseSet | None:
 
 
 def _with_32_digits(ledger: Ledger) -> PoseSet | None:
-    """Follow paths that went wrong, unless a count is quicker; return None if poses are missing."""
+    """Follow wrong paths with 32 digits, unless a count is quicker; None if poses are missing."""
     from gspcli.solver.strategies.further import go_on_until
     from gspcli.solver.strategies.more_digits import with_32_digits
 
