@@ -283,8 +283,8 @@ class BallSystem:
         return found
 
     @staticmethod
-    def _hessian(entries: list[arb]) -> acb_mat:
-        return acb_mat(arb_mat(8, 8, entries))
+    def _hessian(entries: list[Any]) -> acb_mat:
+        return acb_mat(8, 8, entries)
 
     def _single_quadrics(self, sides: tuple[int, ...]) -> acb_mat | None:
         """Return the Hessian matrices, (56, 8), if each equation is a quadric alone, else None."""
