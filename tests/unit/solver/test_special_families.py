@@ -12,6 +12,7 @@ from gspcli.catalogue.kinds import DLP, DPL
 from gspcli.catalogue.names import parse_type
 from gspcli.certification.equations.ball_system import BallSystem
 from gspcli.certification.poses.points_off_lines import points_off_lines
+from gspcli.certification.poses.special_family import SpecialFamily
 from gspcli.certification.poses.turned_directions import turned_directions
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Units
 from gspcli.geometry.numbers import Number
@@ -22,9 +23,9 @@ from gspcli.solver.starts.solved_starts import SolvedStarts
 from gspcli.solver.strategies import elimination, special_families
 
 
-def _nearly_parallel(names: str, eps: Fraction, sign: int = 1) -> Instance:
+def _nearly_parallel(eps: Fraction = Fraction(1, 10**20), sign: int = 1) -> Instance:
     """Return a platform two of whose base lines are parallel up to eps."""
-    instance, _ = random_instance(parse_type(names), np.random.default_rng(1))
+    instance, _ = random_instance(parse_type("DPL DPL DPP DPP DPP DPP"), np.random.default_rng(1))
     rows = sorted(instance.constraints, key=lambda row: not isinstance(row.base, Line))
     first, second = rows[:2]
     assert isinstance(first.base, Line)
@@ -35,6 +36,14 @@ def _nearly_parallel(names: str, eps: Fraction, sign: int = 1) -> Instance:
     return Instance(tuple(rows), instance.units)
 
 
+def _members(family: SpecialFamily | None) -> tuple[Instance, Instance]:
+    """Return a platform from its family, and one with differences 1e17 times as large."""
+    assert family is not None
+    assert 1e-22 < family.size < 1e-19
+    with ctx.workprec(600):
+        return family.instance_at(arb(1)), family.instance_at(arb(10) ** 17)
+
+
 def _fraction(number: Number) -> Fraction:
     assert number.fraction is not None
     return number.fraction
@@ -42,9 +51,7 @@ def _fraction(number: Number) -> Fraction:
 
 @pytest.mark.parametrize("power", [14, 20])
 def test_poses_far_away_are_found_and_proved(power: int) -> None:
-    result = solve(
-        _nearly_parallel("DPL DPL DPP DPP DPP DPP", Fraction(1, 10**power)), starts=SolvedStarts()
-    )
+    result = solve(_nearly_parallel(Fraction(1, 10**power)), starts=SolvedStarts())
     assert (result.verdict, result.counts.certified) == ("complete", 160)
     assert result.proof is not None
     assert result.proof.by.name == "TYPE"
@@ -56,28 +63,20 @@ def test_poses_far_away_are_found_and_proved(power: int) -> None:
 def test_they_are_found_from_the_other_side(monkeypatch: pytest.MonkeyPatch) -> None:
     """With s < 0 at the beginning."""
     monkeypatch.setattr(special_families, "_APART", (-3e-4,))
-    result = solve(
-        _nearly_parallel("DPL DPL DPP DPP DPP DPP", Fraction(1, 10**20)), starts=SolvedStarts()
-    )
+    result = solve(_nearly_parallel(), starts=SolvedStarts())
     assert (result.verdict, result.counts.certified) == ("complete", 160)
 
 
 def test_without_them_poses_are_missing_and_that_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(special_families, "_APART", ())
     monkeypatch.setattr(elimination, "_MOST", 0)
-    result = solve(
-        _nearly_parallel("DPL DPL DPP DPP DPP DPP", Fraction(1, 10**20)), starts=SolvedStarts()
-    )
+    result = solve(_nearly_parallel(), starts=SolvedStarts())
     assert (result.verdict, result.counts.certified) == ("incomplete", 128)
 
 
 def test_differences_are_multiplied_and_nothing_else_changes() -> None:
-    instance = _nearly_parallel("DPL DPL DPP DPP DPP DPP", Fraction(1, 10**20), sign=-1)
-    family = turned_directions(instance)
-    assert family is not None
-    assert 1e-21 < family.size < 1e-19
-    with ctx.workprec(600):
-        same, apart = family.instance_at(arb(1)), family.instance_at(arb(10) ** 17)
+    instance = _nearly_parallel(sign=-1)
+    same, apart = _members(turned_directions(instance))
     for row, other, given in zip(
         same.constraints, apart.constraints, instance.constraints, strict=True
     ):
@@ -99,7 +98,7 @@ def test_differences_are_multiplied_and_nothing_else_changes() -> None:
 
 @pytest.mark.parametrize("eps", [Fraction(0), Fraction(1, 10**3)])
 def test_directions_that_are_parallel_or_not_nearly_so_are_not_turned(eps: Fraction) -> None:
-    assert turned_directions(_nearly_parallel("DPL DPL DPP DPP DPP DPP", eps)) is None
+    assert turned_directions(_nearly_parallel(eps)) is None
 
 
 def _four_on_a_line(eps: Fraction, *, on_platform: bool = True) -> Instance:
@@ -121,11 +120,7 @@ def _four_on_a_line(eps: Fraction, *, on_platform: bool = True) -> Instance:
 def test_points_are_moved_off_their_line_and_nothing_else_changes(on_platform: bool) -> None:
     body = "platform" if on_platform else "base"
     instance = _four_on_a_line(Fraction(1, 10**20), on_platform=on_platform)
-    family = points_off_lines(instance)
-    assert family is not None
-    assert 1e-22 < family.size < 1e-19
-    with ctx.workprec(600):
-        same, apart = family.instance_at(arb(1)), family.instance_at(arb(10) ** 17)
+    same, apart = _members(points_off_lines(instance))
     for row, other, given in zip(
         same.constraints, apart.constraints, instance.constraints, strict=True
     ):

@@ -16,6 +16,7 @@ from gspcli.geometry.instance import Instance
 from gspcli.geometry.shapes import Shapes
 from gspcli.motion.collisions.compared import ComparedShapes
 from gspcli.motion.paths.motors import Motors
+from tests.support.driven_machines import upside_down
 from tests.support.thick_legs import poses_near
 
 PLATES = {
@@ -42,17 +43,7 @@ def armed(
 
 def swapped(instance: Instance) -> Instance:
     """Return the machine upside down: its motors are on the platform."""
-    rows = tuple(
-        replace(
-            row,
-            platform=row.base,
-            base=row.platform,
-            platform_name=row.base_name,
-            base_name=row.platform_name,
-        )
-        for row in instance.constraints
-    )
-    shapes = instance.shapes
+    rows, shapes = upside_down(instance), instance.shapes
     turned = Shapes(shapes.diameters, shapes.base, shapes.platform, shapes.near_joint)
     return replace(instance, constraints=rows, shapes=turned, home=None)
 

@@ -12,24 +12,14 @@ from gspcli.export.controller.writing import controller
 from gspcli.geometry.drives import Drives
 from gspcli.motion import FollowerStatus
 from gspcli.motion.following.platform_numbers import platform_numbers
-from tests.support.driven_machines import driven, some_pose
+from tests.support.driven_machines import driven, some_pose, upside_down
 
 
 def swapped(instance):
     """Return the machine with base and platform exchanged, and its home pose."""
-    rows = tuple(
-        replace(
-            row,
-            platform=row.base,
-            base=row.platform,
-            platform_name=row.base_name,
-            base_name=row.platform_name,
-        )
-        for row in instance.constraints
-    )
     T = np.array([x.value for x in instance.home.position])
     home = gspcli.HomePose((-T).tolist(), [1, 0, 0, 0])
-    return replace(instance, constraints=rows, home=home)
+    return replace(instance, constraints=upside_down(instance), home=home)
 
 
 @pytest.mark.parametrize("name", ["6-PUS", "mixed", "reachy-mini-head", "t-top-head"])

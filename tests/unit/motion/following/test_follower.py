@@ -15,6 +15,7 @@ from gspcli.motion.following.branch_follower import Stop
 from gspcli.motion.following.platform_numbers import platform_numbers
 from gspcli.motion.poses.inverse_kinematics import value_slopes
 from gspcli.resources import instance_files
+from tests.support.driven_machines import upside_down
 
 TYPES = list(all_types())
 
@@ -115,17 +116,7 @@ def test_cranks_of_the_base_and_of_the_platform(turned):
     R, T = first_pose(instance)
     goal = rotation_from_vector(np.array([0.01, -0.006, 0.02])) @ R, T + 0.0005
     if turned:  # base and platform change places
-        swapped = tuple(
-            replace(
-                row,
-                platform=row.base,
-                base=row.platform,
-                platform_name=row.base_name,
-                base_name=row.platform_name,
-            )
-            for row in instance.constraints
-        )
-        instance, R, T = replace(instance, constraints=swapped), R.T, -R.T @ T
+        instance, R, T = replace(instance, constraints=upside_down(instance)), R.T, -R.T @ T
         goal = goal[0].T, -goal[0].T @ goal[1]
     follower = gspcli.Follower(instance, R, T)
     poses = np.stack([R, goal[0]]), np.stack([T, goal[1]])

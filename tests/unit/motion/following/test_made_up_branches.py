@@ -21,17 +21,7 @@ from gspcli.motion.following.branch_steps import BranchSteps, Segment
 from gspcli.motion.following.chord_equations import DEGREE, VALUES, Chord, Parts
 from gspcli.motion.following.chords import ChordProofs, on_patch, prove
 from gspcli.motion.following.cone_limits import _enclosed, _joined
-
-
-def quadric(**entries: float) -> np.ndarray:
-    """Return the Hessian matrix of a quadric: ``quadric(e01=1)`` is that of e0 e1."""
-    matrix = np.zeros((8, 8))
-    for name, factor in entries.items():
-        i, j = map(int, name[1:])
-        matrix[i, j] += factor
-        matrix[j, i] += factor
-    return matrix
-
+from tests.support.systems import quadric
 
 NORM = quadric(e00=1, e11=1, e22=1, e33=1)
 OTHERS = [quadric(**{f"e0{k}": 1}) for k in (2, 3, 5, 6, 7)]

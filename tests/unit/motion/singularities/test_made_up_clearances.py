@@ -18,17 +18,7 @@ from gspcli.motion.singularities.enclosures import Neighbourhood
 from gspcli.motion.singularities.pose_clearances import _divided
 from gspcli.motion.singularities.screw_forms import Regular, ScrewForms
 from gspcli.motion.singularities.taylor_forms import Form
-
-
-def quadric(**entries: float) -> np.ndarray:
-    """Return the Hessian matrix of a quadric: ``quadric(e01=1)`` is that of e0 e1."""
-    matrix = np.zeros((8, 8))
-    for name, factor in entries.items():
-        i, j = map(int, name[1:])
-        matrix[i, j] += factor
-        matrix[j, i] += factor
-    return matrix
-
+from tests.support.systems import quadric
 
 #: Equations about x^2 = c on points (1, x, 0, ...), with a double solution at c = 0: shape, A, B.
 EQUATIONS = {
