@@ -34,7 +34,7 @@ from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Crank, Point
 from gspcli.records import dataclass
 from gspcli.solver.results.proof import CountKind, Proof
-from gspcli.solver.starts.solved_starts import SolvedStarts, counted_sides
+from gspcli.solver.starts.solved_starts import SolvedStarts
 from gspcli.solver.starts.start import Start
 from gspcli.solver.study_systems import coefficients_of
 
@@ -137,7 +137,7 @@ def counted(instance: Instance, start: Start) -> list[ExactCount | None]:
     """
     names = [name for name in Drives.of(instance).names if "." in name]
     found: list[ExactCount | None] = [None] * 2 ** len(names)
-    sides = counted_sides(instance, np.array([row.value.value for row in instance.constraints]))
+    values = np.array([row.value.value for row in instance.constraints])
     for size in range(len(names)):
         for moved in combinations(range(len(names)), size):
             # With fewer motors moved there are not more.
@@ -145,7 +145,7 @@ def counted(instance: Instance, start: Start) -> list[ExactCount | None]:
             if any(found[k] is None for k in fewer):
                 continue
             held = frozenset(names) - {names[k] for k in moved}
-            count = SolvedStarts().count(anywhere(instance, held), sides, SEED, COUNT_LIMIT)
+            count = SolvedStarts().count(anywhere(instance, held), values, SEED, COUNT_LIMIT)
             if count is not None and (count.solutions or 0) < start.found:
                 found[sum(2**k for k in moved)] = count
     return found

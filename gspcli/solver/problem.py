@@ -22,7 +22,7 @@ from gspcli.defaults import PATIENCE, SEED
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.numbers import Number
-from gspcli.solver.starts.solved_starts import STARTS, SolvedPlatform, SolvedStarts, counted_sides
+from gspcli.solver.starts.solved_starts import STARTS, SolvedPlatform, SolvedStarts
 from gspcli.solver.study_systems import coefficients_at, coefficients_of, side_choices, systems_of
 
 if TYPE_CHECKING:
@@ -256,6 +256,6 @@ class Problem:
 
     def count_geometry(self) -> ExactCount | None:
         """Return the count of the geometry with values in general position."""
-        sides = counted_sides(self.instance, self.arrangement.values)
-        self.known_geometry_count = self.starts.count(self.instance, sides, self.seed, self.limit)
+        given = self.instance, self.arrangement.values, self.seed, self.limit
+        self.known_geometry_count = self.starts.count(*given)
         return self.known_geometry_count

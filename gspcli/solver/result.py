@@ -169,13 +169,12 @@ class SolveResult:
         if self.exact_count is None and self.verdict != "infinite":
             return None
         from gspcli.certification.counting import geometry_count
-        from gspcli.solver.starts.solved_starts import STARTS, counted_sides
+        from gspcli.solver.starts.solved_starts import STARTS
 
         # Distances of zero leave no sides to choose, and are no values in general position.
         known = None
         if self.arrangement.values[self.arrangement.distances].all():
-            sides = counted_sides(self.instance, self.arrangement.values)
-            known = STARTS.count(self.instance, sides, self.seed, PATIENCE)
+            known = STARTS.count(self.instance, self.arrangement.values, self.seed, PATIENCE)
         count = known or geometry_count(self.instance, seed=self.seed)
         zeros = sum(row.kind is DLL and row.value.value == 0 for row in self.instance.constraints)
         return None if count is None or count.solutions is None else count.solutions >> zeros

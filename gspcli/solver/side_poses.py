@@ -21,7 +21,6 @@ from gspcli.certification.poses.locator import (
     DOUBLE,
     AtInfinity,
     Located,
-    Locator,
 )
 from gspcli.certification.poses.many_values import ProvedPoses
 from gspcli.continuation.paths import Basis, PathAccount
@@ -62,6 +61,8 @@ class SidePoses:
 
     Attributes
     ----------
+    locator
+        The equations in balls.
     sides
         For each constraint the index of its equation (`BallSystem.equations`).
     found
@@ -89,7 +90,8 @@ class SidePoses:
     def __init__(self, problem: Problem, k: int) -> None:
         self.problem, self.k = problem, k
         self.sides = problem.sides[k]
-        self.found = Collection(problem.locator, self.sides)
+        self.locator = problem.locator
+        self.found = Collection(self.locator, self.sides)
         self.infinite: list[Isolation] = []
         self.reached: Bits = np.zeros(0, np.bool_)
         self.unresolved: Index = np.arange(0)
@@ -104,11 +106,6 @@ class SidePoses:
     def paths(self) -> TrackedPaths:
         """The paths."""
         return self.problem.tracked[self.k]
-
-    @property
-    def locator(self) -> Locator:
-        """The equations in balls."""
-        return self.problem.locator
 
     @cached_property
     def target(self) -> FineCoefficients:
@@ -195,7 +192,7 @@ class SidePoses:
         new[sought] = place >= before
         sought = sought[place < 0]
         near = ends.take(sought)
-        located = self.problem.locator.locate(near.points, near.low, self.sides, bits)
+        located = self.locator.locate(near.points, near.low, self.sides, bits)
         new[sought] = [bool(self.found.add([end])) for end in located]
         new[index] = new[source]
         self.found.add_conjugates()

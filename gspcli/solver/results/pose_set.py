@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +25,8 @@ Complex = NDArray[np.complex128]
 #: Poses with larger entries, lengths in typical ones, are far away: 32 digits in the frames of the
 #: platform do not round them correctly.
 _FAR = 64
+#: What there is one of for each pose.
+_OF_POSES = ("quaternions", "R", "T", "real", "certified", "multiplicity")
 #: Ends of paths that are no isolated poses.
 _NO_POSES = ("at_infinity", "on_curves", "spurious", "lost")
 
@@ -99,8 +101,8 @@ class PoseSet:
         return f"<PoseSet: {self.account_text}>"
 
     @classmethod
-    def unsolved(cls, expected: int, problem: str) -> PoseSet:
-        """Return the set of a platform that cannot be solved, all its paths lost."""
+    def unsolved(cls, expected: int, problem: str | None = None) -> PoseSet:
+        """Return the set of a platform that is not solved, for some reason: all paths are lost."""
         return cls(
             quaternions=np.zeros((0, 4), complex),
             R=np.zeros((0, 3, 3), complex),
@@ -150,16 +152,8 @@ class PoseSet:
 
     def reordered(self, order: NDArray[np.integer] | NDArray[np.bool_]) -> PoseSet:
         """Return the poses in another order, or some of them."""
-        return replace(
-            self,
-            quaternions=self.quaternions[order],
-            R=self.R[order],
-            T=self.T[order],
-            real=self.real[order],
-            certified=self.certified[order],
-            multiplicity=self.multiplicity[order],
-            signs=None if self.signs is None else self.signs[order],
-        )
+        parts = {name: getattr(self, name)[order] for name in _OF_POSES}
+        return replace(self, signs=None if self.signs is None else self.signs[order], **parts)
 
 
 def are_far(R: Complex, T: Complex, length: float, limit: float = _FAR) -> NDArray[np.bool_]:
@@ -176,13 +170,11 @@ def on_sides(choices: NDArray[np.float64], count: int) -> NDArray[np.float64]:
 def joined(parts: Sequence[PoseSet]) -> PoseSet:
     """Return the poses of several systems together, without a proof."""
     signs = [part.signs for part in parts if part.signs is not None]
+    arrays: dict[str, Any] = {
+        name: np.concatenate([getattr(part, name) for part in parts]) for name in _OF_POSES
+    }
     return PoseSet(
-        quaternions=np.concatenate([part.quaternions for part in parts]),
-        R=np.concatenate([part.R for part in parts]),
-        T=np.concatenate([part.T for part in parts]),
-        real=np.concatenate([part.real for part in parts]),
-        certified=np.concatenate([part.certified for part in parts]),
-        multiplicity=np.concatenate([part.multiplicity for part in parts]),
+        **arrays,
         motions=tuple(motion for part in parts for motion in part.motions),
         signs=np.concatenate(signs) if len(signs) == len(parts) else None,
         account=sum((part.account for part in parts), PathAccount(expected=0)),

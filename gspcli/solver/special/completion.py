@@ -177,7 +177,7 @@ def complete_parts(
         basis=Basis.COUNT,
     )
     if not found:
-        return replace(PoseSet.unsolved(paths, ""), account=account, problem=None)
+        return replace(PoseSet.unsolved(paths), account=account)
     return replace(joined(found), motions=(), account=account)
 
 

@@ -90,8 +90,11 @@ def infinitely_many(
     """Return motions and isolated poses of a platform with infinitely many."""
     instance, proof = problem.instance, _proof(problem.instance, count)
     if (moving := _moving_with_parallel_lines(instance, count)) is not None:
-        samples = solve(moving).motions
-        poses = along_points(instance, problem.arrangement, samples, proof)
+        # Lines are parallel at every pose: there are no isolated ones.
+        found = tuple(x for x in solve(moving).motions if _holds(problem.arrangement, x))
+        paths = instance.expected
+        account = PathAccount(expected=paths, on_curves=paths, basis=Basis.COUNT)
+        poses = replace(PoseSet.unsolved(paths), motions=found, account=account, proof=proof)
     else:
         poses = solve_infinite(problem, ledger, proof)
     if poses.account.verdict != "infinite" or any(motion.real for motion in poses.motions):
@@ -162,30 +165,6 @@ def _motion(arrangement: Arrangement, curve: SolutionCurve) -> Motion:
     """Return the poses along a sample of a curve of solutions."""
     points = made_real(curve.motion) if curve.real else curve.motion
     return Motion(curve.dimension, curve.real, *arrangement.poses_of(points))
-
-
-def along_points(
-    instance: Instance, arrangement: Arrangement, samples: Sequence[Motion], proof: Proof | None
-) -> PoseSet:
-    """Return the motions of a platform whose lines are parallel at every pose.
-
-    Parameters
-    ----------
-    instance, arrangement
-        The platform, exactly and in floating point.
-    samples
-        Motions of the platform with points for these lines.
-    proof
-        What proves the set of poses to be infinite.
-    """
-    paths = instance.expected
-    return replace(
-        PoseSet.unsolved(paths, ""),
-        motions=tuple(motion for motion in samples if _holds(arrangement, motion)),
-        account=PathAccount(expected=paths, on_curves=paths, basis=Basis.COUNT),
-        proof=proof,
-        problem=None,
-    )
 
 
 def _with_real_motion(

@@ -7,7 +7,7 @@ correctly rounded (`gspcli.certification.numbers.correct_rounding`).
 from __future__ import annotations
 
 from collections import OrderedDict
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable, Hashable
 from enum import Enum
 from threading import Lock
 from types import MappingProxyType
@@ -144,46 +144,30 @@ class SolvedStarts:
         return cast("SolvedPlatform | None", found)
 
     def count(
-        self,
-        instance: Instance,
-        sides: Sequence[Side],
-        seed: int,
-        limit: float | None,
+        self, instance: Instance, values: NDArray[np.float64], seed: int, limit: float | None
     ) -> ExactCount | None:
-        """Return the count of an instance's geometry on some sides; None if it is not known."""
+        """Return the count of an instance's geometry; None if it is not known.
+
+        Both sides of a plane at distance zero are the same equation, so that one of them is
+        counted: at which distances that is so the values say, shape (6,).
+        """
         rows = tuple(
-            (row.kind, row.platform, row.base, side)
-            for row, side in zip(instance.constraints, sides, strict=True)
+            Constraint(
+                kind=row.kind,
+                platform=row.platform,
+                base=row.base,
+                value=Number.of(1),
+                side=Side.POSITIVE if row.kind.has_sides and value == 0 else row.side,
+            )
+            for row, value in zip(instance.constraints, values.tolist(), strict=True)
         )
 
         def counted() -> ExactCount | None:
             from gspcli.certification.counting import geometry_count
 
-            given = tuple(
-                Constraint(kind=kind, platform=platform, base=base, value=Number.of(1), side=side)
-                for kind, platform, base, side in rows
-            )
-            return geometry_count(Instance(given, _UNITS), seed=seed, limit=limit)
+            return geometry_count(Instance(rows, _UNITS), seed=seed, limit=limit)
 
         return self.kept(Sort.COUNT, (rows, seed, limit), counted)
-
-
-def counted_sides(instance: Instance, values: NDArray[np.float64]) -> list[Side]:
-    """Return on which sides the poses of a geometry are counted.
-
-    Both sides of a plane at distance zero are the same equation, so that one of them is counted.
-
-    Parameters
-    ----------
-    instance
-        The geometry.
-    values
-        Which of them are zero, shape (6,).
-    """
-    return [
-        Side.POSITIVE if row.kind.has_sides and value == 0 else row.side
-        for row, value in zip(instance.constraints, values.tolist(), strict=True)
-    ]
 
 
 def geometry_key(given: Arrangement) -> Hashable:
