@@ -151,9 +151,7 @@ def test_three_points_on_a_line_are_not_moved() -> None:
 
 
 def test_equations_of_a_family_are_those_of_its_platforms_also_where_s_is_complex() -> None:
-    family = turned_directions(
-        _nearly_parallel("DPL DPL DPP DPP DPP DPP", Fraction(1, 10**14), sign=-1)
-    )
+    family = turned_directions(_nearly_parallel(Fraction(1, 10**14), sign=-1))
     assert family is not None
     point, sides = [acb(k + 1, -k) for k in range(8)], (0,) * 6
     with ctx.workprec(400):
