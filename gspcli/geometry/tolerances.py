@@ -21,7 +21,7 @@ NEARLY_PARALLEL_SINE = 1e-2
 NEARLY_PARALLEL_SINE_SQUARE = 1e-8
 #: Angles in radians between which directions of a body are turned apart to find poses far away.
 #: Above the second, paths with 64 digits are quicker; below the first, bounds are no floats.
-TURNED_APART_RADIANS = (1e-62, 1e-13)
+TURNED_APART_RADIANS = (1e-62, 1e-4)
 #: Distances of points from a line, as parts of the distance of two points on it, from which they
 #: are moved off to find poses far away. Above the second, paths with 64 digits are quicker; below
 #: the first, bounds are no floats.

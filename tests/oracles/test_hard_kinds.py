@@ -109,7 +109,7 @@ def check(text, solutions, distinct, seed=SEED):
 
 @pytest.mark.parametrize("seed", [SEED, *(pytest.param(k, marks=pytest.mark.slow) for k in (1, 2))])
 def test_guide_rods_are_complete(seed):
-    """One path in three needs more than 200 steps with 64 digits (four seconds)."""
+    """One path in three needs more than 200 steps with 64 digits: rods are turned apart."""
     assert check(*HARD["three guide rods parallel up to 1e-5"], seed)
 
 
@@ -132,3 +132,21 @@ def test_touching_angles_are_complete():
 def test_four_points_on_a_line_are_complete():
     """Poses 1e22 lengths away, which 64 digits do not reach (six seconds)."""
     assert check(*HARD["four points of a body on a line up to 1e-10, with DPL"])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "poses"),
+    [
+        # Three parallel lines: paths with 64 digits took a minute (four seconds).
+        ("guide-rods/PL-PP-PP-PP/1e-8", 320),
+        # Real poses meet where s is real (ten seconds).
+        ("points-on-lines/LP-PP-PP/1e-20", 64),
+    ],
+)
+def test_poses_far_away_are_found_from_one_family(name: str, poses: int, load_tool) -> None:
+    made = load_tool("special.platforms")
+    [platform] = [p for p in made.platforms([name.partition("/")[0]]) if p.id == name]
+    found = solve(platform.instance, starts=SolvedStarts())
+    assert found.verdict == "complete"
+    assert len(found.R) == found.certified.sum() == poses

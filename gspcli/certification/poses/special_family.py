@@ -3,7 +3,7 @@
 If lines or planes of one body are parallel up to eps, or points on a line, there are poses eps^-2
 lengths away, with N of size eps^4, near each other. Paths with 64 digits from a start in general
 position do not reach them. Multiply the small differences by s: the Study points are then power
-series in s. They are followed from differences of 3e-4 to s = 1, along polynomials through the last
+series in s. They are followed from differences of 1e-3 to s = 1, along polynomials through the last
 points, with as many bits as N needs. On the way s is complex, so that no poses meet: each pose of
 the beginning leads to another one. The ends are located and proved like the ends of all paths.
 """

@@ -20,13 +20,16 @@ from gspcli.solver.side_poses import SidePoses
 
 #: The differences from which poses are followed, each tried in turn, negative for the other side:
 #: poses are found there with 32 digits.
-_APART = (3e-4, -3e-4)
+_APART = (1e-3, -3e-3)
+#: Paths with 64 digits are quicker than from directions that differ by more, unless three are
+#: nearly parallel, or so many paths have led to no pose for each that is missing.
+_LEAST, _MANY = 1e-13, 4
 
 
 def from_turned_directions(side: SidePoses) -> Iterator[None]:
     """Add the poses to which those of a platform with directions turned apart lead."""
     turned = turned_directions(side.problem.instance) if len(side.unresolved) else None
-    if turned is not None:
+    if turned is not None and _is_quick(side, turned):
         yield from _from_family(side, turned)
 
 
@@ -35,6 +38,13 @@ def from_points_off_lines(side: SidePoses) -> Iterator[None]:
     moved = points_off_lines(side.problem.instance) if len(side.unresolved) else None
     if moved is not None:
         yield from _from_family(side, moved)
+
+
+def _is_quick(side: SidePoses, turned: SpecialFamily) -> bool:
+    """Whether its paths are quicker than paths with 64 digits."""
+    missing = (side.most or side.paths.count) - len(side.found)
+    are_three = sum(map(bool, turned.differences)) > 1
+    return turned.size < _LEAST or are_three or len(side.unresolved) > _MANY * missing
 
 
 def _from_family(side: SidePoses, family: SpecialFamily) -> Iterator[None]:

@@ -62,7 +62,7 @@ def test_poses_far_away_are_found_and_proved(power: int) -> None:
 
 def test_they_are_found_from_the_other_side(monkeypatch: pytest.MonkeyPatch) -> None:
     """With s < 0 at the beginning."""
-    monkeypatch.setattr(special_families, "_APART", (-3e-4,))
+    monkeypatch.setattr(special_families, "_APART", (-3e-3,))
     result = solve(_nearly_parallel(), starts=SolvedStarts())
     assert (result.verdict, result.counts.certified) == ("complete", 160)
 
