@@ -210,8 +210,8 @@ class ValueProofs:
         found = self._decide(values, units, points, frames, jobs)
         wanted = found.certified & ~found.rounded
         points = points.reshape(*wanted.shape, points.shape[-1])
-        if rows is None and not found.certified.all():
-            # Further numbers are needed for the others, which round these, too.
+        if rows is None and not all_poses and not found.certified.all():
+            # Other poses need 64 digits anyway (`finer_proofs`), which round these, too.
             return found
         if all_poses:
             wanted |= ~found.certified & np.isfinite(points).all(axis=-1)
