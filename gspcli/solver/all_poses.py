@@ -68,6 +68,8 @@ def first_strategies(problem: Problem) -> Iterator[tuple[Strategy, bool]]:
 
     if not problem.has_closed_form:
         # Points, planes and angles in general position, or lines.
-        yield (reduced_paths if problem.is_reducible else short_series), True
+        # Planar platforms are kept: from a start of their geometry they take half the time.
+        is_quick = not problem.has_mirror_images
+        yield (reduced_paths if problem.is_reducible else short_series), is_quick
     # Everything else, with all the care that double precision allows.
     yield careful_paths, False
