@@ -11,19 +11,22 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import cached_property, lru_cache
 
 import numpy as np
 from flint import arb, arb_mat, ctx
 from numpy.typing import NDArray
 
-from gspcli.catalogue.kinds import Law
+from gspcli.catalogue.kinds import Kind, Law
 from gspcli.certification.equations import study
 from gspcli.certification.equations.ball_system import monomials
 from gspcli.certification.equations.quadratic_forms import Form, forms_of, scaled
 from gspcli.certification.equations.statement import Statement, statements_in
 from gspcli.certification.numbers.balls import dot, norm
 from gspcli.certification.numbers.rounding import OUTWARD
-from gspcli.geometry.instance import Instance
+from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Units
+from gspcli.geometry.numbers import Number
+from gspcli.geometry.primitives import Geometry
 
 Array = NDArray[np.float64]
 
@@ -31,6 +34,7 @@ Array = NDArray[np.float64]
 _PARTS, _BITS = 4, 320
 #: Numbers that are not zero may not be smaller: their last parts would underflow.
 _LEAST = 2.0**-600
+_UNITS = Units("unit", AngleUnit.RADIAN)
 #: Relative errors of sums of four doubles; the kernel allows for more.
 _ERROR = 2.0**-180
 
@@ -54,23 +58,13 @@ class FinerNumbers:
     """
 
     def __init__(self, instance: Instance, scale: float, meeting: Sequence[bool]) -> None:
-        with ctx.workprec(_BITS):
-            self._statements = statements_in(instance, scale)
-            mains = [
-                _equation(given, meeting=each)
-                for given, each in zip(self._statements, meeting, strict=True)
-            ]
-            forms: list[Form] = [{study.NORM: arb(1)}, {study.STUDY: arb(1)}]
-            for main, _, squares in mains:
-                forms += [main, *squares]
-            rows = arb_mat([[form.get(k, arb(0)) for k in range(study.COUNT)] for form in forms])
-            coefficients = _sums((rows * arb_mat(monomials())).entries())
-            weights = _sums([weight for _, weight, _ in mains])
-        self.equations = (
-            None
-            if coefficients is None or weights is None
-            else (coefficients.reshape(_PARTS, len(forms), -1), weights)
-        )
+        self._instance, self._scale = instance, scale
+        joined = tuple((row.kind, row.platform, row.base) for row in instance.constraints)
+        self.equations = _equations(joined, scale, tuple(meeting))
+
+    @cached_property
+    def _statements(self) -> tuple[Statement, ...]:
+        return statements_in(self._instance, self._scale)
 
     def values(self, choice: Array, row: Array | None) -> Array | None:
         """Return the values of the equations for the kernel (native/ends.hpp), shape (9, 6).
@@ -101,6 +95,29 @@ class FinerNumbers:
             ]
         found[:_PARTS], found[_PARTS], found[_PARTS + 1 :] = values, gaps, lengths
         return found
+
+
+#: Of so many geometries the equations are kept: they take as long as all else of a solution.
+@lru_cache(maxsize=64)
+def _equations(
+    joined: tuple[tuple[Kind, Geometry, Geometry], ...], scale: float, meeting: tuple[bool, ...]
+) -> tuple[Array, Array] | None:
+    """Return the equations of a geometry, which most of its platforms share."""
+    rows = tuple(Constraint(*each, Number.of(1)) for each in joined)
+    with ctx.workprec(_BITS):
+        statements = statements_in(Instance(rows, _UNITS), scale)
+        mains = [
+            _equation(given, meeting=each) for given, each in zip(statements, meeting, strict=True)
+        ]
+        forms: list[Form] = [{study.NORM: arb(1)}, {study.STUDY: arb(1)}]
+        for main, _, squares in mains:
+            forms += [main, *squares]
+        matrix = arb_mat([[form.get(k, arb(0)) for k in range(study.COUNT)] for form in forms])
+        coefficients = _sums((matrix * arb_mat(monomials())).entries())
+        weights = _sums([weight for _, weight, _ in mains])
+    if coefficients is None or weights is None:
+        return None
+    return coefficients.reshape(_PARTS, len(forms), -1), weights
 
 
 def _equation(given: Statement, *, meeting: bool) -> tuple[Form, arb, tuple[Form, ...]]:
