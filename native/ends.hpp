@@ -51,13 +51,25 @@ struct Poses {
   std::uint8_t* complete;
 };
 
+// Decides about `count` Study points for each of some sets of values with numbers of 64 digits, where points of all
+// sets share the lanes. The arrays of poses and points have the points of one set after those of another. `work` has
+// room for twice 27 quadrics numbers, and for 3 numbers a point.
+using DecideTogether = void(const OpenGeometry&, const OpenValues*, int sets, int count, const Complex* points,
+                            double* work, const Poses&);
+DecideTogether decide_together_portable, decide_together_avx2, decide_together_avx512;
+
 // Decides about `count` Study points of any norm (count, 8) after one step of Newton's method. If
-// that does not suffice, more steps follow at points of 32 digits. If numbers with 64 digits are
-// given, the equations are evaluated with these, after several steps. Poses are rounded correctly
+// that does not suffice, more steps follow at points of 32 digits. Poses are rounded correctly
 // (FinePoints). `work` has room for twice the Hessian matrices and the coefficients, 182 quadrics
 // numbers, and for 3 numbers a point.
 using Decide = void(const OpenGeometry&, const OpenValues&, int count, const Complex* points,
                     double* work, const Poses&);
 Decide decide_portable, decide_avx2, decide_avx512;
+
+// What one build has of both.
+struct EndsBuild {
+  Decide* decide;
+  DecideTogether* together;
+};
 
 }  // namespace gsp

@@ -29,7 +29,9 @@ constexpr std::size_t kNumbers = 6, kFiner = 9;
 // See FinerGeometry and OpenValues.
 using Finer = std::tuple<Array<double, 3>, Array<double, 2>, Array<double, 3>>;
 
-Decide* (*choose)(const std::string& build);
+EndsBuild (*choose)(const std::string& build);
+// So many sets of values share the lanes with numbers of 64 digits.
+constexpr std::size_t kTogether = 64;
 
 void check_geometry(const Array<double, 3>& hessians, const Array<double, 3>& moduli,
                     const Array<std::int32_t, 2>& equations, const Array<std::int32_t, 1>& turned) {
@@ -91,28 +93,34 @@ nb::tuple decide(Array<double, 3> hessians, Array<double, 3> lows, Array<double,
   auto deviation = std::make_unique<double[]>(total);
   auto proved = std::make_unique<std::uint8_t[]>(total);
   auto complete = std::make_unique<std::uint8_t[]>(systems);
-  Decide* const run = choose(build);
+  const EndsBuild run = choose(build);
+  const std::size_t together = finer ? kTogether : 1, pieces = (systems + together - 1) / together;
   {
     nb::gil_scoped_release release;
     std::atomic<std::size_t> next{0};
     const auto work = [&] {
-      std::vector<double> room(2 * quadrics * (eight * eight + kMonomials) + 3 * count);
-      for (std::size_t s = next++; s < systems; s = next++) {
-        const std::size_t at = s * count;
-        const double* given = values.data() + s * kNumbers * kEquations;
-        run(open,
-            {given, given + kEquations, given + 2 * kEquations, given + 3 * kEquations,
-             given + 4 * kEquations, given + 5 * kEquations, units(s),
-             finer_values ? finer_values + s * kFiner * kEquations : nullptr},
-            static_cast<int>(count),
-            reinterpret_cast<const Complex*>(points.data() + at * eight), room.data(),
-            {reinterpret_cast<Complex*>(rotation.get() + at * 9),
-             reinterpret_cast<Complex*>(translation.get() + at * 3),
-             reinterpret_cast<Complex*>(quaternion.get() + at * 4), deviation.get() + at,
-             proved.get() + at, complete.get() + s});
+      std::vector<double> room(2 * quadrics * (eight * eight + kMonomials) + 3 * together * count);
+      std::vector<OpenValues> sets(together);
+      for (std::size_t piece = next++; piece < pieces; piece = next++) {
+        const std::size_t first = piece * together, size = std::min(together, systems - first), at = first * count;
+        for (std::size_t s = first; s < first + size; ++s) {
+          const double* given = values.data() + s * kNumbers * kEquations;
+          sets[s - first] = {given, given + kEquations, given + 2 * kEquations, given + 3 * kEquations,
+                             given + 4 * kEquations, given + 5 * kEquations, units(s),
+                             finer_values ? finer_values + s * kFiner * kEquations : nullptr};
+        }
+        const auto* const near = reinterpret_cast<const Complex*>(points.data() + at * eight);
+        const Poses poses{reinterpret_cast<Complex*>(rotation.get() + at * 9),
+                          reinterpret_cast<Complex*>(translation.get() + at * 3),
+                          reinterpret_cast<Complex*>(quaternion.get() + at * 4), deviation.get() + at,
+                          proved.get() + at, complete.get() + first};
+        if (finer)
+          run.together(open, sets.data(), static_cast<int>(size), static_cast<int>(count), near, room.data(), poses);
+        else
+          run.decide(open, sets[0], static_cast<int>(count), near, room.data(), poses);
       }
     };
-    share(jobs, systems, work);
+    share(jobs, pieces, work);
   }
   return nb::make_tuple(owned(std::move(rotation), {systems, count, three, three}),
                         owned(std::move(translation), {systems, count, three}),
@@ -163,7 +171,7 @@ nb::tuple open(Array<std::int32_t, 1> relations, Array<double, 4> numbers, Array
 
 }  // namespace
 
-void bind_ends(nb::module_& m, Decide* (*choose_decide)(const std::string& build)) {
+void bind_ends(nb::module_& m, EndsBuild (*choose_decide)(const std::string& build)) {
   choose = choose_decide;
   m.def("open", &open, "relations"_a, "numbers"_a, "tables"_a, nb::kw_only(), "tiny"_a,
         "Write down equations with their values left open; see gspcli.certification.poses.many_values.");

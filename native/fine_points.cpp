@@ -44,7 +44,8 @@ void coefficients(const FineGeometry& g, const FineValues& given, double* high, 
 }
 
 void values(int quadrics, const ProofEquation* equations, const double* high, const double* low,
-            const FineNumbers& point, const FineNumbers& monomials, const LaneNumbers& out) {
+            const FineLaneValues* given, const FineNumbers& point, const FineNumbers& monomials,
+            const LaneNumbers& out) {
   C z[N], m[kMonomials], quadric[kMostQuadrics];
   for (int i = 0; i < N; ++i) z[i] = load(point, i);
   for (int i = 0; i < 4; ++i)
@@ -61,6 +62,16 @@ void values(int quadrics, const ProofEquation* equations, const double* high, co
       im.add(D{} + a, D{} + a_low, m[k].im);
     }
     quadric[q] = {re.total(), im.total()};
+  }
+  for (int r = 0; given && r < kEquations; ++r) {
+    const V value{load(given->value.re, r), load(given->value.im, r)};
+    const V by = times(V{D{} + given->weight[r], D{} + given->weight_low[r]}, value);
+    C& main = quadric[equations[r].main];
+    main = plus(main, C{times(by, quadric[0].re), times(by, quadric[0].im)});
+    if (const int q = given->turned[r]; q >= 0) {
+      const V distance{load(given->distance.re, r), load(given->distance.im, r)};
+      quadric[q] = {times(distance, quadric[q].re), times(distance, quadric[q].im)};
+    }
   }
   const auto put_value = [&](int r, const C& value) {
     store(out.re, r, value.re.hi + value.re.lo), store(out.im, r, value.im.hi + value.im.lo);
@@ -128,7 +139,7 @@ INLINE Reach reach_of(const C* z, const D& error, const D& unit, const C& norm, 
 }
 
 // Poses from N, and N R and N T in `entry`, at points z.
-void finish(C* z, C& norm, C* entry, const D& off, const D& f_unit, const Mask& is_real, double rounding, double unit,
+void finish(C* z, C& norm, C* entry, const D& off, const D& f_unit, const Mask& is_real, double rounding, const D& unit,
             const FinePoses& out) {
   // The real part is no further from a real solution.
   const V none{D{}, D{}};
@@ -152,18 +163,18 @@ void finish(C* z, C& norm, C* entry, const D& off, const D& f_unit, const Mask& 
     }
     errors[i] = change_of * least;
   }
-  put_rounded(entry, errors, is_real, D{} + unit, out);
+  put_rounded(entry, errors, is_real, unit, out);
 }
 
 void poses(const FineNumbers& point, const FineNumbers& monomials, const LaneNumbers& change,
-           const double* error, const double* real, double unit, const FinePoses& out) {
+           const double* error, const double* f_unit, const double* real, const double* unit, const FinePoses& out) {
   C z[N], norm, entry[kEntries];
   for (int i = 0; i < N; ++i) {
     const C x = load(point, i);
     z[i] = {exact_sum(x.re.hi, x.re.lo - load(change.re, i)), exact_sum(x.im.hi, x.im.lo - load(change.im, i))};
   }
   motion(monomials, point, change, norm, entry);
-  finish(z, norm, entry, load(error, 0), D{} + 1.0, load(real, 0) != 0.0, kRounding, unit, out);
+  finish(z, norm, entry, load(error, 0), load(f_unit, 0), load(real, 0) != 0.0, kRounding, load(unit, 0), out);
 }
 
 void poses_of(const FineNumbers& point, const FineNumbers& motion, const double* error, const double* f_unit,
@@ -171,7 +182,7 @@ void poses_of(const FineNumbers& point, const FineNumbers& motion, const double*
   C z[N], norm = load(motion, 0), entry[kEntries];
   for (int i = 0; i < N; ++i) z[i] = load(point, i);
   for (int i = 0; i < kOfPose; ++i) entry[i] = load(motion, i + 1);
-  finish(z, norm, entry, load(error, 0), load(f_unit, 0), load(real, 0) != 0.0, kFormRounding, unit, out);
+  finish(z, norm, entry, load(error, 0), load(f_unit, 0), load(real, 0) != 0.0, kFormRounding, D{} + unit, out);
 }
 
 }  // namespace

@@ -40,19 +40,27 @@ struct FinePoses {
   double* rounded;     // 1 where every number is proved to be rounded correctly, else 0
 };
 
+// Values in lanes, number r of lane l at r lanes + l, in two parts: `re` and `im`.
+struct FineLaneValues {
+  const double *weight, *weight_low;
+  const std::int32_t* turned;
+  LaneNumbers value, distance;
+};
+
 struct FinePoints {
   // The coefficients (quadrics, 27) of one set of values, and what double precision leaves of them.
   void (*coefficients)(const FineGeometry&, const FineValues&, double* high, double* low);
   // The monomials (27) and the seven equations (7) at points (8). The equations err by less than 2^-94
   // times the sum of the moduli of their terms: coefficients by 2^-96, products and sums by 2^-99.
-  void (*values)(int quadrics, const ProofEquation*, const double* high, const double* low,
+  // Values that are not among the coefficients are given, else null.
+  void (*values)(int quadrics, const ProofEquation*, const double* high, const double* low, const FineLaneValues*,
                  const FineNumbers& point, const FineNumbers& monomials, const LaneNumbers& value);
-  // The poses of these points less a change (8), that are known up to an error each then, real (1)
+  // The poses of these points less a change (8), that are known up to an error each then, that of f in units; real (1)
   // or not (0). Numbers below 2^-12 units are rounded to multiples of 2^-64 units, others to the
   // nearest double. The unit is a power of two above all numbers of R, of T (but not below the one
   // given), or of the quaternion.
   void (*poses)(const FineNumbers& point, const FineNumbers& monomials, const LaneNumbers& change,
-                const double* error, const double* real, double unit, const FinePoses&);
+                const double* error, const double* f_unit, const double* real, const double* unit, const FinePoses&);
   // The poses of points (8) of which N, N R by rows and N T are known (13), that err by less than 2^-190
   // times the sum of the moduli of their terms. The errors of f are in units.
   void (*poses_of)(const FineNumbers& point, const FineNumbers& motion, const double* error, const double* f_unit,
@@ -87,7 +95,7 @@ struct OwnFrames {
 };
 
 struct FinerPoints {
-  // The seven equations at points of 32 digits, for values and distances (4, 6). Their errors are
+  // The seven equations at points of 32 digits, for values and distances (4, 6) in each lane. Their errors are
   // below 2^-150 times the sum of the moduli of their terms. For only a part of at most 2^-150 of
   // that sum is computed with rounding.
   void (*values)(const FinerGeometry&, const double* value, const double* distance, const FineNumbers& point,

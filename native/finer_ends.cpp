@@ -10,7 +10,6 @@ constexpr int kFinerParts = 4, kEntries = 12, kNumbers = 16, kMotion = 13;
 // Errors of values with 64 digits (FinerPoints), and the most steps of Newton's method. It ends after a step
 // below kArrived times the largest coordinate, or below kShort and hardly shorter than the one before.
 constexpr double kFinerRounding = 0x1p-190;
-constexpr double kNoGap[kEquations] = {};  // of values: they are among the coefficients
 constexpr int kFinerSteps = 16;
 constexpr double kArrived = 0x1p-170, kShort = 0x1p-80, kStalled = 0.25;
 
@@ -115,18 +114,9 @@ void invert_by_pivots(const C (&jacobian)[kRows][kRows], C (&inverse)[kRows][kRo
     for (int k = 0; k < kRows; ++k) inverse[i][k] = row[i][kRows + k];
 }
 
-// Units of f: powers of two about its largest coordinate, but not below one.
-void choose_units(const C* z, Units& units) {
-  constexpr long long kExponent = 0x7ff0000000000000;
-  D largest = D{} + 1.0;
-  for (int i = 4; i < N; ++i) largest = maximum(minimum(bound(z[i]), D{} + 0x1p300), largest);
-  const D unit = (D)((Mask)largest & kExponent);
-  for (int i = 0; i < N; ++i) units.unit[i] = i < 4 ? D{} + 1.0 : unit, units.inverse[i] = 1.0 / units.unit[i];
-}
-
-// Newton's method from points; afterwards they are one step ahead of where the theorem was applied.
-void prove_points(const Decision& d, FinerPoint& point, const Mask* above, const Mask* below, Units& units,
-                  Isolation& found) {
+// Newton's method from points; afterwards they are one step ahead of where the theorem was applied. Returns the unit
+// of the errors of f.
+D prove_points(const Decision& d, FinerPoint& point, const Mask* above, const Mask* below, Isolation& found) {
   Linear at;
   C z[N];
   Room<kRows> value;
@@ -134,11 +124,11 @@ void prove_points(const Decision& d, FinerPoint& point, const Mask* above, const
   D length = D{} + __builtin_inf();
   for (int step = 0;; ++step) {
     point.load(z);
-    choose_units(z, units);
+    const Units units(z);
     GSP_FINER.linearize(d.platform.equations, point, value, derivative);
     for (int r = 0; r < kRows; ++r) {
       C row[N];
-      for (int i = 0; i < N; ++i) row[i] = by(units.unit[i], derivative.at(r * N + i));
+      for (int i = 0; i < N; ++i) row[i] = units.from(i, derivative.at(r * N + i));
       free_columns(row, above, at.jacobian[r]);
       at.value[r] = value.at(r);
     }
@@ -153,21 +143,22 @@ void prove_points(const Decision& d, FinerPoint& point, const Mask* above, const
       moved[k] = k < kRows ? select(below[k], change[k], none) : none;
       if (k > 0) moved[k] = moved[k] + select(above[k - 1], change[k - 1], none);
       size = maximum(units.into(k, bound(z[k])), size), length = maximum(bound(moved[k]), length);
-      moved[k] = by(units.unit[k], moved[k]);
+      moved[k] = units.from(k, moved[k]);
     }
     bool arrived = true;
     for (int l = 0; l < W; ++l)
       arrived = arrived && !(length[l] > kArrived * size[l] &&
                              !(length[l] < kShort * size[l] && length[l] > kStalled * before[l]));
     const bool last = arrived || step == kFinerSteps;
-    if (last) isolate(d.system, units, z, above, at, kFinerRounding, kNoGap, found);
+    const D no_gap[kEquations] = {};  // of values: they are among the coefficients
+    if (last) isolate(d.system, units, z, above, at, kFinerRounding, no_gap, found);
     Room<N> change_of;
     change_of.store(moved);
     GSP_FINER.move(point, change_of);
     if (last) {
-        // Of that move.
+      // Of that move.
       found.error_after += kFinerRounding * (size + length);
-      return;
+      return units.of_f;
     }
   }
 }
@@ -190,16 +181,15 @@ void decide_lanes(const Decision& d, int parts, const Complex* points, int begin
   Mask above[kRows], below[kRows];
   for (int k = 0; k < kRows; ++k) above[k] = patch <= D{} + double(k), below[k] = ~above[k];
   C z[N];
-  Units units;
   Isolation found;
-  prove_points(d, point, above, below, units, found);
+  const D unit_of_f = prove_points(d, point, above, below, found);
   Room<kMotion> motion;
   GSP_FINER.motion(point, motion);
   point.load(z);
   Room<N> reached;
   reached.store(z);
   double error[W], real[W], f_unit[W], deviation[W], rounded[W], re[kNumbers * W], im[kNumbers * W];
-  for (int l = 0; l < W; ++l) error[l] = found.error_after[l], real[l] = found.real[l] ? 1.0 : 0.0, f_unit[l] = units.unit[N - 1][l];
+  for (int l = 0; l < W; ++l) error[l] = found.error_after[l], real[l] = found.real[l] ? 1.0 : 0.0, f_unit[l] = unit_of_f[l];
   GSP_FINE.poses_of(reached, motion, error, f_unit, real, 1.0, {{re, im}, deviation, rounded});
   for (int l = 0; l < lanes; ++l) {
     const int p = begin + l;

@@ -37,6 +37,13 @@ void monomials(const C* z, C* m) {
   m[kMonomials - 1] = square;
 }
 
+// One of four parts of numbers in lanes, of which there are six a part.
+V in_lanes(const double* from, int k) {
+  V x;
+  for (int part = 0; part < kParts; ++part) x.part[part] = load(from, part * kEquations + k);
+  return x;
+}
+
 C quadric_at(const FinerGeometry& g, int q, const C* m) {
   const int count = g.quadrics * kMonomials;
   C sum{splat(0.0), splat(0.0)};
@@ -65,12 +72,12 @@ void values(const FinerGeometry& g, const double* value, const double* distance,
   put_value(0, quadric[1]);
   for (int r = 0; r < kEquations; ++r) {
     const ProofEquation& e = g.equation[r];
-    const V by = number(g.weight, kEquations, r) * number(value, kEquations, r);
+    const V by = number(g.weight, kEquations, r) * in_lanes(value, r);
     C s = quadric[e.main] + by * quadric[0];
     if (e.squares[0] >= 0) s = quadric[0] * s;
     for (const int b : e.squares) {
       if (b < 0) continue;
-      const C x = b == g.turned[r] ? number(distance, kEquations, r) * quadric[b] : quadric[b];
+      const C x = b == g.turned[r] ? in_lanes(distance, r) * quadric[b] : quadric[b];
       s = s - x * x;
     }
     put_value(r + 1, s);

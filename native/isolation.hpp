@@ -13,6 +13,48 @@ namespace {
 // Radius of the theorem.
 constexpr double kReach = 0.125;
 
+// Values of equations whose quadrics are those of distances and cosines of zero, one set in each lane.
+struct LaneValues {
+  D norm[kEquations], bound[kEquations];  // how often N is added to the main quadric; of the moduli of that
+  D distance[kEquations];                 // what quadrics are multiplied by, and with `parts` their moduli
+  double parts;
+  const std::int32_t* turned;  // (6) which: -1: none
+};
+
+// Equations that have their values in their quadrics, or in lanes.
+struct LaneSystem : ProofSystem {
+  const LaneValues* values;
+  LaneSystem(const ProofSystem& system, const LaneValues* in_lanes = nullptr) : ProofSystem(system), values(in_lanes) {}
+};
+
+INLINE void add_values(const LaneSystem& system, const C* z, Quadrics<C>& q) {
+  const LaneValues& v = *system.values;
+  for (int r = 0; r < kEquations; ++r) {
+    const int main = system.equation[r].main, turned = v.turned[r];
+    q.value[main] = q.value[main] + by(v.norm[r], q.value[0]);
+    for (int i = 0; i < 4; ++i) q.gradient[main][i] = q.gradient[main][i] + by(2.0 * v.norm[r], z[i]);
+    if (turned < 0) continue;
+    q.value[turned] = by(v.distance[r], q.value[turned]);
+    for (int i = 0; i < N; ++i) q.gradient[turned][i] = by(v.distance[r], q.gradient[turned][i]);
+  }
+}
+
+// The same of bounds.
+INLINE void add_bounds(const LaneSystem& system, const D* m, Quadrics<D>& q) {
+  const LaneValues& v = *system.values;
+  for (int r = 0; r < kEquations; ++r) {
+    const int main = system.equation[r].main, turned = v.turned[r];
+    for (int i = 0; i < 4; ++i) {
+      q.value[main] += v.bound[r] * m[i] * m[i];
+      q.gradient[main][i] += 2.0 * v.bound[r] * m[i];
+    }
+    if (turned < 0) continue;
+    const D factor = v.parts * v.distance[r];
+    q.value[turned] *= factor;
+    for (int i = 0; i < N; ++i) q.gradient[turned][i] *= factor;
+  }
+}
+
 template <class T>
 void evaluate(int count, const double* hessian, const T* z, Quadrics<T>& out) {
   for (int q = 0; q < count; ++q) {
@@ -34,45 +76,51 @@ INLINE void free_columns(const T* row, const Mask* above, T* out) {
   for (int k = 0; k < kRows; ++k) out[k] = select(above[k], row[k + 1], row[k]);
 }
 
-// With 32 digits each coordinate has a unit, a power of two: the theorem is applied to the coordinates in units.
-#if GSP_PARTS == 1
+// The theorem is applied to coordinates in units: e in 1, f in a power of two about its largest coordinate, but not
+// below one. Where f is large, the columns of the Jacobian matrix would differ by as much.
 struct Units {
-  INLINE D from(int, const D& x) const { return x; }
-  INLINE D into(int, const D& x) const { return x; }
-  INLINE double product(int, int, double x) const { return x; }
+  D of_f, inverse;
+
+  explicit Units(const C* z) {
+    constexpr long long kExponent = 0x7ff0000000000000;
+    D largest = D{} + 1.0;
+    for (int i = 4; i < N; ++i) largest = maximum(minimum(bound(z[i]), D{} + 0x1p300), largest);
+    of_f = (D)((Mask)largest & kExponent), inverse = 1.0 / of_f;
+  }
+  INLINE D from(int i, const D& x) const { return i < 4 ? x : of_f * x; }
+  INLINE C from(int i, const C& x) const { return i < 4 ? x : by(of_f, x); }
+  INLINE D into(int i, const D& x) const { return i < 4 ? x : inverse * x; }
 };
-typedef double Second;
-#else
-struct Units {
-  D unit[N], inverse[N];
-  INLINE D from(int i, const D& x) const { return unit[i] * x; }
-  INLINE D into(int i, const D& x) const { return inverse[i] * x; }
-  INLINE D product(int i, int j, double x) const { return x * (unit[i] * unit[j]); }
-};
-typedef D Second;
-#endif
 
 // Bounds of the sums of the moduli of all second derivatives of each equation where coordinates are
 // not larger than m (`System.curvatures`).
-void curvatures(const ProofSystem& system, const Units& units, const D* m, D* out) {
-  D first[kMostQuadrics], value[kMostQuadrics];
-  Second second[kMostQuadrics];
+void curvatures(const LaneSystem& system, const Units& units, const D* m, D* out) {
+  D first[kMostQuadrics], value[kMostQuadrics], second[kMostQuadrics];
   const double* entry = system.moduli;
   for (int q = 0; q < system.quadrics; ++q) {
     first[q] = value[q] = D{};
-    second[q] = Second{};
+    // Of e and e, of e and f, of f and f.
+    double sums[3] = {};
     for (int i = 0; i < N; ++i) {
       D row = D{};
-      Second sum{};
       for (int j = 0; j < N; ++j, ++entry) {
         row += *entry * m[j];
-        sum += units.product(i, j, *entry);
+        sums[(i > 3) + (j > 3)] += *entry;
       }
       first[q] += units.from(i, row);
       value[q] += m[i] * row;
-      second[q] += sum;
     }
     value[q] = 0.5 * value[q];
+    second[q] = sums[0] + units.of_f * (sums[1] + units.of_f * sums[2]);
+  }
+  for (int r = 0; system.values && r < kEquations; ++r) {
+    const LaneValues& v = *system.values;
+    const int main = system.equation[r].main, turned = v.turned[r];
+    for (int i = 0; i < 4; ++i) first[main] += 2.0 * v.bound[r] * m[i], value[main] += v.bound[r] * m[i] * m[i];
+    second[main] += 8.0 * v.bound[r];
+    if (turned < 0) continue;
+    const D factor = v.parts * v.distance[r];
+    first[turned] *= factor, value[turned] *= factor, second[turned] *= factor;
   }
   out[0] = D{} + second[1];
   for (int r = 0; r < kEquations; ++r) {
@@ -97,15 +145,16 @@ struct Linear {
 };
 
 #if GSP_PARTS == 1
-void evaluate(const ProofSystem& system, const C* z, const Mask* above, Linear& at) {
+void evaluate(const LaneSystem& system, const C* z, const Mask* above, Linear& at) {
   Quadrics<C> quadrics;
   C whole[kRows][N];
   evaluate(system.quadrics, system.hessian, z, quadrics);
+  if (system.values) add_values(system, z, quadrics);
   combine(system, quadrics, -1.0, at.value, whole);
   for (int r = 0; r < kRows; ++r) free_columns(whole[r], above, at.jacobian[r]);
 }
 
-void linearize(const ProofSystem& system, const C* z, const Mask* above, Linear& at) {
+void linearize(const LaneSystem& system, const C* z, const Mask* above, Linear& at) {
   evaluate(system, z, above, at);
   invert(at.jacobian, at.inverse);
 }
@@ -130,12 +179,13 @@ constexpr double kStepRounding = GSP_PARTS == 1 ? 0x1p-48 : 0x1p-90;
 
 // Whether there is exactly one solution near a point, from the equations there. Their values err by
 // `rounding` times the sum of the moduli of their terms, and by `gap` times N (6).
-void isolate(const ProofSystem& system, const Units& units, const C* z, const Mask* above, const Linear& at,
-             double value_rounding, const double* gap, Isolation& out) {
+void isolate(const LaneSystem& system, const Units& units, const C* z, const Mask* above, const Linear& at,
+             double value_rounding, const D* gap, Isolation& out) {
   Quadrics<D> bounds;
   D m[N], value_bound[kRows], whole_bound[kRows][N], curvature[kRows];
   for (int i = 0; i < N; ++i) m[i] = bound(z[i]);
   evaluate(system.quadrics, system.moduli, m, bounds);
+  if (system.values) add_bounds(system, m, bounds);
   combine(system, bounds, 1.0, value_bound, whole_bound);
   D height = D{};
   for (int i = 0; i < N; ++i) height = maximum(height, units.into(i, size_of(z[i].im)));

@@ -7,7 +7,7 @@
 namespace gsp {
 namespace {
 
-// Corrections as long as this are rounding.
+// Corrections as long as this are rounding, where the Jacobian matrix is not nearly singular.
 constexpr double kRounding = 1e-12;
 // Below this correction the next one is lost in rounding, but next to double ends.
 constexpr double kSettled = 1e-8;
@@ -108,6 +108,13 @@ class ReducedTracker {
     return root(size);
   }
 
+  // How long corrections are from rounding.
+  INLINE V rounding(const V& weight) const {
+    V most = w.inverse[0];
+    for (int i = 1; i < D; ++i) most = maximum(most, w.inverse[i]);
+    return maximum(splat(kRounding), kEpsilon * root(most / weight));
+  }
+
   INLINE void predict(C* z) const {
     const V step = s.next - s.t;
     const C top = s.top();
@@ -134,7 +141,7 @@ class ReducedTracker {
     w.linearize(z);
     w.factorize();
     w.solve(w.f, second);
-    const V n1 = length(first, weight), n2 = length(second, weight), noise = splat(kRounding);
+    const V n1 = length(first, weight), n2 = length(second, weight), noise = rounding(weight);
     const Mask accepted = s.judge(aims(), n1, n2, noise);
     // What the second correction changes in the factors is of second order.
     for (int i = 0; i < D; ++i) w.x[i] = w.x[i] - second[i];

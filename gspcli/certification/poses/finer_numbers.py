@@ -117,6 +117,8 @@ def _equations(
         weights = _sums([weight for _, weight, _ in mains])
     if coefficients is None or weights is None:
         return None
+    for shared in (coefficients, weights):
+        shared.setflags(write=False)
     return coefficients.reshape(_PARTS, len(forms), -1), weights
 
 

@@ -12,13 +12,14 @@ from gspcli import solve_batch
 from gspcli.catalogue.names import parse_type
 from gspcli.certification.equations.frames import OWN
 from gspcli.certification.poses.finer_numbers import FinerNumbers
-from gspcli.certification.poses.many_values import ValueProofs
+from gspcli.certification.poses.many_values import OF_POSES, ProvedPoses, ValueProofs
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.quaternions import study_from_pose
 from gspcli.geometry.random_instances import random_instance
 from gspcli.solver import solve
 from gspcli.solver.many_poses import many_poses
+from gspcli.solver.problem import Problem
 from gspcli.solver.starts.solved_starts import SolvedStarts
 from gspcli.solver.study_systems import side_choices
 from tools.special.realistic import machines
@@ -101,6 +102,55 @@ def test_rows_with_nearly_dependent_equations_are_solved_together():
         assert {tuple(T): R for T, R in here} == there
 
 
+@pytest.mark.parametrize("name", TYPES)
+def test_sets_of_values_that_share_lanes_are_as_each_alone(name):
+    """They have different values, and some have fewer points than others."""
+    instance, proofs = proofs_of(name)
+    problem = Problem(instance, starts=SolvedStarts())
+    own = problem.arrangement.values
+    rows = own * (1 + 0.01 * np.random.default_rng(1).normal(size=(3, 6)))
+    found = []
+    for row in rows:
+        values = {i: Number.of(Fraction(x)) for i, x in enumerate(row.tolist())}
+        found.append(solve(instance.with_values(values), starts=SolvedStarts()).poses)
+    width = 5
+    R, T = (np.stack([getattr(x, part)[:width] for x in found]) for part in ("R", "T"))
+    points = np.concatenate(study_from_pose(R, T), axis=-1)[:, None]
+    points[1, 0, 2:] = np.nan
+    (choice,) = side_choices(problem.arrangement)
+    proofs = ValueProofs(instance, rows)
+    wanted = np.isfinite(points[:, 0]).all(axis=-1)
+    both = proofs.decide(choice[None], points, OWN, rows=rows)
+    first = ProvedPoses(*(part.copy() for part in both))
+    proofs.round(both, wanted, choice, points[:, 0], OWN, rows=rows)
+    assert both.certified[wanted].all()
+    for k in range(3):
+        one = ProvedPoses(*(part[k : k + 1].copy() for part in first))
+        given = wanted[k : k + 1], choice, points[k : k + 1, 0], OWN
+        proofs.round(one, *given, rows=rows[k : k + 1])
+        for part in OF_POSES:
+            assert getattr(one, part)[0].tobytes() == getattr(both, part)[k].tobytes()
+    for part in ("R", "T", "quaternions", "real"):
+        assert getattr(first, part)[wanted].tobytes() == getattr(both, part)[wanted].tobytes()
+        assert (both.deviation <= first.deviation)[wanted].all()
+
+
+def test_poses_some_thousand_lengths_away_are_proved_at_once():
+    """Newton's step is bounded by its length: its terms cancel where the inverse is large."""
+    machine = next(iter(machines(162, rows=71, begin=161)))
+    row = machine.rows[7 + 1]
+    values = {i: Number.of(Fraction(x)) for i, x in enumerate(row.tolist())}
+    instance = machine.instance.with_values(values)
+    poses = solve(instance, starts=SolvedStarts()).poses
+    assert np.abs(poses.R).max() > 2000
+    points = np.concatenate(study_from_pose(poses.R, poses.T), axis=-1)[None, None]
+    (choice,) = side_choices(Arrangement.of(instance))
+    proofs = ValueProofs(instance, None)
+    found = proofs.decide(choice[None], points, OWN, all_poses=True)
+    assert found.complete.all()
+    assert found.R[0].tobytes() == poses.R.tobytes()
+
+
 def test_a_value_that_errs_is_not_rounded(monkeypatch):
     machine = coupling()
     proofs = ValueProofs(machine.instance, None)
@@ -131,6 +181,8 @@ def test_all_digits_are_used(monkeypatch):
     exact = proofs.decide(choice[None], points, OWN)
     assert exact.complete.all()
     # As if the numbers were known to a few digits.
-    proofs._finer.equations[0][1:] = 0
+    coefficients, weights = proofs._finer.equations
+    first = np.where(np.arange(4)[:, None, None] == 0, coefficients, 0.0)
+    proofs._finer.equations = (first, weights)
     found = proofs.decide(choice[None], points, OWN)
     assert exact.T.tobytes() != found.T.tobytes()
