@@ -6,6 +6,8 @@ and steps along it can be corrected to poses some way off that satisfy every con
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from gspcli.catalogue.kinds import DLL, DLP, DPL, DPP, Kind
@@ -57,6 +59,18 @@ class Motion:
     real: bool
     R: Field
     T: Field
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the motion as plain data."""
+        document = {
+            "dimension": self.dimension,
+            "real": self.real,
+            "R": self.R.real.tolist(),
+            "T": self.T.real.tolist(),
+        }
+        if not self.real:
+            document |= {"R_imag": self.R.imag.tolist(), "T_imag": self.T.imag.tolist()}
+        return document
 
 
 def local_motion(arrangement: Arrangement, R: Field, T: Field) -> Motion | None:

@@ -276,7 +276,7 @@ class SolveResult:
             "solutions": [solution.to_json(self.arrangement.length) for solution in chosen],
         }
         if self.motions:
-            document["motions"] = [_motion_json(motion) for motion in self.motions]
+            document["motions"] = [motion.to_json() for motion in self.motions]
         return {**document, "seed": self.seed, "version": __version__}
 
     def _counts_json(self) -> dict[str, int]:
@@ -313,15 +313,3 @@ class SolveResult:
             values = column.read(self)[:count]
             data[column.key] = np.real(values) if column.of_pose and not everything else values
         return pd.DataFrame(data, index=pd.RangeIndex(1, count + 1, name="number"))
-
-
-def _motion_json(motion: Motion) -> dict[str, Any]:
-    document = {
-        "dimension": motion.dimension,
-        "real": motion.real,
-        "R": motion.R.real.tolist(),
-        "T": motion.T.real.tolist(),
-    }
-    if not motion.real:
-        document |= {"R_imag": motion.R.imag.tolist(), "T_imag": motion.T.imag.tolist()}
-    return document

@@ -68,10 +68,6 @@ class PoseBatch:
         return f"<PoseBatch: {parts}, {int(self.proved.sum())} proved complete, {missing}>"
 
     @cached_property
-    def _there(self) -> tuple[NDArray[np.intp], ...]:
-        return np.nonzero(self.multiplicity)
-
-    @cached_property
     def residuals(self) -> Array:
         """The largest residual of a constraint at each pose, NaN where there is none, (b, n)."""
         result = np.full(self.real.shape, np.nan)
@@ -87,12 +83,9 @@ class PoseBatch:
     @cached_property
     def conditions(self) -> Array:
         """The condition number of each pose, NaN where there is none, shape (b, n)."""
-        there = self._there
+        there = np.nonzero(self.multiplicity)
         lengths = np.array([self.arrangement.length_with(row) for row in self.values])
         given = self.R[there], self.T[there], lengths[there[0]]
-        return self._filled(condition_numbers(self.arrangement, *given))
-
-    def _filled(self, numbers: Array) -> Array:
         result = np.full(self.real.shape, np.nan)
-        result[self._there] = numbers
+        result[there] = condition_numbers(self.arrangement, *given)
         return result

@@ -14,7 +14,7 @@ from gspcli.geometry.local_motions import Motion
 from gspcli.geometry.pose_order import stable_order
 from gspcli.geometry.quaternions import quaternion_from_rotation
 from gspcli.records import dataclass
-from gspcli.solver.results.proof import CountKind, Proof
+from gspcli.solver.results.proof import Proof
 
 if TYPE_CHECKING:
     from gspcli.certification.equations.local_frames import LocalFrames
@@ -80,11 +80,6 @@ class PoseSet:
     exact_count: int | None = None
     signs: NDArray[np.float64] | None = None
     problem: str | None = None
-
-    @property
-    def proof_by_type(self) -> Proof | None:
-        """The proof that there are no others, if as many are certified as the type has."""
-        return Proof(CountKind.TYPE) if self.certified.sum() == self.account.expected else None
 
     @property
     def account_text(self) -> str:

@@ -175,7 +175,8 @@ def _by_geometry(poses: PoseSet, count: ExactCount | None) -> Proof | None:
 
 def _proved(poses: PoseSet, count: ExactCount | None) -> PoseSet:
     """Return poses with what proves that they are all, or infinitely many."""
-    proof = poses.proof_by_type
+    is_all = poses.certified.sum() == poses.account.expected
+    proof = Proof(CountKind.TYPE) if is_all else None
     if proof is None and count is not None and poses.account.verdict != "incomplete":
         # Multiple poses need the count of the distinct ones, too.
         multiple = (poses.multiplicity > 1).any()

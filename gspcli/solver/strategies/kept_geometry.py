@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
-from typing import TYPE_CHECKING, NamedTuple, cast
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,13 +45,6 @@ _FLAT = 1e-3
 _REACHED = 512
 #: So many random starts are tried near far poses: from some, paths are lost or jump.
 _ATTEMPTS = 6
-
-
-class _Entry(NamedTuple):
-    """A start of a geometry with far poses, and the solved platform that it was made from."""
-
-    made_from: SolvedPlatform
-    start: Start | None
 
 
 def same_geometry(problem: Problem) -> Iterator[Ends]:
@@ -95,11 +88,11 @@ def kept_start(problem: Problem) -> Start | None:
     if not known.has_geometry_of(problem.instance):
         return None
     key = geometry_key(problem.arrangement), problem.unit, problem.seed, problem.limit
-    entry = cast("_Entry | None", problem.starts.fetch(Sort.SAME, key))
+    kept = cast("tuple[SolvedPlatform, Start | None] | None", problem.starts.fetch(Sort.SAME, key))
     # Platforms that are the same in doubles may not be the same.
-    if entry is None or entry.made_from is not known:
-        entry = problem.starts.keep(Sort.SAME, key, _Entry(known, _checked(problem, known, far)))
-    return entry.start
+    if kept is None or kept[0] is not known:
+        kept = problem.starts.keep(Sort.SAME, key, (known, _checked(problem, known, far)))
+    return kept[1]
 
 
 def kept_among(
