@@ -86,9 +86,6 @@ FROM_START = replace(
 )
 #: From a solved platform with complex values to others of its structure.
 LONG_STEPS = replace(FROM_START, predictor_tolerance=1e-2, contraction=0.25)
-#: From a planar platform with complex values to others: with the steps above, paths of 11 to 28 of
-#: 60 platforms are lost.
-MEDIUM_STEPS = replace(FROM_START, predictor_tolerance=1e-3, contraction=0.07)
 #: From the start of a geometry to real values near it; only values move.
 VALUE_STEPS = replace(FROM_START, predictor_tolerance=2e-2, contraction=0.35, radius_fraction=0.8)
 #: For paths that `VALUE_STEPS` lose.

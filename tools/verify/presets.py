@@ -36,7 +36,6 @@ PRESETS = {
     "SHORT": ("all unknowns", False),
     "FROM_START": ("fewer unknowns", True),
     "LONG_STEPS": ("fewer unknowns", True),
-    "MEDIUM_STEPS": ("fewer unknowns", True),
     "VALUE_STEPS": ("fewer unknowns", True),
     "SHORT_STEPS": ("fewer unknowns", True),
 }
