@@ -5,28 +5,22 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import cached_property
-from math import inf, log10
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.certification.equations.frames import OWN
-from gspcli.certification.equations.mirror_images import mirrored, mirrored_pose, with_mirror_images
+from gspcli.certification.equations.mirror_images import with_mirror_images
 from gspcli.certification.poses.collection import Collection
 from gspcli.certification.poses.conjugate_points import conjugate_sources
 from gspcli.certification.poses.distinct import same
 from gspcli.certification.poses.isolation import Isolation
-from gspcli.certification.poses.locator import (
-    DOUBLE,
-    AtInfinity,
-    Located,
-)
+from gspcli.certification.poses.locator import DOUBLE, AtInfinity, Located
 from gspcli.certification.poses.many_values import ProvedPoses
 from gspcli.continuation.paths import Basis, PathAccount
 from gspcli.continuation.systems import FineCoefficients
 from gspcli.continuation.tracked_paths import PathEnds, TrackedPaths
-from gspcli.geometry.instance import Instance
 from gspcli.geometry.quaternions import Field, canonical_sign, pose_from_study
 from gspcli.solver.problem import Problem
 from gspcli.solver.results.pose_set import PoseSet
@@ -47,8 +41,6 @@ _KNOWN = 1e-13
 _MANY_BITS = 128, 512
 #: Bits of points that are known to many digits.
 _FAR_BITS = 256
-#: The least N that is sought is this power of the rounding of coordinates.
-_POWER = 6
 
 
 class SidePoses:
@@ -219,19 +211,13 @@ class SidePoses:
         with np.errstate(invalid="ignore"):
             e = open_ / np.linalg.norm(open_, axis=1, keepdims=True)
         e = e[np.isfinite(e).all(axis=1)]
-        points = far_points(
-            self.locator,
-            self.sides,
-            e,
-            has_mirror_images=has_images,
-            least=_least_norm(self.problem.instance),
-        )
+        points = far_points(self.locator, self.sides, e)
         if not len(points):
             return
         frames = replace(OWN, length=self.locator.scale)
         found, reached = self._finer.at(points[:, 0], points[:, 1:], frames)
         if has_images:
-            found, reached = _with_mirror_images(found), with_mirror_images(reached, axis=1)
+            found, reached = found.with_mirror_images(), with_mirror_images(reached, axis=1)
         place = self._add_finer(found, reached)
         for point in points[place[: len(points)] < 0]:
             start = self.locator.exact_sum(point)
@@ -329,27 +315,3 @@ class SidePoses:
                 basis=Basis.COUNT if number == most else Basis.PATHS,
             ),
         ).on_sides(self.problem.choices[self.k : self.k + 1])
-
-
-def _with_mirror_images(found: ProvedPoses) -> ProvedPoses:
-    """Return proved poses of one platform, then their mirror images."""
-    R, T = mirrored_pose(found.R, found.T)
-    quaternions = canonical_sign(mirrored(found.quaternions))
-    images = found._replace(R=R, T=T, quaternions=quaternions)
-    parts = (np.concatenate(both, axis=1) for both in zip(found[:-1], images[:-1], strict=True))
-    return ProvedPoses._make([*parts, found.complete])
-
-
-def _least_norm(instance: Instance) -> float:
-    """Return a number that N is hardly below at poses, for quaternions of norm 1.
-
-    A platform that is special up to the rounding eps of its numbers has poses where N is of size
-    eps^4.
-    """
-    numbers = (
-        number.fraction
-        for primitive in instance.primitives
-        for number in (*primitive.position, *getattr(primitive, "vector", ()))
-    )
-    sizes = (inf if x is None else max(abs(x.numerator), x.denominator) for x in numbers)
-    return float(10 ** (-_POWER * log10(max(sizes))))

@@ -14,15 +14,17 @@ of a first solution and four fifths (`tools.verify.realistic`, hexapods with six
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import inf, log10
 
 import numpy as np
 from flint import acb, acb_mat, arb_mat, ctx
 from numpy.typing import NDArray
 
 from gspcli.certification.equations.ball_system import BallSystem
-from gspcli.certification.equations.mirror_images import mirrored
+from gspcli.certification.equations.mirror_images import has_mirror_images, mirrored
 from gspcli.certification.numbers.balls import sums_of_doubles
 from gspcli.certification.poses.locator import Locator
+from gspcli.geometry.instance import Instance
 
 Complex = NDArray[np.complex128]
 
@@ -30,6 +32,8 @@ Complex = NDArray[np.complex128]
 _BITS = 320
 #: Bits of N that a point needs, and a part below which N counts as zero.
 _NEEDED, _NULL = 2.0**-50, 2.0**-250
+#: The least N that is sought is this power of the rounding of coordinates.
+_POWER = 6
 #: A Newton step at first, and the part of it that the next one may be.
 _FIRST, _SMALLER = 1e-3, 1e-3
 _STEPS = 12
@@ -45,15 +49,10 @@ _WEDGE = (
 _SQUARES = [(i, j) for i in range(4) for j in range(i, 4)]
 
 
-def far_points(
-    locator: Locator,
-    sides: tuple[int, ...],
-    e: Complex,
-    *,
-    has_mirror_images: bool,
-    least: float = 0.0,
-) -> Complex:
-    """Return Study points of poses with given quaternions, and none of conjugates of others.
+def far_points(locator: Locator, sides: tuple[int, ...], e: Complex) -> Complex:
+    """Return Study points of poses with given quaternions.
+
+    Conjugates and mirror images of others are left out.
 
     Parameters
     ----------
@@ -62,11 +61,6 @@ def far_points(
         angles and points at a distance.
     e
         The quaternions, of norm 1 and any phase, right in double precision, shape (n, 4).
-    has_mirror_images
-        Whether those of mirror images are left out, too
-        (`gspcli.certification.equations.mirror_images`).
-    least
-        A pose of a smaller N, for a quaternion of norm 1, is not sought.
 
     Returns
     -------
@@ -74,19 +68,20 @@ def far_points(
         Points as sums of four doubles, in the frames of the instance and its length scale, shape
         (k, 4, 8).
     """
-    chosen = _one_of_each_orbit(e, has_mirror_images=has_mirror_images)
+    chosen = _one_of_each_orbit(e, has_images=has_mirror_images(locator.instance))
     found: list[Complex] = []
     if chosen:
         with ctx.workprec(_BITS):
-            points = _Equations(locator.system(_BITS), sides).solved(e[chosen], max(least, _NULL))
+            least = max(_least_norm(locator.instance), _NULL)
+            points = _Equations(locator.system(_BITS), sides).solved(e[chosen], least)
             found = [sums_of_doubles(point) for point in points if point is not None]
     return np.array(found, np.complex128).reshape(-1, 4, 8)
 
 
-def _one_of_each_orbit(e: Complex, *, has_mirror_images: bool) -> list[int]:
+def _one_of_each_orbit(e: Complex, *, has_images: bool) -> list[int]:
     """Return which quaternions (n, 4) are not those of conjugates or mirror images of others."""
     images = [e.conj()]
-    if has_mirror_images:
+    if has_images:
         images += [mirrored(e), mirrored(e).conj()]
     alike = np.any(1 - np.abs(np.array(images).conj() @ e.T) <= _ALIKE, axis=0)
     kept: list[int] = []
@@ -94,6 +89,21 @@ def _one_of_each_orbit(e: Complex, *, has_mirror_images: bool) -> list[int]:
         if not any(alike[j, k] for j in kept):
             kept.append(k)
     return kept
+
+
+def _least_norm(instance: Instance) -> float:
+    """Return a number that N is hardly below at poses, for quaternions of norm 1.
+
+    A platform that is special up to the rounding eps of its numbers has poses where N is of size
+    eps^4.
+    """
+    numbers = (
+        number.fraction
+        for primitive in instance.primitives
+        for number in (*primitive.position, *getattr(primitive, "vector", ()))
+    )
+    sizes = (inf if x is None else max(abs(x.numerator), x.denominator) for x in numbers)
+    return float(10 ** (-_POWER * log10(max(sizes))))
 
 
 class _Equations:

@@ -29,6 +29,7 @@ from gspcli.catalogue.kinds import (
 )
 from gspcli.certification.equations.frames import StudyFrames
 from gspcli.certification.equations.local_frames import LocalFrames, length_scale, length_scales
+from gspcli.certification.equations.mirror_images import mirrored, mirrored_pose
 from gspcli.certification.equations.skew_lines import are_skew
 from gspcli.certification.equations.study import form_hessians
 from gspcli.certification.numbers.doubled import ERROR, Doubled, doubled, quotients, two_product
@@ -46,6 +47,7 @@ from gspcli.defaults import TOLERANCE
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Point
+from gspcli.geometry.quaternions import canonical_sign
 
 if TYPE_CHECKING:
     from gspcli.certification.poses.finer_numbers import FinerNumbers
@@ -101,6 +103,14 @@ class ProvedPoses(NamedTuple):
     rounded: NDArray[np.bool_]
     deviation: Array
     complete: NDArray[np.bool_]
+
+    def with_mirror_images(self) -> ProvedPoses:
+        """Return these poses, then their mirror images."""
+        R, T = mirrored_pose(self.R, self.T)
+        quaternions = canonical_sign(mirrored(self.quaternions))
+        images = self._replace(R=R, T=T, quaternions=quaternions)
+        parts = (np.concatenate(both, axis=1) for both in zip(self[:-1], images[:-1], strict=True))
+        return ProvedPoses._make([*parts, self.complete])
 
 
 class ValueProofs:

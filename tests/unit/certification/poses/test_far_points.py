@@ -64,9 +64,8 @@ def test_points_are_right_to_many_digits_and_conjugates_are_left_out():
     e = e[are_far(known.R, known.T, 1.0)]
     e /= np.linalg.norm(e, axis=1, keepdims=True)
     locator, sides = problem.locator, problem.sides[0]
-    points = far_points(locator, sides, e, has_mirror_images=True)
+    points = far_points(locator, sides, e)
     assert len(points) == len(e) // 2
-    assert len(far_points(locator, sides, e, has_mirror_images=False)) == len(e) // 2
     for point in points:
         located = locator.locate_exactly(locator.exact_sum(point), sides, 128)
         assert isinstance(located, Located)
@@ -78,7 +77,7 @@ def test_there_is_no_point_at_infinity_or_far_from_solutions():
     problem = Problem(hexagons(6))
     e = rng.normal(size=(20, 4)) + 1j * rng.normal(size=(20, 4))
     e /= np.linalg.norm(e, axis=1, keepdims=True)
-    assert not len(far_points(problem.locator, problem.sides[0], e, has_mirror_images=False))
+    assert not len(far_points(problem.locator, problem.sides[0], e))
 
 
 def test_mirror_images_of_poses_are_poses():
