@@ -39,6 +39,8 @@ _STEPS, _POINTS = 200, 16
 #: Newton's method near a simple solution: the largest ratio of two steps (of the first step to the
 #: point), the part of the bits with which it has converged, and the most steps.
 _SHRINKS, _ARRIVED, _NEWTON = 0.3, 0.25, 14
+#: The equations of so many places are kept, those of the first paths: most paths have the same.
+_KEPT = 256
 #: Another coordinate becomes 1 if it is so many times as large as the one that is.
 _LARGE = 4.0
 #: No coordinate is smaller, but zero (`Number.of`).
@@ -171,16 +173,18 @@ class FamilyPaths:
 
     def _system(self, x: float) -> tuple[acb, BallSystem]:
         """Return s and the equations at a place, with as many bits as N needs there."""
-        if x not in self._systems:
-            with ctx.workprec(self._bits(x)):
-                # Real at both ends.
-                turn = self._turn * x / self._begin + tanh(x) * tanh(self._begin - x)
-                s = acb(x, turn).exp().mid() if 0 < x < self._begin else acb(arb(x).exp().mid())
-                if x == self._begin and self._turn:
-                    s = -s
-                given = self._family.at(s)
-                self._systems[x] = s, BallSystem(self._family.instance, ctx.prec, given)
-        return self._systems[x]
+        if (known := self._systems.get(x)) is not None:
+            return known
+        with ctx.workprec(self._bits(x)):
+            # Real at both ends.
+            turn = self._turn * x / self._begin + tanh(x) * tanh(self._begin - x)
+            s = acb(x, turn).exp().mid() if 0 < x < self._begin else acb(arb(x).exp().mid())
+            if x == self._begin and self._turn:
+                s = -s
+            found = s, BallSystem(self._family.instance, ctx.prec, self._family.at(s))
+        if len(self._systems) < _KEPT:
+            self._systems[x] = found
+        return found
 
     def _solution(
         self, x: float, point: Numbers, patch: int, *, near: bool = True

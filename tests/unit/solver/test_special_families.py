@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,8 +12,9 @@ from flint import acb, arb, ctx
 from gspcli.catalogue.kinds import DLP, DPL
 from gspcli.catalogue.names import parse_type
 from gspcli.certification.equations.ball_system import BallSystem
+from gspcli.certification.poses import special_family
 from gspcli.certification.poses.points_off_lines import points_off_lines
-from gspcli.certification.poses.special_family import SpecialFamily
+from gspcli.certification.poses.special_family import FamilyPaths, SpecialFamily
 from gspcli.certification.poses.turned_directions import turned_directions
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Units
 from gspcli.geometry.numbers import Number
@@ -72,6 +74,23 @@ def test_without_them_poses_are_missing_and_that_is_said(monkeypatch: pytest.Mon
     monkeypatch.setattr(elimination, "_MOST", 0)
     result = solve(_nearly_parallel(), starts=SolvedStarts())
     assert (result.verdict, result.counts.certified) == ("incomplete", 128)
+
+
+def test_equations_of_few_places_are_kept(monkeypatch: pytest.MonkeyPatch) -> None:
+    made: list[FamilyPaths] = []
+
+    class Paths(FamilyPaths):
+        def __init__(self, *args: Any) -> None:
+            super().__init__(*args)
+            made.append(self)
+
+    known = solve(_nearly_parallel(), starts=SolvedStarts())
+    monkeypatch.setattr(special_family, "_KEPT", 3)
+    monkeypatch.setattr(special_families, "FamilyPaths", Paths)
+    other = solve(_nearly_parallel(), starts=SolvedStarts())
+    np.testing.assert_array_equal(known.T, other.T)
+    assert [len(paths._systems) for paths in made] == [3] * len(made)
+    assert made
 
 
 def test_differences_are_multiplied_and_nothing_else_changes() -> None:
