@@ -427,6 +427,13 @@ def test_second_derivatives_of_products_are_bounded_where_coordinates_may_be():
     assert not decide_made_up(numbers, gap=0.04, products=PRODUCT)[2].any()
 
 
+def test_errors_of_a_factor_are_multiplied_by_the_other_one():
+    """The first factor has a nearly double root, which a little more would remove."""
+    numbers = of_a_product((0.1, 1, 2.5 * (1 - 2.5e-3)), (30, 0, 0), 0.0)
+    assert decide_made_up(numbers, error=1e-9, products=PRODUCT)[2][0] & ISOLATED
+    assert not decide_made_up(numbers, error=2.6e-4, products=PRODUCT)[2].any()
+
+
 @pytest.mark.parametrize("gap", [1e-9, 1e-6, 1e-3])
 def test_the_bound_of_a_pose_covers_what_is_not_known_of_a_product(gap):
     numbers = of_a_product((1, 0.25, 0), (0.5, 1, 1), 0.5)
