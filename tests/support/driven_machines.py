@@ -115,20 +115,6 @@ def driven(name):
     return made[name]() if name in made else example(name)
 
 
-def upside_down(instance):
-    """Return the constraints of a machine with base and platform exchanged."""
-    return tuple(
-        replace(
-            row,
-            platform=row.base,
-            base=row.platform,
-            platform_name=row.base_name,
-            base_name=row.platform_name,
-        )
-        for row in instance.constraints
-    )
-
-
 def weighed(instance, rng):
     """Return a machine with random masses of everything that can have one."""
     numbers, drives = Arrangement.of(instance), Drives.of(instance)

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.geometry.instance import Instance
+from gspcli.geometry.instance import Constraint, Instance
 from gspcli.geometry.primitives import Crank, Geometry, Point, Slide
 from gspcli.resources import data_path
 from gspcli.spec import load, loads
@@ -331,3 +331,17 @@ def _rotations(vectors: NDArray[Any]) -> Array:
     first = np.where(angle > 1e-9, np.sin(safe) / safe, 1.0)
     second = np.where(angle > 1e-9, (1 - np.cos(safe)) / safe**2, 0.5)
     return np.asarray(np.eye(3) + first * K + second * (K @ K))
+
+
+def upside_down(instance: Instance) -> tuple[Constraint, ...]:
+    """Return the constraints of a machine with base and platform exchanged."""
+    return tuple(
+        replace(
+            row,
+            platform=row.base,
+            base=row.platform,
+            platform_name=row.base_name,
+            base_name=row.platform_name,
+        )
+        for row in instance.constraints
+    )

@@ -51,7 +51,7 @@ from gspcli.motion.following.row_instances import at_values
 from tools.recording import ROOT, csv_text, sampled
 from tools.verify.campaigns import TaskRow, conclude, exit_after, options, results
 from tools.verify.controllers.compiled import CompiledController, Walks, poses_of
-from tools.verify.driven_machines import machines
+from tools.verify.driven_machines import machines, upside_down
 
 Array = NDArray[np.float64]
 RECORD = ROOT / "data" / "verification" / "controllers.csv"
@@ -154,17 +154,7 @@ def _unlimited(instance: Instance) -> Instance:
 
 def _inverted(instance: Instance) -> Instance:
     """Return a machine of distances of points whose base is the platform."""
-    rows = [
-        replace(
-            row,
-            platform=row.base,
-            base=row.platform,
-            platform_name=row.base_name,
-            base_name=row.platform_name,
-        )
-        for row in instance.constraints
-    ]
-    return replace(instance, constraints=tuple(rows), home=None)
+    return replace(instance, constraints=upside_down(instance), home=None)
 
 
 def examine(steps: int, name: str) -> Row:

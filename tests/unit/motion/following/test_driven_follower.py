@@ -12,7 +12,8 @@ from gspcli.export.controller.writing import controller
 from gspcli.geometry.drives import Drives
 from gspcli.motion import FollowerStatus
 from gspcli.motion.following.platform_numbers import platform_numbers
-from tests.support.driven_machines import driven, some_pose, upside_down
+from tests.support.driven_machines import driven, some_pose
+from tools.verify.driven_machines import upside_down
 
 
 def swapped(instance):
