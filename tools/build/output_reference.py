@@ -9,6 +9,7 @@ import json
 import sys
 from typing import Any
 
+from tools.build.command_keys import COMMAND_KEYS
 from tools.build.output_keys import KEYS
 from tools.build.output_schemas import DIALECT, Printed, printed
 from tools.build.samples import choices, described
@@ -41,13 +42,13 @@ def main() -> int:
     """Write or compare the pages, the schemas and the meanings; return the exit code."""
     arguments = parser(__doc__).parse_args()
     index, files = HEAD, {}
-    missing: set[str] = set()
+    known = Meanings()
     commands = described()
     for name, command in commands.items():
         page = name.replace(" ", "-")
         forms = printed(name, command)
         meanings = [
-            _meanings_of(name, schema_id, found, missing) for schema_id, found in forms.items()
+            _meanings_of(name, schema_id, found, known) for schema_id, found in forms.items()
         ]
         if "json" in choices(command, "format"):
             files[DATA / f"{page}.json"] = _lines(meanings)
@@ -56,8 +57,12 @@ def main() -> int:
         for schema_id, found in forms.items():
             schema = {"$schema": DIALECT, "title": schema_id, **found.shape.schema()}
             files[DOCS / "schemas" / _file(schema_id)] = json.dumps(schema, indent=1) + "\n"
-    if missing:
-        print("tools/build/output_keys.py says nothing of:", *sorted(missing), sep="\n  ")
+    if known.missing or known.unused:
+        print(
+            "keys without a meaning in tools/build/{output,command}_keys.py:",
+            *sorted(known.missing),
+        )
+        print("meanings of keys that no sample prints:", *sorted(known.unused))
         return 1
     pages = "\n".join(f"output/{name.replace(' ', '-')}" for name in commands)
     index += f"\n```{{toctree}}\n:hidden:\n\n{pages}\n```\n"
@@ -73,12 +78,35 @@ def _schemas(forms: dict[str, Printed]) -> str:
     return ", ".join(f"[`{one}`](schemas/{_file(one)})" for one in forms)
 
 
-def _meanings_of(command: str, schema_id: str, found: Printed, missing: set[str]) -> dict[str, Any]:
-    """Return the keys and columns of one form with their meaning; unknown ones join `missing`."""
-    keys = [[path, types, meaning(command, path, missing)] for path, types in found.shape.rows()]
+class Meanings:
+    """The meanings of keys and columns, and which of them are missing or of no use."""
+
+    def __init__(self) -> None:
+        special = ((c, key) for c, keys in COMMAND_KEYS.items() for key in keys)
+        self.missing: set[str] = set()
+        self.unused = {("", key) for key in KEYS} | set(special)
+
+    def of(self, command: str, path: str) -> str:
+        """Return what a key or column means: for the command, in its object, or everywhere."""
+        whole = path.replace("[]", "")
+        *_, parent, leaf = ("", *whole.split("."))
+        for where, key in ((command, whole), ("", f"{parent}.{leaf}"), (command, leaf), ("", leaf)):
+            meanings = COMMAND_KEYS.get(where, {}) if where else KEYS
+            if key in meanings:
+                self.unused.discard((where, key))
+                return meanings[key]
+        if leaf.endswith("_imag") and leaf.removesuffix("_imag") in KEYS:
+            return "imaginary part, of solutions that are not real"
+        self.missing.add(f"{command}.{path}")
+        return ""
+
+
+def _meanings_of(command: str, schema_id: str, found: Printed, known: Meanings) -> dict[str, Any]:
+    """Return the keys and columns of one form with their meaning."""
+    keys = [[path, types, known.of(command, path)] for path, types in found.shape.rows()]
     headings = [heading for several in found.columns.values() for heading in several]
     names = dict.fromkeys(column for heading in headings for column in heading)
-    columns = [[column, meaning(command, column, missing)] for column in names]
+    columns = [[column, known.of(command, column)] for column in names]
     return {"schema": schema_id, "keys": keys, "columns": columns}
 
 
@@ -112,19 +140,6 @@ def _page(command: str, meanings: list[dict[str, Any]], forms: dict[str, Printed
                 label = f" (`--part {part}`)" if part else ""
                 text += f"\nCSV{label}: `{','.join(heading)}`\n"
     return text
-
-
-def meaning(command: str, path: str, missing: set[str]) -> str:
-    """Return what a key or column means: said for the command, its object, or for all."""
-    whole = path.replace("[]", "")
-    *_, parent, leaf = ("", *whole.split("."))
-    for key in (f"{command}.{whole}", f"{parent}.{leaf}", f"{command}.{leaf}", leaf):
-        if key in KEYS:
-            return KEYS[key]
-    if leaf.endswith("_imag") and leaf.removesuffix("_imag") in KEYS:
-        return "imaginary part, of solutions that are not real"
-    missing.add(f"{command}.{path}")
-    return ""
 
 
 if __name__ == "__main__":
