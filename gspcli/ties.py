@@ -25,9 +25,9 @@ def first_largest(values: ArrayLike, axis: int = -1) -> NDArray[np.int64]:
     return np.asarray((given >= most - room).argmax(axis=axis))
 
 
-def first_smallest(values: ArrayLike, axis: int = -1) -> NDArray[np.int64]:
+def first_smallest(values: ArrayLike) -> NDArray[np.int64]:
     """Return the index of the first of the smallest numbers, as `argmin`; none may be NaN."""
-    return first_largest(-np.asarray(values, float), axis)
+    return first_largest(-np.asarray(values, float))
 
 
 def definite_signs(vector: Field) -> NDArray[np.float64]:

@@ -57,17 +57,7 @@ class Journal:
         GspError
             If it cannot be opened, or another process uses it.
         """
-        try:
-            # Every line goes out at once, and at the end.
-            file = path.open("a+b", buffering=0)
-        except (OSError, ValueError) as error:
-            reason = getattr(error, "strerror", None) or str(error)
-            message = f"{named(path)}: cannot be opened: {reason}"
-            raise GspError(message) from error
-        with file:
-            if not _locked(file):
-                message = f"{path}: another process is at this work: wait, or use another file"
-                raise GspError(message)
+        with _opened_alone(path, path, "opened") as file:
             yield cls(path, file)
 
     def read(self, decode: Callable[[dict[str, Any]], Item]) -> list[Item]:
@@ -158,6 +148,23 @@ def _locked(file: BinaryIO) -> bool:
 
 
 @contextmanager
+def _opened_alone(file: Path, work: Path, done: str) -> Iterator[BinaryIO]:
+    """Open and lock a file; errors name the work file, and say that it cannot be ``done``."""
+    try:
+        # Every line goes out at once, and at the end.
+        opened = file.open("a+b", buffering=0)
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        message = f"{named(work)}: cannot be {done}: {reason}"
+        raise GspError(message) from error
+    with opened:
+        if not _locked(opened):
+            message = f"{named(work)}: another process is at this work: wait, or use another file"
+            raise GspError(message)
+        yield opened
+
+
+@contextmanager
 def held(path: Path) -> Iterator[None]:
     """Keep a file that is replaced during the work for this process alone.
 
@@ -169,16 +176,7 @@ def held(path: Path) -> Iterator[None]:
         If another process works with it.
     """
     lock = path.with_name(f".{path.name[:_KEPT]}.lock")
-    try:
-        file = lock.open("a+b", buffering=0)
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        message = f"{named(path)}: cannot be written: {reason}"
-        raise GspError(message) from error
-    with file:
-        if not _locked(file):
-            message = f"{named(path)}: another process is at this work: wait, or use another file"
-            raise GspError(message)
+    with _opened_alone(lock, path, "written"):
         try:
             yield
         finally:

@@ -76,8 +76,6 @@ class Fit:
         Which directions were estimated, shape (f,); the others keep what is stated.
     converged
         Whether the iterations came to their end.
-    iterations
-        How many there were.
     huber
         Where residuals count less; None for squares.
     """
@@ -92,7 +90,6 @@ class Fit:
     directions: Array
     known: NDArray[np.bool_]
     converged: bool
-    iterations: int
     huber: float | None = None
 
     def spread(self, scatter: float = 1.0) -> float:
@@ -162,9 +159,8 @@ def fit(
     """
     damping, free, size = 0.0, model.free, model.sizes[model.free]
     system = _equations(model, R, T, seen, noise, huber)
-    cost, iterations, converged = _cost(system.residual, huber), 0, False
-    while iterations < _MOST and not converged:
-        iterations += 1
+    cost, converged = _cost(system.residual, huber), False
+    for _ in range(_MOST):
         U, s, V = _factors(system.slopes * size, system.right)
         keep = _known(s, prior)
         filtered = np.where(keep, s / (s**2 + (damping * s[0]) ** 2 + ~keep), 0.0)
@@ -188,15 +184,15 @@ def fit(
             converged = True
         else:
             damping = max(damping * 10, 1e-6)
-            if damping > 1e3:
-                break
+        if converged or damping > 1e3:
+            break
     _, s, V = _factors(system.slopes * size, system.right)
     known = _known(s, prior)
     rows = np.isfinite(system.residual).sum(axis=1)
     spare = rows if noise.exact else np.maximum(rows - 6, 0)
     freedom = int(spare.sum()) - int(known.sum())
     left = system.residual
-    return Fit(model, R, T, left, cost, freedom, s, V, known, converged, iterations, huber)
+    return Fit(model, R, T, left, cost, freedom, s, V, known, converged, huber)
 
 
 def _equations(

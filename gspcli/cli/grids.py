@@ -16,17 +16,15 @@ _SPAN = re.compile(r"(r?[xyz])=([^:]+):([^:]+)(?::(\d{1,9}))?")
 _AXIS = re.compile(r"([^=]+)=([^:]+):([^:]+):(\d{1,9})")
 
 
-def axes_of(
-    option: str, texts: Sequence[str], names: Sequence[str]
-) -> list[tuple[str, tuple[float, ...]]]:
-    """Return the name and the nodes of each axis.
+def axes_of(texts: Sequence[str], names: Sequence[str]) -> list[tuple[str, tuple[float, ...]]]:
+    """Return the name and the nodes of each axis of `--vary`.
 
     Raises
     ------
     GspError
         If a text is none, or there are too many nodes.
     """
-    axes = [_axis(option, text, names) for text in texts]
+    axes = [_axis(text, names) for text in texts]
     total = math.prod(len(nodes) for _, nodes in axes)
     if total > _MOST_NODES:
         message = f"found {total} nodes, expected at most {_MOST_NODES}"
@@ -34,7 +32,7 @@ def axes_of(
     return axes
 
 
-def _axis(option: str, text: str, names: Sequence[str]) -> tuple[str, tuple[float, ...]]:
+def _axis(text: str, names: Sequence[str]) -> tuple[str, tuple[float, ...]]:
     import numpy as np
 
     from gspcli.motion.files.number_tables import wrong_number
@@ -42,11 +40,11 @@ def _axis(option: str, text: str, names: Sequence[str]) -> tuple[str, tuple[floa
     match = _AXIS.fullmatch(text.replace(" ", ""))
     if match is None or match[1] not in names or wrong_number(match[2]) or wrong_number(match[3]):
         form = f"NAME=LOW:HIGH:COUNT with {listed(names)}, such as {names[0]}=5:7:200"
-        message = f"{option}: found {shown(text)}, expected {form}"
+        message = f"--vary: found {shown(text)}, expected {form}"
         raise GspError(message)
     low, high, count = float(match[2]), float(match[3]), int(match[4])
     if not low < high or count < 2:
-        message = f"{option}: found {shown(text)}, expected LOW below HIGH and at least two values"
+        message = f"--vary: found {shown(text)}, expected LOW below HIGH and at least two values"
         raise GspError(message)
     if count > _MOST_NODES:
         message = f"found {count} nodes, expected at most {_MOST_NODES}"

@@ -46,7 +46,7 @@ def scan_poses(
     """
     from gspcli.motion.singularities.pose_scans import PoseAxis, PoseScan
 
-    axes = tuple(PoseAxis(*axis) for axis in axes_of("--vary", texts, PARAMETERS))
+    axes = tuple(PoseAxis(*axis) for axis in axes_of(texts, PARAMETERS))
     pose.read(form)
     found = PoseScan(instance, axes, pose.numbers(form), form)
     if quantity == "clearance" and not folds:

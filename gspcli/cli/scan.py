@@ -178,7 +178,7 @@ def _axes(instance: Instance, texts: tuple[str, ...]) -> list[Axis]:
     known = (*_NUMBERS, *drive_names(instance))
     return [
         axis_of(instance, int(name) if name in _NUMBERS else name, nodes)
-        for name, nodes in axes_of("--vary", texts, known)
+        for name, nodes in axes_of(texts, known)
     ]
 
 

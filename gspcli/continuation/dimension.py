@@ -198,7 +198,6 @@ def sample_motions(
     points: ComplexArray,
     directions: ComplexArray,
     steps: int = 24,
-    options: DimensionOptions = DIMENSION,
 ) -> list[ComplexArray]:
     """Return consecutive solutions along positive-dimensional solution sets.
 
@@ -220,19 +219,19 @@ def sample_motions(
     moving = np.arange(len(points))
     while len(moving) and len(motions[moving[0]]) <= steps:
         now = np.array([motions[i][-1] for i in moving])
-        tangent = _in_kernel(target, now, directions, options)
+        tangent = _in_kernel(target, now, directions, DIMENSION)
         length = np.linalg.norm(tangent, axis=1, keepdims=True)
-        trial = now + options.stride * options.distance * tangent / np.maximum(length, 1e-300)
+        trial = now + DIMENSION.stride * DIMENSION.distance * tangent / np.maximum(length, 1e-300)
         trial[real] = trial[real].real
         trial /= np.linalg.norm(trial, axis=1, keepdims=True)
-        moved, converged = correct(target, trial, options)
+        moved, converged = correct(target, trial, DIMENSION)
         inner = (now.conj() * moved).sum(axis=1, keepdims=True)
         moved *= np.where(real[:, None], 1.0, np.exp(-1j * np.angle(inner)))
         directions = moved - now
         size = np.linalg.norm(directions, axis=1)
-        relative = size / options.distance
-        most = options.most * options.stride
-        going = converged & (relative > options.least) & (relative < most)
+        relative = size / DIMENSION.distance
+        most = DIMENSION.most * DIMENSION.stride
+        going = converged & (relative > DIMENSION.least) & (relative < most)
         # A motion ends at infinity, where e.e is zero and the points are no poses.
         going &= np.abs((moved[:, :4] ** 2).sum(axis=1)) > _INFINITE
         moving, real, directions = moving[going], real[going], directions[going]
@@ -241,9 +240,7 @@ def sample_motions(
     return [np.array(motion) for motion in motions]
 
 
-def real_point(
-    target: System, point: ComplexArray, options: DimensionOptions = DIMENSION
-) -> ComplexArray | None:
+def real_point(target: System, point: ComplexArray) -> ComplexArray | None:
     """Search for a real finite solution near a complex one.
 
     Returns
@@ -257,6 +254,6 @@ def real_point(
     # The phase with the smallest imaginary part.
     phase = np.exp(-0.5j * np.angle((point**2).sum()))
     candidate = (phase * point).real.astype(np.complex128)
-    moved, converged = correct(target, candidate[None] / np.linalg.norm(candidate), options)
-    finite = (moved[0, :4] ** 2).sum().real > options.finite
+    moved, converged = correct(target, candidate[None] / np.linalg.norm(candidate), DIMENSION)
+    finite = (moved[0, :4] ** 2).sum().real > DIMENSION.finite
     return moved[0] if converged[0] and finite else None

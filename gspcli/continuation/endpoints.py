@@ -87,19 +87,10 @@ def random_start(start: StartSystem, seed: int, attempt: int) -> System:
     return start.system.scaled(g, h)
 
 
-def all_regular(results: PathResults, simple: NDArray[np.bool_] | None = None) -> NDArray[np.bool_]:
-    """Return for which targets (B,) all paths end at distinct finite regular solutions.
-
-    Parameters
-    ----------
-    results
-        The ends of all paths.
-    simple
-        Which of them are simple solutions, shape (B, P); computed by the kernel if None.
-    """
+def all_regular(results: PathResults) -> NDArray[np.bool_]:
+    """Return for which targets (B,) all paths end at distinct finite regular solutions."""
     error = regular_error(results.correction)
-    known = clearly_simple(results) if simple is None else simple
-    good = np.asarray((known & ~infinite(results.points, error)).all(axis=1))
+    good = np.asarray((clearly_simple(results) & ~infinite(results.points, error)).all(axis=1))
     near = may_coincide(results.points, error)[1].any(axis=1)
     for i in np.flatnonzero(good & near):
         good[i] = len(clusters(results.points[i], error[i])) == results.points.shape[1]

@@ -283,20 +283,14 @@ class TrackedPaths:
         return PathEnds(points, low, clearly_simple(results)[0], converged, digits)
 
 
-def solve_systems(
-    targets: Iterable[System],
-    *,
-    seed: int = SEED,
-    jobs: int = 1,
-    options: TrackerOptions = DEFAULT,
-) -> Iterator[SystemSolutions]:
+def solve_systems(targets: Iterable[System], *, seed: int = SEED) -> Iterator[SystemSolutions]:
     """Yield the solutions of many systems, in order, as they become known.
 
     Each result has all isolated solutions, and evidence of any others. Consecutive systems of one
     structure are tracked together, which is quicker than a loop. Lost paths are tracked again with
     `CAREFUL` and `PARANOID`. Another seed gives the same solutions.
     """
-    for tracked_paths in track_all(targets, seed=seed, jobs=jobs, options=options):
+    for tracked_paths in track_all(targets, seed=seed):
         yield tracked_paths.solutions()
 
 
@@ -313,8 +307,14 @@ def track_all(
 
     Parameters
     ----------
-    targets, seed, jobs, options
-        As for `solve_systems`.
+    targets
+        The systems; real ones have solutions in conjugate pairs.
+    seed
+        Source of the random paths. Another seed gives the same solutions.
+    jobs
+        Threads. The result does not depend on them.
+    options
+        Settings of the first attempt.
     """
     for structure, group in groupby(targets, key=lambda target: target.structure):
         start = start_system(structure.canonical())

@@ -29,9 +29,7 @@ _MOST_COLUMNS = 3
 _VIEW = View(azimuth=-55, elevation=18)
 
 
-def chain_drawing(
-    chains: Sequence[tuple[str, Realization]], fmt: str, view: View | None = None
-) -> bytes:
+def chain_drawing(chains: Sequence[tuple[str, Realization]], fmt: str) -> bytes:
     """Return a drawing of chains, a panel each, as the content of a file.
 
     Parameters
@@ -40,8 +38,6 @@ def chain_drawing(
         A heading and a chain for each panel.
     fmt
         ``svg``, ``png`` or ``pdf``.
-    view
-        From where; a usual one if None.
 
     Raises
     ------
@@ -57,7 +53,7 @@ def chain_drawing(
         grid = figure.subplots(rows, columns, squeeze=False).ravel()
         papers = []
         for axes, (heading, realization) in zip(grid, chains, strict=False):
-            paper = Paper(axes, view or _VIEW, 1.0)
+            paper = Paper(axes, _VIEW, 1.0)
             papers.append(paper)
             _panel(paper, realization)
             axes.set_title(f"{heading}\n{realization.chain.name}", pad=8)

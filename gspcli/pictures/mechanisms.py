@@ -25,9 +25,7 @@ _SIDE = 5.5
 _INSIDE = 0.8
 
 
-def mechanism_drawing(
-    scene: Scene, mechanism: Mechanism, fmt: str, mode: int, view: View | None = None
-) -> bytes:
+def mechanism_drawing(scene: Scene, mechanism: Mechanism, fmt: str, mode: int) -> bytes:
     """Return a drawing of a mechanism at an assembly mode as the content of a file.
 
     Parameters
@@ -38,8 +36,6 @@ def mechanism_drawing(
         ``svg``, ``png`` or ``pdf``.
     mode
         Index of the mode from 0.
-    view
-        From where; a usual one if None.
 
     Raises
     ------
@@ -53,7 +49,7 @@ def mechanism_drawing(
         from matplotlib.figure import Figure
 
         figure = Figure(figsize=(_SIDE, _SIDE), layout="constrained")
-        paper = Paper(figure.subplots(), view or View(), scene.size)
+        paper = Paper(figure.subplots(), View(), scene.size)
         draw_body(paper, scene.base, BASE, 1.0, np.eye(3), np.zeros(3), named=True)
         draw_body(paper, scene.platform, PLATFORM, 1.0, R, T, named=True)
         placed = [(chain, _ends(scene, chain, mode, size)) for chain in mechanism.chains]

@@ -198,7 +198,7 @@ class Stage:
                     drawn.append(Stroke(guide.style, moved))
                 middle = (ends.platform + ends.base) / 2
             else:
-                at = self._vertex(placed, on_platform, on_base)
+                at = self._vertex(on_platform, on_base)
                 ends = placed.ends._replace(platform=at, base=at)
                 drawn = [*angle_strokes(placed.kind, ends, self.sizes)]
                 arc = drawn[0].points
@@ -207,9 +207,7 @@ class Stage:
             labels.append(middle)
         return strokes, np.stack(labels, axis=1)
 
-    def _vertex(
-        self, placed: _Placed, on_platform: DrawnPrimitive, on_base: DrawnPrimitive
-    ) -> Array:
+    def _vertex(self, on_platform: DrawnPrimitive, on_base: DrawnPrimitive) -> Array:
         """Return where an angle is drawn at each pose, shape (n, 3)."""
         n = len(self.R)
         if on_base.primitive is Primitive.LINE and on_platform.primitive is Primitive.PLANE:

@@ -124,7 +124,7 @@ def _with_largest_gap(draft: Instance, digits: int, exponent: int, count: int) -
     return instances[kept - 1] if kept else None
 
 
-def certified_real(instance: Instance, enough: int | None = None, *, jobs: int = 1) -> int:
+def certified_real(instance: Instance, enough: int | None = None) -> int:
     """Return the number of different real poses of an instance that are proved to exist.
 
     Parameters
@@ -134,10 +134,8 @@ def certified_real(instance: Instance, enough: int | None = None, *, jobs: int =
     enough
         Poses that first attempts at the paths do not find are searched for only if fewer than this
         are found; None: always.
-    jobs
-        Threads.
     """
-    problem = Problem(instance, seed=SEED, jobs=jobs)
+    problem = Problem(instance, seed=SEED)
     ledger = Ledger(problem)
     for ends in careful_paths(problem):
         ledger.add(ends)

@@ -6,13 +6,8 @@ import operator
 import warnings
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from gspcli.errors import ArgumentError
 from gspcli.wording import shortened
-
-Array = NDArray[np.float64]
 
 
 def whole(value: Any, where: str, *, least: int) -> int:

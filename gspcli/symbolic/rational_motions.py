@@ -38,9 +38,9 @@ class RationalMotion:
     translation: Exact
 
 
-def random_fraction(random: Random, size: int = 9) -> Fraction:
-    """Return a random fraction with numerator and denominator of at most the given size."""
-    return Fraction(random.randint(-size, size), random.randint(1, size))
+def random_fraction(random: Random) -> Fraction:
+    """Return a random fraction with numerator and denominator of at most 9."""
+    return Fraction(random.randint(-9, 9), random.randint(1, 9))
 
 
 def random_vector(random: Random) -> Exact:

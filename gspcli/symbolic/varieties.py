@@ -65,14 +65,12 @@ def hilbert_function(numerator: Sequence[int], dimension: int, degree: int) -> i
     return sum(terms)
 
 
-def sampled_hilbert_function(
-    coordinates: CoordinateSystem, degree: int, points: int, *, seed: int = 0
-) -> int:
+def sampled_hilbert_function(coordinates: CoordinateSystem, degree: int, points: int) -> int:
     """Return the rank of all monomials up to a degree at random rational motions.
 
     It is a proved lower bound of the Hilbert function (a rank modulo a prime, at points of the
     variety), and equal to it for random motions as soon as `points` exceeds it.
     """
-    random = Random(seed)
+    random = Random(0)
     motions = [random_motion(random) for _ in range(points)]
     return rank(monomials(coordinates_at(coordinates, motions), degree))

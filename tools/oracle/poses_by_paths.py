@@ -9,7 +9,6 @@ from itertools import islice
 
 import numpy as np
 
-from gspcli.continuation.endpoints import ACCOUNTS, AccountOptions
 from gspcli.continuation.paths import PathAccount
 from gspcli.continuation.solutions import SystemSolutions
 from gspcli.continuation.systems import System
@@ -27,9 +26,9 @@ from gspcli.solver.study_systems import target_systems
 from tools.oracle.parallel_ends import judge_parallel_lines, polish_parallel_lines
 
 
-def solve_by_tracking(arrangement: Arrangement, *, seed: int, jobs: int = 1) -> PoseSet:
+def solve_by_tracking(arrangement: Arrangement, *, seed: int) -> PoseSet:
     """Return all poses of a platform of any type; as `solve_each_by_tracking`."""
-    return next(solve_each_by_tracking([arrangement], seed=seed, jobs=jobs))
+    return next(solve_each_by_tracking([arrangement], seed=seed))
 
 
 def solve_each_by_tracking(
@@ -78,11 +77,9 @@ def track_platforms(
         yield arrangement, [first, *islice(tracked, count - 1)]
 
 
-def poses_by_paths(
-    arrangement: Arrangement, tracked: Sequence[TrackedPaths], options: AccountOptions = ACCOUNTS
-) -> PoseSet:
+def poses_by_paths(arrangement: Arrangement, tracked: Sequence[TrackedPaths]) -> PoseSet:
     """Return where the paths for all sides end, by numerical path tracking alone."""
-    results = [tracked_paths.solutions(options) for tracked_paths in tracked]
+    results = [tracked_paths.solutions() for tracked_paths in tracked]
     pairs = [find_real_points(result.points) for result in results]
     points = np.concatenate([representatives for representatives, _ in pairs])
     real = np.concatenate([real for _, real in pairs])

@@ -133,12 +133,10 @@ def _points(points: Array, places: int | None) -> list[Point]:
     return [Point(row) for row in (rounded + 0.0).tolist()]
 
 
-def _ring(angles: Array, radius: float, height: float = 0.0) -> Array:
+def _ring(angles: Array, radius: float) -> Array:
     """Return points of a circle at angles in degrees, shape (n, 3)."""
     turns = np.radians(angles)
-    return np.stack(
-        (radius * np.cos(turns), radius * np.sin(turns), np.full(len(turns), height)), axis=1
-    )
+    return np.stack((radius * np.cos(turns), radius * np.sin(turns), 0 * turns), axis=1)
 
 
 def _half_angle(rng: np.random.Generator) -> float:

@@ -12,7 +12,6 @@ import sys
 from dataclasses import asdict, dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from gspcli.defaults import SEED
 from gspcli.motion.singularities.drive_clearances import drive_weights, each_drive_clearance
@@ -25,8 +24,6 @@ RECORD = ROOT / "data" / "verification" / "driven-clearances.csv"
 CHANGES, STEPS = 13_000, 6
 #: A little more than the bound, since the last digits of the record are rounded.
 _WITHIN = 0.9999
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

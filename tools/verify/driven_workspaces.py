@@ -31,8 +31,6 @@ LEVELS, BOXES, POSES = (2, 3, 4, 5, 6), 3500, 64
 GAP, SAMPLES = 0.05, 200_000
 SECTIONS = {"positions": ("x", "y", "z"), "section": ("z", "rx", "ry")}
 
-Array = NDArray[np.float64]
-
 
 @dataclass(frozen=True)
 class Row:

@@ -98,9 +98,9 @@ class Mutant:
         return self.file.endswith(_NATIVE) and not self.file.startswith("tools/")
 
 
-def mutants(folder: Path = LIST) -> list[Mutant]:
+def mutants() -> list[Mutant]:
     """Return the list, in the order of its files."""
-    texts = (path.read_text(encoding="utf-8") for path in sorted(folder.glob("*.toml")))
+    texts = (path.read_text(encoding="utf-8") for path in sorted(LIST.glob("*.toml")))
     entries = chain.from_iterable(tomllib.loads(text)["mutant"] for text in texts)
     return [Mutant(**{**entry, "tests": tuple(entry["tests"])}) for entry in entries]
 

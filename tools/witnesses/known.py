@@ -185,13 +185,13 @@ class Known:
         return "", False
 
 
-def quickly_solved(platform: Platforms, seed: int = SEED) -> Solved | None:
+def quickly_solved(platform: Platforms) -> Solved | None:
     """Return a platform with the solutions of a first attempt at all paths; None if most are lost.
 
     Solutions that are probably real count as real, without a check. A search begins with this.
     """
     system = next(platform[None].systems())
-    (tracked_paths,) = track_all([system], seed=seed)
+    (tracked_paths,) = track_all([system], seed=SEED)
     ends = tracked_paths.first()
     if ends.converged.mean() < _SETTLED:
         return None

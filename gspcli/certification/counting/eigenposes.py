@@ -56,12 +56,7 @@ class ApproximatePose:
 
 
 def poses_by_elimination(
-    instance: Instance,
-    bits: int,
-    *,
-    near: int = 0,
-    seed: int = SEED,
-    limit: float | None = COUNT_LIMIT,
+    instance: Instance, bits: int, *, near: int = 0, seed: int = SEED
 ) -> Iterator[ApproximatePose]:
     """Yield approximations of all poses of an instance, by eigenvectors.
 
@@ -74,7 +69,7 @@ def poses_by_elimination(
     near
         The number of poses on a choice of sides, at least half of all, that are much nearer than
         the others. The others are then yielded first, in a fraction of the time.
-    seed, limit
+    seed
         As in `exact_count`.
 
     Yields
@@ -94,7 +89,7 @@ def poses_by_elimination(
             platform.blocks,
             platform.prime,
             seed=platform.randomness.below(2**63),
-            max_work=work_limit(limit),
+            max_work=work_limit(COUNT_LIMIT),
         )
         if result.outcome is not Ending.FINITE:
             return

@@ -116,7 +116,7 @@ def count_geometry(
 
 
 def dimension_exactly(
-    instance: Instance, *, seed: int = SEED, limit: float | None = COUNT_LIMIT
+    instance: Instance, *, limit: float | None = COUNT_LIMIT
 ) -> tuple[int, float]:
     """Return the dimension of the set of poses over the complex numbers, with an error bound.
 
@@ -129,19 +129,17 @@ def dimension_exactly(
     error
         A bound of the probability that the random prime and hyperplanes gave a wrong result.
     """
-    return dimension(instance, seed, work_limit(limit))
+    return dimension(instance, SEED, work_limit(limit))
 
 
-def with_points_for_lines(
-    instance: Instance, *, seed: int = SEED, limit: float | None = COUNT_LIMIT
-) -> Instance | None:
+def with_points_for_lines(instance: Instance) -> Instance | None:
     """Return the instance with points for lines that are parallel at every pose, or None.
 
-    Parameters are those of `exact_count`; the instance has one choice of sides. The result is None
-    if there are no such lines, or if this could not be decided.
+    The instance has one choice of sides. The result is None if there are no such lines, or if this
+    could not be decided.
     """
     try:
-        lines = always_parallel(instance, seed, work_limit(limit))
+        lines = always_parallel(instance, SEED, work_limit(COUNT_LIMIT))
     except NotCountedError:
         return None
     return by_points(instance, lines.constraints) if lines.constraints else None

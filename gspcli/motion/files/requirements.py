@@ -81,15 +81,13 @@ class Requirement:
         return f"{self.quantity} {sign} {self.limit:g}"
 
 
-def parse_requirements(text: str, option: str = "--require") -> list[Requirement]:
-    """Read requirements: names with numbers, between commas.
+def parse_requirements(text: str) -> list[Requirement]:
+    """Read the requirements of `--require`: names with numbers, between commas.
 
     Parameters
     ----------
     text
         Such as ``range, cone, clearance>=0.5``; range and cone have no number.
-    option
-        The name of the option in errors.
 
     Raises
     ------
@@ -103,22 +101,22 @@ def parse_requirements(text: str, option: str = "--require") -> list[Requirement
         if name not in QUANTITIES:
             known = listed(QUANTITIES)
             near = suggestion(name, QUANTITIES)
-            message = f"{option}: found {shown(part.strip())}, expected {known}{near}"
+            message = f"--require: found {shown(part.strip())}, expected {known}{near}"
             raise GspError(message)
         quantity = QUANTITIES[name]
         wanted = ">=" if quantity.least else "<="
         if not sign and quantity.limit is not None:
             limit = quantity.limit
         elif _SIGNS.get(sign, sign) != wanted:
-            message = f"{option}: found {shown(part.strip())}, expected {name}{wanted}NUMBER"
+            message = f"--require: found {shown(part.strip())}, expected {name}{wanted}NUMBER"
             raise GspError(message)
         elif wrong := wrong_number(number.strip()):
-            message = f"{option}: {name}: {wrong}"
+            message = f"--require: {name}: {wrong}"
             raise GspError(message)
         else:
             limit = float(number)
         if any(one.quantity == name for one in found):
-            message = f"{option}: found {name} twice, expected each quantity once"
+            message = f"--require: found {name} twice, expected each quantity once"
             raise GspError(message)
         found.append(Requirement(name, limit))
     return found

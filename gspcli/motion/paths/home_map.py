@@ -117,7 +117,7 @@ def _kept(found: PoseMap | ValueMap, planner: Planner, members: int) -> HomeMap 
             break
         for _ in range(len(found.connections)):
             way = found.connections.way(node, 0)
-            bad = None if way is None else _unproved(found, planner, way, after)
+            bad = None if way is None else _unproved(found, way, after)
             if way is None or bad is None:
                 break
             _refuse(found, *bad)
@@ -159,7 +159,7 @@ def _poses(found: PoseMap | ValueMap, nodes: list[int]) -> tuple[Array, Array]:
 
 
 def _unproved(
-    found: PoseMap | ValueMap, planner: Planner, way: list[int], after: dict[int, int]
+    found: PoseMap | ValueMap, way: list[int], after: dict[int, int]
 ) -> tuple[int, int] | None:
     """Return the first part of a way that does not keep its cones; None if all do."""
     if isinstance(found, PoseMap) or not found.ways.cones:

@@ -114,12 +114,7 @@ def drive_clearances(
 
 
 def each_drive_clearance(
-    instance: Instance,
-    R: Array,
-    T: Array,
-    *,
-    weights: ArrayLike | None = None,
-    progress: Progress = silent,
+    instance: Instance, R: Array, T: Array, *, progress: Progress = silent
 ) -> list[DriveClearance]:
     """Return bounds of the clearance of each of some poses.
 
@@ -128,12 +123,12 @@ def each_drive_clearance(
 
     Parameters
     ----------
-    instance, R, T, weights
-        As for `drive_clearances`.
+    instance, R, T
+        As for `drive_clearances`, with the weights of `drive_weights`.
     progress
         Receives each pose that is done.
     """
-    drives, units = _given(instance, weights)
+    drives, units = Drives.of(instance), drive_weights(instance)[0]
     found = []
     for k in progress(range(len(T)), total=len(T), label="poses"):
         lower, knees = _proved(drives, R[k], T[k], units)

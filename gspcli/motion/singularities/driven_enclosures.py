@@ -53,7 +53,7 @@ class DrivenNeighbourhood(Neighbourhood):
         cranks = np.array([drives.sorts[k] == "crank" for k in drives.index])
         self._cranks = cranks & self.driven
         #: H' and H'' of the driven constraints, shapes (6, 8, 8); zero for the others.
-        self.first, self.second = _derivatives(drives, platform, placed.constraints, q)
+        self.first, self.second = _derivatives(drives, platform, q)
         lengths = np.where(cranks, 1.0, 1 / platform.scale)
         #: Widths of the equations of widths of q: of slides in units of the scale.
         self._units = np.where(self.driven, lengths, _of_values(platform, drives))
@@ -135,9 +135,7 @@ def _of_values(platform: MovingPlatform, drives: Drives) -> Array:
     return platform.internal(np.ones(6)) / units
 
 
-def _derivatives(
-    drives: Drives, platform: MovingPlatform, rows: object, q: Array
-) -> tuple[Array, Array]:
+def _derivatives(drives: Drives, platform: MovingPlatform, q: Array) -> tuple[Array, Array]:
     """Return the first and second derivatives of the quadrics by the numbers of their drives."""
     first, second = np.zeros((2, 6, 8, 8))
     scale = platform.scale

@@ -139,7 +139,7 @@ class _Division:
     def _bounds(self, within: dict[str, tuple[float, float]]) -> Array:
         boxes = self.boxes
         turns = any(name.startswith("r") for name in self.free)
-        bounds = boxes.bounds() if turns else boxes.bounds_at((0.0, 0.0, 0.0))
+        bounds = boxes.bounds() if turns else boxes.unturned_bounds()
         radian = boxes.instance.units.angle.in_radians
         for name in within:
             if name not in self.free:

@@ -208,20 +208,18 @@ class PoseBoxes:
                 y, x = self._balls.vectors[k, 0, :, 0], self._balls.vectors[k, 2, :, 0]
                 yield row.limits[1].value, [(y, x, np.zeros(3))]
 
-    def bounds_at(self, angles: ArrayLike) -> Array:
-        """Return such a box for the orientation of some angles, shape (3,); shape (6, 2)."""
-        E = rotation_from_euler(self.sequence, np.asarray(angles, float))
+    def unturned_bounds(self) -> Array:
+        """Return such a box for the orientation of home: all angles are zero."""
         bounds = self.bounds()
         for far, places in self._legs():
             ends = []
-            for own, x, margin in places:
-                y = E @ own
+            for y, x, margin in places:
                 room = 1e-9 * (far + np.abs(x).max() + np.linalg.norm(y)) + margin
                 ends.append((x - y - far - room, x - y + far + room))
             bounds[:3, 0] = np.maximum(bounds[:3, 0], np.min([a for a, _ in ends], axis=0))
             bounds[:3, 1] = np.minimum(bounds[:3, 1], np.max([b for _, b in ends], axis=0))
         bounds[:3, 1] = np.maximum(bounds[:3, 0], bounds[:3, 1])
-        bounds[3:] = np.asarray(angles, float)[:, None]
+        bounds[3:] = 0.0
         return bounds
 
     def judge(

@@ -258,7 +258,7 @@ def violations(instance: Instance, R: Array, T: Array, knees: ArrayLike | None =
 
 def _way(boxes: PoseBoxes, k: int, direction: int) -> tuple[float, float, tuple[str, ...]]:
     """Return the travel of a parameter in one direction, a bound, and the limits at its end."""
-    bounds = boxes.bounds_at((0.0, 0.0, 0.0))
+    bounds = boxes.unturned_bounds()
     home = boxes.home
     far = np.pi
     if k < 3:

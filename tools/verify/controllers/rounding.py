@@ -58,7 +58,6 @@ class ExactEquations:
     """The equations of an instance as its file states them, in the unit of a controller."""
 
     def __init__(self, instance: Instance, numbers: PlatformNumbers) -> None:
-        self._kinds = numbers.kinds
         self._reach = arb(float(numbers.reach))
         self._middle, self._origin = (
             [arb(float(x)) for x in part] for part in (numbers.middle, numbers.origin)
