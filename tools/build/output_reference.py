@@ -79,7 +79,7 @@ def _schemas(forms: dict[str, Printed]) -> str:
 
 
 class Meanings:
-    """The meanings of keys and columns, and which of them are missing or of no use."""
+    """The meanings of keys and columns, which keys have none, and which meanings no key has."""
 
     def __init__(self) -> None:
         special = ((c, key) for c, keys in COMMAND_KEYS.items() for key in keys)
