@@ -207,7 +207,8 @@ class SidePoses:
         from gspcli.certification.poses.far_points import far_points
 
         has_images = self.problem.has_mirror_images
-        open_ = ends[~self.reached, :4]
+        # Poses to which no paths lead come last.
+        open_ = ends[~self.reached[: len(ends)], :4]
         with np.errstate(invalid="ignore"):
             e = open_ / np.linalg.norm(open_, axis=1, keepdims=True)
         e = e[np.isfinite(e).all(axis=1)]

@@ -347,12 +347,14 @@ class BallSystem:
 def monomials() -> fmpz_mat:
     """Return the coefficients of e_i e_j, e_i f_j and f.f in each form (native/fine_points.hpp)."""
     hessians = study.form_hessians().astype(int)
-    places = [(i, j) for i in range(4) for j in range(i, 4)]
-    places += [(i, j) for i in range(4) for j in range(4, 8)]
-    columns = [
-        [int(h[i, j]) // (2 if i == j else 1) for i, j in [*places, (4, 4)]] for h in hessians
-    ]
+    columns = [[int(h[i, j]) // (2 if i == j else 1) for i, j in places()] for h in hessians]
     return fmpz_mat(columns)
+
+
+def places() -> list[tuple[int, int]]:
+    """Return the entries of Hessian matrices that have the coefficients of `monomials`."""
+    turning = [(i, j) for i in range(4) for j in range(i, 4)]
+    return [*turning, *((i, j) for i in range(4) for j in range(4, 8)), (4, 4)]
 
 
 def _nearer(

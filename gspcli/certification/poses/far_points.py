@@ -191,8 +191,9 @@ class _Equations:
 
 def _left_inverses(matrices: Complex) -> Complex:
     """Return the left inverses of matrices of full rank, (..., m, n) to (..., n, m)."""
-    adjoint = matrices.conj().swapaxes(-1, -2)
-    return np.asarray(np.linalg.solve(adjoint @ matrices, adjoint))
+    # Normal equations would lose twice as many digits: too many for couplings.
+    Q, R = np.linalg.qr(matrices)
+    return np.asarray(np.linalg.solve(R, Q.conj().swapaxes(-1, -2)))
 
 
 def _wedge(e: Complex) -> Complex:

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import Kind, Law
 from gspcli.certification.equations import study
-from gspcli.certification.equations.ball_system import monomials
+from gspcli.certification.equations.ball_system import monomials, places
 from gspcli.certification.equations.quadratic_forms import Form, forms_of, scaled
 from gspcli.certification.equations.statement import Statement, statements_in
 from gspcli.certification.numbers.balls import dot, norm
@@ -48,6 +48,9 @@ class FinerNumbers:
         The platform, and the unit of length of its equations (`ValueProofs`).
     meeting
         Which constraints are lines at distance zero.
+    moduli
+        Sums of the moduli of the terms of each coefficient, shape (quadrics, 27); of these the
+        coefficients err by a part.
 
     Attributes
     ----------
@@ -57,10 +60,15 @@ class FinerNumbers:
         written as a sum of four doubles.
     """
 
-    def __init__(self, instance: Instance, scale: float, meeting: Sequence[bool]) -> None:
+    def __init__(
+        self, instance: Instance, scale: float, meeting: Sequence[bool], moduli: Array
+    ) -> None:
+        self.equations: tuple[Array, Array] | None = None
         self._instance, self._scale = instance, scale
         joined = tuple((row.kind, row.platform, row.base) for row in instance.constraints)
-        self.equations = _equations(joined, scale, tuple(meeting))
+        coefficients, errors, weights = _equations(joined, scale, tuple(meeting))
+        if weights is not None and (errors <= _ERROR * moduli).all():
+            self.equations = coefficients, weights
 
     @cached_property
     def _statements(self) -> tuple[Statement, ...]:
@@ -86,7 +94,7 @@ class FinerNumbers:
                 )
             balls = [_value(x, sign) for x, sign in zip(given, choice.tolist(), strict=True)]
             distances = [abs(x.value) if x.kind.is_distance else arb(0) for x in given]
-            values, lengths = _sums(balls), _sums(distances)
+            values, lengths = _known_sums(balls), _known_sums(distances)
             if values is None or lengths is None:
                 return None
             gaps = [
@@ -101,8 +109,12 @@ class FinerNumbers:
 @lru_cache(maxsize=64)
 def _equations(
     joined: tuple[tuple[Kind, Geometry, Geometry], ...], scale: float, meeting: tuple[bool, ...]
-) -> tuple[Array, Array] | None:
-    """Return the equations of a geometry, which most of its platforms share."""
+) -> tuple[Array, Array, Array | None]:
+    """Return the equations of a geometry, which most of its platforms share.
+
+    They are the coefficients (4, quadrics, 27) and how much these err (quadrics, 27), and the
+    weights of the values.
+    """
     rows = tuple(Constraint(*each, Number.of(1)) for each in joined)
     with ctx.workprec(_BITS):
         statements = statements_in(Instance(rows, _UNITS), scale)
@@ -113,13 +125,19 @@ def _equations(
         for main, _, squares in mains:
             forms += [main, *squares]
         matrix = arb_mat([[form.get(k, arb(0)) for k in range(study.COUNT)] for form in forms])
-        coefficients = _sums((matrix * arb_mat(monomials())).entries())
-        weights = _sums([weight for _, weight, _ in mains])
-    if coefficients is None or weights is None:
-        return None
-    for shared in (coefficients, weights):
-        shared.setflags(write=False)
-    return coefficients.reshape(_PARTS, len(forms), -1), weights
+        coefficients, errors = _sums((matrix * arb_mat(monomials())).entries())
+        weights = _known_sums([weight for _, weight, _ in mains])
+    coefficients.setflags(write=False)
+    if weights is not None:
+        weights.setflags(write=False)
+    shape = len(forms), -1
+    return coefficients.reshape(_PARTS, *shape), errors.reshape(shape), weights
+
+
+def coefficients_of(hessians: Array) -> Array:
+    """Return the coefficients of quadrics, (n, 27), by their Hessian matrices, (n, 8, 8)."""
+    rows, columns = np.array(places()).T
+    return hessians[:, rows, columns] / np.where(rows == columns, 2, 1)
 
 
 def _equation(given: Statement, *, meeting: bool) -> tuple[Form, arb, tuple[Form, ...]]:
@@ -151,18 +169,30 @@ def _value(given: Statement, sign: float) -> arb:
     return given.value * given.value
 
 
-def _sums(balls: Sequence[arb]) -> Array | None:
-    """Return balls as sums of four doubles, (4, n); None if one cannot be written like that."""
-    found = np.zeros((_PARTS, len(balls)))
+def _sums(balls: Sequence[arb]) -> tuple[Array, Array]:
+    """Return balls as sums of four doubles, (4, n), and by how much these err, (n,).
+
+    A ball that contains zero becomes zero. What is zero in exact numbers is such a ball if its
+    terms are no doubles.
+    """
+    found, errors = np.zeros((_PARTS, len(balls))), np.zeros(len(balls))
     for k, ball in enumerate(balls):
+        if ball.contains(0):
+            errors[k] = float(ball.abs_upper()) * OUTWARD
+            continue
         rest = ball.mid()
         for part in range(_PARTS):
             high = float(rest)
             found[part, k] = high
             # Exact: it has fewer bits.
             rest -= high
-        size = abs(found[0, k])
-        error = float(ball.rad()) + abs(float(rest))
-        if not (size == error == 0 or (size >= _LEAST and error <= _ERROR * size)):
-            return None
-    return found
+        errors[k] = (float(ball.rad()) + abs(float(rest))) * OUTWARD
+        if abs(found[0, k]) < _LEAST:
+            errors[k] = np.inf
+    return found, errors
+
+
+def _known_sums(balls: Sequence[arb]) -> Array | None:
+    """Return balls as sums of four doubles, (4, n); None if one errs by more than a part."""
+    found, errors = _sums(balls)
+    return found if (errors <= _ERROR * np.abs(found[0])).all() else None

@@ -316,9 +316,14 @@ class ValueProofs:
     @cached_property
     def _finer(self) -> FinerNumbers:
         """The numbers of the equations with 64 digits."""
-        from gspcli.certification.poses.finer_numbers import FinerNumbers
+        from gspcli.certification.poses.finer_numbers import FinerNumbers, coefficients_of
 
-        return FinerNumbers(self.instance, self.scale, self._meeting)
+        _, _, entries, table, weights, _ = self.numbers
+        entries = entries.copy()
+        for k in range(4):
+            entries[table[:, 0], k, k] += 2 * weights[2]
+        moduli = coefficients_of(entries)
+        return FinerNumbers(self.instance, self.scale, self._meeting, moduli)
 
     def units(self, rows: Array | None) -> Array:
         """Return the units of the last digits of translations, in lengths of the equations."""

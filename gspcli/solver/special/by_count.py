@@ -78,8 +78,10 @@ def _by_geometry_or_type(problem: Problem, ledger: Ledger) -> PoseSet | None:
     counted = problem.geometry_count
     if counted is not None and (poses := ledger.complete) is not None:
         return poses
-    if counted is not None and counted.solutions and counted.has_lone_lines:
-        from gspcli.solver.strategies.elimination import early_elimination
+    from gspcli.solver.strategies.elimination import FEW_PATHS, early_elimination
+
+    is_small = problem.expected <= FEW_PATHS
+    if counted is not None and counted.solutions and (counted.has_lone_lines or is_small):
         from gspcli.solver.strategies.further import go_on_until
 
         # Almost all sets of values have as many poses as the geometry: a count of the platform

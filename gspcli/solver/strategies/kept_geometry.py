@@ -54,7 +54,7 @@ def same_geometry(problem: Problem) -> Iterator[Ends]:
     if start is not None and (
         start.found == problem.expected or problem.geometry_count is not None
     ):
-        yield start.quick_ends(problem.values)
+        yield start.quick_ends(problem.values)._replace(has_directions=start.homotopy is not None)
 
 
 def from_nearest(problem: Problem) -> Iterator[Ends]:
@@ -72,8 +72,12 @@ def by_short_steps(problem: Problem) -> Iterator[Ends]:
 
 
 def by_careful_steps(problem: Problem) -> Iterator[Ends]:
-    """Yield the ends of paths of the equations in all unknowns, from the start's first system."""
-    if problem.start is not None:
+    """Yield the ends of paths of the equations in all unknowns, from the start's first system.
+
+    Where there are equations with fewer unknowns, the other sets of values are solved one by one:
+    that takes less time than these paths.
+    """
+    if problem.start is not None and problem.start.homotopy is None:
         yield problem.start.careful_ends(problem.values, problem.jobs)
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from gspcli.continuation.tracked_paths import joined_ends
 from gspcli.solver.side_poses import Index, SidePoses
-from gspcli.solver.strategies.elimination import can_eliminate, is_eliminable
+from gspcli.solver.strategies.elimination import can_eliminate, is_eliminable, is_small
 
 #: A platform that is special up to less than one in so many has poses where N is below 1e-32.
 _DECIMALS = 10**9
@@ -28,7 +28,7 @@ def with_32_digits(side: SidePoses) -> Iterator[None]:
     count = side.paths.count
     reached = side.reached if len(side.reached) == count else np.zeros(count, np.bool_)
     side.unresolved = np.flatnonzero(~reached)
-    if is_eliminable(side) and _has_many_decimals(side):
+    if is_eliminable(side) and (is_small(side) or _has_many_decimals(side)):
         # If the platform is special, it is so up to less than 32 digits show. Then paths would take
         # a quarter of the time of a first solution and find no pose.
         return

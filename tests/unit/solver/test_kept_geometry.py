@@ -8,6 +8,7 @@ import pytest
 
 from gspcli.catalogue.kinds import DPL
 from gspcli.certification import counting
+from gspcli.continuation.tracked_paths import TrackedPaths
 from gspcli.geometry.building import hexapod
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Line, Point
@@ -383,3 +384,23 @@ def test_poses_far_away_of_lines_are_found_from_those_for_other_values(monkeypat
     found = solve(other, starts=starts)
     assert found.verdict == "complete"
     assert found.counts.found == found.certified.sum() == found.expected == 160
+
+
+def test_poses_some_thousand_lengths_away_need_no_paths_with_32_digits(monkeypatch):
+    """Of a coupling, for a few sets of values: half of its eight paths have no finite end."""
+    machine = next(iter(machines(437, rows=71, begin=436)))
+    rows = machine.rows[7:]
+    starts = SolvedStarts()
+    solve(machine.instance, starts=starts)
+    solve_batch(machine.instance, rows[:1], starts=starts)
+    with monkeypatch.context() as context:
+        context.setattr(TrackedPaths, "track", None)
+        batch = solve_batch(machine.instance, rows, starts=starts)
+    assert batch.complete.all()
+    assert batch.proved.all()
+    far = np.flatnonzero(np.abs(batch.T).max(axis=(1, 2)) > 1000 * batch.arrangement.length)
+    assert len(far) > 2
+    for k in far[:3].tolist():
+        values = {i: Number.of(Fraction(x)) for i, x in enumerate(rows[k].tolist())}
+        alone = solve(machine.instance.with_values(values), starts=SolvedStarts())
+        assert sorted(batch.T[k].tolist(), key=str) == sorted(alone.T.tolist(), key=str)

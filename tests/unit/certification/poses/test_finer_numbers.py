@@ -11,7 +11,7 @@ from flint import arb, ctx
 from gspcli import solve_batch
 from gspcli.catalogue.names import parse_type
 from gspcli.certification.equations.frames import OWN
-from gspcli.certification.poses.finer_numbers import FinerNumbers
+from gspcli.certification.poses.finer_numbers import FinerNumbers, coefficients_of
 from gspcli.certification.poses.many_values import OF_POSES, ProvedPoses, ValueProofs
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.numbers import Number
@@ -72,7 +72,7 @@ def test_a_number_with_many_bits_is_a_sum_of_four_doubles():
     instance, _ = proofs_of(TYPES[0])
     number = Number.of("1/3")
     other = instance.with_values({0: number})
-    found = FinerNumbers(other, 1.0, [False] * 6).values(np.ones(6), None)
+    found = FinerNumbers(other, 1.0, [False] * 6, np.ones(27)).values(np.ones(6), None)
     with ctx.workprec(400):
         total = sum((arb(x) for x in found[:4, 0].tolist()), arb(0))
         assert abs(total - arb(1) / 9) < arb(found[4, 0])
@@ -133,6 +133,19 @@ def test_sets_of_values_that_share_lanes_are_as_each_alone(name):
     for part in ("R", "T", "quaternions", "real"):
         assert getattr(first, part)[wanted].tobytes() == getattr(both, part)[wanted].tobytes()
         assert (both.deviation <= first.deviation)[wanted].all()
+
+
+def test_a_number_that_is_zero_in_exact_numbers_only_is_zero():
+    """Of a coupling whose coordinates are no doubles, the terms of some coefficients cancel."""
+    machine = next(iter(machines(118, rows=1, begin=117)))
+    proofs = ValueProofs(machine.instance, None)
+    coefficients, _ = proofs._finer.equations
+    moduli = coefficients_of(proofs.numbers[2])
+    assert ((coefficients[0] == 0) & (moduli > 1)).any()
+    # What errs by more than a part of its terms is not known.
+    given = machine.instance, proofs.scale, [False] * 6
+    assert FinerNumbers(*given, 2 * moduli).equations is not None
+    assert FinerNumbers(*given, 2.0**-120 * moduli).equations is None
 
 
 def test_poses_some_thousand_lengths_away_are_proved_at_once():
