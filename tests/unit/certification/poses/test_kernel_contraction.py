@@ -14,6 +14,7 @@ import pytest
 
 from gspcli import _kernel
 from gspcli.certification.numbers.rounding import COMPLEX, ISOLATED, REAL, ROUNDED
+from gspcli.certification.poses.finer_numbers import coefficients_of
 
 #: Nearly a double root: the roots are as far apart.
 NEAR = 1e-3
@@ -29,8 +30,11 @@ class Decided(NamedTuple):
 
 
 def form(constant: float = 0, slope: float = 0, square: float = 0, k: int = 1) -> np.ndarray:
-    """Return the Hessian matrix of constant + slope z + square z^2, z coordinate k by the first."""
-    matrix = np.zeros((8, 8))
+    """Return the Hessian matrix of constant + slope z + square z^2, z coordinate k by the first.
+
+    If z is a coordinate of f, the square is f.f: quadrics have squares of f together.
+    """
+    matrix = np.diag([0.0] * 4 + [2.0 * square] * 4) if k > 3 else np.zeros((8, 8))
     matrix[0, 0], matrix[0, k], matrix[k, 0], matrix[k, k] = 2 * constant, slope, slope, 2 * square
     return matrix
 
@@ -46,8 +50,12 @@ def decide(
     moduli: float = 1.0,
     value_bound: float = 0.0,
     tolerance: float = 1e9,
+    coordinate: int = 1,
+    others: dict[int, complex] | None = None,
+    in_lanes: tuple[float, float] | None = None,
+    moduli_of_turned: float = 1.0,
 ) -> Decided:
-    """Decide about points z of the first free coordinate; the others are zero.
+    """Decide about points z of one coordinate; the others are zero, or given.
 
     Parameters
     ----------
@@ -55,7 +63,7 @@ def decide(
         For equations 1 to 6 the main quadric and those whose squares are subtracted; of the others
         each makes one coordinate zero. The first of all, that of e.f, makes the last one zero.
     points
-        Values of the first coordinate.
+        Values of the coordinate.
     gap
         By how much each equation is unknown, as a multiple of N.
     moduli
@@ -64,6 +72,15 @@ def decide(
         That of the values, which enter the equations as a multiple of N.
     tolerance
         How far poses may be off.
+    coordinate
+        Its index: from 4 on it is one of f.
+    others
+        Those of the other coordinates that are not zero, by their indices.
+    in_lanes
+        The value and the distance of the first equation, with numbers of 64 digits: N times the
+        value is added, and the second square is multiplied by the distance.
+    moduli_of_turned
+        The moduli of the terms of that square, as a multiple of those of its entries.
     """
     quadrics = [NORM, form(slope=1, k=7)]
     table = np.full((6, 3), -1, np.int32)
@@ -72,19 +89,33 @@ def decide(
             table[r, j] = len(quadrics)
             quadrics.append(matrix)
     hessians = np.array(quadrics)
+    bounds = np.abs(hessians) * moduli
+    bounds[table[0, 2]] *= moduli_of_turned
     weights = np.zeros((4, 6))
     weights[1] = 1.0
     values = np.zeros((1, 6, 6))
     values[0, 1], values[0, 4] = value_bound, gap
+    turned = np.full(6, -1, np.int32)
+    finer = None
+    if in_lanes is not None:
+        weights[0] = 1.0
+        exact = np.zeros((4, len(hessians), 27))
+        exact[0] = coefficients_of(hessians)
+        numbers = np.zeros((1, 9, 6))
+        numbers[0, 0, 0], numbers[0, 5, 0] = values[0, 0, 0], values[0, 2, 0] = in_lanes
+        turned[0] = table[0, 2]
+        finer = exact, np.array([weights[0], *np.zeros((3, 6))]), numbers
     study = np.zeros((1, len(points), 8), complex)
-    study[0, :, 0], study[0, :, 1] = 1, points
+    study[0, :, 0], study[0, :, coordinate] = 1, points
+    for k, other in (others or {}).items():
+        study[0, :, k] = other
     R, _, _, deviation, bits, complete = _kernel.decide(
         hessians,
         np.zeros_like(hessians),
-        np.abs(hessians) * moduli,
+        bounds,
         table,
         weights,
-        np.full(6, -1, np.int32),
+        turned,
         values,
         np.ones(1),
         study,
@@ -92,6 +123,7 @@ def decide(
         origins=np.zeros((2, 3)),
         scale=1.0,
         tolerance=tolerance,
+        finer=finer,
     )
     return Decided(R[0], bits[0], deviation[0], bool(complete[0]))
 
@@ -133,6 +165,71 @@ def test_next_to_two_roots_of_a_quartic_none_is_isolated() -> None:
     """N A = B^2 with A = e z_0^2 and B = z^2 is z^4 = e N: four roots about zero."""
     found = decide({0: [form(1e-12), form(square=1)]}, [0.01, 0.05])
     assert not (found.bits & ISOLATED).any()
+
+
+def test_next_to_two_roots_of_f_none_is_isolated() -> None:
+    """The equation f.f = e N in one coordinate of f."""
+    given = {4: [form(-(NEAR**2), 0, 1, k=5)]}
+    found = decide(given, [0.02, 0.05, 0.1], coordinate=5)
+    assert not (found.bits & ISOLATED).any()
+    assert decide(given, [NEAR + 1e-5], coordinate=5).bits[0] & ISOLATED
+
+
+def test_next_to_two_roots_of_e_and_f_together_none_is_isolated() -> None:
+    """The equations z f = e N and f = c z; another coordinate of f is c, and so is the unit of f."""
+    for size in (1.0, 2.0**20):
+        both = form(-(NEAR**2) * size)
+        both[1, 5] = both[5, 1] = 1
+        alike = form(slope=size) - form(slope=1, k=5)
+        given = {0: [both], 4: [alike], 5: [form(-size, 1, k=6)]}
+        for z in (0.02, 0.05, 0.1):
+            found = decide(given, [z], others={5: size * z, 6: size})
+            assert not found.bits[0] & ISOLATED
+        near = NEAR * (1 + 1e-5)
+        assert decide(given, [near], others={5: size * near, 6: size}).bits[0] & ISOLATED
+
+
+def test_values_in_lanes_bend_equations() -> None:
+    """N less a constant is 3 z^2 - e^2, where three coordinates are the same.
+
+    With 64 digits Newton's method takes up to 23 steps. From 0.9 it does not arrive.
+    """
+    near = 2.0**-26
+    alike = {k: [form(slope=1) - form(slope=1, k=k + 1)] for k in (1, 2)}
+    given = {0: [form(-1 - near**2)], **alike}
+    for z in (0.9, 0.9j):
+        found = decide(given, [z], others={2: z, 3: z}, in_lanes=(1.0, 0.0), value_bound=1.0)
+        assert not found.bits[0] & ISOLATED
+    z = near / np.sqrt(3)
+    known = decide(given, [z], others={2: z, 3: z}, in_lanes=(1.0, 0.0), value_bound=1.0)
+    assert known.bits[0] & ISOLATED
+
+
+def test_distances_in_lanes_bend_equations() -> None:
+    """N A = (d C)^2 with A = e z_0^2 and C = z_0 z / d is z^2 = e N."""
+    distance, near = 2.0**20, 2.0**-26
+    given = {0: [form(near**2), form(), form(slope=1 / distance)]}
+    found = decide(given, [0.9, 0.9j, near], in_lanes=(0.0, distance))
+    assert not (found.bits[:2] & ISOLATED).any()
+    assert found.bits[2] & ISOLATED
+
+
+def test_errors_of_values_in_lanes_are_errors_of_the_proof() -> None:
+    """A value may be a sum of terms whose moduli are much larger than it."""
+    at_zero, beside = {0: [form(0, 1)]}, {0: [form(-0.01, 0, 1)]}
+    for given, point, least in ((at_zero, 0.0, 72), (beside, 0.1, 48)):
+        for bits, is_known in ((least - 12, True), (least, False)):
+            found = decide(given, [point], in_lanes=(0.0, 0.0), value_bound=2.0**bits)
+            assert bool(found.bits[0] & ISOLATED) is is_known
+
+
+def test_errors_of_distances_in_lanes_are_errors_of_the_proof() -> None:
+    """N A = (d C)^2, where C may be a sum of terms whose moduli are much larger than it."""
+    distance = 2.0**20
+    given = {0: [form(0.01), form(), form(slope=1 / distance)]}
+    for bits, is_known in ((12, True), (24, False)):
+        found = decide(given, [0.1], in_lanes=(0.0, distance), moduli_of_turned=2.0**bits)
+        assert bool(found.bits[0] & ISOLATED) is is_known
 
 
 def test_curvature_away_from_the_point_counts() -> None:
