@@ -176,7 +176,7 @@ def test_next_to_two_roots_of_f_none_is_isolated() -> None:
 
 
 def test_next_to_two_roots_of_e_and_f_together_none_is_isolated() -> None:
-    """The equations z f = e N and f = c z; another coordinate of f is c, and so is the unit of f."""
+    """z f = e N and f = c z; another coordinate of f is c, and so is the unit of f."""
     for size in (1.0, 2.0**20):
         both = form(-(NEAR**2) * size)
         both[1, 5] = both[5, 1] = 1
