@@ -1,4 +1,4 @@
-"""Charts of the pages: bubbles on logarithmic axes."""
+"""Charts of the pages: points and bubbles on logarithmic axes."""
 
 from __future__ import annotations
 
@@ -6,13 +6,50 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 from gspcli.pictures.charts import PALETTE
-from gspcli.pictures.figures import SOFT, styled, written
+from gspcli.pictures.figures import ANGLE, PLATFORM, SOFT, styled, written
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 #: Area of a bubble of weight one, in square points.
 _BUBBLE = 1.6
+
+
+def scatter_chart(
+    groups: Mapping[str, Sequence[tuple[float, float]]], fmt: str, *, x_label: str, y_label: str
+) -> bytes:
+    """Return points on logarithmic axes, a colour for each group.
+
+    Parameters
+    ----------
+    groups
+        Points by the name of their group.
+    fmt
+        ``svg``, ``png`` or ``pdf``.
+    x_label, y_label
+        What the axes show.
+
+    Raises
+    ------
+    GspError
+        If matplotlib is not installed.
+    """
+    with styled():
+        from matplotlib.figure import Figure
+
+        figure = Figure(figsize=(6.4, 4.2), layout="constrained")
+        axes = figure.subplots()
+        for color, (name, points) in zip((PLATFORM, ANGLE), groups.items(), strict=False):
+            x, y = zip(*points, strict=True) if points else ((), ())
+            axes.plot(
+                x, y, "o", color=color, markersize=3.2, markeredgewidth=0, alpha=0.55, label=name
+            )
+        axes.set_xscale("log", base=2)
+        axes.set_yscale("log")
+        _plain(axes)
+        axes.legend(loc="upper left")
+        axes.set(xlabel=x_label, ylabel=y_label)
+        return written(figure, fmt)
 
 
 class Bubble(NamedTuple):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from gspcli.pictures.charts import bar_chart
-from tools.charts import Bubble, bubble_chart
+from tools.charts import Bubble, bubble_chart, scatter_chart
 
 LABELS = {"x_label": "x", "y_label": "y"}
 
@@ -19,6 +19,13 @@ def test_a_bar_for_each_number_also_where_there_is_none() -> None:
     assert bars({2: 5, 8: 3}).count(filled) == 4
     assert bars({2: 5, 5: 1, 8: 3}).count(filled) == 7
     assert b"<svg" in bars({})
+
+
+def test_a_point_for_each_pair() -> None:
+    points = [(4.0, 1.0), (64.0, 100.0), (16.0, 10.0)]
+    one, more = (scatter_chart({"a": points[:n], "b": points[:2]}, "svg", **LABELS) for n in (2, 3))
+    assert more.count(b"<use") == one.count(b"<use") + 1
+    assert one == scatter_chart({"a": points[:2], "b": points[:2]}, "svg", **LABELS)
 
 
 def test_a_bubble_for_each_and_a_colour_for_each_group() -> None:
