@@ -117,8 +117,12 @@ def kept_among(
         return None
     known = problem.starts.platform(one.arrangement)
     if known is None and begin:
-        solve(one)
+        poses = solve(one)
         known = problem.starts.platform(one.arrangement)
+        if known is None and are_far(poses.R, poses.T, one.arrangement.length, _REACHED).any():
+            # Quick paths have found all poses, from the stored start.
+            one.keep(poses, {})
+            known = problem.starts.platform(one.arrangement)
     if known is None or not _are_far(known).any():
         return None
     found = kept_start(one)

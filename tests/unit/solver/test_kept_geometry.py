@@ -346,6 +346,17 @@ def test_rows_of_realistic_machines_are_solved_together(number):
         assert sorted(map(tuple, poses.T.tolist()), key=repr) == there
 
 
+def test_a_batch_has_a_start_with_poses_1e6_lengths_away():
+    """Quick paths find all poses of each platform alone, so that none was kept (rotary/120)."""
+    machine = next(machines(121, rows=20, begin=120))
+    starts = SolvedStarts()
+    (answers,) = many_poses(machine.instance, machine.rows[7:], seed=1, jobs=1, starts=starts)
+    assert not answers.alone
+    (poses, *_) = answers.poses()
+    assert poses.account.verdict == "complete"
+    assert np.abs(poses.T).max() > 1e6 * answers.together[0].ledger.problem.arrangement.length
+
+
 @pytest.mark.parametrize("number", [40, 205, 386])
 def test_rows_whose_poses_come_from_afar_are_solved_together(number, monkeypatch):
     """One path of a conjugate pair is lost, and 64 digits round poses some hundred lengths away.
