@@ -40,8 +40,9 @@ from gspcli.motion.workspace.travels import travels
 Array = NDArray[np.float64]
 Allowed = Callable[[Array, Array], NDArray[np.bool_]]
 
+#: This many candidates at most.
 _CANDIDATES = 3000
-#: Candidates are tried in so many rounds of so many.
+#: They are tried in so many rounds of so many.
 _ROUNDS, _TRIED = 50, 4000
 #: How far poses go where nothing limits them: in typical lengths, and radians.
 _FREE_PLACE, _FREE_TURN = 0.1, np.deg2rad(15)
@@ -73,10 +74,9 @@ def candidates(
     R: Array,
     T: Array,
     seed: int,
-    count: int = _CANDIDATES,
     allowed: Allowed | None = None,
 ) -> Places:
-    """Return poses that can be reached from home, at most ``count``.
+    """Return poses that can be reached from home, at most `_CANDIDATES`.
 
     Parameters
     ----------
@@ -86,8 +86,6 @@ def candidates(
         Home, shapes (3, 3) and (3,).
     seed
         Of the random numbers.
-    count
-        How many.
     allowed
         Which of some poses (R, T) are allowed besides, a mask; all if None.
 
@@ -125,22 +123,22 @@ def candidates(
             turned = rotation_from_euler("ZYX", change[:, 3:]) @ R
             places = T + R @ centre + change[:, :3] - turned @ centre
             kept = _kept(instance, model, turned, places)
-        kept = kept.taken(_signs(model, kept) == sign).taken(slice(0, count - number))
+        kept = kept.taken(_signs(model, kept) == sign).taken(slice(0, _CANDIDATES - number))
         if allowed is not None and len(kept.T):
             kept = kept.taken(allowed(kept.R, kept.T))
         found.append(kept)
         number += len(found[-1].T)
-        if number >= count:
+        if number >= _CANDIDATES:
             break
     if not number:
         what = "the ranges and cones" if allowed is None else "ranges, cones and what is required"
         message = f"no pose about home keeps {what}: choose another with --mode"
         raise ArgumentError(message)
     turns, places = (
-        np.concatenate(part)[:count] for part in zip(*(p[:2] for p in found), strict=True)
+        np.concatenate(part)[:_CANDIDATES] for part in zip(*(p[:2] for p in found), strict=True)
     )
     drives = [one.drives for one in found if one.drives is not None]
-    return Places(turns, places, np.concatenate(drives)[:count] if drives else None)
+    return Places(turns, places, np.concatenate(drives)[:_CANDIDATES] if drives else None)
 
 
 def _box(instance: Instance, model: Model, R: Array, T: Array) -> tuple[Array, Array]:

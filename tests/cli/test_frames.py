@@ -249,11 +249,12 @@ def test_simulated_motions_are_expressed_with_their_velocities(gsp, spec, tmp_pa
     masses = gspcli.Dynamics(gspcli.RigidBody(10, [0, 0, 20], [1, 1, 1, 0, 0, 0]))
     platform, expressed = (replace(one, dynamics=masses) for one in (MACHINE, EXPRESSED))
     forces = tmp_path / "forces.csv"
-    forces.write_text("t,F1,F2,F3,F4,F5,F6\n0,9,9,9,9,9,9\n0.05,9,9,9,9,9,9\n", encoding="utf-8")
+    forces.write_text("t,F1,F2,F3,F4,F5,F6\n0,9,9,9,9,9,9\n0.01,9,9,9,9,9,9\n", encoding="utf-8")
+    moving = ("--twist", "0.5,1,2,30,20,10")
     paths, moved = [], []
     for instance in (platform, expressed):
         paths.append(spec(instance))
-        run = gsp("dynamics", paths[-1], "--forward", forces, "--format", "csv")
+        run = gsp("dynamics", paths[-1], "--forward", forces, *moving, "--format", "csv")
         assert run.code == 0
         moved.append(tmp_path / f"{len(moved)}.csv")
         moved[-1].write_text(run.out, encoding="utf-8")

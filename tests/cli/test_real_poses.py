@@ -26,7 +26,8 @@ def _sample() -> list[str]:
 
 @pytest.fixture(scope="module")
 def corpus():
-    return {platform.id: platform.instance for platform in platforms()}
+    groups = dict.fromkeys(name.split("/")[0] for name in _sample())
+    return {platform.id: platform.instance for platform in platforms(groups)}
 
 
 @pytest.mark.parametrize("name", _sample())

@@ -151,7 +151,7 @@ def _python(text):
     return eval(text, {"__builtins__": {}}, vars(math))
 
 
-@settings(QUICK, max_examples=25)
+@settings(QUICK, max_examples=10)
 @given(instances())
 def test_what_is_written_reads_back(instance):
     assert loads(dumps(instance)) == instance

@@ -125,7 +125,7 @@ def test_poses_nearly_at_infinity_are_not_followed_with_the_most_digits(monkeypa
 def test_more_steps_find_what_stopped_paths_lead_to(monkeypatch):
     instance, rows = case()
     monkeypatch.setattr(elimination, "_MOST", 0)
-    result = solve(given(instance, rows[0] * 1e8))
+    result = solve(given(instance, rows[2] * 1e6))
     assert (result.account.verdict, result.account.lost) == ("complete", 0)
     assert result.poses.proof is not None
 

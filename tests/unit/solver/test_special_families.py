@@ -22,7 +22,7 @@ from gspcli.geometry.primitives import Line, Point
 from gspcli.geometry.random_instances import random_instance
 from gspcli.solver import solve
 from gspcli.solver.starts.solved_starts import SolvedStarts
-from gspcli.solver.strategies import elimination, special_families
+from gspcli.solver.strategies import elimination, more_digits, special_families
 
 
 def _nearly_parallel(eps: Fraction = Fraction(1, 10**20), sign: int = 1) -> Instance:
@@ -72,6 +72,7 @@ def test_they_are_found_from_the_other_side(monkeypatch: pytest.MonkeyPatch) -> 
 def test_without_them_poses_are_missing_and_that_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(special_families, "_APART", ())
     monkeypatch.setattr(elimination, "_MOST", 0)
+    monkeypatch.setattr(more_digits, "_MOST_ATTEMPTS", 1)
     result = solve(_nearly_parallel(), starts=SolvedStarts())
     assert (result.verdict, result.counts.certified) == ("incomplete", 128)
 

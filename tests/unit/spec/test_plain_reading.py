@@ -113,13 +113,13 @@ def changed(root, rng):
 def test_what_is_accepted_plainly_is_accepted_by_the_models():
     rng, known = random.Random(1), roots()
     accepted = 0
-    for _ in range(700):
+    for _ in range(300):
         root = changed(rng.choice(known), rng)
         found = read_plainly(root)
         if found is not None:
             check(root, found)
             accepted += 1
-    assert 25 < accepted < 500
+    assert 10 < accepted < 200
 
 
 def test_files_without_mistakes_need_no_pydantic():
