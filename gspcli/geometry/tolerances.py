@@ -26,3 +26,7 @@ TURNED_APART_RADIANS = (1e-62, 1e-4)
 #: are moved off to find poses far away. Above the second, paths with 64 digits are quicker; below
 #: the first, bounds are no floats.
 OFF_LINES = (1e-62, 1e-4)
+#: Sizes of a body, as parts of the largest length of a platform, from which it is made larger to
+#: find poses far away. Above the second, paths with 64 digits find them; below the first, bounds
+#: are no floats.
+SMALL_BODIES = (1e-62, 1e-7)

@@ -13,8 +13,8 @@ from contextlib import contextmanager
 from flint import acb, arb, arb_mat, ctx, fmpq
 
 from gspcli.certification.counting.coordinate_forms import NotFollowedError
-from gspcli.certification.counting.elements import FieldElement, Sum
-from gspcli.certification.counting.exact_platform import evaluated
+from gspcli.certification.counting.elements import FieldElement, NoElementError, Sum
+from gspcli.certification.counting.exact_platform import evaluated, exact_constraints
 from gspcli.certification.counting.followed import FollowedElimination
 from gspcli.certification.counting.modular_platform import (
     ModularPlatform,
@@ -32,11 +32,14 @@ from gspcli.certification.counting.spectrum import (
 from gspcli.certification.equations import study
 from gspcli.certification.numbers.balls import rotated
 from gspcli.defaults import COUNT_LIMIT, SEED
-from gspcli.geometry.instance import Instance
+from gspcli.geometry.instance import AngleUnit, Instance
+from gspcli.geometry.numbers import Number
 from gspcli.records import dataclass
 
 #: The coefficients of the linear form are below this number.
 _COEFFICIENTS = 64
+#: In degrees, an angle whose cosine has an image, and no special value.
+_OTHER_ANGLE = Number.of(37)
 
 
 @dataclass(frozen=True)
@@ -78,11 +81,12 @@ def poses_by_elimination(
     there are infinitely many, or if the elimination cannot be followed.
     """
     try:
-        platform = ModularPlatform(instance, seed)
-    except NotCountedError:
+        exact = exact_constraints(instance)
+        platform = _modular_platform(instance, seed)
+    except (NoElementError, NotCountedError):
         return
     with _precision(bits):
-        rows = [evaluated(row, _real) for row in platform.exact]
+        rows = [evaluated(row, _real) for row in exact]
     for signs in platform.choices:
         result, followed = trace(
             with_moments(platform.equations(signs)),
@@ -112,6 +116,25 @@ def poses_by_elimination(
             with _precision(bits):
                 poses = _poses(algebra, matrix, number)
             yield from poses
+
+
+def _modular_platform(instance: Instance, seed: int) -> ModularPlatform:
+    """Return an instance modulo a prime, with other angles if its own have no image.
+
+    The cosine of an angle of ten decimals has too large a degree. Almost all values have the same
+    pivots. If those of the instance are not among them, no poses are found.
+    """
+    try:
+        return ModularPlatform(instance, seed)
+    except NotCountedError:
+        angles = {
+            k: _OTHER_ANGLE
+            for k, row in enumerate(instance.constraints)
+            if not row.kind.is_distance and row.value.fraction
+        }
+        if not angles or instance.units.angle is not AngleUnit.DEGREE:
+            raise
+        return ModularPlatform(instance.with_values(angles), seed)
 
 
 @contextmanager

@@ -9,6 +9,8 @@ much larger than all others, powers of the matrix give their eigenvectors.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
+from math import log2
 from random import Random
 from typing import Any
 
@@ -17,6 +19,11 @@ from flint import acb, acb_mat, acb_poly, arb, arb_mat, arb_poly, ctx
 from gspcli.certification.numbers.balls import power_of_two
 
 _ISOLATED_BITS = 30
+#: The binary logarithm of the ratio from which roots are of different sizes: each part of a
+#: polynomial gives them to so many bits, about.
+_APART_BITS = 20
+#: The most times that all of them are improved together.
+_SWEEPS = 40
 #: The power of the matrix in which the largest eigenvalues dominate.
 _POWERS = 6
 
@@ -131,17 +138,84 @@ def _eigenvalues(rows: Sequence[Sequence[arb]]) -> list[arb | acb]:
             current -= polynomials[i] * (rows[i][k] * product)
         polynomials.append(arb_poly([x.mid() for x in current.coeffs()]))
     last = polynomials[-1]
+    parts = _parts(last)
     try:
-        roots = last.complex_roots()
+        roots = [[unit * root for root in part.complex_roots()] for part, unit in parts]
     except ValueError as error:
         raise SpectrumError(str(error)) from None
+    if len(parts) > 1:
+        return _together(acb_poly(last), [root.mid() for each in roots for root in each])
     # Balls about the roots are disjoint: one that contains a real number has a real root.
-    real = [root.real.mid() for root in roots if root.imag.contains(0)]
-    upper = [root.mid() for root in roots if root.imag > 0]
+    real = [root.real.mid() for root in roots[0] if root.imag.contains(0)]
+    upper = [root.mid() for root in roots[0] if root.imag > 0]
     return [
         *(_polished(last, root) for root in real),
         *(_polished(acb_poly(last), root) for root in upper),
     ]
+
+
+def _parts(polynomial: arb_poly) -> list[tuple[arb_poly, arb]]:
+    """Return polynomials with the roots of one of about equal sizes, in units of these.
+
+    Poses that are 1e24 lengths away have eigenvalues of this size. FLINT does not find the roots of
+    a polynomial whose sizes differ so much. The slopes of its Newton polygon are their logarithms,
+    and the coefficients between two corners give the roots of one size, up to the ratio of sizes.
+    """
+    coefficients = polynomial.coeffs()
+    # Corners of the polygon, and the logarithms of the sizes between them.
+    corners: list[tuple[int, float]] = []
+    for k, x in enumerate(coefficients):
+        if x.is_zero():
+            continue
+        here = (k, _logarithm(x))
+        while len(corners) > 1 and _slope(corners[-2], here) >= _slope(corners[-2], corners[-1]):
+            corners.pop()
+        corners.append(here)
+    kept = corners[:1]
+    for k in range(1, len(corners) - 1):
+        sizes = [-_slope(corners[k + i - 1], corners[k + i]) for i in (0, 1)]
+        if sizes[1] - sizes[0] > _APART_BITS:
+            kept.append(corners[k])
+    kept.append(corners[-1])
+    result = []
+    for first, last in pairwise(kept):
+        unit = arb(2) ** round(-_slope(first, last))
+        part = coefficients[first[0] : last[0] + 1]
+        scaled = [(x * unit**k).mid() for k, x in enumerate(part)]
+        result.append((arb_poly(scaled), unit))
+    return result
+
+
+def _together(polynomial: acb_poly, roots: list[acb]) -> list[arb | acb]:
+    """Return all real roots and one of each pair of conjugates, from bad approximations of all.
+
+    Each step keeps away from the other roots (O. Aberth, Iteration methods for finding all zeros of
+    a polynomial simultaneously, Mathematics of Computation 27, 1973).
+    """
+    derivative = polynomial.derivative()
+    for _ in range(_SWEEPS):
+        largest = arb(0)
+        for k, root in enumerate(roots):
+            step = polynomial(root).mid() / derivative(root).mid()
+            others = sum((1 / (root - x) for i, x in enumerate(roots) if i != k), acb(0)).mid()
+            step = (step / (1 - step * others)).mid()
+            roots[k] = (root - step).mid()
+            largest = max(largest, abs(step / root).mid())
+        if largest < arb(2) ** (-ctx.prec // 4):
+            break
+    least = arb(2) ** (-ctx.prec // 8)
+    real = [x for x in roots if abs(x.imag) <= least * abs(x)]
+    return [*(x.real for x in real), *(x for x in roots if x.imag > least * abs(x))]
+
+
+def _logarithm(x: arb) -> float:
+    """Return the logarithm of the size of a number for the base 2."""
+    mantissa, exponent = x.mid().man_exp()
+    return float(int(exponent)) + log2(abs(int(mantissa)))
+
+
+def _slope(first: tuple[int, float], last: tuple[int, float]) -> float:
+    return (last[1] - first[1]) / (last[0] - first[0])
 
 
 def _polished(polynomial: Any, root: Any) -> Any:

@@ -14,6 +14,7 @@ from gspcli.solver.strategies.more_digits import (
     with_more_steps,
 )
 from gspcli.solver.strategies.special_families import (
+    from_larger_bodies,
     from_points_off_lines,
     from_turned_directions,
 )
@@ -25,6 +26,8 @@ FURTHER: tuple[Callable[[SidePoses], Iterator[None]], ...] = (
     # Poses far away because directions are nearly parallel, or points nearly on a line.
     from_turned_directions,
     from_points_off_lines,
+    # Poses far away because a body is small.
+    from_larger_bodies,
     # Eigenvectors, where most paths lead to no pose.
     early_elimination,
     with_64_digits,
@@ -70,6 +73,8 @@ def go_on_until(
         missing = min(paths - found - len(side.infinite), (most or paths) - found)
         if missing <= 0:
             break
-        if side.begun > FURTHER.index(with_more_steps) and missing * FEW > paths:
+        # Eigenvectors are the last way to many poses that no path leads to.
+        tried = by_elimination if side.all_simple else with_more_steps
+        if side.begun > FURTHER.index(tried) and missing * FEW > paths:
             break
         go_on(side)

@@ -7,7 +7,7 @@ from collections.abc import Generator, Iterator
 import numpy as np
 
 from gspcli.continuation.tracked_paths import joined_ends
-from gspcli.solver.side_poses import Index, SidePoses
+from gspcli.solver.side_poses import FEW, Index, SidePoses
 from gspcli.solver.strategies.elimination import can_eliminate, is_eliminable, is_small
 
 #: A platform that is special up to less than one in so many has poses where N is below 1e-32.
@@ -66,6 +66,10 @@ def along_other_paths(side: SidePoses) -> Iterator[None]:
     """Follow all paths in other random ways, as long as that leads to more poses."""
     if not len(side.found) and side.left is not None and not side.left.converged.any():
         # All poses are farther away than any paths lead.
+        return
+    missing = (side.most or side.paths.count) - len(side.found)
+    if not can_eliminate(side) and len(side.unresolved) >= missing > side.paths.count / FEW:
+        # The paths to them have not arrived, and none has jumped.
         return
     for attempt in range(1, _MOST_ATTEMPTS):
         before = len(side.found)

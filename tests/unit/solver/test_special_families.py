@@ -1,7 +1,9 @@
-"""Directions nearly parallel, points nearly on a line: poses far away are found, side by side."""
+"""Directions nearly parallel, points nearly on a line, small bodies: far poses are found."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
@@ -14,6 +16,7 @@ from gspcli.catalogue.names import parse_type
 from gspcli.certification.equations.ball_system import BallSystem
 from gspcli.certification.poses import special_family
 from gspcli.certification.poses.points_off_lines import points_off_lines
+from gspcli.certification.poses.small_bodies import small_bodies
 from gspcli.certification.poses.special_family import FamilyPaths, SpecialFamily
 from gspcli.certification.poses.turned_directions import turned_directions
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Units
@@ -21,8 +24,10 @@ from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Line, Point
 from gspcli.geometry.random_instances import random_instance
 from gspcli.solver import solve
+from gspcli.solver.side_poses import SidePoses
 from gspcli.solver.starts.solved_starts import SolvedStarts
-from gspcli.solver.strategies import elimination, more_digits, special_families
+from gspcli.solver.strategies import elimination, further, more_digits, special_families
+from gspcli.solver.strategies.more_digits import with_64_digits
 
 
 def _nearly_parallel(eps: Fraction = Fraction(1, 10**20), sign: int = 1) -> Instance:
@@ -190,3 +195,80 @@ def test_equations_of_a_family_are_those_of_its_platforms_also_where_s_is_comple
             # Analytic in s: differences are of first order, those of the mean of second order.
             assert abs((up + down) / 2 - one) <= 1e-3 * abs(up - down) + 1e-90
         assert any(abs(up - down) > 1e-6 for up, down in zip(above, below, strict=True))
+
+
+def _small_body(power: int, body: str = "platform", types: str = "DPL DPP DPP DPP DPP DPP") -> Any:
+    """Return a platform one body of which is a part 10^-power of its size."""
+    instance, _ = random_instance(parse_type(types), np.random.default_rng(1))
+    unit = Fraction(1, 10**power)
+    rows = []
+    for row in instance.constraints:
+        part = getattr(row, body)
+        place = tuple(Number.of(1 + unit * _fraction(x)) for x in part.position)
+        rows.append(replace(row, **{body: replace(part, position=place)}))
+    return Instance(tuple(rows), instance.units)
+
+
+@pytest.mark.parametrize("body", ["platform", "base"])
+def test_a_small_body_is_made_larger_and_nothing_else_changes(body: str) -> None:
+    instance = _small_body(20, body)
+    family = small_bodies(instance)
+    assert family is not None
+    assert 1e-21 < family.size < 1e-19
+    with ctx.workprec(600):
+        same, larger = family.instance_at(arb(1)), family.instance_at(arb(10) ** 17)
+    other = "base" if body == "platform" else "platform"
+    for row, one, big in zip(
+        instance.constraints, same.constraints, larger.constraints, strict=True
+    ):
+        assert getattr(big, other) == getattr(row, other) == getattr(one, other)
+        assert (big.kind, big.value, big.side) == (row.kind, row.value, row.side)
+        assert getattr(getattr(big, body), "vector", ()) == getattr(
+            getattr(row, body), "vector", ()
+        )
+        exact, stated = ([_fraction(x) for x in getattr(p, body).position] for p in (one, row))
+        assert all(abs(x - y) < Fraction(1, 10**100) for x, y in zip(exact, stated, strict=True))
+    places = np.array([getattr(row, body).position for row in larger.constraints], float)
+    assert 1e-4 < np.ptp(places, axis=0).max() < 1e-2
+
+
+@pytest.mark.parametrize("power", [0, 6, 80])
+def test_a_body_that_is_not_small_or_a_point_stays(power: int) -> None:
+    assert small_bodies(_small_body(power)) is None
+
+
+def test_poses_of_a_small_body_are_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Also where the platform has too many poses for elimination."""
+    sizes = []
+
+    class Paths(FamilyPaths):
+        def __init__(self, family: SpecialFamily, *rest: Any) -> None:
+            super().__init__(family, *rest)
+            sizes.append(family.size)
+
+    monkeypatch.setattr(special_families, "FamilyPaths", Paths)
+    monkeypatch.setattr(elimination, "_MOST", 0)
+    result = solve(_small_body(12), starts=SolvedStarts())
+    assert (result.verdict, result.counts.certified) == ("complete", 80)
+    assert np.abs(result.R).max(axis=(1, 2)).min() > 1e9
+    assert all(1e-13 < size < 1e-11 for size in sizes)
+    assert len(sizes) == 1
+
+
+def test_eigenvectors_find_what_no_path_reaches(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where nothing is counted but the geometry: an angle of many decimals."""
+
+    def nothing(side: SidePoses) -> Iterator[None]:
+        yield
+
+    instance = _small_body(12, types="DPH DPP DPP DPP DPP ALL")
+    (k,) = (k for k, row in enumerate(instance.constraints) if not row.kind.is_distance)
+    instance = replace(instance, units=Units("m", AngleUnit.DEGREE))
+    instance = instance.with_values({k: Number.of("71.25000000000001")})
+    ways = (nothing if way is with_64_digits else way for way in further.FURTHER)
+    monkeypatch.setattr(further, "FURTHER", tuple(ways))
+    monkeypatch.setattr(special_families, "_LARGER", ())
+    monkeypatch.setattr(elimination, "is_eliminable", lambda side: False)
+    result = solve(instance, starts=SolvedStarts())
+    assert (result.verdict, result.counts.certified) == ("complete", result.expected)
+    assert result.exact_count is None

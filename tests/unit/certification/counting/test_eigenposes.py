@@ -3,16 +3,22 @@
 from dataclasses import replace
 from itertools import islice
 
+import numpy as np
 import pytest
 from flint import acb, ctx
 
-from gspcli.certification.counting import count_exactly, poses_by_elimination
+from gspcli.catalogue.names import parse_type
+from gspcli.certification.counting import count_exactly, geometry_count, poses_by_elimination
+from gspcli.certification.counting.modular_platform import NotCountedError
 from gspcli.certification.numbers.balls import ball
+from gspcli.geometry.instance import AngleUnit, Units
 from gspcli.geometry.numbers import Number
+from gspcli.geometry.random_instances import random_instance
 from gspcli.resources import data_directory
 from gspcli.spec import load
 
 BITS = 512
+DEGREES = Units("m", AngleUnit.DEGREE)
 
 
 @pytest.fixture(autouse=True)
@@ -117,3 +123,39 @@ def test_the_precision_of_the_caller_stays():
     for _ in poses_by_elimination(example("six-planes"), 128, near=6):
         assert ctx.prec == BITS
     assert ctx.prec == BITS
+
+
+def with_angle(degrees: str):
+    """A platform with one angle, in degrees."""
+    names = parse_type("DPP DPP DPP DPP DPH ALL")
+    instance, _ = random_instance(names, np.random.default_rng(3))
+    (k,) = (k for k, row in enumerate(instance.constraints) if not row.kind.is_distance)
+    return replace(instance, units=DEGREES).with_values({k: Number.of(degrees)})
+
+
+def test_angles_with_many_decimals_have_poses_by_elimination():
+    """Their cosines have no image modulo a prime: the pivots are those of another angle."""
+    near, exact = with_angle("71.25"), with_angle("71.25000000000001")
+    assert geometry_count(exact) is not None
+    with pytest.raises(NotCountedError):
+        count_exactly(exact)
+    poses = list(poses_by_elimination(exact, BITS))
+    assert len(poses) == count_exactly(near).solutions
+    assert max(map(orthogonality, poses)) < 1e-50
+    row = next(row for row in exact.constraints if not row.kind.is_distance)
+    angle = ball(row.value) * ball(Number("pi", ())) / 180
+    u, v = ([ball(x) for x in part.vector] for part in (row.platform, row.base))
+    size = (sum(x * x for x in u) * sum(x * x for x in v)).sqrt()
+    for pose in poses:
+        found = sum(v[i] * pose.R[i][j] * u[j] for i in range(3) for j in range(3)) / size
+        assert abs(found - angle.cos()) < 1e-60
+
+
+def test_a_number_of_no_ring_has_no_poses_by_elimination():
+    """Pi beside an angle in radians: whether they are independent is not known."""
+    instance = with_angle("1")
+    first = instance.constraints[0].platform.position
+    point = replace(instance.constraints[0].platform, position=(Number("pi", ()), *first[1:]))
+    rows = (replace(instance.constraints[0], platform=point), *instance.constraints[1:])
+    radians = replace(instance, constraints=rows, units=replace(DEGREES, angle=AngleUnit.RADIAN))
+    assert list(poses_by_elimination(radians, BITS)) == []
