@@ -8,8 +8,8 @@
 //
 //     q_j = v_j N - form_j(e) - sum over l of slope_jl s_l,
 //
-// the others being M scalars s_l, and equations `form_j(e) = v_j N` without any quantity are left.
-// What is to be solved are those, e ^ w = 0 (three equations) and, with h, |w|^2 = N h, in e and the
+// the others being M scalars s_l. In equations without a pivot there is no q_j, and slopes are zero
+// or small. To be solved are those, e ^ w = 0 (three equations) and, with h, |w|^2 = N h, in e and the
 // scalars. For six legs in general position these are 5 unknowns up to a factor instead of 8, for
 // planar base and platform 6, for six planes 4.
 #pragma once

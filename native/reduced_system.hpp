@@ -13,6 +13,9 @@ namespace gsp {
 namespace {
 
 INLINE C conjugate(const C& a) { return {a.re, -a.im}; }
+INLINE C number_of(const C& a) { return a; }
+INLINE C number_of(const V& a) { return {a, splat(0.0)}; }
+INLINE C number_of(double a) { return {splat(a), splat(0.0)}; }
 
 // r += (e ^ w), four components of which three are independent where e is not zero.
 INLINE void add_wedge(C* r, const C* w, const C* e) {
@@ -48,10 +51,10 @@ struct Expansion {
   }
 };
 
-// The equations in e and M scalars: 4 of e ^ w, with h the quadric of w, then those without quantities.
+// The equations in e and M scalars: 4 of e ^ w, with h the quadric of w, then those without pivots.
 template <int M, bool has_h, class Moving>
 struct System : Expansion<4 + M> {
-  // Coordinates; pivots; the first equation without quantities.
+  // Coordinates; pivots; the first equation without a pivot.
   static constexpr int kOrder = Moving::kOrder;
   static constexpr int D = 4 + M, P = (has_h ? 7 : 6) - M, F = has_h ? 5 : 4;
   using At = Expansion<D>;
@@ -84,7 +87,10 @@ struct System : Expansion<4 + M> {
       if (j >= P) {
         f[F + j - P] = value;
         for (int a = 0; a < 4; ++a) row[F + j - P][a] = half[a] + half[a];
-        for (int l = 0; l < M; ++l) row[F + j - P][4 + l] = C{};
+        for (int l = 0; l < M; ++l) {
+          subtract_times(f[F + j - P], minus(moving.slope(j, l)), x[4 + l]);
+          row[F + j - P][4 + l] = number_of(moving.slope(j, l));
+        }
         continue;
       }
       const int k = geometry.pivot[j];

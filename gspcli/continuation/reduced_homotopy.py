@@ -13,15 +13,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli import _kernel
+from gspcli.continuation.balance import Balance
 from gspcli.continuation.quadrics import ComplexArray, FloatArray
 from gspcli.continuation.start import StartSystem
 from gspcli.continuation.tracker import PathStatus, helpful
 from gspcli.continuation.tracker_options import FROM_START, TrackerOptions
 from gspcli.records import dataclass
 
-#: Pivots below this part of the largest entry are zero, ...
+#: Entries below this part of the largest are zero, ...
 _ZERO = 1e-12
-#: ... and pivots between that and this part are too small to divide by.
+#: ... and smaller pivots than this part are not divided by.
 _SMALL = 1e-3
 #: The most free quantities; with more there is no gain.
 _MOST_FREE = 3
@@ -48,24 +49,30 @@ class ReducedHomotopy:
     ----------
     pivots, free
         The quantities that are eliminated, and the others.
-    forms, slopes, combinations
+    forms, slopes, constants, combinations
         Equation j is: pivot + slopes . free quantities + form in e_i e_j = N value. The value is
-        row j of the combinations times the values. Shapes (6, 10), (6, free), (6, 6).
+        row j of the combinations times the values less the constants. Shapes (6, 10), (6, free),
+        (6,), (6, 6). The last equations have no pivot, and slopes that are small or zero.
     """
 
     pivots: NDArray[np.int32]
     free: NDArray[np.int32]
     forms: FloatArray
     slopes: FloatArray
+    constants: FloatArray
     combinations: FloatArray
 
     @classmethod
     def of(cls, quadrics: FloatArray) -> ReducedHomotopy | None:
         """Return six quadrics (6, 27), without their values, solved for pivots.
 
-        The result is None in three cases: the quadrics depend on more than w and h, the pivots are
-        too small, or so few quantities can be eliminated that there is no gain.
+        The result is None in two cases: the quadrics depend on more than w and h, or so few
+        quantities can be eliminated that there is no gain. Nearly dependent quadrics are combined
+        before (`balance`).
         """
+        balance = Balance.of(quadrics)
+        if balance is not None:
+            quadrics = balance.quadrics(quadrics)
         mixed = quadrics[:, 10:26].reshape(-1, 4, 4)
         # e.f vanishes.
         mixed = mixed - mixed[:, :1, :1] * np.eye(4)
@@ -75,17 +82,19 @@ class ReducedHomotopy:
         quantities = np.stack([*w, quadrics[:, 26]], axis=1)
         if not quantities[:, 6].any():
             quantities = quantities[:, :6]
-        solved = _solved(quantities)
-        if solved is None:
-            return None
-        pivots, combinations = solved
+        pivots, combinations = _solved(quantities)
         free = np.delete(np.arange(quantities.shape[1]), pivots)
         slopes = (combinations @ quantities)[:, free]
-        slopes[len(pivots) :] = 0
+        if np.abs(slopes[len(pivots) :]).max(initial=0) <= _ZERO * np.abs(quantities).max():
+            slopes[len(pivots) :] = 0
         if len(free) > _MOST_FREE:
             return None
         forms = combinations @ quadrics[:, :10]
-        return cls(pivots.astype(np.int32), free.astype(np.int32), forms, slopes, combinations)
+        constants = np.zeros(len(quadrics))
+        if balance is not None:
+            constants, combinations = balance.constants, combinations @ balance.combinations
+        places = pivots.astype(np.int32), free.astype(np.int32)
+        return cls(*places, forms, slopes, constants, combinations)
 
     def points(self, study: ComplexArray) -> ComplexArray:
         """Return Study points (..., 8) in the coordinates of the homotopy, (..., 4 + free)."""
@@ -131,10 +140,10 @@ class ReducedHomotopy:
                 self.free,
                 np.ascontiguousarray(self.forms),
                 np.ascontiguousarray(self.slopes),
-                np.ascontiguousarray(start_values @ self.combinations.T, np.complex128),
+                self._combined(start_values),
                 np.ascontiguousarray(starts),
                 start,
-                np.ascontiguousarray(values @ self.combinations.T, np.complex128),
+                self._combined(values),
                 predictor_tolerance=options.predictor_tolerance,
                 contraction=options.contraction,
                 radius_fraction=options.radius_fraction,
@@ -143,6 +152,10 @@ class ReducedHomotopy:
                 jobs=helpful(jobs, len(values)),
             )
         )
+
+    def _combined(self, values: ComplexArray) -> ComplexArray:
+        combined = (values - self.constants) @ self.combinations.T
+        return np.ascontiguousarray(combined, np.complex128)
 
 
 def ends_from_start(
@@ -184,11 +197,11 @@ def ends_from_start(
     return np.asarray(study)
 
 
-def _solved(quantities: FloatArray) -> tuple[NDArray[np.intp], FloatArray] | None:
+def _solved(quantities: FloatArray) -> tuple[NDArray[np.intp], FloatArray]:
     """Return pivots, and the combinations of rows that solve for them (Gauss-Jordan).
 
-    The rows without a pivot come last. The result is None if a pivot is neither zero nor large
-    enough.
+    The rows without a pivot come last: what they have of the quantities is zero, or too small to
+    divide by.
     """
     rows = np.concatenate((quantities, np.eye(len(quantities))), axis=1)
     width = quantities.shape[1]
@@ -198,10 +211,8 @@ def _solved(quantities: FloatArray) -> tuple[NDArray[np.intp], FloatArray] | Non
         rest = np.abs(rows[k:, :width])
         rest[:, pivots] = 0
         row, column = divmod(int(rest.argmax()), width)
-        if rest[row, column] <= _ZERO * largest:
-            break
         if rest[row, column] < _SMALL * largest:
-            return None
+            break
         rows[[k, k + row]] = rows[[k + row, k]]
         rows[k] /= rows[k, column]
         others = np.arange(len(rows)) != k

@@ -13,9 +13,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
-from flint import acb
+from flint import acb, acb_mat
 from numpy.typing import NDArray
 
 from gspcli import _kernel
@@ -30,6 +31,7 @@ from gspcli.certification.poses.local_coordinates import (
 )
 from gspcli.certification.poses.locator import Locator
 from gspcli.certification.poses.many_values import ProvedPoses, ValueProofs, proved_bits
+from gspcli.certification.poses.value_shifts import Shifts, Values
 from gspcli.defaults import TOLERANCE
 from gspcli.geometry.quaternions import quaternion_product
 from gspcli.records import dataclass
@@ -84,6 +86,9 @@ class FarPoses:
         The local coordinates there of the last k poses, which need paths, shape (k, 7).
     products
         Bit r is 1 where equation r is a product.
+    shifts
+        Differences of values are multiplied by the matrix of these: equations that are nearly
+        dependent are combined. None if they are not.
     """
 
     numbers: Complex
@@ -95,6 +100,7 @@ class FarPoses:
     origin: Complex
     starts: Complex
     products: int
+    shifts: Shifts | None
 
     @classmethod
     def of(
@@ -107,6 +113,8 @@ class FarPoses:
         T: Complex,
         points: Mapping[bytes, Sequence[acb]],
         length: float,
+        spread: Array | None = None,
+        unit: float = 1.0,
     ) -> FarPoses | None:
         """Return the known poses of a platform; None if some are not accurate enough.
 
@@ -122,33 +130,46 @@ class FarPoses:
             Study points with more digits of some of them, by the bytes of their T.
         length
             The typical length.
+        spread, unit
+            By how much values differ from these, and the unit of length of that (`Balance.spread`).
+            None if they differ by their own size.
         """
         chosen = _one_of_each_pair(R, T)
         if chosen is None:
             return None
         products = sum(2 << k for k, kind in enumerate(proofs.kinds) if kind in (DPL, DLP))
         powers = np.array([2 * k.is_distance - k.has_sides for k in proofs.kinds])
-        origin = _origin(powers, length / locator.scale)
-        found = [
-            _coordinates(locator, sides, R[k], T[k], points.get(T[k].tobytes()), origin, products)
-            for k in chosen
-        ]
+        balance = None
+        if spread is None:
+            origin = _origin(powers, length / locator.scale)
+        else:
+            sizes = 2 * _factors(powers, unit / locator.scale)
+            balance = np.linalg.inv(spread * sizes[:, None]).astype(np.float64)
+            origin = _origin(np.zeros_like(powers), 1.0)
+        made = _Made(locator, sides, origin, products, balance)
+        found = [made.coordinates(R[k], T[k], points.get(T[k].tobytes())) for k in chosen]
         known = [each for each in found if each is not None]
         if len(known) < len(found) or not known:
             return None
         # Poses that need paths are the last.
         known.sort(key=lambda each: each.is_bent)
         known += [each.conjugate for each in known if each.is_bent and not each.real]
+        values = proofs.values(choice[None])[0]
+        shifts = None
+        if balance is not None:
+            own = Values.of(proofs, choice, None, values, locator.scale)
+            shifts = Shifts(balance, own, locator.scale)
         return cls(
             numbers=np.ascontiguousarray(np.stack([each.numbers for each in known], axis=1)),
             errors=np.array([each.error for each in known]),
             real=np.array([each.real for each in known], np.uint8),
-            values=proofs.values(choice[None])[0, 0],
+            values=values[0],
             powers=powers,
             scale=locator.scale,
             origin=origin,
             starts=np.zeros((sum(each.is_bent for each in known), LOCAL), complex),
             products=products,
+            shifts=shifts,
         )
 
     def about(self, values: Complex, known: Array, length: float) -> FarPoses | None:
@@ -163,11 +184,12 @@ class FarPoses:
         length
             The unit.
         """
-        factors = (length / self.scale) ** self.powers.astype(float)
-        own = self.values[0]
+        factors, own = _factors(self.powers, length / self.scale), self.values[0]
         if not np.allclose(known * factors, own, rtol=1e-9, atol=1e-9):
             return None
         origin = values * factors - own
+        if self.shifts is not None:
+            origin = self.shifts.matrix @ origin
         number = len(self.starts)
         starts, found = _kernel.follow_far(
             np.ascontiguousarray(self.numbers[:, len(self.real) - number :]),
@@ -195,6 +217,7 @@ class FarPoses:
         units: Array,
         scale: float,
         *,
+        shifts: Array | None = None,
         jobs: int = 1,
     ) -> ProvedPoses:
         """Prove the poses for other values of the geometry.
@@ -208,6 +231,9 @@ class FarPoses:
             The units of the last digits of translations, in `scale`, shape (b,).
         scale
             The unit of length of these values.
+        shifts
+            How they differ from those of the platform, times the matrix of `shifts`, if there is
+            one, (b, 3, 6).
         jobs
             Threads.
         """
@@ -218,7 +244,7 @@ class FarPoses:
             self._paired,
             self.origin,
             self.starts,
-            self._shifts(values, scale / self.scale),
+            self._shifts(values, scale / self.scale) if shifts is None else shifts,
             units * (scale / self.scale),
             scale=self.scale,
             tolerance=TOLERANCE,
@@ -261,7 +287,8 @@ class FarPoses:
         """
         scale = proofs.scale
         values, units = proofs.values(choice[None], rows)[:, 0], proofs.units(rows)
-        far = self.decide(values, units, scale, jobs=jobs)
+        shifts = None if self.shifts is None else self.shifts.of(proofs, choice, rows, values)
+        far = self.decide(values, units, scale, shifts=shifts, jobs=jobs)
         unknown = ~(far.certified & far.rounded) & (np.abs(far.T) < _NEAR * scale).all(axis=2)
         if unknown.any():
             _round(far, unknown, proofs, choice, rows, jobs)
@@ -278,13 +305,19 @@ class FarPoses:
     def _shifts(self, values: Array, ratio: float) -> Array:
         """Return the differences of values from those of the platform, (b, 3, 6)."""
         # The factors are powers of two and exact.
-        factor = ratio ** self.powers.astype(float)
+        factor = _factors(self.powers, ratio)
         high, low, gap = (values[:, k] * factor for k in (0, 3, 4))
         own, own_low, own_gap = (self.values[k] for k in (0, 3, 4))
         difference, rest = two_sum(high, np.broadcast_to(-own, high.shape))
         size = np.abs(high) + np.abs(own)
         gaps = OUTWARD * (gap + own_gap + _DIFFERENCE * size)
         return np.ascontiguousarray(np.stack((difference, rest + (low - own_low), gaps), axis=1))
+
+
+def _factors(powers: NDArray[np.int64], ratio: float) -> Array:
+    """Return the factors of values in a unit that many times as large."""
+    found: Array = ratio ** powers.astype(float)
+    return found
 
 
 def _origin(powers: NDArray[np.int64], length: float) -> Complex:
@@ -294,57 +327,77 @@ def _origin(powers: NDArray[np.int64], length: float) -> Complex:
     return np.asarray(1j * turns * length ** powers.astype(float), np.complex128)
 
 
-def _coordinates(
-    locator: Locator,
-    sides: tuple[int, ...],
-    R: Complex,
-    T: Complex,
-    point: Sequence[acb] | None,
-    origin: Complex,
-    products: int,
-) -> LocalCoordinates | None:
-    """Return local coordinates at a pose; None if it is not known well enough.
+class _Made(NamedTuple):
+    """How local coordinates are made.
 
-    Where equations are bent, each coordinate is a multiple of others at most places. There they are
-    replaced by those in which solutions for other values are of order one in all directions.
+    Attributes
+    ----------
+    locator, sides, products
+        As for `FarPoses`.
+    origin
+        Complex values in general position.
+    balance
+        As for `FarPoses`.
     """
-    found = local_coordinates(locator, sides, R, T, point)
-    if found is None:
-        return None
-    if not found.is_bent:
-        # Not so far away a pose may take the place of a near one, to which paths lead.
-        size = max(np.abs(R).max(), np.abs(T).max() / locator.scale)
-        return found._replace(is_bent=bool(size < _PATHS))
-    better = _natural(locator, sides, found, origin, products)
-    return better and better._replace(is_bent=True)
 
+    locator: Locator
+    sides: tuple[int, ...]
+    origin: Complex
+    products: int
+    balance: Array | None
 
-def _natural(
-    locator: Locator,
-    sides: tuple[int, ...],
-    given: LocalCoordinates,
-    origin: Complex,
-    products: int,
-) -> LocalCoordinates | None:
-    """Return coordinates in which solutions for other values are of order one; None if none are.
+    @property
+    def exact_balance(self) -> acb_mat | None:
+        """The same matrix in balls."""
+        return None if self.balance is None else acb_mat(self.balance.tolist())
 
-    Where the first coordinates of these solutions differ by many powers of ten, doubles lose them
-    on the way. Then coordinates are chosen for values that differ less, and again from there on.
-    """
-    known, matrix, last = given, np.eye(LOCAL, dtype=complex), _LEAST_REACH
-    for _ in range(_STAGES):
-        reach = 1.0
-        while (found := _axes(known, origin, reach, products)) is None and reach * _NEARER > last:
-            reach *= _NEARER
+    def coordinates(
+        self, R: Complex, T: Complex, point: Sequence[acb] | None
+    ) -> LocalCoordinates | None:
+        """Return local coordinates at a pose; None if it is not known well enough.
+
+        Where equations are bent, each coordinate is a multiple of others at most places. There they
+        are replaced by those in which solutions for other values are of order one in all
+        directions.
+        """
+        found = local_coordinates(self.locator, self.sides, R, T, point, self.exact_balance)
         if found is None:
-            break
-        matrix = matrix @ found
-        better = combined(locator, sides, given, matrix)
-        if better is None or reach == 1:
-            return better
-        known, last = better, reach
-    # Some values may have the pose at infinity, or near other ones.
-    return known if last >= _NEARLY else None
+            return None
+        if not found.is_bent:
+            # Not so far away a pose may take the place of a near one, to which paths lead.
+            size = max(np.abs(R).max(), np.abs(T).max() / self.locator.scale)
+            return found._replace(is_bent=bool(size < _PATHS))
+        better = self._natural(found)
+        return better and better._replace(is_bent=True)
+
+    def _natural(self, given: LocalCoordinates) -> LocalCoordinates | None:
+        """Return coordinates in which solutions for other values are of order one, or None.
+
+        Where the first coordinates of these solutions differ by many powers of ten, doubles lose
+        them on the way. Then coordinates are chosen for values that differ less, and again from
+        there on.
+        """
+        known, matrix, last = given, np.eye(LOCAL, dtype=complex), _LEAST_REACH
+        if self.balance is not None:
+            # The first equation has no value.
+            matrix[1:, 1:] = np.linalg.inv(self.balance)
+            better = combined(self.locator, self.sides, given, matrix, self.exact_balance)
+            known = better or given
+        for _ in range(_STAGES):
+            reach = 1.0
+            while (
+                found := _axes(known, self.origin, reach, self.products)
+            ) is None and reach * _NEARER > last:
+                reach *= _NEARER
+            if found is None:
+                break
+            matrix = matrix @ found
+            better = combined(self.locator, self.sides, given, matrix, self.exact_balance)
+            if better is None or reach == 1:
+                return better
+            known, last = better, reach
+        # Some values may have the pose at infinity, or near other ones.
+        return known if last >= _NEARLY else None
 
 
 def _axes(given: LocalCoordinates, origin: Complex, reach: float, products: int) -> Complex | None:

@@ -62,6 +62,7 @@ def local_coordinates(
     R: Complex,
     T: Complex,
     point: Sequence[acb] | None = None,
+    balance: acb_mat | None = None,
 ) -> LocalCoordinates | None:
     """Return local coordinates at a pose; None if it is not known well enough.
 
@@ -73,6 +74,9 @@ def local_coordinates(
         The pose, shapes (3, 3) and (3,), rounded.
     point
         Its Study point with more digits, if it is known: doubles do not suffice 1e30 lengths away.
+    balance
+        Products of values with this matrix (6, 6) are in their place, where no equation is a
+        product.
     """
     for bits in _BITS:
         if point is None:
@@ -81,14 +85,18 @@ def local_coordinates(
             located = locator.locate_exactly(point, sides, bits)
         if not isinstance(located, Located):
             return None
-        found = _in_bits(locator, sides, located, bits, None)
+        found = _in_bits(locator, sides, located, bits, None, balance)
         if found is not None:
             return found if _fits(found.numbers) else None
     return None
 
 
 def combined(
-    locator: Locator, sides: tuple[int, ...], given: LocalCoordinates, products: Complex
+    locator: Locator,
+    sides: tuple[int, ...],
+    given: LocalCoordinates,
+    products: Complex,
+    balance: acb_mat | None = None,
 ) -> LocalCoordinates | None:
     """Return other local coordinates at a pose; None if they are not accurate enough.
 
@@ -101,6 +109,8 @@ def combined(
     products
         A matrix (7, 7), real at a real pose: s is its product with the other ones. In the row and
         the column of an equation that is a product it has its diagonal only.
+    balance
+        As for `local_coordinates`.
     """
     located: object = given.located
     for bits in _BITS[_BITS.index(given.bits) :]:
@@ -109,7 +119,7 @@ def combined(
             located = locator.locate_exactly(given.located.isolation.centre, sides, bits)
         if not isinstance(located, Located):
             return None
-        found = _in_bits(locator, sides, located, bits, products)
+        found = _in_bits(locator, sides, located, bits, products, balance)
         if found is not None:
             return found if _fits(found.numbers) else None
     return None
@@ -120,10 +130,15 @@ def _fits(numbers: Complex) -> bool:
 
 
 def _in_bits(
-    locator: Locator, sides: tuple[int, ...], located: Located, bits: int, products: Complex | None
+    locator: Locator,
+    sides: tuple[int, ...],
+    located: Located,
+    bits: int,
+    products: Complex | None,
+    balance: acb_mat | None,
 ) -> LocalCoordinates | None:
     with ctx.workprec(bits):
-        balls = _coefficients(locator, sides, located, products)
+        balls = _coefficients(locator, sides, located, products, balance)
         if balls is None:
             return None
         # Products have factors that are not real.
@@ -138,7 +153,11 @@ def _in_bits(
 
 
 def _coefficients(
-    locator: Locator, sides: tuple[int, ...], located: Located, products: Complex | None
+    locator: Locator,
+    sides: tuple[int, ...],
+    located: Located,
+    products: Complex | None,
+    balance: acb_mat | None,
 ) -> list[acb] | None:
     """Return balls of the numbers of one pose in the order of the kernel."""
     system, patch = locator.system(ctx.prec), located.isolation.patch
@@ -183,7 +202,8 @@ def _coefficients(
         found.append(point[k] / root)
         found += [directions[k, j] * root for j in range(7)]
     # The values are in all equations but the first.
-    found += [mixing[i, r] * scaled[r].factor for i in range(7) for r in range(1, 7)]
+    mixed = acb_mat(7, 6, [mixing[i, r] * scaled[r].factor for i in range(7) for r in range(1, 7)])
+    found += (mixed if balance is None else mixed * balance.inv()).entries()
     for i, each in enumerate(scaled):
         for second in each.factors[1:]:
             found += [*_form(second, column, directions, norm), mixing[i, i] * each.constant]

@@ -44,6 +44,7 @@ class Sort(Enum):
     PLATFORM = "solved platforms of special geometries"
     SAME = "starts of special geometries, made from those"
     GEOMETRY = "solved systems of a geometry with complex values"
+    SPREAD = "differences of values of geometries"
     COUNT = "exact counts of geometries"
 
 

@@ -297,7 +297,8 @@ def start_about(
     given, length
         The geometry, and its unit of length, a power of two.
     mean, spread
-        Of the start's parameters, what the equations are linear in, in that unit, shape (6,).
+        Of the start's parameters, what the equations are linear in, in that unit, shape (6,). The
+        spread may be a matrix, whose products with vectors are differences from the mean, (6, 6).
     count, seed, starts
         As for `start_among`.
     ways
@@ -309,7 +310,7 @@ def start_about(
     """
     inner = given.in_units_of(length)
     geometry = np.array([inner.y, inner.x, inner.u, inner.v]).tobytes()
-    key = given.kinds, geometry, tuple(mean.tolist()), tuple(spread.tolist()), seed
+    key = given.kinds, geometry, tuple(mean.tolist()), spread.tobytes(), seed
     for way in ways:
         made = partial(solved_start, given, length, mean, spread, seed, way=way, solved=solved)
         start = starts.kept(Sort.GEOMETRY, (*key, way, solved is None), made)
@@ -342,7 +343,8 @@ def solved_start(
     given, length
         The geometry, and its unit of length.
     mean, spread
-        Of the parameters, shape (6,); a spread of zero leaves the parameter alone.
+        Of the parameters, shape (6,), or (6, 6) as for `start_about`; a spread of zero leaves the
+        parameter alone.
     seed
         Source of random numbers.
     way
@@ -353,14 +355,15 @@ def solved_start(
     kinds, inner = given.kinds, given.in_units_of(length)
     rng = np.random.default_rng([seed, len(kinds)])
     turns = rng.choice([-1.0, 1.0], len(kinds)) * rng.uniform(*_SPREAD, len(kinds))
-    parameters = np.where(spread == 0, 0.0, mean + 1j * turns * spread)
+    if spread.ndim == 1:
+        parameters = np.where(spread == 0, 0.0, mean + 1j * turns * spread)
+    else:
+        parameters = mean + 1j * (spread @ turns)
     geometry = inner.y, inner.x, inner.u, inner.v
     at = partial(complex_system, kinds, *geometry)
     system = at(parameters)
-    homotopy = None
-    if not system.structure.is_product.any() and DLL not in kinds:
-        _, plain = coefficients_of(kinds, *geometry, np.zeros((1, len(kinds))))
-        homotopy = ReducedHomotopy.of(plain.g[0].real)
+    quadrics = plain_quadrics(inner)
+    homotopy = None if quadrics is None else ReducedHomotopy.of(quadrics)
     solutions: ComplexArray | None
     if way is StartMethod.SOLVED:
         solutions = None if solved is None else _ends_from_solved(homotopy, *solved, parameters, at)
@@ -382,6 +385,16 @@ def solved_start(
         reduced=solutions[None, :, :0] if homotopy is None else homotopy.points(solutions[None]),
         unit=np.ones(EQUATIONS),
     )
+
+
+def plain_quadrics(inner: Arrangement) -> Array | None:
+    """Return the quadrics without their values, (6, 27); None if values are not multiples of N."""
+    kinds = inner.kinds
+    if DLL in kinds:
+        return None
+    zero = np.zeros((1, len(kinds)))
+    structure, found = coefficients_of(kinds, inner.y, inner.x, inner.u, inner.v, zero)
+    return None if structure.is_product.any() else found.g[0].real
 
 
 def _ends_from_solved(

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from gspcli.continuation.balance import Balance
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.solver.ends import Ends
 from gspcli.solver.ledger import Ledger
@@ -25,6 +26,7 @@ from gspcli.solver.starts.start import (
     Start,
     StartMethod,
     parameters_in,
+    plain_quadrics,
     solved_system,
     start_about,
 )
@@ -156,7 +158,8 @@ def _starts(
     near, apart = known.poses.reordered(~is_far), known.poses.reordered(is_far)
     sides, length = (solved.choices[0], solved.sides[0]), known.arrangement.length
     given = solved.locator, proofs, *sides, apart.R, apart.T, known.points, length
-    far = None if is_far.all() else FarPoses.of(*given)
+    spread = _spread(problem, known.arrangement)
+    far = None if is_far.all() else FarPoses.of(*given, spread, problem.unit)
     for attempt in range(0 if far is None else _ATTEMPTS):
         found = _about(problem, _flattened(known.arrangement), near, problem.seed + attempt, far)
         if found is None or far is None:
@@ -193,13 +196,16 @@ def _about(
     far: FarPoses | None = None,
 ) -> Start | None:
     """Return a start from a solved platform; None if that is not safe."""
-    length = problem.unit
-    square = [kind.is_squared for kind in known.kinds]
+    length, spread = problem.unit, _spread(problem, known)
+    if spread is None:
+        square = [kind.is_squared for kind in known.kinds]
+        among = np.where(square, _SQUARE, 0.0), np.full(len(square), _SPREAD)
+    else:
+        among = parameters_in(known, length), spread
     start = start_about(
         problem.arrangement if far is None else known,
         length,
-        np.where(square, _SQUARE, 0.0),
-        np.full(len(square), _SPREAD),
+        *among,
         count=lambda: problem.geometry_count,
         seed=seed,
         starts=problem.starts,
@@ -208,6 +214,21 @@ def _about(
         far=far,
     )
     return None if start is None or start.proof is None else start
+
+
+def _spread(problem: Problem, known: Arrangement) -> Array | None:
+    """Return by how much values differ from those of a solved platform (`Balance.spread`).
+
+    None unless its equations are nearly dependent.
+    """
+    length = problem.unit
+
+    def made() -> Array | None:
+        quadrics = plain_quadrics(known.in_units_of(length))
+        balance = None if quadrics is None else Balance.of(quadrics)
+        return balance and balance.spread(parameters_in(known, length))
+
+    return problem.starts.kept(Sort.SPREAD, (geometry_key(known), length), made)
 
 
 def _flattened(arrangement: Arrangement) -> Arrangement:

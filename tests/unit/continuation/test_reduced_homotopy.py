@@ -10,6 +10,7 @@ from gspcli.catalogue.names import parse_type
 from gspcli.continuation.reduced_homotopy import ReducedHomotopy, ends_from_start
 from gspcli.continuation.start import path_count, start_system
 from gspcli.continuation.systems import Coefficients, System
+from gspcli.continuation.tracker import PathStatus
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.random_instances import random_instance
 from gspcli.solver.study_systems import coefficients_of, target_systems
@@ -122,14 +123,40 @@ def test_what_is_not_of_this_sort_is_left_to_others(name):
     assert ReducedHomotopy.of(quadrics) is None
 
 
-def test_what_is_nearly_dependent_is_not_divided_by():
+def test_small_pivots_are_not_divided_by():
     case = Case("DPP DPP DPP DPP DPP DPP", planar=True)
     noise = np.random.default_rng(34).uniform(-1, 1, (6, 6))
     quadrics = case.quadrics.copy()
     for k, (i, j) in enumerate([(0, 1), (0, 2), (0, 3), (2, 3), (3, 1), (1, 2)]):
         quadrics[:, 10 + 4 * i + j] += 1e-6 * noise[k]
         quadrics[:, 10 + 4 * j + i] -= 1e-6 * noise[k]
-    assert ReducedHomotopy.of(quadrics) is None
+    found = ReducedHomotopy.of(quadrics)
+    assert len(found.pivots) == 5
+    assert np.abs(found.combinations).max() < 1e2
+    # The last equation has 1e-6 of the quantities, and no part of it is lost.
+    w = [quadrics[:, 10 + 4 * i + j] for i, j in ((0, 1), (0, 2), (0, 3), (2, 3), (3, 1), (1, 2))]
+    rest = (found.combinations @ np.stack(w, axis=1))[5, [k for k in found.free if k < 6]]
+    np.testing.assert_allclose(found.slopes[5], rest, rtol=1e-9)
+    assert 1e-9 < np.abs(rest).max() < 1e-4
+    # Paths from solutions without the noise lead to those with it.
+    values = np.stack((case.start, case.start)).astype(complex)
+    starts = found.points(case.solutions[None])
+    ends = found.track(values[:1], starts, np.zeros(1, np.int32), values[1:])
+    assert (ends.status == PathStatus.REGULAR).all()
+    e, f = ends.study[0, :, :4], ends.study[0, :, 4:]
+    residuals = _at(quadrics, e, f) - (e * e).sum(axis=1, keepdims=True) * case.start
+    size = np.linalg.norm(ends.study[0], axis=1, keepdims=True) ** 2
+    assert np.abs(residuals / size).max() < 1e-12
+    # These are not the solutions without it.
+    assert np.abs((_at(case.quadrics - quadrics, e, f)) / size).max() > 1e-8
+
+
+def _at(quadrics: np.ndarray, e: np.ndarray, f: np.ndarray) -> np.ndarray:
+    """Return quadrics (6, 27) at Study points, shape (n, 6)."""
+    squares = np.stack([e[:, i] * e[:, j] for i in range(4) for j in range(i, 4)], axis=1)
+    mixed = (e[:, :, None] * f[:, None, :]).reshape(len(e), 16)
+    monomials = np.concatenate((squares, mixed, (f * f).sum(axis=1, keepdims=True)), axis=1)
+    return monomials @ quadrics.T
 
 
 @pytest.mark.parametrize("build", ["portable", "avx2", "avx512"])

@@ -12,6 +12,7 @@ from gspcli.continuation.tracked_paths import TrackedPaths
 from gspcli.geometry.building import hexapod
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Line, Point
+from gspcli.geometry.quaternions import rotation_from_quaternion
 from gspcli.resources import data_path
 from gspcli.solver import solve, solve_batch
 from gspcli.solver.many_poses import many_poses
@@ -415,3 +416,47 @@ def test_poses_some_thousand_lengths_away_need_no_paths_with_32_digits(monkeypat
         values = {i: Number.of(Fraction(x)) for i, x in enumerate(rows[k].tolist())}
         alone = solve(machine.instance.with_values(values), starts=SolvedStarts())
         assert sorted(batch.T[k].tolist(), key=str) == sorted(alone.T.tolist(), key=str)
+
+
+def similar_plates(half, ratio, turn, digits, count=12):
+    """Return a hexapod whose plates are similar but for rounding, and values at other poses."""
+    angles = np.radians([60, 60, 180, 180, 300, 300]) + np.radians(half) * np.tile([-1, 1], 3)
+    x, y = (
+        r * np.stack((np.cos(a), np.sin(a), 0 * a), axis=1).round(digits)
+        for r, a in ((1, angles), (1, angles + np.radians(turn)))
+    )
+    y = (ratio * y).round(digits)
+    rng = np.random.default_rng(5)
+    rows = []
+    for _ in range(count + 1):
+        q = np.array([1, *rng.normal(0, 0.1, 3)])
+        R = rotation_from_quaternion(q / np.linalg.norm(q))
+        T = np.array([*rng.normal(0, 0.1, 2), rng.uniform(0.7, 1.4)])
+        rows.append(np.linalg.norm(y @ R.T + T - x, axis=1).round(digits + 2))
+    return hexapod(x, y, [repr(v) for v in rows[0].tolist()]), np.array(rows[1:])
+
+
+@pytest.mark.parametrize(
+    ("plates", "poses", "far"), [((8, 0.6, 10, 6), 40, 8), ((12, 1, 60, 4), 22, 6)]
+)
+def test_rows_of_similar_plates_are_solved_together(plates, poses, far, monkeypatch):
+    """Values of poses differ from others: a combination is as small as what was rounded."""
+    instance, rows = similar_plates(*plates)
+    starts = SolvedStarts()
+    known = solve(instance, starts=starts)
+    assert known.verdict == "complete"
+    assert len(known.T) == poses
+    (answers,) = many_poses(instance, rows, seed=1, jobs=1, starts=starts)
+    assert not answers.alone
+    start = kept_start(Problem(instance, starts=starts))
+    assert len(start.far) == far
+    assert start.homotopy is not None
+    for found, row in zip(answers.poses(), rows[:2].tolist(), strict=False):
+        values = {i: Number.of(Fraction(x)) for i, x in enumerate(row)}
+        alone = solve(instance.with_values(values), starts=SolvedStarts())
+        there = sorted(map(tuple, alone.T.tolist()), key=repr)
+        assert sorted(map(tuple, found.T.tolist()), key=repr) == there
+    # Other values of the instance, as written, are solved from the same start.
+    monkeypatch.setattr("gspcli.solver.strategies.stored_start.reduced_paths", None)
+    texts = {i: Number.of(repr(x)) for i, x in enumerate(rows[3].tolist())}
+    assert solve(instance.with_values(texts), starts=starts).proof == known.proof

@@ -217,7 +217,7 @@ def poses_at(size, deviation):
 )
 def test_far_poses_are_others_only_beyond_their_error_bounds(near, far, deviations, complete):
     """A far pose may be found by paths, too: another one differs by more than both errors."""
-    there = SimpleNamespace(decide=lambda *_, jobs: poses_at(far, deviations[1]))
+    there = SimpleNamespace(decide=lambda *_, **__: poses_at(far, deviations[1]), shifts=None)
     proofs = SimpleNamespace(
         scale=1.0, values=lambda *_: np.zeros((1, 1, 6, 6)), units=lambda _: np.ones(1)
     )
