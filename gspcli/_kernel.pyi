@@ -285,6 +285,7 @@ def track_reduced(
     radius_fraction: float,
     min_step: float,
     max_steps: int,
+    lower_rank: bool = False,
     build: str = "",
 ) -> tuple[NDArray[np.complex128], NDArray[np.uint8]] | None: ...
 def track_values(

@@ -115,11 +115,12 @@ void put_line(const ReducedQuadrics& q, const std::int32_t* free, ReducedLine& l
     const Numbers* form = q.row[j] + kQuantities;
     double size = 0.0;
     for (int i = 0; i < kForms; ++i) size += std::norm(form[i]);
+    for (int l = 0; l < q.free(); ++l) size += std::norm(q.row[j][free[l]]);
     // Equations without a pivot have no scale of their own.
     const double scale = j < q.pivots ? 1.0 : 1.0 / std::sqrt(size);
     for (int i = 0; i < kForms; ++i) put(line.form[j][i], line.form_change[j][i], scale * form[i]);
     for (int l = 0; l < q.free(); ++l)
-      put(line.slope[j][l], line.slope_change[j][l], j < q.pivots ? q.row[j][free[l]] : 0.0);
+      put(line.slope[j][l], line.slope_change[j][l], scale * q.row[j][free[l]]);
   }
 }
 
@@ -160,14 +161,15 @@ void place(const Numbers* z, const ReducedGeometry& geometry, Complex* out) {
 
 nb::object track_reduced(Array<Numbers, 2> start, Array<Numbers, 2> points, Array<Numbers, 2> target,
                          double predictor_tolerance, double contraction, double radius_fraction,
-                         double min_step, int max_steps, const std::string& build) {
+                         double min_step, int max_steps, bool lower_rank, const std::string& build) {
   const std::size_t eight = kVariables, paths = points.shape(0);
   require(start.shape(0) == kEquations && start.shape(1) == kQuadric &&
               target.shape(0) == kEquations && target.shape(1) == kQuadric &&
               points.shape(1) == eight,
           "quadrics must have shape (6, 27), points (P, 8)");
   ReducedQuadrics from, to;
-  if (!to.solve(target.data(), nullptr) || !from.solve(start.data(), &to)) return nb::none();
+  if (!to.solve(target.data(), nullptr, lower_rank) || !from.solve(start.data(), &to, lower_rank))
+    return nb::none();
   const std::size_t scalars = to.free();
   if (scalars > kMostScalars || (to.quantities == kQuantities && scalars == 0)) return nb::none();
   ReducedGeometry geometry{};
@@ -210,7 +212,7 @@ void bind_reduced(nb::module_& m, TrackValues* (*choose_track)(const std::string
         "Track quadrics of which only multiples of N move; see gspcli.continuation.reduced_homotopy.");
   m.def("track_reduced", &track_reduced, "start"_a, "points"_a, "target"_a, nb::kw_only(),
         "predictor_tolerance"_a, "contraction"_a, "radius_fraction"_a, "min_step"_a,
-        "max_steps"_a, "build"_a = "",
+        "max_steps"_a, "lower_rank"_a = false, "build"_a = "",
         "Track quadrics that are solved for some quantities; see gspcli.continuation.reduced_homotopy.");
 }
 

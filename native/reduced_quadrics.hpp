@@ -23,9 +23,10 @@ class ReducedQuadrics {
   int quantities = 0, pivots = 0;
   std::int32_t pivot[kEquations];
 
-  // Whether the quadrics depend on e e, w and h alone, by enough to be solved for some of them: for
-  // those that are the pivots of others, if there are others.
-  bool solve(const Number* quadrics, const ReducedQuadrics* others) {
+  // Whether the quadrics depend on e e, w and h alone, and can be solved for some of these: for those
+  // that are the pivots of others, if there are others. Without `rest`, other rows depend on e e
+  // alone. With it they may depend on quantities without pivots, too.
+  bool solve(const Number* quadrics, const ReducedQuadrics* others, bool rest) {
     if (!read(quadrics)) return false;
     double largest = 0.0;
     for (int i = 0; i < kEquations; ++i)
@@ -34,11 +35,11 @@ class ReducedQuadrics {
     const int most = others ? others->pivots : kEquations;
     for (pivots = 0; pivots < most; ++pivots) {
       const auto [size, best, column] = choose(others ? others->pivot[pivots] : -1);
-      if (!others && size <= kZero * largest) break;
+      if (!others && (rest ? size < kSmall * largest : size <= kZero * largest)) break;
       if (size < kSmall * largest) return false;
       eliminate(best, column);
     }
-    return pivots == kEquations || choose(-1).size <= kZero * largest;
+    return rest || pivots == kEquations || choose(-1).size <= kZero * largest;
   }
 
   int free() const { return quantities - pivots; }

@@ -159,7 +159,11 @@ class ReducedHomotopy:
 
 
 def ends_from_start(
-    start: StartSystem, quadrics: ComplexArray, options: TrackerOptions = FROM_START
+    start: StartSystem,
+    quadrics: ComplexArray,
+    options: TrackerOptions = FROM_START,
+    *,
+    lower_rank: bool = False,
 ) -> ComplexArray | None:
     """Return the ends of the paths from a start system to six quadrics.
 
@@ -173,6 +177,9 @@ def ends_from_start(
         Coefficients, shape (6, 27); lengths of order one.
     options
         The options of the tracker.
+    lower_rank
+        Whether the quadrics may determine fewer quantities than those of the start, or determine
+        some badly.
 
     Returns
     -------
@@ -189,6 +196,7 @@ def ends_from_start(
         radius_fraction=options.radius_fraction,
         min_step=options.min_step,
         max_steps=options.max_steps,
+        lower_rank=lower_rank,
     )
     if found is None:
         return None

@@ -82,12 +82,13 @@ def test_planar_bodies_leave_two_quantities_free():
     _check(Case("DPP DPP DPP DPP DPP DPP", planar=True), 2)
 
 
-def _whole(name: str, seed: int = 35, *, planar: bool = False) -> System:
+def _whole(name: str, seed: int = 35, *, planar: bool = False, height: float = 0.0) -> System:
     """Return the system of a platform in canonical order."""
     rng = np.random.default_rng(seed)
     given = Arrangement.of(random_instance(parse_type(name), rng, one_sided=True)[0]).normalized
     if planar:
-        given.y[:, 2] = given.x[:, 0] = 0.0
+        given.y[:, 2] *= height
+        given.x[:, 0] *= height
     return target_systems(given)[0].canonical()
 
 
@@ -112,6 +113,17 @@ def test_paths_from_the_stored_start_lead_to_all_solutions(name):
 def test_a_geometry_of_lower_rank_than_the_start_is_left_to_others():
     system = _whole("DPP DPP DPP DPP DPP DPP", planar=True)
     assert ends_from_start(start_system(system.structure), system.coefficients.g) is None
+
+
+@pytest.mark.parametrize("height", [0.0, 1e-13, 1e-9, 1e-4])
+def test_paths_lead_to_a_geometry_of_lower_rank_than_the_start(height):
+    system = _whole("DPP DPP DPP DPP DPP DPP", planar=True, height=height)
+    start = start_system(system.structure)
+    study = ends_from_start(start, system.coefficients.g, lower_rank=True)
+    # Near a geometry of lower rank N nearly vanishes at some: in doubles these are no Study points.
+    at = np.abs((study[:, :4] ** 2).sum(axis=1)) > 1e-6 * np.linalg.norm(study, axis=1) ** 2
+    assert _distinct(system, study[at]) == at.sum()
+    assert at.sum() > 20
 
 
 @pytest.mark.parametrize("name", ["DPP DPP DPP DPP DPP DLL", "DPP DPP DPP ALL ALL ALH"])
