@@ -71,5 +71,10 @@ def first_strategies(problem: Problem) -> Iterator[tuple[Strategy, bool]]:
         # Planar platforms are kept: from a start of their geometry they take half the time.
         is_quick = not problem.has_mirror_images
         yield (reduced_paths if problem.is_reducible else short_series), is_quick
+    if problem.is_reducible_in_planes and not problem.has_closed_form:
+        # Points and lines: poses far away.
+        from gspcli.solver.strategies.complex_planes import far_in_planes
+
+        yield far_in_planes, False
     # Everything else, with all the care that double precision allows.
     yield careful_paths, False

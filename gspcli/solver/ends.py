@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
+
 from gspcli.certification.equations.frames import StudyFrames
 from gspcli.continuation.quadrics import ComplexArray
 
@@ -26,6 +29,9 @@ class Ends(NamedTuple):
     has_directions
         Whether quaternions are right in all digits, up to a factor, where N nearly vanishes, too:
         where paths with fewer unknowns to one platform have arrived.
+    planes
+        For each end and constraint 1 or -1 for the complex plane through the line that the point
+        is in, 0 for constraints without points and lines, shape (m, 6); None if there are none.
     """
 
     points: ComplexArray
@@ -33,3 +39,4 @@ class Ends(NamedTuple):
     far: FarPoses | None = None
     all_poses: bool = False
     has_directions: bool = False
+    planes: NDArray[np.int64] | None = None

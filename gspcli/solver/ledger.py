@@ -105,8 +105,8 @@ class Ledger:
             Where paths have led, with all digits of quaternions (`Ends.has_directions`).
         """
         for k, side in enumerate(self.sides if self.problem.proofs is not None else ()):
-            side.add_far(ends.points[0, k])
-        if self._answer is None:
+            side.add_far(ends.points[0, k], ends.planes)
+        if self._answer is None and self.problem.is_reducible:
             # From now on the ledger has the count of the geometry.
             _ = self.problem.geometry_count
 

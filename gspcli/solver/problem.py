@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.catalogue.kinds import ANGLE_KINDS, DHP, DLL, DPH, DPP
+from gspcli.catalogue.kinds import ANGLE_KINDS, DHP, DLL, DLP, DPH, DPL, DPP
 from gspcli.catalogue.types import MAX_ANGLES
 from gspcli.certification.equations.frames import StudyFrames
 from gspcli.certification.equations.local_frames import LocalFrames
@@ -36,8 +36,9 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 
-#: Kinds with an equation of one quadric in e, e ^ f and f.f alone.
+#: Kinds with an equation of one quadric in e, e ^ f and f.f alone, and of a product of two.
 _REDUCIBLE = frozenset({DPP, DPH, DHP, *ANGLE_KINDS})
+_PRODUCTS = frozenset({DPL, DLP})
 
 
 class Problem:
@@ -149,6 +150,12 @@ class Problem:
     def is_reducible(self) -> bool:
         """Whether the equations can be solved for some unknowns first (`ReducedHomotopy`)."""
         return _REDUCIBLE.issuperset(self.arrangement.kinds)
+
+    @cached_property
+    def is_reducible_in_planes(self) -> bool:
+        """Whether that holds with points in planes in place of points at a distance from lines."""
+        kinds = self.arrangement.kinds
+        return not _PRODUCTS.isdisjoint(kinds) and _REDUCIBLE.union(_PRODUCTS).issuperset(kinds)
 
     @cached_property
     def is_kept(self) -> bool:

@@ -195,7 +195,7 @@ class SidePoses:
                 self.infinite.append(end.isolation)
         return new
 
-    def add_far(self, ends: Field) -> None:
+    def add_far(self, ends: Field, planes: Index | None = None) -> None:
         """Add poses far away, their conjugates and mirror images.
 
         Parameters
@@ -203,26 +203,29 @@ class SidePoses:
         ends
             Study points of any norm with quaternions that are right in double precision, up to a
             factor, one for each path, shape (n, 8).
+        planes
+            As in `gspcli.solver.ends.Ends`.
         """
+        from gspcli.certification.numbers.balls import sums_of_doubles
         from gspcli.certification.poses.far_points import far_points
 
         has_images = self.problem.has_mirror_images
-        # Poses to which no paths lead come last.
-        open_ = ends[~self.reached[: len(ends)], :4]
         with np.errstate(invalid="ignore"):
-            e = open_ / np.linalg.norm(open_, axis=1, keepdims=True)
-        e = e[np.isfinite(e).all(axis=1)]
-        points = far_points(self.locator, self.sides, e)
-        if not len(points):
+            e = ends[:, :4] / np.linalg.norm(ends[:, :4], axis=1, keepdims=True)
+        # Poses to which no paths lead come last.
+        is_open = ~self.reached[: len(ends)] & np.isfinite(e).all(axis=1)
+        of_open = None if planes is None else planes[is_open]
+        points = far_points(self.locator, self.sides, e[is_open], of_open)
+        if not points:
             return
         frames = replace(OWN, length=self.locator.scale)
-        found, reached = self._finer.at(points[:, 0], points[:, 1:], frames)
+        parts = np.array([sums_of_doubles(point) for point in points])
+        found, reached = self._finer.at(parts[:, 0], parts[:, 1:], frames)
         if has_images:
             found, reached = found.with_mirror_images(), with_mirror_images(reached, axis=1)
         place = self._add_finer(found, reached)
-        for point in points[place[: len(points)] < 0]:
-            start = self.locator.exact_sum(point)
-            located = self.locator.locate_exactly(start, self.sides, _FAR_BITS)
+        for k in np.flatnonzero(place[: len(points)] < 0).tolist():
+            located = self.locator.locate_exactly(points[k], self.sides, _FAR_BITS)
             if isinstance(located, Located):
                 self.found.add([located, located.mirrored] if has_images else [located])
                 self.found.add_conjugates()

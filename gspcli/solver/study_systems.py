@@ -3,8 +3,9 @@
 Times N, an angle, a one-sided DPH or DHP, the mutual moment of two lines and a DPP are each one
 quadric in the Study parameters (e, f). DPL, DLP and DLL are products of two quadrics of one space,
 ``G H = tau N^2``. For DPL, a and b are orthonormal and perpendicular to the line, and A, B are the
-distances to the planes through it with these normals: ``(A + iB)(A - iB) = d^2 N^2``. For DLL, with
-the mutual moment M and the cosine C of two lines: ``(M + idC)(M - idC) = d^2 N^2``.
+distances to the planes through it with these normals: ``(A + iB)(A - iB) = d^2 N^2``. If the first
+coordinate of the direction v is negative, a, b and v are left-handed, else right-handed. For DLL,
+with the mutual moment M and the cosine C of two lines: ``(M + idC)(M - idC) = d^2 N^2``.
 """
 
 from __future__ import annotations

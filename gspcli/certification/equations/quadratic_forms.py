@@ -71,6 +71,8 @@ def mutual_moment(a: list[arb], b: list[arb], u: list[arb], v: list[arb]) -> For
 def heights(a: list[arb], b: list[arb], u: list[arb], v: list[arb]) -> list[Form]:
     """Return N times two coordinates across a line, whose squares add up to that of the distance.
 
+    Their axes and the direction of the line are right-handed.
+
     Parameters
     ----------
     a, b

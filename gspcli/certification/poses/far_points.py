@@ -7,6 +7,10 @@ in w and h, with ``e ^ w = 0`` and ``w.w = N h``. So paths in double precision a
 right to all its digits. They do not suffice for ``N f``, the product of e and w. Newton's method on
 the exact numbers gives the others, ten at each step: the Jacobian matrix in doubles is enough.
 
+A point at a distance d from a line has heights over two complex planes through it. Times N these
+are linear in w: G and H. The equation ``G H = d^2 N^2`` is taken as ``G = d^2 N^2 / H``. Where N
+nearly vanishes, so does one of them, and often both as the root of N.
+
 Paths with 32 digits, or eigenvectors where numbers are in floating point, took a third of the time
 of a first solution and four fifths (`tools.verify.realistic`, hexapods with six joints a body).
 """
@@ -17,20 +21,25 @@ from collections.abc import Sequence
 from math import inf, log10
 
 import numpy as np
-from flint import acb, acb_mat, arb_mat, ctx
+from flint import acb, acb_mat, arb, arb_mat, ctx
 from numpy.typing import NDArray
 
-from gspcli.certification.equations.ball_system import BallSystem
+from gspcli.certification.equations import study
+from gspcli.certification.equations.ball_system import BallSystem, monomials
 from gspcli.certification.equations.mirror_images import has_mirror_images, mirrored
-from gspcli.certification.numbers.balls import sums_of_doubles
+from gspcli.certification.equations.quadratic_forms import heights
+from gspcli.certification.equations.statement import Statement
 from gspcli.certification.poses.locator import Locator
 from gspcli.geometry.instance import Instance
 
 Complex = NDArray[np.complex128]
+Index = NDArray[np.int64]
 
-#: Bits of the numbers; 96 digits suffice for machines in floating point, where N is 1e-64.
-_BITS = 320
-#: Bits of N that a point needs, and a part below which N counts as zero.
+#: Bits of the numbers; 96 digits suffice for machines in floating point, where N is 1e-64. Where H
+#: is the root of N, more are needed.
+_BITS, _PRODUCT_BITS = 320, 512
+#: Bits of N that a point needs, or of G, which is as small as the root of N^3. Below such a part N
+#: counts as zero.
 _NEEDED, _NULL = 2.0**-50, 2.0**-250
 #: The least N that is sought is this power of the rounding of coordinates.
 _POWER = 6
@@ -49,7 +58,9 @@ _WEDGE = (
 _SQUARES = [(i, j) for i in range(4) for j in range(i, 4)]
 
 
-def far_points(locator: Locator, sides: tuple[int, ...], e: Complex) -> Complex:
+def far_points(
+    locator: Locator, sides: tuple[int, ...], e: Complex, planes: Index | None = None
+) -> list[list[acb]]:
     """Return Study points of poses with given quaternions.
 
     Conjugates and mirror images of others are left out.
@@ -57,33 +68,41 @@ def far_points(locator: Locator, sides: tuple[int, ...], e: Complex) -> Complex:
     Parameters
     ----------
     locator, sides
-        The equations, and the index of that of each constraint (`BallSystem.equations`): planes,
-        angles and points at a distance.
+        The equations, and the index of that of each constraint (`BallSystem.equations`): all but
+        distances of lines.
     e
         The quaternions, of norm 1 and any phase, right in double precision, shape (n, 4).
+    planes
+        For each quaternion and constraint which height is G: 1 if it is A + iB, -1 if A - iB, with
+        the heights A, B of `heights`; 0 without points and lines, shape (n, 6). None if there are
+        none of these.
 
     Returns
     -------
-    Complex
-        Points as sums of four doubles, in the frames of the instance and its length scale, shape
-        (k, 4, 8).
+    list[list[acb]]
+        Points, in the frames of the instance and its length scale.
     """
-    chosen = _one_of_each_orbit(e, has_images=has_mirror_images(locator.instance))
-    found: list[Complex] = []
-    if chosen:
-        with ctx.workprec(_BITS):
-            least = max(_least_norm(locator.instance), _NULL)
-            points = _Equations(locator.system(_BITS), sides).solved(e[chosen], least)
-            found = [sums_of_doubles(point) for point in points if point is not None]
-    return np.array(found, np.complex128).reshape(-1, 4, 8)
+    signs = np.zeros((len(e), 6), np.int64) if planes is None else planes
+    chosen = _one_of_each_orbit(e, signs, has_images=has_mirror_images(locator.instance))
+    if not chosen:
+        return []
+    bits = _PRODUCT_BITS if signs.any() else _BITS
+    with ctx.workprec(bits):
+        least = max(_least_norm(locator.instance), _NULL)
+        points = _Equations(locator.system(bits), sides).solved(e[chosen], signs[chosen], least)
+    return [point for point in points if point is not None]
 
 
-def _one_of_each_orbit(e: Complex, *, has_images: bool) -> list[int]:
-    """Return which quaternions (n, 4) are not those of conjugates or mirror images of others."""
+def _one_of_each_orbit(e: Complex, planes: Index, *, has_images: bool) -> list[int]:
+    """Return which quaternions (n, 4) are not those of conjugates or mirror images of others.
+
+    A conjugate has the other planes. There are mirror images without lines only.
+    """
     images = [e.conj()]
     if has_images:
         images += [mirrored(e), mirrored(e).conj()]
-    alike = np.any(1 - np.abs(np.array(images).conj() @ e.T) <= _ALIKE, axis=0)
+    near = 1 - np.abs(np.array(images).conj() @ e.T) <= _ALIKE
+    alike = np.any(near & (planes[:, None] == -planes).all(axis=2), axis=0)
     kept: list[int] = []
     for k in range(len(e)):
         if not any(alike[j, k] for j in kept):
@@ -116,59 +135,80 @@ class _Equations:
     """
 
     def __init__(self, system: BallSystem, sides: tuple[int, ...]) -> None:
-        chosen = [each[k].main for each, k in zip(system.equations, sides, strict=True)]
-        rows = system.monomial_rows.tolist()
-        #: Of the squares and products of e; of w and h.
-        self._forms = [
-            [*row[:10], *(row[10 + 4 * i + j] for i, j in _PAIRS), row[26]]
-            for row in (rows[k] for k in chosen)
-        ]
-        self._matrix = acb_mat(arb_mat(self._forms))
-        self._doubles = np.array([[float(x) for x in row] for row in self._forms])
+        known, first, second = system.monomial_rows.tolist(), [], []
+        #: The products, with the squares of their distances.
+        self._squares: dict[int, arb] = {}
+        chosen = zip(system.statements, system.equations, sides, strict=True)
+        for k, (given, equations, side) in enumerate(chosen):
+            if equations[side].squares:
+                A, B = _heights(given)
+                second.append(_reduced(B))
+                self._squares[k] = given.value * given.value
+            else:
+                A = known[equations[side].main]
+            first.append(_reduced(A))
+        #: Of the squares and products of e, of w and of h: of each equation or A, then of each B.
+        self._matrix = acb_mat(arb_mat(first + second))
+        self._power = 1.5 if self._squares else 1
+        forms = np.array([[float(x) for x in row] for row in first + second])
+        self._doubles, self._second = forms[:6], np.zeros((6, 17))
+        self._second[list(self._squares)] = forms[6:]
         self._has_h = bool(self._doubles[:, 16].any())
 
-    def solved(self, near: Complex, least: float) -> list[list[acb] | None]:
+    def solved(self, near: Complex, planes: Index, least: float) -> list[list[acb] | None]:
         """Return the Study point of a solution near each quaternion (n, 4), or None."""
-        starts = np.concatenate((near, self._quantities(near)), axis=1)
-        inverses = _left_inverses(self._jacobians(starts))
-        return [self._solved(*each, least) for each in zip(starts, inverses, strict=True)]
+        starts = np.concatenate((near, self._quantities(near, planes)), axis=1)
+        inverses = _left_inverses(self._jacobians(starts, planes))
+        each = zip(starts, inverses, planes.tolist(), strict=True)
+        return [self._solved(*given, least) for given in each]
 
-    def _solved(self, start: Complex, inverse: Complex, least: float) -> list[acb] | None:
+    def _solved(
+        self, start: Complex, inverse: Complex, planes: list[int], least: float
+    ) -> list[acb] | None:
         """Return the Study point of a solution near e, w and h; None if there is none."""
         point = [acb(x.real, x.imag) for x in start.tolist()]
+        if self._squares:
+            # In doubles N^2 / H is rounding alone.
+            point = _moved(point, inverse @ self._residual(point, planes, are_far=True))
         last = _FIRST * np.abs(start).max()
         for _ in range(_STEPS):
-            step = inverse @ self._residual(point)
+            step = inverse @ self._residual(point, planes)
             size = np.abs(step).max()
-            point = [x - acb(d.real, d.imag) for x, d in zip(point, step.tolist(), strict=True)]
+            point = _moved(point, step)
             N = sum((x * x for x in point[:4]), acb(0))
             norm = abs(complex(N))
             if norm < least or not size <= last:
                 return None
             # The next step is smaller by the same part, or by more.
-            if size * min(size / last, 1) * _SMALLER < _NEEDED * norm:
+            if size * min(size / last, 1) * _SMALLER < _NEEDED * norm**self._power:
                 return _study_point([x.mid() for x in point], N.mid())
             last = size * _SMALLER
         return None
 
-    def _quantities(self, e: Complex) -> Complex:
+    def _quantities(self, e: Complex, planes: Index) -> Complex:
         """Return w, and h if there is one, at quaternions (n, 4), by least squares."""
         i, j = np.transpose(_SQUARES)
-        right = -(e[:, i] * e[:, j]) @ self._doubles[:, :10].T
+        forms = self._factors(planes)
+        right = -forms[:, :, :10] @ (e[:, i] * e[:, j])[:, :, None]
         rows = np.zeros((len(e), 10, 6 + self._has_h), complex)
-        rows[:, :6] = self._doubles[:, 10 : 16 + self._has_h]
+        rows[:, :6] = forms[:, :, 10 : 16 + self._has_h]
         rows[:, 6:, :6] = _wedge(e)
-        found: Complex = (_left_inverses(rows)[:, :, :6] @ right[:, :, None])[..., 0]
+        found: Complex = (_left_inverses(rows)[:, :, :6] @ right)[..., 0]
         return found
 
-    def _jacobians(self, at: Complex) -> Complex:
+    def _factors(self, planes: Index) -> Complex:
+        """Return the forms of equations, and G of products, shape (n, 6, 17)."""
+        return np.asarray(self._doubles + 1j * planes[:, :, None] * self._second)
+
+    def _jacobians(self, at: Complex, planes: Index) -> Complex:
         """Return the derivatives of the equations, and of what fixes the multiple of e."""
         e, w = at[:, :4], at[:, 4:10]
         rows = np.zeros((len(at), 11 + self._has_h, at.shape[1]), complex)
+        forms = self._factors(planes)
         for k, (i, j) in enumerate(_SQUARES):
-            rows[:, :6, i] += self._doubles[:, k] * e[:, j, None]
-            rows[:, :6, j] += self._doubles[:, k] * e[:, i, None]
-        rows[:, :6, 4:] = self._doubles[:, 10 : 6 + at.shape[1]]
+            rows[:, :6, i] += forms[:, :, k] * e[:, j, None]
+            rows[:, :6, j] += forms[:, :, k] * e[:, i, None]
+        rows[:, :6, 4:] = forms[:, :, 10 : 6 + at.shape[1]]
         rows[:, 6:10, :4], rows[:, 6:10, 4:10] = _turn(w), _wedge(e)
         if self._has_h:
             rows[:, 10, :4], rows[:, 10, 4:10] = -2 * at[:, 10:] * e, 2 * w
@@ -176,17 +216,42 @@ class _Equations:
         rows[:, -1, :4] = e.conj()
         return rows
 
-    def _residual(self, point: Sequence[acb]) -> Complex:
-        """Return the equations, rounded to doubles."""
+    def _residual(
+        self, point: Sequence[acb], planes: Sequence[int], *, are_far: bool = False
+    ) -> Complex:
+        """Return the equations, rounded to doubles; with G = 0 for products if they are far."""
         e, w, h = point[:4], point[4:10], point[10:]
         vector = [*(e[i] * e[j] for i, j in _SQUARES), *w, *(h or [acb(0)])]
-        values = (self._matrix * acb_mat(17, 1, vector)).entries()
+        norm = vector[0] + vector[4] + vector[7] + vector[9]
+        found = (self._matrix * acb_mat(17, 1, vector)).entries()
+        values = found[:6]
+        for (k, square), B in zip(self._squares.items(), found[6:], strict=True):
+            G, H = (values[k] + acb(0, sign) * B for sign in (planes[k], -planes[k]))
+            values[k] = G if are_far else G - square * norm**2 / H
         products = [e[k] * w[column] * sign for _, column, k, sign in _WEDGE]
         values += [a + b + c for a, b, c in zip(*(products[k::3] for k in range(3)), strict=True)]
         if h:
-            norm = vector[0] + vector[4] + vector[7] + vector[9]
             values.append(sum((x * x for x in w), -norm * h[0]))
         return np.array([*map(complex, values), 0])
+
+
+def _heights(given: Statement) -> list[list[arb]]:
+    """Return the heights A, B over planes through a line, in `BallSystem.monomial_rows`."""
+    rows = [
+        [form.get(k, arb(0)) for k in range(study.COUNT)]
+        for form in heights(given.a, given.b, given.u, given.v)
+    ]
+    found: list[list[arb]] = (arb_mat(rows) * arb_mat(monomials())).tolist()
+    return found
+
+
+def _reduced(row: list[arb]) -> list[arb]:
+    """Return the coefficients of the squares and products of e, of w and of h."""
+    return [*row[:10], *(row[10 + 4 * i + j] for i, j in _PAIRS), row[26]]
+
+
+def _moved(point: list[acb], step: Complex) -> list[acb]:
+    return [x - acb(d.real, d.imag) for x, d in zip(point, step.tolist(), strict=True)]
 
 
 def _left_inverses(matrices: Complex) -> Complex:
