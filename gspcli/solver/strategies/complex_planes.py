@@ -2,8 +2,8 @@
 
 The equation of such a point is a product, ``G H = d^2 N^2``: G and H are N times its heights over
 two complex planes through the line. Far away N nearly vanishes, and so does G or H. So there the
-platform is nearly one with points in planes, whose equations have no products: paths with fewer
-unknowns lead to its poses, and with more digits Newton's method leads from these to poses of the
+platform is nearly one with points in planes, whose equations have no products. Paths with fewer
+unknowns lead to its poses. Newton's method with more digits leads from these to poses of the
 platform (`gspcli.certification.poses.far_points`). Without them the first solution of machines with
 two guide rods took 0.05 to 3 s instead of 0.03 (`tools.verify.realistic`).
 """
