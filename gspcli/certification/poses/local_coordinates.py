@@ -185,7 +185,12 @@ def _coefficients(
     if products is not None:
         across = acb_mat(7, 7, [acb(x) for x in products.ravel().tolist()])
         directions = acb_mat(8, 7, [x.mid() for x in (directions * across).entries()])
-        inverse, alone = across.inv(), [len(each.factors) > 1 for each in scaled]
+        try:
+            inverse = across.inv()
+        except ZeroDivisionError:
+            # Its rows are of too different sizes for so many bits.
+            return None
+        alone = [len(each.factors) > 1 for each in scaled]
         for i in range(7):
             for j in range(7):
                 # No multiples of products are added to others.

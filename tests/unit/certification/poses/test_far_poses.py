@@ -14,6 +14,7 @@ from gspcli import _kernel
 from gspcli.catalogue.kinds import DLP, DPL, DPP
 from gspcli.certification.numbers.rounding import COMPLEX, ISOLATED, REAL
 from gspcli.certification.poses.far_poses import FarPoses
+from gspcli.certification.poses.local_coordinates import combined, local_coordinates
 from gspcli.certification.poses.locator import Located
 from gspcli.certification.poses.many_values import ProvedPoses
 from gspcli.geometry.building import hexapod
@@ -467,3 +468,15 @@ def test_factors_that_are_conjugate_have_a_real_root():
 def test_only_six_equations_can_be_products(products):
     with pytest.raises(ValueError, match="products"):
         decide_made_up(made_up(0.1, 1.0), products=products)
+
+
+def test_coordinates_of_too_different_sizes_are_not_combined():
+    """With too few bits, their matrix is singular."""
+    problem = Problem(rounded_hexagons())
+    poses = solve(problem.instance, starts=SolvedStarts())
+    k = int(np.abs(poses.T).max(axis=1).argmax())
+    given = problem.locator, problem.sides[0]
+    found = local_coordinates(*given, poses.R[k], poses.T[k])
+    assert found is not None
+    assert combined(*given, found, np.eye(7, dtype=complex)) is not None
+    assert combined(*given, found, np.ones((7, 7), complex)) is None
