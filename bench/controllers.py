@@ -75,7 +75,7 @@ class Count:
 
 
 def newton(program: CompiledController, most: int, *, asks: bool) -> Step:
-    """Return Newton's method with so many steps; does it ask whether it has converged?"""
+    """Return Newton's method with this many steps; does it ask whether it has converged?"""
 
     def step(pose: Array, values: Array) -> Array | None:
         both = np.stack([values, values])[None]

@@ -40,7 +40,7 @@ from gspcli.resources import data_path, instance_files
 
 Array = NDArray[np.float64]
 
-#: A command may take so many times what it took.
+#: A command may take this many times what it took.
 SLOWER = 1.05
 #: Rows of the files of poses and values.
 ROWS = 200
@@ -77,7 +77,7 @@ def main() -> int:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     options.add_argument("names", nargs="*", metavar="NAME", help="shipped platforms")
-    options.add_argument("--poses", type=int, default=10_000, help="so many (10000)")
+    options.add_argument("--poses", type=int, default=10_000, help="this many (10000)")
     options.add_argument("--against", type=Path, metavar="CHECKOUT", help="another version")
     options.add_argument("--commands", default=",".join(_COMMANDS), help="only these")
     options.add_argument("--turns", type=int, default=3, help="of both versions (3)")

@@ -105,7 +105,7 @@ def values(instance: Instance, count: int) -> Iterator[float]:
 
 
 def moved(browser: Browser, path: Path, instance: Instance, rate: float, count: int) -> str:
-    """Return what moves take on a processor that is so many times slower."""
+    """Return what moves take on a processor that is this many times slower."""
     browser.call("Emulation.setCPUThrottlingRate", rate=1)
     browser.open(path)
     browser.wait(_READY)

@@ -30,11 +30,11 @@ from tools.special.realistic import machines
 
 #: Shipped machines of six legs with poses far away, or of planar and symmetric bodies.
 _MACHINES = ("t-top-head", "reachy-mini-head", "rubin-camera", "modified-paradex", "nano-hexapod")
-#: So many machines are drawn, and in a quick run.
+#: This many machines are drawn, and in a quick run.
 _DRAWN, _FEW = 60, 6
 #: Values change by up to this part of them.
 _SPREAD = 0.02
-#: So many of them fkSGP solves.
+#: This many of them fkSGP solves.
 _ASKED = 10
 #: What the names of sampled machines begin with.
 SAMPLED = "sampled"

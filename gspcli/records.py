@@ -21,7 +21,7 @@ _ORDERINGS = (operator.lt, operator.le, operator.gt, operator.ge)
 
 
 class _Absent:
-    """Stands for a field that was not given, and takes what a function makes."""
+    """The default of a field whose value is made by a function: it means that none was given."""
 
     def __repr__(self) -> str:
         return "<factory>"

@@ -43,7 +43,7 @@ def parser(doc: str | None, *, sample: bool = False) -> argparse.ArgumentParser:
 
 def add_sample(to: argparse.ArgumentParser) -> None:
     """Add the option ``--sample N``."""
-    help_text = "with --check: only so many, drawn at random; of the rest nothing is said"
+    help_text = "with --check: only this many, drawn at random; of the rest nothing is said"
     to.add_argument("--sample", type=int, metavar="N", help=help_text)
 
 
@@ -60,7 +60,7 @@ def workers_of(arguments: argparse.Namespace) -> Workers:
 
 
 def sampled(items: Iterable[Item], size: int | None) -> list[Item]:
-    """Return so many of the items, always the same and in their order; all if None."""
+    """Return this many of the items, always the same and in their order; all if None."""
     every = list(items)
     if size is None:
         return every

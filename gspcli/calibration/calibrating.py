@@ -24,13 +24,13 @@ from gspcli.wording import counted, shown, suggestion
 
 Array = NDArray[np.float64]
 
-#: Below so many deviations, by what is known before, a distance of lines may have either sign.
+#: Below this many deviations, by what is known before, a distance of lines may have either sign.
 _SMALL = 3.0
-#: What is so many times as large as the median is far out.
+#: What is this many times as large as the median is far out.
 _FAR_OUT = 15.0
 #: The threshold of a robust fit is at least this part of the usual one, for exact data.
 _LEAST = 1e-3
-#: In so many lines an error says what is unknown.
+#: In this many lines an error says what is unknown.
 _MOST_LINES = 3
 
 

@@ -42,15 +42,15 @@ Allowed = Callable[[Array, Array], NDArray[np.bool_]]
 
 #: This many candidates at most.
 _CANDIDATES = 3000
-#: They are tried in so many rounds of so many.
+#: They are tried in this many rounds of this many.
 _ROUNDS, _TRIED = 50, 4000
 #: How far poses go where nothing limits them: in typical lengths, and radians.
 _FREE_PLACE, _FREE_TURN = 0.1, np.deg2rad(15)
 #: Drives without a range move no farther from where their points are stated: cranks in radians,
 #: slides in typical lengths.
 CRANK_TURN, SLIDE_SHIFT = np.pi / 2, 0.25
-#: The platform follows drives from home in so many steps, each with so many of Newton's method, and
-#: has arrived where values differ by less than this part of a typical length.
+#: The platform follows drives from home in this many steps, each with this many of Newton's method.
+#: It has arrived where values differ by less than this part of a typical length.
 _STEPS, _NEWTON, _ARRIVED = 16, 3, 1e-11
 
 
@@ -74,9 +74,10 @@ def candidates(
     R: Array,
     T: Array,
     seed: int,
+    count: int | None = None,
     allowed: Allowed | None = None,
 ) -> Places:
-    """Return poses that can be reached from home, at most `_CANDIDATES`.
+    """Return poses that can be reached from home, at most ``count``.
 
     Parameters
     ----------
@@ -86,6 +87,8 @@ def candidates(
         Home, shapes (3, 3) and (3,).
     seed
         Of the random numbers.
+    count
+        How many; `_CANDIDATES` if None.
     allowed
         Which of some poses (R, T) are allowed besides, a mask; all if None.
 
@@ -94,6 +97,7 @@ def candidates(
     ArgumentError
         If home does not keep the limits or is not allowed, or there are no others about it.
     """
+    count = _CANDIDATES if count is None else count
     centre = Arrangement.of(instance).platform_centre
     home = _kept(instance, model, R[None], T[None])
     if not len(home.T):
@@ -123,22 +127,22 @@ def candidates(
             turned = rotation_from_euler("ZYX", change[:, 3:]) @ R
             places = T + R @ centre + change[:, :3] - turned @ centre
             kept = _kept(instance, model, turned, places)
-        kept = kept.taken(_signs(model, kept) == sign).taken(slice(0, _CANDIDATES - number))
+        kept = kept.taken(_signs(model, kept) == sign).taken(slice(0, count - number))
         if allowed is not None and len(kept.T):
             kept = kept.taken(allowed(kept.R, kept.T))
         found.append(kept)
         number += len(found[-1].T)
-        if number >= _CANDIDATES:
+        if number >= count:
             break
     if not number:
         what = "the ranges and cones" if allowed is None else "ranges, cones and what is required"
         message = f"no pose about home keeps {what}: choose another with --mode"
         raise ArgumentError(message)
     turns, places = (
-        np.concatenate(part)[:_CANDIDATES] for part in zip(*(p[:2] for p in found), strict=True)
+        np.concatenate(part)[:count] for part in zip(*(p[:2] for p in found), strict=True)
     )
     drives = [one.drives for one in found if one.drives is not None]
-    return Places(turns, places, np.concatenate(drives)[:_CANDIDATES] if drives else None)
+    return Places(turns, places, np.concatenate(drives)[:count] if drives else None)
 
 
 def _box(instance: Instance, model: Model, R: Array, T: Array) -> tuple[Array, Array]:

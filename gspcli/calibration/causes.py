@@ -28,7 +28,7 @@ Array = NDArray[np.float64]
 _LESS = 1 / 3
 #: Data that scatter by less than this part of a typical length have no mistake.
 _ROUNDING = 1e-9
-#: At most so many rows are tested.
+#: At most this many rows are tested.
 _ROWS = 1000
 #: Units that are taken for another: powers of ten, inches and millimetres; degrees and radians.
 _LENGTHS = (1000.0, 100.0, 10.0, 25.4)

@@ -20,7 +20,7 @@ _FIRST_ROWS, _FITTED = 200, 16
 LIKELIER = float(2 * np.log(1000))
 #: The residuals of exact data, and of usual logs, in lengths.
 EXACT, USUAL = 1e-12, 1e-4
-#: So many starts at random, for so many conventions, where linear equations do not decide.
+#: This many starts at random, for this many conventions, where linear equations do not decide.
 _STARTS, _TRIED_AGAIN = 12, 4
 #: Legs longer than this are in millimetres if nothing says their unit.
 _MILLIMETRES = 10.0

@@ -19,9 +19,9 @@ Array = NDArray[np.float64]
 
 #: One of a thousand standard normal numbers is larger.
 _SELDOM = 3.0902
-#: A number may differ from what is stated by so many times what it is known to before.
+#: A number may differ from what is stated by this many times what it is known to before.
 _FAR = 3.0
-#: An outlier of a robust fit is so many deviations away, and this part of the rows may have some.
+#: An outlier of a robust fit is this many deviations away, and this part of the rows may have some.
 _OUTLIER, _MANY = 5.0, 0.25
 
 

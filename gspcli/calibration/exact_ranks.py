@@ -21,7 +21,7 @@ from gspcli.geometry.primitives import Point
 PRIME = 2**61 - 1
 #: Poses are drawn until all roots exist: half of the numbers have one.
 _TRIES = 500
-#: And so many directions for which a constant angle has its sine.
+#: And this many directions for which a constant angle has its sine.
 _FAILURES = 20
 
 Motion = Literal["all", "translations", "one axis"]

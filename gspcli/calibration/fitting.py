@@ -33,9 +33,9 @@ _STEP, _DECREASE = 1e-13, 1e-14
 #: that parameters are a multiple of the last step away. The sum of losses stands still long before.
 _ROBUST_STEP = 1e-12
 _MOST = 400
-#: So many rows have their derivatives in memory at a time.
+#: This many rows have their derivatives in memory at a time.
 _BLOCK = 2000
-#: Residuals beyond so many standard deviations count by their modulus, not their square.
+#: Residuals beyond this many standard deviations count by their modulus, not their square.
 HUBER = 2.0
 
 

@@ -11,7 +11,7 @@ from gspcli.geometry.instance import Instance
 from gspcli.records import dataclass
 from gspcli.wording import listed
 
-#: So many of the conventions that fit as well are named in sentences.
+#: This many of the conventions that fit as well are named in sentences.
 _SHOWN = 2
 
 

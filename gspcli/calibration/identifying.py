@@ -41,18 +41,18 @@ from gspcli.wording import counted, listed
 
 Array = NDArray[np.float64]
 
-#: So many rows are fitted to find the joints to start from.
+#: This many rows are fitted to find the joints to start from.
 _ROWS = 400
-#: So many rows more than unknowns of a leg are needed to tell conventions apart.
+#: This many rows more than unknowns of a leg are needed to tell conventions apart.
 _SPARE = 2
 #: Other joints differ by this part of a length.
 _DIFFERENT = 1e-3
-#: Joints may have been missed where the linear equations fit so many times better: their residual
+#: Joints may have been missed where the linear equations fit this many times better: their residual
 #: is a lower bound. With few rows they fit so much better by chance.
 _GAP, _BY_CHANCE = 5.0, 10.0
 #: Positions that differ by less than this part of their size do not move.
 _STILL = 1e-6
-#: A constant of each leg is proposed where the lengths fit so many times better with it.
+#: A constant of each leg is proposed where the lengths fit this many times better with it.
 _BETTER = 5.0
 _NONE = (
     "no machine with six legs explains the log: look for wrong rows, or try --robust; legs are the "

@@ -22,7 +22,7 @@ UNKNOWNS = 16
 _ROUNDING, _KEPT = 1e-10, (16, 13, 10, 7)
 _STEPS, _DECREASE = 40, 1e-6
 
-#: Of a robust fit rows are left out with residuals of more than so many times the median.
+#: Of a robust fit rows are left out with residuals of more than this many times the median.
 _ROUNDS, _FAR_OUT = 40, 10.0
 
 

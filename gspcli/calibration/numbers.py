@@ -29,7 +29,7 @@ Array = NDArray[np.float64]
 _AXES = "xyz"
 #: Numbers are rounded by at most this part of their standard deviation.
 _PART = 1e-3
-#: A number without a standard deviation has so many significant digits, relative to the typical
+#: A number without a standard deviation has this many significant digits, relative to the typical
 #: length.
 _DIGITS = 15
 

@@ -52,7 +52,7 @@ from gspcli.ties import first_largest
 
 Array = NDArray[np.float64]
 
-#: Errors of the pose are averaged over so many candidates.
+#: Errors of the pose are averaged over this many candidates.
 _ERRORS = 300
 #: A number is hardly determined if its deviation stays above this part of the one before.
 _HARDLY = 0.5

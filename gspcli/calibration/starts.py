@@ -31,8 +31,8 @@ Array = NDArray[np.float64]
 #: Poses R, T of a row.
 Poses = tuple[Array, Array]
 
-#: Rows of less start at so many poses of others and take so many steps, none longer than this part
-#: of a typical length; in the end they may be off by this part.
+#: Rows with fewer numbers start at this many poses of others and take this many steps, none longer
+#: than this part of a typical length; in the end they may be off by this part.
 _STARTS, _STEPS, _LONGEST, _AGREES = 8, 30, 0.3, 0.05
 
 

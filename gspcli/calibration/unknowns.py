@@ -31,7 +31,7 @@ _AXES = "xyz"
 #: A motion with a name is unknown if it agrees with an unknown direction up to this: the first
 #: where derivatives vanish, the second where noise hides it.
 _EXACT, _HIDDEN = 1e-5, 0.1
-#: So many numbers describe a direction without a name: those above a part of the largest.
+#: This many numbers describe a direction without a name: those above a part of the largest.
 _SHOWN, _PART = 4, 0.2
 #: At most this many such directions are named.
 _MOST = 3

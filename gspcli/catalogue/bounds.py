@@ -54,7 +54,7 @@ class BezoutSpace:
         ]
 
     def bound(self, counts: Sequence[tuple[Kind, int]]) -> int:
-        """Return the product of the degrees for so many constraints of each kind."""
+        """Return the product of the degrees for this many constraints of each kind."""
         value = self.degree
         for kind, count in counts:
             first, other = self.degrees[kind.order]

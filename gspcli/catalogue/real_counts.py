@@ -29,7 +29,7 @@ _LONGEST = 200
 
 @dataclass(frozen=True, slots=True, order=True)
 class PlaceOnLine:
-    """The place of a platform on such a line.
+    """The place of a platform on a line between two platforms of a type.
 
     Attributes
     ----------
@@ -82,7 +82,7 @@ def witness_with(family: Family, real: int) -> Witness:
     Raises
     ------
     GspError
-        If no platform with so many is recorded.
+        If no platform with this many is recorded.
     """
     best = witness(family)
     if best is not None and best.real == real:

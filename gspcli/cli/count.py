@@ -62,7 +62,7 @@ _LEGEND = (
     show_default=True,
     type=Positive(),
     metavar="BILLIONS",
-    help="Stop after so many multiplications; a billion takes a second or two.",
+    help="Stop after this many multiplications; a billion takes a second or two.",
 )
 @seed_option(": the prime, and random platforms")
 @output_options()

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 #: The ends of the names of files with an instance in each line, and the format of such answers.
 LINE_SUFFIXES = (".jsonl", ".ndjson")
 LINES = "jsonl"
-#: This process solves so many instances before it starts others: a start takes as long as solving
+#: This process solves this many instances before it starts others: a start takes as long as solving
 #: them.
 _HERE_FIRST = 16
 _COLUMNS = (

@@ -124,7 +124,7 @@ class _Interrupted(Exception):
 
 
 def _show_known(gsp_type: GspType, real: int | None, output: Output) -> None:
-    """Write the best known platform, or one with so many real poses."""
+    """Write the best known platform, or one with this many real poses."""
     from gspcli.reality.witness_proofs import known_instance
     from gspcli.spec import dumps
 

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 #: Decimals of residuals and of chi-squared: further decimals are rounding errors.
 _DECIMALS = 3
-#: Residuals larger than so many deviations are marked.
+#: Residuals larger than this many deviations are marked.
 _LARGE = 3.0
 
 

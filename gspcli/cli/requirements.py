@@ -269,9 +269,9 @@ def judged(
     rows: Sequence[dict[str, Any]],
     known: Mapping[str, Array | QuantityParts] | None = None,
 ) -> tuple[list[RequirementVerdict], list[Column]]:
-    """Return the verdicts; numbers that are computed for them are added to rows.
+    """Return the verdicts, and the columns of the numbers that they need.
 
-    Also the columns of what is added.
+    These numbers are computed, and added to the rows.
 
     Parameters
     ----------

@@ -185,7 +185,9 @@ def _axes(instance: Instance, texts: tuple[str, ...]) -> list[Axis]:
 def _refuse_coordinates(texts: tuple[str, ...], conventions: PoseConventions) -> None:
     """Raise for options about poses where values vary."""
     if any(text.strip()[:1] in "xyzr" for text in texts):
-        message = "--vary: coordinates of a pose vary with --pose, which says what does not"
+        message = (
+            "--vary: found coordinates of a pose: give --pose, too, for the coordinates that stay"
+        )
         raise click.UsageError(message)
     if conventions.euler or conventions.pivot:
         message = "--euler and --pivot say how --pose is read: give --pose, too"

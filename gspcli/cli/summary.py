@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from gspcli.solver import SolveResult
 
 _DIGITS = 3
-#: Poses that are so many lengths away are called nearly infinite.
+#: Poses that are this many lengths away are called nearly infinite.
 _FAR = 1e5
 
 
@@ -214,6 +214,6 @@ def _parallel(result: SolveResult) -> list[str]:
 
 
 def _ground(result: SolveResult) -> list[str]:
-    """Return the reservation of the proof, if it has one."""
+    """Return that the proof is up to a random prime, in words, if it is."""
     said = "" if result.proof is None else result.proof.reservation
     return [said] if said else []

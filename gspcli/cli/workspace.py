@@ -96,7 +96,7 @@ _MOST_SHOWN = 2_000_000
     default=100_000_000,
     show_default=True,
     metavar="N",
-    help="Judge at most about so many boxes.",
+    help="Judge at most about this many boxes.",
 )
 @click.option("--boxes", "listed", is_flag=True, help="Write the boxes instead of the volume.")
 @value_options

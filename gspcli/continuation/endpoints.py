@@ -73,7 +73,7 @@ class Endpoints:
 
     @property
     def doubts(self) -> tuple[int, bool]:
-        """The numbers of unknown ends, to compare attempts: smaller is better."""
+        """How many paths are lost, and whether counts contradict each other: less is better."""
         return self.account.lost, self.suspect
 
 

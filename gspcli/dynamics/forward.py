@@ -50,7 +50,7 @@ _RELATIVE, _ABSOLUTE = 1e-11, 1e-14
 _ROUNDING = 1e-12
 #: Calls of the equations of motion before a simulation is given up.
 _MOST_CALLS = 200_000
-#: After so many evaluations a motion ends that at this rate would need this many times the most.
+#: After this many evaluations a motion ends that at this rate would need this many times the most.
 _FIRST_CALLS, _HOPELESS = 3000, 10
 #: The columns of a pose in files.
 POSE = ("x", "y", "z", "qw", "qx", "qy", "qz")

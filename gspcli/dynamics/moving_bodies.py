@@ -231,9 +231,9 @@ class MovingBodies:
     def _driven_rates(
         self, omega: Array, driven: DriveMotion, end_rate: Array
     ) -> tuple[Array, Array, Array]:
-        """Return what the drives do to the legs, each (..., m, 3).
+        """Return velocities and accelerations of the ends of legs by the drives, each (..., m, 3).
 
-        How they move the platform's points against the base's, and the accelerations of both.
+        First the velocity of the platform's ends against the base's, then both accelerations.
 
         Parameters
         ----------
@@ -256,9 +256,9 @@ class MovingBodies:
         return way, end_rate + np.where(own, with_arms, 0.0), np.where(own, 0.0, -change)
 
     def _on_ends(self, motion: LegMotion, gravity: Array) -> tuple[Array, Array | float]:
-        """Return the forces at both ends of the legs that move them so, each (..., m, 3).
+        """Return the forces at both ends of the legs that this motion needs, each (..., m, 3).
 
-        Those at the base are zero where its points stand still: nothing else needs them.
+        Those at the base are zero if its points stand still: then no other number needs them.
         """
         legs, rate = self.model.legs, motion.turning_rate
         (mass, place), (rod, below) = legs.cylinder, legs.rod

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 _DEGREE = 5
-#: A spline of this degree has so many coefficients at least, and a row for each.
+#: A spline of this degree has this many coefficients at least, and a row for each.
 FEWEST_ROWS = _DEGREE + 1
 #: Rows of a block of the banded matrix; at least its width to either side.
 _BLOCK = 8

@@ -124,7 +124,7 @@ def _json(text: str, name: str) -> tuple[list[Any], Places]:
         location = Location(name, error.lineno, error.colno)
         raise SpecError([Mistake(location, "", f"not JSON: {error.msg}")]) from error
     except RecursionError:
-        message = f"{name}: found lists in lists without end, expected a list of poses"
+        message = f"{name}: found lists that are nested too deeply, expected a list of poses"
         raise SpecError([Mistake(None, "", message)]) from None
     is_object = isinstance(document, dict)
     entries = document.get("solutions") if is_object else document

@@ -30,8 +30,8 @@ class SystemFormat:
     write
         Its text for a system and a number of digits.
     irrational
-        What it has for irrational constants: the constants themselves, decimal fractions of so many
-        digits, or doubles.
+        What it has for irrational constants: the constants themselves, decimal fractions of this
+        many digits, or doubles.
     """
 
     write: Callable[[PolynomialSystem, int], str]

@@ -46,7 +46,7 @@ class PolynomialSystem:
     constants: Mapping[str, Number]
 
     def rounded(self, digits: int) -> PolynomialSystem:
-        """Return it with decimal fractions, of so many digits, for its irrational constants."""
+        """Return it with decimal fractions, of this many digits, for its irrational constants."""
         from gspcli.certification.numbers.balls import decimal_near
 
         values = {name: decimal_near(number, digits) for name, number in self.constants.items()}

@@ -25,7 +25,7 @@ _MASS = 1.0
 #: more inertia.
 LIGHT = 1e-3
 #: Without a stated stiffness drives give way to gravity by about this part of the size. They have
-#: at least and at most so many N/m for each kilogramme of the platform: stiffer ones are not
+#: at least and at most this many N/m for each kilogramme of the platform: stiffer ones are not
 #: stable with a step of 0.5 ms.
 _SAG, _SOFT, _STIFF = 2e-4, 1e4, 4e6
 #: The inertia of a joint alone, as a share of that of a link, so that none of two parallel joints

@@ -25,7 +25,7 @@ class Interval:
 
     @classmethod
     def around(cls, *values: float, ulps: int = 1) -> Interval:
-        """Return the hull of values whose rounding errors are at most so many last places."""
+        """Return the hull of values whose rounding errors are at most this many last places."""
         if not all(map(math.isfinite, values)):
             return cls(-math.inf, math.inf)
         low, high = min(values), max(values)

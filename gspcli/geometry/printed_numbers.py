@@ -11,7 +11,7 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-#: Digits of a condition number: so many at most, and one less for each power of ten of the number
+#: Digits of a condition number: this many at most, and one less for each power of ten of the number
 #: from where rounding errors, some 1e-15 of it times itself, come near the last digit.
 _DIGITS, _KNOWN = 6, 12
 #: Residuals below this part of the length of a platform are rounding errors of measuring it.

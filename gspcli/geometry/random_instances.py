@@ -193,7 +193,7 @@ def _vector(values: Array, digits: int) -> Vector:
 def _with_values_at(
     draft: Instance, R: Array, T: Array, digits: int, one_sided: bool
 ) -> Instance | None:
-    """Return the instance with its values at a pose, rounded; None if one is special."""
+    """Return the instance with its values at a pose, rounded; None if one of them is zero."""
     values = measured(Arrangement.of(draft), R, T)
     constraints = []
     for constraint, value in zip(draft.constraints, values, strict=True):

@@ -28,7 +28,9 @@ def value_rows(values: Any) -> Array:
     try:
         rows = np.asarray(values, dtype=np.float64)
     except (TypeError, ValueError) as error:
-        message = f"found what is no array of numbers ({error}), expected shape (batch, 6)"
+        message = (
+            f"found something that is no array of numbers ({error}), expected shape (batch, 6)"
+        )
         raise ArgumentError(message, "values") from None
     if rows.ndim != 2 or rows.shape[1] != CONSTRAINTS:
         message = f"found shape {rows.shape}, expected (batch, {CONSTRAINTS})"

@@ -28,7 +28,7 @@ _MAIN = (StrokeStyle.LEG, StrokeStyle.PERPENDICULAR, StrokeStyle.ARC)
 _PANEL = 3.4
 #: One drawing alone may be larger.
 _ALONE = 5.0
-#: A panel that needs so many times the room of the middle one has a scale of its own.
+#: A panel that needs this many times the room of the middle one has a scale of its own.
 _FAR = 2.5
 #: With more panels than this, names would be too small to read.
 _NAMED_PANELS = 6

@@ -5,7 +5,7 @@ a crank, or ``c = q, s = q^2`` of a slide, the equation of its rod is ``F_0 + c 
 quadrics F_k that do not depend on q. Let the places of the joint be all points of the plane of its
 circle, or of its line, and let the length of the rod be anything. Then the machine is a member of a
 linear family. A member in general position has as many solutions as any member can have that are
-isolated. So many proved poses at any q are all of them, and straight lines of coefficients from a
+isolated. This many proved poses at any q are all of them, and straight lines of coefficients from a
 member with complex numbers lead to all poses. The same holds for the family in which some motors
 stand where the file has them: it may have fewer solutions.
 """
@@ -46,7 +46,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-#: Random places of joints are multiples of this part, so many of them to either side.
+#: Random places of joints are multiples of this part, this many of them to either side.
 _PLACES = 2**40
 #: How far a joint is from where it is stated at random places: radians, or parts of the rod.
 _SPREAD = 0.5
@@ -287,7 +287,7 @@ class LiveMotors:
         return said, proof
 
     def _range(self, k: int, reading: float, user: int) -> list[float]:
-        """Return between which readings a slider goes."""
+        """Return the least and the largest reading of a slider."""
         drives = self.drives
         ends = np.array([drives.low[k], drives.high[k]])
         if np.isfinite(ends).all():

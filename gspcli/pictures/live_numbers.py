@@ -52,11 +52,11 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-#: So many sets of values within the ranges are what starts are made for.
+#: This many sets of values within the ranges are what starts are made for.
 _ROWS = 1024
 #: Where a value has no range: this part of it to either side, of angles of the way to their ends.
 _PART = 0.3
-#: So many where motors move joints.
+#: This many where motors move joints.
 _FEW = 16
 #: A page that says more needs a moment for each set of values.
 _QUICK = 100

@@ -100,7 +100,7 @@ def number(value: float, size: float = 1.0) -> str:
 
 
 def fixed(value: float, places: int) -> str:
-    """Return a number with so many decimals; zero has no sign."""
+    """Return a number with this many decimals; zero has no sign."""
     return f"{round(value, places) + 0.0:.{places}f}".replace("-", "−")
 
 

@@ -9,7 +9,7 @@ from gspcli.pictures.figures import ANGLE, PLATFORM, SOFT, styled, written_drawi
 if TYPE_CHECKING:
     from gspcli.calibration import Calibration
 
-#: Residuals are drawn to so many decimals: the last bits are not those of another run.
+#: Residuals are drawn to this many decimals: the last bits are not those of another run.
 _DECIMALS = 4
 
 

@@ -22,9 +22,9 @@ from gspcli.solver.result import SolveResult
 
 Array = NDArray[np.float64]
 
-#: So many of the motions that were found are shown; often they are parts of one.
+#: This many of the motions that were found are shown; often they are parts of one.
 _MOTIONS = 8
-#: Of more points only those farthest in so many directions are drawn: a hull of all takes too long.
+#: Of more points only those farthest in this many directions are drawn: a hull of all takes long.
 _CORNERS = 40
 
 

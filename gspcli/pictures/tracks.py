@@ -90,7 +90,7 @@ def read_tracks(text: str, name: str, form: PoseFormat) -> list[Poses]:
 
 
 def _thinned(count: int) -> list[int]:
-    """Return which of so many poses are shown; the last one is: there the motion ends."""
+    """Return which of this many poses are shown; the last one is: there the motion ends."""
     step = -(-count // MOST_POSES)
     return [*range(0, count - 1, step), count - 1]
 

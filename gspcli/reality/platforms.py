@@ -122,5 +122,5 @@ def reduced(platforms: Platforms) -> Platforms:
 
 
 def multiplier(kinds: tuple[Kind, ...]) -> int:
-    """Return the number of solutions on all sides for each solution of a reduced platform."""
+    """Return how many solutions, on all sides, belong to one solution of a reduced platform."""
     return int(2 ** sum(kind in (DPH, DHP, DLL) for kind in kinds))

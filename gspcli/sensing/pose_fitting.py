@@ -23,19 +23,19 @@ from gspcli.solver import SolveResult, solve
 
 Array = NDArray[np.float64]
 
-#: At most so many choices of six measurements are solved.
+#: At most this many choices of six measurements are solved.
 CHOICES = 8
 #: Levenberg and Marquardt's method: its steps; it ends where the sum of squares would fall by less
 #: than this part with little damping, or where steps are rounding.
 _STEPS, _SHORT, _SMALL, _FREE, _ROUNDING = 100, 10, 1e-14, 1e-6, 1e-13
-#: Newton's method then takes so many steps, with central differences of so much.
+#: Newton's method then takes this many steps, with central differences of this much.
 _POLISH, _APART = 4, 1e-4
 #: Sums of squares that differ by less than this part, or than this, are equal: rounding decides.
 _EQUAL = 1e-6
 #: Minima nearer than this, in radians and typical lengths, are one.
 _SAME = 1e-5
 #: Of the outlier the studentised residual is at least this part of the largest; the fit without it
-#: starts at so many poses. Others with which data are not a thousand times less likely are alike.
+#: starts at this many poses. Others with which data are not a thousand times less likely are alike.
 _SUSPECT, _NEAREST = 0.7, 12
 _LIKELIER = 2 * math.log(1000)
 #: Numbers of which the others leave less than this part open are not checked by them.

@@ -88,7 +88,7 @@ class PoseNumbers:
         return self._kept(np.concatenate((values, np.stack(columns, axis=-1)), axis=1), 1)
 
     def _signs(self, R: Array, T: Array) -> Array:
-        """Return by what signed distances to planes are multiplied, shape (..., 6)."""
+        """Return factors, 1 or -1, that make stated distances of signed ones, shape (..., 6)."""
         rows = self.instance.constraints
         signs = np.ones((*T.shape[:-1], len(rows)))
         for k, row in enumerate(rows):

@@ -131,7 +131,7 @@ class Ledger:
         return sum(len(side.found) for side in self.sides)
 
     def _counted(self, number: int) -> Proof | None:
-        """Return the proof that there are exactly so many poses; None if no count says so."""
+        """Return the proof that there are exactly this many poses; None if no count says so."""
         problem = self.problem
         if number == problem.expected:
             return Proof(CountKind.TYPE)

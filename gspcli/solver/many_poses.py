@@ -25,7 +25,7 @@ from gspcli.solver.starts.solved_starts import SolvedStarts
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 
-#: So many sets of values are solved together in closed form.
+#: This many sets of values are solved together in closed form.
 _TOGETHER = 64
 
 

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 Bits = NDArray[np.bool_]
 Index = NDArray[np.intp]
 
-#: If at most one path in so many is missing, paths have jumped rather than that the platform is
+#: If at most one path in this many is missing, paths have jumped rather than that the platform is
 #: special: other paths find what is missing. Else no count says whether more would be found.
 FEW = 50
 #: Poses that agree to this part of their largest entry are not located again.
@@ -298,7 +298,7 @@ class SidePoses:
         Parameters
         ----------
         most
-            No other solution is possible beside so many, if that is known.
+            No other solution is possible beside this many, if that is known.
         """
         found, paths = self.found, self.problem.expected // len(self.problem.choices)
         number = len(found)

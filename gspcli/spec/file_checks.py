@@ -151,7 +151,7 @@ class FileChecker:
         return instance
 
     def _enough(self, count: int) -> bool:
-        """Whether there can be so many constraints."""
+        """Whether there can be this many constraints."""
         return count > 0 if self.any_number else count == CONSTRAINTS
 
     def _further(

@@ -243,9 +243,9 @@ class Elimination:
     def define(
         self, value: Polynomial, letter: str = "z", divisor: Polynomial | None = None
     ) -> Polynomial:
-        """Let the next symbol of a series stand for a polynomial, or an exact quotient.
+        """Define the next symbol of a series as a polynomial, or as an exact quotient.
 
-        What has a symbol already keeps it.
+        A polynomial or quotient that already has a symbol keeps it.
         """
         divisor = divisor or self.ring.one
         for known in self.definitions:

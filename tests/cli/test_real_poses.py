@@ -12,7 +12,7 @@ from tools.special.platforms import platforms, recorded
 
 #: Of a platform whose lines touch there was a second mode that met no constraint.
 TOUCHING = "line-pairs/2/parallel-touching"
-#: So many platforms of the corpus, those with the fewest solutions, one for each group.
+#: This many platforms of the corpus, those with the fewest solutions, one for each group.
 COUNT = 12
 
 

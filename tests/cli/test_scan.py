@@ -123,7 +123,7 @@ def test_poses(gsp, tmp_path):
     ("arguments", "message"),
     [
         ((), "Missing option '--vary'"),
-        (("--vary", "x=0:1:2"), "coordinates of a pose vary with --pose"),
+        (("--vary", "x=0:1:2"), "give --pose, too, for the coordinates that stay"),
         (("--vary", "1=1:2:3", "--pivot", "0,0,1"), "say how --pose is read"),
         (("--pose", "0,0,0,1,0,0,0", "--vary", "1=1:2:3"), "NAME=LOW:HIGH:COUNT with x, y, z"),
         (("--pose", "0,0,0,0,0,0,0", "--vary", "x=1:2:3"), "a quaternion of length zero"),

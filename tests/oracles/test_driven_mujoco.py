@@ -75,7 +75,7 @@ def _ends_there(instance, R, T, seed):
 
 
 def _followed(drives, R, T, reached):
-    """Return the pose where the drives have moved by so much, by Newton's method in small steps.
+    """Return the pose where the drives have moved by this much, by Newton's method in small steps.
 
     None if it comes near to a singular pose.
     """

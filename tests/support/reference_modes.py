@@ -65,7 +65,7 @@ def reference_squares(tree_at, R, T, size, metre, stiffness, free=range(6)):
 
 
 def soft_springs(instance, R, T, count, hertz):
-    """Return a stiffness of the drives at which the lowest frequency is about so many hertz."""
+    """Return a stiffness of the drives at which the lowest frequency is about this many hertz."""
     low = natural_modes(instance, R, T, stiffness=1e6).squares[0, 0]
     return np.full(count, 1e6 * (2 * np.pi * hertz) ** 2 / abs(low))
 
@@ -112,5 +112,5 @@ def mass_off(tree, name, seed):
 
 
 def _free(count):
-    """Return which velocities so many drives leave: rods that share one keep it from turning."""
+    """Return which velocities these drives leave: rods that share one keep it from turning."""
     return range(6) if count == 6 else range(3, 6)

@@ -11,7 +11,7 @@ from bench.processes import Finished
 
 
 def compared(monkeypatch: pytest.MonkeyPatch, now: tuple[float, str], before: tuple[float, str]):
-    """Return the exit code where both versions take so long and say so much."""
+    """Return the exit code where both versions take this long and print this."""
 
     def run(command: list[str | Path], **_: object) -> Finished:
         seconds, said = before if "other" in str(command[0]) else now

@@ -1,4 +1,4 @@
-"""Records are the frozen dataclasses of the standard library, made without compiling so much."""
+"""Records are the frozen dataclasses of the standard library, made with less compiling."""
 
 from __future__ import annotations
 

@@ -20,7 +20,7 @@ from tools.recording import ROOT, add_workers, parser, save, with_section, worke
 PAGE = ROOT / "docs" / "real-samples.md"
 PICTURE = ROOT / "docs" / "images" / "real-6-6.svg"
 OTHERS = ROOT / "data" / "verification" / "platforms-6-6.csv"
-#: So many real poses or more are one cell of the test.
+#: This many real poses or more are one cell of the test.
 RARE = 14
 WANTED = Sample(parse_type("6PP"), 100_000)
 

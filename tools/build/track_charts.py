@@ -10,7 +10,7 @@ from gspcli.pictures.figures import SOFT, styled, written_drawing
 if TYPE_CHECKING:
     from gspcli.motion import Track
 
-#: So many digits of the largest coordinate are drawn: the last bits are not those of another run.
+#: This many digits of the largest coordinate are drawn: the last bits are not those of another run.
 _DIGITS = 6
 
 

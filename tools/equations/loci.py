@@ -38,7 +38,7 @@ class DerivedLocus:
 
 
 def _unit(name: str) -> Matrix:
-    """Return every unit vector but one, rationally in two parameters."""
+    """Return a unit vector as rational functions of two parameters: all vectors but one."""
     s, t = Symbol(name + "_s"), Symbol(name + "_t")
     return Matrix([2 * s, 2 * t, 1 - s**2 - t**2]) / (1 + s**2 + t**2)
 

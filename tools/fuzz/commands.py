@@ -61,7 +61,7 @@ TARGET = ROOT / "data" / "verification" / "hostile-runs.csv"
 MANIFEST = TARGET.with_suffix(".manifest.json")
 #: Runs of each kind in the record, and in a part of it.
 RECORDED = {"options": 2400, "inputs": 5500, "streams": 1900, "processes": 200}
-#: Of a part, for so many runs of the others there is one of the processes, which take long.
+#: Of a part, for this many runs of the others there is one of the processes, which take long.
 _A_PROCESS = 20
 DOCUMENTED = (0, 1, 2, 3, 4, INTERRUPTED)
 LIMIT_S = 1.0
@@ -272,7 +272,7 @@ def prepare() -> None:
 
 
 def attack_all(runs: dict[str, int], first: int) -> list[dict[str, object]]:
-    """Make so many runs of each kind; return a row for each."""
+    """Make this many runs of each kind; return a row for each."""
     prepare()
     rows: list[dict[str, object]] = []
     for kind, count in runs.items():
@@ -337,7 +337,7 @@ def _recorded() -> list[dict[str, str]]:
 
 
 def recorded_otherwise() -> list[str]:
-    """Return how the record is not one of so many runs of each kind, none of them wrong.
+    """Return how the record is not one of this many runs of each kind, none of them wrong.
 
     How often each exit code occurs depends on how much is done in a second.
     """

@@ -98,7 +98,7 @@ class Attack:
 
     @property
     def steps(self) -> int:
-        """How many rows are written for each."""
+        """How many steps are written for each row that is given."""
         return int(self.options[1]) if self.options else 1
 
     @cached_property

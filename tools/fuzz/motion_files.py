@@ -102,7 +102,7 @@ class Written:
 
 
 def attack(most: int, rng: np.random.Generator) -> Attack:
-    """Return a random one."""
+    """Return a random trajectory of a random platform of at most ``most`` poses."""
     types = [one for one in all_types() if generic_counts(one).two_sided <= most]
     instance, (R, T) = random_instance(types[rng.integers(len(types))], rng, one_sided=True)
     if rng.integers(2):

@@ -40,7 +40,7 @@ Tried = tuple[str, dict[str, str] | None, list[Answer], str]
 
 
 def platform(number: int, most: int) -> Platform:
-    """Return one of the platforms, of a type with at most so many poses."""
+    """Return one of the platforms, of a type with at most this many poses."""
     name = list(MAKERS)[number % len(MAKERS)]
     for attempt in numbers():
         try:

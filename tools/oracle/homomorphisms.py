@@ -37,7 +37,7 @@ from tools.oracle.number_parts import (
     without_squares,
 )
 
-#: Whole turns are divided into so many parts at most: primes with so many roots of unity are rare.
+#: Whole turns are divided into this many parts at most: primes with more roots of unity are rare.
 MOST_PARTS = 360_000
 #: Roots of unity beside any angle: they make the square roots of 2, 3 and 5.
 FEWEST_PARTS = 360

@@ -218,14 +218,14 @@ def _constraint(
 def parallel(
     constraint: Constraint, field: Homomorphism | Rationals, ring: Ring
 ) -> list[Polynomial]:
-    """Return what vanishes where the two lines of a DLL are parallel."""
+    """Return polynomials that vanish if the two lines of a DLL are parallel."""
     u = [constant(value) for value in field.vector(direction(constraint.platform))]
     v = [constant(value) for value in field.vector(direction(constraint.base))]
     return ring.cross([ring.dot(row, u) for row in R], v)
 
 
 def without_linear(ideal: Ideal) -> Ideal:
-    """Return the ideal in fewer variables: linear equations are solved for one each."""
+    """Return the ideal in fewer variables: each linear equation is solved for one variable."""
     ring = Ring(ideal.prime)
     linear = [p for p in ideal.polynomials if all(len(m) <= 1 for m in p)]
     rest = [p for p in ideal.polynomials if any(len(m) > 1 for m in p)]

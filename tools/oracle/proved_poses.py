@@ -60,7 +60,7 @@ class Disc:
 
     @property
     def real(self) -> bool:
-        """Whether the solution is proved real: it is the only one here, as its conjugate is."""
+        """Whether the solution is proved real: its conjugate is in the disc, too."""
         return all(x.imag == 0 for x in self.centre)
 
     def is_apart(self, other: Disc) -> bool:

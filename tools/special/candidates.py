@@ -37,7 +37,7 @@ from tools.special.platforms import Platform
 Complex = NDArray[np.complex128]
 #: What may be said: nothing is claimed of what is undecided.
 HONEST = ("right", "undecided")
-#: So many poses are changed; all are certified without a change, too.
+#: This many poses are changed; all are certified without a change, too.
 _CHANGED = 3
 #: By how much, as powers of ten of the platform's size.
 _POWERS = (-9, -7, -6, -5, -3)

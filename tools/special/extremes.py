@@ -149,7 +149,7 @@ def right_angles(draws: Draw) -> Iterator[Named]:
 
 
 def many_digits(draws: Draw) -> Iterator[Named]:
-    """Yield shared joints at sqrt(2), of which one leg has only so many digits."""
+    """Yield shared joints at sqrt(2), of which one leg has only this many digits."""
     root = Number("sqrt", (Number.of(2),))
     for pattern in ("6-3", "6-4"):
         on_base, on_platform = JOINTS[pattern]

@@ -15,7 +15,7 @@ _BESIDE = ("DPP DPP", "DPP DPH", "DPH DPH", "DPP ALL")
 
 
 def points_on_lines(draws: Draw) -> Iterator[Named]:
-    """Yield four points on a line but for so much, with distances from a line of the other body.
+    """Yield four points on a line up to this distance, at distances from a line of the other body.
 
     The fourth distance follows from three of them if the points are on a line: then there are
     infinitely many poses. Others are eps^-1 and eps^-2 lengths away.

@@ -78,7 +78,7 @@ class _Drawn:
 
 
 def machines(count: int, seed: int = SEED, rows: int = 64, *, begin: int = 0) -> Iterator[Machine]:
-    """Yield so many machines, the structures in turns.
+    """Yield this many machines, the structures in turns.
 
     Parameters
     ----------

@@ -25,7 +25,7 @@ from tools.special.answers import HONEST, Answer, judged
 from tools.special.parts import Draws
 from tools.special.platforms import Platform, recorded
 
-#: Relative changes of all values: 1e-1 to 1e-14. Each geometry has so many of them, at random.
+#: Relative changes of all values: 1e-1 to 1e-14. Each geometry has this many of them, at random.
 _SHAKES, _EACH = range(1, 15), 4
 #: The limit of work for the exact count of a row, as in `solve`.
 _LIMIT = 2.0

@@ -52,7 +52,7 @@ def _nearly(
 
 
 def guide_rods(draws: Draw) -> Iterator[Named]:
-    """Yield three lines of one body that are parallel but for so much."""
+    """Yield three lines of one body that are parallel up to this angle."""
     for kind in (DPL, DLP):
         for names in ("DPP DPP DPP", "DPH DPP DPP", "DPH DPP ALL"):
             text = _named(kind, names)
@@ -70,7 +70,7 @@ def guide_rods(draws: Draw) -> Iterator[Named]:
 
 
 def one_axis(draws: Draw) -> Iterator[Named]:
-    """Yield lines of one body that are the same line but for so much."""
+    """Yield lines of one body that are the same line up to this much."""
     for kind in (DPL, DLP):
         for names in ("DPP DPP DPP", "DPH DPP DPP", "DPP DPP DPP DPP"):
             text = _named(kind, names)
@@ -98,7 +98,7 @@ def _off(a: Vector, shake: Draws, power: int) -> Vector:
 
 
 def meeting_lines(draws: Draw) -> Iterator[Named]:
-    """Yield two pairs of lines that meet, where some lines are parallel but for so much.
+    """Yield two pairs of lines that meet, where some lines are parallel up to this angle.
 
     They are those of the platform, of the base, of both, or those of each pair at the pose.
     """

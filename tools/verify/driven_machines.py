@@ -25,7 +25,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Machine:
-    """A machine, its home pose, and what is near there: half a box of positions and of angles."""
+    """A machine, its home pose, and half the sizes of a box about it, of positions and angles."""
 
     name: str
     instance: Instance

@@ -44,7 +44,7 @@ Array = NDArray[np.float64]
 RECORD = ROOT / "data" / "verification" / "live.csv"
 PLATFORMS = ROOT / "data" / "platforms"
 PROGRAM = ROOT / "tools" / "view" / "states.mjs"
-#: A drag moves values by this part of their ranges; one state in so many is anywhere in them.
+#: A drag moves values by this part of their ranges; one state in this many is anywhere in them.
 STEP, JUMP = 0.02, 10
 #: Poses are the same if they differ by less, as R and as T by the size; so do measured values.
 SAME = 1e-10

@@ -38,7 +38,7 @@ WIDTH, HEIGHT = 640, 480
 #: Pixels are other ones if a colour differs by more, of 255. Strokes that the page computes differ
 #: from those that are written in it by rounding to the decimals of a scene.
 SHADE = 64
-#: So many of such pixels are the edges of the same parts. A right-angle mark without one of its
+#: This many of such pixels are the edges of the same parts. A right-angle mark without one of its
 #: strokes has more.
 FEW = 6
 #: A picture of nothing has no more shades.
@@ -150,7 +150,7 @@ def compared(
     browser, name, folder
         Where both pages are opened, of which platform, and where they are written.
     most
-        So many modes, spread over all of them; every mode if None.
+        This many modes, spread over all of them; every mode if None.
     keep
         Gets a name and both pictures of a mode whose pictures differ.
 

@@ -257,7 +257,7 @@ def main() -> int:
     back.add_argument("--types", type=int, default=200)
     back.add_argument("--seed", type=int, default=1)
     back.add_argument("--check", action="store_true", help="done in any case")
-    back.add_argument("--sample", type=int, metavar="N", help="only so many, drawn at random")
+    back.add_argument("--sample", type=int, metavar="N", help="only this many, drawn at random")
     given = commands.add_parser("files", help="read files, solve, close their loops")
     given.add_argument("paths", nargs="+", type=Path)
     given.add_argument("--meet", type=float, default=1e-4)

@@ -30,7 +30,7 @@ from gspcli.machines.recognition import Machine, recognized
 #: What numbers and words become.
 _NUMBERS = ("0", "-1", "nan", "inf", "1e308", "1e-320", "-0.0", "", "1 2", "0x1p3", "1e999", "٣")
 _WORDS = ("", "world", "base", "joint", "ball", "fixed", "&amp;", "<", "]]>", "\x00", "é", "../x")
-#: A constraint may change by so much more than over the motions by which it was found.
+#: A constraint may change by this much more than over the motions by which it was found.
 _SLACK, _LEAST = 30.0, 1e-7
 
 
@@ -183,12 +183,12 @@ def read(path: Path) -> str:
 
 
 def main() -> int:
-    """Run so many mutated files of all formats."""
+    """Run this many mutated files of all formats."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--count", type=int, default=2000)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--check", action="store_true", help="done in any case")
-    parser.add_argument("--sample", type=int, metavar="N", help="only so many")
+    parser.add_argument("--sample", type=int, metavar="N", help="only this many")
     options = parser.parse_args()
     options.count = options.sample or options.count
     warnings.simplefilter("ignore")

@@ -72,7 +72,7 @@ _NO_COLUMNS: Mapping[str, float] = MappingProxyType({})
 
 #: What a page shows, as data in one line of it.
 _SCENE = re.compile(r'(<script type="application/json" id="\w+">)(.*)</script>')
-#: So much of a line is named before a difference, and after it.
+#: This much of a line is named before a difference, and after it.
 _SHOWN = 60
 
 Outputs = dict[str, str]
@@ -104,7 +104,7 @@ def outputs(*, fast: bool) -> Iterator[tuple[str, str]]:
 
 
 def differences(first: str, second: str) -> list[str]:
-    """Return how two outputs of one command differ that should not."""
+    """Return the differences of two outputs of one command, which should be equal."""
     if first == second:
         return []
     for parsed in (_json, _csv):
@@ -185,7 +185,7 @@ def _largest(values: Iterable[object], size: float) -> float:
 
 
 def _of(machine: str, *, fast: bool) -> Outputs | None:
-    """Return what a machine prints; None if this processor is not able to be it."""
+    """Return what a machine prints; None if this processor lacks its instructions."""
     words = [sys.executable, "-m", "tools.verify.machines", "--print", *(["--fast"] * fast)]
     done = subprocess.run(
         words,

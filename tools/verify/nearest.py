@@ -39,9 +39,10 @@ MADE = ("t-top 60", "6-PUS", "paradex")
 MACHINES = (*LEGS, *MOTORS, *MADE)
 #: Standard deviations of the poses asked for, from home: radians, and parts of the typical length.
 TURN, SHIFT = 0.4, 0.2
-#: Of a machine with motors so many times fewer poses are asked for: a proof can take half a second.
+#: A machine with motors gets this many times fewer poses: a proof can take half a second.
 FEWER = 20
-#: So many poses of a machine are sought by SLSQP, from so many starts; an answer is at most so far.
+#: This many poses of a machine are sought by SLSQP, from this many starts. An answer is at most
+#: this many times as far.
 COMPARED, STARTS, FARTHER = 20, 10, 1.01
 
 

@@ -110,7 +110,7 @@ SOURCES = (
 _CHUNK, _HOMES = 50, 25
 #: Seconds that are given to the groups of a machine.
 _SECONDS = {"groups": 10.0, "groups with ranges": 30.0, "groups along poses": 30.0}
-#: From so many poses ways home are planned, and this part of them must be straight.
+#: From this many poses ways home are planned, and this part of them must be straight.
 _POSES, _STRAIGHT = 200, 0.95
 
 

@@ -68,7 +68,7 @@ BANNED = {
 }
 _BANNED = [(re.compile(rf"\b{word}\b", re.IGNORECASE), better) for word, better in BANNED.items()]
 
-#: A string of the package with so many words is a help or a message.
+#: A string of the package with this many words is a help or a message.
 FEWEST_WORDS = 4
 
 #: Sentences that stay: the beginning of a file's path, and a piece of the sentence.

@@ -40,7 +40,7 @@ _RANDOM, _FAMILIES = 20, 20
 #: Families with more solutions, for both sides of all planes, take too long; those with three
 #: angles are solved in closed form.
 _MOST = 160
-#: So many sets of values are examined together.
+#: This many sets of values are examined together.
 _CHUNK = 250
 #: Decimals of the coordinates of random geometries.
 _DIGITS = 4

@@ -57,9 +57,9 @@ _OTHERS, _ROWS, _FEW = 7, 64, 4
 _SLOW = 0.01
 #: Machines of which all strategies are used.
 _EVERYTHING = (1, 226)
-#: After a second solution of so many seconds only one other set of values is solved.
+#: After a second solution of this many seconds only one other set of values is solved.
 _LONG = 2.0
-#: No time is above so many times the median of its structure.
+#: No time is above this many times the median of its structure.
 FACTOR = 3.0
 
 
@@ -219,7 +219,7 @@ def main() -> int:
     """Run the command line."""
     given = parser(__doc__, sample=True)
     add_workers(given)
-    given.add_argument("--count", type=int, metavar="N", help="measure so many, record nothing")
+    given.add_argument("--count", type=int, metavar="N", help="measure this many, record nothing")
     given.add_argument("--seed", type=int, default=SEED, metavar="N", help="others than recorded")
     given.add_argument(
         "--begin", type=int, default=0, metavar="N", help="with --count: from this number on"

@@ -70,7 +70,7 @@ def _worth(entry: dict[str, Any]) -> tuple[int, float]:
 def certified(family: Family, entry: dict[str, Any]) -> Witness:
     """Return a witness from an entry of the journal; rounding may cost it real solutions.
 
-    Where not all could be certified it has so many fewer that their number can be right.
+    Where not all could be certified it has this many fewer that their number can be right.
     """
     kinds = kinds_of(family)
     numbers = Platforms(kinds, *(np.array(part, float) for part in entry["numbers"]))

@@ -4,7 +4,7 @@
     python -m tools.witnesses.counts check [--sample N]
 
 `build` goes along straight lines from random platforms to the best witness of each family with at
-most so many solutions (`data/witnesses/real.csv`, to be written first). It halves a line where a
+most this many solutions (`data/witnesses/real.csv`, to be written first). It halves a line where a
 number is missing between two platforms, and certifies the real poses of each platform that it
 records. It keeps those records that are right with the best witness of today. `check` certifies
 every recorded platform again; it exits with 1 if a number differs.
@@ -134,7 +134,7 @@ def _short(low: Fraction, high: Fraction) -> Fraction:
 
 
 def build(most: int, minutes: float) -> None:
-    """Hunt in the families with at most so many solutions, the small ones first."""
+    """Hunt in the families with at most this many solutions, the small ones first."""
     end = time.monotonic() + 60 * minutes
     places = {family: {place.real: place for place in row} for family, row in recorded()}
     families = [f for f in all_families() if not mirrored(f.distances) < f.distances]

@@ -22,7 +22,7 @@ _REACHES = tuple(3.0 * 2.5**k for k in range(12))
 
 
 def lifted(limit: Limit, known: Platforms, wanted: int) -> Solved | None:
-    """Return the best platform near a simpler one; the first with the number asked for."""
+    """Return the platform with the most real poses near a simpler one, or one with ``wanted``."""
     simple = quickly_solved(known)
     if simple is None:
         return None

@@ -28,7 +28,7 @@ _MOST_ANGLES = 3
 
 @dataclass(frozen=True)
 class Limit:
-    """A constraint of a type that may become a simpler one.
+    """A type, one of its constraints, and a simpler kind that this constraint may become.
 
     Attributes
     ----------

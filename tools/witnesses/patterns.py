@@ -23,7 +23,7 @@ from gspcli.reality.solved_platforms import Solved, solved
 from tools.witnesses.known import add_entry, numbers_of, read_journal
 from tools.witnesses.splittings import Splitting
 
-#: A platform with all solutions real is moved so far away from folds, in so many steps.
+#: A platform with all solutions real is moved so far away from folds, in this many steps.
 _COMFORT, _IMPROVEMENTS = 0.15, 300
 #: Values of planes and angles of the random platforms that are counted.
 _SPREAD = 0.3
@@ -139,7 +139,7 @@ class Remaining:
         return self.real, 0.0 if self.best is None else self.best.margin(self.pattern)
 
     def search(self, seconds: float) -> None:
-        """Look for a platform with all solutions real, until so much time was spent."""
+        """Look for a platform with all solutions real, until this much time was spent."""
         search = Search(self.pattern.kinds, steps=4000, special=self.pattern, solutions=self.count)
         begin, before = time.process_time(), self.seconds
         while self.worth < (self.count, _COMFORT) and self.seconds < seconds:
@@ -162,7 +162,7 @@ class Patterns:
         self._known: dict[Pattern, Remaining] = {}
 
     def rest(self, splitting: Splitting) -> Remaining:
-        """Return what is known of what remains of a splitting; its solutions are counted now."""
+        """Return what is known of the rest of a splitting; its solutions are counted now."""
         pattern, _ = canonical(splitting.pattern)
         if pattern not in self._known and str(pattern) in self._before:
             self._known[pattern] = Remaining.read(pattern, self._before[str(pattern)])
@@ -172,7 +172,7 @@ class Patterns:
         return self._known[pattern]
 
     def search(self, splitting: Splitting, seconds: float) -> Remaining:
-        """Return the same after so many seconds of search."""
+        """Return the same after this many seconds of search."""
         rest = self.rest(splitting)
         if rest.seconds < seconds:
             rest.search(seconds)

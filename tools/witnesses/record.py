@@ -57,7 +57,7 @@ class Record:
         *,
         said: Callable[[list[Item]], str],
     ) -> int:
-        """Certify so many of the platforms again, all if None; return the exit code.
+        """Certify this many of the platforms again, all if None; return the exit code.
 
         Parameters
         ----------

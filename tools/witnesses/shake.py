@@ -52,7 +52,7 @@ def shaken(platform: Platforms, tries: int, rng: np.random.Generator) -> Iterato
 
 
 def shake(known: Known, names: Sequence[str], tries: int, seed: int) -> None:
-    """Change the best platforms of some families so many times."""
+    """Change the best platforms of some families this many times."""
     for family in map(named_family, names):
         rng = np.random.default_rng(seed)
         for found in shaken(known.platform(kinds_of(family)), tries, rng):

@@ -165,7 +165,7 @@ def splittings(kinds: tuple[Kind, ...]) -> Iterator[Splitting]:
 def _carried(
     kinds: tuple[Kind, ...], turned: tuple[int, ...], lines: list[int]
 ) -> Iterator[tuple[tuple[int, tuple[int, ...]], ...]]:
-    """Yield the ways to find carriers for lines, at most one of a kind for each carrier."""
+    """Yield the ways to choose a carrier for each line; lines of one kind have different ones."""
     if not lines:
         yield ()
         return

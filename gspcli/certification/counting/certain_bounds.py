@@ -53,7 +53,7 @@ _FUNCTIONS = (study.NORM, *chain(*study.ROTATION), *study.TRANSLATION, *study.BO
 _VARIABLES = len(_FUNCTIONS) - 1 - 6
 #: Degrees D that are tried.
 _DEGREES = (3, 4)
-#: The prime of all ranks; the functionals are found modulo the next ones, so many at most.
+#: The prime of all ranks; the functionals are found modulo the next ones, this many at most.
 _PRIME = 2**61 - 1
 _MOST_PRIMES = 64
 #: A fraction is accepted that needs so many bits fewer than it could have. It is then verified.
@@ -218,7 +218,7 @@ class _Products:
             for m in multipliers
             for k, quadric in enumerate(quadrics)
         ]
-        #: So many rows, the first, have terms of the highest degree.
+        #: This many rows, the first, have terms of the highest degree.
         self.highest = len(monomials(degree - 2)) * len(quadrics)
 
     def bound(self, enough: int) -> int | None:
@@ -262,7 +262,7 @@ class _Products:
         return nmod_mat(len(rows), width, entries, prime)
 
     def _has_functionals(self, number: int) -> bool:
-        """Whether so many independent rational functionals vanish on the highest terms."""
+        """Whether this many independent rational functionals vanish on the highest terms."""
         found = self._functionals(number)
         return found is not None and self._vanish(found)
 

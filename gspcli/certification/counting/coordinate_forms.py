@@ -79,7 +79,7 @@ def products_of_coordinates(position: int, has_translation: bool) -> list[tuple[
 def solved_rows(
     rows: Sequence[Vector], pivots: Sequence[int], others: Sequence[int]
 ) -> list[list[arb]]:
-    """Return rows in which each pivot is one and alone in its column, at the other columns."""
+    """Return the other columns of the rows, reduced: each pivot is 1 and alone in its column."""
     if not rows:
         return []
     zero = arb(0)

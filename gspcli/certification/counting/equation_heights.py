@@ -85,8 +85,8 @@ def _constraint_height(row: ExactConstraint) -> float:
 def lines_height(row: ExactConstraint, bits: int) -> float:
     """Return a bound of the height of the conditions for parallel lines of a DLL.
 
-    That is of ``w . (R u x v)`` with random integers w of so many bits, times a coordinate or not,
-    and of the distance of parallel lines (`motion_equations.parallel_lines`).
+    That is of ``w . (R u x v)`` with random integers w of this many bits, times a coordinate or
+    not, and of the distance of parallel lines (`motion_equations.parallel_lines`).
     """
     vectors = sum(_vector_height(vector) for vector in (row.a, row.b, row.u, row.v))
     return 2 * vectors + height(row.value) + 2 * _CONSTANTS + bits

@@ -21,7 +21,7 @@ from gspcli.geometry.numbers import Number
 
 Ball = TypeVar("Ball", arb, acb)
 
-#: Numbers are written as sums of so many doubles, from those of at most so many bits.
+#: Numbers are written as sums of this many doubles, from those of at most this many bits.
 _DOUBLES, _LONG = 4, 1024
 
 
@@ -140,7 +140,7 @@ def sums_of_doubles(numbers: Sequence[acb]) -> NDArray[np.complex128]:
 
 
 def decimal_near(number: Number, digits: int) -> Fraction:
-    """Return a decimal fraction within one unit in so many significant digits of a number."""
+    """Return a decimal fraction within one unit in this many significant digits of a number."""
     with ctx.workprec(4 * digits + 64):
         value = ball(number)
     places = digits - 1 - math.floor(math.log10(abs(number.value))) if number.value else digits

@@ -46,16 +46,16 @@ LOCAL = 7
 #: How far the values where paths begin are from real ones, in typical lengths, their squares, or
 #: cosines.
 _SPREAD = (0.2, 0.4)
-#: Coordinates are chosen by solutions for so many sets of values, with this standard deviation as
+#: Coordinates are chosen by solutions for this many sets of values, with this standard deviation as
 #: a part of that; the shortest axis of those is at least such a part of the longest.
 _SAMPLES, _SAMPLED = 24, 0.25
 _THINNEST = 1e-3
-#: Coordinates are chosen at most so many times. If solutions are lost, values differ by this part
+#: Coordinates are chosen at most this many times. If solutions are lost, values differ by this part
 #: of what they did, down to the third. The last suffices.
 _STAGES, _NEARER, _LEAST_REACH, _NEARLY = 30, 0.25, 2.0**-60, 2.0**-4
-#: To poses not farther away than so many lengths paths lead.
+#: To poses not farther away than this many lengths paths lead.
 _PATHS = 1e3
-#: Poses not farther away than so many lengths are proved by the equations of near poses.
+#: Poses not farther away than this many lengths are proved by the equations of near poses.
 _NEAR = 1e5
 
 

@@ -105,7 +105,7 @@ class FinerNumbers:
         return found
 
 
-#: Of so many geometries the equations are kept: they take as long as all else of a solution.
+#: Of this many geometries the equations are kept: they take as long as all else of a solution.
 @lru_cache(maxsize=64)
 def _equations(
     joined: tuple[tuple[Kind, Geometry, Geometry], ...], scale: float, meeting: tuple[bool, ...]

@@ -28,7 +28,7 @@ _PRECISION = 1024
 _STEPS, _CONVERGED = 250, 2.0**-80
 #: A shorter step is one of quadratic convergence.
 _QUICK = 2.0**-400
-#: Convergence is linear if each of so many last steps is longer than this part of the one before.
+#: Convergence is linear if each of this many last steps is longer than this part of the one before.
 _STEADY, _SLOW = 8, 0.2
 #: A limit at a greater relative distance from the start is another solution.
 _REACH = 1e-3

@@ -200,7 +200,7 @@ def _array(values: ArrayLike, where: str, shape: tuple[int, ...]) -> NDArray[np.
     try:
         array = np.asarray(values, dtype=np.complex128)
     except (TypeError, ValueError) as error:
-        message = f"found what is no array of numbers ({error})"
+        message = f"found something that is no array of numbers ({error})"
         raise ArgumentError(message, where) from None
     if array.shape[array.ndim - len(shape) :] != shape or array.ndim > len(shape) + 1:
         expected = ", ".join(map(str, ("n", *shape)))

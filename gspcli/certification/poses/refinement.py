@@ -137,7 +137,7 @@ def _rows(entries: Sequence[str]) -> Rows:
 
 
 def _decimals(values: Sequence[arb], places: int) -> list[str] | None:
-    """Return numbers with so many places, or None if one of them is not accurate enough."""
+    """Return numbers with this many places, or None if one of them is not accurate enough."""
     texts = []
     for value in values:
         shifted = value * arb(10) ** places

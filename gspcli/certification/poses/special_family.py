@@ -39,9 +39,9 @@ _STEPS, _POINTS = 200, 16
 #: Newton's method near a simple solution: the largest ratio of two steps (of the first step to the
 #: point), the part of the bits with which it has converged, and the most steps.
 _SHRINKS, _ARRIVED, _NEWTON = 0.3, 0.25, 14
-#: The equations of so many places are kept, those of the first paths: most paths have the same.
+#: The equations of this many places are kept, those of the first paths: most paths have the same.
 _KEPT = 256
-#: Another coordinate becomes 1 if it is so many times as large as the one that is.
+#: Another coordinate becomes 1 if it is this many times as large as the one that is.
 _LARGE = 4.0
 #: No coordinate is smaller, but zero (`Number.of`).
 _LEAST = 1e-59

@@ -74,7 +74,7 @@ def vector_text(numbers: Sequence[float], digits: int = DIGITS, *, size: float =
 
 
 def column_texts(table: Table, column: Column, digits: int = DIGITS) -> list[str]:
-    """Return the cells of a column as text, numbers with so many digits."""
+    """Return the cells of a column as text, numbers with this many digits."""
     values = [_cleared(row.get(column.key), column.size) for row in table.rows]
     decimals = column.decimals
     if decimals is None and column.aligned:
@@ -85,12 +85,12 @@ def column_texts(table: Table, column: Column, digits: int = DIGITS) -> list[str
 
 
 def _cleared(value: object, size: float) -> object:
-    """Return zero for a rounding error of numbers of a size, everything else unchanged."""
+    """Return zero for a float that is a rounding error of numbers of a size, else the value."""
     return 0.0 if isinstance(value, float) and abs(value) < _ROUNDING * size else value
 
 
 def _fixed(value: object, decimals: int, digits: int) -> str:
-    """Return a number with so many decimals, any other value unchanged."""
+    """Return a number with this many decimals, any other value unchanged."""
     if isinstance(value, float) and math.isfinite(value):
         return _without_negative_zero(f"{value:.{decimals}f}")
     if isinstance(value, complex):
@@ -100,7 +100,7 @@ def _fixed(value: object, decimals: int, digits: int) -> str:
 
 
 def _decimals(values: Sequence[float], digits: int) -> int | None:
-    """Return how many decimals give the largest number so many digits; None if none does."""
+    """Return how many decimals give the largest number this many digits; None if none does."""
     # Rounded, so that 0.9999999999 and 1 have the same decimals.
     largest = float(f"{max(map(abs, values), default=0.0):.{digits}g}")
     if largest == 0:

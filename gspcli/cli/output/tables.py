@@ -37,7 +37,7 @@ class Column:
         Whether the numbers of the column have the same number of decimals, so that the points
         stand under each other.
     decimals
-        So many decimals for each number, for any width; None for what `aligned` says.
+        This many decimals for each number, for any width; None for what `aligned` says.
     size
         A typical number. In tables for people a number far below it is a rounding error, and shown
         as zero. Otherwise one processor would show zero and another one 1e-17.

@@ -240,7 +240,7 @@ def read_pose(text: str, form: PoseFormat, name: str = "--pose") -> PoseTable:
 
 
 def pose_columns(count: int) -> tuple[str, ...] | None:
-    """Return the columns of a pose with so many numbers, or None if there are none."""
+    """Return the columns of a pose with this many numbers, or None if there are none."""
     names = {7: QUATERNION, 6: ANGLES, 12: ENTRIES}.get(count)
     return None if names is None else (*POSITION, *names)
 
@@ -334,7 +334,9 @@ def _read_json(text: str, name: str, form: PoseFormat) -> PoseTable:
             [Mistake(Location(name, error.lineno, error.colno), "", message)]
         ) from error
     except RecursionError:
-        message = "found lists in lists without end, expected what gsp solve --format json prints"
+        message = (
+            "found lists that are nested too deeply, expected what gsp solve --format json prints"
+        )
         raise SpecError([Mistake(Location(name, 1, 1), "", message)]) from None
     entries = document.get("solutions") if isinstance(document, dict) else None
     if not isinstance(entries, list):

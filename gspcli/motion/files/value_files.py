@@ -69,7 +69,7 @@ class ValueTable:
         return self.poses[0][0], self.poses[1][0]
 
     def subdivided(self, steps: int) -> ValueTable:
-        """Return the trajectory with each step between rows divided into so many steps."""
+        """Return the trajectory with each step between rows divided into this many steps."""
         if steps == 1:
             return self
         rows = np.arange(len(self.t))

@@ -36,8 +36,8 @@ PROVED = 0.98
 SCALED, SCALED_EXACTLY = 2.0**-40, 2.0**-48
 #: How often a step may be halved where residuals are known in balls, and how often it is at first.
 _MOST_HALVINGS, _HALVINGS = 50, 24
-#: After so many tries in balls, of some milliseconds each, a branch is given up if there is no hope
-#: (`BranchSteps.hopeless`), and after the most in any case.
+#: After this many tries in balls, of some milliseconds each, a branch is given up if it is
+#: `BranchSteps.hopeless`, and after the most in any case.
 _TRIES, _MOST_TRIES = 50, 1000
 
 

@@ -190,7 +190,7 @@ def _are_orthogonal(directions: Array) -> bool:
 def _with_one_direction(
     a: Arrangement, kind: object, directions: Array
 ) -> Iterator[tuple[list[int], Array]]:
-    """Yield constraints that only know one direction of a body, with that direction."""
+    """Yield constraints with one common direction of a body, and that direction."""
     angles = set(a.angles.tolist())
     left = [k for k, one in enumerate(a.kinds) if one is kind or k in angles]
     while left:
@@ -201,7 +201,7 @@ def _with_one_direction(
 
 
 def _at_one_point(a: Arrangement, kinds: tuple[object, ...], points: Array) -> Iterator[list[int]]:
-    """Yield distances that are of one point of a body."""
+    """Yield the distances of each common point of a body."""
     left = [k for k, one in enumerate(a.kinds) if one in kinds]
     size = np.abs(points).max(initial=0.0)
     while left:

@@ -178,7 +178,7 @@ def _size(vectors: Array) -> Array:
 
 
 def _direction(vectors: Array, changes: Array) -> Array:
-    """Bound the change of the direction of vectors that change by so much, shape (n,)."""
+    """Bound the change of the direction of vectors that change by this much, shape (n,)."""
     left = _size(vectors) - changes / 2
     # |a / |a| - b / |b|| is at most 2 |a - b| / (|a| + |b|).
     return np.where(left > 0, changes / np.where(left > 0, left, 1.0), np.inf)

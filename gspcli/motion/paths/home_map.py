@@ -29,9 +29,9 @@ Array = NDArray[np.float64]
 _VALUE_STEPS, _POSE_STEPS = 48, 240
 #: It grows so often in any case, so that there are poses elsewhere than at the values of the file.
 _VALUE_LEAST, _POSE_LEAST = 3, 40
-#: So many poses are kept besides those on ways from other modes, and at most in all.
+#: This many poses are kept besides those on ways from other modes, and at most in all.
 _SPREAD, _MOST = 16, 80
-#: Straight ways of poses are kept in so many parts, which are nearly as straight for any angles.
+#: Straight ways of poses are kept in this many parts, which are nearly as straight for any angles.
 _PARTS = 3
 
 

@@ -184,7 +184,7 @@ def _join(
     joined: Connections,
     deadline: float,
 ) -> None:
-    """Join modes on maps, of values one for the modes of each side of planes."""
+    """Join modes on a map of poses, or on a map of values for each choice of sides of planes."""
     motors = planner.motors
     ranged = motors is None and bool(open_) and planner.values(ends[open_[0]]).ranged
     sides: dict[bytes, list[int]] = {}
@@ -208,7 +208,7 @@ def _join(
 
 
 def _grow(found: PoseMap | ValueMap, tried: list[tuple[int, int]], deadline: float) -> None:
-    """Let a map grow until all pairs are joined, or to a time."""
+    """Let a map grow until all pairs are joined, or until a deadline."""
     found.join_given()
     while time.monotonic() < deadline and not all(found.connections.joined(i, j) for i, j in tried):
         found.grow()

@@ -43,9 +43,9 @@ Array = NDArray[np.float64]
 
 #: What is among the limits of a pose if no straight way is proved to the nearest one found.
 FARTHER = "no way farther"
-#: Where no straight way is proved, the goal moves to the given pose in so many steps.
+#: Where no straight way is proved, the goal moves to the given pose in this many steps.
 _GOALS = 8
-#: Poses that are found are rounded to so many decimals of the quaternion and of the length.
+#: Poses that are found are rounded to this many decimals of the quaternion and of the length.
 _DECIMALS = 8
 #: Poses that are so near are the same, relative to the length.
 _SAME = 2e-7

@@ -51,7 +51,7 @@ Array = NDArray[np.float64]
 #: Yields None while it goes on, and at last a path with what proves it.
 Search = Iterator[tuple[Guide, Array] | None]
 
-#: So many other maps of poses are made, of so many random poses, if a path is long.
+#: This many other maps of poses are made, of this many random poses, if a path is long.
 _MAPS, _GROWN = 3, 300
 
 
@@ -411,7 +411,7 @@ def _first(searches: list[Search], more: Callable[[], bool]) -> tuple[Guide | No
 
 
 class _Countdown:
-    """Says so many times that there may be more: a search that does not depend on the time."""
+    """Says this many times that there may be more: a search that does not depend on the time."""
 
     def __init__(self, count: int) -> None:
         self._left = count

@@ -24,11 +24,11 @@ Array = NDArray[np.float64]
 
 #: Samples of a way, and how near to zero a determinant may come there, by its size at the ends.
 _SAMPLES, _NEAR = 48, 0.01
-#: Random poses are near a given one in so many cases of ten; how far, in lengths and radians.
+#: Random poses are near a given one in this many cases of ten; how far, in lengths and radians.
 _NEARBY, _FAR, _TURN = 5, 0.6, 0.8
 #: To how many near nodes, and to how many of each part, a new node is joined.
 _NEIGHBOURS, _PARTS, _OTHERS = 10, 24, 5
-#: A pose with a smaller determinant is climbed from first: so many small random steps.
+#: A pose with a smaller determinant is climbed from first: this many small random steps.
 _FLAT, _STEPS, _TRIES = 2e-3, 40, 24
 #: Numbers of random poses are rounded to this part of their size, so that files are short and do
 #: not depend on last digits.
@@ -113,7 +113,7 @@ class PoseMap:
         return found
 
     def refuse_on_way(self, first: int, last: int, proved: Callable[[Array], bool]) -> None:
-        """Take an edge of a way away that is not proved by what else is required."""
+        """Remove the first edge of a way that ``proved`` does not accept; if none, its first."""
         nodes = self.connections.way(first, last)
         assert nodes is not None
         for a, b in pairwise(nodes):

@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 
 #: How often the steps of a way of values are halved at most.
 _HALVINGS = 8
-#: A corner is left out if the way without it costs at most so many times as much.
+#: A corner is left out if the way without it costs at most this many times as much.
 _DEARER = 1.05
 _ROWS = np.array([PROVED_ROWS])
 

@@ -75,7 +75,7 @@ def pose_track(
     mode
         The number of the mode.
     steps
-        So many rows are made of each.
+        This many rows are made of each.
     """
     origin = np.zeros(3)
     motors = Motors.of(instance, R[0], T[0])

@@ -93,7 +93,7 @@ class Rates:
     def _on_intervals(
         self, place: Array, velocity: Array, acceleration: Array, duration: float, number: int
     ) -> tuple[Array, Array]:
-        """Return the same from so many intervals."""
+        """Return the same from this many intervals."""
         width = duration / number
         times = (np.arange(number) + 0.5)[:, None] * width
         middle = place + velocity * times + acceleration * times**2 / 2

@@ -32,7 +32,7 @@ class Sheet(Enum):
     ENDS = "ends"
     """It could not be followed to some values of the box: it ends there, or nearly so."""
     OPEN = "open"
-    """Neither was found with so many boxes."""
+    """Neither was found with this many boxes."""
 
 
 def whole_sheet(ways: ValueWays, values: Array, point: Array) -> Sheet:

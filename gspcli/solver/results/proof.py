@@ -55,7 +55,7 @@ class Proof:
 
     @classmethod
     def by_geometry(cls, count: ExactCount | None, number: int) -> Proof | None:
-        """Return the proof that so many poses, at least one, are all that the geometry has."""
+        """Return the proof that this many poses, at least one, are all that the geometry has."""
         # Two pairs of lines parallel at once spoil the argument (docs/count-proofs.md).
         if count is None or not number or count.solutions != number or not count.has_lone_lines:
             return None
@@ -73,7 +73,7 @@ class Proof:
 
     @property
     def reservation(self) -> str:
-        """What the proof rests on besides, in words; nothing if it is certain."""
+        """That the proof is up to a random prime, in words; empty if it is certain."""
         if not self.error:
             return ""
         bound = 10.0 ** math.ceil(math.log10(self.error))

@@ -32,9 +32,9 @@ from gspcli.solver.special.real_statements import isolated_real_poses
 
 #: Samples of a motion meet the constraints up to this part of their size.
 _ON_MOTION = 1e-8
-#: So many poses are tried as places near real ones.
+#: This many poses are tried as places near real ones.
 _TRIED = 16
-#: A pose is certified with legs between so many sets of random points beside the constraints.
+#: A pose is certified with legs between this many sets of random points beside the constraints.
 _TRIES = 4
 
 

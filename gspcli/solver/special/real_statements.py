@@ -23,7 +23,7 @@ from gspcli.geometry.real_statements import real_statement
 from gspcli.geometry.residuals import relative_residuals
 from gspcli.solver.results.pose_set import PoseSet
 
-#: So many choices of six constraints are counted, of types with at most so many poses.
+#: This many choices of six constraints are counted, of types with at most this many poses.
 _CHOICES, _MOST_POSES = 40, 640
 #: Decimals to which a pose is compared with the constraints that it was not made from.
 _DIGITS = 50

@@ -28,10 +28,10 @@ if TYPE_CHECKING:
 
 _Entry = TypeVar("_Entry")
 
-#: So many of each sort are kept, those used last.
+#: This many of each sort are kept, those used last.
 _KEPT = 64
-#: After so many platforms of a sort one is solved from which paths to others are short. It takes as
-#: long as three to ten of them save (`make bench`, rows "6-6, one", "planar 6-6").
+#: After this many platforms of a sort one is solved from which paths to others are short. It takes
+#: as long as three to ten of them save (`make bench`, rows "6-6, one", "planar 6-6").
 OFTEN = 5
 _UNITS = Units("unit", AngleUnit.DEGREE)
 

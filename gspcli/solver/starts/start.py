@@ -54,7 +54,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Index = NDArray[np.int32]
 
-#: So many paths are followed together, for the memory of their ends.
+#: This many paths are followed together, for the memory of their ends.
 _BATCH_PATHS = 16_384
 #: The spread of the parameters of a start is their standard deviation, but no less than this (in
 #: typical lengths, their squares, or cosines).
@@ -67,7 +67,7 @@ _GRID = 0.125
 #: parameters asked for makes paths about as short.
 _SPREAD = (0.7, 1.3)
 #: Sets of values for each member: one costs about as much as ten sets cost less by it, and more
-#: than so many do not help.
+#: than this many do not help.
 _SETS_A_MEMBER = 32
 _LEAST, _MOST = 4, 128
 #: The imaginary parts of a member as parts of those of the start.

@@ -1,4 +1,4 @@
-"""Ways to the poses of a platform, a file each.
+"""Ways to the poses of a platform, those of one sort in a file.
 
 The first strategies (`gspcli.solver.all_poses.first_strategies`) are functions of a platform. They
 yield ends of paths, or solutions in closed form, for all choices of sides, and know neither proofs

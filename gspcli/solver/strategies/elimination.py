@@ -14,8 +14,9 @@ from gspcli.solver.side_poses import SidePoses
 #: floating point have poses. The largest number of paths for which that is done (some seconds).
 _BITS = (704, 1408, 2048)
 _MOST = 200
-#: The first elimination takes as long as so many paths with 64 digits, or as this part of the cube
-#: of all paths. Where there are no more paths than that, it takes half as long as with 32 digits.
+#: The first elimination takes as long as this many paths with 64 digits, or as this part of the
+#: cube of all paths. Where there are no more paths than that, it takes half as long as with 32
+#: digits.
 FEW_PATHS, _OF_CUBE = 8, 1 / 8000
 
 

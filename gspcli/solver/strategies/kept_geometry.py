@@ -43,9 +43,9 @@ _SQUARE = 0.5
 _SPREAD = 0.5
 #: Bodies with a smaller part of their largest extent across a plane are nearly planar.
 _FLAT = 1e-3
-#: To poses not farther away than so many lengths paths lead, and 64 digits round them.
+#: To poses not farther away than this many lengths paths lead, and 64 digits round them.
 _REACHED = 200
-#: So many random starts are tried near far poses: from some, paths are lost or jump.
+#: This many random starts are tried near far poses: from some, paths are lost or jump.
 _ATTEMPTS = 6
 
 

@@ -15,7 +15,7 @@ from gspcli.solver.side_poses import SidePoses
 
 #: Bits in which poses are sought, half of those of the first elimination.
 _BITS = 352
-#: After so many poses of which none is near for these values the others are not tried.
+#: After this many poses of which none is near for these values the others are not tried.
 _FAILURES = 2
 
 

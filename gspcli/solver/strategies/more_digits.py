@@ -10,7 +10,7 @@ from gspcli.continuation.tracked_paths import joined_ends
 from gspcli.solver.side_poses import FEW, Index, SidePoses
 from gspcli.solver.strategies.elimination import can_eliminate, is_eliminable, is_small
 
-#: A platform that is special up to less than one in so many has poses where N is below 1e-32.
+#: A platform that is special up to less than one in this many has poses where N is below 1e-32.
 _DECIMALS = 10**9
 #: Steps with 64 digits after which the paths that lead to poses have arrived: where three lines are
 #: parallel up to 1e-5, one path in three takes more than `DEEPEST` has.

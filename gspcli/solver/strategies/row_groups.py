@@ -26,7 +26,7 @@ _LEAST = 4
 #: Sets of values whose largest distances are within such a factor have one start. Sets up to the
 #: extent of the geometry are alike.
 _FACTOR = 8
-#: From so many times the extent on the rotations are so far from real ones, as the square of
+#: From this many times the extent on the rotations are so far from real ones, as the square of
 #: that, that doubles prove hardly any pose: each set is solved alone, with more digits.
 _FAR = 512
 

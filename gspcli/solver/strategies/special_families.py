@@ -26,7 +26,7 @@ _APART = (1e-3, -3e-3)
 #: The same for the size of a body: below, some poses are not found with 32 digits.
 _LARGER = (0.02, -0.03)
 #: Paths with 64 digits are quicker than from directions that differ by more, unless three are
-#: nearly parallel, or so many paths have led to no pose for each that is missing.
+#: nearly parallel, or this many paths have led to no pose for each that is missing.
 _LEAST, _MANY = 1e-13, 4
 
 

@@ -129,7 +129,7 @@ def test_exact_measurements_give_the_machine(name):
 
 
 def test_intervals_of_a_6_pus_contain_the_truth():
-    """Chi-squared has its mean, and intervals of 95 % contain nearly so many true numbers."""
+    """Chi-squared has its mean, and intervals of 95 % contain nearly this many true numbers."""
     rng = np.random.default_rng(3)
     instance, truth = wrong_machine("6-PUS", rng)
     readings, legs, R, T = reached(instance, truth, rng, 30)

@@ -7,7 +7,6 @@ import pytest
 from measured_machines import HOME, SIGMA, noisy, nominal, reachable, real, seen_of
 
 import gspcli
-from gspcli.calibration import candidate_poses
 from gspcli.calibration.candidate_poses import CRANK_TURN, Places, candidates
 from gspcli.calibration.exact_ranks import exact_rank
 from gspcli.calibration.options import PRIOR, noise_of
@@ -64,7 +63,7 @@ def test_what_will_be_known_is_predicted(plan):
     assert (plan.sigma < plan.before).all()
 
 
-def test_planned_poses_are_within_reach(plan, monkeypatch):
+def test_planned_poses_are_within_reach(plan):
     assert plan.limited
     assert within_limits(nominal(), values_at(nominal(), plan.R, plan.T), plan.R, plan.T).all()
     assert "12 of 3000 poses within ranges and cones" in plan.sentences[0]
@@ -74,8 +73,7 @@ def test_planned_poses_are_within_reach(plan, monkeypatch):
     R, T = home.R[home.real].real, home.T[home.real].real
     k = int(np.flatnonzero(within_limits(machine, values_at(machine, R, T), R, T))[0])
     there = R[k], T[k]
-    monkeypatch.setattr(candidate_poses, "_CANDIDATES", 200)
-    R, T, cranks = candidates(machine, Model.of(machine), *there, 0)
+    R, T, cranks = candidates(machine, Model.of(machine), *there, 0, count=200)
     assert (len(R), cranks) == (200, None)
     assert within_limits(machine, values_at(machine, R, T), R, T).all()
 
@@ -95,7 +93,7 @@ def test_home_must_be_within_reach():
         planned(nominal(), 3, np.eye(3), 3 * HOME, sigma=SIGMA)
 
 
-def test_cranks_drive_a_rotary_machine(monkeypatch):
+def test_cranks_drive_a_rotary_machine():
     """What is planned are angles of cranks, and their legs keep their lengths there."""
     machine = gspcli.load(data_path("platforms", "reachy-mini-head.yaml"))
     home = home_of(gspcli.solve(machine))
@@ -112,8 +110,7 @@ def test_cranks_drive_a_rotary_machine(monkeypatch):
     # Better known than by as many poses that come as they do.
     model = Model.of(machine, drives=True)
     noise = noise_of(model, sigma)
-    monkeypatch.setattr(candidate_poses, "_CANDIDATES", 400)
-    places = candidates(machine, model, *home, 1)
+    places = candidates(machine, model, *home, 1, count=400)
     slopes, errors = told_by(model, places, None, noise), pose_errors(model, places)
     before = np.eye(int(model.free.sum())) / (PRIOR * model.length) ** 2
     best = exchanged(slopes, d_optimal(slopes, 16, before), before, errors)

@@ -171,7 +171,7 @@ def test_more_digits_are_those_that_doubles_cut_off(homotopy, options, bound):
     results = track(start, targets, points[:8], options=options)
     assert results.low.shape == (3, 8, 3, 8)
     assert track(start, targets, points[:8]).low.shape == (0, 8, 3, 8)
-    # On the Study quadric to so many digits, in exact arithmetic.
+    # On the Study quadric to this many digits, in exact arithmetic.
     real, imaginary = (
         [sum(map(Fraction, parts)) for parts in zip(*rows, strict=True)]
         for rows in _rows(results.points[0, 0], *results.low[0, 0])

@@ -28,7 +28,7 @@ from gspcli.solver.special import by_count
 ORIGIN, X, Y, Z = (vector(*v) for v in ((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)))
 P = Point(ORIGIN)
 EXAMPLES = Path(__file__).parents[3] / "data" / "examples"
-#: More decimals of a degree than there are primes with so many roots of unity.
+#: More decimals of a degree than there are primes with this many roots of unity.
 MANY_DIGITS = "0.1234567890123"
 
 

@@ -72,7 +72,9 @@ def test_wrong_shapes_are_refused():
     instance = instance_of("DPL DPL DLP ALL ALH AHH")
     with pytest.raises(ArgumentError, match=r"^values: found shape \(6,\), expected \(batch, 6\)"):
         solve_values(instance, np.ones(6))
-    with pytest.raises(ArgumentError, match=r"^values: found what is no array of numbers"):
+    with pytest.raises(
+        ArgumentError, match=r"^values: found something that is no array of numbers"
+    ):
         solve_values(instance, [["a"] * 6])
 
 

@@ -48,7 +48,7 @@ HAL = Path(__file__).parent / "linuxcnc_hal.c"
 HEADERS = Path("/usr/include/linuxcnc")
 #: Rows of a walk, and the size of a step.
 ROWS, STEP = 100, 0.01
-#: Worlds come back to so many radians or parts of the size.
+#: Worlds come back to this many radians or parts of the size.
 SAME = 1e-9
 #: How often steps are halved until joints stay in their ranges.
 SHORTER = 40
@@ -198,7 +198,7 @@ def examine(each: int, name: str) -> Row:
 def main() -> int:
     """Write the record, or check it."""
     line = options(__doc__)
-    line.add_argument("--each", type=int, default=70_000, help="about so many for each machine")
+    line.add_argument("--each", type=int, default=70_000, help="about this many for each machine")
     arguments = line.parse_args()
     if not shutil.which("halcompile"):
         print("nothing verified: no halcompile (Debian: linuxcnc-uspace-dev)", file=sys.stderr)

@@ -229,7 +229,7 @@ def _parts(
     error: Array,
     slant: Array,
 ) -> tuple[float, float]:
-    """Return the largest parts of both bounds at one frame."""
+    """Return the largest errors at one frame, each as a part of its bound: of F and of J."""
     true_F, true_J = exact.at(frame, values)
     off = [abs(float((arb(float(a)) - b).abs_upper())) for a, b in zip(F, true_F, strict=True)]
     slanted = [

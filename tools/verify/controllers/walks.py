@@ -408,7 +408,7 @@ def main() -> int:
     """Write the record, or check it."""
     line = options(__doc__)
     line.add_argument("names", nargs="*", metavar="NAME", help="only these platforms")
-    line.add_argument("--steps", type=int, default=400_000, help="about so many for each platform")
+    line.add_argument("--steps", type=int, default=400_000, help="about this many a platform")
     arguments = line.parse_args()
     everything = names()
     unknown = sorted({*arguments.names} - {*everything})

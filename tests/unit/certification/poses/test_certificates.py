@@ -254,7 +254,7 @@ def test_no_candidates_are_no_solutions(known: Callable) -> None:
         (np.ones((2, 3)), np.ones((2, 3)), "R: found shape (2, 3), expected (n, 3, 3)"),
         (np.ones((2, 3, 3)), np.ones((2, 4)), "T: found shape (2, 4), expected (n, 3)"),
         (np.ones((2, 3, 3)), np.ones((3, 3)), "T: found 3 translations for 2 rotations"),
-        ([["a"]], np.ones(3), "R: found what is no array of numbers"),
+        ([["a"]], np.ones(3), "R: found something that is no array of numbers"),
     ],
 )
 def test_wrong_arguments_are_named(R, T, message):
