@@ -109,8 +109,8 @@ def main() -> int:
     truth = model.moved(np.where(model.free, MADE * model.sizes * rng.normal(size=60), 0.0))
     R, T = _home(machine)
     plan = planned(machine, 16, R, T, sigma=SIGMA)
-    more = candidates(machine, Model.of(machine), R, T, SEED, count=8)
-    poses = np.concatenate((plan.R, more[0])), np.concatenate((plan.T, more[1]))
+    more = candidates(machine, Model.of(machine), R, T, SEED)
+    poses = np.concatenate((plan.R, more.R[:8])), np.concatenate((plan.T, more.T[:8]))
     level = T + rng.uniform(-1, 1, (20, 3)) * [10, 10, 8]
     files: dict[Path, str | bytes] = {
         FOLDER / "measured.csv": _measured(truth, *poses, rng),
