@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from fractions import Fraction
 
 import numpy as np
 from numpy.typing import NDArray
@@ -120,7 +121,14 @@ def _judged_row(instance: Instance, row: Row, poses: PoseSet, together: Answer) 
     if row.is_wrong or poses.problem:
         is_told = bool(poses.problem) == row.is_wrong and not len(poses.R)
         return ("right" if is_told else "failed"), f"problem: {poses.problem}"
-    given = instance.with_values({k: Number.of(x) for k, x in enumerate(row.values.tolist())})
+    # Sets of values are these doubles: a shortest decimal may be on the other side of a fold.
+    # Angles are decimals: there is no exact count for an angle with fifty of them.
+    is_distance = [constraint.kind.is_distance for constraint in instance.constraints]
+    numbers = [
+        Number.of(Fraction(x) if exact else x)
+        for x, exact in zip(row.values.tolist(), is_distance, strict=True)
+    ]
+    given = instance.with_values(dict(enumerate(numbers)))
     single = solve(given, seed=SEED)
     answers = [_answer(poses), _answer(single.poses), together]
     exact = row.exact or _counted(given)
