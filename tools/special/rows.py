@@ -19,6 +19,7 @@ from gspcli.certification.counting import exact_count
 from gspcli.defaults import SEED
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.numbers import Number
+from gspcli.geometry.value_rows import problems_of
 from gspcli.solver import solve, solve_batch, solve_values
 from gspcli.solver.results.pose_batch import PoseBatch
 from gspcli.solver.results.pose_set import PoseSet
@@ -45,7 +46,7 @@ class Row:
     exact
         The row of the table for exactly these numbers, if there is one.
     is_wrong
-        Whether the values are invalid: NaN, infinite or a negative distance.
+        Whether the values are invalid: NaN, infinite, a negative distance or too large an angle.
     """
 
     name: str
@@ -69,11 +70,15 @@ def rows_of(platforms: list[Platform]) -> list[Row]:
     draws = Draws(f"{SEED} rows {platforms[0].id}")
     known = recorded()
     found = [_own(platform, known) for platform in platforms]
+    instance = platforms[0].instance
     chosen = draws.sample(found, min(len(found), _EACH))
     for power, row in zip(draws.sample(_SHAKES, _EACH), chosen * _EACH, strict=False):
         shake = np.array([float(draws.decimal(1, 17)) for _ in range(6)])
-        found.append(Row(f"{row.name} shaken by 1e-{power}", row.values * (1 + shake / 10**power)))
-    instance, own = platforms[0].instance, chosen[0]
+        values = row.values * (1 + shake / 10**power)
+        # An angle may be above 180 degrees then.
+        is_wrong = bool(problems_of(instance, values[None]))
+        found.append(Row(f"{row.name} shaken by 1e-{power}", values, is_wrong=is_wrong))
+    own = chosen[0]
     distances = [k for k, row in enumerate(instance.constraints) if row.kind.is_distance]
     touching, wrong = own.values.copy(), own.values.copy()
     touching[draws.choice(distances)] = 0.0
