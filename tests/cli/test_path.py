@@ -12,21 +12,21 @@ NEAR = "0,0,0.001,1,0,0,0"
 
 def test_a_path_is_a_file_that_track_proves_again(gsp, tmp_path):
     file = str(tmp_path / "path.csv")
-    run = gsp("path", "@workspace-study", "--from", "home", "--to", "3", "-o", file)
+    run = gsp("path", "@rubin-m2", "--from", "home", "--to", NEAR, "-o", file)
     assert run.code == 0
     first, second = run.err.splitlines()[:2]
-    assert first.startswith("from mode 16 to mode 3: proved, ")
+    assert first.startswith("from mode 2 to the goal: proved, ")
     assert "(the values change linearly)" in first
     assert second.startswith("length ")
     rows = (tmp_path / "path.csv").read_text(encoding="utf-8").splitlines()
     assert rows[0] == "t,1,2,3,4,5,6,x,y,z,qw,qx,qy,qz,condition,clearance"
     required = "range, condition<=100"
-    again = gsp("track", "@workspace-study", file, "--require", required, "--format", "json")
+    again = gsp("track", "@rubin-m2", file, "--require", required, "--format", "json")
     assert again.code == 0
     document = json.loads(again.out)
     assert document["certified"] is True
     assert document["departures"] == []
-    assert document["modes"] == [16]
+    assert document["modes"] == [2]
 
 
 def test_paths_along_poses_are_proved_again(gsp, tmp_path):

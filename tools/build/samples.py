@@ -92,10 +92,10 @@ SAMPLES: dict[str, tuple[str, ...]] = {
     "path": (
         "@rubin-m2 --from home --to 2",
         "@rubin-m2 --from home --to 0,0,0.001,1,0,0,0",
-        "@surfaces-sss --from 1 --to 5",
+        "@rubin-m2 --from home --to 0,0,0.001,1,0,0,0 --along poses",
         "THICK --from home --to 10,0,420,1,0,0,0 --leg-gap 5",
         "@workspace-study --from home --to 3 --speed 50 --acceleration 200 --round",
-        "@surfaces-sss --from 1 --to 5 --speed motors=1,platform=1,turn=9 "
+        "@rubin-m2 --from home --to 0,0,0.001,1,0,0,0 --speed motors=1,platform=1,turn=9 "
         "--acceleration motors=1,platform=1,turn=9",
         "@three-prs --from home --to 0,0,4.5,1,0,0,0 --speed 1 --acceleration 1",
         "@surfaces-sss --all",

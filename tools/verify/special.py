@@ -31,6 +31,9 @@ from pathlib import Path
 from typing import Any
 
 from gspcli.cli.progress_bars import progress
+from gspcli.defaults import SEED
+from gspcli.solver import solve
+from gspcli.solver.results.proof import Grade
 from tools.oracle.msolve import Count
 from tools.recording import (
     CONFIRMED,
@@ -47,12 +50,12 @@ from tools.recording import (
 from tools.special import answers as single
 from tools.special import candidates, rows
 from tools.special.answers import Judgement, answers
-from tools.special.certain import BECOMES, grade
 from tools.special.counts import counted, real_poses
 from tools.special.platforms import TABLE, Platform, platforms, recorded
 
 FILES = ROOT / "build" / "special-platforms"
 PAGE = ROOT / "docs" / "special-platforms.md"
+BECOMES = "made certain"
 
 
 def count(chosen: list[Platform], every: list[Platform], arguments: argparse.Namespace) -> int:
@@ -187,11 +190,21 @@ def _record(judgement: Judgement, seeds: int, known: Mapping[str, Mapping[str, s
     PAGE.write_text(text, encoding="utf-8")
 
 
+def _grade(platform: Platform) -> tuple[str, str]:
+    """Return the id of a platform, and what its proof is, at first and with all effort."""
+    usual = solve(platform.instance, seed=SEED).proof
+    if usual is None or usual.grade is Grade.CERTAIN:
+        return platform.id, "certain" if usual else "none"
+    proof = solve(platform.instance, seed=SEED, prove=True).proof
+    is_certain = proof is not None and proof.grade is Grade.CERTAIN
+    return platform.id, BECOMES if is_certain else "up to a random prime"
+
+
 def certain(chosen: list[Platform], arguments: argparse.Namespace) -> int:
     """Tell which proofs are certain, which become so, and which stay; return the exit code."""
     tally: Counter[str] = Counter()
     some = sampled(chosen, arguments.sample)
-    work = workers_of(arguments).as_completed(grade, some)
+    work = workers_of(arguments).as_completed(_grade, some)
     for name, word in progress(work, total=len(some), label="proving"):
         tally[word] += 1
         if word == BECOMES:
