@@ -164,6 +164,7 @@ def ends_from_start(
     options: TrackerOptions = FROM_START,
     *,
     lower_rank: bool = False,
+    keep_lost: bool = False,
 ) -> ComplexArray | None:
     """Return the ends of the paths from a start system to six quadrics.
 
@@ -180,12 +181,15 @@ def ends_from_start(
     lower_rank
         Whether the quadrics may determine fewer quantities than those of the start, or determine
         some badly.
+    keep_lost
+        Whether a lost path ends where Newton's method leads from its last point: near a double
+        solution, perhaps.
 
     Returns
     -------
     ComplexArray or None
-        Study points of any norm, shape (paths, 8); NaN for a lost path. None if special quadrics
-        cannot be solved for the quantities of the start.
+        Study points of any norm, shape (paths, 8); NaN for a lost path that is not kept. None if
+        special quadrics cannot be solved for the quantities of the start.
     """
     found = _kernel.track_reduced(
         start.system.coefficients.g,
@@ -201,7 +205,8 @@ def ends_from_start(
     if found is None:
         return None
     study, status = found
-    study[status != PathStatus.REGULAR] = np.nan
+    if not keep_lost:
+        study[status != PathStatus.REGULAR] = np.nan
     return np.asarray(study)
 
 

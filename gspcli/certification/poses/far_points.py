@@ -9,7 +9,8 @@ the exact numbers gives the others, ten at each step: the Jacobian matrix in dou
 
 A point at a distance d from a line has heights over two complex planes through it. Times N these
 are linear in w: G and H. The equation ``G H = d^2 N^2`` is taken as ``G = d^2 N^2 / H``. Where N
-nearly vanishes, so does one of them, and often both as the root of N.
+nearly vanishes, so does one of them, and often both as the root of N. There two solutions may be so
+near each other that paths get lost before both. From these ends Newton's method leads to both, too.
 
 Paths with 32 digits, or eigenvectors where numbers are in floating point, took a third of the time
 of a first solution and four fifths (`tools.verify.realistic`, hexapods with six joints a body).
@@ -29,6 +30,7 @@ from gspcli.certification.equations.ball_system import BallSystem, monomials
 from gspcli.certification.equations.mirror_images import has_mirror_images, mirrored
 from gspcli.certification.equations.quadratic_forms import heights
 from gspcli.certification.equations.statement import Statement
+from gspcli.certification.numbers.balls import largest
 from gspcli.certification.poses.locator import Locator
 from gspcli.geometry.instance import Instance
 
@@ -46,6 +48,9 @@ _POWER = 6
 #: A Newton step at first, and the part of it that the next one may be.
 _FIRST, _SMALLER = 1e-3, 1e-3
 _STEPS = 12
+#: Newton's method near two solutions near each other takes so many steps, none longer than this. At
+#: first it halves the distance from both. Then steps are taken so many times.
+_PAIR_STEPS, _LONGEST, _RELAXED = 36, 1e-4, 1.8
 #: Ends that agree to this are those of conjugates.
 _ALIKE = 1e-8
 #: Coordinates of w: the first two of each are indices of e and f.
@@ -177,13 +182,81 @@ class _Equations:
             point = _moved(point, step)
             N = sum((x * x for x in point[:4]), acb(0))
             norm = abs(complex(N))
-            if norm < least or not size <= last:
+            if norm < least:
                 return None
+            if not size <= last:
+                return self._among_two(start, planes, least) if self._squares else None
             # The next step is smaller by the same part, or by more.
             if size * min(size / last, 1) * _SMALLER < _NEEDED * norm**self._power:
                 return _study_point([x.mid() for x in point], N.mid())
             last = size * _SMALLER
         return None
+
+    def _among_two(self, start: Complex, planes: list[int], least: float) -> list[acb] | None:
+        """Return the Study point of a solution near e, w and h that has another one beside it.
+
+        Each step has its own Jacobian matrix, with all digits.
+        """
+        point, last = [acb(x.real, x.imag) for x in start.tolist()], _LONGEST
+        factor = 1.0
+        for _ in range(_PAIR_STEPS):
+            jacobian, values = self._linearized(point, planes)
+            adjoint = jacobian.conjugate().transpose()
+            try:
+                step = (adjoint * jacobian).solve(adjoint * values, algorithm="approx").mid()
+            except ZeroDivisionError:
+                return None
+            size = float(largest(step.entries()))
+            # What a step leaves of the distance from both, while they look like one.
+            left, part = 1 - factor / 2, size / last
+            factor = _RELAXED if abs(part - left) < left / 5 else 1.0
+            point = [(x - factor * d).mid() for x, d in zip(point, step.entries(), strict=True)]
+            N = sum((x * x for x in point[:4]), acb(0)).mid()
+            norm = abs(complex(N))
+            if norm < least or not size < _LONGEST:
+                return None
+            # The number of digits doubles.
+            if factor == 1 and size * part < _NEEDED * norm**2:
+                return _study_point(point, N)
+            last = size
+        return None
+
+    def _linearized(self, point: list[acb], planes: list[int]) -> tuple[acb_mat, acb_mat]:
+        """Return the Jacobian matrix, and the equations, with all digits."""
+        e, w, h = point[:4], point[4:10], point[10:]
+        norm, width = sum((x * x for x in e), acb(0)), len(point)
+        squares = acb_mat(10, 4)
+        for k, (i, j) in enumerate(_SQUARES):
+            squares[k, i] += e[j]
+            squares[k, j] += e[i]
+        forms = self._matrix.tolist()
+        by_e = (acb_mat([form[:10] for form in forms]) * squares).tolist()
+        rows = [[*a, *form[10 : 6 + width]] for a, form in zip(by_e, forms, strict=True)]
+        vector = [*(e[i] * e[j] for i, j in _SQUARES), *w, *(h or [acb(0)])]
+        values = (self._matrix * acb_mat(17, 1, vector)).entries()
+        for r, (k, square) in enumerate(self._squares.items(), 6):
+            turn = acb(0, planes[k])
+            G, H = values[k] + turn * values[r], values[k] - turn * values[r]
+            part = norm / H
+            rows[k] = [
+                a + turn * b + square * part**2 * (a - turn * b)
+                for a, b in zip(rows[k], rows[r], strict=True)
+            ]
+            for i in range(4):
+                rows[k][i] -= 4 * square * part * e[i]
+            values[k] = G - square * part * norm
+        wedge = [[acb(0)] * width for _ in range(4)]
+        for row, column, k, sign in _WEDGE:
+            wedge[row][4 + column] += sign * e[k]
+            wedge[row][k] += sign * w[column]
+        # The equations are of degree two: half their derivatives times the point are their values.
+        sums = [sum((a * x for a, x in zip(row, point, strict=True)), acb(0)) / 2 for row in wedge]
+        rows, values = rows[:6] + wedge, values[:6] + sums
+        if h:
+            rows.append([*(-2 * h[0] * x for x in e), *(2 * x for x in w), -norm])
+            values.append(sum((x * x for x in w), -norm * h[0]))
+        rows.append([x.conjugate() for x in e] + [acb(0)] * (width - 4))
+        return acb_mat(rows), acb_mat(len(rows), 1, [*values, acb(0)])
 
     def _quantities(self, e: Complex, planes: Index) -> Complex:
         """Return w, and h if there is one, at quaternions (n, 4), by least squares."""

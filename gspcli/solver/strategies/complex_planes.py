@@ -39,7 +39,10 @@ def far_in_planes(problem: Problem) -> Iterator[Ends]:
     parts, planes = [], []
     for signs in _choices(given.products):
         quadrics = np.where(signs[:, None] < 0, h, g)
-        found = [ends_from_start(start, each[order], lower_rank=True) for each in quadrics]
+        found = [
+            ends_from_start(start, each[order], lower_rank=True, keep_lost=True)
+            for each in quadrics
+        ]
         ends = [points for points in found if points is not None]
         if len(ends) < len(found):
             return

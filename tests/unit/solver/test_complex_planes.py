@@ -11,7 +11,7 @@ from gspcli.catalogue.names import parse_type
 from gspcli.certification.equations import study
 from gspcli.certification.equations.ball_system import BallSystem
 from gspcli.certification.equations.quadratic_forms import heights
-from gspcli.certification.poses.far_points import far_points
+from gspcli.certification.poses.far_points import _Equations, far_points
 from gspcli.certification.poses.locator import Located
 from gspcli.continuation.quadrics import evaluate
 from gspcli.continuation.tracked_paths import TrackedPaths
@@ -32,18 +32,23 @@ from gspcli.solver.study_systems import coefficients_at
 VALUES = [1.2, 1.25, 1.22, 1.21, 0.7, 0.8]
 
 
-def guided(kinds, axes, digits=None):
-    """Return hexagons of which two pairs of joints are a point and a line, rounded to digits."""
-    pairs, side = np.repeat(np.arange(3) * 2 * np.pi / 3, 2), (-1.0) ** np.arange(6)
+SIX, SIDES = np.arange(6) * np.pi / 3, (-1.0) ** np.arange(6)
+PAIRS = np.repeat(SIX[::2], 2)
+#: Angles of joints on the platform and on the base, of which six are nearly regular.
+ANGLES = PAIRS + 0.9 * SIDES, PAIRS + 0.3 * SIDES
+REGULAR = SIX + np.pi / 6 + 0.1 * SIDES, SIX + 0.2 * SIDES
 
-    def ring(half, radius):
-        angles = pairs + half * side
+
+def guided(kinds, axes, digits=None, angles=ANGLES):
+    """Return hexagons of which two pairs of joints are a point and a line, rounded to digits."""
+
+    def ring(angles, radius):
         points = radius * np.c_[np.cos(angles), np.sin(angles), 0 * angles]
         points = points if digits is None else points.round(digits)
         return [Point(row) for row in (points + 0.0).tolist()]
 
     rows = []
-    for i, (y, x) in enumerate(zip(ring(0.9, 0.7), ring(0.3, 1.0), strict=True)):
+    for i, (y, x) in enumerate(zip(ring(angles[0], 0.7), ring(angles[1], 1.0), strict=True)):
         kind, value = (DPP, *kinds)[max(0, i - 3)], Number.of(VALUES[i])
         if i > 3:
             axis = tuple(Number.of(c) for c in axes[i - 4])
@@ -73,6 +78,20 @@ def test_poses_far_away_need_neither_more_paths_nor_elimination(kinds, axes, dig
     assert found.verdict == "complete"
     assert found.proof is not None
     assert are_far(found.R, found.T, 1.0).sum() >= 8
+
+
+@pytest.mark.parametrize("digits", [4, 6])
+def test_nearly_double_poses_far_away_are_found_from_ends_of_lost_paths(digits, monkeypatch):
+    """Between nearly regular hexagons poses far away are pairs of which e hardly differs."""
+    instance = guided((DPL, DPL), (IN, UP), digits, REGULAR)
+    monkeypatch.setattr(TrackedPaths, "track", None)
+    monkeypatch.setattr(elimination, "poses_by_elimination", None)
+    found = solve(instance, starts=SolvedStarts())
+    assert found.verdict == "complete"
+    assert found.proof is not None
+    monkeypatch.setattr(_Equations, "_among_two", lambda *_: None)
+    with pytest.raises(TypeError):
+        solve(instance, starts=SolvedStarts())
 
 
 def test_they_are_those_of_the_further_strategies(monkeypatch):
