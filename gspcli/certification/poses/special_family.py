@@ -29,9 +29,10 @@ from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Geometry, Point, Vector
 from gspcli.records import dataclass
 
-#: Bits in which differences are computed; bits of the equations for each bit of s eps; additional
+#: Bits in which differences are computed; bits of the equations for each bit of s eps (N is of size
+#: eps^4, and with three directions the Jacobian matrix loses twice as many); additional
 #: bits.
-DIFFERENCE_BITS, _TIMES, _MORE = 2048, 5, 256
+DIFFERENCE_BITS, _TIMES, _MORE = 2048, 12, 256
 #: The first step of log s; the factors of the next step after success and after failure.
 _FIRST, _LONGER, _SHORTER = 1e-6, 3.0, 4.0
 #: The most steps of a pose, and the number of points of a polynomial.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from fractions import Fraction
 from typing import Any
@@ -15,15 +15,17 @@ from gspcli.catalogue.kinds import DLP, DPL
 from gspcli.catalogue.names import parse_type
 from gspcli.certification.equations.ball_system import BallSystem
 from gspcli.certification.poses import special_family
+from gspcli.certification.poses.locator import Located
 from gspcli.certification.poses.points_off_lines import points_off_lines
 from gspcli.certification.poses.small_bodies import small_bodies
 from gspcli.certification.poses.special_family import FamilyPaths, SpecialFamily
 from gspcli.certification.poses.turned_directions import turned_directions
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Units
 from gspcli.geometry.numbers import Number
-from gspcli.geometry.primitives import Line, Point
+from gspcli.geometry.primitives import Line, Point, Vector, vector
 from gspcli.geometry.random_instances import random_instance
 from gspcli.solver import solve
+from gspcli.solver.problem import Problem
 from gspcli.solver.side_poses import SidePoses
 from gspcli.solver.starts.solved_starts import SolvedStarts
 from gspcli.solver.strategies import elimination, further, more_digits, special_families
@@ -272,3 +274,50 @@ def test_eigenvectors_find_what_no_path_reaches(monkeypatch: pytest.MonkeyPatch)
     result = solve(instance, starts=SolvedStarts())
     assert (result.verdict, result.counts.certified) == ("complete", result.expected)
     assert result.exact_count is None
+
+
+def _three_rods(power: int, *, same_axis: bool = False) -> Instance:
+    """Return a platform with three base lines that are parallel, or the same, up to 10^-power."""
+    types = parse_type("DPL DPL DPL DPP DPP DPP")
+    instance, _ = random_instance(types, np.random.default_rng(1))
+    eps, rows = Fraction(1, 10**power), list(instance.constraints)
+    for k, row in enumerate(rows):
+        if isinstance(row.base, Line):
+            vector = (1 + k * eps, 2 - eps, 2 + k**2 * eps)
+            place = row.base.position
+            if same_axis:
+                place = vector_of(1 + k**i * eps for i in range(3))
+            rows[k] = replace(row, base=Line(place, vector_of(vector)))
+    return Instance(tuple(rows), instance.units)
+
+
+def vector_of(numbers: Iterable[Fraction]) -> Vector:
+    return vector(*(Number.of(Fraction(x)) for x in numbers))
+
+
+def test_equations_of_three_parallel_rods_have_enough_bits() -> None:
+    """Their matrices lose more bits than N has zeros: with five for each of eps paths are lost."""
+    problem = Problem(_three_rods(30))
+    family = turned_directions(problem.instance)
+    assert family is not None
+    paths = FamilyPaths(family, problem.locator, problem.sides[0], 1e-3)
+    begin = problem.like(paths.instance)
+    ends = list(special_families._ends(begin, 0))
+    located = [paths.locate(begin.locator, *end) for end in ends[:24]]
+    assert all(isinstance(end, Located) for end in located)
+
+
+def test_lines_that_are_nearly_the_same_are_moved_apart_too() -> None:
+    """If they were only turned, they would meet in a point at the beginning."""
+    family = turned_directions(_three_rods(20, same_axis=True))
+    assert family is not None
+    with ctx.workprec(600):
+        larger = family.instance_at(arb(10) ** 17)
+    lines = [row.base for row in larger.constraints if isinstance(row.base, Line)]
+    assert len(lines) == 3
+    first = np.array(lines[0].position, float)
+    across = [np.cross(np.array(line.position, float) - first, lines[0].unit) for line in lines[1:]]
+    assert all(1e-4 < np.linalg.norm(x) < 1e-1 for x in across)
+    parallel = turned_directions(_three_rods(20))
+    assert parallel is not None
+    assert not any("b" in names for names in parallel.differences)
