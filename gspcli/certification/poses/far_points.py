@@ -51,6 +51,8 @@ _STEPS = 12
 #: Newton's method near two solutions near each other takes so many steps, none longer than this. At
 #: first it halves the distance from both. Then steps are taken so many times.
 _PAIR_STEPS, _LONGEST, _RELAXED = 36, 1e-4, 1.8
+#: After so many failures one after the other no more pairs are tried: these are at infinity.
+_FAILURES = 2
 #: Ends that agree to this are those of conjugates.
 _ALIKE = 1e-8
 #: Coordinates of w: the first two of each are indices of e and f.
@@ -155,6 +157,7 @@ class _Equations:
         #: Of the squares and products of e, of w and of h: of each equation or A, then of each B.
         self._matrix = acb_mat(arb_mat(first + second))
         self._power = 1.5 if self._squares else 1
+        self._failures = 0
         forms = np.array([[float(x) for x in row] for row in first + second])
         self._doubles, self._second = forms[:6], np.zeros((6, 17))
         self._second[list(self._squares)] = forms[6:]
@@ -185,7 +188,11 @@ class _Equations:
             if norm < least:
                 return None
             if not size <= last:
-                return self._among_two(start, planes, least) if self._squares else None
+                if not self._squares or self._failures >= _FAILURES:
+                    return None
+                found = self._among_two(start, planes, least)
+                self._failures = self._failures + 1 if found is None else 0
+                return found
             # The next step is smaller by the same part, or by more.
             if size * min(size / last, 1) * _SMALLER < _NEEDED * norm**self._power:
                 return _study_point([x.mid() for x in point], N.mid())

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from flint import acb_mat, arb_mat
 
+import gspcli.certification.poses.far_points
 from gspcli.catalogue.kinds import DLP, DPL, DPP
 from gspcli.catalogue.names import parse_type
 from gspcli.certification.equations import study
@@ -151,3 +152,23 @@ def test_planes_are_those_of_the_equations_of_proofs(name):
                 np.testing.assert_allclose(ratio, ratio[0], rtol=1e-8)
             turns.append(turn)
     assert set(turns) == {1, -1}
+
+
+def test_few_solutions_at_infinity_are_taken_for_pairs_that_are_near_each_other(monkeypatch):
+    """With two parallel guide rods paths lead to infinity."""
+    calls = []
+    among_two = _Equations._among_two
+
+    def counted(*given):
+        calls.append(among_two(*given))
+        return calls[-1]
+
+    monkeypatch.setattr(_Equations, "_among_two", counted)
+    found = solve(guided((DPL, DPL), (IN, IN), 6), starts=SolvedStarts())
+    assert found.verdict == "complete"
+    assert len(found.R) == 128
+    assert calls == [None, None]
+    monkeypatch.setattr(gspcli.certification.poses.far_points, "_FAILURES", 100)
+    calls.clear()
+    solve(guided((DPL, DPL), (IN, IN), 6), starts=SolvedStarts())
+    assert len(calls) > 2
