@@ -81,7 +81,9 @@ def test_without_them_poses_are_missing_and_that_is_said(monkeypatch: pytest.Mon
     monkeypatch.setattr(elimination, "_MOST", 0)
     monkeypatch.setattr(more_digits, "_MOST_ATTEMPTS", 1)
     result = solve(_nearly_parallel(), starts=SolvedStarts())
-    assert (result.verdict, result.counts.certified) == ("incomplete", 128)
+    assert result.verdict == "incomplete"
+    # Those of parallel lines are 128; others are found from points in complex planes.
+    assert 128 <= result.counts.certified < 160
 
 
 def test_equations_of_few_places_are_kept(monkeypatch: pytest.MonkeyPatch) -> None:
