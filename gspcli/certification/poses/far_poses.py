@@ -135,7 +135,7 @@ class FarPoses:
             None if they differ by their own size.
         """
         chosen = _one_of_each_pair(R, T)
-        if chosen is None:
+        if not chosen:
             return None
         products = sum(2 << k for k, kind in enumerate(proofs.kinds) if kind in (DPL, DLP))
         powers = np.array([2 * k.is_distance - k.has_sides for k in proofs.kinds])
@@ -147,10 +147,14 @@ class FarPoses:
             balance = np.linalg.inv(spread * sizes[:, None]).astype(np.float64)
             origin = _origin(np.zeros_like(powers), 1.0)
         made = _Made(locator, sides, origin, products, balance)
-        found = [made.coordinates(R[k], T[k], points.get(T[k].tobytes())) for k in chosen]
-        known = [each for each in found if each is not None]
-        if len(known) < len(found) or not known:
-            return None
+        found: dict[int, LocalCoordinates] = {}
+        # The farthest first: these are less likely to have coordinates.
+        for k in sorted(chosen, key=lambda k: -np.abs(T[k]).max()):
+            each = made.coordinates(R[k], T[k], points.get(T[k].tobytes()))
+            if each is None:
+                return None
+            found[k] = each
+        known = [found[k] for k in chosen]
         # Poses that need paths are the last.
         known.sort(key=lambda each: each.is_bent)
         known += [each.conjugate for each in known if each.is_bent and not each.real]
