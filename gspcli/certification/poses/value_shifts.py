@@ -52,7 +52,10 @@ class Values(NamedTuple):
         unit
             The unit of length.
         """
-        gaps = given[:, 4].copy()
+        # Powers of two: exact.
+        ratio = proofs.scale / unit
+        factors = [ratio ** (2 * kind.is_distance - kind.has_sides) for kind in proofs.kinds]
+        gaps = given[:, 4] * factors
         sets: list[Sequence[Fraction | None]]
         if rows is None:
             sets = [[row.value.fraction for row in proofs.instance.constraints]]
@@ -63,7 +66,8 @@ class Values(NamedTuple):
             numbers = []
             for k, (kind, x) in enumerate(zip(proofs.kinds, found, strict=True)):
                 if x is None or kind not in (DPP, DPH, DHP):
-                    numbers.append(_rational(given[row, 0, k]) + _rational(given[row, 3, k]))
+                    inexact = _rational(given[row, 0, k]) + _rational(given[row, 3, k])
+                    numbers.append(inexact * _rational(factors[k]))
                     continue
                 gaps[row, k] = 0.0
                 height = fmpq(x.numerator, x.denominator) / _rational(unit)

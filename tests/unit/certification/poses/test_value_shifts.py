@@ -61,8 +61,10 @@ def test_values_of_an_instance_are_exact():
     check(scale, lengths, found[0])
 
 
-def test_values_that_are_no_fractions_err():
-    lengths = ["sqrt(1.3)", "1.7", "2.3", "5/3", "1.3", "1.33333"]
+@pytest.mark.parametrize("longest", ["1.7", "70"])
+def test_values_that_are_no_fractions_err(longest):
+    """Also where the unit of length of the other values is larger."""
+    lengths = ["sqrt(1.3)", longest, "2.3", "5/3", "1.3", "1.33333"]
     scale, found = shifts_of(None, lengths)
     wanted = exact(scale, ["1", *lengths[1:]])
     more = Fraction(3, 10) / Fraction(scale) ** 2
