@@ -8,6 +8,9 @@ from pygments.lexers.special import TextLexer
 
 import gspcli
 
+_ROOT = Path(__file__).resolve().parents[1]
+sys.path += [str(_ROOT), str(_ROOT / "docs" / "_ext")]
+
 project = "gsp"
 author = "The gsp authors"
 project_copyright = author
@@ -18,6 +21,7 @@ extensions = [
     "sphinx.ext.autodoc",
     "sphinx.ext.napoleon",
     "sphinx.ext.viewcode",
+    "made_pages",
 ]
 html_theme = "furo"
 html_title = f"gsp {release}"
@@ -32,11 +36,9 @@ napoleon_google_docstring = False
 napoleon_use_ivar = True
 napoleon_use_rtype = False
 
-_ROOT = Path(__file__).resolve().parents[1]
 _README = _ROOT / "README.md"
 html_css_files = ["gallery.css"]
 html_static_path = ["static"]
-sys.path.append(str(_ROOT))
 _LITERAL = re.compile(r"(?<![`\w:])`([^`\n]+)`(?!`|_)")
 
 

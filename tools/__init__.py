@@ -1,6 +1,6 @@
 """The programs that make `data/` and parts of the documentation, and those that look for mistakes.
 
-Each is run from the root of a checkout by its name, ``python -m tools.build.docs``; ``--help``
+Each is run from the root of a checkout by its name, ``python -m tools.build.counts``; ``--help``
 says what it can do.
 
 - `build`: data, pages and pictures; with ``--check`` they are compared instead of written

@@ -24,8 +24,15 @@ from gspcli.cli.main import run
 from tools.build.samples import commands
 from tools.recording import ROOT
 
-#: Generated from the helps, which are tested directly.
-_GENERATED = {"commands.md"}
+#: Made when the site is built.
+_GENERATED = {
+    "commands.md",
+    "options.md",
+    "output.md",
+    "errata.md",
+    "geometry-counts.md",
+    "platforms.md",
+}
 #: Programs that are run where they are installed. Lines that begin with another one are not ours.
 OTHERS = ("printf", "msolve", "phc", "Singular", "M2")
 _OURS = re.compile(rf"(?:gsp|{'|'.join(OTHERS)}) ")

@@ -63,11 +63,6 @@ STEPS = (
         sample="--sample 6",
     ),
     Step(
-        "output",
-        ("docs/output.md", "docs/output/*", "docs/schemas/*", "data/keys/*"),
-        "tools.build.output_reference --check",
-    ),
-    Step(
         "shared-joints",
         ("data/verification/coincident-platforms*",),
         "tools.build.coincident_counts --check",
@@ -276,11 +271,6 @@ STEPS = (
     ),
     Step("latex", (), "tools.verify.latex --check", sample=None),
     Step("schema", ("data/instance.schema.json",), "tools.build.schema --check"),
-    Step(
-        "pages",
-        ("docs/commands.md", "docs/options.md", "docs/errata.md", "docs/geometry-counts.md"),
-        "tools.build.docs --check",
-    ),
     Step(
         "counts-page",
         ("docs/counts.md", "docs/images/counts.svg"),
