@@ -39,10 +39,9 @@ machines: $(STAMP) ## everything that pages show, with the instructions of three
 machines-fast: $(STAMP) ## some pages and commands of it (half a minute)
 	$(BIN)/python -m tools.verify.machines --fast
 
-lint: $(STAMP) ## style of the code and of its sentences
+lint: $(STAMP) ## style of the code
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
-	$(BIN)/python -m tools.verify.prose
 
 types: $(STAMP) ## static types of the package and of tools/
 	$(BIN)/mypy

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from tests.support.live_pages import give, opened, text
+from tests.support.live_pages import give, opened
 
 if TYPE_CHECKING:
     from tools.browser import Browser
@@ -32,60 +32,6 @@ def test_fingers_find_everything(browser: Browser, live: Callable[..., Path], wi
     browser.size(width, 800)
     opened(browser, live("example-6.8"))
     assert browser.run(_SMALL) == []
-
-
-def test_words_are_explained_to_the_pointer_and_to_the_keyboard(
-    browser: Browser, live: Callable[..., Path]
-) -> None:
-    opened(browser, live("nano-hexapod"))
-    browser.call("Emulation.setFocusEmulationEnabled", enabled=True)
-    assert text(browser, "status").startswith("8 ways to assemble it; none is missing")
-    browser.run("document.querySelector('#values .kind').focus()")
-    assert text(browser, "meaning") == (
-        "DPP: distance between a point of the platform and a point of the base"
-    )
-    for term in ("proved", "condition", "pose clearance"):
-        browser.run(f"document.querySelector('[data-term=\"{term}\"]').focus()")
-        # It stays where focus scrolls the word into sight.
-        browser.settle()
-        assert browser.run("document.getElementById('meaning').hidden") is False
-        assert len(text(browser, "meaning")) > 40
-    browser.key("Escape")
-    assert browser.run("document.getElementById('meaning').hidden") is True
-    x, y = browser.run(
-        "(({x, y}) => [x + 3, y + 3])"
-        "(document.querySelector('[data-term=condition]').getBoundingClientRect())"
-    )
-    browser.mouse("mouseMoved", x, y)
-    assert text(browser, "meaning").startswith("How badly the pose is determined")
-
-
-def test_home_is_said_beside_its_mode(browser: Browser, live: Callable[..., Path]) -> None:
-    opened(browser, live("nano-hexapod"))
-    tagged = browser.run(
-        "[...document.querySelectorAll('#modes .tag:not(:empty)')]"
-        ".map((tag) => [tag.closest('tr').dataset.mode, tag.textContent])"
-    )
-    assert tagged == [["8", "home"]]
-
-
-def test_rounding_errors_are_no_angles(browser: Browser, live: Callable[..., Path]) -> None:
-    opened(browser, live("nano-hexapod"))
-    assert "turned by0°" in text(browser, "pose")
-    assert "e−" not in text(browser, "pose")
-
-
-def test_the_map_with_its_axes_is_seen_whole(browser: Browser, live: Callable[..., Path]) -> None:
-    browser.size(1280, 800)
-    opened(browser, live("dietmaier"))
-    assert browser.run("document.getElementById('map-x').getBoundingClientRect().bottom") < 800
-    assert (
-        browser.run(
-            "(({scrollWidth, clientWidth}) => scrollWidth - clientWidth)"
-            "(document.querySelector('#mode-list .scroll'))"
-        )
-        == 0
-    )
 
 
 def test_the_dot_of_the_map_is_seen_where_the_pose_is_moved(

@@ -15,23 +15,6 @@ from tools.build.samples import commands
 
 #: What differs by nature: the formats and tables that a command has.
 _CHOICES_OF_A_COMMAND = {"--format", "--part"}
-#: Spellings that were given up, each for the one that it is now.
-_GIVEN_UP = {
-    "--count of enumerate": "--by-class",
-    "--digits of new": "--decimals",
-    "--digits of export": "--significant-digits",
-    "--geometry of analyze": "--geometry-tolerance",
-    "--hold of workspace": "--shift",
-    "--journal": "--resume",
-    "--limit": "--first of enumerate, --effort of count",
-    "--over of scan": "--vary",
-    "--state": "--resume",
-    "--target of maximize-real": "--real",
-    "--tolerance of certify": "--max-deviation",
-    "--tolerance of workspace": "--gap",
-    "--values": "ROWS",
-    "--work": "--resume",
-}
 #: Options that go together: a command with the first has the others.
 _TOGETHER = {
     "--set": ("--delta",),
@@ -93,14 +76,6 @@ def test_an_option_means_the_same_in_all_commands(spelling: str) -> None:
             tuple(option.type.choices) for option in uses if isinstance(option.type, click.Choice)
         }
         assert len(choices) < 2
-
-
-@pytest.mark.parametrize("given_up", _GIVEN_UP)
-def test_spellings_that_were_given_up(given_up: str) -> None:
-    spelling, _, name = given_up.partition(" of ")
-    assert name not in USES[spelling] if name else not USES[spelling]
-    for now in re.findall(r"--[a-z-]+", _GIVEN_UP[given_up]):
-        assert USES[now]
 
 
 @pytest.mark.parametrize("first", _TOGETHER)

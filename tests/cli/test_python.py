@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import json
-import re
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -28,7 +26,6 @@ OTHERWISE = {
     # A word of Python's own.
     "import": "import_machine",
 }
-DOCUMENTED = Path(__file__).parents[2] / "docs" / "python.md"
 SPEC = "octahedral-3-3"
 
 
@@ -79,16 +76,6 @@ def test_every_command_is_a_function() -> None:
         assert callable(getattr(gspcli, name))
     assert set(OTHERWISE) <= set(COMMANDS)
     assert not {name for name in OTHERWISE if callable(getattr(gspcli, name, None))}
-
-
-def test_the_page_has_the_function_of_every_command() -> None:
-    page = DOCUMENTED.read_text(encoding="utf-8").partition("| command | in Python |")[2]
-    rows = re.findall(r"^\| `([a-z-]+)` \| (.+?) \| ", page.partition("\n\n")[0], re.M)
-    functions = {command: re.findall(r"`gspcli\.(\w+)", text) for command, text in rows}
-    assert set(functions) == set(COMMANDS)
-    for command, names in functions.items():
-        assert OTHERWISE.get(command, command.replace("-", "_")) in names
-        assert set(names) <= set(gspcli.__all__)
 
 
 def test_results_are_tables_data_and_one_line(results) -> None:

@@ -21,7 +21,6 @@ from gspcli.catalogue.witnesses import (
 from gspcli.reality.witness_proofs import certified_real, known_instance, witness_instance
 from gspcli.resources import data_json, data_path
 from gspcli.spec import dumps, loads
-from tools.build.real_page import table
 from tools.witnesses.best import rows_of, witness_text
 
 #: A sample is certified again if it takes no longer than this many poses together.
@@ -94,17 +93,3 @@ def test_other_angles_and_exchanged_bodies_have_as_many(name: str) -> None:
     instance = known_instance(gsp_type)
     assert instance.type == gsp_type
     assert certified_real(instance) == best_real(gsp_type)
-
-
-def test_the_page_on_real_counts_has_the_summary() -> None:
-    page = data_path("witnesses", "real.csv").parents[2] / "docs" / "real-counts.md"
-    text = page.read_text(encoding="utf-8")
-    assert table() in text
-
-
-def test_numbers_are_short() -> None:
-    longest = max(
-        len(number.lstrip("-")) for found in recorded() for row in found.rows for number in row
-    )
-    # No more decimals than doubles have.
-    assert longest <= 16

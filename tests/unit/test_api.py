@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
-
 import pytest
 
 import gspcli
@@ -23,9 +20,3 @@ def test_public_names_are_all_listed() -> None:
 def test_an_unknown_name_is_an_attribute_error() -> None:
     with pytest.raises(AttributeError, match="no attribute 'frobnicate'"):
         _ = gspcli.frobnicate
-
-
-def test_rooms_that_pages_name_are_there_after_import_gspcli() -> None:
-    """In a fresh process: nothing else has imported them."""
-    code = "import gspcli; gspcli.motion.track, gspcli.dynamics.simulate, gspcli.sensing.sensors"
-    subprocess.run([sys.executable, "-c", code], check=True)

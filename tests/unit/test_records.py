@@ -2,15 +2,10 @@
 
 from __future__ import annotations
 
-import ast
-import builtins
 import copy
 import dataclasses
 import inspect
-import os
 import pickle
-import pydoc
-import subprocess
 from dataclasses import field
 from pathlib import Path
 
@@ -163,68 +158,3 @@ def test_classes_say_the_same_of_themselves(name):
 def test_objects_travel_to_other_processes():
     line = gspcli.parse_type("6PP")
     assert pickle.loads(pickle.dumps(line)) == line
-
-
-def test_a_class_compiles_its_constructor_only(monkeypatch):
-    compiled = []
-    real = builtins.exec
-    monkeypatch.setattr(builtins, "exec", lambda *given: (compiled.append(1), real(*given))[1])
-    classes(records.dataclass)
-    ours, compiled[:] = len(compiled), []
-    classes(dataclasses.dataclass)
-    assert ours == len(OURS) - 1
-    assert len(compiled) > 5 * ours
-
-
-def test_frozen_classes_of_the_package_are_records():
-    """Those with slots, which records have not, are beside them; the others can change."""
-    for path in PACKAGE.rglob("*.py"):
-        tree = ast.parse(path.read_text(encoding="utf-8"))
-        sources = {
-            alias.asname or alias.name: node.module
-            for node in ast.walk(tree)
-            if isinstance(node, ast.ImportFrom)
-            for alias in node.names
-        }
-        for node in ast.walk(tree):
-            if isinstance(node, ast.ClassDef):
-                for decorator in node.decorator_list:
-                    text = ast.unparse(decorator)
-                    if text.startswith("dataclass") and "frozen" in text and "slots" not in text:
-                        assert sources["dataclass"] == "gspcli.records", f"{path}: {node.name}"
-
-
-def test_help_on_the_package_has_all_records():
-    text = pydoc.plain(pydoc.render_doc(gspcli))
-    assert "class Point(" in text
-    assert "__init__(self, position" in text
-    assert gspcli.Point.__init__.__module__ == gspcli.Point.__module__
-
-
-_INTERPRETERS = sorted(
-    path
-    for path in Path.home().glob(".pyenv/versions/3.*/bin/python")
-    if tuple(map(int, path.parts[-3].split(".")[:2])) >= (3, 11)
-)
-_SCRIPT = """
-import pydoc, sys, types
-from gspcli.records import dataclass
-module = types.ModuleType("places")
-module.__all__ = ["Place"]
-exec('''
-@dataclass(frozen=True)
-class Place:
-    x: float
-''', module.__dict__ | {"dataclass": dataclass, "__name__": "places"}, vars(module))
-assert "__init__(self, x" in pydoc.plain(pydoc.render_doc(module))
-"""
-
-
-@pytest.mark.skipif(not _INTERPRETERS, reason="no other interpreters are installed by pyenv")
-@pytest.mark.parametrize("interpreter", _INTERPRETERS, ids=lambda path: path.parts[-3])
-def test_help_on_records_in_each_python(interpreter):
-    settings = os.environ | {"PYTHONPATH": str(PACKAGE.parent)}
-    run = subprocess.run(
-        [interpreter, "-c", _SCRIPT], env=settings, capture_output=True, text=True, check=False
-    )
-    assert (run.returncode, run.stderr) == (0, "")
