@@ -68,10 +68,10 @@ INLINE void store(const FineNumbers& to, int k, const C& x) {
   store(to.high.im, k, x.im.hi), store(to.low.im, k, x.im.lo);
 }
 
-// An upper bound of the modulus of z, not much above it.
+// An upper bound of the modulus of z, not much above it. After cancellation the low part may be as large as the high one.
 INLINE D bound(const C& z) {
-  const D re = z.re.hi < 0.0 ? -z.re.hi : z.re.hi, im = z.im.hi < 0.0 ? -z.im.hi : z.im.hi;
-  return kOutward * (re + im);
+  const D re = z.re.hi + z.re.lo, im = z.im.hi + z.im.lo;
+  return kOutward * ((re < 0.0 ? -re : re) + (im < 0.0 ? -im : im));
 }
 
 // 1 / z.

@@ -128,7 +128,10 @@ void poses(const FineNumbers& number, const FineNumbers& local, const LaneNumber
   }
   multiply_out(at);
   constexpr int first = kOfNorm * kLocalMonomials, last = kFarForms * kLocalMonomials;
-  const C norm = form_at(number, first, at), factor = inverse(norm), part = inverse(complex_root(norm));
+  const C sum = form_at(number, first, at);
+  // Where N nearly vanishes, its low part may be as large as the high one.
+  const C norm{exact_sum(sum.re.hi, sum.re.lo), exact_sum(sum.im.hi, sum.im.lo)};
+  const C factor = inverse(norm), part = inverse(complex_root(norm));
   const D norm_off = error_of(number, first, false, at, size, off, in_numbers);
   const D norm_size = root(norm.re.hi * norm.re.hi + norm.im.hi * norm.im.hi);
   const D least_norm = (1.0 - 0x1p-40) * norm_size - kOutward * norm_off;
@@ -141,9 +144,9 @@ void poses(const FineNumbers& number, const FineNumbers& local, const LaneNumber
       own = least * error_of(number, begin, false, at, size, off, in_numbers);
     } else {
       const int begin = last + (i - kOfPose) * (1 + kLocal);
-      ComplexTotal sum;
-      for (int k = 0; k < kLocal; ++k) sum.add(load(number, begin + 1 + k), at.s[k]);
-      entry[i] = times(part, plus(load(number, begin), sum.total()));
+      ComplexTotal linear;
+      for (int k = 0; k < kLocal; ++k) linear.add(load(number, begin + 1 + k), at.s[k]);
+      entry[i] = times(part, plus(load(number, begin), linear.total()));
       // |sqrt(N') - sqrt(N)| <= |N' - N| / |sqrt(N)|.
       own = kOutward * root(least) * error_of(number, begin, true, at, size, off, in_numbers);
     }

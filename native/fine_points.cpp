@@ -141,6 +141,8 @@ INLINE Reach reach_of(const C* z, const D& error, const D& unit, const C& norm, 
 // Poses from N, and N R and N T in `entry`, at points z.
 void finish(C* z, C& norm, C* entry, const D& off, const D& f_unit, const Mask& is_real, double rounding, const D& unit,
             const FinePoses& out) {
+  // Where N nearly vanishes, its low part may be as large as the high one.
+  norm = {exact_sum(norm.re.hi, norm.re.lo), exact_sum(norm.im.hi, norm.im.lo)};
   // The real part is no further from a real solution.
   const V none{D{}, D{}};
   for (int i = 0; i < 4; ++i) z[i].im = select(is_real, none, z[i].im);
