@@ -23,8 +23,9 @@ from gspcli.geometry.quaternions import cross, dot
 Array = NDArray[np.float64]
 Knees = NDArray[np.int64]
 
-#: Where a drive moves its rod by less than this part of what it can, its number has no derivative.
-_DEAD = 1e-8
+#: The square of a gain is a difference of squared lengths: four sums and products of coordinates,
+#: and their squares, are wrong by at most so many units of the sum of the lengths, squared.
+_ROUNDING = 16 * np.finfo(float).eps
 #: Lengths of rods are those of the instance up to this part of the size.
 _SAME = 1e-6
 
@@ -137,7 +138,7 @@ class MovedPoints:
         self.ways, self.bends = (
             np.where(on_platform, part @ turned, -part) for part in (points[1], points[2])
         )
-        self.length = np.sqrt(dot(self.along, self.along))
+        self.length = _norm(self.along)
         self.f = self.along / self.length[..., None]
         self.gains = np.where(drives.driven, -dot(self.f, self.ways), 1.0)
         self._check()
@@ -159,9 +160,18 @@ class MovedPoints:
         return middles + moved, np.where(still, first, 0.0), np.where(still, second, 0.0)
 
     def _check(self) -> None:
+        """Raise where a gain is zero up to the root of its rounding error.
+
+        The gain times l is the root of a number D: for a slide D is a difference of squared
+        lengths; for a crank with arm a it is a d times one, where d <= a + l is the distance of its
+        centre from the other end of the rod. Where D is zero the gain has the root of its error.
+        """
         drives = self.drives
-        reach = np.where(self.model.turns, drives.arms * self.model.metre, 1.0)
-        dead = drives.driven & ~(np.abs(self.gains) > _DEAD * reach)
+        size = _norm(self.ends) + _norm(self.x) + self.length
+        arms = drives.arms * self.model.metre
+        reach = np.where(self.model.turns, np.sqrt(arms * (arms + self.length)), 1.0)
+        lost = np.sqrt(_ROUNDING) * reach * size / self.length
+        dead = drives.driven & ~(np.abs(self.gains) > lost)
         if dead.any():
             row, *_, k = np.argwhere(np.atleast_2d(dead))[0].tolist()
             name = drives.names[drives.index[k]]
@@ -190,3 +200,8 @@ class MovedPoints:
             rate = rate + np.where(own, 2 * cross(omega, way), 0.0)
         needed = dot(change, change) / self.length + dot(self.f, rate)
         return DriveMotion(rates, np.where(driven, needed / self.gains, 0.0))
+
+
+def _norm(vectors: Array) -> Array:
+    lengths: Array = np.sqrt(dot(vectors, vectors))
+    return lengths

@@ -184,3 +184,24 @@ def test_what_is_told_of_torques():
     told = inverse_dynamics(bare, np.eye(3), [0, 0, 0])
     assert told.torques is None
     assert not {"drives", "torque_units", "worst_torque"} & set(told.to_json())
+
+
+def test_a_crank_in_line_with_its_rod_is_at_a_dead_point():
+    """The error of the gain there is the root of the rounding error, 2e-8 and more."""
+    instance = weighed(driven("reachy-mini-head"), np.random.default_rng(1))
+    drives = Drives.of(instance)
+    first, *others = instance.constraints
+    legs = [
+        replace(row, base=gspcli.Point(m)) for row, m in zip(others, drives.middle[1:], strict=True)
+    ]
+    bare = replace(instance.dynamics, legs=(), arms=(), carriages=(), drives=gspcli.Drives())
+    alone = replace(instance, constraints=(first, *legs), dynamics=bare, home=None)
+    met = 0
+    for turn in np.linspace(0, 2 * np.pi, 24, endpoint=False):
+        arm = drives.across[0] * np.cos(turn) + drives.beside[0] * np.sin(turn)
+        reach = drives.rods[0] / np.linalg.norm(arm)
+        T = drives.middle[0] + (1 + reach) * arm - first.platform.point
+        with pytest.raises(RowError, match=r"is at a dead point|does not reach") as caught:
+            inverse_dynamics(alone, np.eye(3), T)
+        met += "dead" in str(caught.value)
+    assert met
