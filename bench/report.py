@@ -336,7 +336,7 @@ _FORMULATIONS = """\
 
 Random instances have three decimals, directions of integer length and angles with short cosines,
 so that all equations have short rational coefficients. (Longer ones slow down exact solvers
-much.) The equations are those of [`gsp export`](exports.md), and not those that gsp solves.
+much.) The equations are those of [`gsp export`](export.md), and not those that gsp solves.
 
 - All: the Study parameters with e0 = 1, seven equations in seven unknowns. They are e.f = 0, and
   for each constraint a quadric (a quartic for PL, LP, LL).

@@ -5,7 +5,7 @@ space F, move through the systems with G + s k for a general member k of F. On t
 functions m / k with m in F have poles only where k = 0, and so has s, of the same order. So the
 sum of m / k over *all* solutions is a polynomial in s of degree one: its second differences are
 zero. Those over a part of the solutions are not, unless the part is made of all solutions on some
-components of the curve. The proof is in docs/count-checks.md.
+components of the curve. The proof is in docs/counts.md.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Generic counts: how many complex solutions almost every platform of a type has.
 
-They follow from two theorems (docs/count-proofs.md): `law` computes them. `data/counts/` is the
+They follow from two theorems (docs/counts.md): `law` computes them. `data/counts/` is the
 atlas's record of them, with how each was confirmed by counting the solutions of random platforms.
 The kinds of the angles make no difference, so there are as many counts as families: 896.
 """

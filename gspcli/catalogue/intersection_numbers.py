@@ -4,7 +4,7 @@ Y is the smooth projective variety of the (e, f, g) with e.f = 0, e != 0 and (f,
 (e, f, g) ~ (r e, r t f, t g). The motions are its open part g N != 0. Blow up Y along B_t, and then
 along the strict transforms of B_p and B_q; these centres are products of projective lines. On the
 result the spaces a, p, q, l and the differences of two members of s have no base points. So the
-numbers are products of divisor classes. Proof: docs/count-proofs.md, Theorem 1.
+numbers are products of divisor classes. Proof: docs/counts.md, Theorem 1.
 """
 
 from __future__ import annotations

@@ -65,7 +65,7 @@ class Kind:
         The polynomial as a function of the value.
     space
         The space of quadrics in Study coordinates that contains its equation
-        (docs/count-proofs.md).
+        (docs/counts.md).
     is_product
         Whether the equation is a product of two such quadrics, not one.
     """

@@ -1,6 +1,6 @@
 """Completion of words in a shell, by the metavars of arguments and options.
 
-click has the scripts for bash, zsh and fish (docs/completion.md says how to switch them on). While
+click has the scripts for bash, zsh and fish (docs/install.md says how to switch them on). While
 the shell completes, every parameter gets the completion that belongs to its metavar; commands need
 no code for it.
 """

@@ -1,7 +1,7 @@
 """Settings of the path tracker, and its presets.
 
 `python -m tools.verify.presets` measures the number of paths that each preset loses for random
-platforms; the table is in docs/path-tracking.md.
+platforms; the table is in docs/solver.md.
 """
 
 from __future__ import annotations

@@ -30,7 +30,7 @@ from gspcli.ties import definite_sign
 
 Array = NDArray[np.float64]
 
-#: Seconds a step. MuJoCo's constraints give way by its square: docs/exports.md says how much.
+#: Seconds a step. MuJoCo's constraints give way by its square: docs/export.md says how much.
 TIME_STEP = 5e-4
 _SOLIMP = "0.9999 0.9999 0.001 0.5 2"
 #: In sizes: how far the floor is below the lowest point, half of its side, what is flat, and half

@@ -18,7 +18,7 @@ _AXES = "xyz"
 _LOCKED = 1e-9
 
 
-#: The orders of makers that a public source states (`docs/orders.md`), by lower-case names.
+#: The orders of makers that a public source states (`docs/tables.md`), by lower-case names.
 MAKERS = {"pi": "XYZ", "linuxcnc": "ZYX", "symetrie": "ZYX", "symétrie": "ZYX"}
 #: Names that are refused, and why.
 _REFUSED = {

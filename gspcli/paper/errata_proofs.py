@@ -49,7 +49,7 @@ def degree_of_mourrain() -> str:
     ]
     _require(wanted == ranks, f"Hilbert function {wanted}, ranks at random motions {ranks}")
     return (
-        "in the notation of docs/count-proofs.md the degree is "
+        "in the notation of docs/counts.md the degree is "
         f"x⁵(2x − 2h) = {mourrain_degree()}. Five of the linear functions are general ones of 1, "
         "R, T, U, T×R; their space has no base points. The sixth has ρ; its base points are on "
         "g = f.f = 0 and so not on the curve of the five. Singular: degree "

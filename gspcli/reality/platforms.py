@@ -3,7 +3,7 @@
 Distances to planes and of lines are zero in *reduced* platforms. For one side this is no
 restriction: the plane can be moved instead of changing its distance. A small distance gives, for
 each sign, a real solution near each one of the reduced platform. So all sides, and both signs of
-the mutual moment of two lines, have as many real solutions as one (docs/real-constructions.md).
+the mutual moment of two lines, have as many real solutions as one (docs/real-counts.md).
 """
 
 from __future__ import annotations

@@ -33,7 +33,7 @@ _SYMBOLS = {
 _NOTES = (
     "z30 = m2⁴ |s2 × s3|⁴ (l3² + m3²)².",
     "The paper's h2 has degree 3 in r32 without r31; the elimination gives degree 4, and "
-    "no h2 of the printed shape exists (docs/closed-forms.md).",
+    "no h2 of the printed shape exists (docs/types.md).",
     "The paper's h5 and h6 have the initial r31·r13; the relations chosen here ask for "
     "r31 ≠ 0 only.",
 )

@@ -276,7 +276,7 @@ def test_a_log_that_tells_no_machine(gsp, tmp_path):
     run = gsp("calibrate", "--from", log, "-o", path)
     assert (run.code, run.out) == (4, "")
     assert not path.exists()
-    page = (ROOT / "docs" / "identification.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs" / "calibrate.md").read_text(encoding="utf-8")
     assert run.err.strip() in page
     assert gsp("calibrate", "--from", log, "--robust", "-o", path).code == 0
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-PAGE = (Path(__file__).parents[2] / "docs" / "freedoms.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).parents[2] / "docs" / "constraint-solvers.md").read_text(encoding="utf-8")
 
 
 @pytest.fixture

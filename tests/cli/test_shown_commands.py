@@ -17,7 +17,7 @@ PAGES = {name: shown for name, shown in PAGES.items() if shown}
 HELPS = shown_commands.helps()
 ALL = [shown for group in (*PAGES.values(), *HELPS.values()) for shown in group]
 #: Pages whose commands are run by tests of their own, which look at more.
-ELSEWHERE = {"calibration.md", "mount.md"}
+ELSEWHERE = {"calibrate.md", "tutorial-machine.md"}
 #: Exit codes that are meant; 0 otherwise. What a machine of the reader's keeps is not known.
 CODES = {
     "hexapod.yaml path.csv --require": (1,),
@@ -61,7 +61,7 @@ def test_the_commands_of_a_page_run(
 def _runs_elsewhere(shown: Shown) -> bool:
     """Whether an earlier page shows the same programs, of which one takes seconds."""
     page = Path(shown.place).name
-    return page == "tour.md" and "d.phc" in shown.line
+    return page == "tutorial-machine.md" and "d.phc" in shown.line
 
 
 @pytest.mark.parametrize("name", HELPS)

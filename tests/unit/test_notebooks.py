@@ -56,7 +56,7 @@ def test_a_notebook_runs(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_the_page_lists_them() -> None:
-    page = (FOLDER.parent / "notebooks.md").read_text(encoding="utf-8")
+    page = (FOLDER.parent / "view.md").read_text(encoding="utf-8")
     listed = re.findall(r"\(notebooks/([\w-]+)\.ipynb\)", page)
     assert sorted(listed) == [path.stem for path in NOTEBOOKS]
     assert (FOLDER.parents[1] / "binder" / "requirements.txt").read_text("utf-8") == ".[plot]\n"

@@ -68,7 +68,7 @@ def test_an_installed_wheel_is_complete(tmp_path: Path) -> None:
 
 def test_wheels_are_checked_for_the_versions_that_are_promised() -> None:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
-    page = (ROOT / "docs" / "stability.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs" / "install.md").read_text(encoding="utf-8")
     found = re.search(r"Python 3\.(\d+) to 3\.(\d+) on Linux", page)
     assert found is not None
     first, last = map(int, found.groups())

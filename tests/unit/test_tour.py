@@ -1,4 +1,4 @@
-"""The tour and the page of the mount show shipped files and real output."""
+"""The tutorial of a machine with legs: every command, and the answers on the page."""
 
 from __future__ import annotations
 
@@ -10,26 +10,7 @@ import pytest
 
 from gspcli.cli.main import run
 
-TOUR = Path(__file__).resolve().parents[2] / "docs" / "tour.md"
-
-
-def test_the_example_is_the_one_that_is_solved() -> None:
-    from gspcli.resources import instance_files
-    from gspcli.spec import load, loads
-
-    text = re.search(r"```yaml\n(.*?)```", TOUR.read_text(encoding="utf-8"), re.DOTALL)
-    assert text is not None
-    shipped = load(instance_files()["example-6.8"])
-    for ours, theirs in zip(loads(text[1]).constraints, shipped.constraints, strict=True):
-        assert (ours.kind, ours.platform, ours.base, ours.value) == (
-            theirs.kind,
-            theirs.platform,
-            theirs.base,
-            theirs.value,
-        )
-
-
-MOUNT = TOUR.with_name("mount.md")
+MOUNT = Path(__file__).resolve().parents[2] / "docs" / "tutorial-machine.md"
 
 
 def test_the_mount_runs(

@@ -1,4 +1,4 @@
-"""Rebuild what docs/calibration.md shows: made-up measurements of a real machine, and pictures.
+"""Rebuild what docs/calibrate.md shows: made-up measurements of a real machine, and pictures.
 
     python -m tools.build.calibration_page [--check]
 
@@ -7,7 +7,7 @@ if it had been made to 0.15 mm. The poses are those of ``gsp calibrate --plan`` 
 The readings and the poses there have normal noise of the size that the page states. One reading is
 wrong by 0.2 mm, so that there is something to find.
 
-The log of docs/identification.md is that of the machine `workspace-study`: 60 poses at random about
+The log of docs/calibrate.md is that of the machine `workspace-study`: 60 poses at random about
 home, positions in m, angles in degrees in the order XYZ with rz left-handed, a noise of 2 um.
 """
 

@@ -1,4 +1,4 @@
-"""Sample random 6-6 platforms and show how many poses are real in docs/real-samples.md.
+"""Sample random 6-6 platforms and show how many poses are real in docs/real-counts.md.
 
     python -m tools.build.distribution [--check] [--jobs N]
 
@@ -17,7 +17,7 @@ from gspcli.cli.sample import histogram
 from gspcli.reality.real_distribution import Sample, Tally, sample
 from tools.recording import ROOT, add_workers, parser, save, with_section, workers_of
 
-PAGE = ROOT / "docs" / "real-samples.md"
+PAGE = ROOT / "docs" / "real-counts.md"
 PICTURE = ROOT / "docs" / "images" / "real-6-6.svg"
 OTHERS = ROOT / "data" / "verification" / "platforms-6-6.csv"
 #: This many real poses or more are one cell of the test.

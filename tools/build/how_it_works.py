@@ -1,4 +1,4 @@
-"""Rebuild the drawing of docs/how-gsp-works.md: the paths to the eight poses of a platform.
+"""Rebuild the drawing of docs/how-it-works.md: the paths to the eight poses of a platform.
 
     python -m tools.build.how_it_works [--check]
 

@@ -60,7 +60,7 @@ class Shown:
     Attributes
     ----------
     place
-        The name of the page, such as ``docs/tour.md``, or ``gsp solve --help``.
+        The name of the page, such as ``docs/tutorial-machine.md``, or ``gsp solve --help``.
     line
         The command line, without the prompt.
     output

@@ -40,7 +40,7 @@ _MACHINES = {
 _OF_PLACE = {
     "gsp solve --help": "figure-4",
     "gsp dynamics --help": "MASSES",
-    "docs/solving.md": "figure-4",
+    "docs/solve.md": "figure-4",
 }
 _DYNAMICS = ROOT / "docs" / "dynamics.md"
 #: Which block of which page a file is.
@@ -49,18 +49,16 @@ _BLOCKS = {
     ("docs/dynamics.md", "rotary.yaml"): (_DYNAMICS, "yaml", 1),
     ("gsp dynamics --help", "rotary.yaml"): (_DYNAMICS, "yaml", 1),
     ("docs/dynamics.md", "path.csv"): (_DYNAMICS, "csv", 0),
-    ("docs/dynamics.md", "forces.csv"): (_DYNAMICS, "csv", 1),
     ("gsp dynamics --help", "path.csv"): (_DYNAMICS, "csv", 0),
-    ("gsp dynamics --help", "forces.csv"): (_DYNAMICS, "csv", 1),
     ("docs/import.md", "robot.xml"): (ROOT / "docs" / "import.md", "xml", 0),
     ("docs/import.md", "joints.csv"): (ROOT / "docs" / "import.md", "csv", 0),
     ("gsp import --help", "joints.csv"): (ROOT / "docs" / "import.md", "csv", 0),
     ("gsp import --help", "robot.xml"): (ROOT / "docs" / "import.md", "xml", 0),
-    ("docs/rotary.md", "moves.csv"): (ROOT / "docs" / "rotary.md", "csv", 0),
-    ("docs/safe-files.md", "moves.csv"): (ROOT / "docs" / "safe-files.md", "csv", 0),
-    ("docs/collisions.md", "moves.csv"): (ROOT / "docs" / "collisions.md", "csv", 0),
-    ("docs/nearest.md", "wanted.csv"): (ROOT / "docs" / "nearest.md", "text", 0),
-    ("docs/mount.md", "path.csv"): (ROOT / "docs" / "mount.md", "text", 0),
+    ("docs/tutorial-rotary.md", "moves.csv"): (ROOT / "docs" / "tutorial-rotary.md", "csv", 0),
+    ("docs/track.md", "moves.csv"): (ROOT / "docs" / "track.md", "csv", 0),
+    ("docs/workspace.md", "moves.csv"): (ROOT / "docs" / "track.md", "csv", 0),
+    ("docs/measure.md", "wanted.csv"): (ROOT / "docs" / "measure.md", "text", 0),
+    ("docs/tutorial-machine.md", "path.csv"): (ROOT / "docs" / "tutorial-machine.md", "text", 0),
 }
 
 
@@ -125,14 +123,14 @@ def _printed(line: str) -> Callable[[Shown], str]:
 def _framed(shown: Shown) -> str:
     """Return a machine with the frames that the page about them adds to it."""
     del shown
-    stated = _block(ROOT / "docs" / "frames.md", "yaml", 0)
+    stated = _block(ROOT / "docs" / "tables.md", "yaml", 0)
     return instance_files()["workspace-study"].read_text(encoding="utf-8") + stated
 
 
 def _thick(shown: Shown) -> str:
     """Return a machine with the diameter of legs that the page about gaps adds to it."""
     del shown
-    stated = _block(ROOT / "docs" / "collisions.md", "yaml", 0)
+    stated = _block(ROOT / "docs" / "workspace.md", "yaml", 0)
     return instance_files()["workspace-study"].read_text(encoding="utf-8") + stated
 
 
@@ -162,6 +160,7 @@ _FILES: dict[str, Callable[[Shown], str]] = {
     "values.csv": lambda shown: "t,1\n0,5.3\n1,5.4\n",
     "instances.jsonl": lambda shown: json.dumps(yaml.safe_load(machine())) + "\n",
     "log.csv": lambda shown: "Zeit [s],motor 1,x,y,z,qw,qx,qy,qz\n0,7,0,0,5,1,0,0,0\n",
+    "forces.csv": lambda shown: "t,F1,F2,F3,F4,F5,F6\n0,25,25,25,25,25,25\n0.1,25,25,25,25,25,25\n",
     "moves.csv": lambda shown: "t,1\n0,5.3\n1,5.4\n",
     "angles.csv": lambda shown: "t,crank.B1\n0,0\n1,5\n",
     "track.csv": lambda shown: run_line("gsp solve platform.yaml --format csv").results,

@@ -1,6 +1,6 @@
 """Lines that are parallel at every pose, such as posts and bores of a plate on a table.
 
-For parallel lines the equation of a DLL holds at any distance (docs/count-proofs.md). The
+For parallel lines the equation of a DLL holds at any distance (docs/counts.md). The
 constraint is that of a point of one line and the other line. Whether lines are always parallel
 depends on the other constraints. If there are m DLL, the others have a solution set of dimension
 m, and the lines must be parallel on all its components. To test this, m spheres about random

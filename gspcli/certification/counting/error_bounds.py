@@ -2,7 +2,7 @@
 
 A count modulo a prime is wrong only if the prime divides one of certain integers, which depend on
 the platform only. They are minors of Macaulay's matrices, whose rows are the products of the
-equations and monomials up to a degree (proof: docs/exact-count-proofs.md). Hadamard's inequality
+equations and monomials up to a degree (proof: docs/exact-counts.md). Hadamard's inequality
 bounds their bits, and an integer with these bits has few prime factors above 2^60.
 """
 

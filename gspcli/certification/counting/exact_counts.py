@@ -280,7 +280,7 @@ def _proved_error(result: ResidueCount, platform: ModularPlatform) -> float | No
     If no solution is at infinity modulo the prime, none is, and Bezout's theorem applies: the
     number is the degree of the coordinates' variety (data/varieties.json) times those of the
     equations. Isolated solutions modulo the prime come from solutions. If they are as many as the
-    generic count, there are no others (docs/count-proofs.md). Then only the random tests of the
+    generic count, there are no others (docs/counts.md). Then only the random tests of the
     border basis may be wrong.
     """
     blocks, kinds = platform.blocks, platform.kinds

@@ -7,7 +7,7 @@ which is linear in R and quadratic in T or U. Each other DLL adds a coordinate: 
 
 A part is also cut with random hyperplanes. Their number is the dimension of a part that they meet;
 a part of lower dimension they miss. One hyperplane that meets a part proves it infinite, often with
-far less work than an elimination without hyperplanes (error bounds: docs/parallel-lines.md).
+far less work than an elimination without hyperplanes (error bounds: docs/exact-counts.md).
 """
 
 from __future__ import annotations

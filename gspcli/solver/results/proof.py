@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 class CountKind(StrEnum):
-    """A count that certified poses can reach (docs/completeness.md)."""
+    """A count that certified poses can reach (docs/certificates.md)."""
 
     TYPE = "type count"
     """As many distinct simple poses as the type has: there can be no other solution at all."""
@@ -56,7 +56,7 @@ class Proof:
     @classmethod
     def by_geometry(cls, count: ExactCount | None, number: int) -> Proof | None:
         """Return the proof that this many poses, at least one, are all that the geometry has."""
-        # Two pairs of lines parallel at once spoil the argument (docs/count-proofs.md).
+        # Two pairs of lines parallel at once spoil the argument (docs/counts.md).
         if count is None or not number or count.solutions != number or not count.has_lone_lines:
             return None
         return cls.modulo(CountKind.GEOMETRY, count.error)

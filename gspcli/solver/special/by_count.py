@@ -154,7 +154,7 @@ def _uncounted(problem: Problem, ledger: Ledger) -> PoseSet:
     instance, limit, sides = problem.instance, problem.limit, ledger.sides
     count = geometry_count(instance, seed=problem.seed, limit=limit) if limit != 0 else None
     most = None
-    # Two pairs of lines parallel at once spoil the argument (docs/count-proofs.md), and a
+    # Two pairs of lines parallel at once spoil the argument (docs/counts.md), and a
     # geometry that has no pose for most values has infinitely many for others.
     if count is not None and count.solutions and count.has_lone_lines:
         # All choices of sides are alike.

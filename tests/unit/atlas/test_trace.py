@@ -65,7 +65,7 @@ def test_three_angles_show_rotations_only() -> None:
     target, points = _solved("3D3A PP PP PP")
     order = np.argsort(np.round(points[:, 1] / points[:, 0], 6))
     assert trace_test(target, points, SEED).passed
-    # One pose of the two for each rotation: the limit of the test that docs/count-checks.md states.
+    # One pose of the two for each rotation: the limit of the test that docs/counts.md states.
     assert trace_test(target, points[order[::2]], SEED).passed
     assert not trace_test(target, points[order[:8]], SEED).passed
 

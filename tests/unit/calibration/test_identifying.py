@@ -300,9 +300,9 @@ def test_numbers_at_random(tmp_path: Path) -> None:
 
 
 def test_the_log_of_the_page() -> None:
-    """The statements of docs/identification.md."""
+    """The statements of docs/calibrate.md."""
     found = identify(str(DOCS / "calibration" / "controller-log.csv"))
-    page = (DOCS / "identification.md").read_text(encoding="utf-8")
+    page = (DOCS / "calibrate.md").read_text(encoding="utf-8")
     shown = re.search(r"```text\n(.*?)```", page, re.DOTALL)
     assert shown is not None
     assert shown[1].splitlines() == found.sentences

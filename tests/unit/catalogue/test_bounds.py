@@ -135,7 +135,7 @@ def test_no_bound_is_below_the_generic_count() -> None:
         assert found.refined_one_sided.value >= count, family
         assert found.refined_two_sided.value >= count * 2**sided, family
         reached += found.refined_one_sided.value == count
-    # As docs/equations.md says.
+    # As docs/types.md says.
     assert (reached, len(FAMILIES)) == (654, 896)
 
 

@@ -20,7 +20,7 @@ def _blocks(kind: str) -> list[str]:
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
     """A folder with the files of the page."""
-    names = ("hexapod.yaml", "rotary.yaml", "path.csv", "forces.csv")
+    names = ("hexapod.yaml", "rotary.yaml", "path.csv")
     for name, content in zip(names, _blocks("yaml") + _blocks("csv"), strict=True):
         (tmp_path / name).write_text(content, encoding="utf-8")
     monkeypatch.chdir(tmp_path)
