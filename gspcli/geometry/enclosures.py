@@ -75,6 +75,12 @@ class Enclosure:
         mid = np.asarray(mid, float)
         return cls(mid, ROUND * np.maximum(size(mid), scale))
 
+    @classmethod
+    def between(cls, low: Array, high: Array) -> Enclosure:
+        """Return all numbers between two, which may err by `ROUND` of the larger, shape (...)."""
+        rad = (high - low) / 2 + 3 * ROUND * np.maximum(np.abs(low), np.abs(high))
+        return cls(((low + high) / 2)[..., None], rad * OUT)
+
     def widened(self, more: ArrayLike) -> Enclosure:
         """Return the enclosure of all vectors that are at most so far away."""
         return self._with(self.mid, self.lin, self.rad + np.asarray(more))
@@ -85,9 +91,14 @@ class Enclosure:
         return Enclosure(self.mid[index], self.rad[index], lin[index], cube=self.cube)  # type: ignore[index]
 
     @property
+    def is_ball(self) -> bool:
+        """Whether there are no parameters."""
+        return not self.lin.shape[-1]
+
+    @property
     def slope(self) -> Array:
         """Bounds of ``|lin . u|``, shape (...)."""
-        if not self.lin.shape[-1]:
+        if self.is_ball:
             return np.zeros(self.mid.shape[:-1])
         columns = np.sqrt((self.lin**2).sum(axis=-2)) * OUT
         total = columns.sum(axis=-1) if self.cube else np.sqrt((columns**2).sum(axis=-1))
@@ -96,7 +107,7 @@ class Enclosure:
     @property
     def reach(self) -> Array:
         """Bounds of the distance from `mid`, shape (...)."""
-        if not self.lin.shape[-1]:
+        if self.is_ball:
             return self.rad
         return np.asarray((self.slope + self.rad) * OUT)
 
@@ -162,7 +173,7 @@ class Enclosure:
 
     def across(self, unit: Enclosure) -> Enclosure:
         """Return the part at right angles to vectors of norm one."""
-        if self.lin.shape[-1] or unit.lin.shape[-1]:
+        if not (self.is_ball and unit.is_ball):
             return self - unit * unit.dot(self)
         e = unit.mid
         mid = self.mid - e * (e * self.mid).sum(axis=-1, keepdims=True)
@@ -235,7 +246,7 @@ class Enclosure:
         n = np.sqrt((self.mid**2).sum(axis=-1, keepdims=True))
         lin = np.einsum("...i,...im->...m", self.mid / n, self.lin)[..., None, :]
         rad = self.rad
-        if self.lin.shape[-1]:
+        if not self.is_ball:
             rad = rad + self.reach**2 / (2 * n[..., 0] * (2 - OUT))
         return self._with(n, lin, rad + 4 * ROUND * self.most)
 
@@ -249,7 +260,7 @@ class Enclosure:
         e, least, reach = self.mid / n, self.least, self.reach
         along = np.einsum("...i,...im->...m", e, self.lin)
         lin = (self.lin - e[..., None] * along[..., None, :]) / n[..., None]
-        if self.lin.shape[-1]:
+        if not self.is_ball:
             rad = self.rad / (least + reach) + 0.58 * reach**2 / least**2
         else:
             rad = reach / (least + reach / 2)

@@ -31,9 +31,11 @@ def screw(
         force = r.across(v)
         return arm.cross(force), force
     if kind is DLP:
-        # The force passes through the point of the base.
         force = r.across(w)
-        return force.cross(offset), force
+        # It passes through the point of the base. Each form is the tighter one of its sort.
+        if w.is_ball:
+            return force.cross(offset), force
+        return arm.cross(offset) - w.cross(offset) * w.dot(r), force
     if kind is DPH:
         return arm.cross(v), v
     if kind is DHP:

@@ -37,7 +37,7 @@ from gspcli.geometry.primitives import Line
 from gspcli.geometry.ranges import value_range
 from gspcli.geometry.readings import factors, offsets, readings_of
 from gspcli.motion.following.platform_numbers import platform_numbers
-from gspcli.motion.singularities.displacements import Displacements
+from gspcli.motion.singularities.pose_clearances import Displacements
 from gspcli.pictures.arms import drawn_drives
 from gspcli.pictures.live_drives import LiveMotors, apart
 from gspcli.pictures.live_home import live_home

@@ -26,6 +26,8 @@ Vector = list[Any]
 class Exact:
     """A vector of 60 digits with the operations of `Enclosure`."""
 
+    is_ball = True
+
     def __init__(self, x: Sequence[Any], rng: np.random.Generator | None = None) -> None:
         self.x = [mp.mpf(v) if isinstance(v, (int, float)) else v for v in x]
         self.rng = rng or np.random.default_rng(11)

@@ -16,8 +16,7 @@ from gspcli.certification.numbers.rounding import COMPLEX, ISOLATED, REAL, ROUND
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.geometry.random_instances import random_instance
-from gspcli.motion.singularities.displacements import Displacements
-from gspcli.motion.singularities.pose_clearances import pose_clearances
+from gspcli.motion.singularities.pose_clearances import Displacements, pose_clearances
 
 ROOT = Path(__file__).resolve().parents[2]
 MODULE = ROOT / "tools" / "view" / "module"

@@ -24,8 +24,7 @@ from gspcli.catalogue.names import parse_type
 from gspcli.defaults import SEED
 from gspcli.geometry.random_instances import random_instance
 from gspcli.motion.singularities.clearances import clearance
-from gspcli.motion.singularities.displacements import Displacements
-from gspcli.motion.singularities.pose_clearances import pose_clearance
+from gspcli.motion.singularities.pose_clearances import Displacements, pose_clearance
 from tools.recording import ROOT, add_workers, csv_text, parser, sampled, workers_of
 from tools.verify.campaigns import conclude
 

@@ -33,9 +33,12 @@ from gspcli.geometry.drive_numbers import is_driven
 from gspcli.geometry.drives import Drives
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.residuals import condition_numbers
-from gspcli.motion.singularities.displacements import Displacements
-from gspcli.motion.singularities.pose_clearances import pose_clearance, pose_clearances
-from gspcli.motion.singularities.screw_forms import ScrewForms
+from gspcli.motion.singularities.pose_clearances import (
+    Displacements,
+    Screws,
+    pose_clearance,
+    pose_clearances,
+)
 from gspcli.pictures.live_numbers import live_module, live_numbers
 from tools.recording import ROOT, UNABLE, csv_text, sampled
 from tools.verify.campaigns import conclude, options, results
@@ -258,7 +261,7 @@ def _clearances(instance: Instance, R: Array, T: Array) -> Array:
 def _have_one_basis(instance: Instance, R: Array, T: Array) -> NDArray[np.bool_]:
     """Return at which poses the singular values of the screws are apart, shape (n,)."""
     try:
-        screws = ScrewForms(Displacements(instance, R, T)).matrices(np.zeros((len(R), 6)))
+        screws = Screws(Displacements(instance, R, T)).matrices(np.zeros((len(R), 6)))
     except ArgumentError:
         return np.ones(len(R), np.bool_)
     values = np.linalg.svd(screws / np.linalg.norm(screws, axis=2, keepdims=True))[1]

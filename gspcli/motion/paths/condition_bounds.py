@@ -48,7 +48,9 @@ def condition_bounds(
     """
     with np.errstate(all="ignore"):
         rows = rows_near(arrangement, R, T, shifts, turns, length, slips)
-        known = np.isfinite(rows.rad).all(axis=1) & np.isfinite(rows.mid).all(axis=(1, 2))
+        known = np.asarray(
+            np.isfinite(rows.rad).all(axis=1) & np.isfinite(rows.mid).all(axis=(1, 2))
+        )
         safe = np.where(known[:, None, None], rows.mid, np.eye(6))
         least, most = singular_values(Enclosure(safe, rows.rad))
         return np.where(known & (least > 0), most / least * OUT, np.inf)

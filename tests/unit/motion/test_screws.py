@@ -19,8 +19,12 @@ KINDS = [DPP, DPL, DLP, DPH, DHP, DLL, None]
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_members_are_enclosed(kind: Kind) -> None:
-    """With parts that are exact at random, so that each term of a bound is once the only one."""
+@pytest.mark.parametrize("count", [0, 2])
+def test_members_are_enclosed(kind: Kind, count: int) -> None:
+    """With parts that are zero at random, so that each term of a bound is once the only one.
+
+    With linear parts in some parameters, or without.
+    """
     rng = np.random.default_rng(2)
     for _ in range(60):
         r = 10.0 ** rng.uniform(-17, -0.5)
@@ -29,14 +33,25 @@ def test_members_are_enclosed(kind: Kind) -> None:
         radii = r * rng.choice([0, 1, 1], 4) * [1, 1, 1, 0]
         # Of a unit vector the member is scaled again.
         near = radii * [1, 1, 2.2, 0] + [0, 0, 2.0**-50, 2.0**-50]
-        found = screw(kind, *map(Enclosure, vectors, near))
+        lin = rng.normal(size=(4, 3, count)) * r * rng.integers(0, 2, (4, 1, 1))
+        # Directions keep their length to first order.
+        lin[2:] -= vectors[2:, :, None] * np.einsum("ki,kij->kj", vectors[2:], lin[2:])[:, None]
+        near[2:] += (count * np.abs(lin[2:]).sum(axis=(1, 2))) ** 2
+        found = screw(kind, *map(Enclosure, vectors, near, lin))
         for _ in range(4):
-            members = [
-                Exact(x, rng).member(radius, unit=k > 1)
-                for k, (x, radius) in enumerate(zip(vectors, radii, strict=True))
-            ]
+            u = rng.choice([-1.0, 1.0], size=count)
+            members = []
+            for k, (x, row, radius) in enumerate(zip(vectors, lin, radii, strict=True)):
+                there = Exact(x, rng) + sum(
+                    (u[j] * Exact(row[:, j]) for j in range(count)), start=Exact(0 * x)
+                )
+                there = there.member(radius, unit=k > 1)
+                there.is_ball = not count
+                members.append(there)
             for enclosure, true in zip(found, screw(kind, *members), strict=True):
-                assert enclosure is None or outside(enclosure, true) <= 0
+                if enclosure is not None:
+                    lines = u[: enclosure.lin.shape[-1]]
+                    assert outside(enclosure, true, lines.tolist()) <= 0
 
 
 @pytest.mark.parametrize("name", ["6PP", "6PL", "6DLP", "6PH", "6DHP", "6DLL", "3PP 3ALL"])

@@ -9,15 +9,17 @@ import pytest
 
 from gspcli.catalogue.names import parse_type
 from gspcli.certification.branches.parametric_quadrics import MovingEquations, Shape, ValueFunction
-from gspcli.geometry.quaternions import cross
 from gspcli.geometry.random_instances import random_instance
 from gspcli.motion.following.branch_follower import MovingPlatform
 from gspcli.motion.singularities import pose_clearances
-from gspcli.motion.singularities.displacements import Displacements
 from gspcli.motion.singularities.enclosures import Neighbourhood
-from gspcli.motion.singularities.pose_clearances import _divided
-from gspcli.motion.singularities.screw_forms import Regular, ScrewForms
-from gspcli.motion.singularities.taylor_forms import Form
+from gspcli.motion.singularities.pose_clearances import (
+    Displacements,
+    Regular,
+    Screws,
+    _divided,
+    regular,
+)
 from tests.support.systems import quadric
 
 #: Equations about x^2 = c on points (1, x, 0, ...), with a double solution at c = 0: shape, A, B.
@@ -119,56 +121,6 @@ def test_solutions_are_as_near_as_a_box_says(name: str, law: str) -> None:
     assert claims
 
 
-def random_form(rng: np.random.Generator, size: int, rest: float, *, cube: bool):
-    """Return a form, and a function of x with values in it: off by its rest in a direction."""
-    value, linear = rng.normal(size=size), 0.4 * rng.normal(size=(size, 6))
-    off = rng.normal(size=size)
-    off *= rest / np.linalg.norm(off)
-    return Form(value, linear, np.array(rest), cube), lambda x: value + linear @ x + off
-
-
-def combined(rng: np.random.Generator, rest: float, *, cube: bool):
-    """Yield combinations of forms, and the functions that they enclose."""
-    (a, f), (b, g) = (random_form(rng, 1, rest, cube=cube) for _ in range(2))
-    (c, h), (d, k) = (random_form(rng, 3, rest, cube=cube) for _ in range(2))
-    yield a * b, lambda x: f(x) * g(x)
-    yield c * a, lambda x: h(x) * f(x)
-    yield c.dot(d), lambda x: np.array([h(x) @ k(x)])
-    yield c.cross(d), lambda x: cross(h(x), k(x))
-    yield c + d, lambda x: h(x) + k(x)
-    yield c - d, lambda x: h(x) - k(x)
-
-
-@pytest.mark.parametrize("cube", [True, False])
-@pytest.mark.parametrize("rest", [0.0, 0.3])
-def test_combinations_of_enclosures_enclose(cube: bool, rest: float) -> None:
-    """Numbers may be as large as the product of the norms."""
-    rng = np.random.default_rng(1)
-    needed = 0.0
-    for _ in range(60):
-        for enclosure, function in combined(rng, rest, cube=cube):
-            for way in [*np.sign(enclosure.linear), *rng.choice((-1.0, 1.0), (8, 6)), np.zeros(6)]:
-                x = way if cube else way / max(np.linalg.norm(way), 1)
-                off = np.linalg.norm(function(x) - enclosure.value - enclosure.linear @ x)
-                assert off <= enclosure.rest
-                needed = max(needed, off / enclosure.rest if enclosure.rest > 0.1 else 0)
-                assert np.linalg.norm(function(x) - enclosure.value) <= enclosure.reach
-    assert needed > 0.6
-
-
-def test_the_reach_of_a_cube_is_more_than_that_of_a_ball() -> None:
-    linear = np.zeros((1, 6))
-    linear[0] = 1
-    reach = [float(Form(np.zeros(1), linear, np.array(0.5), cube).reach) for cube in (True, False)]
-    np.testing.assert_allclose(reach, [6.5, np.sqrt(6) + 0.5])
-
-
-def test_numbers_that_do_not_move_are_rounded() -> None:
-    form = Form.constant(np.array([3.0, 4.0, 0.0]), cube=True)
-    assert float(form.rest) >= 5 * 2.0**-50
-    assert float((form + form).rest) > 2 * float(form.rest)
-
-
 TYPES = [
     "6PP",
     "6DLP",
@@ -191,7 +143,7 @@ def test_no_pose_of_a_set_that_is_regular_is_singular(kinds: str, cube: bool) ->
             home = Displacements(instance, R[None], T[None], rng.normal(size=(4, 3)))
         except ValueError:
             continue
-        forms = ScrewForms(home)
+        screws = Screws(home)
         middle = 0.3 * rng.normal(size=(1, 6)) * home.farthest / 4
         ways = rng.normal(size=(400, 6))
         ways /= (
@@ -201,7 +153,7 @@ def test_no_pose_of_a_set_that_is_regular_is_singular(kinds: str, cube: bool) ->
         )
         for size in np.geomspace(1e-3, 1, 14) * home.farthest:
             half = np.full((1, 6), size) * [1, 1, 1, 0.7, 0.7, 0.7]
-            sign = forms.judge(middle, half, cube=cube).sign[0]
+            sign = screws.judge(middle, half, cube=cube).sign[0]
             if not sign:
                 break
             proved += 1
@@ -220,8 +172,7 @@ def test_no_pose_of_a_set_that_is_regular_is_singular(kinds: str, cube: bool) ->
 
 def compared(rows, linear, rest, *, cube: bool) -> float:
     """Return the sign that matrices are proved to have."""
-    found = ScrewForms.__new__(ScrewForms)._compare(rows[None], linear[None], rest[None], cube=cube)
-    return float(found[0][0])
+    return float(regular(rows[None], linear[None], rest[None], cube=cube)[0][0])
 
 
 @pytest.mark.parametrize("cube", [True, False])

@@ -8,9 +8,12 @@ from gspcli.errors import ArgumentError
 from gspcli.geometry.quaternions import apply, cross
 from gspcli.geometry.random_instances import random_instance
 from gspcli.motion.singularities import pose_clearances as searching
-from gspcli.motion.singularities.displacements import Displacements
-from gspcli.motion.singularities.pose_clearances import pose_clearance, pose_clearances
-from gspcli.motion.singularities.screw_forms import ScrewForms
+from gspcli.motion.singularities.pose_clearances import (
+    Displacements,
+    Screws,
+    pose_clearance,
+    pose_clearances,
+)
 from gspcli.resources import data_path
 
 TYPES = ["6PP", "6PH", "6PL", "6DLL", "PP PL LP PH HP DLL", "PL PL LP ALL ALH AHH"]
@@ -45,12 +48,13 @@ def test_coordinates_have_the_length_of_the_displacement_of_the_points():
 def test_screws_are_enclosed_over_boxes_and_are_those_of_the_jacobian_matrix(name):
     instance, R, T = platform(name, 2)
     home = Displacements(instance, R[None], T[None])
-    forms = ScrewForms(home)
+    screws = Screws(home)
     rng = np.random.default_rng(3)
     s, half = rng.normal(size=(1, 6)) * 0.1, rng.uniform(0.01, 0.1, size=(1, 6))
-    value, linear, rest = forms._rows(forms._inputs(s, half, cube=True))
+    found = screws.rows(s, half, cube=True)
+    value, linear, rest = found.mid[..., 0], found.lin[..., 0, :], found.rad
     x = np.concatenate((rng.uniform(-1, 1, size=(40, 6)), rng.choice([-1, 1], size=(40, 6))))
-    off = forms.matrices(s + half * x) - value - np.einsum("kci,ni->nkc", linear[0], x)
+    off = screws.matrices(s + half * x) - value - np.einsum("kci,ni->nkc", linear[0], x)
     assert (np.abs(off) <= rest).all()
     # Not enclosed if the derivatives were wrong: the rest is of second order.
     assert (np.abs(off) <= rest / 2).any()
@@ -98,11 +102,11 @@ def test_a_wider_ball_than_the_distance_of_a_singular_pose_is_never_proved(monke
     instance, R, T = platform("6PP", 0)
     monkeypatch.setattr(searching, "_ROUNDS", 4)
     found = pose_clearance(instance, R, T)
-    forms = ScrewForms(Displacements(instance, R[None], T[None]))
+    screws = Screws(Displacements(instance, R[None], T[None]))
     for size in (found.upper, 2 * found.upper):
         half = np.full((1, 6), size)
-        assert forms.judge(np.zeros((1, 6)), half, cube=False).sign == 0
-        assert forms.judge(np.zeros((1, 6)), half, cube=True).sign == 0
+        assert screws.judge(np.zeros((1, 6)), half, cube=False).sign == 0
+        assert screws.judge(np.zeros((1, 6)), half, cube=True).sign == 0
 
 
 def test_clearances_follow_the_unit_of_length_and_the_points():
