@@ -28,11 +28,11 @@ if TYPE_CHECKING:
     from gspcli.catalogue.known_facts import bound as bound
     from gspcli.catalogue.known_facts import show as show
     from gspcli.catalogue.listing import TypeList as TypeList
-    from gspcli.catalogue.mechanism import mechanism as mechanism
     from gspcli.catalogue.names import parse_class as parse_class
     from gspcli.catalogue.names import parse_kind as parse_kind
     from gspcli.catalogue.names import parse_kind_set as parse_kind_set
     from gspcli.catalogue.names import parse_type as parse_type
+    from gspcli.catalogue.realization import mechanism as mechanism
     from gspcli.catalogue.types import Family as Family
     from gspcli.catalogue.types import GspType as GspType
     from gspcli.catalogue.types import all_types as all_types
@@ -170,7 +170,7 @@ _HOMES = {
     "loads": "gspcli.spec",
     "maximize_real": "gspcli.reality.real_search",
     "measure": "gspcli.motion.poses.measured_values",
-    "mechanism": "gspcli.catalogue.mechanism",
+    "mechanism": "gspcli.catalogue.realization",
     "natural_modes": "gspcli.dynamics",
     "new": "gspcli.geometry.random_instances",
     "notebook_view": "gspcli.pictures.notebook",

@@ -8,15 +8,18 @@ The kinds of the angles make no difference, so there are as many counts as famil
 from __future__ import annotations
 
 import csv
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from enum import Enum
+from fractions import Fraction
 from functools import cache
+from itertools import groupby, product
+from math import comb, prod
+from random import Random
 
-from gspcli.catalogue.intersection_numbers import intersection_number
-from gspcli.catalogue.kinds import Kind
+from gspcli.catalogue.kinds import KINDS_BY_NAME, Kind, Primitive
 from gspcli.catalogue.types import CLASSES, CONSTRAINTS, Family, GspType, PlatformClass, families
-from gspcli.errors import DataError
+from gspcli.errors import DataError, GspError
 from gspcli.resources import data_path
 
 FOLDER = "counts"
@@ -144,3 +147,407 @@ def _recorded() -> dict[tuple[Kind, ...], GenericCounts]:
 def _rows(name: str) -> list[dict[str, str]]:
     text = data_path(FOLDER, name).read_text(encoding="utf-8")
     return list(csv.DictReader(text.splitlines()))
+
+
+# The number of common points of general quadrics of six spaces, from intersection theory.
+#
+# Y is the smooth projective variety of the (e, f, g) with e.f = 0, e != 0 and (f, g) != 0, up to
+# (e, f, g) ~ (r e, r t f, t g). The motions are its open part g N != 0. Blow up Y along B_t, and then
+# along the strict transforms of B_p and B_q; these centres are products of projective lines. On the
+# result the spaces a, p, q, l and the differences of two members of s have no base points. So the
+# numbers are products of divisor classes. Proof: docs/counts.md, Theorem 1.
+
+DIMENSION = 6
+#: Degrees of h^k x^(6-k) on Y: coefficients of t^(3-k) in 1 / ((1 - t)^4 (1 - 2t)).
+_POWERS = tuple(sum(comb(i + 3, 3) * 2 ** (3 - k - i) for i in range(4 - k)) for k in range(7))
+
+#: A divisor class: coefficients of h, x and the exceptional divisors over B_t, B_p and B_q.
+Divisor = tuple[int, int, int, int, int]
+#: Of e, of the differences of members of s, and of the members of each space.
+_DIFFERENCE: Divisor = (0, 1, -1, 0, 0)
+_CLASSES: dict[str, Divisor] = {
+    "a": (2, 0, 0, 0, 0),
+    "p": (0, 1, -1, -1, 0),
+    "q": (0, 1, -1, 0, -1),
+    "l": (0, 1, 0, 0, 0),
+    "s": (-2, 2, -1, -1, -1),
+}
+
+#: A class on a product of lines: coefficients by the set of lines, as bits, whose classes of
+#: points are multiplied.
+_OnLines = Mapping[int, int]
+_A, _B, _C = {1: 1}, {2: 1}, {4: 1}
+
+
+def _sum(*terms: tuple[int, _OnLines]) -> dict[int, int]:
+    total: dict[int, int] = {}
+    for factor, term in terms:
+        for lines, coefficient in term.items():
+            total[lines] = total.get(lines, 0) + factor * coefficient
+    return total
+
+
+def _times(one: _OnLines, other: _OnLines) -> dict[int, int]:
+    return _sum(*[(c, {i | j: d}) for i, c in one.items() for j, d in other.items() if not i & j])
+
+
+def _power(base: _OnLines, exponent: int) -> dict[int, int]:
+    result = {0: 1}
+    for _ in range(exponent):
+        result = _times(result, base)
+    return result
+
+
+@dataclass(frozen=True)
+class _Centre:
+    """The centre of a blow-up, a product of lines; restrictions of h, x and earlier divisors."""
+
+    lines: int
+    h: _OnLines
+    x: _OnLines
+    earlier: _OnLines
+
+    @property
+    def codimension(self) -> int:
+        return DIMENSION - self.lines
+
+    def segre(self) -> dict[int, int]:
+        """Return the inverse of the Chern class of the normal bundle.
+
+        In K-theory the tangent bundle of Y is 4 O(h) + 4 O(x-h) + O(x-2h) - O(x) - 2, that of a
+        line 2 O(1) - 1, and blowing up earlier within the centre twists the difference.
+        """
+        h, x = self.h, self.x
+        bundles = [
+            (4, h),
+            (4, _sum((1, x), (-1, h))),
+            (1, _sum((1, x), (-2, h))),
+            (-1, x),
+            (self.lines - 2, {}),
+            *[(-2, {1 << line: 1}) for line in range(self.lines)],
+        ]
+        result = {0: 1}
+        for rank, bundle in bundles:
+            first = _sum((1, bundle), (-1, self.earlier))
+            result = _times(
+                result, _sum(*[(_choose(-rank, k), _power(first, k)) for k in range(4)])
+            )
+        return result
+
+    def degree(self, h: int, x: int, earlier: int, own: int) -> int:
+        """Return the degree of a monomial in h, x, the earlier divisor and, at least once, its own.
+
+        Their exponents add up to 6.
+        """
+        segre = {
+            lines: c
+            for lines, c in self.segre().items()
+            if lines.bit_count() == own - self.codimension
+        }
+        factors = (_power(self.h, h), _power(self.x, x), _power(self.earlier, earlier))
+        for factor in factors:
+            segre = _times(segre, factor)
+        sign = -1 if own % 2 == 0 else 1
+        return sign * segre.get((1 << self.lines) - 1, 0)
+
+
+def _choose(n: int, k: int) -> int:
+    """Return the binomial coefficient, also for negative n."""
+    return comb(n, k) if n >= 0 else (-1) ** k * comb(k - n - 1, k)
+
+
+#: e = a b^T and f = e; e = a b^T and f = c b^T; e = a b^T and f = a c^T.
+_H = _sum((1, _A), (1, _B))
+_CENTRE_T = _Centre(2, _H, _sum((2, _A), (2, _B)), {})
+_CENTRE_P = _Centre(3, _H, _sum((1, _A), (2, _B), (1, _C)), _sum((1, _A), (1, _C)))
+_CENTRE_Q = _Centre(3, _H, _sum((2, _A), (1, _B), (1, _C)), _sum((1, _B), (1, _C)))
+
+
+@cache
+def _degree(h: int, x: int, t: int, p: int, q: int) -> int:
+    """Return the degree of a monomial of six divisors."""
+    if p and q:
+        return 0
+    if p:
+        return _CENTRE_P.degree(h, x, t, p)
+    if q:
+        return _CENTRE_Q.degree(h, x, t, q)
+    return _CENTRE_T.degree(h, x, 0, t) if t else _POWERS[h]
+
+
+@cache
+def intersection_number(spaces: str) -> int:
+    """Return the number of common points, with N not zero, of general members of six spaces.
+
+    Parameters
+    ----------
+    spaces
+        Six letters of ``apqls``, in any order.
+
+    Raises
+    ------
+    ValueError
+        If there are not six, or a letter is unknown.
+
+    >>> intersection_number("ssssss"), intersection_number("pppqqq"), intersection_number("llllll")
+    (40, 20, 64)
+    """
+    if len(spaces) != DIMENSION or not set(spaces) <= set(_CLASSES):
+        message = f"spaces must be six letters of {''.join(_CLASSES)!r}, not {spaces!r}"
+        raise ValueError(message)
+    spheres = spaces.count("s")
+    divisors = [_CLASSES[letter] for letter in spaces if letter != "s"]
+    # One member of s, and its differences from the others.
+    divisors += [_CLASSES["s"]] * (spheres > 0) + [_DIFFERENCE] * (spheres - 1)
+    total = 0
+    for chosen in product(*[[i for i in range(5) if d[i]] for d in divisors]):
+        factor = prod(d[i] for d, i in zip(divisors, chosen, strict=True))
+        h, x, t, p, q = map(chosen.count, range(5))
+        total += factor * _degree(h, x, t, p, q)
+    return total
+
+
+def mourrain_degree() -> int:
+    """Return the degree of the motions in the 25 coordinates R, T, U, rho and T x R.
+
+    Of six general linear functions five can be made free of rho: a space of class x without base
+    points. The sixth has class 2x - 2h, as a member of s on Y, and base points only where
+    g = f.f = 0, which the curve of the other five misses.
+
+    >>> mourrain_degree()
+    84
+    """
+    return 2 * _degree(0, DIMENSION, 0, 0, 0) - 2 * _degree(1, DIMENSION - 1, 0, 0, 0)
+
+
+FILE = ("witnesses", "real.csv")
+
+
+@dataclass(frozen=True, slots=True)
+class Witness:
+    """A platform with many real solutions.
+
+    Attributes
+    ----------
+    family
+        The class and the distances.
+    real
+        The number of different real solutions, with both sides of each DPH and DHP.
+    rows
+        The numbers of each constraint as decimals: those of the platform's primitive, those of
+        the base's, and the distance, or the angle of the directions in degrees. A point has its
+        coordinates, a line or plane a point and a direction, and in an angle only the direction.
+    """
+
+    family: Family
+    real: int
+    rows: tuple[tuple[str, ...], ...]
+
+    @property
+    def exchanged(self) -> Witness:
+        """The witness with platform and base exchanged."""
+        kinds = self.family.distances
+        distances = mirrored(kinds)
+        rows = []
+        for kind, row in zip(kinds, self.rows, strict=False):
+            cut = 3 if kind.platform is Primitive.POINT else 6
+            rows.append((kind.mirrored, (*row[cut:-1], *row[:cut], row[-1])))
+        rows.sort(key=lambda pair: pair[0])
+        turned = [(*row[3:6], *row[:3], row[6]) for row in self.rows[len(kinds) :]]
+        return Witness(
+            Family(self.family.platform_class, distances),
+            self.real,
+            (*(row for _, row in rows), *turned),
+        )
+
+
+def best_real(subject: GspType | Family) -> int | None:
+    """Return the largest number of real solutions known for a type; None if none is recorded.
+
+    It counts both sides of each DPH and DHP, as two-sided generic counts do. The largest
+    possible number may be larger, up to the generic count.
+    """
+    row = _row(subject.distances)
+    return None if row is None else int(row["real"])
+
+
+def witness(family: Family) -> Witness | None:
+    """Return the best known platform of a family; None if none is recorded."""
+    row = _row(family.distances)
+    if row is None:
+        return None
+    found = read_row(row)
+    return found if found.family == family else found.exchanged
+
+
+def recorded() -> Iterator[Witness]:
+    """Yield the recorded witnesses, one for each two mirrored families."""
+    return map(read_row, _witness_rows().values())
+
+
+def _row(distances: tuple[Kind, ...]) -> dict[str, str] | None:
+    rows = _witness_rows()
+    return rows.get(_name(distances)) or rows.get(_name(mirrored(distances)))
+
+
+def _name(distances: tuple[Kind, ...]) -> str:
+    return " ".join(kind.short for kind in distances)
+
+
+@cache
+def _witness_rows() -> dict[str, dict[str, str]]:
+    """Return the rows of the file by the distances."""
+    text = data_path(*FILE).read_text(encoding="utf-8")
+    rows = csv.DictReader(text.splitlines())
+    return {row["family"].partition(" ")[2]: row for row in rows}
+
+
+def named_family(distances: str) -> Family:
+    """Return the family with distances in short, as ``PP PL LL``."""
+    kinds = tuple(KINDS_BY_NAME["D" + kind] for kind in distances.split())
+    return Family(PlatformClass(len(kinds), CONSTRAINTS - len(kinds)), kinds)
+
+
+def read_row(row: dict[str, str]) -> Witness:
+    """Return the witness in a row of the file."""
+    family = named_family(row["family"].partition(" ")[2])
+    rows = tuple(tuple(numbers.split()) for numbers in row["numbers"].split(";"))
+    return Witness(family, int(row["real"]), rows)
+
+
+REAL_COUNTS_FILE = ("witnesses", "counts.csv")
+#: Random numbers are hundredths; distances up to this, angles in whole degrees.
+_LONGEST = 200
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class PlaceOnLine:
+    """The place of a platform on a line between two platforms of a type.
+
+    Attributes
+    ----------
+    real
+        The number of different real solutions, with both sides of each DPH and DHP.
+    number
+        The number of the random platform at the beginning of the line.
+    share
+        The share of the line before the platform: a decimal between 0 and 1.
+    """
+
+    real: int
+    number: int
+    share: str
+
+    def __str__(self) -> str:
+        return f"{self.real}:{self.number}:{self.share}"
+
+    @classmethod
+    def read(cls, text: str) -> PlaceOnLine:
+        """Return the place that `str` wrote."""
+        real, number, share = text.split(":")
+        return cls(int(real), int(number), share)
+
+
+def real_counts(subject: GspType | Family) -> tuple[int, ...]:
+    """Return the numbers of real solutions with a recorded platform, in ascending order.
+
+    Each has a platform whose real solutions are proved to exist and to be different. As for the
+    largest number (`best_real`), both sides of each DPH and DHP count, and others may occur.
+    """
+    own, other = _name(subject.distances), _name(mirrored(subject.distances))
+    best = witness(Family(subject.platform_class, subject.distances))
+    numbers = {place.real for place in _real_rows().get(own) or _real_rows().get(other) or ()}
+    return tuple(sorted(numbers | ({best.real} if best is not None else set())))
+
+
+def spelled(counts: tuple[int, ...]) -> str:
+    """Return even numbers as text, ``0..40 48`` for 0, 2, 4, … 40 and 48."""
+    parts: list[str] = []
+    for _, run in groupby(enumerate(counts), lambda pair: pair[1] - 2 * pair[0]):
+        first, *others = (count for _, count in run)
+        parts += [f"{first}..{others[-1]}"] if len(others) > 1 else map(str, [first, *others])
+    return " ".join(parts)
+
+
+def witness_with(family: Family, real: int) -> Witness:
+    """Return the recorded platform of a family with a number of real solutions.
+
+    Raises
+    ------
+    GspError
+        If no platform with this many is recorded.
+    """
+    best = witness(family)
+    if best is not None and best.real == real:
+        return best
+    for name in dict.fromkeys((family.distances, mirrored(family.distances))):
+        for place in _real_rows().get(_name(name), ()):
+            if place.real == real:
+                found = platform_at(Family(family.platform_class, name), place)
+                return found if name == family.distances else found.exchanged
+    message = (
+        f"{family.id}: no platform with {real} real poses is recorded:"
+        f" there are some with {spelled(real_counts(family)) or 'none'}"
+    )
+    raise GspError(message)
+
+
+def recorded_real_counts() -> Iterator[tuple[Family, tuple[PlaceOnLine, ...]]]:
+    """Yield the records, one for each two mirrored families."""
+    for name, places in _real_rows().items():
+        yield named_family(name), places
+
+
+def platform_at(family: Family, place: PlaceOnLine) -> Witness:
+    """Return the platform at a place of a family that has a witness."""
+    best = witness(family)
+    if best is None:
+        raise ValueError(family)
+    share = Fraction(place.share)
+    rows = []
+    for start, end in zip(random_rows(family, place.number), best.rows, strict=True):
+        numbers = ((1 - share) * a + share * Fraction(b) for a, b in zip(start, end, strict=True))
+        rows.append(tuple(map(_decimal, numbers)))
+    return Witness(family, place.real, tuple(rows))
+
+
+def random_rows(family: Family, number: int) -> list[list[Fraction]]:
+    """Return random numbers of a platform, in the order of `Witness.rows`.
+
+    They depend on the family and the number only.
+    """
+    rng = Random(f"{family.id} {number}")
+    rows = []
+    for kind in family.distances:
+        points = sum(_size(primitive) for primitive in (kind.platform, kind.base))
+        row = [rng.randint(-100, 100) for _ in range(points)]
+        rows.append([Fraction(n, 100) for n in (*row, rng.randint(1, _LONGEST))])
+    for _ in range(family.platform_class.angles):
+        row = [rng.randint(-100, 100) for _ in range(6)]
+        rows.append([*(Fraction(n, 100) for n in row), Fraction(rng.randint(1, 179))])
+    return rows
+
+
+def _size(primitive: Primitive) -> int:
+    return 3 if primitive is Primitive.POINT else 6
+
+
+def _decimal(value: Fraction) -> str:
+    """Return a fraction with a power of ten below as a decimal."""
+    digits = 0
+    while (value * 10**digits).denominator > 1:
+        digits += 1
+    whole = abs(value.numerator * 10**digits // value.denominator)
+    text = str(whole).rjust(digits + 1, "0")
+    head, tail = (text[:-digits], text[-digits:]) if digits else (text, "")
+    return f"{'-' if value < 0 else ''}{head}{'.' + tail if tail else ''}"
+
+
+@cache
+def _real_rows() -> dict[str, tuple[PlaceOnLine, ...]]:
+    """Return the places by the distances."""
+    text = data_path(*REAL_COUNTS_FILE).read_text(encoding="utf-8")
+    return {
+        row["family"].partition(" ")[2]: tuple(map(PlaceOnLine.read, row["platforms"].split()))
+        for row in csv.DictReader(text.splitlines())
+    }

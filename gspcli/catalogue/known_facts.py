@@ -5,16 +5,19 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from gspcli.catalogue.bounds import Bounds, family_bounds, type_bounds
-from gspcli.catalogue.coincidence_counts import count_coincident
+from gspcli.catalogue.coincidence import count_coincident
 from gspcli.catalogue.constraints import constraint_facts
-from gspcli.catalogue.counts import GenericCounts, family_counts, generic_counts
+from gspcli.catalogue.counts import (
+    GenericCounts,
+    best_real,
+    family_counts,
+    generic_counts,
+    real_counts,
+)
 from gspcli.catalogue.kinds import Kind
-from gspcli.catalogue.mechanism import mechanism_of_type
 from gspcli.catalogue.names import any_subject, parse_type
-from gspcli.catalogue.real_counts import real_counts
-from gspcli.catalogue.realization import realization
+from gspcli.catalogue.realization import mechanism_of_type, realization
 from gspcli.catalogue.types import Family, GspType
-from gspcli.catalogue.witnesses import best_real
 from gspcli.records import dataclass
 
 if TYPE_CHECKING:

@@ -6,12 +6,10 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, overload
 
 from gspcli.catalogue.bounds import BOUND_MEANINGS, Bound, type_bounds
-from gspcli.catalogue.coincidence_counts import count_coincident
-from gspcli.catalogue.counts import generic_counts
+from gspcli.catalogue.coincidence import count_coincident
+from gspcli.catalogue.counts import best_real, generic_counts, real_counts, spelled
 from gspcli.catalogue.kinds import Kind
-from gspcli.catalogue.real_counts import real_counts, spelled
 from gspcli.catalogue.types import GspType, PlatformClass, all_types
-from gspcli.catalogue.witnesses import best_real
 from gspcli.errors import GspError
 from gspcli.records import dataclass
 from gspcli.wording import shown

@@ -6,7 +6,6 @@ import re
 from collections.abc import Sequence
 from typing import NoReturn
 
-from gspcli.catalogue.aliases import find_alias
 from gspcli.catalogue.kinds import ANGLE_KINDS, DISTANCE_KINDS, KINDS, Kind
 from gspcli.catalogue.types import (
     CLASSES,
@@ -17,6 +16,7 @@ from gspcli.catalogue.types import (
     type_by_number,
 )
 from gspcli.errors import ArgumentError, TypeNameError
+from gspcli.records import dataclass
 from gspcli.wording import shown, similar
 
 _CLASSES_BY_ID = {platform_class.id: platform_class for platform_class in CLASSES}
@@ -259,3 +259,62 @@ def parse_kind_set(text: str | Sequence[str]) -> frozenset[Kind]:
         for word in _words(text)
         for kind in (groups[word] if word in groups else parse_kinds(word))
     )
+
+
+#: The type of all of them: six distances of points.
+_TYPE = "6DPP"
+
+
+@dataclass(frozen=True)
+class Alias:
+    """A name that does not consist of kinds.
+
+    Attributes
+    ----------
+    name
+        The usual spelling.
+    type_name
+        The type, in a spelling that `parse_name` reads.
+    pattern
+        The legs that share a point, in the notation of `parse_sharing`; empty if none do.
+    meaning
+        The description.
+    """
+
+    name: str
+    type_name: str
+    pattern: str
+    meaning: str
+
+
+#: By their names: how many points the base has, then how many the platform.
+ALIASES = {
+    alias.name: alias
+    for alias in (
+        Alias("hexapod", _TYPE, "", "six legs with joints of their own"),
+        Alias("6-6", _TYPE, "", "six legs with joints of their own"),
+        Alias(
+            "6-3",
+            _TYPE,
+            "P1-p1 P1-p2 P2-p3 P2-p4 P3-p5 P3-p6",
+            "six joints of the base, and legs that meet in pairs at three points of the platform",
+        ),
+        Alias(
+            "3-6",
+            _TYPE,
+            "P1-p1 P2-p1 P3-p2 P4-p2 P5-p3 P6-p3",
+            "legs that meet in pairs at three points of the base, and six joints of the platform",
+        ),
+        Alias(
+            "3-3",
+            _TYPE,
+            "P1-p1 P1-p2 P2-p2 P2-p3 P3-p3 P3-p1",
+            "the octahedron: three points of the base and three of the platform, two legs at each",
+        ),
+    )
+}
+
+
+def find_alias(text: str) -> Alias | None:
+    """Return the alias with a name, in either case and with any dash; None if there is none."""
+    return ALIASES.get(re.sub("[–—]", "-", text.strip().lower()))

@@ -2,31 +2,252 @@
 
 A chain realizes a constraint when it leaves the platform all six freedoms, and when holding its
 driven joint leaves exactly the motions that keep the constraint's value: five freedoms. Both
-numbers are computed here from the screws of the joints (`gspcli.catalogue.joints`); the tests
+numbers are computed here from the screws of the joints (`gspcli.catalogue.realization`); the tests
 compare the held chain with the gradient of the distance or angle. Idle freedoms move links of a
 chain but not the platform.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
+from enum import Enum
+from fractions import Fraction
 from functools import cache, cached_property
 
-from gspcli.catalogue.joints import (
-    Chain,
-    JointAxis,
-    Line,
-    along,
-    chain,
-    cross,
-    dependencies,
-    dot,
-    minus,
-    rank,
-    vector,
-)
+from gspcli.catalogue.coincidence import Connection, coincident_types
 from gspcli.catalogue.kinds import AHH, ALH, ALL, DLL, DPH, DPL, DPP, Kind, Primitive
+from gspcli.catalogue.types import GspType
 from gspcli.records import dataclass
+
+#: A vector with three exact components.
+Vector = tuple[Fraction, Fraction, Fraction]
+#: A line in space: a point of it and its direction (of any length).
+Line = tuple[Vector, Vector]
+#: A velocity of a rigid body: angular velocity, then the velocity of the point at the origin.
+Screw = tuple[Fraction, ...]
+
+
+class JointKind(Enum):
+    """A joint, by its letter in the paper."""
+
+    REVOLUTE = "R"
+    PRISMATIC = "P"
+    CYLINDRICAL = "C"
+    SPHERICAL = "S"
+    PLANAR = "E"
+
+    @property
+    def letter(self) -> str:
+        """The letter, such as ``R``."""
+        return self.value
+
+    @property
+    def freedoms(self) -> int:
+        """The freedoms of the motion that the joint allows."""
+        return len(joint_screws(self, _SAMPLE_LINE))
+
+
+class JointAxis(Enum):
+    """The place of a joint of a chain.
+
+    Attributes
+    ----------
+    PLATFORM, BASE
+        At the primitive of that body: the point, the line, or a normal of the plane.
+    LEG
+        Along the driven direction: the shortest connection for a distance, the common
+        perpendicular of the two directions for an angle.
+    ACROSS, ACROSS_TOO
+        Through the end of the leg at the base, perpendicular to the leg and to each other.
+    """
+
+    PLATFORM = "platform"
+    BASE = "base"
+    LEG = "leg"
+    ACROSS = "across"
+    ACROSS_TOO = "across-too"
+
+    @property
+    def mirrored(self) -> JointAxis:
+        """The axis after platform and base are exchanged."""
+        return {JointAxis.PLATFORM: JointAxis.BASE, JointAxis.BASE: JointAxis.PLATFORM}.get(
+            self, self
+        )
+
+
+@dataclass(frozen=True)
+class PlacedJoint:
+    """A joint of a chain.
+
+    Attributes
+    ----------
+    joint
+        The joint; a driven one is revolute or prismatic.
+    axis
+        Where it lies.
+    driven
+        Whether a motor moves it.
+    """
+
+    joint: JointKind
+    axis: JointAxis
+    driven: bool = False
+
+    def __str__(self) -> str:
+        return self.joint.letter + "*" * self.driven
+
+
+@dataclass(frozen=True)
+class Chain:
+    """Joints in series, from the platform to the base.
+
+    Attributes
+    ----------
+    joints
+        The joints in order.
+    """
+
+    joints: tuple[PlacedJoint, ...]
+
+    @property
+    def name(self) -> str:
+        """The joints by their letters, the driven ones starred: ``S-P*-C``."""
+        return "-".join(map(str, self.joints))
+
+    @property
+    def drawing(self) -> str:
+        """The chain between the two bodies: ``platform ─S─P*─C─ base``."""
+        return f"platform ─{'─'.join(map(str, self.joints))}─ base"
+
+    @cached_property
+    def freedoms(self) -> int:
+        """The sum of the freedoms of the joints."""
+        return sum(placed.joint.freedoms for placed in self.joints)
+
+    @property
+    def driven(self) -> int:
+        """The number of driven joints."""
+        return sum(placed.driven for placed in self.joints)
+
+    @property
+    def locked(self) -> Chain:
+        """The chain with its driven joints held."""
+        return Chain(tuple(placed for placed in self.joints if not placed.driven))
+
+    @property
+    def driven_outside(self) -> Chain:
+        """The chain with its driven joints moved to the base, beyond all others."""
+        return Chain(self.locked.joints + tuple(placed for placed in self.joints if placed.driven))
+
+    @property
+    def mirrored(self) -> Chain:
+        """The chain with platform and base exchanged."""
+        return Chain(
+            tuple(PlacedJoint(p.joint, p.axis.mirrored, p.driven) for p in reversed(self.joints))
+        )
+
+    def screws(self, axes: Mapping[JointAxis, Line]) -> tuple[Screw, ...]:
+        """Return the screws of all joints, in order, for axes in given places."""
+        return tuple(
+            screw
+            for placed in self.joints
+            for screw in joint_screws(placed.joint, axes[placed.axis])
+        )
+
+
+def chain(text: str) -> Chain:
+    """Return a chain from its joints and axes, as ``S:platform P*:leg C:base``.
+
+    >>> chain("S:platform P*:leg C:base").drawing
+    'platform ─S─P*─C─ base'
+    """
+    words = (word.split(":") for word in text.split())
+    return Chain(
+        tuple(
+            PlacedJoint(JointKind(name[0]), JointAxis(axis), name.endswith("*"))
+            for name, axis in words
+        )
+    )
+
+
+def joint_screws(joint: JointKind, line: Line) -> tuple[Screw, ...]:
+    """Return independent screws of a joint whose axis, centre or normal is a line."""
+    point, direction = line
+    if joint is JointKind.SPHERICAL:
+        return tuple(rotation((point, unit)) for unit in _UNITS)
+    turn, slide = rotation(line), translation(direction)
+    if joint is JointKind.REVOLUTE:
+        return (turn,)
+    if joint is JointKind.PRISMATIC:
+        return (slide,)
+    if joint is JointKind.CYLINDRICAL:
+        return (turn, slide)
+    # The plane is spanned by the products with two axes: without an axis whose component is not
+    # zero.
+    skipped = next(i for i in range(3) if direction[i])
+    inside = [cross(direction, _UNITS[i]) for i in range(3) if i != skipped]
+    return (turn, *map(translation, inside))
+
+
+def rotation(line: Line) -> Screw:
+    """Return the screw of a rotation about a line."""
+    point, direction = line
+    return (*direction, *cross(point, direction))
+
+
+def translation(direction: Vector) -> Screw:
+    """Return the screw of a translation."""
+    return (*_ZERO, *direction)
+
+
+def rank(screws: Sequence[Screw]) -> int:
+    """Return the dimension of the space that screws span."""
+    return len(screws) - len(dependencies(screws))
+
+
+def dependencies(screws: Sequence[Screw]) -> list[tuple[Fraction, ...]]:
+    """Return a basis of the linear combinations of screws that are zero, as coefficients."""
+    count = len(screws)
+    rows = [[*screw, *(Fraction(i == j) for j in range(count))] for i, screw in enumerate(screws)]
+    for column in range(6):
+        pivot = next((row for row in rows if row[column]), None)
+        if pivot is not None:
+            rows.remove(pivot)
+            for row in rows:
+                factor = row[column] / pivot[column]
+                row[:] = [x - factor * y for x, y in zip(row, pivot, strict=True)]
+    return [tuple(row[6:]) for row in rows]
+
+
+def vector(*components: int) -> Vector:
+    """Return a vector with integer components."""
+    x, y, z = map(Fraction, components)
+    return (x, y, z)
+
+
+def cross(a: Vector, b: Vector) -> Vector:
+    """Return the vector product."""
+    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+
+
+def dot(a: Vector, b: Vector) -> Fraction:
+    """Return the scalar product."""
+    return sum((x * y for x, y in zip(a, b, strict=True)), start=Fraction(0))
+
+
+def minus(a: Vector, b: Vector) -> Vector:
+    """Return a - b."""
+    return (a[0] - b[0], a[1] - b[1], a[2] - b[2])
+
+
+def along(a: Vector, factor: Fraction, b: Vector) -> Vector:
+    """Return a + factor b."""
+    return (a[0] + factor * b[0], a[1] + factor * b[1], a[2] + factor * b[2])
+
+
+_ZERO = vector(0, 0, 0)
+_UNITS = (vector(1, 0, 0), vector(0, 1, 0), vector(0, 0, 1))
+_SAMPLE_LINE: Line = (_ZERO, vector(0, 0, 1))
 
 
 @dataclass(frozen=True)
@@ -255,3 +476,190 @@ def _leg(kind: Kind, platform: Line, base: Line) -> Line:
     if kind.base is Primitive.LINE:
         return a, along(apart, -dot(apart, v) / dot(v, v), v)
     return a, apart
+
+
+#: The freedoms of a rigid body in space.
+BODY_FREEDOMS = 6
+
+_TOGETHER = {
+    Primitive.POINT: "compound spherical joint: {} S with one centre",
+    Primitive.LINE: "{} C on one shaft",
+    Primitive.PLANE: "{} E on one plane",
+}
+
+
+@dataclass(frozen=True)
+class MountedChain:
+    """A chain of a mechanism.
+
+    Attributes
+    ----------
+    realization
+        The chain and what it realizes.
+    constraints
+        The constraints that it realizes, by index from 0, one for each kind of `realization`.
+    platform_name, base_name
+        The primitives at its ends.
+    """
+
+    realization: Realization
+    constraints: tuple[int, ...]
+    platform_name: str
+    base_name: str
+
+
+@dataclass(frozen=True)
+class SharedPrimitive:
+    """A primitive at which several chains end.
+
+    Attributes
+    ----------
+    body
+        ``platform`` or ``base``.
+    name
+        The name of the primitive.
+    primitive
+        Its sort.
+    chains
+        The chains that end there, by index from 0.
+    """
+
+    body: str
+    name: str
+    primitive: Primitive
+    chains: tuple[int, ...]
+
+    @property
+    def joints(self) -> str:
+        """The arrangement of the joints at the primitive."""
+        return _TOGETHER[self.primitive].format(len(self.chains))
+
+
+@dataclass(frozen=True)
+class Mechanism:
+    """A platform on chains of joints.
+
+    Attributes
+    ----------
+    chains
+        The chains, in the order of the first constraint of each.
+    """
+
+    chains: tuple[MountedChain, ...]
+
+    @property
+    def links(self) -> int:
+        """The number of rigid bodies, n: platform, base, and those between joints."""
+        return 2 + self.joints - len(self.chains)
+
+    @property
+    def joints(self) -> int:
+        """The number of joints, g; joints that share a centre or axis count each."""
+        return sum(len(mounted.realization.chain.joints) for mounted in self.chains)
+
+    @property
+    def joint_freedoms(self) -> int:
+        """The sum of the freedoms of the joints."""
+        return sum(mounted.realization.chain.freedoms for mounted in self.chains)
+
+    @property
+    def mobility(self) -> int:
+        """The freedoms by the formula of Kutzbach and Grübler, idle ones included.
+
+        The formula is a count and ignores constraints that depend on each other.
+        """
+        loops = self.joints - self.links + 1
+        return self.joint_freedoms - BODY_FREEDOMS * loops
+
+    @property
+    def idle_freedoms(self) -> int:
+        """The freedoms of links that do not move the platform."""
+        return sum(mounted.realization.idle_freedoms for mounted in self.chains)
+
+    @property
+    def moving_freedoms(self) -> int:
+        """The mobility less the idle freedoms: those of the platform."""
+        return self.mobility - self.idle_freedoms
+
+    @property
+    def driven(self) -> int:
+        """The number of driven joints."""
+        return sum(mounted.realization.chain.driven for mounted in self.chains)
+
+    @property
+    def sum_shown(self) -> str:
+        """The formula of Kutzbach and Grübler with its numbers."""
+        formula = f"6 ({self.links} - {self.joints} - 1) + {self.joint_freedoms} = {self.mobility}"
+        moving = f"{self.mobility} - {self.idle_freedoms} idle = {self.moving_freedoms}"
+        return f"M = 6 (n - g - 1) + Σf = {formula}; {moving}"
+
+    @property
+    def shared(self) -> tuple[SharedPrimitive, ...]:
+        """The primitives at which several chains end, those of the platform first."""
+        ends: dict[tuple[str, str], list[int]] = {}
+        sorts: dict[tuple[str, str], Primitive] = {}
+        for body in ("platform", "base"):
+            for index, mounted in enumerate(self.chains):
+                name = getattr(mounted, f"{body}_name")
+                if name:
+                    ends.setdefault((body, name), []).append(index)
+                    sorts[body, name] = getattr(mounted.realization.kinds[0], body)
+        return tuple(
+            SharedPrimitive(body, name, sorts[body, name], tuple(chains))
+            for (body, name), chains in ends.items()
+            if len(chains) > 1
+        )
+
+
+def mechanism(
+    connections: Sequence[Connection], chosen: Callable[..., Realization] = realization
+) -> Mechanism:
+    """Return the mechanism for constraints between named primitives.
+
+    Parameters
+    ----------
+    connections
+        The constraints.
+    chosen
+        The chain for the kinds of one or two constraints: one of `REALIZATIONS`.
+
+    >>> from gspcli.catalogue.coincidence import parse_sharing
+    >>> figure_14 = parse_sharing("L1-l3 L1^l3 L2-l4 L2^l4 L1^l4 L2-l3")
+    >>> [mounted.realization.chain.name for mounted in mechanism(figure_14.bonds).chains]
+    ['C-R-P*-C', 'C-R*-P*-C', 'C-R*-P*-C', 'C-P-R*-C']
+    """
+    groups: list[list[int]] = []
+    open_groups: dict[tuple[str, str], list[int]] = {}
+    for index, connection in enumerate(connections):
+        pair = (connection.platform_name, connection.base_name)
+        waiting = open_groups.get(pair)
+        if waiting and {connections[waiting[0]].kind, connection.kind} == {DLL, ALL}:
+            waiting.append(index)
+            del open_groups[pair]
+            continue
+        groups.append([index])
+        if all(pair) and connection.kind in (DLL, ALL):
+            open_groups[pair] = groups[-1]
+    return Mechanism(
+        tuple(
+            _mounted(connections, sorted(group, key=lambda i: connections[i].kind), chosen)
+            for group in groups
+        )
+    )
+
+
+def mechanism_of_type(gsp_type: GspType) -> Mechanism:
+    """Return the mechanism of a type whose primitives are all distinct."""
+    return mechanism(next(coincident_types(gsp_type)).bonds)
+
+
+def _mounted(
+    connections: Sequence[Connection], group: list[int], chosen: Callable[..., Realization]
+) -> MountedChain:
+    first = connections[group[0]]
+    return MountedChain(
+        chosen(*(connections[index].kind for index in group)),
+        tuple(group),
+        first.platform_name,
+        first.base_name,
+    )

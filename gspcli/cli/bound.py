@@ -8,12 +8,12 @@ import click
 
 from gspcli.catalogue.bounds import BOUND_MEANINGS, BOUND_NAMES, bound_sides
 from gspcli.catalogue.constraints import Degrees, constraint_facts
+from gspcli.catalogue.counts import best_real
 from gspcli.catalogue.kinds import Kind
 from gspcli.catalogue.known_facts import KnownBounds
 from gspcli.catalogue.known_facts import bound as known
 from gspcli.catalogue.recorded_varieties import coordinates_label
 from gspcli.catalogue.types import GspType
-from gspcli.catalogue.witnesses import best_real
 from gspcli.cli.names import read_names
 from gspcli.cli.output import Column, Output, Table, emit, output_options
 

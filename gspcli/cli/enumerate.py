@@ -10,11 +10,14 @@ import click
 
 from gspcli.catalogue import listing
 from gspcli.catalogue.bounds import ONE_ORIENTATION, type_bounds
-from gspcli.catalogue.coincidence import coincident_types
-from gspcli.catalogue.coincidence_counts import count_coincident, count_up_to_swap
+from gspcli.catalogue.coincidence import (
+    coincident_types,
+    count_coincident,
+    count_up_to_swap,
+    over_constraint,
+)
 from gspcli.catalogue.kinds import DLL
 from gspcli.catalogue.names import parse_class, parse_kind_set, parse_type
-from gspcli.catalogue.overconstraint import over_constraint
 from gspcli.catalogue.types import CLASSES, GspType, PlatformClass
 from gspcli.cli.number_types import Whole
 from gspcli.cli.output import Column, Output, Table, emit, output_options

@@ -8,13 +8,23 @@ from typing import Any
 
 import click
 
-from gspcli.catalogue.aliases import find_alias
-from gspcli.catalogue.coincidence import Connection, coincident_types, parse_sharing
+from gspcli.catalogue.coincidence import (
+    Connection,
+    coincident_types,
+    over_constraint,
+    parse_sharing,
+)
 from gspcli.catalogue.kinds import Kind
-from gspcli.catalogue.mechanism import Mechanism, MountedChain, mechanism
-from gspcli.catalogue.names import parse_kinds, parse_type
-from gspcli.catalogue.overconstraint import over_constraint
-from gspcli.catalogue.realization import REALIZATIONS, Realization, alternative, outside
+from gspcli.catalogue.names import find_alias, parse_kinds, parse_type
+from gspcli.catalogue.realization import (
+    REALIZATIONS,
+    Mechanism,
+    MountedChain,
+    Realization,
+    alternative,
+    mechanism,
+    outside,
+)
 from gspcli.catalogue.types import CONSTRAINTS, GspType
 from gspcli.cli.names import is_file, load_instance
 from gspcli.cli.output import DRAWINGS, FORMATS, Column, Output, Table, emit, output_options, write

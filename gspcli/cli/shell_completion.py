@@ -80,7 +80,7 @@ def _kind(incomplete: str) -> list[CompletionItem]:
 
 
 def _type(incomplete: str) -> list[CompletionItem]:
-    from gspcli.catalogue.aliases import ALIASES
+    from gspcli.catalogue.names import ALIASES
 
     return _kind(incomplete) + _class(incomplete) + _beginning(incomplete, ALIASES)
 

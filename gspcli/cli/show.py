@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import click
 
-from gspcli.catalogue.aliases import Alias, find_alias
 from gspcli.catalogue.constraints import constraint_facts
 from gspcli.catalogue.known_facts import KnownFacts, show
-from gspcli.catalogue.mechanism import Mechanism, mechanism_of_type
-from gspcli.catalogue.names import parse_type
-from gspcli.catalogue.realization import realization
+from gspcli.catalogue.names import Alias, find_alias, parse_type
+from gspcli.catalogue.realization import Mechanism, mechanism_of_type, realization
 from gspcli.catalogue.types import GspType
 from gspcli.cli.bound import bound_table, constraint_table
 from gspcli.cli.names import is_file, load_instance

@@ -9,11 +9,9 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.catalogue.aliases import find_alias
-from gspcli.catalogue.coincidence import Bond, parse_sharing
+from gspcli.catalogue.coincidence import Bond, over_constraint, parse_sharing
 from gspcli.catalogue.kinds import Primitive
-from gspcli.catalogue.names import parse_type
-from gspcli.catalogue.overconstraint import over_constraint
+from gspcli.catalogue.names import find_alias, parse_type
 from gspcli.catalogue.types import GspType
 from gspcli.defaults import SEED
 from gspcli.errors import GspError

@@ -93,7 +93,7 @@ ERRATA: tuple[Erratum, ...] = (
         "2[T, RᵀY]",
         "2[T, RY]",
         "[T, RY] = [Y, RᵀT], as in the third line.",
-        proofs.printed("equation_5", 4),
+        proofs.printed("equation_5"),
     ),
     Erratum(
         "dll-vectors",
@@ -102,7 +102,7 @@ ERRATA: tuple[Erratum, ...] = (
         "u_i a unit vector parallel to L_i, then v_1 and v_2 in the equation",
         "the same vectors",
         "The equation is that of the distance with v_i = u_i.",
-        proofs.printed("distance_of_lines", 4),
+        proofs.printed("distance_of_lines"),
     ),
     Erratum(
         "normals-of-lines",
@@ -111,7 +111,7 @@ ERRATA: tuple[Erratum, ...] = (
         "the unit normal vector of a line",
         "a unit vector parallel to the line",
         "A line has no one normal vector; the equations need its direction.",
-        proofs.printed("directions_of_lines", 4),
+        proofs.printed("directions_of_lines"),
     ),
     Erratum(
         "proposition-4-1",
@@ -160,7 +160,7 @@ ERRATA: tuple[Erratum, ...] = (
         "[T, T] = l1",
         "[T, T] = d1²",
         "It is the first equation of (9) with Y1 = X1 = 0; there is no l1.",
-        proofs.printed("first_distance", 4),
+        proofs.printed("first_distance"),
     ),
     Erratum(
         "page-72",
@@ -188,7 +188,7 @@ ERRATA: tuple[Erratum, ...] = (
         "cos(∠(RL1, L4)) = d1, … with L1, L2, L3 on the base",
         "cos(∠(L1, RL4)) = d1, …",
         "R turns the lines of the platform, L4, L5 and L6, as in equation (11).",
-        proofs.printed("turned_directions", 4),
+        proofs.printed("turned_directions"),
     ),
     Erratum(
         "equation-12",

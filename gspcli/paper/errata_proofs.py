@@ -33,9 +33,12 @@ def class_size() -> str:
 
 def degree_of_mourrain() -> str:
     """Prove that the variety in 25 coordinates has degree 84, twice, and the one in 16 has 40."""
-    from gspcli.catalogue.intersection_numbers import mourrain_degree
-    from gspcli.symbolic.coordinate_systems import system
-    from gspcli.symbolic.varieties import hilbert_function, sampled_hilbert_function
+    from gspcli.catalogue.counts import mourrain_degree
+    from gspcli.symbolic.coordinate_systems import (
+        hilbert_function,
+        sampled_hilbert_function,
+        system,
+    )
 
     large, small = varieties()[MOURRAIN], varieties()[MOURRAIN_16]
     _require(small.degree == 40, f"16 coordinates: degree {small.degree}")
@@ -60,7 +63,7 @@ def degree_of_mourrain() -> str:
 
 def lowest_degrees() -> str:
     """Prove the lowest degrees of DHP, DLP and DLL."""
-    from gspcli.symbolic.constraint_degrees import lowest_degree
+    from gspcli.symbolic.constraint_equations import lowest_degree
 
     found = []
     for kind in (DHP, DLP, DLL):
@@ -89,7 +92,7 @@ def theorem_5_4() -> str:
 
 def table_1() -> str:
     """Prove the entry of Table 1."""
-    from gspcli.symbolic.printed_section_6 import table_1 as prove_row
+    from gspcli.symbolic.printed_sections import table_1 as prove_row
 
     (difference,) = table1.differences()
     row = int(difference.row.removeprefix("solution ")) - 1
@@ -98,19 +101,18 @@ def table_1() -> str:
 
 def table_2() -> str:
     """Prove the entries of Table 2."""
-    from gspcli.symbolic.printed_section_6 import table_2 as prove_points
+    from gspcli.symbolic.printed_sections import table_2 as prove_points
 
     return prove_points(table2.printed(), table2.compute())
 
 
-def printed(name: str, section: int = 6) -> Callable[[], str]:
-    """Return a proof from `gspcli.symbolic.printed_section_4` or `printed_section_6`."""
+def printed(name: str) -> Callable[[], str]:
+    """Return a proof from `gspcli.symbolic.printed_sections`."""
 
     def proof() -> str:
-        from gspcli.symbolic import printed_section_4, printed_section_6
+        from gspcli.symbolic import printed_sections
 
-        module = {4: printed_section_4, 6: printed_section_6}[section]
-        evidence: str = getattr(module, name)()
+        evidence: str = getattr(printed_sections, name)()
         return evidence
 
     return proof
@@ -133,8 +135,7 @@ def table_3() -> str:
 
 def lines_of_table_3() -> str:
     """Prove that platforms of k DLL and three angles have 2^k times as many solutions as N1."""
-    from gspcli.catalogue.counts import family_counts
-    from gspcli.catalogue.witnesses import best_real
+    from gspcli.catalogue.counts import best_real, family_counts
 
     entries = [entry for entry in table3.compute() if DLL in entry.distances]
     for entry in entries:

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.catalogue.joints import JointAxis, JointKind, PlacedJoint
-from gspcli.catalogue.realization import Realization
+from gspcli.catalogue.realization import JointAxis, JointKind, PlacedJoint, Realization
 from gspcli.geometry.tolerances import PARALLEL_SINE
 from gspcli.pictures.strokes import perpendicular
 from gspcli.records import dataclass

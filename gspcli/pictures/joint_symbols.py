@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.catalogue.joints import JointKind
+from gspcli.catalogue.realization import JointKind
 from gspcli.pictures.figures import ANGLE, INK
 from gspcli.pictures.joint_frames import MountedJoint
 from gspcli.pictures.projection import Paper

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import DLL, Primitive
-from gspcli.catalogue.mechanism import Mechanism, MountedChain
+from gspcli.catalogue.realization import Mechanism, MountedChain
 from gspcli.pictures.chain_panels import draw_links
 from gspcli.pictures.figures import BASE, PLATFORM, styled, written_drawing
 from gspcli.pictures.joint_frames import ChainEnds, fitting, mounted, stretched

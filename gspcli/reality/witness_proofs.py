@@ -12,10 +12,9 @@ from itertools import takewhile
 import numpy as np
 from numpy.typing import NDArray
 
+from gspcli.catalogue.counts import Witness, witness, witness_with
 from gspcli.catalogue.kinds import AHH, AHL, ALH, ALL, DHP, DLL, DPH, Kind, Primitive
-from gspcli.catalogue.real_counts import witness_with
 from gspcli.catalogue.types import GspType
-from gspcli.catalogue.witnesses import Witness, witness
 from gspcli.certification import certify
 from gspcli.continuation.tracked_paths import track_all
 from gspcli.defaults import SEED

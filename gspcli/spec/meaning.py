@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
-from gspcli.catalogue.coincidence import Bond
+from gspcli.catalogue.coincidence import Bond, over_constraint
 from gspcli.catalogue.kinds import DLL, DLP, DPL, DPP
-from gspcli.catalogue.overconstraint import over_constraint
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.ranges import turns

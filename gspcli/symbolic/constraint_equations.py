@@ -12,27 +12,154 @@ Names: on the platform the point Y, the line (B, v) and the plane (B, normal v);
 from __future__ import annotations
 
 from collections.abc import Mapping
+from enum import Enum
 from functools import cache
 
 import sympy
-from sympy import Expr, Symbol
+from sympy import Expr, Function, Symbol
 
 from gspcli.catalogue.kinds import Kind, Primitive
 from gspcli.records import dataclass
-from gspcli.symbolic.forms import (
-    TRANSLATION,
-    Sum,
-    Vector,
-    VectorFrame,
-    base,
-    degree,
-    dot,
-    inner,
-    on_rotation,
-    platform,
-    triple,
-    units,
-)
+from gspcli.symbolic.coordinate_systems import SYMBOLS, SYSTEMS, CoordinateSystem
+
+
+class VectorFrame(Enum):
+    """Where a vector belongs."""
+
+    TRANSLATION = 0
+    PLATFORM = 1
+    BASE = 2
+
+
+@dataclass(frozen=True)
+class Vector:
+    """A vector by its name, a symbol or a cross product of two.
+
+    Attributes
+    ----------
+    name
+        The name.
+    frame
+        Where it belongs.
+    """
+
+    name: Expr
+    frame: VectorFrame
+
+
+@dataclass(frozen=True)
+class Sum:
+    """A linear combination of vectors: pairs (coefficient, vector)."""
+
+    terms: tuple[tuple[Expr, Vector], ...]
+
+
+cross = Function("cross")
+dot = Function("dot")
+on_rotation = Function("R")
+on_translation = Function("T")
+on_pullback = Function("U")
+on_moment = Function("TxR")
+#: The atom T·T.
+RHO: Symbol = SYMBOLS["rho"][0]
+#: The translation as a vector.
+TRANSLATION = Vector(Symbol("T"), VectorFrame.TRANSLATION)
+_ATOMS = (on_rotation, on_translation, on_pullback, on_moment)
+
+
+def platform(name: str) -> Vector:
+    """Return a vector of the platform."""
+    return Vector(Symbol(name), VectorFrame.PLATFORM)
+
+
+def base(name: str) -> Vector:
+    """Return a vector of the base."""
+    return Vector(Symbol(name), VectorFrame.BASE)
+
+
+def units(frame: VectorFrame) -> tuple[Vector, ...]:
+    """Return the three unit vectors of the axes of a frame."""
+    return tuple(Vector(Symbol(f"e{k}"), frame) for k in (1, 2, 3))
+
+
+def _terms(vector: Vector | Sum) -> tuple[tuple[Expr, Vector], ...]:
+    return vector.terms if isinstance(vector, Sum) else ((sympy.Integer(1), vector),)
+
+
+def inner(a: Vector | Sum, b: Vector | Sum) -> Expr:
+    """Return the inner product of two vectors in the base frame, in atoms."""
+    return sympy.Add(*(s * t * _inner(x, y) for s, x in _terms(a) for t, y in _terms(b)))
+
+
+def _inner(a: Vector, b: Vector) -> Expr:
+    x, y = sorted((a, b), key=lambda vector: (vector.frame.value, str(vector.name)))
+    match x.frame, y.frame:
+        case VectorFrame.TRANSLATION, VectorFrame.TRANSLATION:
+            return RHO
+        case VectorFrame.TRANSLATION, VectorFrame.PLATFORM:
+            return on_pullback(y.name)
+        case VectorFrame.TRANSLATION, VectorFrame.BASE:
+            return on_translation(y.name)
+        case VectorFrame.PLATFORM, VectorFrame.BASE:
+            return on_rotation(y.name, x.name)
+        case _:
+            return dot(x.name, y.name)
+
+
+def triple(a: Vector | Sum, b: Vector, c: Vector) -> Expr:
+    """Return det(a, b, c) in the base frame, in atoms; only `a` may contain T."""
+    return sympy.Add(*(s * _triple(x, b, c) for s, x in _terms(a)))
+
+
+def _triple(*vectors: Vector) -> Expr:
+    order = sorted(range(3), key=lambda k: (vectors[k].frame.value, k))
+    sign = sympy.LeviCivita(*order)
+    x, y, z = (vectors[k] for k in order)
+    if y.frame is z.frame:
+        # x · (y × z), and a cross product of two vectors of a body is a vector of that body
+        return sign * _inner(x, Vector(cross(y.name, z.name), z.frame))
+    if x.frame is y.frame:
+        return sign * _inner(Vector(cross(x.name, y.name), x.frame), z)
+    return sign * on_moment(z.name, y.name)
+
+
+def degree(form: Expr, weights: Mapping[str, int]) -> int | None:
+    """Return the total degree of a polynomial in atoms.
+
+    Parameters
+    ----------
+    form
+        The polynomial.
+    weights
+        The degree of each block of coordinates, such as `CoordinateSystem.degrees`.
+
+    Returns
+    -------
+    int or None
+        None if a block occurs that has no weight.
+    """
+    monomials = _monomials(form)
+    if not {block for monomial in monomials for block, _ in monomial} <= set(weights):
+        return None
+    return max(
+        sum(weights[block] * exponent for block, exponent in monomial) for monomial in monomials
+    )
+
+
+@cache
+def _monomials(form: Expr) -> frozenset[tuple[tuple[str, int], ...]]:
+    """Return the monomials of a form, as exponents of the blocks of their atoms."""
+    atoms = {atom: atom.func.__name__ for atom in form.atoms(*_ATOMS)}
+    if form.has(RHO):
+        atoms[RHO] = "rho"
+    if not atoms:
+        return frozenset({()})
+    polynomial = sympy.Poly(form, *atoms)
+    return frozenset(
+        tuple((block, n) for block, n in zip(atoms.values(), exponents, strict=True) if n)
+        for exponents in polynomial.monoms()
+    )
+
 
 DISTANCE, ANGLE = Symbol("d"), Symbol("alpha")
 _ONE = sympy.Integer(1)
@@ -259,3 +386,33 @@ def equation(
         if its_degree is not None and (found is None or its_degree < found[1]):
             found = candidate, its_degree
     return found
+
+
+@dataclass(frozen=True)
+class LowestDegree:
+    """The lowest degree of a constraint and the smallest coordinates in which it is reached.
+
+    Attributes
+    ----------
+    degree
+        The degree.
+    coordinates
+        The coordinates.
+    equation
+        The equation.
+    """
+
+    degree: int
+    coordinates: CoordinateSystem
+    equation: SymbolicEquation
+
+
+def lowest_degree(kind: Kind, *, one_sided: bool = False) -> LowestDegree:
+    """Search the coordinates for the lowest degree of a constraint; the smallest ones win."""
+    best: LowestDegree | None = None
+    for coordinates in SYSTEMS:
+        found = equation(kind, coordinates.degrees, one_sided=one_sided)
+        if found is not None and (best is None or found[1] < best.degree):
+            best = LowestDegree(found[1], coordinates, found[0])
+    assert best is not None, kind
+    return best

@@ -8,13 +8,24 @@ A set of coordinates is a choice of *blocks*, each a vector or matrix function o
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import cached_property
+from collections.abc import Callable, Sequence
+from functools import cache, cached_property
+from math import comb
+from random import Random
+from typing import Any
 
 import sympy
 from sympy import Matrix, Symbol
 
 from gspcli.records import dataclass
+from gspcli.symbolic.rational_motions import (
+    RationalMotion,
+    Residues,
+    monomials,
+    random_motion,
+    rank,
+    residues,
+)
 
 #: The blocks in the order in which they are listed.
 BLOCKS = ("R", "T", "U", "rho", "TxR")
@@ -143,3 +154,47 @@ SYSTEMS: tuple[CoordinateSystem, ...] = (
     system("R,T,U,TxR"),
     MOURRAIN,
 )
+
+
+@cache
+def _evaluator(coordinates: CoordinateSystem) -> Any:
+    blocks = MOTIONS.expressions
+    entries = [entry for block in coordinates.blocks for entry in blocks[block]]
+    return sympy.lambdify(MOTIONS.symbols, entries, modules=[{}], cse=True)
+
+
+def coordinates_at(coordinates: CoordinateSystem, motions: Sequence[RationalMotion]) -> Residues:
+    """Return the coordinates of exact motions modulo `PRIME`, shape (motions, coordinates)."""
+    evaluate = _evaluator(coordinates)
+    return residues([evaluate(*m.rotation.flat, *m.translation) for m in motions])
+
+
+def hilbert_function(numerator: Sequence[int], dimension: int, degree: int) -> int:
+    """Return the dimension of the polynomials up to a degree restricted to a variety.
+
+    Parameters
+    ----------
+    numerator
+        Coefficients of h in the Hilbert series h(t) / (1 - t)^(dimension + 1) of the
+        projective closure.
+    dimension
+        Dimension of the variety.
+    degree
+        The highest total degree of the polynomials.
+    """
+    terms = (
+        coefficient * comb(degree - power + dimension, dimension)
+        for power, coefficient in enumerate(numerator[: degree + 1])
+    )
+    return sum(terms)
+
+
+def sampled_hilbert_function(coordinates: CoordinateSystem, degree: int, points: int) -> int:
+    """Return the rank of all monomials up to a degree at random rational motions.
+
+    It is a proved lower bound of the Hilbert function (a rank modulo a prime, at points of the
+    variety), and equal to it for random motions as soon as `points` exceeds it.
+    """
+    random = Random(0)
+    motions = [random_motion(random) for _ in range(points)]
+    return rank(monomials(coordinates_at(coordinates, motions), degree))

@@ -19,10 +19,10 @@ from gspcli.catalogue.counts import (
     all_families,
     family_counts,
     generic_counts,
+    intersection_number,
     law,
     mirrored,
 )
-from gspcli.catalogue.intersection_numbers import intersection_number
 from gspcli.catalogue.kinds import DLL, DPH, DPL, DPP
 from gspcli.catalogue.types import all_types
 from gspcli.resources import data_path

@@ -6,20 +6,20 @@ from random import Random
 
 import pytest
 
-from gspcli.catalogue.counts import family_counts
-from gspcli.catalogue.kinds import ALL, DHP, DLL, DPH
-from gspcli.catalogue.names import parse_type
-from gspcli.catalogue.real_counts import (
+from gspcli.catalogue.counts import (
     PlaceOnLine,
+    best_real,
+    family_counts,
     platform_at,
     random_rows,
     real_counts,
-    recorded,
+    recorded_real_counts,
     spelled,
     witness_with,
 )
+from gspcli.catalogue.kinds import ALL, DHP, DLL, DPH
+from gspcli.catalogue.names import parse_type
 from gspcli.catalogue.types import CLASSES, families
-from gspcli.catalogue.witnesses import best_real
 from gspcli.errors import GspError
 from gspcli.reality.witness_proofs import certified_real, known_instance, witness_instance
 
@@ -41,7 +41,7 @@ def test_the_numbers_of_the_triples_of_3d3a_are_complete() -> None:
 
 
 def test_the_best_number_is_the_last_and_none_is_odd() -> None:
-    for family, places in recorded():
+    for family, places in recorded_real_counts():
         numbers = [place.real for place in places]
         assert numbers == sorted(set(numbers))
         assert all(count % 2 == 0 for count in numbers)
@@ -50,7 +50,9 @@ def test_the_best_number_is_the_last_and_none_is_odd() -> None:
 
 
 def test_a_sample_is_certified_again() -> None:
-    small = [(f, p) for f, row in recorded() for p in row if family_counts(f).two_sided <= 64]
+    small = [
+        (f, p) for f, row in recorded_real_counts() for p in row if family_counts(f).two_sided <= 64
+    ]
     for family, place in Random(2).sample(small, SAMPLE):
         angles = (ALL,) * family.platform_class.angles
         instance = witness_instance(platform_at(family, place), angles)

@@ -7,17 +7,18 @@ from random import Random
 
 import pytest
 
-from gspcli.catalogue.counts import all_families, family_counts
-from gspcli.catalogue.kinds import ALL, DHP, DPH
-from gspcli.catalogue.names import parse_type
-from gspcli.catalogue.types import CLASSES, CONSTRAINTS, families
-from gspcli.catalogue.witnesses import (
+from gspcli.catalogue.counts import (
     Witness,
+    all_families,
     best_real,
+    family_counts,
     read_row,
     recorded,
     witness,
 )
+from gspcli.catalogue.kinds import ALL, DHP, DPH
+from gspcli.catalogue.names import parse_type
+from gspcli.catalogue.types import CLASSES, CONSTRAINTS, families
 from gspcli.reality.witness_proofs import certified_real, known_instance, witness_instance
 from gspcli.resources import data_json, data_path
 from gspcli.spec import dumps, loads

@@ -20,9 +20,8 @@ from itertools import islice
 import numpy as np
 
 from gspcli import dumps
-from gspcli.catalogue.coincidence import Sharing, coincident_types
+from gspcli.catalogue.coincidence import Sharing, coincident_types, over_constraint
 from gspcli.catalogue.kinds import DPP
-from gspcli.catalogue.overconstraint import over_constraint
 from gspcli.catalogue.types import CONSTRAINTS, GspType
 from gspcli.certification.counting import count_exactly
 from gspcli.cli.progress_bars import progress

@@ -15,16 +15,15 @@ from typing import Any
 
 from gspcli.catalogue.kinds import KINDS, Kind
 from gspcli.catalogue.recorded_varieties import varieties
-from gspcli.symbolic.constraint_degrees import lowest_degree
-from gspcli.symbolic.constraint_equations import equation
+from gspcli.symbolic.constraint_equations import equation, lowest_degree
 from gspcli.symbolic.coordinate_systems import (
     LAZARD,
     MOURRAIN,
     SYSTEMS,
     CoordinateSystem,
+    hilbert_function,
     system,
 )
-from gspcli.symbolic.varieties import hilbert_function
 from tools.equations.equation_text import LATEX, TEXT, definition, why_lowest, written
 from tools.equations.loci import loci
 from tools.equations.lower_degrees import SPARE_POINTS, constrained_motions, excludes_degree

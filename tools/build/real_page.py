@@ -8,10 +8,8 @@ from __future__ import annotations
 import sys
 from collections import Counter
 
-from gspcli.catalogue.counts import family_counts
-from gspcli.catalogue.real_counts import real_counts
+from gspcli.catalogue.counts import best_real, family_counts, real_counts
 from gspcli.catalogue.types import CLASSES, families
-from gspcli.catalogue.witnesses import best_real
 from tools.charts import Bubble, bubble_chart
 from tools.recording import ROOT, parser, save
 

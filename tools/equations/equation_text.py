@@ -9,26 +9,24 @@ from sympy import Expr
 
 from gspcli.catalogue.kinds import Kind, Primitive
 from gspcli.records import dataclass
-from gspcli.symbolic.constraint_degrees import lowest_degree
 from gspcli.symbolic.constraint_equations import (
     ANGLE,
     DISTANCE,
-    SymbolicEquation,
-    equations,
-    setting,
-)
-from gspcli.symbolic.coordinate_systems import CoordinateSystem
-from gspcli.symbolic.forms import (
     RHO,
+    SymbolicEquation,
     Vector,
     VectorFrame,
     cross,
     dot,
+    equations,
+    lowest_degree,
     on_moment,
     on_pullback,
     on_rotation,
     on_translation,
+    setting,
 )
+from gspcli.symbolic.coordinate_systems import CoordinateSystem
 
 
 @dataclass(frozen=True)

@@ -12,9 +12,14 @@ from sympy import Expr, Matrix, Symbol
 
 from gspcli.catalogue.kinds import Kind, Primitive
 from gspcli.records import dataclass
-from gspcli.symbolic.constraint_equations import setting, squared_distance
+from gspcli.symbolic.constraint_equations import (
+    Vector,
+    VectorFrame,
+    inner,
+    setting,
+    squared_distance,
+)
 from gspcli.symbolic.coordinate_systems import MOTIONS
-from gspcli.symbolic.forms import Vector, VectorFrame, inner
 from tools.equations.motions import evaluate, motion_blocks
 
 #: The surface by the rank of Q: plane, cylinder, sphere.

@@ -13,9 +13,8 @@ from collections.abc import Sequence
 from random import Random
 
 from gspcli.catalogue.kinds import Kind
-from gspcli.symbolic.coordinate_systems import CoordinateSystem
+from gspcli.symbolic.coordinate_systems import CoordinateSystem, coordinates_at
 from gspcli.symbolic.rational_motions import RationalMotion, monomials, rank
-from gspcli.symbolic.varieties import coordinates_at
 from tools.equations.exact_constraints import sample
 
 #: Points beyond the rank that is expected; random motions need hardly any.

@@ -9,8 +9,7 @@ import numpy as np
 import sympy
 from sympy import Expr, Matrix, eye
 
-from gspcli.symbolic.coordinate_systems import EXPRESSIONS, MOTIONS, SYMBOLS, CoordinateSystem
-from gspcli.symbolic.forms import (
+from gspcli.symbolic.constraint_equations import (
     RHO,
     cross,
     dot,
@@ -19,6 +18,7 @@ from gspcli.symbolic.forms import (
     on_rotation,
     on_translation,
 )
+from gspcli.symbolic.coordinate_systems import EXPRESSIONS, MOTIONS, SYMBOLS, CoordinateSystem
 from gspcli.symbolic.rational_motions import RationalMotion
 
 

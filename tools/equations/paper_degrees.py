@@ -11,13 +11,16 @@ from sympy import Expr, Matrix, Symbol
 from gspcli.catalogue.kinds import Kind, Primitive
 from gspcli.symbolic.constraint_equations import (
     DISTANCE,
+    RHO,
+    Vector,
+    VectorFrame,
     angle_value,
+    degree,
     equation,
     equations,
     setting,
 )
 from gspcli.symbolic.coordinate_systems import MOTIONS, CoordinateSystem
-from gspcli.symbolic.forms import RHO, Vector, VectorFrame, degree
 
 #: Components for `written_equation`: special vectors could only lower the degree.
 _COMPONENTS = {

@@ -10,10 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from gspcli.catalogue.counts import all_families, family_counts
+from gspcli.catalogue.counts import Witness, all_families, family_counts
 from gspcli.catalogue.kinds import ALL
 from gspcli.catalogue.types import CONSTRAINTS, Family
-from gspcli.catalogue.witnesses import Witness
 from gspcli.defaults import SEED
 from gspcli.errors import GspError
 from gspcli.geometry.instance import Instance

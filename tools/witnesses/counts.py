@@ -7,7 +7,7 @@
 most this many solutions (`data/witnesses/real.csv`, to be written first). It halves a line where a
 number is missing between two platforms, and certifies the real poses of each platform that it
 records. It keeps those records that are right with the best witness of today. `check` certifies
-every recorded platform again; it exits with 1 if a number differs.
+every recorded_real_counts platform again; it exits with 1 if a number differs.
 """
 
 from __future__ import annotations
@@ -19,11 +19,17 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from fractions import Fraction
 
-from gspcli.catalogue.counts import all_families, family_counts, mirrored
+from gspcli.catalogue.counts import (
+    PlaceOnLine,
+    all_families,
+    best_real,
+    family_counts,
+    mirrored,
+    platform_at,
+    recorded_real_counts,
+)
 from gspcli.catalogue.kinds import ALL, DHP, DLL, DPH
-from gspcli.catalogue.real_counts import PlaceOnLine, platform_at, recorded
 from gspcli.catalogue.types import CONSTRAINTS, Family
-from gspcli.catalogue.witnesses import best_real
 from gspcli.defaults import SEED
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
@@ -136,7 +142,9 @@ def _short(low: Fraction, high: Fraction) -> Fraction:
 def build(most: int, minutes: float) -> None:
     """Hunt in the families with at most this many solutions, the small ones first."""
     end = time.monotonic() + 60 * minutes
-    places = {family: {place.real: place for place in row} for family, row in recorded()}
+    places = {
+        family: {place.real: place for place in row} for family, row in recorded_real_counts()
+    }
     families = [f for f in all_families() if not mirrored(f.distances) < f.distances]
     for family in sorted(families, key=lambda one: family_counts(one).two_sided):
         if family_counts(family).two_sided > most or time.monotonic() > end:
@@ -178,8 +186,8 @@ def wrong(one: tuple[Family, PlaceOnLine]) -> str:
 
 
 def check(size: int | None, workers: Workers) -> int:
-    """Certify the recorded platforms again; return the exit code."""
-    known = [(family, place) for family, row in recorded() for place in row]
+    """Certify the recorded_real_counts platforms again; return the exit code."""
+    known = [(family, place) for family, row in recorded_real_counts() for place in row]
     return COUNTS.check(wrong, known, size, workers, said=lambda _: "numbers that occur certified")
 
 

@@ -16,10 +16,16 @@ from typing import Any
 
 import numpy as np
 
-from gspcli.catalogue.counts import all_families, family_counts, mirrored
+from gspcli.catalogue.counts import (
+    Witness,
+    all_families,
+    family_counts,
+    mirrored,
+    named_family,
+    read_row,
+)
 from gspcli.catalogue.kinds import ALL, DHP, DLL, DPH, Kind
 from gspcli.catalogue.types import CONSTRAINTS, Family
-from gspcli.catalogue.witnesses import Witness, named_family, read_row
 from gspcli.continuation.tracked_paths import track_all
 from gspcli.defaults import SEED
 from gspcli.geometry.arrangement import Arrangement

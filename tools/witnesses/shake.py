@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from gspcli.catalogue.witnesses import named_family
+from gspcli.catalogue.counts import named_family
 from gspcli.reality.fold_distances import moved
 from gspcli.reality.patterns import Pattern
 from gspcli.reality.platforms import Array, Platforms

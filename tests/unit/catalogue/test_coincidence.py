@@ -12,16 +12,14 @@ from hypothesis import strategies as st
 from gspcli.catalogue.coincidence import (
     Bond,
     Sharing,
+    _count,
     canonical_bonds,
     coincident_types,
-    parse_sharing,
-)
-from gspcli.catalogue.coincidence_counts import (
-    _count,
     count_coincident,
     count_self_mirrored,
     count_up_to_swap,
     invariant_partitions,
+    parse_sharing,
 )
 from gspcli.catalogue.kinds import ALL, DLL, DLP, DPL, DPP, KINDS, Kind
 from gspcli.catalogue.names import parse_type

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from gspcli.catalogue.coincidence import coincident_types, parse_sharing
-from gspcli.catalogue.mechanism import mechanism, mechanism_of_type
 from gspcli.catalogue.names import parse_type
+from gspcli.catalogue.realization import mechanism, mechanism_of_type
 from gspcli.catalogue.types import GspType, all_types
 
 FIGURE_2 = "L1-l3 L1^l3 L2-l4 L2^l4 L1^l4 L2-l3"

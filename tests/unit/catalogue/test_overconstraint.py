@@ -8,9 +8,14 @@ from collections.abc import Iterable, Sequence
 
 import pytest
 
-from gspcli.catalogue.coincidence import Bond, Vertex, coincident_types, parse_sharing
-from gspcli.catalogue.coincidence_counts import count_coincident
-from gspcli.catalogue.overconstraint import over_constraint
+from gspcli.catalogue.coincidence import (
+    Bond,
+    Vertex,
+    coincident_types,
+    count_coincident,
+    over_constraint,
+    parse_sharing,
+)
 from gspcli.catalogue.types import GspType, all_types
 
 PRIME = 2**31 - 1

@@ -6,9 +6,8 @@ import random
 
 import pytest
 
-from gspcli.catalogue.aliases import ALIASES
 from gspcli.catalogue.coincidence import parse_sharing
-from gspcli.catalogue.names import parse_kind, parse_name, parse_type
+from gspcli.catalogue.names import ALIASES, parse_kind, parse_name, parse_type
 from gspcli.catalogue.types import CLASSES, all_types, families
 from gspcli.errors import TypeNameError
 

@@ -8,26 +8,24 @@ from pathlib import Path
 
 import pytest
 
-from gspcli.catalogue.joints import (
+from gspcli.catalogue.kinds import AHH, ALH, ALL, DLL, DPH, DPL, KINDS, Kind
+from gspcli.catalogue.realization import (
+    SAMPLE,
     Chain,
     JointAxis,
     JointKind,
     Line,
+    Realization,
     Screw,
     Vector,
+    alternative,
     chain,
     dependencies,
-    rank,
-    vector,
-)
-from gspcli.catalogue.kinds import AHH, ALH, ALL, DLL, DPH, DPL, KINDS, Kind
-from gspcli.catalogue.realization import (
-    SAMPLE,
-    Realization,
-    alternative,
     outside,
+    rank,
     realization,
     sample_axes,
+    vector,
 )
 
 #: Configurations with nothing special between the primitives.

@@ -5,10 +5,16 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from gspcli.catalogue.joints import JointAxis, JointKind
 from gspcli.catalogue.kinds import ALL, DLL, DPL, DPP, KINDS, Kind
-from gspcli.catalogue.mechanism import mechanism
-from gspcli.catalogue.realization import REALIZATIONS, Realization, outside, realization
+from gspcli.catalogue.realization import (
+    REALIZATIONS,
+    JointAxis,
+    JointKind,
+    Realization,
+    mechanism,
+    outside,
+    realization,
+)
 from gspcli.pictures.chain_panels import chain_drawing
 from gspcli.pictures.joint_frames import ChainEnds, mounted
 from gspcli.pictures.mechanisms import mechanism_drawing

@@ -5,9 +5,8 @@ import random
 import pytest
 from sympy import QQ, ZZ, Matrix, Poly, Rational, eye, groebner, ring, symbols
 
-from gspcli.symbolic.angles import ORDER
-from gspcli.symbolic.closed_forms import derive
-from gspcli.symbolic.sparse_polynomials import coefficients, evaluate, parametrize
+from gspcli.symbolic.closed_forms import ORDER, derive
+from gspcli.symbolic.triangular import coefficients, evaluate, parametrize
 
 R_NAMES = [f"r{i}{j}" for i in (1, 2, 3) for j in (1, 2, 3)]
 

@@ -25,13 +25,19 @@ from gspcli.catalogue.kinds import (
 )
 from gspcli.catalogue.recorded_varieties import varieties
 from gspcli.resources import data_json
-from gspcli.symbolic.constraint_degrees import lowest_degree
 from gspcli.symbolic.constraint_equations import (
     ANGLE,
     DISTANCE,
+    Vector,
+    VectorFrame,
+    base,
     equations,
+    inner,
+    lowest_degree,
+    platform,
     setting,
     squared_distance,
+    triple,
 )
 from gspcli.symbolic.coordinate_systems import (
     LAZARD,
@@ -39,11 +45,10 @@ from gspcli.symbolic.coordinate_systems import (
     MOURRAIN,
     MOURRAIN_16,
     SYSTEMS,
+    hilbert_function,
     system,
 )
-from gspcli.symbolic.forms import Vector, VectorFrame, base, inner, platform, triple
 from gspcli.symbolic.rational_motions import RationalMotion, random_motion
-from gspcli.symbolic.varieties import hilbert_function
 from tools.build.constraints import constraint_facts, unproved_degrees
 from tools.equations.exact_constraints import RationalConstraint, sample
 from tools.equations.loci import loci, quadratic_part

@@ -8,17 +8,15 @@ from typing import Any
 import pytest
 from sympy import QQ, ZZ, Matrix, Poly, Rational, ring, symbols
 
-from gspcli.symbolic.closed_forms import CASES, derive
-from gspcli.symbolic.eliminations import determinant
-from gspcli.symbolic.sparse_polynomials import (
+from gspcli.symbolic.closed_forms import CASES, INTERSECTIONS, derive, determinant
+from gspcli.symbolic.triangular import (
+    TriangularSet,
     coefficient,
     coefficients,
     evaluate,
     parametrize,
     symbols_of,
 )
-from gspcli.symbolic.surface_intersections import INTERSECTIONS
-from gspcli.symbolic.triangular import TriangularSet
 
 #: Proposition 6.7.
 SOLUTIONS = {

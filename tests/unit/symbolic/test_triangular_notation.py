@@ -7,8 +7,15 @@ from sympy import sympify
 
 from gspcli.errors import GspError
 from gspcli.symbolic.closed_forms import CASES, derive, expand_case, parse_case
-from gspcli.symbolic.notation import LATEX, TEXT, write_definition, write_polynomial
-from gspcli.symbolic.presentation import to_document, to_latex, to_text
+from gspcli.symbolic.derivation import (
+    LATEX,
+    TEXT,
+    to_document,
+    to_latex,
+    to_text,
+    write_definition,
+    write_polynomial,
+)
 
 XYZ = ("x", "y", "z")
 

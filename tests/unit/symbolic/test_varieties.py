@@ -22,13 +22,11 @@ from gspcli.symbolic.coordinate_systems import (
     MOTIONS,
     SYMBOLS,
     SYSTEMS,
+    hilbert_function,
+    sampled_hilbert_function,
     system,
 )
 from gspcli.symbolic.rational_motions import monomials, random_motion, rank, residues
-from gspcli.symbolic.varieties import (
-    hilbert_function,
-    sampled_hilbert_function,
-)
 from tools.equations.motions import equations, motion_blocks, motion_variables
 
 ROOT = Path(__file__).parents[3]
