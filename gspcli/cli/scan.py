@@ -98,9 +98,13 @@ def command(
 
     --folds gives the values or readings at which a pair of modes meets and vanishes (a fold),
     between neighbouring nodes with different numbers. Each fold is proved, and shown with its
-    pose. Mirror images have one fold each, at the same values. Over two values or motors the folds
-    are points of a curve (the discriminant), which pictures show with its cusps. Between the proved
-    points the curve is followed numerically, without proof.
+    pose. Mirror images have one fold each, at the same values. Two folds between the same nodes
+    that leave the number unchanged are found from complex solutions, without proof that none is
+    missed.
+    Where symmetries let several modes meet at once, there is no simple fold: it is said how many
+    meet, and between which values; the numbers on both sides are proved. Over two values or motors
+    the folds are points of a curve (the discriminant), which pictures show with its cusps. Between
+    the proved points the curve is followed numerically, without proof.
 
     For a machine with arms or rails the readings of its motors vary (crank.B1, slide.B1). At each
     node the joints are moved there, and the other motors stay where they are stated. The

@@ -11,6 +11,7 @@ from gspcli.wording import counted
 if TYPE_CHECKING:
     from gspcli.geometry.frames import PoseFrame
     from gspcli.geometry.instance import Instance
+    from gspcli.motion.singularities.crossings import Meeting
     from gspcli.motion.singularities.scan_results import ScanResult
     from gspcli.motion.singularities.value_scans import Scan
 
@@ -45,6 +46,7 @@ def scan_table(result: ScanResult, form: str, frame: PoseFrame) -> Table:
         cusps = sum(len(curve.cusps) for curve in limits.curves)
         curves = counted(len(limits.curves), "curve")
         notes.append(f"discriminant: {curves}, {counted(cusps, 'cusp')}")
+    notes += [_meeting(result.names, one, frame) for one in limits.meetings]
     if result.folds:
         notes += frame_note(frame)
     return Table(
@@ -63,9 +65,10 @@ def _expressed(
 ) -> list[dict[str, Any]]:
     """Return the rows of folds with their poses as they are expressed."""
     from gspcli.geometry.quaternions import quaternion_from_rotation
+    from gspcli.motion.singularities.crossings import in_order
 
     found = []
-    crossings = sorted(result.limits.crossings, key=lambda one: one.values)
+    crossings = in_order(result.limits.crossings)
     for row, one in zip(rows, crossings, strict=True):
         R, T = frame.from_platform(one.R, one.T)
         pose = [*T.tolist(), *quaternion_from_rotation(R).tolist()]
@@ -82,6 +85,22 @@ def _note(found: Scan) -> str:
     numbers, counts = _tally(found)
     parts = [f"{modes} at {count}" for modes, count in zip(numbers, counts, strict=True)]
     return f"{found.modes.size} nodes; modes: {', '.join(parts)}"
+
+
+def _meeting(names: list[str], one: Meeting, frame: PoseFrame) -> str:
+    """Return what is known about modes that meet in no simple fold."""
+    ends = (
+        ", ".join(f"{name} = {x:.10g}" for name, x in zip(names, end, strict=True))
+        for end in (one.low, one.high)
+    )
+    places = []
+    for before, after, R, T in one.poses:
+        there = ", ".join(f"{x:.6g}" for x in frame.from_platform(R, T)[1].round(9) + 0.0)
+        places.append(f"{before} become {after} at ({there})")
+    return (
+        f"between {' and '.join(ends)}: {one.before} modes before and {one.after} after, proved; "
+        f"several meet in no simple fold: {', '.join(places)}"
+    )
 
 
 def _tally(found: Scan) -> tuple[list[int], list[int]]:

@@ -196,9 +196,16 @@ class _Turn:
         self.proved = self._proved([a.abs_upper() for a in apart])
 
     def _proved(self, wanted: list[arb]) -> bool:
-        """Whether a box contains the fold on a curve along which t has no other extremum."""
+        """Whether a box contains the fold on a curve along which t has no other extremum.
+
+        The box is at least as wide as the ball of the fold: where a coordinate does not change
+        along the curve, Krawczyk's test alone leaves a box that is narrower than this ball. Each
+        width for which the test holds is a proof.
+        """
         arc = self.arc
-        return arc.holds(self.reach, wanted) and arc.contains(self.fold) and arc.bends() != 0
+        ball = [a.abs_upper() for a in arc.place(self.fold)[1]]
+        wide = [a if a > b else b for a, b in zip(wanted, ball, strict=True)]
+        return arc.holds(self.reach, wide) and arc.contains(self.fold) and arc.bends() != 0
 
     def proved_nearer(self) -> bool:
         """Whether an arc is proved, a shorter one if necessary."""

@@ -22,6 +22,8 @@ Array = NDArray[np.float64]
 SAME = 1e-7
 #: A platform farther away than this many typical lengths is called "far away" in a reason.
 _FAR = 10.0
+#: The reason of an undecided end at which nothing else is seen.
+NEARLY_SINGULAR = "the pose is nearly singular"
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,6 +46,7 @@ class Run:
             self.options,
         )
         folds = [self._carried_on(branches, k) for k in range(len(R))]
+        self._shared(branches, folds)
         poses = platform.poses(branches.points)
         events = tuple(
             self._event(branches, folds, numbers, k)
@@ -103,6 +106,16 @@ class Run:
             self._follow_closely(branches, k, towards=fold)
             closely = branches.reached[k] == row
         return None
+
+    def _shared(self, branches: Branches, folds: list[tuple[int, Fold] | None]) -> None:
+        """Enter the folds that other modes reach for modes that stopped before they were proved."""
+        proved = [found for found in folds if found is not None]
+        for k in np.flatnonzero(branches.stop == Stop.STEP).tolist():
+            for row, fold in proved if folds[k] is None else ():
+                near = row == branches.reached[k] and branches.fraction[k] <= fold.high
+                if near and self._reaches(branches, k, fold):
+                    folds[k] = row, fold
+                    break
 
     def _follow_closely(self, branches: Branches, k: int, towards: Fold | None) -> None:
         """Follow a branch with residuals in balls, to the next row, and from there as usual.
@@ -170,7 +183,7 @@ class Run:
             R, T = self.platform.poses(point)
             row = max(row, 0)
             low, high = self.time(row, part), self.time(row, 1.0)
-            reason = self._seen(row, R, T) or "the pose is nearly singular"
+            reason = self._seen(row, R, T) or NEARLY_SINGULAR
             return Event("undecided", reason, False, mode, row, low, high, R, T)
         before, fold = found
         partner = next(

@@ -18,7 +18,7 @@ from gspcli.geometry.printed_numbers import printed_conditions
 from gspcli.geometry.quaternions import quaternion_from_rotation
 from gspcli.geometry.ranges import wrong_value
 from gspcli.geometry.readings import factors, is_corrected, offsets, without_corrections
-from gspcli.motion.singularities.crossings import Boundary, Crossing, boundary
+from gspcli.motion.singularities.crossings import Boundary, boundary, in_order
 from gspcli.motion.singularities.value_scans import MISSING, Axis, Scan
 from gspcli.motion.singularities.value_scans import scan as scan_values
 from gspcli.records import dataclass
@@ -93,7 +93,22 @@ class ScanResult:
             }
             for curve in self.limits.curves
         ]
-        return document | {"folds": self.rows(), "curves": curves}
+        meetings = [
+            {
+                "from": dict(zip(self.names, one.low, strict=True)),
+                "to": dict(zip(self.names, one.high, strict=True)),
+                "modes": [one.before, one.after],
+                "poses": [
+                    {
+                        "modes": [before, after],
+                        **dict(zip(POSE, _pose_numbers(R, T), strict=True)),
+                    }
+                    for before, after, R, T in one.poses
+                ],
+            }
+            for one in self.limits.meetings
+        ]
+        return document | {"folds": self.rows(), "curves": curves, "meetings": meetings}
 
     def _nodes(self) -> list[dict[str, Any]]:
         found, rows = self.found, []
@@ -118,9 +133,9 @@ class ScanResult:
             {
                 **dict(zip(self.names, one.values, strict=True)),
                 "change": one.change,
-                **dict(zip(POSE, _numbers(one), strict=True)),
+                **dict(zip(POSE, _pose_numbers(one.R, one.T), strict=True)),
             }
-            for one in sorted(self.limits.crossings, key=lambda one: one.values)
+            for one in in_order(self.limits.crossings)
         ]
 
 
@@ -223,6 +238,14 @@ def as_read(asked: Scan, found: Scan, limits: Boundary, *, folds: bool) -> ScanR
         )
         for curve in limits.curves
     ]
+    limits.meetings = [
+        replace(
+            one,
+            low=tuple(((one.low - added) / scales).tolist()),
+            high=tuple(((one.high - added) / scales).tolist()),
+        )
+        for one in limits.meetings
+    ]
     return ScanResult(replace(found, instance=asked.instance, axes=asked.axes), limits, folds)
 
 
@@ -248,8 +271,8 @@ def _corrections(asked: Scan) -> tuple[Array, Array]:
     return np.where(values, times[chosen], 1.0), np.where(values, added[chosen], 0.0)
 
 
-def _numbers(one: Crossing) -> list[float]:
-    return [*one.T.tolist(), *quaternion_from_rotation(one.R).tolist()]
+def _pose_numbers(R: Array, T: Array) -> list[float]:
+    return [*T.tolist(), *quaternion_from_rotation(R).tolist()]
 
 
 def _finite(number: Any) -> float | None:

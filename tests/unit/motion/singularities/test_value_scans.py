@@ -5,6 +5,7 @@ import pytest
 
 import gspcli
 from gspcli.errors import ArgumentError
+from gspcli.motion import track
 from gspcli.motion.singularities.crossings import boundaries, boundary
 from gspcli.motion.singularities.value_scans import MISSING, Axis, Scan, scan
 from gspcli.resources import data_path
@@ -131,3 +132,65 @@ def test_pieces_can_be_done_apart(hexapod, monkeypatch):
     there = whole.modes > 0
     assert (whole.clearances[there] > 0).all()
     assert np.isinf(whole.clearances[~there]).all()
+
+
+PLANAR = """
+gsp: 1
+name: planar platform, four poses
+units: {length: m, angle: rad}
+platform: {P1: {point: [0, 0, 0]}, P2: {point: [3, 0, 0]}, P3: {point: [3, 3, 0]}}
+base:
+  B1: {point: [0, 0, 0]}
+  B2: {point: [5, 0, 0]}
+  B3: {point: [0, 6, 0]}
+  H: {plane: {point: [0, 0, 0], normal: [0, 0, 1]}}
+constraints:
+  - {distance: [P1, B1], value: 5}
+  - {distance: [P2, B2], value: 5}
+  - {distance: [P3, B3], value: 3}
+  - {distance: [P1, H], value: 0}
+  - {distance: [P2, H], value: 0}
+  - {distance: [P3, H], value: 0}
+"""
+
+
+def test_all_folds_of_a_planar_platform_whose_height_is_exactly_zero():
+    """The sixth and seventh lie between the same two nodes, and cancel each other."""
+    found = scan(gspcli.loads(PLANAR), [Axis(1, tuple(np.linspace(3, 10, 141).tolist()))])
+    limits = boundary(found)
+    assert not limits.unexplained
+    values = sorted(fold.values[0] for fold in limits.crossings)
+    known = [3.01858, 3.71053, 4.86372, 6.96734, 7.02234, 7.80001, 7.84909, 9.26238, 9.31023]
+    assert np.allclose(values, known, atol=5.1e-6, rtol=0)
+    changes = [fold.change for fold in sorted(limits.crossings, key=lambda fold: fold.values)]
+    assert changes == [2, 2, 2, 2, -2, 2, -2, -2, -2]
+
+
+def test_both_modes_of_a_fold_are_told_where_the_height_is_exactly_zero():
+    rows = np.array([[5, 7.75, 3, 0, 0, 0], [5, 8.0, 3, 0, 0, 0]])
+    events = track(gspcli.loads(PLANAR), rows).events
+    assert {event.kind for event in events} == {"fold"}
+    partners = {event.mode: event.partner for event in events}
+    assert all(partners[other] == mode for mode, other in partners.items())
+
+
+@pytest.mark.parametrize(
+    ("name", "axis", "numbers", "poses", "folds"),
+    [
+        ("three-rps", Axis(0, (3.1, 3.2)), [], [], [2, 2]),
+        ("delta", Axis(0, (-54.5, -54.3), "crank.B1"), [(14, 16)], [(1, 3)], []),
+    ],
+)
+def test_where_symmetries_let_several_modes_meet_their_numbers_are_told(
+    name, axis, numbers, poses, folds
+):
+    instance = gspcli.example(name)
+    limits = boundary(scan(instance, [axis]))
+    assert not limits.unexplained
+    assert [(one.before, one.after) for one in limits.meetings] == numbers
+    assert [pose[:2] for one in limits.meetings for pose in one.poses] == poses
+    assert [fold.change for fold in limits.crossings] == folds
+    for one in limits.meetings:
+        (low, high), (first, last) = (one.low[0], one.high[0]), axis.values
+        assert first <= low < high <= last
+        assert high - low < 1e-3 * (last - first)
