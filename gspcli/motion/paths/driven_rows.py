@@ -17,6 +17,7 @@ from gspcli.certification.branches.taylor import MovingSystem
 from gspcli.geometry.residuals import condition_numbers
 from gspcli.motion.following.moving_geometry import MovingGeometry
 from gspcli.motion.paths.between_rows import PathRows
+from gspcli.motion.paths.drive_travels import drive_travels
 from gspcli.motion.paths.motors import Motors
 from gspcli.motion.paths.pose_ways import PoseWays
 from gspcli.motion.singularities.drive_clearances import drive_clearances, drive_weights
@@ -126,18 +127,9 @@ class DrivenRows(PathRows):
             moved = np.abs(np.diff(self.numbers, axis=0)) * _OUTWARD
         else:
             assert self.parameters is not None
-            steps = np.diff(self.parameters, axis=0)
-            moved = np.array(
-                [self._moved(*one) for one in zip(self.parameters, steps, strict=False)]
-            )
+            assert isinstance(self.ways, PoseWays)
+            moved = drive_travels(self.ways, self.parameters[:-1], self.parameters[1:])
         found = (moved / weights).max(axis=1) * _OUTWARD
         if self.bulges is not None:
             found = np.where(self.bulges.any(axis=1), np.inf, found)
         return np.asarray(found)
-
-    def _moved(self, place: Array, step: Array) -> Array:
-        """Bound how far each drive moves on a straight way of poses, shape (m,)."""
-        assert isinstance(self.ways, PoseWays)
-        assert self.motors is not None
-        speeds, _ = self.ways.rates.bounds(place, step, 0 * step, 1.0)
-        return np.asarray(speeds[: self.motors.drives.count] * self.motors.drives.units)

@@ -8,8 +8,6 @@ limits and contain no singular pose, so does the way. Cells that are not proved 
 
 from __future__ import annotations
 
-from functools import cached_property
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -19,7 +17,6 @@ from gspcli.geometry.euler import euler_from_rotation
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.quaternions import apply
 from gspcli.motion.paths.motors import Motors
-from gspcli.motion.paths.rate_bounds import Rates
 from gspcli.motion.workspace.pose_boxes import NEGATIVE, PARAMETERS, PoseBoxes
 from gspcli.records import dataclass
 
@@ -102,13 +99,6 @@ class PoseWays:
         self._conditions = self.boxes.conditions if limits else self.boxes.reached
         #: Sizes of the six parameters: lengths of the platform, and radians.
         self.sizes = np.array([arrangement.length] * 3 + [1.0] * 3)
-
-    @cached_property
-    def rates(self) -> Rates:
-        """Bounds of what the motors do."""
-        motors = self.motors
-        drives = None if motors is None else (motors.drives, motors.knees)
-        return Rates(self.instance, self.pivot, self.boxes.sequence, drives)
 
     def arrangement(self, R: Array, T: Array) -> Arrangement:
         """Return the platform at poses: points of cranks and slides are where they reach them."""

@@ -1,8 +1,8 @@
-"""The time of paths: speeds and accelerations below limits on the whole way.
+"""The time of paths: speeds and accelerations below limits.
 
 Of straight ways of values the motors move linearly, so their limits hold exactly. On straight ways
-of poses the speeds and accelerations of motors are bounded between all samples (`rate_bounds`), as
-are the speed of the pivot and the turn of the platform. Corners are stops, or parabolas that are
+of poses the speeds and accelerations of motors, and of the turn of the platform, are those at
+samples, with a margin. Corners are stops, or parabolas that are
 proved again: of values in the boxes about their rows that the clearance proves, of poses in boxes
 that are proved to keep all limits.
 """
@@ -19,7 +19,8 @@ from numpy.typing import NDArray
 from gspcli.errors import ArgumentError
 from gspcli.motion.paths.guides import Guide, GuideRows, PoseGuide, RowsOnWay, ValueGuide
 from gspcli.motion.paths.moves import Corner, LineMove, Moves, moves_of
-from gspcli.motion.paths.rate_bounds import Rates
+from gspcli.motion.paths.pose_ways import PoseWays
+from gspcli.motion.poses.inverse_kinematics import values_at
 from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
@@ -34,8 +35,10 @@ _SLOWER, _SLOWEST = 0.97, 0.05
 _CURVED, _CHANGING = 16, 4
 #: Shares of the acceleration that full speed may need on a bent way of the motors.
 _BENT = (0.02, 0.1, 0.25, 0.5, 0.75, 0.9)
-#: Bounds are this much larger than what is computed.
-_OUTWARD = 1 + 1e-9
+#: Speeds and accelerations are this much larger than what is computed exactly, or from samples.
+_MARGIN, _SAMPLED = 1 + 1e-9, 1 + 1e-5
+#: Samples of a move of a pose; the step of differences, in sizes of the platform.
+_SAMPLES, _STEP = 400, 1e-4
 
 
 @dataclass(frozen=True)
@@ -93,7 +96,7 @@ class PathLimits:
         return bool({*self.speed, *self.acceleration} - {MOTORS})
 
     def arrays(self, motors: int, in_radians: float) -> tuple[Array, Array]:
-        """Return the limits in the order of `Rates.bounds`, infinite where there is none."""
+        """Return the limits in the order of `Rates.largest`, infinite where there is none."""
         units = [1.0] * motors + [1.0, in_radians]
         names = [MOTORS] * motors + [PLATFORM, TURN]
         speed, acceleration = (
@@ -175,18 +178,85 @@ class _ValueLaw:
 
     def line(self, first: Array, last: Array) -> LineMove:
         way = last - first
-        duration = float((np.abs(way) / self._speed).max()) * _OUTWARD
+        duration = float((np.abs(way) / self._speed).max()) * _MARGIN
         with np.errstate(divide="ignore"):
-            rise = float((self._acceleration * duration / np.abs(way)).min()) / _OUTWARD
+            rise = float((self._acceleration * duration / np.abs(way)).min()) / _MARGIN
         return LineMove(way, duration, rise)
 
     def bend(self, corner: Array, change: Array) -> float:
         del corner
-        return float((np.abs(change) / self._acceleration).max()) * _OUTWARD
+        return float((np.abs(change) / self._acceleration).max()) * _MARGIN
 
     def excess(self, moves: Moves, k: int) -> float:
         del moves, k
         return 0.0
+
+
+class Rates:
+    """Speeds and accelerations of what moves with position and angles.
+
+    Parameters
+    ----------
+    ways
+        The ways of poses of a platform.
+    """
+
+    def __init__(self, ways: PoseWays) -> None:
+        self.ways = ways
+
+    def _motors(self, R: Array, T: Array) -> Array:
+        """Return what the motors are at along rows of poses, in their units, shape (r, m)."""
+        motors = self.ways.motors
+        if motors is None:
+            return values_at(self.ways.instance, R, T)
+        return motors.numbers(R, T) / motors.drives.units
+
+    def largest(
+        self, place: Array, velocity: Array, acceleration: Array, duration: float
+    ) -> tuple[Array, Array]:
+        """Return the largest speeds and accelerations at samples of one move of the parameters.
+
+        Parameters
+        ----------
+        place, velocity, acceleration
+            At its beginning, shape (6,) each; the acceleration is constant.
+        duration
+            Of the move.
+
+        Returns
+        -------
+        speeds, accelerations
+            Of the m motors in the units of the instance, of the pivot, and of the turn of the
+            platform in radians, shapes (m + 2,). Infinite where a motor does not reach.
+        """
+        fast = np.abs(velocity) + np.abs(acceleration) * duration
+        step = _STEP / max(float((fast / self.ways.sizes).max()), 1e-300)
+        middles = np.linspace(0.0, duration, _SAMPLES + 1 if duration else 1)[:, None]
+        t = (middles + step * np.array([-1.0, 0.0, 1.0])).ravel()[:, None]
+        R, T = self.ways.poses(place + velocity * t + acceleration * t**2 / 2)
+        x = self._motors(R, T).reshape(len(middles), 3, -1)
+        R = R.reshape(-1, 3, 3, 3)
+        before, after = (R[:, k].swapaxes(1, 2) @ R[:, k + 1] for k in range(2))
+        first, second = (_spin(one) for one in (before, after))
+        speeds = [
+            np.abs(x[:, 2] - x[:, 0]) / (2 * step),
+            np.linalg.norm((velocity + acceleration * middles)[:, :3], axis=1)[:, None],
+            np.linalg.norm(first + second, axis=1)[:, None] / (2 * step),
+        ]
+        bends = [
+            np.abs(x[:, 2] - 2 * x[:, 1] + x[:, 0]) / step**2,
+            np.full((len(middles), 1), np.linalg.norm(acceleration[:3])),
+            np.linalg.norm(second - first, axis=1)[:, None] / step**2,
+        ]
+        both = (np.concatenate(parts, axis=1).max(axis=0) for parts in (speeds, bends))
+        fastest, most = (np.where(np.isnan(one), np.inf, one * _SAMPLED) for one in both)
+        return fastest, most
+
+
+def _spin(turns: Array) -> Array:
+    """Return the vectors of small rotations, ``(n, 3, 3) -> (n, 3)``."""
+    odd = (turns - turns.swapaxes(1, 2)) / 2
+    return np.stack((odd[:, 2, 1], odd[:, 0, 2], odd[:, 1, 0]), axis=1)
 
 
 class _PoseLaw:
@@ -197,31 +267,30 @@ class _PoseLaw:
 
     def line(self, first: Array, last: Array) -> LineMove:
         way = last - first
-        speeds, bends = self._rates.bounds(first, way, 0 * way, 1.0)
+        speeds, bends = self._rates.largest(first, way, 0 * way, 1.0)
         v, a = self._speed, self._acceleration
         best = LineMove(way, np.inf, 0.0)
         time = np.inf
         for share in _BENT:
             duration = max(float((speeds / v).max()), float(np.sqrt((bends / (share * a)).max())))
-            duration *= _OUTWARD
+            duration *= _MARGIN
             with np.errstate(divide="ignore", invalid="ignore"):
                 left = (a - bends / duration**2) * duration / speeds
-            rise = float(np.fmin(left, np.inf).min()) / _OUTWARD
+            rise = float(np.fmin(left, np.inf).min()) / _MARGIN
             quick = rise * duration >= 1
             here = duration + 1 / rise if quick else 2 * np.sqrt(duration / rise)
             if here < time:
                 best, time = LineMove(way, duration, rise), here
         if not np.isfinite(time):
-            message = "the speeds of the motors have no bound on the path: a distance is zero there"
-            raise ArgumentError(message, "speed")
+            raise ArgumentError("a drive does not reach the path", "speed")
         return best
 
     def bend(self, corner: Array, change: Array) -> float:
-        speeds, _ = self._rates.bounds(corner, change, 0 * change, 0.0)
+        speeds, _ = self._rates.largest(corner, change, 0 * change, 0.0)
         return float((speeds / self._acceleration).max()) * 2
 
     def excess(self, moves: Moves, k: int) -> float:
-        speeds, bends = self._rates.bounds(
+        speeds, bends = self._rates.largest(
             moves.places[k], moves.velocities[k], moves.accelerations[k], moves.durations[k]
         )
         quick = (speeds / self._speed).max()
@@ -301,9 +370,10 @@ def _too_quick(law: _Law, moves: Moves) -> dict[int, float]:
 
 def _law(guide: Guide, limits: PathLimits) -> _Law:
     if isinstance(guide, PoseGuide):
-        rates = guide.ways.rates
-        in_radians = guide.ways.instance.units.angle.in_radians
-        return _PoseLaw(rates, *limits.arrays(rates.count, in_radians))
+        ways = guide.ways
+        motors = len(ways.instance.constraints) if ways.motors is None else ways.motors.drives.count
+        in_radians = ways.instance.units.angle.in_radians
+        return _PoseLaw(Rates(ways), *limits.arrays(motors, in_radians))
     motors = guide.sizes.size
     speed, acceleration = limits.arrays(motors, 1.0)
     return _ValueLaw(speed[:motors], acceleration[:motors])
@@ -334,7 +404,7 @@ class _Rows:
         self.curved = kept % 2 == 1
         self._move = move
         bend = np.abs(moves.accelerations[move[:-1]]) * moves.round[move[:-1], None]
-        bulges = bend * np.diff(self.t)[:, None] ** 2 / 8 * _OUTWARD
+        bulges = bend * np.diff(self.t)[:, None] ** 2 / 8 * _MARGIN
         numbers = self._numbers(places)
         first = np.searchsorted(part, np.arange(len(kept)))
         begins, ends = self.t[first], np.append(self.t[first[1:]], moves.seconds)
