@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from gspcli.cli.example import short_name
+from gspcli.cli.commands.example import short_name
 from gspcli.geometry.instance import Constraint, Instance
 from gspcli.resources import data_json, instance_files
 from gspcli.spec import load, sharing

@@ -34,10 +34,10 @@ class CommandGroup(click.Group):
         if cmd_name not in COMMANDS:
             return None
         command: click.Command = importlib.import_module(
-            f"gspcli.cli.{cmd_name.replace('-', '_')}"
+            f"gspcli.cli.commands.{cmd_name.replace('-', '_')}"
         ).command
         if ctx.resilient_parsing:
-            from gspcli.cli.shell_completion import add_completion
+            from gspcli.cli.completion import add_completion
 
             add_completion(command)
         return command

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import functools
+import math
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias, TypeVar
 
 import click
 
-from gspcli.cli.streams import say
-from gspcli.errors import ArgumentError, GspError
+from gspcli.cli.options import Whole
+from gspcli.cli.streams import say, working
+from gspcli.errors import ArgumentError, GspError, IncompleteError, NotFiniteError
 from gspcli.records import dataclass
-from gspcli.wording import named
+from gspcli.wording import listed, named, shortened, shown
 
 if TYPE_CHECKING:
     import numpy as np
@@ -23,12 +26,15 @@ if TYPE_CHECKING:
     from gspcli.motion import PoseFormat
 
     Array = NDArray[np.float64]
+    from gspcli.geometry.home_mode import HomeMode
+    from gspcli.motion import Track
+    from gspcli.motion.files.pose_files import PoseTable
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 
-#: What poses can be expressed relative to.
-HOME = "home"
+#: The word for the home mode.
+HOME: Literal["home"] = "home"
 
 
 @dataclass(frozen=True)
@@ -212,7 +218,7 @@ def column_options(function: Function) -> Function:
 
 def text_of(path: str) -> tuple[str, str]:
     """Return the content of a file or, for -, of standard input, and its name."""
-    from gspcli.cli.names import refuse_to_replace
+    from gspcli.cli.options import refuse_to_replace
     from gspcli.spec.whole_files import LARGEST_TABLE, content_of
 
     refuse_to_replace(path)
@@ -246,3 +252,448 @@ def warn_of_range(instance: Instance, t: Sequence[float], values: Array) -> None
                 f"t = {t[rows[0]]:g}: the value {values[rows[0], k]:.6g} of constraint {k + 1} is "
                 f"outside its range from {low} to {high}{more}"
             )
+
+
+#: The first character of the name of a file where a POSE is expected.
+_FILE = "@"
+#: The ways to write a POSE, for help texts.
+POSE_HELP = "x,y,z,qw,qx,qy,qz, or x,y,z,rx,ry,rz with --euler, or @FILE"
+
+
+@dataclass(frozen=True)
+class GivenPose:
+    """A POSE as written; its meaning depends on `--euler`, `--pivot` and the unit.
+
+    Attributes
+    ----------
+    text
+        Numbers between commas, or ``@`` and the name of a file with one pose.
+    option
+        The option that it was given with.
+    """
+
+    text: str
+    option: str
+
+    @property
+    def is_standard_input(self) -> bool:
+        """Whether the pose is read from there."""
+        return self.text == f"{_FILE}-"
+
+    def read(self, form: PoseFormat) -> tuple[Array, Array]:
+        """Return the pose, R (3, 3) and T (3,).
+
+        Parameters
+        ----------
+        form
+            How the numbers of a pose are meant: order of axes, pivot, units.
+
+        Raises
+        ------
+        GspError
+            If it is not one pose.
+        """
+        from gspcli.motion import read_pose
+
+        if self.text.startswith(_FILE):
+            table = self._of_file(form)
+        else:
+            table = read_pose(self.text, replace(form, columns=()), self.option)
+        if len(table.R) != 1:
+            where = f"{self.option} {shortened(self.text)}"
+            message = f"{where}: found {len(table.R)} poses, expected one"
+            raise GspError(message)
+        return table.R[0], table.T[0]
+
+    def _of_file(self, form: PoseFormat) -> PoseTable:
+        """Return the poses of the file; one line of numbers is a POSE unless `form` has names."""
+        from gspcli.motion import read_pose, read_poses
+        from gspcli.motion.files.number_tables import rows_without_heading
+
+        text, name = text_of(self.text[1:])
+        rows = rows_without_heading(text)
+        # No column of a single pose is ignored, since all its numbers are needed.
+        names = form.columns if rows else ()
+        if len(rows) == 1 and not names:
+            numbers = ",".join(re.split(r"[,;\s]+", rows[0].strip()))
+            return read_pose(numbers, form, f"{self.option} {shortened(self.text)}")
+        return read_poses(text, name, replace(form, ignore=("*",), columns=names))
+
+    def numbers(self, form: PoseFormat) -> list[float]:
+        """Return the pose as numbers: the position of the pivot, then the rotation.
+
+        These are the numbers as written. Of a file the rotation is a quaternion, or angles if
+        `form` has their order.
+        """
+        from gspcli.motion.files.pose_files import numbers_of_pose, pose_numbers
+
+        if self.text.startswith(_FILE):
+            return numbers_of_pose(*self.read(form), form)
+        return pose_numbers(self.text, self.option)[1]
+
+
+class PoseType(click.ParamType):  # type: ignore[type-arg]
+    """The type of options that take a POSE; commands get `GivenPose`."""
+
+    name = "pose"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Return the pose as it was given."""
+        del ctx
+        if isinstance(value, GivenPose) or param is None:
+            return value
+        return GivenPose(value, max(param.opts, key=len))
+
+
+def pose_option(option: str, sentence: str, more: str) -> Callable[[Function], Function]:
+    """Return an option that takes a POSE.
+
+    Parameters
+    ----------
+    option
+        ``--pose`` or ``--near``.
+    sentence
+        The meaning of the option, the same in all commands.
+    more
+        What this command uses it for.
+    """
+    return click.option(
+        option, type=PoseType(), metavar="POSE", help=f"{sentence}: {more} ({POSE_HELP})."
+    )
+
+
+def pose_value_option(more: str) -> Callable[[Function], Function]:
+    """Return `--pose`; the command gets ``pose: GivenPose | None``."""
+    return pose_option("--pose", "A pose of the platform", more)
+
+
+def near_option(more: str) -> Callable[[Function], Function]:
+    """Return `--near`; the command gets ``near: GivenPose | None``."""
+    return pose_option("--near", "A pose near the mode that is meant", more)
+
+
+#: A number as `gsp solve` lists the real poses, from 1, or the home mode.
+Mode: TypeAlias = "int | Literal['home']"
+
+
+class ModeNumber(Whole):
+    """A whole number of at least 1, or the word home."""
+
+    name = "mode"
+
+    def __init__(self) -> None:
+        super().__init__(1)
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Return the number or the word, or fail."""
+        if value == HOME:
+            return HOME
+        try:
+            return super().convert(value, param, ctx)
+        except click.BadParameter as error:
+            message = f"{error.message.rstrip('.')}; expected a number of gsp solve, or {HOME}."
+            self.fail(message, param, ctx)
+
+
+def mode_option(what: str) -> Callable[[Function], Function]:
+    """Add ``--mode K|home``; the help says what it is for."""
+    meaning = f"A real pose by its number of `gsp solve`, or home: {what}"
+    return click.option("--mode", type=ModeNumber(), metavar="K|home", help=meaning)
+
+
+def chosen(mode: Mode | None, home: HomeMode | None, count: int) -> int:
+    """Return the number of the mode asked for. If none is, it is home, and stderr says so.
+
+    Parameters
+    ----------
+    mode
+        As the option is given.
+    home
+        The home mode, if there is one.
+    count
+        How many real poses there are.
+    """
+    from gspcli.motion.poses.chosen_mode import chosen_mode
+
+    number = mode if isinstance(mode, int) else None
+    found = chosen_mode(number, home, count)
+    if number is None and home is not None and count > 1:
+        say(home.text)
+    return found
+
+
+#: What poses vary by: position of the pivot, turns.
+PARAMETERS = ("x", "y", "z", "rx", "ry", "rz")
+_MOST_NODES = 1_000_000
+_SPAN = re.compile(r"(r?[xyz])=([^:]+):([^:]+)(?::(\d{1,9}))?")
+_AXIS = re.compile(r"([^=]+)=([^:]+):([^:]+):(\d{1,9})")
+
+
+def axes_of(texts: Sequence[str], names: Sequence[str]) -> list[tuple[str, tuple[float, ...]]]:
+    """Return the name and the nodes of each axis of `--vary`.
+
+    Raises
+    ------
+    GspError
+        If a text is none, or there are too many nodes.
+    """
+    axes = [_axis(text, names) for text in texts]
+    total = math.prod(len(nodes) for _, nodes in axes)
+    if total > _MOST_NODES:
+        message = f"found {total} nodes, expected at most {_MOST_NODES}"
+        raise GspError(message)
+    return axes
+
+
+def _axis(text: str, names: Sequence[str]) -> tuple[str, tuple[float, ...]]:
+    import numpy as np
+
+    from gspcli.motion.files.number_tables import wrong_number
+
+    match = _AXIS.fullmatch(text.replace(" ", ""))
+    if match is None or match[1] not in names or wrong_number(match[2]) or wrong_number(match[3]):
+        form = f"NAME=LOW:HIGH:COUNT with {listed(names)}, such as {names[0]}=5:7:200"
+        message = f"--vary: found {shown(text)}, expected {form}"
+        raise GspError(message)
+    low, high, count = float(match[2]), float(match[3]), int(match[4])
+    if not low < high or count < 2:
+        message = f"--vary: found {shown(text)}, expected LOW below HIGH and at least two values"
+        raise GspError(message)
+    if count > _MOST_NODES:
+        message = f"found {count} nodes, expected at most {_MOST_NODES}"
+        raise GspError(message)
+    return match[1], tuple(np.linspace(low, high, count).tolist())
+
+
+def span_of(option: str, text: str) -> tuple[str, float, float, int | None]:
+    """Return the parameter of a pose that an option names, its interval, and how many values.
+
+    Raises
+    ------
+    GspError
+        If the text is none.
+    """
+    from gspcli.motion.files.number_tables import wrong_number
+
+    match = _SPAN.fullmatch(text.replace(" ", ""))
+    if match is None or wrong_number(match[2]) or wrong_number(match[3]):
+        end = ":COUNT" if option == "shift" else ""
+        message = f"--{option}: found {shown(text)}, expected NAME=LOW:HIGH{end} with NAME one of "
+        raise GspError(message + ", ".join(PARAMETERS))
+    return match[1], float(match[2]), float(match[3]), int(match[4]) if match[4] else None
+
+
+def one_mode(instance: Instance, mode: Mode | None) -> tuple[int, Array, Array]:
+    """Return the number of a mode and its pose, shapes (1, 3, 3) and (1, 3); by default home."""
+    from gspcli.geometry.home_mode import home_mode
+
+    R, T = real_poses(instance)
+    number = chosen(mode, home_mode(instance, R, T), len(R))
+    return number, R[number - 1 : number], T[number - 1 : number]
+
+
+def mode_number(instance: Instance, mode: Mode | None) -> int:
+    """Return the number of a mode. For home it is found, and printed on stderr."""
+    return mode if isinstance(mode, int) else one_mode(instance, mode)[0]
+
+
+def real_poses(instance: Instance) -> tuple[Array, Array]:
+    """Return the real poses in the order of `gsp solve`, shapes (n, 3, 3) and (n, 3); at least one.
+
+    Raises
+    ------
+    GspError
+        If there is none.
+    NotFiniteError, IncompleteError
+        If the poses are infinitely many, or could not all be found, so that they have no numbers.
+    """
+    from gspcli.solver import solve
+
+    with working("solving"):
+        result = solve(instance)
+    if result.verdict == "infinite":
+        message = "the poses of the platform are infinitely many\ngive one with --pose"
+        raise NotFiniteError(message)
+    if result.verdict != "complete":
+        message = "the poses of the platform could not all be found\ngive one with --pose"
+        raise IncompleteError(message)
+    R, T = result.R[result.real].real, result.T[result.real].real
+    if not len(R):
+        message = (
+            "the platform has no real pose for its values\n"
+            "give a pose with --pose, or other values (gsp solve says which contradict each other)"
+        )
+        raise GspError(message)
+    return R, T
+
+
+@dataclass(frozen=True, eq=False)
+class AskedPoses:
+    """Poses, and what to call them.
+
+    Attributes
+    ----------
+    R, T
+        The poses, shapes (n, 3, 3) and (n, 3).
+    modes
+        The number of the mode of each, if it has one.
+    rows, t
+        The number of its row in the file, from 1, and t there; None without a file.
+    lost
+        Modes that end before the last row of a file of values, in words.
+    """
+
+    R: Array
+    T: Array
+    modes: list[int | None]
+    rows: list[int] | None = None
+    t: list[float] | None = None
+    lost: tuple[str, ...] = ()
+
+    def named(self, k: int) -> dict[str, Any]:
+        """Return what a pose is called, as data."""
+        names: dict[str, Any] = {}
+        if self.rows is not None and self.t is not None:
+            names = {"row": self.rows[k], "t": self.t[k]}
+        return {**names, "mode": self.modes[k]}
+
+    def place(self, k: int) -> str:
+        """Return what a pose is called, in words: ``in row 7 (t = 1.5), mode 2``."""
+        words = []
+        if self.rows is not None and self.t is not None:
+            words.append(f"in row {self.rows[k]} (t = {self.t[k]:.6g})")
+        if self.modes[k] is not None:
+            words.append(f"in mode {self.modes[k]}" if not words else f"mode {self.modes[k]}")
+        return ", ".join(words) or "there"
+
+    def stated_drives(self, instance: Instance) -> Array | None:
+        """Return readings of the drives at modes, where all points are as stated, shape (n, m).
+
+        None without cranks and slides, and for poses that are no modes.
+        """
+        from gspcli.geometry.drive_numbers import is_driven
+
+        if not is_driven(instance) or None in self.modes:
+            return None
+        import numpy as np
+
+        from gspcli.geometry.drives import Drives
+
+        drives = Drives.of(instance)
+        # A drive without a crank or slide is the value itself; it is not asked for here.
+        return drives.readings(np.zeros((len(self.T), drives.count)))
+
+    def check(self) -> None:
+        """Raise `IncompleteError` if a mode was lost on the way."""
+        if self.lost:
+            raise IncompleteError("\n".join(self.lost))
+
+
+def check_sources(
+    spec: str,
+    rows: str | None,
+    mode: Mode | None,
+    pose: GivenPose | None,
+    near: GivenPose | None,
+) -> None:
+    """Raise if poses were asked for in more than one way."""
+    given = {"--mode": mode, "--pose": pose, "--near": near}
+    names = [name for name, option in given.items() if option is not None]
+    if len(names) > 1:
+        message = f"give either {' or '.join(names)}"
+        raise click.UsageError(message)
+    if near is not None and rows is None:
+        message = "--near says which mode to follow: give it with ROWS"
+        raise click.UsageError(message)
+    if rows is not None and pose is not None:
+        message = "give either ROWS or --pose"
+        raise click.UsageError(message)
+    if spec == rows == "-":
+        message = "SPEC and ROWS cannot both be standard input"
+        raise click.UsageError(message)
+
+
+def asked_poses(
+    instance: Instance,
+    rows: str | None,
+    mode: Mode | None,
+    pose: GivenPose | None,
+    near: GivenPose | None,
+    form: PoseFormat,
+) -> AskedPoses:
+    """Return the poses of a file, the one that is given, or the real ones of the instance.
+
+    Parameters
+    ----------
+    instance
+        The platform.
+    rows
+        A file of poses, as `read_poses` takes it, or of values: then modes are followed along them.
+    mode
+        Only this mode, by its number of the instance; also along a file of values.
+    pose
+        This pose instead.
+    near
+        Only the mode nearest to this pose at the first row of a file of values.
+    form
+        How the numbers of a pose are meant: order of axes, pivot, units.
+    """
+    if rows is not None:
+        return _of_file(instance, rows, mode, near, form)
+    if pose is not None:
+        R, T = pose.read(form)
+        return AskedPoses(R[None], T[None], [None])
+    if mode is not None:
+        number, R, T = one_mode(instance, mode)
+        return AskedPoses(R, T, [number])
+    R, T = real_poses(instance)
+    return AskedPoses(R, T, list(range(1, len(R) + 1)))
+
+
+def _of_file(
+    instance: Instance, path: str, mode: Mode | None, near: GivenPose | None, form: PoseFormat
+) -> AskedPoses:
+    from gspcli.motion import read_poses, read_values, track
+    from gspcli.motion.files.pose_files import has_poses
+
+    text, name = text_of(path)
+    if has_poses(text, name, form):
+        if mode is not None or near is not None:
+            option = "--near" if mode is None else "--mode"
+            message = f"{option}: found the poses of {name}, expected a file of values to follow"
+            raise GspError(message)
+        table = read_poses(text, name, form)
+        if not len(table.R):
+            message = f"{name}: found no poses, expected at least one"
+            raise GspError(message)
+        rows = list(range(1, len(table.R) + 1))
+        t = [float(row) for row in rows] if table.t is None else table.t.tolist()
+        return AskedPoses(table.R, table.T, [None] * len(rows), rows, t)
+    values = read_values(text, name, instance, form)
+    if values.coordinates:
+        moving = ", ".join(values.coordinates)
+        message = f"{name}: found {moving}, expected values only: the geometry stays as SPEC has it"
+        raise GspError(message)
+    modes = None if mode is None else [mode_number(instance, mode)]
+    with working("following"):
+        start = None if near is None else near.read(form)
+        followed = track(instance, values.values, t=values.t, modes=modes, near=start)
+    return _of_track(followed)
+
+
+def _of_track(followed: Track) -> AskedPoses:
+    """Return a pose for each row and each mode that there is."""
+    import numpy as np
+
+    if not len(followed.modes):
+        message = "there is no real pose at the first row"
+        raise GspError(message)
+    rows, modes = np.nonzero(~np.isnan(followed.T[..., 0].T))
+    return AskedPoses(
+        followed.R[modes, rows],
+        followed.T[modes, rows],
+        followed.modes[modes].tolist(),
+        (rows + 1).tolist(),
+        followed.t[rows].tolist(),
+        tuple(f"mode {one.mode} ends at t = {one.low:.10g} ({one.kind})" for one in followed.ends),
+    )

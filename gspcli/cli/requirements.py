@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from gspcli.cli.output import Column
+from gspcli.cli.render import Column
 from gspcli.errors import CheckFailed, GspError
 from gspcli.wording import listed
 

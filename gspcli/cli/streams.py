@@ -8,13 +8,19 @@ import io
 import os
 import re
 import sys
-from contextlib import suppress
-from typing import Any, TextIO
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from threading import Lock, Timer
+from typing import IO, TYPE_CHECKING, Any, TextIO, TypeVar
 
 import click
 
-from gspcli.cli.colour import coloured
+from gspcli.errors import GspError
 from gspcli.wording import named
+
+if TYPE_CHECKING:
+    from rich.progress import Progress
 
 #: The handler of characters that an encoding lacks, and ASCII with another name: click takes a
 #: stream in plain ASCII for a mistake, and writes UTF-8 there.
@@ -146,6 +152,23 @@ def representable(text: str, stream: TextIO) -> str:
     return text.encode(stream.encoding, HANDLER).decode(stream.encoding)
 
 
+#: Characters that control a terminal: control characters, changes of direction.
+_OBEYED = re.compile("[\x00-\x1f\x7f-\x9f\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069]")
+
+
+def printable(text: str) -> str:
+    """Return a text with the characters that control a terminal escaped.
+
+    Line breaks stay.
+    """
+    return _OBEYED.sub(_written_out, text)
+
+
+def _written_out(match: re.Match[str]) -> str:
+    character = match[0]
+    return character if character == "\n" else character.encode("unicode_escape").decode("ascii")
+
+
 def say(message: str) -> None:
     """Tell the user something on standard error, if it can be written to.
 
@@ -154,8 +177,6 @@ def say(message: str) -> None:
     message
         One or more lines; characters that control a terminal are escaped.
     """
-    from gspcli.cli.output.cells import printable
-
     rest = message.removeprefix(_LABEL)
     label = message[: len(message) - len(rest)]
     try:
@@ -203,3 +224,157 @@ def reason(error: OSError) -> str:
     if error.filename:
         return f"{named(error.filename)}: {why}"
     return f"standard output: cannot be written: {why}" if error.errno in _OF_OUTPUT else why
+
+
+def coloured(stream: IO[str]) -> bool:
+    """Return whether to colour a stream: a terminal with colours, unless the user forbids it.
+
+    ``NO_COLOR`` with any text (no-color.org) and ``TERM=dumb`` say no.
+    """
+    unwanted = os.environ.get("NO_COLOR") or os.environ.get("TERM") == "dumb"
+    return stream.isatty() and not unwanted
+
+
+#: Characters of the name of a file that are in that of the temporary one: names have a limit.
+_KEPT = 32
+
+
+def check_writable(path: Path) -> None:
+    """Raise before the work, not after it, if no file can be written to a place.
+
+    Raises
+    ------
+    GspError
+        If the file is a folder, or cannot be made in its folder.
+    """
+    with _told(path):
+        # A name that is too long raises in the first call.
+        folder = path.resolve().parent
+        if path.is_dir():
+            code = errno.EISDIR
+        elif not folder.is_dir():
+            code = errno.ENOENT
+        elif not os.access(folder, os.W_OK) and not _is_special(path):
+            code = errno.EACCES
+        else:
+            path.exists()
+            return
+        raise OSError(code, os.strerror(code))
+
+
+@contextmanager
+def _told(path: Path) -> Iterator[None]:
+    """Say which file cannot be written, except for a closed pipe."""
+    try:
+        yield
+    except BrokenPipeError:
+        raise
+    except (OSError, ValueError, RuntimeError) as error:
+        # Those without a number are a zero byte in a name, and links that lead to themselves.
+        reason = getattr(error, "strerror", None) or str(error)
+        message = f"{named(path)}: cannot be written: {reason}"
+        raise GspError(message) from error
+
+
+def _is_special(path: Path) -> bool:
+    """Return whether a path is a device or a pipe, which cannot be replaced by a file."""
+    return path.exists() and not path.is_file() and not path.is_dir()
+
+
+def write_whole(path: Path, content: str | bytes) -> None:
+    """Write a file so that it is never seen half-written; write to a device or a pipe directly.
+
+    Raises
+    ------
+    GspError
+        If the file cannot be written.
+    """
+    data = content.encode(errors="backslashreplace") if isinstance(content, str) else content
+    with _told(path):
+        if _is_special(path):
+            with path.open("wb") as device:
+                device.write(data)
+        else:
+            # A link stays one.
+            _replace(path.resolve(), data)
+
+
+def _replace(path: Path, data: bytes) -> None:
+    temporary = path.with_name(f".{path.name[:_KEPT]}.{os.urandom(8).hex()}")
+    try:
+        with temporary.open("xb") as file:
+            file.write(data)
+        temporary.replace(path)
+    except BaseException:
+        temporary.unlink(missing_ok=True)
+        raise
+
+
+Item = TypeVar("Item")
+
+_PATIENCE_SECONDS = 1.0
+
+
+def progress(items: Iterable[Item], *, total: int | None = None, label: str = "") -> Iterator[Item]:
+    """Yield the items; after a second, show a bar on the terminal (see `gspcli.progress`)."""
+    if not sys.stderr.isatty():
+        yield from items
+        return
+    bar = _LateBar(label, total)
+    try:
+        for item in items:
+            yield item
+            bar.advance()
+    finally:
+        bar.stop()
+
+
+@contextmanager
+def working(label: str) -> Iterator[None]:
+    """Show, after a second, that work of unknown length goes on."""
+    bar = _LateBar(label, None) if sys.stderr.isatty() else None
+    try:
+        yield
+    finally:
+        if bar is not None:
+            bar.stop()
+
+
+class _LateBar:
+    """A bar that appears after a second, and is not even loaded before."""
+
+    def __init__(self, label: str, total: int | None) -> None:
+        self._label, self._total = label, total
+        self._done = 0
+        self._bars: Progress | None = None
+        self._stopped = False
+        self._lock = Lock()
+        self._timer = Timer(_PATIENCE_SECONDS, self._appear)
+        self._timer.daemon = True
+        # A system that refuses threads gets no bar.
+        with suppress(RuntimeError):
+            self._timer.start()
+
+    def _appear(self) -> None:
+        from rich.console import Console
+        from rich.progress import Progress
+
+        with self._lock:
+            if self._stopped:
+                return
+            self._bars = Progress(console=Console(stderr=True), transient=True)
+            self._bars.add_task(self._label, total=self._total, completed=self._done)
+            self._bars.start()
+
+    def advance(self) -> None:
+        with self._lock:
+            self._done += 1
+            if self._bars is not None:
+                self._bars.advance(self._bars.task_ids[0])
+
+    def stop(self) -> None:
+        self._timer.cancel()
+        with self._lock:
+            self._stopped = True
+            if self._bars is not None:
+                self._bars.stop()

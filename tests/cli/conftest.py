@@ -16,10 +16,9 @@ import pytest
 _SCRIPT = """
 import fcntl, json, struct, sys, termios
 from gspcli.cli.main import run
-from gspcli.cli import progress_bars
-from gspcli.cli.output import terminal
-progress_bars._PATIENCE_SECONDS = 1e6
-show = terminal.show
+from gspcli.cli import render, streams
+streams._PATIENCE_SECONDS = 1e6
+show = render.show
 def resize(width):
     fcntl.ioctl(1, termios.TIOCSWINSZ, struct.pack("HHHH", 50, width, 0, 0))
 def show_all(tables):
@@ -27,7 +26,7 @@ def show_all(tables):
         resize(width)
         show(tables)
         print("\\f", flush=True)
-terminal.show = show_all
+render.show = show_all
 for request in sys.stdin:
     widths, words = json.loads(request)
     resize(widths[0])

@@ -19,7 +19,7 @@ VERIFY = ("atlas", "verify", "--fast", "--method", "tracking", "--jobs", "1")
 
 @pytest.fixture
 def small_samples(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("gspcli.cli.atlas._FAST", (8, 64))
+    monkeypatch.setattr("gspcli.cli.commands.atlas._FAST", (8, 64))
 
 
 def test_summary_by_class_and_against_the_bounds(gsp: Run) -> None:

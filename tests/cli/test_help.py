@@ -10,9 +10,9 @@ from collections.abc import Callable
 import click
 import pytest
 
-from gspcli.cli.colour import coloured
 from gspcli.cli.commands import BY_HEADING, COMMANDS
 from gspcli.cli.main import cli
+from gspcli.cli.streams import coloured
 
 Run = Callable[..., object]
 HEADINGS = [f"{heading}:" for heading in BY_HEADING]
@@ -46,7 +46,7 @@ def test_help_imports_no_command() -> None:
     code = "import sys; from gspcli.cli.main import run; run(['--help']); print(*sys.modules)"
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     loaded = set(run.stdout.splitlines()[-1].split())
-    commands = {f"gspcli.cli.{name.replace('-', '_')}" for name in COMMANDS}
+    commands = {f"gspcli.cli.commands.{name.replace('-', '_')}" for name in COMMANDS}
     assert not loaded & commands
 
 

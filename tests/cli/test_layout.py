@@ -6,10 +6,16 @@ import math
 
 import pytest
 
-from gspcli.cli.output import Column, Table
-from gspcli.cli.output.cells import cell_text, column_texts, printable
-from gspcli.cli.output.layout import folded, lay_out
-from gspcli.cli.output.terminal import _lines
+from gspcli.cli.render import (
+    Column,
+    Table,
+    _lines,
+    cell_text,
+    column_texts,
+    folded,
+    lay_out,
+    printable,
+)
 
 
 def _drawn(table: Table, width: int) -> list[str]:

@@ -9,7 +9,7 @@ from pathlib import Path
 import click
 import pytest
 
-from gspcli.cli.number_types import Finite
+from gspcli.cli.options import Finite
 from tools.build.samples import commands
 
 Run = Callable[..., object]

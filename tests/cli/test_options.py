@@ -9,8 +9,8 @@ from collections.abc import Callable
 import click
 import pytest
 
-from gspcli.cli.pose_type import PoseType
-from gspcli.cli.shell_completion import _words_of
+from gspcli.cli.completion import _words_of
+from gspcli.cli.pose_options import PoseType
 from tools.build.samples import commands
 
 #: What differs by nature: the formats and tables that a command has.

@@ -15,8 +15,8 @@ from pathlib import Path
 import click
 import pytest
 
-from gspcli.cli.output import Column, Output, Table, check_writable, emit, write_whole
-from gspcli.cli.progress_bars import progress, working
+from gspcli.cli.render import Column, Output, Table, emit
+from gspcli.cli.streams import check_writable, progress, working, write_whole
 from gspcli.errors import GspError
 
 TABLE = Table(
@@ -213,12 +213,12 @@ def test_progress_shows_while_the_first_item_takes_long(
 ) -> None:
     monkeypatch.setenv("TERM", "xterm")
     monkeypatch.setattr("sys.stderr.isatty", lambda: True)
-    monkeypatch.setattr("gspcli.cli.progress_bars._PATIENCE_SECONDS", 0.01)
+    monkeypatch.setattr("gspcli.cli.streams._PATIENCE_SECONDS", 0.01)
     monkeypatch.setattr("rich.console.Console.is_terminal", True)
     items = (_until_shown("counting", capsys) for _ in range(1))
     assert list(progress(items, total=1, label="counting")) == [True]
     capsys.readouterr()
-    monkeypatch.setattr("gspcli.cli.progress_bars._PATIENCE_SECONDS", 100)
+    monkeypatch.setattr("gspcli.cli.streams._PATIENCE_SECONDS", 100)
     assert list(progress([1, 2], label="counting")) == [1, 2]
     assert "counting" not in capsys.readouterr().err
 
@@ -228,12 +228,12 @@ def test_work_of_unknown_length_shows_that_it_goes_on(
 ) -> None:
     monkeypatch.setenv("TERM", "xterm")
     monkeypatch.setattr("sys.stderr.isatty", lambda: True)
-    monkeypatch.setattr("gspcli.cli.progress_bars._PATIENCE_SECONDS", 0.01)
+    monkeypatch.setattr("gspcli.cli.streams._PATIENCE_SECONDS", 0.01)
     monkeypatch.setattr("rich.console.Console.is_terminal", True)
     with working("solving"):
         assert _until_shown("solving", capsys)
     capsys.readouterr()
-    monkeypatch.setattr("gspcli.cli.progress_bars._PATIENCE_SECONDS", 100)
+    monkeypatch.setattr("gspcli.cli.streams._PATIENCE_SECONDS", 100)
     with working("solving"):
         pass
     assert "solving" not in capsys.readouterr().err

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from gspcli.cli.real_poses import real_poses
+from gspcli.cli.pose_options import real_poses
 from gspcli.errors import GspError
 from gspcli.solver import solve
 from tools.special.platforms import platforms, recorded

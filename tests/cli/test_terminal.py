@@ -152,7 +152,7 @@ def test_what_a_terminal_would_obey_is_written_out(shown: Shown) -> None:
 
 
 def test_derived_equations_fit_the_terminal(monkeypatch):
-    from gspcli.cli.output.terminal import folded_lines
+    from gspcli.cli.render import folded_lines
     from gspcli.symbolic.derivation import derive
 
     text = str(derive("psc"))
@@ -165,8 +165,7 @@ def test_derived_equations_fit_the_terminal(monkeypatch):
 
 
 def test_remarks_stay_where_fewer_digits_make_room():
-    from gspcli.cli.output.layout import lay_out
-    from gspcli.cli.output.tables import Column, Table
+    from gspcli.cli.render import Column, Table, lay_out
 
     numbers = [Column(key, align="right", essential=True) for key in "abc"]
     row = {"a": 0.123456, "b": 0.123456, "c": 0.123456, "d": 1.5, "e": "home"}

@@ -24,7 +24,7 @@ from gspcli.catalogue.coincidence import Sharing, coincident_types, over_constra
 from gspcli.catalogue.kinds import DPP
 from gspcli.catalogue.types import CONSTRAINTS, GspType
 from gspcli.certification.counting import count_exactly
-from gspcli.cli.progress_bars import progress
+from gspcli.cli.streams import progress
 from gspcli.defaults import SEED
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.random_instances import random_instance

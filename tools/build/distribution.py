@@ -12,8 +12,8 @@ import sys
 from collections import Counter
 
 from gspcli.catalogue.names import parse_type
-from gspcli.cli.progress_bars import progress
-from gspcli.cli.sample import histogram
+from gspcli.cli.commands.sample import histogram
+from gspcli.cli.streams import progress
 from gspcli.reality.real_distribution import Sample, Tally, sample
 from tools.recording import ROOT, add_workers, parser, save, with_section, workers_of
 

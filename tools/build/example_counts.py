@@ -32,7 +32,7 @@ from gspcli.certification.counting import (
     count_geometry,
     dimension_exactly,
 )
-from gspcli.cli.progress_bars import progress
+from gspcli.cli.streams import progress
 from gspcli.geometry.instance import Instance
 from gspcli.resources import INSTANCE_FOLDERS
 from gspcli.solver.api import solve

@@ -7,7 +7,7 @@ import html
 import io
 from pathlib import Path
 
-from gspcli.cli.example import short_name
+from gspcli.cli.commands.example import short_name
 from gspcli.cli.main import run
 from gspcli.resources import data_directory, instance_files
 from gspcli.spec import load

@@ -17,7 +17,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.cli.progress_bars import progress
+from gspcli.cli.streams import progress
 from gspcli.continuation.quadrics import LETTERS, ComplexArray, random_quadrics
 from gspcli.continuation.start import distinct, generic_factors
 from gspcli.continuation.systems import EQUATIONS

@@ -21,7 +21,7 @@ from itertools import count as numbers
 from types import FrameType
 
 from gspcli import dumps
-from gspcli.cli.progress_bars import progress
+from gspcli.cli.streams import progress
 from tools.oracle import msolve, singular
 from tools.recording import CONFIRMED, DIFFERENT, ROOT, UNABLE, add_workers, workers_of
 from tools.special.answers import Answer, Judgement, answers

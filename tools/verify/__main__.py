@@ -22,7 +22,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from gspcli.cli.output import Column, Output, Table, emit
+from gspcli.cli.render import Column, Output, Table, emit
 from gspcli.errors import INTERRUPTED
 from tools.recording import CONFIRMED, DIFFERENT, ROOT, UNABLE, sources_sha256
 from tools.verify.campaigns import SOURCES, WORK

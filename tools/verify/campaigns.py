@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, Self, TypeVar
 
 from gspcli.atlas.journal import Done, carry_out
-from gspcli.cli.progress_bars import progress
+from gspcli.cli.streams import progress
 from gspcli.errors import INTERRUPTED
 from tools.recording import ROOT, add_workers, parser, report, save, sources_sha256, workers_of
 

@@ -31,7 +31,7 @@ from gspcli.certification.counting.coordinate_choice import Blocks
 from gspcli.certification.counting.homomorphism import SMALL
 from gspcli.certification.counting.modular_platform import ModularPlatform
 from gspcli.certification.counting.residue_counts import count
-from gspcli.cli.progress_bars import progress
+from gspcli.cli.streams import progress
 from gspcli.defaults import SEED
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.random_instances import random_instance

@@ -30,7 +30,7 @@ from os import cpu_count
 from pathlib import Path
 from typing import Any
 
-from gspcli.cli.progress_bars import progress
+from gspcli.cli.streams import progress
 from gspcli.defaults import SEED
 from gspcli.solver import solve
 from gspcli.solver.results.proof import Grade

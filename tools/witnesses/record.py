@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
 
-from gspcli.cli.progress_bars import progress
+from gspcli.cli.streams import progress
 from gspcli.workers import Workers
 from tools.recording import ROOT, report, sampled, sha256, versions
 

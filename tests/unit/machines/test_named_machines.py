@@ -24,7 +24,7 @@ from gspcli.machines.api import import_machine
     ],
 )
 def test_counts(name: str, count: int, kinds: str) -> None:
-    from gspcli.cli.example import short_name
+    from gspcli.cli.commands.example import short_name
 
     instance = gspcli.example(name)
     result = gspcli.solve(instance)

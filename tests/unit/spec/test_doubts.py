@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from gspcli.cli.solve import _complain
+from gspcli.cli.commands.solve import _complain
 from gspcli.errors import IncompleteError
 from gspcli.resources import instance_files
 from gspcli.spec import read_text

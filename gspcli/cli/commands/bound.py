@@ -1,0 +1,157 @@
+"""`gsp bound`: how many solutions a type can have at most, and why."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import click
+
+from gspcli.catalogue.bounds import BOUND_MEANINGS, BOUND_NAMES, bound_sides
+from gspcli.catalogue.constraints import Degrees, constraint_facts
+from gspcli.catalogue.counts import best_real
+from gspcli.catalogue.kinds import Kind
+from gspcli.catalogue.known_facts import KnownBounds
+from gspcli.catalogue.known_facts import bound as known
+from gspcli.catalogue.recorded_varieties import coordinates_label
+from gspcli.catalogue.types import GspType
+from gspcli.cli.options import output_options, read_names
+from gspcli.cli.render import Column, Output, Table, emit
+
+_SURFACES = {"P": "plane", "S": "sphere", "C": "cylinder"}
+_GENERIC = ("generic_one_sided", "generic_two_sided")
+
+
+@click.command
+@click.argument("names", nargs=-1, required=True, metavar="TYPE...")
+@output_options(parts=("constraints", "bounds"))
+def command(names: tuple[str, ...], output: Output) -> None:
+    """Bound the number of solutions of a type, by constraint and by theorem.
+
+    TYPE is six kinds in any order, a number of the catalogue, a family with its angles left
+    open, or an instance file. Bounds are proved ceilings over the complex numbers, for platforms
+    with finitely many solutions; the generic count is what almost every platform of the type has,
+    and no platform has more isolated solutions.
+
+    \b
+    Examples:
+      gsp bound 3D3A PL PL LP
+      gsp bound 6PP --format json
+      gsp bound DPH DPH DPH DPH DPH ALL
+      gsp bound 1 17 3850 platform.yaml --format csv
+    """
+    subjects = [known(subject) for subject in read_names(names)]
+    documents = [subject.to_json() for subject in subjects]
+    one_line_each = output.format in ("csv", "markdown", "latex") and len(subjects) > 1
+    if one_line_each or (output.format == "csv" and output.part is None):
+        tables = [_summary(subjects)]
+    else:
+        tables = [table for subject in subjects for table in _tables(subject)]
+    emit(output, tables, document=documents[0] if len(documents) == 1 else documents)
+
+
+def _degrees(degrees: Degrees) -> str:
+    if degrees.one_sided == degrees.two_sided:
+        return str(degrees.two_sided)
+    return f"{degrees.two_sided} ({degrees.one_sided} one-sided)"
+
+
+def _tables(found: KnownBounds) -> list[Table]:
+    subject = found.subject
+    title = subject.id
+    if isinstance(subject, GspType):
+        title += f"  (no. {subject.number}, {subject.platform_class})"
+    else:
+        title += f"  (a family of {len(subject.types)} types, angles left open)"
+    return [
+        constraint_table(found.kinds, title),
+        bound_table(found),
+    ]
+
+
+def constraint_table(kinds: Sequence[Kind], title: str) -> Table:
+    """Return a row for each constraint: its degrees and the surface it gives."""
+    rows = []
+    for kind in kinds:
+        facts = constraint_facts(kind)
+        rows.append(
+            {
+                "kind": kind.name,
+                "degree_lazard": _degrees(facts.paper_lazard),
+                "degree_mourrain": _degrees(facts.paper_mourrain),
+                "degree_lowest": _degrees(facts.lowest),
+                "coordinates": coordinates_label(facts.lowest_coordinates),
+                "surface": _SURFACES.get(facts.surface or "", ""),
+            }
+        )
+    return Table(
+        columns=[
+            Column("kind", "constraint", essential=True),
+            Column("degree_lazard", "degree (Lazard)", essential=True),
+            Column("degree_mourrain", "degree (Mourrain)", essential=True),
+            Column("degree_lowest", "lowest degree", essential=True),
+            Column("coordinates", "in coordinates", minor=1),
+            Column("surface", "surface"),
+        ],
+        rows=rows,
+        title=title,
+        part="constraints",
+    )
+
+
+def bound_table(found: KnownBounds) -> Table:
+    """Return rows: the bounds that apply with their reasons, the counts, the best known real."""
+    subject, counts, real = found.subject, found.counts, best_real(found.subject)
+    applying = [(name, bound) for name, bound in found.bounds.items() if bound is not None]
+    rows = [
+        {
+            "kind": "bound",
+            "source": BOUND_MEANINGS[name].title,
+            "value": bound.value,
+            "sides": bound_sides(name, subject.distances),
+        }
+        for name, bound in applying
+    ]
+    rows += [
+        {"kind": "generic count", "source": "atlas", "value": value, "sides": sides}
+        for value, sides in ((counts.one_sided, "one-sided"), (counts.two_sided, "two-sided"))
+    ]
+    if real is not None:
+        rows.append(
+            {
+                "kind": "real, best known (lower bound)",
+                "source": "witness",
+                "value": real,
+                "sides": "two-sided",
+            }
+        )
+    return Table(
+        columns=[
+            Column("kind", "number of solutions", essential=True, fold=" "),
+            Column("source", "by", essential=True, fold=" "),
+            Column("value", align="right", essential=True),
+            Column("sides", essential=True, fold=" "),
+        ],
+        rows=rows,
+        notes=[
+            *dict.fromkeys(bound.reason for _, bound in applying),
+            f"Generic count: {counts.established}",
+        ],
+        part="bounds",
+    )
+
+
+def _summary(subjects: list[KnownBounds]) -> Table:
+    rows = [
+        subject.identity
+        | subject.bounds.values()
+        | {name: getattr(subject.counts, name.removeprefix("generic_")) for name in _GENERIC}
+        | {"best_real": best_real(subject.subject)}
+        for subject in subjects
+    ]
+    return Table(
+        columns=[
+            *(Column(key) for key in ("number", "id", "class", "family")),
+            *(Column(name, align="right") for name in (*BOUND_NAMES, *_GENERIC, "best_real")),
+        ],
+        rows=rows,
+    )

@@ -1,0 +1,195 @@
+"""`gsp certify`: prove poses of any source, or prove them wrong."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from gspcli.cli.options import Changes, Positive, load_instance, output_options, value_options
+from gspcli.cli.pose_options import text_of
+from gspcli.cli.pose_tables import DECIMALS, digit_cells, digit_table, digits_option, refined
+from gspcli.cli.render import Column, Output, Table, emit
+from gspcli.cli.streams import working
+from gspcli.defaults import MAX_PRECISION, TOLERANCE
+from gspcli.errors import CheckFailed, IncompleteError
+
+if TYPE_CHECKING:
+    from gspcli.certification import Certificates
+
+_SIDES = {1: "positive", -1: "negative"}
+_COLUMNS = (
+    Column("number", "no.", align="right", essential=True),
+    Column("outcome", essential=True),
+    Column("real", essential=True),
+    Column("same_as", "same as", align="right"),
+    Column("residual_bound", "residual ≤", align="right"),
+    Column("deviation", "deviation ≤", align="right"),
+    Column("sides"),
+    Column("precision", "bits", align="right"),
+    Column("error", "error ≤", align="right"),
+    Column("uniqueness", "alone within", align="right"),
+)
+
+
+@click.command()
+@click.argument("spec", metavar="SPEC")
+@click.argument("result", metavar="RESULT")
+@value_options
+@click.option(
+    "--max-deviation",
+    default=TOLERANCE,
+    show_default=True,
+    type=Positive(),
+    metavar="D",
+    help="Largest difference of a pose from its solution, lengths by the smaller body; "
+    "relative for numbers above one.",
+)
+@click.option(
+    "--max-precision",
+    default=MAX_PRECISION,
+    show_default=True,
+    type=click.IntRange(64, 1_000_000),
+    metavar="BITS",
+    help="Where to stop raising the precision.",
+)
+@digits_option
+@output_options(formats=("table", "csv", "json", "markdown"))
+def command(
+    spec: str,
+    result: str,
+    changes: Changes,
+    max_deviation: float,
+    max_precision: int,
+    digits: int | None,
+    output: Output,
+) -> None:
+    """Prove that the poses in RESULT solve the platform in SPEC, without trusting them.
+
+    For each pose it is proved that a solution is within --max-deviation, and that it is the only
+    one in a ball. It is also proved whether the solution is real, which other poses stand for the
+    same solution, and how well the pose as given meets the constraints. The proofs are in ball
+    arithmetic, for the numbers of SPEC exactly as written. Whether the list is complete is not
+    examined: compare the number of different solutions with the one that `gsp solve` expects.
+
+    RESULT is what `gsp solve --format json --all` prints, or any list of poses as JSON or CSV: R
+    (by rows) or a quaternion (scalar first), and T; or what msolve, PHCpack or one of the other
+    programs of `gsp export` wrote. SPEC or RESULT may be - for standard input.
+
+    The exit code is 0 if every pose is certified and no two are the same; 1 if one is proved wrong,
+    a duplicate, or not what the list says about it; 4 if something could not be decided, as at
+    double solutions, or where two are nearer to each other than the digits of the list distinguish.
+
+    \b
+    Examples:
+      gsp solve platform.yaml --all --format json | gsp certify platform.yaml -
+      gsp certify platform.yaml poses.csv --max-deviation 1e-3
+      gsp certify platform.yaml poses.json --digits 50 --format json
+    """
+    if spec == result == "-":
+        message = "SPEC and RESULT cannot both be standard input"
+        raise click.UsageError(message)
+    from gspcli.export.answers import read_answer
+    from gspcli.export.candidates import read_candidates
+    from gspcli.geometry.frames import PoseFrame
+    from gspcli.solver import certify
+
+    instance = load_instance(spec, changes)
+    text, name = text_of(result)
+    given = read_answer(text, name) or read_candidates(text, name, PoseFrame.of(instance))
+    solutions = []
+    with working("certifying"):
+        proved = certify(
+            instance,
+            given.R,
+            given.T,
+            sides=given.claimed_sides,
+            tolerance=max_deviation,
+            max_precision=max_precision,
+        )
+        claims = zip(given.claimed_real, given.claimed_sides.tolist(), strict=True)
+        document = proved.to_json()
+        given_as = zip(document["solutions"], proved, claims, strict=True)
+        for entry, item, (real, said) in given_as:
+            entry |= {
+                "claimed_real": real,
+                "claimed_sides": _by_number([_SIDES.get(sign) for sign in said]),
+            }
+            if digits is not None and item.certified:
+                entry["refined"] = refined(instance, item, digits)
+            solutions.append(entry)
+    head = {"schema": "gsp.certify/1", **instance.to_json(), "tolerance": max_deviation}
+    document = {**head, **document, "solutions": solutions}
+    nearness = _nearness(proved, instance.units.length)
+    tables = _tables(solutions, document["counts"], nearness, output.format)
+    emit(output, tables, document=document)
+    _conclude(solutions, proved)
+
+
+def _nearness(proved: Certificates, unit: str) -> list[str]:
+    """Return how near to their solutions all poses are that are certified, if any is."""
+    if not proved.certified:
+        return []
+    turned, moved = proved.deviations
+    return [
+        f"certified poses are within {turned:.1e} of their solutions in R, "
+        f"within {moved:.1e} {unit} in T"
+    ]
+
+
+def _by_number(sides: Iterable[str | None]) -> dict[str, str]:
+    return {str(k): side for k, side in enumerate(sides, 1) if side}
+
+
+def _tables(
+    solutions: list[dict[str, Any]],
+    counts: dict[str, int],
+    nearness: list[str],
+    output_format: str,
+) -> list[Table]:
+    rows: list[dict[str, Any]] = []
+    for entry in solutions:
+        sides = " ".join(f"{k}:{side}" for k, side in entry["sides"].items())
+        rows.append({**entry, "sides": sides, **digit_cells(entry.get("refined", {}))})
+    note = (
+        "{poses} poses: {certified} certified, {distinct} of them proved pairwise different, "
+        "{real} of these real"
+    ).format(**counts)
+    shown = [Column(key) for key in DECIMALS if any(key in row for row in rows)]
+    if output_format == "csv" or not shown:
+        return [Table([*_COLUMNS, *shown], rows, summary=[note, *nearness], part="poses")]
+    return [Table(_COLUMNS, rows, summary=[note, *nearness], part="poses"), digit_table(rows)]
+
+
+def _conclude(solutions: list[dict[str, Any]], proved: Certificates) -> None:
+    """Raise if a pose is wrong, or else if one is not decided."""
+    from gspcli.certification import Outcome
+
+    undecided_outcomes = (Outcome.NOT_ISOLATED, Outcome.TOO_FAR, Outcome.NOT_A_NUMBER)
+    wrong: Counter[str] = Counter()
+    open_: Counter[str] = Counter()
+    for entry, item in zip(solutions, proved, strict=True):
+        claim = entry["claimed_real"]
+        if not item.certified:
+            (open_ if item.outcome in undecided_outcomes else wrong)[item.outcome.meaning] += 1
+        elif item.real is None:
+            open_["not decided whether it is real"] += 1
+        elif claim is not None and claim is not item.real:
+            wrong["said to be real and is not" if claim else "said not to be real and is"] += 1
+        if any(entry["sides"].get(k, side) != side for k, side in entry["claimed_sides"].items()):
+            wrong["said to be on the other side of a plane"] += 1
+        if item.same_as is not None:
+            wrong["the same solution as an earlier one"] += 1
+        if item.unresolved:
+            open_["not proved different from another one"] += 1
+    if wrong:
+        raise CheckFailed(_sentence(wrong, len(proved), "wrong"))
+    if open_:
+        raise IncompleteError(_sentence(open_, len(proved), "not certified"))
+
+
+def _sentence(reasons: Counter[str], total: int, verdict: str) -> str:
+    lines = [f"{count} of {total}: {reason}" for reason, count in reasons.items()]
+    return f"some poses are {verdict}\n" + "\n".join(lines)

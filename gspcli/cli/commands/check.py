@@ -1,0 +1,99 @@
+"""`gsp check`: whether an instance file is correct, and which platform it describes."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from gspcli.cli.options import output_options, spec_source
+from gspcli.cli.render import Column, Output, Table, emit, write
+from gspcli.errors import SpecError
+from gspcli.resources import data_path
+from gspcli.wording import MOST_LINES
+
+if TYPE_CHECKING:
+    from gspcli.spec.checks import CheckedFile
+
+_COLUMNS = (
+    Column("file", essential=True),
+    Column("valid", essential=True),
+    Column("class"),
+    Column("number", "no.", align="right"),
+    Column("type", fold=" "),
+    Column("expected", align="right"),
+    Column("bound", align="right"),
+    Column("warnings", align="right"),
+    Column("shared", fold=", ", minor=1),
+)
+
+
+@click.command()
+@click.argument("specs", metavar="[SPEC...]", nargs=-1)
+@click.option(
+    "--schema",
+    is_flag=True,
+    help="Print the JSON Schema of instance files instead, for an editor.",
+)
+@output_options()
+def command(specs: tuple[str, ...], schema: bool, output: Output) -> None:
+    """Check instance files and say which platforms they describe.
+
+    Every mistake in every file is reported with its line and column. Warnings name what is allowed
+    but probably a mistake: values that are not one equation, primitives that no constraint uses,
+    sharing that can never fix the platform. Expected is the generic count of the type, bound the
+    refined bound, both for the sides that the file asks for.
+
+    SPEC is a file, - for standard input, or @NAME of an example (`gsp example`). The exit
+    code is 2 if a file has mistakes.
+
+    \b
+    Examples:
+      gsp check platform.yaml
+      gsp check data/examples/*.yaml --format csv
+      gsp new 6PP | gsp check -
+      gsp check --schema
+    """
+    if schema == bool(specs):
+        message = "give SPEC, or --schema without one"
+        raise click.UsageError(message)
+    if schema:
+        from gspcli.spec.schema import FILE_NAME
+
+        write(output, data_path(FILE_NAME).read_text(encoding="utf-8"))
+        return
+    from gspcli.spec.checks import check
+
+    found = check(*map(spec_source, specs), names=specs)
+    notes = [f"warning: {warning}" for one in found.files for warning in one.warnings]
+    if len(found.mistakes) > MOST_LINES:
+        # The error has the first ones only.
+        notes += [f"mistake: {mistake}" for mistake in found.mistakes]
+    rows = [_row(one) for one in found.files]
+    emit(output, Table(_COLUMNS, rows, notes=notes), document=found.to_json())
+    if not found.valid:
+        raise SpecError(found.mistakes)
+
+
+def _row(checked: CheckedFile) -> dict[str, Any]:
+    entry = checked.to_json()
+    if checked.instance is None:
+        return entry
+    gsp_type = checked.instance.type
+    return {
+        **entry,
+        "shared": _shared(entry["shared"]),
+        "warnings": len(checked.warnings),
+        "class": gsp_type.platform_class.id,
+        "number": gsp_type.number,
+        "type": gsp_type.id,
+    }
+
+
+def _shared(shared: dict[str, dict[str, list[int]]]) -> str:
+    """Return the shared primitives with the numbers of their constraints, as ``P1(4 5 6)``."""
+    return ", ".join(
+        f"{body} {name}({' '.join(map(str, numbers))})"
+        for body, names in shared.items()
+        for name, numbers in names.items()
+    )

@@ -1,0 +1,212 @@
+"""`gsp clearance`: how far values or poses may change before a mode can meet a singularity."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from gspcli.cli.options import Changes, load_instance, output_options, value_options
+from gspcli.cli.pose_options import (
+    HOME,
+    ColumnOptions,
+    GivenPose,
+    Mode,
+    PoseConventions,
+    asked_poses,
+    check_sources,
+    column_options,
+    mode_option,
+    near_option,
+    pose_options,
+    pose_value_option,
+)
+from gspcli.cli.render import Column, Output, Table, emit
+from gspcli.cli.streams import progress
+from gspcli.errors import GspError
+
+if TYPE_CHECKING:
+    from gspcli.geometry.instance import Instance
+
+
+@click.command()
+@click.argument("spec", metavar="SPEC")
+@click.argument("rows", metavar="[ROWS]", required=False)
+@mode_option("only this one; also along a file of values.  [default: home]")
+@click.option("--all-modes", is_flag=True, help="All real poses: not home only.")
+@pose_value_option("instead of the modes of SPEC")
+@near_option("of a file of values only this one is followed")
+@value_options
+@pose_options
+@column_options
+@click.option(
+    "--of",
+    type=click.Choice(["values", "drives", "pose"]),
+    help="What changes.  [default: drives if cranks or slides move points, else values]",
+)
+@click.option(
+    "--points",
+    metavar="X,Y,Z;...",
+    help="With --of pose: the points of the platform, in its frame, whose displacements count.  "
+    "[default: those of the distances]",
+)
+@click.option("--refine", is_flag=True, help="Better bounds: a few seconds for each mode.")
+@output_options()
+def command(
+    spec: str,
+    changes: Changes,
+    rows: str | None,
+    mode: Mode | None,
+    all_modes: bool,
+    pose: GivenPose | None,
+    near: GivenPose | None,
+    conventions: PoseConventions,
+    columns: ColumnOptions,
+    of: str | None,
+    points: str | None,
+    refine: bool,
+    output: Output,
+) -> None:
+    """Bound how far values, or the pose, may change before a mode meets a singularity.
+
+    A clearance of r means: if every value changes by at most r times its weight, all at once and in
+    any combination, the mode exists all the while and is not singular. The weight is half the range
+    of the constraint, if each has one in SPEC; else 1 in the unit of the value.
+
+    The lower bound is proved for the whole box of values. The upper bound is the nearest fold of
+    the same mode that was found; it is proved, and its values are shown. It may also be where a
+    value reaches the end of its possible interval, as a distance that becomes zero: beyond it there
+    are no poses.
+
+    One row is shown, for the home mode; with --all-modes one for each real pose. ROWS gives one
+    for each of its rows. It is a file of poses as `gsp measure` takes it, or of values as `gsp
+    track` takes it, along which all modes are followed.
+
+    --of drives, for machines with cranks or slides, bounds how far all drives may move: in half
+    their ranges, or in degrees and lengths. Two bounds are proved: no pose is singular within
+    the first, and no drive comes to a dead point within the second, so that all keep their
+    knees. The nearest fold and the nearest dead point that were found are shown; they are not
+    proved.
+
+    --of pose bounds how far the platform may move, for any values, before the six screws become
+    dependent. Distances of poses are root mean squares of the displacements of the platform's
+    points. The lower bound is proved for all poses within. The upper bound is the distance of
+    the nearest singular pose found, where the determinant is proved to change its sign.
+
+    \b
+    Examples:
+      gsp clearance platform.yaml
+      gsp clearance platform.yaml --all-modes --refine
+      gsp clearance platform.yaml --of pose
+      gsp clearance @reachy-mini-head
+      gsp clearance platform.yaml path.csv -o clearances.csv
+      gsp clearance platform.yaml --pose 0,0,1.5,1,0,0,0 --format json
+    """
+    check_sources(spec, rows, mode, pose, near)
+    if all_modes and (mode is not None or pose is not None):
+        message = "give either --all-modes or one of --mode and --pose"
+        raise click.UsageError(message)
+    if rows is None and pose is None and not all_modes:
+        mode = mode or HOME
+    if points is not None and of != "pose":
+        message = "--points needs --of pose"
+        raise click.UsageError(message)
+    from gspcli.motion.singularities.clearance_results import clearance
+    from gspcli.motion.singularities.clearances import range_weights
+
+    instance = load_instance(spec, changes)
+    chosen = None if points is None else _points(points)
+    asked = asked_poses(instance, rows, mode, pose, near, conventions.form(instance, columns))
+    found = clearance(
+        instance, asked.R, asked.T, of=of, points=chosen, refine=refine, progress=progress
+    )
+    document = found.to_json([asked.named(k) for k in range(len(asked.T))])
+    if found.of == "drives":
+        emit(output, _drive_table(instance, document["modes"]), document=document)
+    else:
+        unit = _unit(instance, found.of, ranged=range_weights(instance) is not None)
+        emit(output, _table(instance, document["modes"], found.of, unit), document=document)
+    asked.check()
+
+
+def _points(text: str) -> list[list[float]]:
+    """Return the points that are written as coordinates, between semicolons."""
+    from gspcli.motion.files.number_tables import wrong_number
+
+    points = [[cell.strip() for cell in point.split(",")] for point in text.split(";")]
+    for point in points:
+        if len(point) != 3:
+            message = f"--points: found {len(point)} coordinates, expected X,Y,Z;X,Y,Z;..."
+            raise GspError(message)
+        for cell in point:
+            if wrong := wrong_number(cell):
+                message = f"--points: {wrong}"
+                raise GspError(message)
+    return [[float(cell) for cell in point] for point in points]
+
+
+def _unit(instance: Instance, of: str, *, ranged: bool) -> str:
+    units = instance.units
+    if of == "pose":
+        return f"{units.length}, root mean squares of the displacements of points"
+    if ranged:
+        return "units of half the range of each value"
+    return f"units of 1 {units.length} for distances, 1 {units.angle.value} for angles"
+
+
+def _drive_table(instance: Instance, rows: list[dict[str, Any]]) -> Table:
+    from gspcli.geometry.drives import Drives
+    from gspcli.motion.singularities.drive_clearances import drive_weights
+
+    names, units = Drives.of(instance).names, instance.units
+    columns = [
+        *_name_columns(rows),
+        Column("lower", "proved regular", align="right", essential=True),
+        Column("knees", "knees proved", align="right", essential=True),
+        Column("upper", "fold found", align="right", essential=True),
+        Column("dead_point", "dead point found", align="right"),
+        Column("drive", "of"),
+        *(Column(name, align="right") for name in names),
+    ]
+    what = f"1 {units.angle.value} for cranks, 1 {units.length} for slides"
+    if drive_weights(instance)[1]:
+        what = "half the range of each drive"
+    note = f"changes of all drives, in units of {what}; last columns: the drives at the fold"
+    shown = [
+        {key: value for key, value in row.items() if key not in ("drives", "R", "T")}
+        | dict(zip(names, row["drives"] or (), strict=False))
+        for row in rows
+    ]
+    return Table(columns, shown, title=instance.title, notes=[note])
+
+
+def _name_columns(rows: list[dict[str, Any]]) -> list[Column]:
+    names = [key for key in ("row", "t", "mode") if any(row.get(key) is not None for row in rows)]
+    return [Column(key, align="right", essential=True) for key in names or ("mode",)]
+
+
+def _table(instance: Instance, rows: list[dict[str, Any]], of: str, unit: str) -> Table:
+    columns = [
+        *_name_columns(rows),
+        Column("lower", "proved free", align="right", essential=True),
+        Column(
+            "upper", "singular at" if of == "pose" else "ends at", align="right", essential=True
+        ),
+        Column("ratio", align="right"),
+    ]
+    columns.append(Column("by"))
+    if of == "values":
+        columns.append(Column("constraint", "of", align="right"))
+    columns += [
+        Column(str(k), f"{k} {constraint.kind.name}", align="right")
+        for k, constraint in enumerate(instance.constraints, 1)
+    ]
+    note = f"clearances in {unit}; last columns: the values "
+    note += "of the nearest singular pose found" if of == "pose" else "where the mode ends"
+    return Table(columns, [_shown(row) for row in rows], title=instance.title, notes=[note])
+
+
+def _shown(row: dict[str, Any]) -> dict[str, Any]:
+    """Return a row of the table."""
+    values = {str(k): value for k, value in enumerate(row["values"] or (), 1)}
+    return {key: value for key, value in row.items() if key not in ("values", "R", "T")} | values

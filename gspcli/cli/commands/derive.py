@@ -1,0 +1,79 @@
+"""`gsp derive`: the closed forms of Section 6."""
+
+from __future__ import annotations
+
+import sys
+from typing import TYPE_CHECKING
+
+import click
+
+from gspcli.cli.options import output_options
+from gspcli.cli.render import Column, Output, Table, emit
+from gspcli.cli.streams import progress, working
+
+if TYPE_CHECKING:
+    from gspcli.symbolic.triangular import TriangularSet
+
+
+@click.command()
+@click.argument("case", required=False)
+@click.option("--expand", is_flag=True, help="Write every coefficient in the parameters alone.")
+@output_options(formats=("text", "latex", "json"), default="text")
+def command(case: str | None, expand: bool, output: Output) -> None:
+    """Derive the triangular set of a CASE of the paper's Section 6; list the cases without one.
+
+    CASE is an intersection of three surfaces (P plane, S sphere, C cylinder), as PSC; AAA for three
+    angles; or 6.2 or 6.8 for the example of that number. The set is derived by elimination each
+    time. Shown are its polynomials, the degree of each in its leading variable, the coefficients
+    z1, z2, ..., and the initials with the geometric meaning of their zeros.
+
+    \b
+    Examples:
+      gsp derive
+      gsp derive PSC
+      gsp derive PSC --expand --format latex
+      gsp derive AAA -o angles.json
+      gsp derive 6.2
+    """
+    from gspcli.symbolic.closed_forms import CASES
+    from gspcli.symbolic.derivation import derive
+
+    if case is None:
+        names = progress(CASES, total=len(CASES), label="deriving")
+        emit(output, _listing([derive(name).triangular for name in names]), schema="derive-cases")
+        return
+    with working("deriving"):
+        found = derive(case, expand=expand)
+    if output.format == "json":
+        emit(output, (), document=found.to_json())
+    else:
+        text = found.to_latex() if output.format == "latex" else str(found)
+        if output.format != "latex" and output.path is None and sys.stdout.isatty():
+            from gspcli.cli.render import folded_lines
+
+            text = folded_lines(text)
+        emit(output, (), texts={output.format: text})
+
+
+def _listing(sets: list[TriangularSet]) -> Table:
+    return Table(
+        columns=[
+            Column("case", essential=True),
+            Column("title", fold=" "),
+            Column("degrees"),
+            Column("solutions", align="right", essential=True),
+            Column("source", fold=" ", minor=1),
+        ],
+        rows=[
+            {
+                "case": item.case,
+                "title": item.title,
+                "degrees": "·".join(str(degree) for degree in item.degrees),
+                "solutions": item.solutions,
+                "source": item.source,
+            }
+            for item in sets
+        ],
+        part="cases",
+        notes=["degrees: of each polynomial in its leading variable; solutions: their product"],
+    )

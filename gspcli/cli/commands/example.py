@@ -1,0 +1,96 @@
+"""`gsp example`: the instance files that are shipped: the examples and the real platforms."""
+
+from __future__ import annotations
+
+from itertools import groupby
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from gspcli.cli.options import FORMATS, output_options
+from gspcli.cli.render import Column, Output, Table, emit
+from gspcli.resources import data_json, instance_files, shipped_file
+
+if TYPE_CHECKING:
+    from gspcli.catalogue.types import GspType
+
+_COLUMNS = (
+    Column("name", essential=True),
+    Column("group", essential=True),
+    Column("type", essential=True),
+    Column("expected", align="right"),
+    Column("exact", align="right"),
+    Column("real", align="right"),
+    Column("number", "no.", align="right"),
+    Column("title", fold=" ", minor=1),
+    Column("source", fold=" ", minor=2),
+)
+#: The format of a file itself; the list has no such form.
+_FILE = "yaml"
+_LEGEND = (
+    "expected: poses of almost every platform of the type; exact: of this one, with "
+    "multiplicities; real: real ones; empty where not known"
+)
+
+
+@click.command()
+@click.argument("name", required=False)
+@output_options(formats=(*FORMATS, _FILE))
+def command(name: str | None, output: Output) -> None:
+    """List the instance files that come with gsp, or print one.
+
+    The examples are the paper's and special positions; the platforms are real machines with
+    published dimensions. Wherever a command takes a SPEC, @NAME stands for one of them.
+    NAME prints the file itself, in any format. Its first line tells editors that the schema is
+    beside it: gsp check --schema -o instance.schema.json.
+
+    \b
+    Examples:
+      gsp example
+      gsp example dietmaier
+      gsp example rubin-m2 -o mine.yaml
+      gsp solve @sdss-primary
+    """
+    if name is not None:
+        from gspcli.spec.schema import beside_schema
+
+        text = beside_schema(shipped_file(name.removeprefix("@")).read_text(encoding="utf-8"))
+        emit(output, [], texts={output.format: text})
+        return
+    if output.format == _FILE:
+        message = "the list has no YAML form: give a NAME, or another format"
+        raise click.UsageError(message)
+    rows = [_row(name, path) for name, path in instance_files().items()]
+    keys = [column.key for column in _COLUMNS]
+    entries = [{key: row[key] for key in keys} for row in rows]
+    emit(
+        output,
+        Table(_COLUMNS, rows, notes=[_LEGEND]),
+        document={"schema": "gsp.example/1", "files": entries},
+    )
+
+
+def _row(name: str, path: Path) -> dict[str, Any]:
+    from gspcli.spec import load
+
+    instance = load(path)
+    folder = path.parent.name
+    record = data_json(folder, "expected.json")["examples"].get(name, {})
+    return {
+        "name": name,
+        "group": folder.removesuffix("s"),
+        "type": short_name(instance.type),
+        "number": instance.type.number,
+        "expected": instance.expected,
+        "exact": "infinite" if record.get("dimension") else record.get("complex"),
+        "real": record.get("real"),
+        "title": instance.name,
+        "source": instance.source,
+    }
+
+
+def short_name(gsp_type: GspType) -> str:
+    """Return a name of a type with equal kinds counted, as ``2DPP 4DPH`` or ``6DPP``."""
+    runs = ((kind, len(list(run))) for kind, run in groupby(gsp_type.kinds))
+    return " ".join(f"{count if count > 1 else ''}{kind.name}" for kind, count in runs)

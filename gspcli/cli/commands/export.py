@@ -1,0 +1,155 @@
+"""`gsp export`: a platform as a file for another program."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from inspect import cleandoc
+from pathlib import Path
+
+import click
+
+from gspcli.cli.options import Changes, Finite, Whole, file_option, load_instance, value_options
+from gspcli.cli.pose_options import Mode, mode_option
+from gspcli.cli.render import Output, write
+from gspcli.cli.streams import check_writable, say, working
+from gspcli.errors import GspError
+from gspcli.export.exported import COORDINATES, DIGITS, TRIES, exported
+from gspcli.export.format import ControllerFormat, ModeFormat, SystemFormat
+from gspcli.export.formats import FORMATS
+from gspcli.wording import listed
+
+#: Formats of a model at a pose, of a program, and of equations.
+_POSES = {name: form for name, form in FORMATS.items() if isinstance(form, ModeFormat)}
+_PROGRAMS = {name: form for name, form in FORMATS.items() if isinstance(form, ControllerFormat)}
+_SYSTEMS = {name: form for name, form in FORMATS.items() if isinstance(form, SystemFormat)}
+
+
+@click.command()
+@click.argument("spec", metavar="SPEC")
+@click.option(
+    "--to",
+    "target",
+    type=click.Choice((*_POSES, *_PROGRAMS, *_SYSTEMS)),
+    required=True,
+    help="For which.",
+)
+@value_options
+@mode_option(f"what is built for {listed((*_POSES, *_PROGRAMS), 'and')}.  [default: home]")
+@click.option(
+    "--coordinates",
+    type=click.Choice(COORDINATES),
+    default=COORDINATES[0],
+    show_default=True,
+    help="For systems: the unknowns.",
+)
+@click.option(
+    "--significant-digits",
+    type=Whole(1, 1000),
+    default=DIGITS,
+    show_default=True,
+    metavar="N",
+    help="For systems: to how many digits irrational numbers are written.",
+)
+@click.option(
+    "--prefix",
+    metavar="NAME",
+    help="For c: what names begin with.  [default: the name of the file]",
+)
+@click.option(
+    "--tries",
+    type=Whole(1, 1000),
+    default=TRIES,
+    show_default=True,
+    metavar="N",
+    help="For c: how many parts of a line of values a step tries: its time is bounded by them.",
+)
+@click.option(
+    "--margin",
+    type=Finite(0, 1),
+    default=0.0,
+    show_default=True,
+    metavar="PART",
+    help="For c: by which part of its range a value may leave it, as with readings at a stop.",
+)
+@file_option("export")
+def command(
+    spec: str,
+    target: str,
+    changes: Changes,
+    mode: Mode | None,
+    coordinates: str,
+    significant_digits: int,
+    prefix: str | None,
+    tries: int,
+    margin: float,
+    output: Output,
+) -> None:
+    """Write a platform as a file for another program.
+
+    {poses}
+
+    {programs}
+
+    The others are systems of polynomials for programs that solve them, with rational coefficients
+    exactly as in SPEC. The unknowns of study are unit dual quaternions q, f (each pose twice),
+    those of study-affine have q0 = 1 (without half turns), those of rt are the entries of R and T.
+    Irrational numbers are {irrational}; stderr names what is not exact. `gsp certify SPEC FILE`
+    reads what the programs write.
+
+    SPEC is an instance file, - for standard input, or @NAME of an example (`gsp example`).
+
+    \b
+    Examples:
+      gsp export @rubin-m2 --to mjcf -o m2.xml
+      gsp export platform.yaml --to mjcf --mode 3 > model.xml
+      gsp export @rubin-m2 --to urdf -o m2.urdf
+      gsp export @nano-hexapod --to c -o nano_hexapod.c
+      gsp export @dietmaier --to msolve -o d.ms && msolve -f d.ms -o d.out
+      gsp certify @dietmaier d.out
+    """
+    instance = load_instance(spec, changes)
+    form = FORMATS[target]
+    pair = None if isinstance(form, SystemFormat) or len(form.suffixes) < 2 else form.suffixes
+    source = None if pair is None else _source(output, *pair)
+    with working("exporting"):
+        found = exported(
+            instance,
+            target,
+            mode=mode if isinstance(mode, int) else None,
+            coordinates=coordinates,
+            digits=significant_digits,
+            name="" if source is None else source.stem,
+            prefix=prefix,
+            tries=tries,
+            margin=margin,
+        )
+    for note in found.notes:
+        say(note)
+    for suffix, text in found.files.items():
+        path = output.path if source is None else source.with_suffix(suffix)
+        write(output if path is None else replace(output, path=path), text)
+
+
+def _irrational() -> str:
+    """Return what irrational numbers become for which programs."""
+    names: dict[str, list[str]] = {"exact": [], "decimals": [], "doubles": []}
+    for name, form in _SYSTEMS.items():
+        names[form.irrational].append(name)
+    return ", ".join(f"{how} for {listed(those, 'and')}" for how, those in names.items())
+
+
+command.help = cleandoc(str(command.help)).format(
+    poses="\n\n".join(form.what for form in _POSES.values()),
+    programs="\n\n".join(form.what for form in _PROGRAMS.values()),
+    irrational=_irrational(),
+)
+
+
+def _source(output: Output, last: str, suffix: str) -> Path:
+    """Return where one of two files is written; the other is beside it."""
+    source = output.path
+    if source is None or source.suffix != suffix:
+        message = f"two files are written: expected -o NAME{suffix}, NAME{last} is then beside it"
+        raise GspError(message)
+    check_writable(source.with_suffix(last))
+    return source

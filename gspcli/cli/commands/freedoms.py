@@ -1,0 +1,152 @@
+"""`gsp freedoms`: which twists constraints leave, and which constraints are redundant."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from gspcli.cli.options import output_options, refuse_to_replace, spec_source
+from gspcli.cli.pose_options import GivenPose, PoseConventions, pose_options, pose_value_option
+from gspcli.cli.render import Column, Output, Table, emit
+from gspcli.errors import GspError
+
+if TYPE_CHECKING:
+    from gspcli.geometry.instance import Instance
+    from gspcli.motion.statics.freedoms import Freedoms
+
+#: At most this many candidates are shown without --all.
+_SHOWN = 12
+#: A stated value that differs by more than this part of the largest is reported.
+_OFF = 1e-6
+
+
+@click.command()
+@click.argument("spec", metavar="SPEC")
+@pose_value_option(".  [default: home]")
+@pose_options
+@click.option(
+    "--all", "everything", is_flag=True, help="Show every constraint that could be added."
+)
+@output_options()
+def command(
+    spec: str,
+    pose: GivenPose | None,
+    conventions: PoseConventions,
+    everything: bool,
+    output: Output,
+) -> None:
+    """Say which freedoms any number of constraints leave, and which are redundant.
+
+    SPEC is an instance file with any number of constraints, fewer or more than six. Each freedom at
+    the pose (home by default) is a screw or a translation. A screw has an axis, and a length by
+    which the platform moves along it in one turn. If there are several, a basis is shown.
+    Coincident points, points on lines and parallel directions (values of 0 or 180) count with all
+    the freedoms that they remove.
+
+    A second table has the constraints that could be added between primitives of the file: how many
+    freedoms each would remove, and which of the screws it restrains. The answer holds at this pose
+    and to first order; ranks are numerical.
+
+    \b
+    Examples:
+      gsp freedoms @workspace-study
+      gsp freedoms sketch.yaml --pose 0,0,0,1,0,0,0
+    """
+    from gspcli.motion.statics.freedoms import freedoms
+    from gspcli.spec import read
+
+    refuse_to_replace(spec)
+    instance = read(spec_source(spec), name=spec, any_number=True).instance
+    if pose is not None:
+        R, T = pose.read(conventions.form(instance))
+        instance = _moved(instance, R, T)
+    elif conventions.options:
+        message = f"{conventions.options[0]} says how --pose is read: give --pose, too"
+        raise click.UsageError(message)
+    else:
+        R, T = _home(instance)
+    found = freedoms(instance, R, T)
+    document = {"schema": "gsp.freedoms/1", **found.to_json()}
+    emit(
+        output,
+        _tables(found, everything=everything, readable=output.format not in ("csv", "json")),
+        document=document if output.format == "json" else None,
+    )
+
+
+def _moved(instance: Instance, R: Any, T: Any) -> Instance:
+    """Return the platform with its joints where cranks and slides have them at a pose.
+
+    It is returned unchanged if it has none, or they do not reach the pose.
+    """
+    import numpy as np
+
+    from gspcli.geometry.drive_numbers import is_driven
+
+    if len(instance.constraints) != 6 or not is_driven(instance):
+        return instance
+    from gspcli.motion.poses.cranks import drive_values
+
+    drives, q = drive_values(instance, R[None], T[None], along=False)
+    return drives.instance_at(q[0]) if np.isfinite(q).all() else instance
+
+
+def _home(instance: Instance) -> tuple[Any, Any]:
+    """Return the home pose: of six constraints the home mode, else as it is stated."""
+    if len(instance.constraints) == 6:
+        from gspcli.solver import solve
+
+        home = solve(instance).home
+        if home is not None:
+            return home.R, home.T
+    if instance.home is None:
+        message = "SPEC states no home: give --pose x,y,z,qw,qx,qy,qz, or `home` in SPEC"
+        raise GspError(message)
+    return None, None
+
+
+def _tables(found: Freedoms, *, everything: bool, readable: bool) -> list[Table]:
+    """Return the free screws, and the constraints that would remove freedoms."""
+    unit = found.instance.units.length
+    lines = list(found.sentences)
+    size = max((abs(row.value.value) for row in found.instance.constraints), default=0.0)
+    wrong = [k for k, off in enumerate(found.off.tolist(), 1) if abs(off) > _OFF * (size or 1)]
+    if wrong:
+        names = ", ".join(map(str, wrong))
+        lines.append(f"this pose does not meet the stated value of {names}: it counts as movable")
+    rows = [
+        {"number": number, "freedom": screw.words(unit)}
+        for number, screw in enumerate(found.screws, 1)
+    ]
+    columns = [
+        Column("number", "no.", "right", essential=True),
+        Column("freedom", essential=True, fold=" "),
+    ]
+    kinds = " ".join(row.kind.name for row in found.instance.constraints)
+    title = f"{found.instance.name}: {kinds}" if found.instance.name else kinds
+    tables = [
+        Table(columns if rows or not readable else [], rows, title, summary=lines, part="freedoms")
+    ]
+    shown = found.candidates if everything else found.candidates[:_SHOWN]
+    if not shown or not readable:
+        return tables
+    notes = []
+    if len(shown) < len(found.candidates):
+        notes = [f"{len(found.candidates) - len(shown)} more: --all shows them"]
+    more = [
+        {
+            "constraint": one.name,
+            "kind": one.kind.name,
+            "removes": one.removes,
+            "restrains": " ".join(map(str, one.touches)),
+        }
+        for one in shown
+    ]
+    more_columns = [
+        Column("constraint", "could be added", essential=True),
+        Column("kind"),
+        Column("removes", align="right", essential=True),
+        Column("restrains", essential=True),
+    ]
+    return [*tables, Table(more_columns, more, notes=notes, part="candidates")]

@@ -1,0 +1,90 @@
+"""`gsp import`: a machine from the file of another program."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from gspcli.cli.options import Finite, Whole, file_option
+from gspcli.cli.render import Output, write
+from gspcli.cli.streams import say
+from gspcli.defaults import IMPORTED_DIGITS, MEETING_SHARE
+from gspcli.errors import GspError
+
+
+@click.command()
+@click.argument("file", metavar="FILE", type=click.Path(path_type=Path))
+@click.option("--base", metavar="NAME", help="Which body is the base.  [default: found]")
+@click.option("--platform", metavar="NAME", help="Which is the platform.  [default: found]")
+@click.option(
+    "--meet",
+    type=Finite(0, 1, max_open=True),
+    default=MEETING_SHARE,
+    show_default=True,
+    metavar="SHARE",
+    help="Axes that pass each other at up to this share of the machine's size count as meeting.",
+)
+@click.option(
+    "--digits",
+    type=Whole(3, 17),
+    default=IMPORTED_DIGITS,
+    show_default=True,
+    metavar="N",
+    help="Digits of the numbers that are written, counted from the first digit of the machine's "
+    "size.",
+)
+@file_option("yaml")
+def command(
+    file: Path,
+    base: str | None,
+    platform: str | None,
+    meet: float,
+    digits: int,
+    output: Output,
+) -> None:
+    """Read a machine from the file of another program and write its instance file.
+
+    {formats}
+
+    Stderr has one line for each constraint that was found, and says what was assumed and what the
+    file does not state. A machine without exactly six constraints is refused, and the message lists
+    those found. Only the file, and the files named here beside it, are opened: no mesh, no other
+    model.
+
+    \b
+    Examples:
+      gsp import robot.xml -o machine.yaml
+      gsp import robot.xml --base world --platform table > machine.yaml
+      gsp import joints.csv | gsp solve -
+    """
+    from gspcli.machines.api import import_machine
+
+    _spare(file, output)
+    found = import_machine(file, base=base, platform=platform, meet=meet, digits=digits)
+    say(f"{file}: {found.described}")
+    for line in (*found.chains, *found.notes):
+        say(line)
+    write(output, found.text)
+
+
+def _spare(file: Path, output: Output) -> None:
+    """Refuse to write over what is read: the loops of a robot are in a YAML file, too."""
+    loops = file.with_suffix(".yaml")
+    target = output.path
+    if target is None or not (target.exists() and file.exists()):
+        return
+    if target.samefile(file) or (
+        loops.exists() and target.samefile(loops) and b"closed_loop" in loops.read_bytes()
+    ):
+        message = f"{target}: this file is read, expected another one for -o"
+        raise GspError(message)
+
+
+command.help = str(command.help).format(
+    formats="FILE is one of these: MJCF (for MuJoCo; the package mujoco is needed), SDF or a "
+    "template of it (ERB), URDF with loops in NAME.yaml beside NAME.urdf. Or it is "
+    "NAME_bodies.xml of CASPR with NAME_cables.xml, a HAL file of LinuxCNC with its INI file, a "
+    ".world of CuikSuite, or a table of joints (CSV, TSV). The format is recognized by the "
+    "content."
+)

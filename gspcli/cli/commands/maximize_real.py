@@ -1,0 +1,175 @@
+"""`gsp maximize-real`: search for a platform with many real poses."""
+
+from __future__ import annotations
+
+from contextlib import nullcontext
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+from click.core import ParameterSource
+
+from gspcli.cli.options import (
+    Positive,
+    Whole,
+    file_option,
+    is_file,
+    load_instance,
+    read_type,
+    resume_option,
+    seed_option,
+    worker_options,
+)
+from gspcli.cli.render import Output, write
+from gspcli.cli.streams import check_writable, progress, say, write_whole
+from gspcli.defaults import SEARCH_SECONDS
+from gspcli.errors import INTERRUPTED, CheckFailed
+
+if TYPE_CHECKING:
+    from gspcli.catalogue.types import GspType
+    from gspcli.reality.real_search import RealSearch
+    from gspcli.reality.state import State
+    from gspcli.workers import Workers
+
+
+@click.command()
+@click.argument("names", nargs=-1, required=True, metavar="TYPE|SPEC")
+@click.option("--show", is_flag=True, help="Do not search: write the best known platform.")
+@click.option(
+    "--real",
+    type=Whole(0),
+    metavar="N",
+    help="Stop at N real poses; the exit code is 1 if fewer are found. With --show: the known "
+    "platform with N.  [default: as many as possible, as many as known]",
+)
+@click.option(
+    "--time",
+    "seconds",
+    type=Positive(),
+    metavar="SECONDS",
+    default=SEARCH_SECONDS,
+    show_default=True,
+    help="Stop after this time.",
+)
+@click.option("--attempts", "most", type=Whole(1), metavar="N", help="Stop after N attempts.")
+@seed_option("; an attempt depends only on it and on its number")
+@worker_options
+@resume_option
+@file_option("yaml")
+def command(
+    names: tuple[str, ...],
+    show: bool,
+    real: int | None,
+    seconds: float,
+    most: int | None,
+    seed: int,
+    workers: Workers,
+    resume: Path | None,
+    output: Output,
+) -> int:
+    """Search for a platform with as many real poses as possible.
+
+    The search begins with random platforms of TYPE, or with the instance file SPEC. It moves
+    points, lines, planes and values so that pairs of complex poses come together and become real,
+    and no real one is lost (after P. Dietmaier, 1998). TYPE may be a family: the kinds of the
+    angles make no difference. The best platform found is rounded to short decimals, its real poses
+    are certified, and it is written as an instance file. The number of its real poses, with
+    both sides of PH and HP distances, is a lower bound of the largest possible number. Stderr has a
+    line for each attempt.
+
+    \b
+    Examples:
+      gsp maximize-real 6PP --real 40 -o forty.yaml
+      gsp maximize-real 4D2A PP PP PL PL --time 600 --resume search.json
+      gsp maximize-real platform.yaml --attempts 3
+      gsp maximize-real 6PP --show | gsp solve -
+      gsp maximize-real 6PP --show --real 0
+    """
+    from gspcli.spec import dumps
+
+    if resume is not None:
+        check_writable(resume)
+    given = load_instance(names[0]) if len(names) == 1 and is_file(names[0]) else None
+    gsp_type = read_type(names) if given is None else given.type
+    if show:
+        _show_known(gsp_type, real, output)
+        return 0
+
+    if real == 0:
+        message = "--real 0 is for --show: a search is for at least one real pose"
+        raise click.UsageError(message)
+    from gspcli.atlas.journal import held
+    from gspcli.reality.real_search import RealSearch
+    from gspcli.reality.state import State, read_state
+
+    search = RealSearch.of(gsp_type if given is None else given, real, seconds, seed)
+    subject = search.subject
+    interrupted = False
+    with nullcontext() if resume is None else held(resume):
+        state = State(subject, seed) if resume is None else read_state(resume, subject, seed)
+        try:
+            state = _searched(search, state, most, workers, resume)
+        except _Interrupted as interruption:
+            state, interrupted = interruption.state, True
+    if state.platform is None and interrupted:
+        say("interrupted before the end of an attempt")
+        return INTERRUPTED
+    found = search.result(state)
+    write(output, dumps(found.instance))
+    say(f"{found.real} real poses, certified")
+    if not interrupted and real is not None and found.real < real:
+        message = f"{real} real poses were asked for, {found.real} were found: give it more time"
+        raise CheckFailed(message)
+    return INTERRUPTED if interrupted else 0
+
+
+class _Interrupted(Exception):
+    """Ctrl-C, with the result so far."""
+
+    def __init__(self, state: State) -> None:
+        self.state = state
+
+
+def _show_known(gsp_type: GspType, real: int | None, output: Output) -> None:
+    """Write the best known platform, or one with this many real poses."""
+    from gspcli.reality.witness_proofs import known_instance
+    from gspcli.spec import dumps
+
+    _reject_search_options()
+    write(output, dumps(known_instance(gsp_type, real)))
+
+
+def _reject_search_options() -> None:
+    """Raise for options of the search where none is made."""
+    context = click.get_current_context()
+    ignored = [
+        parameter.opts[0]
+        for parameter in context.command.params
+        if parameter.name not in ("names", "show", "real", "output_file_")
+        and context.get_parameter_source(str(parameter.name)) is ParameterSource.COMMANDLINE
+    ]
+    if ignored:
+        message = f"--show makes no search: leave out {', '.join(ignored)}"
+        raise click.UsageError(message)
+
+
+def _searched(
+    search: RealSearch, state: State, most: int | None, workers: Workers, resume: Path | None
+) -> State:
+    """Return the state after the search; reports each attempt on stderr."""
+    before, each = state.attempts, search.each
+    steps = search.steps(state, most, workers)
+    try:
+        for number, found, state in progress(steps, label="searching"):
+            if resume is not None:
+                write_whole(resume, state.text())
+            if found is not None:
+                say(
+                    f"attempt {number}: {each * found.count} of {each * len(found.points)} real"
+                    f" (best: {each * state.real})"
+                    + (", cut short" if state.attempts == before else "")
+                )
+            before = state.attempts
+    except KeyboardInterrupt:
+        raise _Interrupted(state) from None
+    return state

@@ -1,0 +1,431 @@
+"""`gsp path`: from one pose to another, proved on the whole way."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import click
+
+from gspcli.cli.options import (
+    Changes,
+    Finite,
+    Positive,
+    load_instance,
+    output_options,
+    seed_option,
+    value_options,
+)
+from gspcli.cli.pose_options import (
+    HOME,
+    GivenPose,
+    PoseConventions,
+    frame_note,
+    pose_options,
+)
+from gspcli.cli.render import Column, Output, Table, emit, pose_columns
+from gspcli.cli.streams import working
+from gspcli.defaults import PATH_SECONDS
+from gspcli.errors import CheckFailed, IncompleteError
+from gspcli.wording import counted, listed, shown
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from typing import Any
+
+    from gspcli.geometry.frames import PoseFrame
+    from gspcli.motion import PoseFormat
+    from gspcli.motion.paths.ends import End
+    from gspcli.motion.paths.mode_groups import ModeGroups
+    from gspcli.motion.paths.planned_paths import PlannedPath
+    from gspcli.motion.paths.timing import Timing
+
+
+class _EndType(click.ParamType):  # type: ignore[type-arg]
+    """The number of a mode, ``home``, or a POSE."""
+
+    name = "mode or pose"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Return a number, ``home``, or a `GivenPose`."""
+        del ctx
+        if not isinstance(value, str) or value == HOME:
+            return value
+        if value.isascii() and value.isdigit():
+            return int(value)
+        return GivenPose(value, max(param.opts, key=len) if param else "")
+
+
+class _LimitType(click.ParamType):  # type: ignore[type-arg]
+    """A number above zero of the motors, or NAME=NUMBER of motors, platform and turn."""
+
+    name = "limit"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Return the numbers by name."""
+        if not isinstance(value, str):
+            return value
+        names, found = ("motors", "platform", "turn"), {}
+        for part in value.split(","):
+            name, equals, number = part.rpartition("=")
+            name = name.strip() if equals else names[0]
+            if name not in names:
+                self.fail(f"{shown(name)} is not one of motors, platform, turn.", param, ctx)
+            if name in found:
+                self.fail(f"{name} stands twice.", param, ctx)
+            found[name] = Positive().convert(number.strip(), param, ctx)
+        if "motors" not in found and len(found) < 2:
+            self.fail("give motors, or both platform and turn.", param, ctx)
+        return found
+
+
+@click.command()
+@click.argument("spec", metavar="SPEC")
+@click.option(
+    "--from",
+    "start",
+    type=_EndType(),
+    metavar="K|home|POSE",
+    help="Where the path begins: a mode by its number of `gsp solve`, home, or a pose "
+    "(x,y,z,qw,qx,qy,qz, or x,y,z,rx,ry,rz with --euler, or @FILE).",
+)
+@click.option(
+    "--to", "goal", type=_EndType(), metavar="K|home|POSE", help="Where the path ends, likewise."
+)
+@click.option(
+    "--all",
+    "everything",
+    is_flag=True,
+    help="Instead of one path show which modes are joined by paths, and which are proved apart.",
+)
+@click.option(
+    "--along",
+    type=click.Choice(["values", "poses"]),
+    help="What changes linearly between corners: the values, or x, y, z and the angles.  "
+    "[default: what is proved first]",
+)
+@click.option(
+    "--clear",
+    type=Finite(0.0),
+    default=0.0,
+    metavar="D",
+    help="Every pose must have this clearance, proved, as gsp clearance measures it.",
+)
+@click.option(
+    "--leg-gap",
+    "gap",
+    type=Finite(),
+    metavar="D",
+    help="Legs must be D apart at every pose, proved; SPEC states their diameters.",
+)
+@click.option(
+    "--time",
+    "seconds",
+    type=Positive(),
+    default=PATH_SECONDS,
+    show_default=True,
+    metavar="SECONDS",
+    help="Stop after this time. A path that is found does not depend on it.",
+)
+@click.option(
+    "--speed",
+    type=_LimitType(),
+    metavar="V",
+    help="Give the rows times in seconds, at which no motor is faster than V, in the unit of its "
+    "value a second: proved, between rows too. Or motors=V,platform=V,turn=V.",
+)
+@click.option(
+    "--acceleration",
+    type=_LimitType(),
+    metavar="A",
+    help="With --speed: no acceleration is above A, in units a second squared, proved likewise.",
+)
+@click.option(
+    "--round",
+    "rounded",
+    is_flag=True,
+    help="With --speed: round corners instead of stopping there, as far as that is proved.",
+)
+@seed_option("")
+@value_options
+@pose_options
+@output_options()
+def command(
+    spec: str,
+    start: int | str | GivenPose | None,
+    goal: int | str | GivenPose | None,
+    everything: bool,
+    along: str | None,
+    clear: float,
+    gap: float | None,
+    seconds: float,
+    speed: dict[str, float] | None,
+    acceleration: dict[str, float] | None,
+    rounded: bool,
+    seed: int,
+    changes: Changes,
+    conventions: PoseConventions,
+    output: Output,
+) -> None:
+    """Plan a path from one pose to another that is proved safe on the whole way.
+
+    Two facts are proved for every pose of the path, also between its rows: it is not singular, and
+    it keeps the ranges and cones that SPEC states. The path has straight parts: on each the six
+    values change linearly, or position and angles do. CSV has a row for each step, with values and
+    pose; `gsp track` takes the file, and `gsp view --track` plays it. In a machine with cranks or
+    slides the drives change linearly, and keep their ranges and knees.
+
+    First both straight ways are tried. If none is proved, a map of random values or poses is made,
+    and the path found on it is made shorter. The same seed gives the same path.
+
+    The exit code is 1 if it is proved that there is no path. There are four reasons. An end is
+    outside the limits. Det J, or a factor of it, has different signs at both ends, and a regular
+    path keeps each sign. The mode fills its whole box of ranges. Legs are nearer at an end than
+    --leg-gap. The exit code is 4 if no path was found in the time given.
+
+    With --speed and --acceleration t is in seconds. One number limits each motor: in mm/s and
+    mm/s^2 for lengths in mm, in deg/s and deg/s^2 for angles in degrees.
+    `motors=50,platform=100,turn=30` limits the pivot of the platform and its turn, too, on ways of
+    poses. The platform begins and ends at rest and stops at corners; with --round it passes them on
+    parabolas, which are proved.
+
+    With --all the modes of SPEC are grouped: those of one group are joined by proved paths. The
+    exit code is 4 if two groups are not proved to be apart.
+
+    \b
+    Examples:
+      gsp path @workspace-study --from home --to 3 -o path.csv
+      gsp path @rubin-m2 --from 2 --to home --speed 0.001 --acceleration 0.01
+      gsp path platform.yaml --from 10,0,420,1,0,0,0 --to home --clear 0.02
+      gsp path thick.yaml --from home --to 10,0,420,1,0,0,0 --leg-gap 5
+      gsp path @rubin-camera --all
+    """
+    _check(start, goal, everything, spec)
+    _check_speed(speed, acceleration, rounded, everything)
+    from gspcli.motion.paths.api import mode_groups, path
+
+    instance = load_instance(spec, changes)
+    form = conventions.form(instance)
+    if everything:
+        with working("joining modes"):
+            groups = mode_groups(instance, along=along, time=seconds, seed=seed)
+        emit(output, groups_table(groups), document=groups.to_json())
+        _refuse_undecided(groups)
+        return
+    first, last = _end(start, form), _end(goal, form)
+    with working("planning"):
+        found = path(
+            instance, first, last, along=along, clear=clear, gap=gap, time=seconds, seed=seed,
+            pivot=_pivot(form), sequence=form.euler or "ZYX",
+            speed=speed, acceleration=acceleration, rounded=rounded,
+        )  # fmt: skip
+    if found.verdict == "proved" or output.format == "json":
+        emit(output, path_table(found, form.frame), document=found.to_json(form.frame))
+    _refuse(found)
+
+
+def _check(start: object, goal: object, everything: bool, spec: str) -> None:
+    """Raise for options that cannot be combined."""
+    message = ""
+    if everything and (start is not None or goal is not None):
+        message = "--all is about all modes: leave out --from and --to"
+    elif not everything and (start is None or goal is None):
+        message = "give --from and --to, or --all"
+    read = [spec == "-", *(isinstance(e, GivenPose) and e.is_standard_input for e in (start, goal))]
+    if sum(read) > 1:
+        message = "only one of SPEC, --from and --to can be standard input"
+    if message:
+        raise click.UsageError(message)
+
+
+def _check_speed(speed: object, acceleration: object, rounded: bool, everything: bool) -> None:
+    """Raise for options of the time that cannot be combined."""
+    message = ""
+    if (speed is None) != (acceleration is None):
+        message = "--speed and --acceleration go together"
+    elif rounded and speed is None:
+        message = "--round goes with --speed and --acceleration"
+    elif everything and speed is not None:
+        message = "--all makes no rows: leave out --speed and --acceleration"
+    if message:
+        raise click.UsageError(message)
+
+
+def _pivot(form: PoseFormat) -> Sequence[float] | None:
+    """Return the point of straight ways in the platform's frame; None for its centre."""
+    tool = form.frame.tool.shifted(form.pivot)
+    return None if tool.T is None else tool.T.tolist()
+
+
+def _end(given: int | str | GivenPose | None, form: PoseFormat) -> End:
+    """Return an end of the path as `gspcli.path` takes it."""
+    assert given is not None
+    return given.read(form) if isinstance(given, GivenPose) else given
+
+
+def _refuse(found: PlannedPath) -> None:
+    """Raise unless there is a path."""
+    if found.verdict == "impossible":
+        message = f"from {found.start} to {found.goal} there is no path, proved\n{found.reason}"
+        raise CheckFailed(message)
+    if found.verdict == "not found":
+        message = (
+            f"from {found.start} to {found.goal} no path was found in the time given\n"
+            "it is not proved that there is none: try --time or another --seed"
+        )
+        raise IncompleteError(message)
+
+
+def _refuse_undecided(groups: ModeGroups) -> None:
+    """Raise if some groups may belong together."""
+    if groups.undecided:
+        first, second = groups.undecided[0]
+        rest = len(groups.undecided) - 1
+        more = f" (and of {rest} more pairs)" if rest else ""
+        message = (
+            f"groups {first} and {second}{more}: no path was found, and it is not proved that "
+            "there is none\ntry --time or another --seed"
+        )
+        raise IncompleteError(message)
+
+
+_POSE = ("x", "y", "z", "qw", "qx", "qy", "qz")
+
+
+def path_table(found: PlannedPath, frame: PoseFrame) -> Table:
+    """Return the rows of a path, with what is proved of its parts above them."""
+    from gspcli.geometry.arrangement import Arrangement
+
+    columns = [
+        Column("t", align="right", essential=True),
+        *(
+            Column(name, _titled(found, name), align="right", minor=1, size=_size(found, name))
+            for name in found.motors
+        ),
+        *pose_columns(_POSE, Arrangement.of(found.instance).length),
+        Column("condition", align="right"),
+    ]
+    if found.drives is None:
+        columns.append(Column("clearance", align="right", minor=2))
+    if found.gaps is not None:
+        columns.append(Column("gap", align="right", minor=2))
+    return Table(
+        columns,
+        found.rows(frame),
+        title=found.instance.title,
+        notes=frame_note(frame),
+        summary=_summary(found),
+    )
+
+
+def _size(found: PlannedPath, motor: str) -> float:
+    """Return a typical number of a motor."""
+    from gspcli.geometry.arrangement import Arrangement
+
+    if _unit(found, motor) == found.instance.units.angle.value:
+        return 1 / found.instance.units.angle.in_radians
+    return float(Arrangement.of(found.instance).length)
+
+
+def _titled(found: PlannedPath, name: str) -> str:
+    """Return the title of a column of a motor."""
+    if not name.isdecimal():
+        return name.replace(".", " ")
+    return f"{name} {found.instance.constraints[int(name) - 1].kind.name}"
+
+
+def _summary(found: PlannedPath) -> list[str]:
+    """Return in words what is proved."""
+    if not found.parts:
+        return []
+    from gspcli.ties import first_largest
+
+    worst = found.parts[int(first_largest([part.condition for part in found.parts]))]
+    unit = found.instance.units.length
+    length = f"length {found.length:.4g} {unit}"
+    if found.straight_length:
+        length += f", {found.length / found.straight_length:.2f} times the straight line"
+    ways = f"the {found.along} change" if found.along != "poses" else "position and angles change"
+    lines = [
+        f"from {found.start} to {found.goal}: proved, "
+        f"{counted(found.straight, 'straight part')} ({ways} linearly)",
+        length,
+        f"largest condition number at a row: {worst.condition:.4g}, from row {worst.first + 1} to "
+        f"{worst.last + 1}",
+    ]
+    if found.timing is not None:
+        lines.append(_time(found, found.timing))
+    clearance = min(part.clearance for part in found.parts)
+    if clearance > 0:
+        lines.append(f"clearance on the whole way: at least {clearance:.3g}, proved")
+    gaps = [part.gap for part in found.parts if part.gap is not None]
+    if gaps:
+        lines.append(f"gap on the whole way: at least {min(gaps):.4g} {unit}, proved")
+    return lines
+
+
+def _unit(found: PlannedPath, motor: str) -> str:
+    """Return the unit of what a motor moves."""
+    if motor.isdecimal():
+        is_length = found.instance.constraints[int(motor) - 1].kind.is_distance
+    else:
+        is_length = motor.startswith("slide")
+    units = found.instance.units
+    return str(units.length) if is_length else units.angle.value
+
+
+def _time(found: PlannedPath, timing: Timing) -> str:
+    """Return the time of a path, and which speeds and accelerations are below which limits."""
+    units = found.instance.units
+    angle, length = units.angle.value, str(units.length)
+    lengths = {_unit(found, name) for name in found.motors}
+    of = {"motors": " or ".join(sorted(lengths, key=length.__ne__)), "platform": length}
+    of["turn"] = angle
+    names = {"motors": "each motor", "platform": "the platform", "turn": "its turn"}
+    limits = []
+    for name in names:
+        numbers = [
+            f"{given[name]:.10g} {of[name]}/{second}"
+            for given, second in ((timing.limits.speed, "s"), (timing.limits.acceleration, "s^2"))
+            if name in given
+        ]
+        if numbers:
+            limits.append(f"{names[name]} at most {listed(numbers, 'and')}")
+    text = f"{timing.seconds:.4g} s: {', '.join(limits)}"
+    stops = timing.corners - timing.rounded
+    if timing.rounded:
+        text += f"; {counted(timing.rounded, 'corner')} rounded"
+    if stops:
+        text += f"; stops at {counted(stops, 'corner')}"
+    return text
+
+
+def groups_table(found: ModeGroups) -> Table:
+    """Return which modes belong together."""
+    columns = [
+        Column("mode", align="right", essential=True),
+        Column("signs", essential=True),
+        Column("group", align="right", essential=True),
+        Column("others", "joined with", fold=", ", essential=True),
+        Column("status", essential=True),
+    ]
+    rows = [
+        {**row, "others": row["others"] or None, "status": _status(row)} for row in found.rows()
+    ]
+    groups = counted(len(found.groups), "group")
+    if found.complete:
+        text = f"{groups}: modes of one group are joined by proved paths, all others proved apart"
+    else:
+        pairs = listed([f"{a} and {b}" for a, b in found.undecided], "or")
+        text = f"{groups}; groups {pairs} may belong together: no path was found"
+    notes = [f"signs are those of {listed(found.names, 'and')}: a regular path keeps them"]
+    if any("?" in str(row["signs"]) for row in rows):
+        notes.append("?: the sign is not proved")
+    return Table(columns, rows, title=found.instance.title, summary=[text], notes=notes)
+
+
+def _status(row: dict[str, object]) -> str:
+    if row["left"]:
+        return "outside the limits"
+    if row["alone"]:
+        return "alone, proved: it fills its box of ranges"
+    return "proved apart from other groups" if row["apart"] else "may join another group"

@@ -1,0 +1,256 @@
+"""`gsp realize`: a platform as a mechanism of links and joints."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from typing import Any
+
+import click
+
+from gspcli.catalogue.coincidence import (
+    Connection,
+    coincident_types,
+    over_constraint,
+    parse_sharing,
+)
+from gspcli.catalogue.kinds import Kind
+from gspcli.catalogue.names import find_alias, parse_kinds, parse_type
+from gspcli.catalogue.realization import (
+    REALIZATIONS,
+    Mechanism,
+    MountedChain,
+    Realization,
+    alternative,
+    mechanism,
+    outside,
+)
+from gspcli.catalogue.types import CONSTRAINTS, GspType
+from gspcli.cli.options import DRAWINGS, FORMATS, is_file, load_instance, output_options
+from gspcli.cli.render import Column, Output, Table, emit, write
+from gspcli.cli.streams import working
+from gspcli.errors import GspError, TypeNameError
+
+_BOND = re.compile(r"[PLH]\d+[-^]")
+
+_COLUMNS = [
+    Column("number", "#", align="right", essential=True),
+    Column("kinds", essential=True),
+    Column("platform"),
+    Column("base"),
+    Column("chain", essential=True),
+    Column("constraints", align="right", minor=3),
+    Column("joint_freedoms", "Σf", align="right"),
+    Column("idle_freedoms", "idle", align="right"),
+    Column("idle_motion", "idle motion", fold=" "),
+    Column("alternative", minor=1),
+    Column("outside", minor=1),
+    Column("held_freedoms", "held", align="right", minor=1),
+    Column("figure", align="right", minor=2),
+]
+
+
+@click.command()
+@click.argument("names", nargs=-1, required=True, metavar="TYPE|PATTERN|SPEC")
+@click.option(
+    "--realization",
+    "chosen",
+    type=click.Choice(list(REALIZATIONS)),
+    default=next(iter(REALIZATIONS)),
+    show_default=True,
+    help="Chains of the paper's figures; chains without idle freedoms; or chains with all driven "
+    "joints at the base (Figure 8).",
+)
+@output_options(formats=(*FORMATS, *DRAWINGS))
+def command(names: tuple[str, ...], chosen: str, output: Output) -> None:
+    """Show a mechanism that realizes a platform: a chain of joints for each constraint.
+
+    A TYPE has distinct primitives; a PATTERN names those that constraints share
+    (P1-p2 is a distance, L1^l2 an angle); a SPEC is an instance file, or - for standard
+    input. DLL and ALL between the same two lines make one chain with two driven joints.
+
+    Joints: R revolute, P prismatic, C cylindrical, S spherical, E planar; * is driven. Σf is the
+    sum of their freedoms. Idle freedoms do not move the platform. The column held has the freedoms
+    of the platform that a chain permits while its driven joints do not move.
+
+    The suffix svg, png or pdf gives a drawing (needs matplotlib): of a SPEC the whole mechanism in
+    its home mode, of a TYPE, a PATTERN or single kinds such as PL the chains.
+
+    \b
+    Examples:
+      gsp realize DPL DPL DPL ALL ALL ALL
+      gsp realize 6PP --format markdown
+      gsp realize "L1-l3 L1^l3 L2-l4 L2^l4 L1^l4 L2-l3"
+      gsp realize platform.yaml --realization outside -o mechanism.svg
+    """
+    if output.format in DRAWINGS and (kinds := _kinds(names)):
+        from gspcli.pictures.chain_panels import chain_drawing
+
+        headed = [(kind.name, REALIZATIONS[chosen](kind)) for kind in kinds]
+        write(output, chain_drawing(headed, output.format))
+        return
+    title, gsp_type, connections = _platform(names)
+    built = mechanism(connections, REALIZATIONS[chosen])
+    if output.format in DRAWINGS:
+        whole = len(names) == 1 and is_file(names[0])
+        fmt = output.format
+        write(output, _platform_drawn(names[0], built, fmt) if whole else _chains_drawn(built, fmt))
+        return
+    dependent = over_constraint(connections)
+    notes = [built.sum_shown]
+    notes += [f"{s.name}: {s.joints} (chains {_numbers(s.chains)})" for s in built.shared]
+    if dependent:
+        notes.append(f"the platform is never fixed: {dependent.reason}")
+    notes += _driven_joints(names)
+    rows = [{"number": n, **_row(mounted)} for n, mounted in enumerate(built.chains, start=1)]
+    emit(
+        output,
+        Table(_COLUMNS, rows, title=title, notes=notes),
+        document={
+            "schema": "gsp.realize/1",
+            "type": gsp_type.to_json(),
+            "chains": [_document(mounted) for mounted in built.chains],
+            "shared": [
+                {
+                    "body": shared.body,
+                    "name": shared.name,
+                    "joints": shared.joints,
+                    "chains": [index + 1 for index in shared.chains],
+                }
+                for shared in built.shared
+            ],
+            "mobility": _mobility(built),
+            "over_constraint": dependent.reason if dependent else None,
+        },
+    )
+
+
+def _driven_joints(names: Sequence[str]) -> list[str]:
+    """Return the note that the cranks and slides of a file are in no chain, if there are some."""
+    if len(names) != 1 or not is_file(names[0]):
+        return []
+    from gspcli.geometry.drive_numbers import driven_points
+
+    rows = load_instance(names[0]).constraints
+    driven = [k for k, row in enumerate(rows) if driven_points(row)]
+    if not driven:
+        return []
+    chains = f"chain{'s' if len(driven) > 1 else ''} {_numbers(driven)}"
+    return [f"{chains}: SPEC drives a joint by a crank or slide; here the constraint is driven"]
+
+
+def _kinds(names: Sequence[str]) -> list[Kind]:
+    """Return the kinds of constraint that are named, if they are fewer than a platform has."""
+    words = " ".join(names).split()
+    if len(words) >= CONSTRAINTS:
+        return []
+    try:
+        return [kind for word in words for kind in parse_kinds(word)]
+    except TypeNameError:
+        return []
+
+
+def _platform(names: Sequence[str]) -> tuple[str, GspType, Sequence[Connection]]:
+    """Return the title, the type and the constraints that the words name."""
+    if len(names) == 1 and is_file(names[0]):
+        instance = load_instance(names[0])
+        title = f"{instance.name}: {instance.type}" if instance.name else str(instance.type)
+        return title, instance.type, instance.constraints
+    text = " ".join(names)
+    alias = find_alias(text)
+    if _BOND.match(text) or (alias and alias.pattern):
+        pattern = parse_sharing(text)
+        return f"{pattern.type} ({pattern.id})", pattern.type, pattern.bonds
+    gsp_type = parse_type(names)
+    return f"{gsp_type.id} ({gsp_type.number})", gsp_type, next(coincident_types(gsp_type)).bonds
+
+
+def _platform_drawn(spec: str, built: Mechanism, fmt: str) -> bytes:
+    """Return the drawing of an instance on its chains."""
+    from gspcli.pictures.mechanisms import mechanism_drawing
+    from gspcli.pictures.staging import first_mode, scene_of
+    from gspcli.solver import solve
+
+    instance = load_instance(spec)
+    with working("solving"):
+        result = solve(instance)
+    if not result.drawn.counts.real:
+        message = f"{spec}: no real pose to draw the mechanism at; name its type for the chains"
+        raise GspError(message)
+    scene = scene_of(result, only=first_mode(result.drawn))
+    return mechanism_drawing(scene, built, fmt, 0)
+
+
+def _chains_drawn(built: Mechanism, fmt: str) -> bytes:
+    """Return the drawing of the different chains of a mechanism."""
+    from gspcli.pictures.chain_panels import chain_drawing
+
+    used: dict[Realization, list[int]] = {}
+    for index, mounted in enumerate(built.chains):
+        used.setdefault(mounted.realization, []).append(index)
+    headings = {
+        each: f"{' '.join(kind.name for kind in each.kinds)}: "
+        f"chain{'s' if len(indices) > 1 else ''} {_numbers(indices)}"
+        for each, indices in used.items()
+    }
+    return chain_drawing([(heading, each) for each, heading in headings.items()], fmt)
+
+
+def _numbers(indices: Sequence[int]) -> str:
+    return " ".join(str(index + 1) for index in indices)
+
+
+def _row(mounted: MountedChain) -> dict[str, Any]:
+    realization = mounted.realization
+    return {
+        "constraints": _numbers(mounted.constraints),
+        "kinds": " ".join(kind.name for kind in realization.kinds),
+        "platform": mounted.platform_name,
+        "base": mounted.base_name,
+        "chain": realization.chain.drawing,
+        "joint_freedoms": realization.chain.freedoms,
+        "idle_freedoms": realization.idle_freedoms,
+        "idle_motion": realization.idle_motion or None,
+        "alternative": alternative(*realization.kinds).chain.name,
+        "outside": outside(*realization.kinds).chain.name,
+        "held_freedoms": realization.held_freedoms,
+        "figure": realization.figure or None,
+    }
+
+
+def _document(mounted: MountedChain) -> dict[str, Any]:
+    return {
+        "constraints": [index + 1 for index in mounted.constraints],
+        "kinds": [kind.name for kind in mounted.realization.kinds],
+        "platform": mounted.platform_name,
+        "base": mounted.base_name,
+        **_chain(mounted.realization),
+        "alternative": _chain(alternative(*mounted.realization.kinds)),
+        "outside": _chain(outside(*mounted.realization.kinds)),
+    }
+
+
+def _chain(realization: Realization) -> dict[str, Any]:
+    return {
+        "chain": realization.chain.name,
+        "description": realization.description,
+        "figure": realization.figure or None,
+        "joint_freedoms": realization.chain.freedoms,
+        "idle_freedoms": realization.idle_freedoms,
+        "idle_motion": realization.idle_motion or None,
+        "freedoms": realization.freedoms,
+        "held_freedoms": realization.held_freedoms,
+    }
+
+
+def _mobility(built: Mechanism) -> dict[str, Any]:
+    return {
+        "links": built.links,
+        "joints": built.joints,
+        "joint_freedoms": built.joint_freedoms,
+        "kutzbach_gruebler": built.mobility,
+        "idle_freedoms": built.idle_freedoms,
+        "moving_freedoms": built.moving_freedoms,
+        "driven": built.driven,
+        "sum": built.sum_shown,
+    }

@@ -1,0 +1,170 @@
+"""`gsp sample`: how many solutions of random platforms are real."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from gspcli.cli.options import (
+    DRAWINGS,
+    FORMATS,
+    Whole,
+    one_sided_option,
+    output_options,
+    read_type,
+    seed_option,
+    worker_options,
+)
+from gspcli.cli.render import Column, Output, Table, emit, write
+from gspcli.cli.streams import say, write_whole
+from gspcli.errors import INTERRUPTED, GspError
+
+if TYPE_CHECKING:
+    from gspcli.reality.real_distribution import Sample, Tally
+    from gspcli.workers import Workers
+
+#: The longest bar of the histogram, characters.
+_BAR = 40
+#: Decimals that keep a number of order one.
+_ALL_DIGITS = 17
+
+
+@click.command()
+@click.argument("names", nargs=-1, required=True, metavar="TYPE")
+@click.option(
+    "--count",
+    default=1000,
+    show_default=True,
+    type=Whole(1),
+    metavar="N",
+    help="How many platforms to draw.",
+)
+@seed_option("; the same seed gives the same numbers")
+@one_sided_option
+@click.option(
+    "--save",
+    "folder",
+    type=click.Path(file_okay=False, path_type=Path),
+    metavar="FOLDER",
+    help="Keep undecided and incomplete platforms there, as instance files.",
+)
+@worker_options
+@output_options((*FORMATS, *DRAWINGS))
+def command(
+    names: tuple[str, ...],
+    count: int,
+    seed: int,
+    one_sided: bool,
+    folder: Path | None,
+    workers: Workers,
+    output: Output,
+) -> int:
+    """Count the real solutions of random platforms of a type.
+
+    Points are uniform in a cube, directions and a hidden pose are uniform. The values are those
+    that the constraints measure at that pose, so there is always a real solution. Every platform is
+    solved completely. A platform with a nearly double solution is counted as undecided. Ctrl-C
+    shows the result so far. TYPE may be a family: the kinds of the angles make no difference.
+
+    \b
+    Examples:
+      gsp sample 6PP --count 10000
+      gsp sample 3D3A PL PL LP --format csv
+      gsp sample 6PH --one-sided --count 5000 -o planes.svg
+    """
+    from gspcli.cli.streams import progress
+    from gspcli.reality.real_distribution import Sample, Tally, sample
+    from gspcli.reality.sample_results import SampleResult
+
+    if folder is not None:
+        _make(folder)
+    wanted = Sample(read_type(names), count, seed, one_sided)
+    total = Tally()
+    interrupted = False
+    try:
+        for part in progress(
+            sample(wanted, workers), total=len(wanted.pieces), label="solving platforms"
+        ):
+            total.add(part)
+    except KeyboardInterrupt:
+        interrupted = True
+        say(f"interrupted after {total.platforms} of {count} platforms")
+    if folder is not None:
+        _save(folder, wanted, total)
+    if output.format in DRAWINGS:
+        write(output, histogram(wanted, total, output.format))
+    else:
+        table = _table(wanted, total, bars=output.format == "table")
+        emit(output, table, document=SampleResult(wanted, total).to_json())
+    return INTERRUPTED if interrupted else 0
+
+
+def _make(folder: Path) -> None:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        message = f"{folder}: cannot be made: {error.strerror}"
+        raise GspError(message) from error
+
+
+def _save(folder: Path, wanted: Sample, tally: Tally) -> None:
+    """Write the platforms of which the number of real solutions is not known."""
+    from gspcli.reality.witness_proofs import rounded
+    from gspcli.spec import dumps
+
+    for (piece, index), why in sorted(tally.doubtful.items()):
+        platform = wanted.platforms(piece)[index]
+        instance = rounded(platform, _ALL_DIGITS, one_sided=wanted.one_sided)
+        name = f"{why}-{wanted.seed}-{piece}-{index}"
+        write_whole(folder / f"{name}.yaml", dumps(replace(instance, name=name)))
+
+
+def _table(wanted: Sample, tally: Tally, *, bars: bool) -> Table:
+    most = max(tally.real.values(), default=1)
+    decided = tally.real.total()
+    rows = [
+        {
+            "real": real,
+            "platforms": tally.real[real],
+            "share": tally.real[real] / decided,
+            "bar": "#" * round(_BAR * tally.real[real] / most),
+        }
+        for real in sorted(tally.real)
+    ]
+    mean = "" if tally.mean is None else f", {tally.mean:.4g} real on average"
+    return Table(
+        columns=[
+            Column("real", "real solutions", align="right", essential=True),
+            Column("platforms", align="right", essential=True),
+            Column("share", align="right", essential=True),
+            *([Column("bar", " ")] if bars else []),
+        ],
+        rows=rows,
+        title=f"{wanted.gsp_type.id}: {_subject(wanted)}",
+        summary=[
+            f"{tally.platforms} platforms{mean}; {tally.undecided} undecided, "
+            f"{tally.incomplete} incomplete"
+        ],
+    )
+
+
+def _subject(wanted: Sample) -> str:
+    sides = " for one choice of sides" if wanted.one_sided else ""
+    return f"real ones of {wanted.expected} solutions{sides}"
+
+
+def histogram(wanted: Sample, tally: Tally, fmt: str) -> bytes:
+    """Return the distribution as a picture in one of `DRAWINGS`."""
+    from gspcli.pictures.charts import bar_chart
+
+    return bar_chart(
+        tally.real,
+        fmt,
+        title=f"{wanted.gsp_type.id}: {tally.platforms} random platforms by their number of "
+        "real solutions",
+        x_label="real solutions",
+        y_label="platforms",
+    )

@@ -1,0 +1,450 @@
+"""`gsp scan`: how many assembly modes there are where values or motors vary."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from collections.abc import Sequence
+from contextlib import nullcontext
+from dataclasses import asdict
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from gspcli import __version__
+from gspcli.cli.options import (
+    DRAWINGS,
+    FORMATS,
+    Changes,
+    load_instance,
+    output_options,
+    resume_option,
+    value_options,
+    worker_options,
+)
+from gspcli.cli.pose_options import (
+    PARAMETERS,
+    GivenPose,
+    PoseConventions,
+    axes_of,
+    frame_note,
+    pose_options,
+    pose_value_option,
+)
+from gspcli.cli.render import Column, Output, Table, emit, write
+from gspcli.cli.streams import progress, say, working
+from gspcli.defaults import SEED
+from gspcli.errors import INTERRUPTED, IncompleteError
+from gspcli.wording import counted
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from gspcli.geometry.instance import Instance
+    from gspcli.motion.singularities.crossings import Boundary
+    from gspcli.motion.singularities.value_scans import Axis, Scan
+    from gspcli.workers import Workers
+
+    Array = NDArray[np.float64]
+    from gspcli.cli.pose_options import GivenPose
+    from gspcli.geometry.frames import PoseFrame
+    from gspcli.motion import PoseFormat
+    from gspcli.motion.singularities.crossings import Meeting
+    from gspcli.motion.singularities.pose_scans import PoseScan
+    from gspcli.motion.singularities.scan_results import ScanResult
+
+QUANTITIES = ("modes", "condition", "clearance")
+_NUMBERS = tuple("123456")
+
+
+@click.command()
+@click.argument("spec", metavar="SPEC")
+@click.option(
+    "--vary",
+    "texts",
+    metavar="NAME=LOW:HIGH:COUNT",
+    multiple=True,
+    required=True,
+    help="Let NAME take COUNT values from LOW to HIGH: a constraint from 1 to 6, a crank or slide "
+    "such as crank.B1, or, with --pose, x, y, z (rx, ry, rz with --euler); once or twice.",
+)
+@pose_value_option("the pose whose coordinates vary; the other coordinates stay")
+@value_options
+@pose_options
+@click.option(
+    "--folds",
+    is_flag=True,
+    help="Find, with proof, where the number changes between neighbouring nodes. Tables show "
+    "these folds instead of the nodes, pictures both.",
+)
+@click.option(
+    "--quantity",
+    type=click.Choice(QUANTITIES),
+    default=QUANTITIES[0],
+    show_default=True,
+    help="The quantity of pictures (over poses the determinant instead of modes). With clearance "
+    "it is a column, too (some milliseconds a mode or pose).",
+)
+@resume_option
+@worker_options
+@output_options(formats=(*FORMATS, *DRAWINGS))
+def command(
+    spec: str,
+    texts: tuple[str, ...],
+    pose: GivenPose | None,
+    changes: Changes,
+    conventions: PoseConventions,
+    folds: bool,
+    quantity: str,
+    resume: Path | None,
+    workers: Workers,
+    output: Output,
+) -> int:
+    """Count the real assembly modes where one or two values or motors vary.
+
+    All poses are found at every node of the grid. The column modes has the number of real ones,
+    condition the smallest condition number of one.
+
+    --folds gives the values or readings at which a pair of modes meets and vanishes (a fold),
+    between neighbouring nodes with different numbers. Each fold is proved, and shown with its
+    pose. Mirror images have one fold each, at the same values. Two folds between the same nodes
+    that leave the number unchanged are found from complex solutions, without proof that none is
+    missed.
+    Where symmetries let several modes meet at once, there is no simple fold: it is said how many
+    meet, and between which values; the numbers on both sides are proved. Over two values or motors
+    the folds are points of a curve (the discriminant), which pictures show with its cusps. Between
+    the proved points the curve is followed numerically, without proof.
+
+    For a machine with arms or rails the readings of its motors vary (crank.B1, slide.B1). At each
+    node the joints are moved there, and the other motors stay where they are stated. The
+    clearance is that of the motors, as in `gsp clearance`.
+
+    Over poses (--pose) nothing is solved. Each node has the determinant of the Jacobian matrix
+    (free of units, as in `gsp analyze`), its sign and the condition number. --folds gives the poses
+    on edges of the grid at which the determinant changes its sign, to the last digit; pictures show
+    the singular curve through them.
+
+    Ctrl-C shows the result so far; a file of -o is not written then. If not all poses were found at
+    a node, it has no number of modes, and the exit code is 4.
+
+    \b
+    Examples:
+      gsp scan platform.yaml --vary 1=5:7:200 -o modes.csv
+      gsp scan platform.yaml --vary 1=5:7:60 --vary 2=4:6:60 --folds -o folds.csv
+      gsp scan @t-top-head --vary crank.B1=-60:60:13 --folds
+      gsp scan platform.yaml --vary 1=5:7:60 --vary 2=4:6:60 --folds -o map.svg
+      gsp scan platform.yaml --vary 1=5:7:500 --resume work.jsonl -o map.csv
+      gsp scan platform.yaml --vary x=-9:9:60 --vary y=-9:9:60 \\
+        --pose 0,0,7,1,0,0,0 -o singular.svg
+    """
+    instance = load_instance(spec, changes)
+    frame = conventions.frame(instance)
+    if pose is not None:
+        shown = "determinant" if quantity == QUANTITIES[0] else quantity
+        scan_poses(instance, texts, pose, conventions.form(instance), folds, shown, output)
+        return 0
+    _refuse_coordinates(texts, conventions)
+    from gspcli.motion.singularities.crossings import Boundary
+    from gspcli.motion.singularities.scan_results import as_read, check_values, corrected
+    from gspcli.motion.singularities.value_scans import MISSING, Scan
+
+    asked = Scan.empty(instance, _axes(instance, texts))
+    found = Scan.empty(*corrected(asked), clearance=quantity == "clearance")
+    check_values(found, "--vary")
+    total = math.prod(len(axis.values) for axis in asked.axes)
+    limits = Boundary()
+    interrupted = False
+    try:
+        _fill(found, workers, resume)
+        if folds:
+            limits = _boundary(found)
+    except KeyboardInterrupt:
+        interrupted = True
+        say(f"interrupted after {(found.modes != MISSING).sum()} of {total} nodes")
+    if interrupted and output.path is not None:
+        say(f"{output.path}: not written; --resume keeps what is done for the next run")
+        return INTERRUPTED
+    result = as_read(asked, found, limits, folds=folds)
+    found, limits = result.found, result.limits
+    if output.format in DRAWINGS:
+        from gspcli.pictures.maps import mode_map
+
+        write(output, mode_map(found, limits, quantity, output.format))
+    else:
+        emit(
+            output,
+            scan_table(result, output.format, frame),
+            document=result.to_json(),
+        )
+    if interrupted:
+        return INTERRUPTED
+    _refuse_gaps(found, limits)
+    return 0
+
+
+def _axes(instance: Instance, texts: tuple[str, ...]) -> list[Axis]:
+    """Return the values and drives that vary."""
+    from gspcli.motion.singularities.scan_results import axis_of, drive_names
+
+    known = (*_NUMBERS, *drive_names(instance))
+    return [
+        axis_of(instance, int(name) if name in _NUMBERS else name, nodes)
+        for name, nodes in axes_of(texts, known)
+    ]
+
+
+def _refuse_coordinates(texts: tuple[str, ...], conventions: PoseConventions) -> None:
+    """Raise for options about poses where values vary."""
+    if any(text.strip()[:1] in "xyzr" for text in texts):
+        message = (
+            "--vary: found coordinates of a pose: give --pose, too, for the coordinates that stay"
+        )
+        raise click.UsageError(message)
+    if conventions.euler or conventions.pivot:
+        message = "--euler and --pivot say how --pose is read: give --pose, too"
+        raise click.UsageError(message)
+
+
+def _refuse_gaps(found: Scan, limits: Boundary) -> None:
+    """Raise if poses of a node are missing, or folds do not explain a change of the number."""
+    from gspcli.motion.singularities.value_scans import UNKNOWN
+
+    if unknown := int((found.modes == UNKNOWN).sum()):
+        message = f"at {unknown} of {found.modes.size} nodes not all poses could be found"
+        raise IncompleteError(message)
+    if limits.unexplained:
+        message = (
+            f"on {len(limits.unexplained)} edges of the grid the folds found do not explain how "
+            "the number of modes changes"
+        )
+        raise IncompleteError(message)
+
+
+def _fill(found: Scan, workers: Workers, journal: Path | None) -> None:
+    """Find the poses at all nodes, but for those in the work file."""
+    from gspcli.atlas.journal import Journal
+    from gspcli.motion.singularities.value_scans import Piece, scanned
+
+    done: set[int] = set()
+    title = _identity(found)
+    with nullcontext() if journal is None else Journal.opened(journal) as work:
+        if work is not None:
+            for scan, piece in work.read(lambda line: (line.pop("scan"), Piece(**line))):
+                if scan == title:
+                    found.enter(piece)
+                    done.add(piece.number)
+        missing = [number for number in range(found.pieces) if number not in done]
+        results = workers.as_completed(partial(scanned, found, SEED), missing)
+        for piece in progress(
+            results,
+            total=len(missing),
+            label="nodes in thousands" if found.piece == 1000 else "parts of the nodes",
+        ):
+            found.enter(piece)
+            if work is not None:
+                work.append({"scan": title, **asdict(piece)})
+
+
+def _identity(found: Scan) -> str:
+    """Return the data that identify a scan in a work file."""
+    from gspcli.spec import dumps
+
+    parts = (dumps(found.instance), found.axes, found.clearances is not None, __version__)
+    return hashlib.sha256(repr(parts).encode()).hexdigest()[:16]
+
+
+def _boundary(found: Scan) -> Boundary:
+    from gspcli.motion.singularities.crossings import boundaries
+
+    edges = sum(1 for _ in found.edges)
+    *_, last = progress(boundaries(found), total=edges, label="edges with folds")
+    return last
+
+
+_OWN, _EXPRESSED = ("Tx", "Ty", "Tz"), ("x", "y", "z")
+_TURN = ("qw", "qx", "qy", "qz")
+
+
+def scan_table(result: ScanResult, form: str, frame: PoseFrame) -> Table:
+    """Return the table of the nodes, or that of the folds with poses as expressed in a frame."""
+    from gspcli.geometry.arrangement import Arrangement
+
+    found, limits, instance = result.found, result.limits, result.found.instance
+    rows = result.rows()
+    if result.folds:
+        position = _OWN if frame.is_identity else _EXPRESSED
+        rows = rows if frame.is_identity else _expressed(rows, result, frame)
+        columns = [Column("change", align="right", essential=True)]
+        # Tables for people show positions, which distinguish mirror images.
+        shown = (*position, *_TURN) if form == "csv" else position
+        size = Arrangement.of(instance).length
+        columns += [Column(key, align="right", minor=1, aligned=True, size=size) for key in shown]
+    else:
+        columns = [
+            Column("modes", align="right", essential=True),
+            Column("condition", align="right"),
+        ]
+        if found.clearances is not None:
+            columns.append(Column("clearance", align="right"))
+    notes = [_note(found)]
+    if limits.curves:
+        cusps = sum(len(curve.cusps) for curve in limits.curves)
+        curves = counted(len(limits.curves), "curve")
+        notes.append(f"discriminant: {curves}, {counted(cusps, 'cusp')}")
+    notes += [_meeting(result.names, one, frame) for one in limits.meetings]
+    if result.folds:
+        notes += frame_note(frame)
+    return Table(
+        [
+            *(Column(name, _heading(instance, name), "right", True) for name in result.names),
+            *columns,
+        ],
+        rows,
+        title=instance.title,
+        notes=notes,
+    )
+
+
+def _expressed(
+    rows: list[dict[str, Any]], result: ScanResult, frame: PoseFrame
+) -> list[dict[str, Any]]:
+    """Return the rows of folds with their poses as they are expressed."""
+    from gspcli.geometry.quaternions import quaternion_from_rotation
+    from gspcli.motion.singularities.crossings import in_order
+
+    found = []
+    crossings = in_order(result.limits.crossings)
+    for row, one in zip(rows, crossings, strict=True):
+        R, T = frame.from_platform(one.R, one.T)
+        pose = [*T.tolist(), *quaternion_from_rotation(R).tolist()]
+        left = {key: value for key, value in row.items() if key not in _OWN}
+        found.append(left | dict(zip((*_EXPRESSED, *_TURN), pose, strict=True)))
+    return found
+
+
+def _heading(instance: Instance, name: str) -> str:
+    return f"{name} {instance.constraints[int(name) - 1].kind.name}" if name.isdecimal() else name
+
+
+def _note(found: Scan) -> str:
+    numbers, counts = _tally(found)
+    parts = [f"{modes} at {count}" for modes, count in zip(numbers, counts, strict=True)]
+    return f"{found.modes.size} nodes; modes: {', '.join(parts)}"
+
+
+def _meeting(names: list[str], one: Meeting, frame: PoseFrame) -> str:
+    """Return what is known about modes that meet in no simple fold."""
+    ends = (
+        ", ".join(f"{name} = {x:.10g}" for name, x in zip(names, end, strict=True))
+        for end in (one.low, one.high)
+    )
+    places = []
+    for before, after, R, T in one.poses:
+        there = ", ".join(f"{x:.6g}" for x in frame.from_platform(R, T)[1].round(9) + 0.0)
+        places.append(f"{before} become {after} at ({there})")
+    return (
+        f"between {' and '.join(ends)}: {one.before} modes before and {one.after} after, proved; "
+        f"several meet in no simple fold: {', '.join(places)}"
+    )
+
+
+def _tally(found: Scan) -> tuple[list[int], list[int]]:
+    import numpy as np
+
+    numbers, counts = np.unique(found.modes[found.modes >= 0], return_counts=True)
+    return numbers.tolist(), counts.tolist()
+
+
+def scan_poses(
+    instance: Instance,
+    texts: Sequence[str],
+    pose: GivenPose,
+    form: PoseFormat,
+    folds: bool,
+    quantity: str,
+    output: Output,
+) -> None:
+    """Scan poses and show what was found.
+
+    Parameters
+    ----------
+    instance
+        Geometry and units.
+    texts
+        The axes.
+    pose
+        The pose whose coordinates vary, and the other coordinates of all nodes.
+    form
+        How the numbers of a pose are meant: order of axes, pivot, units.
+    folds
+        Whether to show where the determinant changes its sign instead of the nodes.
+    quantity
+        What pictures show; ``clearance`` is a column then.
+    output
+        Where to.
+    """
+    from gspcli.motion.singularities.pose_scans import PoseAxis, PoseScan
+
+    axes = tuple(PoseAxis(*axis) for axis in axes_of(texts, PARAMETERS))
+    pose.read(form)
+    found = PoseScan(instance, axes, pose.numbers(form), form)
+    if quantity == "clearance" and not folds:
+        with working("clearances"):
+            found.clearances  # noqa: B018
+    if output.format in DRAWINGS:
+        from gspcli.pictures.maps import pose_map
+
+        write(output, pose_map(found, quantity, output.format))
+        return
+    names = [axis.name for axis in axes]
+    cleared = quantity == "clearance"
+    rows = _singular_rows(found, names) if folds else _node_rows(found, names, cleared=cleared)
+    columns = [Column(name, align="right", essential=True) for name in names]
+    if not folds:
+        columns.append(Column("determinant", align="right", essential=True))
+        columns.append(Column("condition", align="right"))
+        columns += [Column("clearance", align="right")] * cleared
+    signs = [int((found.determinants * sign > 0).sum()) for sign in (1, -1)]
+    note = f"{found.determinants.size} poses; determinant positive at {signs[0]}, negative at "
+    table = Table(
+        columns,
+        rows,
+        title=instance.title,
+        notes=[f"{note}{signs[1]}; {len(found.singular)} singular poses on edges of the grid"],
+    )
+    document: dict[str, Any] = {
+        "schema": "gsp.scan/1",
+        **instance.to_json(),
+        "over": {axis.name: list(axis.values) for axis in axes},
+        "singular" if folds else "nodes": rows,
+    }
+    if folds:
+        document["curves"] = [{"values": curve.tolist()} for curve in found.curves]
+    emit(output, table, document=document)
+
+
+def _node_rows(found: PoseScan, names: list[str], *, cleared: bool) -> list[dict[str, Any]]:
+    import numpy as np
+
+    from gspcli.geometry.printed_numbers import printed_conditions
+
+    conditions, rows = printed_conditions(found.conditions), []
+    for node in np.ndindex(*found.determinants.shape):
+        determinant, condition = found.determinants[node], conditions[node]
+        rows.append(
+            {
+                **dict(zip(names, found.places[node].tolist(), strict=True)),
+                "determinant": float(determinant) if np.isfinite(determinant) else None,
+                "condition": float(condition) if np.isfinite(condition) else None,
+                **({"clearance": float(found.clearances[node])} if cleared else {}),
+            }
+        )
+    return rows
+
+
+def _singular_rows(found: PoseScan, names: list[str]) -> list[dict[str, Any]]:
+    points = sorted(point.tolist() for point in found.singular.values())
+    return [dict(zip(names, point, strict=True)) for point in points]

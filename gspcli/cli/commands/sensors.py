@@ -1,0 +1,428 @@
+"""`gsp sensors`: which one more sensor tells the assembly modes of a platform apart."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from gspcli.cli.options import (
+    Changes,
+    Positive,
+    jobs_option,
+    load_instance,
+    output_options,
+    seed_option,
+    value_options,
+)
+from gspcli.cli.pose_options import (
+    ColumnOptions,
+    PoseConventions,
+    column_options,
+    pose_options,
+    text_of,
+)
+from gspcli.cli.render import Column, Output, Table, emit
+from gspcli.cli.streams import working
+from gspcli.errors import GspError, IncompleteError
+from gspcli.wording import counted, listed
+
+if TYPE_CHECKING:
+    from gspcli.geometry.instance import Instance
+    from gspcli.motion import PoseFormat, ValueTable
+    from gspcli.sensing import Sensor, SensorResult
+
+_KINDS = ("leg", "coordinate", "joint", "inclinometer", "distance", "angle")
+
+
+@click.command()
+@click.argument("spec", metavar="SPEC")
+@click.argument("rows", metavar="[ROWS]", required=False)
+@value_options
+@click.option("--relative", is_flag=True, help="The values in the file are added to those of SPEC.")
+@pose_options
+@column_options
+@click.option(
+    "--random",
+    "count",
+    type=click.IntRange(1, 100_000),
+    metavar="COUNT",
+    help="Take this number of random sets of values: in the ranges of SPEC if each constraint has "
+    "one, else about home.",
+)
+@click.option(
+    "--within",
+    "intervals",
+    metavar="NAME=LOW:HIGH",
+    multiple=True,
+    help="Keep NAME in this interval: random numbers for it are drawn there. NAME is the number of "
+    "a constraint, or a drive such as crank.B1. The others stay. May be repeated. 100 sets unless "
+    "--random says how many.",
+)
+@click.option(
+    "--sensor",
+    "names",
+    metavar="SENSOR",
+    multiple=True,
+    help="Only this sensor, such as 'leg P1 (0, 0, 50)' or 'joint 1 base about x'; may be "
+    "repeated.",
+)
+@click.option(
+    "--sigma",
+    "deviations",
+    metavar="WHAT=NUMBER",
+    multiple=True,
+    help=f"Standard deviation of what is measured: {', '.join(_KINDS)}, in the unit of SPEC; "
+    "may be repeated.  [default: lengths a thousandth of the size, angles 0.1 degrees]",
+)
+@click.option(
+    "--need",
+    type=Positive(),
+    default=6.0,
+    show_default=True,
+    metavar="N",
+    help="Modes count as distinguished if their readings differ by at least N standard deviations.",
+)
+@click.option(
+    "--known-side",
+    is_flag=True,
+    help="Assume that the platform is on the same side of the base as at home.",
+)
+@click.option("--up", metavar="X,Y,Z", default="0,0,1", help="The vertical in the base.")
+@click.option(
+    "--all-sensors", "everything", is_flag=True, help="Show each sensor, not the best ones only."
+)
+@seed_option(": of --random")
+@jobs_option
+@output_options()
+def command(
+    spec: str,
+    rows: str | None,
+    changes: Changes,
+    relative: bool,
+    conventions: PoseConventions,
+    columns: ColumnOptions,
+    count: int | None,
+    intervals: tuple[str, ...],
+    names: tuple[str, ...],
+    deviations: tuple[str, ...],
+    need: float,
+    known_side: bool,
+    up: str,
+    everything: bool,
+    seed: int,
+    jobs: int,
+    output: Output,
+) -> None:
+    """Say which one more sensor tells the assembly modes of a platform apart.
+
+    All real modes are found, and the reading of each possible sensor at each of them. Sensors
+    are one more leg between joints, or to a point above either body, a coordinate of the
+    platform, an angle of a joint, and an inclinometer. A sensor is judged by the two modes
+    whose readings are nearest, in standard deviations of the sensor. If no sensor suffices, the
+    best two together are named.
+
+    Modes that are mirror images are found from the exact numbers: if the joints of either body
+    lie in a plane, no leg between the planes tells them apart. Near a fold, where two modes
+    meet, their readings are nearly equal: no sensor suffices there, and the output says so.
+
+    With the sensor, gsp solve SPEC --reading finds the mode that a reading belongs to.
+
+    Exit codes: 0 done (that nothing suffices is an answer, too); 2 bad input; 3 the poses are
+    infinitely many; 4 some poses could not be found.
+
+    \b
+    Examples:
+      gsp sensors @rubin-m2
+      gsp sensors @simscape-hexapod --random 200
+      gsp sensors @simscape-hexapod --random 200 --known-side
+      gsp sensors platform.yaml path.csv --euler ZYX
+      gsp sensors platform.yaml --within 1=480:520 --sigma inclinometer=0.02
+      gsp sensors @modified-paradex --within slide.B1=-0.2:0.2 --random 20
+      gsp sensors platform.yaml --sensor "leg P1 B3" --sensor inclinometer
+    """
+    if rows is not None and (count is not None or intervals):
+        message = "give either ROWS, or --random and --within"
+        raise click.UsageError(message)
+    about_rows = [*(["--relative"] if relative else ()), *conventions.options, *columns.options]
+    if rows is None and about_rows:
+        message = f"{listed(about_rows, 'and')}: needs ROWS"
+        raise click.UsageError(message)
+    if spec == rows == "-":
+        message = "SPEC and ROWS cannot both be standard input"
+        raise click.UsageError(message)
+    from gspcli.sensing import sensors
+
+    instance = load_instance(spec, changes)
+    chosen = _chosen(names, instance)
+    table = _rows(rows, instance, conventions.form(instance, columns), delta=relative)
+    within = dict(map(_interval, intervals)) or None
+    with working("solving"):
+        result = sensors(
+            instance,
+            None if table is None else table.values,
+            coordinates=None if table is None else table.coordinates,
+            random=count,
+            within=within,
+            seed=seed,
+            sensors=chosen,
+            sigma=dict(map(_deviation, deviations)),
+            need=need,
+            known_side=known_side,
+            up=_vector(up),
+            jobs=jobs,
+        )
+    shown = sensor_table(result, output.format, everything=everything or bool(names))
+    emit(output, shown, document=result.to_json())
+    if missing := int((~result.separations.complete).sum()):
+        message = f"at {counted(missing, 'set')} of {len(result.values)} not all poses are known"
+        raise IncompleteError(message)
+
+
+def _rows(
+    path: str | None, instance: Instance, form: PoseFormat, *, delta: bool
+) -> ValueTable | None:
+    """Return the rows of a file of values or poses."""
+    if path is None:
+        return None
+    from gspcli.motion import read_values
+
+    return read_values(*text_of(path), instance, form, delta=delta)
+
+
+def _chosen(names: tuple[str, ...], instance: Instance) -> list[Sensor] | None:
+    """Return the sensors that are named; None for all."""
+    from gspcli.errors import ArgumentError
+    from gspcli.sensing.notation import parse_sensor
+
+    found = []
+    for name in names:
+        try:
+            found.append(parse_sensor(name, instance))
+        except ArgumentError as error:
+            message = f"--sensor {name!r}, {error}"
+            raise GspError(message) from None
+    return found or None
+
+
+def _numbers(option: str, text: str, parts: list[str], expected: str) -> list[float]:
+    from gspcli.motion.files.number_tables import wrong_number
+
+    if any(map(wrong_number, parts)):
+        message = f"{option}: found {text!r}, expected {expected}"
+        raise GspError(message)
+    return [float(part) for part in parts]
+
+
+def _interval(text: str) -> tuple[int | str, tuple[float, float]]:
+    expected = "NAME=LOW:HIGH with a constraint or a drive, such as 1=480:520 or crank.B1=-20:20"
+    name, _, span = text.partition("=")
+    ends = [part.strip() for part in span.split(":")]
+    name = name.strip()
+    if not (name.isdecimal() or name.startswith(("crank.", "slide."))) or len(ends) != 2:
+        message = f"--within: found {text!r}, expected {expected}"
+        raise GspError(message)
+    low, high = _numbers("--within", text, ends, expected)
+    return int(name) if name.isdecimal() else name, (low, high)
+
+
+def _deviation(text: str) -> tuple[str, float]:
+    expected = f"WHAT=NUMBER with one of {', '.join(_KINDS)}, such as inclinometer=0.02"
+    kind, _, value = text.partition("=")
+    if kind.strip() not in _KINDS:
+        message = f"--sigma: found {text!r}, expected {expected}"
+        raise GspError(message)
+    (number,) = _numbers("--sigma", text, [value.strip()], expected)
+    return kind.strip(), number
+
+
+def _vector(text: str) -> list[float]:
+    parts = [part.strip() for part in text.split(",")]
+    expected = "X,Y,Z, such as 0,0,1"
+    if len(parts) != 3:
+        message = f"--up: found {text!r}, expected {expected}"
+        raise GspError(message)
+    return _numbers("--up", text, parts, expected)
+
+
+#: The origin of the sets of values, in words.
+_DRAWN = {
+    "rows": "of the file",
+    "within": "drawn within the intervals given",
+    "ranges": "drawn in the ranges of SPEC",
+    "poses": "measured at random poses about home (10 % of the size, 15 degrees)",
+    "cranks": "with the cranks turned to random poses about home (10 % of the size, 15 degrees)",
+    "drives": "with the drives moved to random poses about home (10 % of the size, 15 degrees)",
+    "motors": "with each drive moved at random about home (slides 10 % of the size, cranks 15 "
+    "degrees)",
+}
+_NOUNS = {"leg": "leg", "coordinate": "coordinate", "joint": "angle of a joint"}
+#: Differences below this many standard deviations are rounding.
+_ZERO = 1e-6
+
+
+def sensor_table(result: SensorResult, form: str, *, everything: bool) -> Table:
+    """Return the table of the sensors.
+
+    Parameters
+    ----------
+    result
+        Of `gspcli.sensors`.
+    form
+        The format; CSV has the numbers in full.
+    everything
+        Whether each sensor is shown, not only the best of each sort.
+    """
+    units = {"length": result.instance.units.length, "angle": result.instance.units.angle.value}
+    unit_of = {str(sensor): units[sensor.unit] for sensor in result.sensors}
+    rows = result.rows()
+    if form == "csv":
+        return Table([Column(key) for key in rows[0]], rows, summary=_summary(result))
+    if not everything:
+        best = {result.in_group(group)[0]: group for group in result.groups}
+        kept = {str(result.sensors[k]) for k in best}
+        rows = [row for row in rows if row["sensor"] in kept]
+    several = len(result.values) > 1
+    shown = [
+        {
+            **row,
+            "sigma": f"{row['sigma']:.3g} {unit_of[row['sensor']]}",
+            "least": _difference(row["low"] if several else row["least"]),
+            "median": _difference(row["median"]),
+            "pair": None if not row["first"] else f"{row['first']}, {row['second']}",
+            "suffices": _suffices(row, several),
+        }
+        for row in rows
+    ]
+    columns = [
+        Column("sensor", essential=True, fold=" "),
+        Column("sigma", align="right", minor=2),
+        Column("least", "5 % below" if several else "apart by", "right", essential=True),
+        *([Column("median", align="right", minor=1)] if several else []),
+        *([] if several else [Column("pair", "worst pair", minor=1)]),
+        Column("suffices", align="right", essential=True, fold=" "),
+    ]
+    notes = [
+        "in standard deviations of the sensor"
+        + (", of the pair of modes that it tells apart worst" if several else ""),
+        *_notes(result, everything),
+    ]
+    return Table(columns, shown, result.instance.title, notes=notes, summary=_summary(result))
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.3g} %"
+
+
+def _difference(value: float | None) -> float | None:
+    """Return a difference for people; what is only rounding is zero."""
+    if value is None:
+        return None
+    return 0.0 if value < _ZERO else float(f"{value:.3g}")
+
+
+def _suffices(row: dict[str, Any], several: bool) -> str | None:
+    if row["share"] is None:
+        return None
+    if row["blind"]:
+        return "never"
+    if several:
+        return _percent(row["share"])
+    return "yes" if row["share"] == 1 else "no"
+
+
+def _summary(result: SensorResult) -> list[str]:
+    found, told = result.separations, int(result.told.sum())
+    known = found.modes[found.complete]
+    side = " on the known side" if result.known_side else ""
+    if result.drawn == "given":
+        modes = int(known.sum())
+        lines = [f"{counted(modes, 'real mode')}{side}"]
+        if modes < 2:
+            return [f"{lines[0]}: there is nothing to tell apart"]
+    else:
+        ends = (
+            sorted({int(known.min()), int(known.max())}) if len(known) else ["unknown numbers of"]
+        )
+        number = " to ".join(map(str, ends))
+        lines = [
+            f"{counted(len(result.values), 'set')} of values {_DRAWN[result.drawn]}, with {number} "
+            f"real modes{side}; {told} with more than one"
+        ]
+        if not told:
+            return lines
+    lines.append(_answer(result))
+    if result.hopeless.any():
+        lines.append(_fold(result))
+    return lines
+
+
+def _answer(result: SensorResult) -> str:
+    """Say which sensor suffices, or which two."""
+    best = result.best
+    assert best is not None
+    name, share = result.sensors[best], result.shares[best]
+    least = result.separations.least[best, result.told].min()
+    several = result.drawn != "given"
+    if share == 1:
+        return f"one more sensor suffices: {name}, {_apart(least)} at least"
+    where = f"in {_percent(share)} of these sets" if several else f"only {_apart(least)}"
+    text = f"no single sensor suffices; best is {name}, {where}"
+    pair = result.to_json()["pair"]
+    if pair is None:
+        return text
+    both = " and ".join(pair["sensors"])
+    if pair["share"] == 1:
+        return f"{text}; two do: {both}, {_apart(pair['least'])} at least"
+    where = f"in {_percent(pair['share'])}" if several else f"only {_apart(pair['least'])}"
+    return f"{text}; of two {both}, {where}"
+
+
+def _apart(least: float) -> str:
+    return f"{_difference(least):.3g} standard deviations"
+
+
+def _fold(result: SensorResult) -> str:
+    """Say that modes are too close for any sensor."""
+    near = result.closest_json()
+    assert near is not None
+    units = result.instance.units
+    first, second = near["modes"]
+    which = f"modes {first} and {second} are"
+    if result.drawn != "given":
+        sets = counted(near["hopeless"], "set")
+        which = (
+            f"in {sets} two modes are too close; modes {first} and {second} of set {near['set']}"
+        )
+    length, turn = f"{near['translation']:.2g} {units.length}", f"{near['turn']:.2g}"
+    return (
+        f"{which} only {length} and {turn} {units.angle.value} apart: near a fold, where modes "
+        "meet, no sensor suffices"
+    )
+
+
+def _notes(result: SensorResult, everything: bool) -> list[str]:
+    notes = []
+    if blind := int(result.blind.sum()):
+        legs = [s for s, b in zip(result.sensors, result.blind, strict=True) if b]
+        kinds = {"leg": 0, "coordinate": 0, "joint": 0}
+        for sensor in legs:
+            kinds[sensor.kind] += 1
+        parts = [counted(number, _NOUNS[kind]) for kind, number in kinds.items() if number]
+        drives = [getattr(g, "drive", None) for g in result.instance.primitives]
+        sorts = {f"{drive.sort}s" for drive in drives if drive is not None}
+        what = " and ".join(sorted(sorts))
+        planar = "planar" + (f" with the {what} as stated" if sorts else "")
+        notes.append(
+            f"{' and '.join(parts)} never {'suffices' if blind == 1 else 'suffice'}, proved: base "
+            f"and platform are {planar}, and each mode has a mirror image at which they read the "
+            "same"
+        )
+    if not everything:
+        notes += [_group_note(result)]
+    return notes
+
+
+def _group_note(result: SensorResult) -> str:
+    counts = [f"{len(result.in_group(group))} {group}" for group in result.groups]
+    return f"the best of each sort ({', '.join(counts)}): --all-sensors shows each"

@@ -1,0 +1,116 @@
+"""`gsp show`: one type on a page."""
+
+from __future__ import annotations
+
+import click
+
+from gspcli.catalogue.constraints import constraint_facts
+from gspcli.catalogue.known_facts import KnownFacts, show
+from gspcli.catalogue.names import Alias, find_alias, parse_type
+from gspcli.catalogue.realization import Mechanism, mechanism_of_type, realization
+from gspcli.catalogue.types import GspType
+from gspcli.cli.commands.bound import bound_table, constraint_table
+from gspcli.cli.options import is_file, load_instance, output_options
+from gspcli.cli.render import Column, Output, Table, emit
+
+
+@click.command
+@click.argument("names", nargs=-1, required=True, metavar="TYPE")
+@output_options(parts=("constraints", "meanings", "bounds", "chains"))
+def command(names: tuple[str, ...], output: Output) -> None:
+    """Show on one page all that is known of a type.
+
+    The page lists the constraints with their degrees and meaning, the bounds with their reasons,
+    how the type is solved, and a mechanism that realizes it. It also counts the ways in which
+    constraints can share primitives. TYPE is six kinds in any order, a number of the catalogue, or
+    an instance file.
+
+    \b
+    Examples:
+      gsp show 6PP
+      gsp show 421 --format json
+      gsp show 3-3
+      gsp show PL PL LP ALL ALH AHH
+    """
+    single = len(names) == 1 and is_file(names[0])
+    gsp_type = load_instance(names[0]).type if single else parse_type(names)
+    known, built = show(gsp_type), mechanism_of_type(gsp_type)
+    alias = find_alias(" ".join(names))
+    emit(
+        output,
+        [
+            constraint_table(gsp_type.kinds, _title(gsp_type)),
+            _meanings(gsp_type),
+            bound_table(known),
+            _chains(gsp_type, built),
+            _facts(known, alias),
+        ],
+        document=known.to_json(),
+    )
+
+
+def _title(gsp_type: GspType) -> str:
+    return f"{gsp_type.id}  (no. {gsp_type.number}, {gsp_type.platform_class})"
+
+
+def _meanings(gsp_type: GspType) -> Table:
+    rows = [
+        {
+            "kind": kind.name,
+            "count": gsp_type.count(kind),
+            "meaning": constraint_facts(kind).meaning,
+            "equation": constraint_facts(kind).definition.text,
+        }
+        for kind in dict.fromkeys(gsp_type.kinds)
+    ]
+    return Table(
+        columns=[
+            Column("kind", "constraint", essential=True),
+            Column("count", "times", align="right", essential=True),
+            Column("equation", "equation, x_base = R x_platform + T", essential=True, fold=" "),
+            Column("meaning", fold=" "),
+        ],
+        rows=rows,
+        part="meanings",
+    )
+
+
+def _chains(gsp_type: GspType, built: Mechanism) -> Table:
+    rows = [
+        {
+            "kind": kind.name,
+            "chain": realization(kind).chain.drawing,
+            "description": realization(kind).description,
+            "idle": realization(kind).idle_motion,
+        }
+        for kind in dict.fromkeys(gsp_type.kinds)
+    ]
+    return Table(
+        columns=[
+            Column("kind", "constraint", essential=True),
+            Column("chain", essential=True),
+            Column("description", "realized by", fold=" "),
+            Column("idle", "idle motion", fold=" ", minor=1),
+        ],
+        rows=rows,
+        part="chains",
+        notes=[f"mobility: {built.sum_shown}"],
+    )
+
+
+def _facts(known: KnownFacts, alias: Alias | None) -> Table:
+    gsp_type = known.subject
+    mirrored = gsp_type.mirrored
+    notes = [
+        f"solved by: {known.method}",
+        f"base and platform exchanged: {mirrored.id} (no. {mirrored.number})"
+        + (", the same type" if mirrored == gsp_type else ""),
+        f"ways to share primitives among its constraints: {known.sharing_patterns}"
+        f"  (gsp enumerate --coincident {gsp_type.number})",
+        f"an instance to start from: gsp new {gsp_type.number}",
+    ]
+    if alias:
+        notes.insert(0, f"{alias.name}: {alias.meaning}")
+    if alias and alias.pattern:
+        notes.insert(1, f"this pattern of shared joints: {alias.pattern}  (gsp new {alias.name})")
+    return Table(columns=[], rows=[], notes=notes)

@@ -1,0 +1,192 @@
+"""`gsp view`: a platform and its assembly modes to look at."""
+
+from __future__ import annotations
+
+import math
+import sys
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from gspcli.cli.options import DRAWINGS, Changes, load_instance, output_options, value_options
+from gspcli.cli.pose_options import (
+    ColumnOptions,
+    Mode,
+    PoseConventions,
+    chosen,
+    column_options,
+    mode_option,
+    pose_options,
+    text_of,
+)
+from gspcli.cli.render import Output, write
+from gspcli.cli.streams import check_writable, say, working
+from gspcli.errors import GspError
+from gspcli.wording import shown
+
+if TYPE_CHECKING:
+    from gspcli.pictures.projection import View
+    from gspcli.pictures.scene import Scene
+    from gspcli.solver import SolveResult
+
+#: From the zenith, in degrees.
+_UPRIGHT = 90
+_PAGE = "html"
+
+
+@click.command()
+@click.argument("spec", metavar="SPEC")
+@value_options
+@mode_option("what is shown first.  [default: home]")
+@click.option(
+    "--track",
+    "track",
+    metavar="FILE",
+    help="Also show the trajectories in FILE, as gsp track writes them (CSV), or - for "
+    "standard input.",
+)
+@pose_options
+@column_options
+@click.option(
+    "--live",
+    is_flag=True,
+    help="The page solves the platform again while the user moves its values or its pose.",
+)
+@click.option("--open", "opened", is_flag=True, help="Open the page in the browser.")
+@click.option(
+    "--all-modes",
+    is_flag=True,
+    help="All real poses: of a drawing (svg, png, pdf) a panel for each.",
+)
+@click.option(
+    "--from",
+    "seen_from",
+    metavar="AZIMUTH,ELEVATION",
+    help="The direction of view, in degrees.  [default: -62,20]",
+)
+@click.option("--no-names", is_flag=True, help="Omit names and numbers in the picture.")
+@output_options(formats=(_PAGE, *DRAWINGS), default=_PAGE)
+def command(
+    spec: str,
+    changes: Changes,
+    mode: Mode | None,
+    track: str | None,
+    conventions: PoseConventions,
+    columns: ColumnOptions,
+    live: bool,
+    opened: bool,
+    all_modes: bool,
+    seen_from: str | None,
+    no_names: bool,
+    output: Output,
+) -> None:
+    """Show a platform, all its assembly modes and how it moves.
+
+    SPEC is an instance file, - for standard input, or @NAME of an example (`gsp example`). The page
+    is one file that needs neither a network nor gsp. It shows the bodies with their points, lines
+    and planes, the six constraints, every real pose with its numbers, and a slider through the
+    poses or through a trajectory. Without -o it goes to standard output or, on a terminal, to a
+    file in the current folder, named as SPEC. With the suffix svg, png or pdf it is a line drawing
+    for a paper, of one mode or of all (needs matplotlib).
+
+    FILE has poses as `gsp measure` takes them, in CSV. Columns mode, condition and clearance are
+    read if they exist. Rows without a pose are skipped.
+
+    With --live the page has sliders for the six values, or for the motors of cranks and slides, and
+    for the pose. It finds all poses again at each move, and proves each. Beside it is a map of the
+    number of real poses.
+
+    \b
+    Examples:
+      gsp view @example-6.8
+      gsp view @nano-hexapod --live -o nano-hexapod.html
+      gsp view platform.yaml --set 1=5.2 -o platform.html
+      gsp view platform.yaml --mode 3 --from=-40,25 -o figure.pdf
+      gsp track platform.yaml moves.csv --format csv |
+        gsp view platform.yaml --track -
+    """
+    if spec == track == "-":
+        message = "SPEC and --track cannot both be standard input"
+        raise click.UsageError(message)
+    if live and (track is not None or output.format != _PAGE):
+        message = f"--live makes a page ({_PAGE}) of a platform, without --track"
+        raise click.UsageError(message)
+    from gspcli.cli.pose_tables import summary
+    from gspcli.pictures.tracks import read_tracks
+    from gspcli.pictures.whole_views import viewed
+    from gspcli.solver import solve
+
+    view = _view(seen_from)
+    instance = load_instance(spec, changes)
+    form = conventions.form(instance, columns)
+    tracks = read_tracks(*text_of(track), form) if track is not None else []
+    if output.path is None and (opened or sys.stdout.isatty()):
+        path = Path(f"{_stem(spec)}.{output.format}")
+        check_writable(path)
+        output = replace(output, path=path)
+    with working("solving"):
+        result = solve(instance)
+    paged = output.format == _PAGE
+    with working("preparing the picture"):
+        scene, content = viewed(
+            result,
+            output.format,
+            _start(result.drawn, mode) if paged or not all_modes else 0,
+            all_modes=all_modes,
+            view=view,
+            names=not no_names,
+            live=live,
+            tracks=tracks,
+            summary=" ".join(f"{line}." for line in summary(result)) if paged else "",
+            frame=form.frame,
+        )
+    write(output, content)
+    if output.path is not None:
+        _say(output.path, scene, len(content))
+        if opened:
+            click.launch(output.path.resolve().as_uri())
+
+
+def _view(text: str | None) -> View | None:
+    """Return the direction that --from names."""
+    from gspcli.pictures.projection import View
+
+    if text is None:
+        return None
+    try:
+        azimuth, elevation = map(float, text.split(","))
+    except ValueError:
+        azimuth = elevation = math.nan
+    if not (math.isfinite(azimuth) and abs(elevation) <= _UPRIGHT):
+        message = (
+            f"--from: found {shown(text)}, expected two angles in degrees, azimuth,elevation, the "
+            f"second between -{_UPRIGHT} and {_UPRIGHT}"
+        )
+        raise GspError(message)
+    return View(azimuth, elevation)
+
+
+def _stem(spec: str) -> str:
+    """Return the name of a file after a SPEC."""
+    if spec.startswith("@"):
+        return spec[1:]
+    return "platform" if spec == "-" else Path(spec).stem
+
+
+def _start(result: SolveResult, mode: Mode | None) -> int:
+    """Return the index of the mode that is asked for; 0 if there is none to show."""
+    if mode is None and result.home is None:
+        return 0
+    return chosen(mode, result.home, result.counts.real) - 1
+
+
+def _say(path: Path, scene: Scene, size: int) -> None:
+    """Print on standard error where the page is and what it shows."""
+    parts = ", ".join(
+        f"{len(series)} {series.item}{'s' if len(series) != 1 else ''} ({series.title.lower()})"
+        for series in scene.series
+        if len(series)
+    )
+    say(f"{path}: {parts or 'no real pose'}, {size / 1000:.0f} kB")

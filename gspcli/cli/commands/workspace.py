@@ -1,0 +1,764 @@
+"""`gsp workspace`: what a platform can reach."""
+
+from __future__ import annotations
+
+import signal
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from itertools import product
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from gspcli.cli.options import (
+    DRAWINGS,
+    FORMATS,
+    Changes,
+    Finite,
+    Whole,
+    jobs_option,
+    load_instance,
+    output_options,
+    value_options,
+)
+from gspcli.cli.pose_options import (
+    PARAMETERS,
+    GivenPose,
+    Mode,
+    PoseConventions,
+    frame_note,
+    mode_option,
+    one_mode,
+    pose_options,
+    pose_value_option,
+    span_of,
+)
+from gspcli.cli.render import Column, Output, Table, emit, vector_text, write
+from gspcli.cli.streams import progress, say
+from gspcli.errors import GspError, IncompleteError
+from gspcli.geometry.drive_numbers import driven_points, is_driven, shares_drives
+from gspcli.geometry.frames import IDENTITY, PoseFrame
+from gspcli.records import dataclass
+from gspcli.wording import listed, shown
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import ArrayLike, NDArray
+
+    from gspcli.cli.pose_options import GivenPose, Mode
+    from gspcli.geometry.instance import Instance
+    from gspcli.motion import PoseFormat, Travel, Workspace
+
+    Array = NDArray[np.float64]
+
+#: The tolerance without --gap, and where every box is shown.
+_TOLERANCE, _COARSE = 0.01, 0.1
+_MOST_SHOWN = 2_000_000
+
+
+@click.command()
+@click.argument("spec", metavar="SPEC")
+@mode_option("where to begin.  [default: home]")
+@pose_value_option("home, instead of a mode of SPEC")
+@click.option(
+    "--orientation",
+    metavar="NUMBERS",
+    help="Positions at this orientation: qw,qx,qy,qz, or rx,ry,rz with --euler.",
+)
+@click.option("--position", metavar="X,Y,Z", help="Orientations at this position.")
+@click.option("--over", metavar="NAMES", help="Let some of x,y,z,rx,ry,rz vary, the others stay.")
+@click.option(
+    "--within",
+    "intervals",
+    metavar="NAME=LOW:HIGH",
+    multiple=True,
+    help="Keep NAME in this interval: only poses there are considered; may be repeated.",
+)
+@click.option(
+    "--shift",
+    "held",
+    metavar="NAME=VALUE",
+    multiple=True,
+    help="Travel with NAME moved by VALUE from home, or by LOW:HIGH:COUNT; may be repeated.",
+)
+@click.option(
+    "--connected/--all-parts",
+    default=None,
+    help="Count only poses that can be reached from home without a singular pose, or all poses.  "
+    "[default: connected "
+    "if SPEC states home]",
+)
+@click.option(
+    "--leg-gap",
+    type=Finite(),
+    metavar="D",
+    help="Legs must be D apart at every pose, proved; SPEC states their diameters.",
+)
+@click.option(
+    "--gap",
+    type=Finite(0, 1, min_open=True, max_open=True),
+    metavar="R",
+    help=f"The largest relative difference of the bounds of the volume.  [default: {_TOLERANCE}, "
+    f"for boxes and pictures of three or more parameters {_COARSE}]",
+)
+@click.option(
+    "--most-boxes",
+    type=Whole(1),
+    default=100_000_000,
+    show_default=True,
+    metavar="N",
+    help="Judge at most about this many boxes.",
+)
+@click.option("--boxes", "listed", is_flag=True, help="Write the boxes instead of the volume.")
+@value_options
+@pose_options
+@jobs_option
+@output_options(formats=(*FORMATS, *DRAWINGS))
+def command(
+    spec: str,
+    changes: Changes,
+    mode: Mode | None,
+    pose: GivenPose | None,
+    orientation: str | None,
+    position: str | None,
+    over: str | None,
+    intervals: tuple[str, ...],
+    held: tuple[str, ...],
+    connected: bool | None,
+    leg_gap: float | None,
+    gap: float | None,
+    most_boxes: int,
+    listed: bool,
+    conventions: PoseConventions,
+    jobs: int,
+    output: Output,
+) -> None:
+    """Show what a platform can reach: travel of each axis, positions, orientations.
+
+    A pose can be reached if each value is in its range, and each leg in the cones that SPEC
+    states. With --leg-gap no two legs may be nearer than that, nor a leg and a body.
+
+    Without --over, --orientation or --position the travel of each axis is shown: how far it
+    goes down and up from home while the other axes stay, and which limits stop it. All digits
+    are proved. x, y, z are the position of the pivot; rx, ry, rz are turns about axes through
+    it that are parallel to those of the base.
+
+    Three options give volumes. --orientation gives the volume of the positions x, y, z at one
+    orientation. --position gives the share of all rotations that can be reached at one position;
+    rx, ry, rz vary from home, in the order of --euler or ZYX. --over gives the volume over any of
+    these six. A volume lies between two proved bounds: every pose in the boxes of the lower bound
+    can be reached, and no pose outside the boxes of the upper bound can. CSV with --boxes lists the
+    boxes with the pose in the middle of each, for `gsp view --track`. A picture shows them over two
+    parameters, or in slices.
+
+    Home is the pose of --pose or --mode; by default it is the home mode of SPEC, which `gsp
+    solve` marks. If SPEC states a home, only poses that are connected with it are counted. If
+    not, mirror images are counted, too, and the other modes in the set are named. The exit code
+    is 4 if the bounds differ by more than --gap.
+
+    \b
+    Examples:
+      gsp workspace @workspace-study
+      gsp workspace platform.yaml --shift z=-20:20:5 --format csv
+      gsp workspace platform.yaml --orientation 1,0,0,0 --all-parts
+      gsp workspace platform.yaml --position 0,0,80 --gap 0.05
+      gsp workspace platform.yaml --over x,z -o section.svg
+      gsp workspace thick.yaml --over x,z --leg-gap 2
+    """
+    _one_home(mode, pose)
+    free = _free(over, orientation, position)
+    _check(free, intervals, held, listed, output)
+    instance = load_instance(spec, changes)
+    form = conventions.form(instance)
+    only = instance.home is not None if connected is None else connected
+    home = home_pose(
+        instance, form, mode=mode, pose=pose, orientation=orientation, position=position,
+        needed=is_driven(instance) or free is None or only or orientation is None
+        or set(free) != set("xyz"),
+    )  # fmt: skip
+    sequence = form.euler or "ZYX"
+    moving = _moving(instance, conventions, form)
+    knees = _knees(instance, moving, home)
+    if free is None:
+        show_travels(moving, home, sequence, held, output, connected=only, knees=knees, gap=leg_gap)
+        return
+    only = only and (connected is not None or _keeps_limits(moving, home, knees, leg_gap))
+    wanted = gap or _default_gap(free, listed, output)
+    from gspcli.motion.workspace.box_division import workspace
+
+    with _interruptible() as interrupted:
+        found = workspace(
+            moving, home.R, home.T, free=free, pivot=home.pivot, sequence=sequence,
+            within=dict(map(_interval, intervals)), connected=only, knees=knees, gap=leg_gap,
+            tolerance=wanted, most_boxes=most_boxes, jobs=jobs, progress=progress, stop=interrupted,
+        )  # fmt: skip
+    _show(found, home, instance, listed, output)
+    if interrupted():
+        raise KeyboardInterrupt
+    _refuse_wide_bounds(found, wanted)
+
+
+def _moving(instance: Instance, conventions: PoseConventions, form: PoseFormat) -> Instance:
+    """Return the platform in the frames in which its poses are expressed."""
+    if form.frame.is_identity:
+        return instance
+    from gspcli.geometry.expressed_instances import expressed_instance
+
+    return expressed_instance(
+        instance, pivot=form.pivot, relative=conventions.relative_to is not None
+    )
+
+
+def _default_gap(free: tuple[str, ...], listed: bool, output: Output) -> float:
+    coarse = (listed or output.format in DRAWINGS) and len(free) >= 3
+    return _COARSE if coarse else _TOLERANCE
+
+
+def _knees(instance: Instance, moving: Instance, home: Home) -> ArrayLike | None:
+    """Return the knees of cranks and slides: of the stated home, or of the one asked for."""
+    if not is_driven(instance):
+        return None
+    from gspcli.motion.workspace.driven_boxes import knees_of
+
+    if instance.home is not None:
+        return knees_of(instance)
+    return knees_of(moving, home.R, home.T)
+
+
+def _one_home(mode: object, pose: object) -> None:
+    if mode is not None and pose is not None:
+        message = "give either --mode or --pose"
+        raise click.UsageError(message)
+
+
+def _keeps_limits(
+    instance: Instance, home: Home, knees: ArrayLike | None, gap: float | None
+) -> bool:
+    """Return whether home keeps the limits; if not, print which it leaves."""
+    from gspcli.motion.workspace.travels import too_near, violations
+
+    left = violations(instance, home.R, home.T, knees)
+    left += [] if gap is None else too_near(instance, home.R, home.T, gap)
+    if left:
+        say(f"home, moved as asked, leaves its limits ({left[0]}): all parts are counted")
+    return not left
+
+
+@contextmanager
+def _interruptible() -> Iterator[Callable[[], bool]]:
+    """Note Ctrl-C instead of stopping at once, so that the result so far is shown."""
+    seen = []
+    try:
+        before = signal.signal(signal.SIGINT, lambda *_: seen.append(True))
+    except ValueError:  # not the main thread
+        yield lambda: False
+        return
+    try:
+        yield lambda: bool(seen)
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+def _free(
+    over: str | None, orientation: str | None, position: str | None
+) -> tuple[str, ...] | None:
+    """Return which parameters vary; None for the travels."""
+    if over is not None:
+        names = tuple(name.strip() for name in over.split(","))
+        if len(set(names)) < len(names) or not set(names) <= set(PARAMETERS):
+            message = (
+                f"--over: found {shown(over)}, expected one or more of {', '.join(PARAMETERS)}"
+            )
+            raise GspError(message)
+        return names
+    if orientation is not None and position is not None:
+        message = "with both --orientation and --position give --over, too"
+        raise click.UsageError(message)
+    if orientation is not None:
+        return ("x", "y", "z")
+    return ("rx", "ry", "rz") if position is not None else None
+
+
+def _check(
+    free: tuple[str, ...] | None,
+    intervals: tuple[str, ...],
+    held: tuple[str, ...],
+    listed: bool,
+    output: Output,
+) -> None:
+    """Raise for options that cannot be combined."""
+    message = ""
+    if free is None and (intervals or listed or output.format in DRAWINGS):
+        message = "boxes and pictures need --orientation, --position or --over"
+    elif free is not None and held:
+        message = "--shift is for the travel of axes: leave out --over and the like, or use --pose"
+    elif free is not None and len(free) not in (2, 3) and output.format in DRAWINGS:
+        message = "a picture needs two or three parameters"
+    if message:
+        raise click.UsageError(message)
+
+
+def _refuse_wide_bounds(found: Workspace, wanted: float) -> None:
+    if found.gap > wanted:
+        message = (
+            f"the bounds of the volume differ by {found.gap:.3g}, relatively, after "
+            f"{found.judged} boxes: more than --gap {wanted:g}"
+        )
+        raise IncompleteError(message)
+
+
+def _interval(text: str) -> tuple[str, tuple[float, float]]:
+    name, low, high, count = span_of("within", text)
+    if count is not None:
+        message = f"--within: found {shown(text)}, expected NAME=LOW:HIGH, such as z=60:140"
+        raise GspError(message)
+    return name, (low, high)
+
+
+def _show(found: Workspace, home: Home, instance: Instance, listed: bool, output: Output) -> None:
+    if output.format in DRAWINGS:
+        from gspcli.pictures.slices import workspace_slices
+
+        write(output, workspace_slices(found, output.format))
+        return
+    count = len(found.inner_keys) + len(found.open_keys)
+    if listed and count > _MOST_SHOWN:
+        message = f"found {count} boxes, expected at most {_MOST_SHOWN}: try a larger --gap"
+        raise GspError(message)
+    boxes = box_rows(found) if listed else []
+    document = None
+    if output.format == "json":
+        document = workspace_document(found, home, instance, boxes if listed else None)
+    table = box_table(found, boxes) if listed else volume_table(found, home, instance)
+    emit(output, table, document=document)
+
+
+_POSE = ("x", "y", "z", "qw", "qx", "qy", "qz")
+
+
+def workspace_document(
+    found: Workspace, home: Home, instance: Instance, boxes: list[dict[str, Any]] | None
+) -> dict[str, Any]:
+    """Return a workspace of an instance for JSON, with its boxes if they are asked for."""
+    heading = home.document(
+        instance, found.boxes.sequence, connected=found.connected, gap=found.boxes.gap
+    )
+    document = {
+        **heading,
+        "travel": None,
+        **found.to_json(),
+        "modes_inside": modes_inside(found, home, instance),
+    }
+    if boxes is not None:
+        document["boxes"] = [
+            {
+                "status": row["status"],
+                **_own_pose(row, home),
+                "box": {name: [row[f"{name}_low"], row[f"{name}_high"]] for name in found.free},
+            }
+            for row in boxes
+        ]
+    return document
+
+
+def _own_pose(row: dict[str, Any], home: Home) -> dict[str, list[float]]:
+    """Return the pose of the platform itself in the middle of a box."""
+    position, quaternion = ([row[key] for key in keys] for keys in (_POSE[:3], _POSE[3:]))
+    if not home.frame.is_identity:
+        import numpy as np
+
+        from gspcli.geometry.quaternions import quaternion_from_rotation, rotation_from_quaternion
+
+        R, T = home.frame.to_platform(rotation_from_quaternion(np.array(quaternion)), position)
+        position, quaternion = T.tolist(), quaternion_from_rotation(R).tolist()
+    return {"T": position, "quaternion": quaternion}
+
+
+def modes_inside(found: Workspace, home: Home, instance: Instance) -> list[int]:
+    """Return the numbers of the modes of SPEC that are in the set, if all its parts are counted.
+
+    Of two of them one is the mirror image of the other, for instance.
+    """
+    from gspcli.cli.pose_options import real_poses
+
+    if found.connected:
+        return []
+    try:
+        R, T = home.frame.from_platform(*real_poses(instance))
+    except GspError:
+        # Modes without numbers are not named.
+        return []
+    return [k + 1 for k, judged in enumerate(found.judged_poses(R, T).tolist()) if judged >= 0]
+
+
+def _parts_note(found: Workspace, home: Home, instance: Instance) -> list[str]:
+    if found.connected:
+        return [
+            "connected with home; not counted: what lies beyond singular poses, such as a mirror "
+            "image (--all-parts)"
+        ]
+    inside = modes_inside(found, home, instance)
+    if len(inside) < 2:
+        return []
+    names = listed([str(number) for number in inside], "and")
+    return [
+        f"all parts are counted: modes {names} are in them, as a mode and its mirror image "
+        "(--connected counts one part)"
+    ]
+
+
+def volume_table(found: Workspace, home: Home, instance: Instance) -> Table:
+    """Return the extents over each parameter, and the volume above them."""
+    low, high = found.volume
+    count = len(found.inner_keys)
+    verb = "can be reached without a singular pose" if found.connected else "can be reached"
+    summary = [
+        f"between {low:.6g} and {high:.6g} {found.measure} {verb} ({100 * found.gap:.2g} % apart)"
+    ]
+    notes = [
+        f"home: {home.text}",
+        f"proved: {count} boxes inside, {len(found.open_keys)} between, {found.judged} judged; the "
+        "set ends between least and lowest and between highest and most",
+        *_parts_note(found, home, instance),
+        *frame_note(home.frame),
+    ]
+    columns = [
+        Column("name", essential=True),
+        *(
+            Column(key, align="right", essential=True)
+            for key in ("least", "lowest", "highest", "most")
+        ),
+    ]
+    if found.boxes.gap is not None:
+        notes.append(
+            f"legs and bodies are at least {found.boxes.gap:g} {instance.units.length} apart"
+        )
+    return Table(columns, found.rows(), title=found.instance.title, notes=notes, summary=summary)
+
+
+def box_rows(found: Workspace) -> list[dict[str, Any]]:
+    """Return the boxes with the pose in the middle of each, inner ones first."""
+    import numpy as np
+
+    from gspcli.geometry.quaternions import quaternion_from_rotation
+
+    corners = np.concatenate((found.inner, found.open))
+    parameters = np.tile(found.boxes.home, (len(corners), 1))
+    for k, name in enumerate(found.free):
+        parameters[:, PARAMETERS.index(name)] = corners[:, k].mean(axis=1) * found.units[k]
+    R, T = found.boxes.poses(parameters)
+    poses = np.concatenate((T, quaternion_from_rotation(R)), axis=1).tolist()
+    keys = [f"{name}_{end}" for name in found.free for end in ("low", "high")]
+    flat = corners.reshape(len(corners), -1).tolist()
+    count = len(found.inner)
+    return [
+        {
+            "status": "inside" if k < count else "open",
+            **dict(zip(_POSE, pose, strict=True)),
+            **dict(zip(keys, ends, strict=True)),
+        }
+        for k, (pose, ends) in enumerate(zip(poses, flat, strict=True))
+    ]
+
+
+def box_table(found: Workspace, rows: list[dict[str, Any]]) -> Table:
+    """Return the table of boxes."""
+    keys = [f"{name}_{end}" for name in found.free for end in ("low", "high")]
+    columns = [Column("status", essential=True)]
+    columns += [Column(key, align="right") for key in _POSE]
+    columns += [Column(key, align="right", essential=True) for key in keys]
+    return Table(columns, rows, title=found.instance.title)
+
+
+_MOST_HELD = 1000
+
+
+def _offsets(held: tuple[str, ...]) -> list[dict[str, float]]:
+    """Return by how much parameters are moved from home, all combinations."""
+    import numpy as np
+
+    from gspcli.motion.files.number_tables import wrong_number
+
+    choices: dict[str, list[float]] = {}
+    for text in held:
+        name, equals, value = text.replace(" ", "").partition("=")
+        if equals and name in PARAMETERS and not wrong_number(value):
+            values = [float(value)]
+        else:
+            name, low, high, count = span_of("shift", text)
+            if count is None or count < 1:
+                message = (
+                    f"--shift: found {shown(text)}, expected NAME=VALUE or NAME=LOW:HIGH:COUNT"
+                )
+                raise GspError(message)
+            if count > _MOST_HELD:
+                message = f"--shift: found {count} values, expected at most {_MOST_HELD}"
+                raise GspError(message)
+            values = np.linspace(low, high, count).tolist()
+        choices.setdefault(name, []).extend(values)
+    found = [dict(zip(choices, row, strict=True)) for row in product(*choices.values())]
+    if len(found) > _MOST_HELD:
+        message = f"--shift: found {len(found)} combinations, expected at most {_MOST_HELD}"
+        raise GspError(message)
+    return found
+
+
+def show_travels(
+    instance: Instance,
+    home: Home,
+    sequence: str,
+    held: tuple[str, ...],
+    output: Output,
+    *,
+    connected: bool,
+    knees: ArrayLike | None = None,
+    gap: float | None = None,
+) -> None:
+    """Show how far each axis travels from home.
+
+    Parameters
+    ----------
+    instance, home, sequence
+        The platform, where it starts and the order of the turns.
+    held
+        What is moved first, as ``--shift`` has it.
+    output
+        Where to.
+    connected
+        Whether singular poses end a travel, too.
+    knees
+        The knees of cranks and slides, as `gspcli.motion.workspace.travels.travels` has them.
+    gap
+        How far legs and bodies must be apart; None if that is not checked.
+    """
+    offsets = _offsets(held)
+    names = list(offsets[0])
+    rows: list[dict[str, Any]] = []
+    for offset in progress(offsets, total=len(offsets), label="travels"):
+        rows += _offset_rows(
+            instance, home, sequence, offset, connected=connected, knees=knees, gap=gap
+        )
+    units = instance.units
+    columns = [
+        *(Column(f"held_{name}", f"{name} held", "right", True) for name in names),
+        Column("axis", essential=True),
+        # Lengths and angles differ in size: with the decimals that suit the larger, the smaller
+        # would be lost.
+        *(Column(key, align="right", essential=True) for key in ("down", "up", "total")),
+        Column("down_stops", "stops down", fold=", "),
+        Column("up_stops", "stops up", fold=", "),
+    ]
+    if output.format == "csv":
+        columns[-2:-2] = [Column("down_end"), Column("up_end")]
+    apart = "" if gap is None else f", legs are {gap:g} {units.length} apart"
+    what = f"all limits are kept{apart}" + (" and no pose is singular" if connected else "")
+    notes = [
+        f"from home: {home.text}",
+        f"x, y, z in {units.length}, rx, ry, rz in {units.angle.value}; proved: up to there {what}",
+    ]
+    notes += frame_note(home.frame)
+    notes += _free_values(instance)
+    if shares_drives(instance):
+        notes.append("rods share drives: what the platform reaches when it turns is not computed")
+    if any(row["down"] is None for row in rows):
+        notes.append("without numbers: the pose from which an axis would travel leaves the limits")
+    prefix = "held_"
+    travel = [
+        {
+            "held": {name: row[prefix + name] for name in names},
+            **{key: value for key, value in row.items() if not key.startswith(prefix)},
+        }
+        for row in rows
+    ]
+    document = {
+        **home.document(instance, sequence, connected=connected, gap=gap),
+        "travel": travel,
+        "volume": None,
+    }
+    emit(output, Table(columns, rows, title=instance.title, notes=notes), document=document)
+
+
+def _free_values(instance: Instance) -> list[str]:
+    """Return which values neither a motor nor a range holds, of a machine with motors."""
+    free = [
+        str(k)
+        for k, row in enumerate(instance.constraints, 1)
+        if row.limits is None and not driven_points(row)
+    ]
+    if not free or not is_driven(instance):
+        return []
+    return [f"values that may change on the way, without a range: {listed(free, 'and')}"]
+
+
+def _offset_rows(
+    instance: Instance,
+    home: Home,
+    sequence: str,
+    offset: dict[str, float],
+    *,
+    connected: bool,
+    knees: ArrayLike | None,
+    gap: float | None,
+) -> list[dict[str, Any]]:
+    """Return a row for each axis that is free, without numbers if the moved pose is refused."""
+    from gspcli.errors import ArgumentError
+    from gspcli.motion.workspace.travels import moved, travels
+
+    R, T = moved(
+        home.R,
+        home.T,
+        offset,
+        pivot=home.pivot,
+        sequence=sequence,
+        in_radians=instance.units.angle.in_radians,
+    )
+    # Rods that share a carriage stay parallel when the platform moves, not when it turns.
+    known = PARAMETERS[:3] if shares_drives(instance) else PARAMETERS
+    axes = [name for name in known if name not in offset]
+    try:
+        found: list[Travel | None] = list(
+            travels(
+                instance, R, T, axes=axes, pivot=home.pivot, sequence=sequence,
+                connected=connected, knees=knees, gap=gap,
+            )
+        )  # fmt: skip
+    except ArgumentError:
+        if not offset:
+            raise
+        found = [None] * len(axes)
+    held = {f"held_{name}": value for name, value in offset.items()}
+    return [held | _travel_row(axis, travel) for axis, travel in zip(axes, found, strict=True)]
+
+
+def _travel_row(axis: str, travel: Travel | None) -> dict[str, Any]:
+    row: dict[str, Any] = {"axis": axis}
+    if travel is None:
+        keys = ("down", "up", "total", "down_end", "up_end", "down_stops", "up_stops")
+        return row | dict.fromkeys(keys)
+    down, up = (value + 0.0 for value in travel.reached)
+    ends = [value if abs(value) < float("inf") else None for value in travel.ends]
+    stops = [_grouped(names) for names in travel.stops]
+    return row | {
+        "down": down, "up": up, "total": up - down, "down_end": ends[0], "up_end": ends[1],
+        "down_stops": stops[0], "up_stops": stops[1],
+    }  # fmt: skip
+
+
+def _grouped(names: tuple[str, ...]) -> str:
+    """Return limits in words, those of one sort together: range 1 2, range crank B1 B2."""
+    found: dict[str, list[str]] = {}
+    for name in names:
+        sort, _, which = name.partition(" of ")
+        if which.startswith(("crank ", "slide ")):
+            motor, which = which.split(" ", 1)
+            sort = f"{sort} {motor}"
+        found.setdefault(sort, []).append(which)
+    return ", ".join(" ".join((sort, *which)).strip() for sort, which in found.items())
+
+
+@dataclass(frozen=True, eq=False)
+class Home:
+    """A pose to start from.
+
+    Attributes
+    ----------
+    R, T
+        The pose, shapes (3, 3) and (3,).
+    pivot
+        The point of the platform whose position counts, in its frame.
+    size
+        The typical length of the instance, next to which rounding errors are zero.
+    mode
+        Its number as a mode of the instance, or None.
+    placed
+        Whether its position is given.
+    frame
+        The frame in which R and T are expressed; those of the platform itself without one.
+    """
+
+    R: Array
+    T: Array
+    pivot: tuple[float, float, float]
+    size: float
+    mode: int | None = None
+    placed: bool = True
+    frame: PoseFrame = IDENTITY
+
+    def document(
+        self, instance: Instance, sequence: str, *, connected: bool, gap: float | None
+    ) -> dict[str, Any]:
+        """Return what every document of `gsp workspace` begins with."""
+        R, T = self.frame.to_platform(self.R, self.T)
+        expressed = {} if self.frame.is_identity else {"frames": self.frame.to_json()}
+        return {
+            "schema": "gsp.workspace/1",
+            **instance.to_json(),
+            "home": {"mode": self.mode, "R": R.tolist(), "T": T.tolist()},
+            **expressed,
+            "pivot": list(self.pivot),
+            "sequence": sequence,
+            "connected": connected,
+            "leg_gap": gap,
+        }
+
+    @property
+    def text(self) -> str:
+        """The pose in a few words."""
+        from gspcli.geometry.quaternions import quaternion_from_rotation
+
+        at = self.T + self.R @ self.pivot
+        position, rotation = (
+            vector_text(part.tolist(), size=size)
+            for part, size in ((at, self.size), (quaternion_from_rotation(self.R), 1.0))
+        )
+        if not self.placed:
+            return f"quaternion ({rotation})"
+        name = "" if self.mode is None else f"mode {self.mode}, "
+        return f"{name}position ({position}), quaternion ({rotation})"
+
+
+def home_pose(
+    instance: Instance,
+    form: PoseFormat,
+    *,
+    mode: Mode | None,
+    pose: GivenPose | None,
+    orientation: str | None,
+    position: str | None,
+    needed: bool,
+) -> Home:
+    """Return the home pose; without a position if none is needed.
+
+    It is expressed in the frame of `form`, if that has one: then with the pivot as its origin.
+    """
+    import numpy as np
+
+    from gspcli.geometry.arrangement import Arrangement
+    from gspcli.motion import read_pose
+
+    size, frame = Arrangement.of(instance).length, IDENTITY
+    if not form.frame.is_identity:
+        frame = form.pivot_frame
+        form = replace(form, pivot=(0.0, 0.0, 0.0), frame=IDENTITY)
+    if pose is not None:
+        home = Home(*pose.read(form), form.pivot, size, frame=frame)
+    elif mode is None and (not needed or (orientation is not None and position is not None)):
+        home = Home(np.eye(3), np.zeros(3), form.pivot, size, placed=needed, frame=frame)
+    else:
+        number, R, T = one_mode(instance, mode)
+        home = Home(*frame.from_platform(R[0], T[0]), form.pivot, size, number, frame=frame)
+    at = home.T + home.R @ form.pivot
+    if orientation is not None:
+        count = 3 if form.euler else 4
+        if len(orientation.split(",")) != count:
+            what = "rx,ry,rz" if form.euler else "qw,qx,qy,qz, or rx,ry,rz with --euler"
+            message = f"--orientation: found {shown(orientation)}, expected {what}"
+            raise GspError(message)
+        R = read_pose(f"0,0,0,{orientation}", form, "--orientation").R[0]
+        home = replace(home, R=R, T=at - R @ form.pivot, mode=None)
+    if position is not None:
+        at = read_pose(f"{position},1,0,0,0", replace(form, euler=None), "--position").T[0]
+        at = at + np.asarray(form.pivot)
+        home = replace(home, T=at - home.R @ form.pivot, mode=None)
+    return home

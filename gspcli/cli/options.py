@@ -1,0 +1,526 @@
+"""The options ``--format`` and ``-o``: the format of a result, and its file."""
+
+from __future__ import annotations
+
+import functools
+import math
+import os
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import click
+
+from gspcli.catalogue.names import parse_name
+from gspcli.catalogue.types import Family, GspType
+from gspcli.cli.render import Output
+from gspcli.cli.streams import check_writable, say
+from gspcli.defaults import SEED
+from gspcli.errors import GspError, Mistake, SpecError, TypeNameError
+from gspcli.records import dataclass
+from gspcli.resources import instance_files, shipped_file
+from gspcli.wording import brief, named, nearest, shortened, shown
+
+if TYPE_CHECKING:
+    from gspcli.geometry.instance import Instance
+
+FORMATS = ("table", "csv", "json", "markdown", "latex")
+#: Formats of pictures on paper.
+DRAWINGS = ("svg", "png", "pdf")
+_SUFFIXES = {
+    ".csv": "csv",
+    ".json": "json",
+    ".jsonl": "jsonl",
+    ".md": "markdown",
+    ".tex": "latex",
+    ".txt": "table",
+    ".svg": "svg",
+    ".png": "png",
+    ".pdf": "pdf",
+    ".html": "html",
+    ".yaml": "yaml",
+}
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+
+def _keys_option(function: Function) -> Function:
+    """Add ``--keys``, which prints what the keys of JSON and the columns of CSV mean."""
+
+    def show(context: click.Context, _: click.Parameter, wanted: bool) -> None:
+        if wanted:
+            from gspcli.cli.render import meanings, text_of_tables
+            from gspcli.cli.render import show as show_tables
+
+            tables = list(meanings(" ".join(context.command_path.split()[1:])))
+            if sys.stdout.isatty():
+                show_tables(tables)
+            else:
+                sys.stdout.write(text_of_tables(tables))
+            context.exit()
+
+    return click.option(
+        "--keys",
+        is_flag=True,
+        is_eager=True,
+        expose_value=False,
+        callback=show,
+        help="Print what the keys of JSON and the columns of CSV mean, and nothing else.",
+    )(function)
+
+
+#: The help of `-o`, the same in all commands.
+_FILE_HELP = "Write to FILE, replacing it"
+
+
+def file_option(suffix: str) -> Callable[[Function], Function]:
+    """Return ``-o`` of a command that writes one format; the command gets ``output: Output``.
+
+    Parameters
+    ----------
+    suffix
+        The format.
+    """
+
+    def resolve(context: click.Context, parameter: click.Parameter, value: str | None) -> None:
+        del parameter
+        path = None if value in (None, "-") else Path(str(value))
+        if path is not None:
+            check_writable(path)
+        context.params["output"] = Output(suffix, path)
+
+    return click.option(
+        "-o",
+        "--output",
+        "output_file_",
+        metavar="FILE",
+        expose_value=False,
+        callback=resolve,
+        help=f"{_FILE_HELP}.",
+    )
+
+
+def output_options(
+    formats: Sequence[str] = FORMATS, default: str = "table", parts: Sequence[str] = ()
+) -> Callable[[Function], Function]:
+    """Return a decorator that adds ``--format`` and ``-o``; the command gets ``output: Output``.
+
+    Parameters
+    ----------
+    formats
+        What the command can write.
+    default
+        The format without ``--format`` and ``-o``.
+    parts
+        Names of its tables if there are several: ``--part`` chooses one.
+    """
+
+    def decorate(function: Function) -> Function:
+        def resolve(context: click.Context, _: click.Parameter, value: str | None) -> str | None:
+            path = value
+            if path == "-":
+                path = None
+            chosen = context.params.pop("format_", None)
+            if chosen is None and path is not None:
+                chosen = _SUFFIXES.get(Path(path).suffix.lower())
+                if chosen not in formats:
+                    known = ", ".join(s for s, name in _SUFFIXES.items() if name in formats)
+                    message = f"no format known from {shown(path)}: use --format, or one of {known}"
+                    raise click.BadParameter(message)
+            if path is not None:
+                check_writable(Path(path))
+            if chosen in DRAWINGS:
+                from gspcli.pictures.figures import require_matplotlib
+
+                require_matplotlib()
+            part = context.params.pop("part_", None)
+            context.params["output"] = Output(chosen or default, Path(path) if path else None, part)
+            return None
+
+        function = click.option(
+            "-o",
+            "--output",
+            "output_file_",
+            metavar="FILE",
+            expose_value=False,
+            callback=resolve,
+            help=f"{_FILE_HELP}; its suffix gives the format.",
+        )(function)
+        if parts:
+            function = click.option(
+                "--part",
+                "part_",
+                type=click.Choice(list(parts)),
+                is_eager=True,
+                help="Show one table only; CSV holds no more than one.",
+            )(function)
+        if "json" in formats:
+            function = _keys_option(function)
+        return click.option(
+            "--format",
+            "format_",
+            type=click.Choice(list(formats)),
+            is_eager=True,
+            help=f"Output format.  [default: {default}, or by the suffix of -o]",
+        )(function)
+
+    return decorate
+
+
+#: The upper limit of counts: a larger one would exceed the memory, or take years.
+_MOST = 10**9
+#: Processes or threads.
+MOST_JOBS = 1000
+_LARGEST_SEED = 2**63 - 1
+
+
+class Whole(click.IntRange):
+    """A whole number with a lower limit. The help does not show the upper limit."""
+
+    def __init__(self, least: int, most: int = _MOST) -> None:
+        super().__init__(least)
+        self._most = most
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Return the number, or fail."""
+        number = super().convert(value, param, ctx)
+        if number > self._most:
+            self.fail(f"{shortened(str(value))} is not at most {self._most}.", param, ctx)
+        return number
+
+
+class Seed(Whole):
+    """A seed of random numbers."""
+
+    def __init__(self) -> None:
+        super().__init__(0, _LARGEST_SEED)
+
+
+class Finite(click.FloatRange):
+    """A finite number: every option that is a number has this type, or one derived from it."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Return the number, or fail."""
+        number = super().convert(value, param, ctx)
+        if not math.isfinite(number):
+            self.fail(f"{shortened(str(value))} is not a finite number.", param, ctx)
+        return number
+
+
+class Positive(Finite):
+    """A number above zero that is finite."""
+
+    def __init__(self) -> None:
+        super().__init__(0, min_open=True)
+
+
+def seed_option(more: str = "") -> Callable[[Function], Function]:
+    """Return the option `--seed`; the command gets ``seed: int``.
+
+    Parameters
+    ----------
+    more
+        What its help says besides.
+    """
+    return click.option(
+        "--seed",
+        type=Seed(),
+        default=SEED,
+        show_default=True,
+        metavar="N",
+        help=f"Seed of random choices{more}.",
+    )
+
+
+def decimals_option(
+    default: int | None, least: int, most: int, more: str
+) -> Callable[[Function], Function]:
+    """Return the option `--decimals`; the command gets ``decimals: int`` or None.
+
+    Parameters
+    ----------
+    default, least, most
+        How many without the option, and how few and many there may be.
+    more
+        What its help says besides.
+    """
+    return click.option(
+        "--decimals",
+        type=Whole(least, most),
+        default=default,
+        show_default=default is not None,
+        metavar="N",
+        help=f"Write numbers with N decimals{more}.",
+    )
+
+
+#: `--one-sided`; the command gets ``one_sided: bool``.
+one_sided_option = click.option(
+    "--one-sided", is_flag=True, help="Choose one side of each PH and HP distance, not both."
+)
+
+
+_YAML = (".yaml", ".yml")
+
+
+#: The first character of the name of a shipped instance file where a SPEC is expected.
+_SHIPPED = "@"
+
+
+@dataclass(frozen=True)
+class Changes:
+    """Changes of the values of an instance, as texts ``I=V``.
+
+    Attributes
+    ----------
+    values
+        New values.
+    differences
+        Numbers that are added to the values.
+    """
+
+    values: tuple[str, ...] = ()
+    differences: tuple[str, ...] = ()
+
+    def of(self, instance: Instance) -> Instance:
+        """Return the instance with these changes.
+
+        Raises
+        ------
+        SpecError
+            With all mistakes in the texts.
+        """
+        if not self.values and not self.differences:
+            return instance
+        from gspcli.spec import set_values
+
+        return set_values(set_values(instance, self.values), self.differences, delta=True)
+
+
+def value_options(function: Function) -> Function:
+    """Add the two options; the command gets ``changes: Changes``."""
+
+    @click.option(
+        "--set",
+        "settings",
+        metavar="I=V",
+        multiple=True,
+        help="Give constraint I (from 1) the value V; may be repeated.",
+    )
+    @click.option(
+        "--delta",
+        "differences",
+        metavar="I=V",
+        multiple=True,
+        help="Add V to the value of constraint I; may be repeated.",
+    )
+    @functools.wraps(function)
+    def command(*, settings: tuple[str, ...], differences: tuple[str, ...], **others: Any) -> Any:
+        return function(changes=Changes(settings, differences), **others)
+
+    return command  # type: ignore[return-value]
+
+
+def is_file(word: str) -> bool:
+    """Return whether a word on the command line means an instance file, shipped or not."""
+    return word == "-" or word.startswith(_SHIPPED) or word.lower().endswith(_YAML)
+
+
+def spec_source(word: str) -> str | Path:
+    """Return where a SPEC is: a path, ``-`` for standard input, a shipped file for ``@NAME``.
+
+    Raises
+    ------
+    GspError
+        If there is no such shipped file.
+    """
+    if word.startswith(_SHIPPED):
+        return shipped_file(word[1:])
+    if word != "-" and (meant := _meant(word)):
+        message = f"{named(word)}: there is no such file: did you mean {meant}?"
+        raise GspError(message)
+    return word
+
+
+def _meant(word: str) -> str | None:
+    """Return the probably meant name for one of a file that does not exist."""
+    path = Path(word)
+    try:
+        if path.exists():
+            return None
+        beside = [one.name for one in path.parent.iterdir() if one.suffix.lower() in _YAML]
+    except (OSError, ValueError):
+        return None
+    same = [name for name in beside if Path(name).stem == path.stem]
+    near = same[0] if same else None
+    if near is None and path.name == word:
+        shipped = instance_files()
+        stem = path.stem if path.suffix.lower() in _YAML else word
+        if stem.lower() in shipped:
+            return f"{_SHIPPED}{stem.lower()}"
+    near = near or nearest(path.name, beside)
+    return None if near is None else str(path.with_name(near))
+
+
+def load_instance(word: str, changes: Changes | None = None) -> Instance:
+    """Read the instance that a SPEC denotes, with other values; see `spec_source`.
+
+    Standard error names probable mistakes (radians in a file of degrees, lengths out of all
+    proportion), since the answer would be about another platform.
+
+    Raises
+    ------
+    SpecError
+        With all mistakes of the file, or of the values.
+    """
+    from gspcli.spec import read
+
+    refuse_to_replace(word)
+    reading = read(spec_source(word))
+    if reading.doubts:
+        say(brief("\n".join(f"warning: {problem}" for problem in reading.doubts), "warning"))
+    return reading.instance if changes is None else changes.of(reading.instance)
+
+
+def refuse_to_replace(word: str) -> None:
+    """Raise if a command would write the file that it reads.
+
+    Raises
+    ------
+    GspError
+        Before anything is written.
+    """
+    context = click.get_current_context(silent=True)
+    output = None if context is None else context.params.get("output")
+    if not isinstance(output, Output) or output.path is None or word == "-":
+        return
+    try:
+        same = output.path.exists() and output.path.samefile(word)
+    except (OSError, ValueError):
+        return
+    if same and output.path.is_file():
+        message = f"-o {named(output.path)}: it is the file that is read: choose another"
+        raise GspError(message)
+
+
+def read_type(words: Sequence[str]) -> GspType:
+    """Return a type, for commands whose answer does not depend on the kinds of the angles.
+
+    Of a family it is the first type: all its angles are ALL.
+
+    Raises
+    ------
+    TypeNameError
+        If the words denote neither a type nor a family.
+    """
+    named = parse_name(words)
+    return named.types[0] if isinstance(named, Family) else named
+
+
+def read_names(words: Sequence[str]) -> list[GspType | Family]:
+    """Return the types that the words of a command line name; of a file its type.
+
+    All words together may be one name (``3D3A PL PL LP``), or each word is a name (``17 6PP
+    platform.yaml``).
+
+    Raises
+    ------
+    TypeNameError
+        If they do neither.
+    """
+    if any(map(is_file, words)):
+        return [load_instance(word).type if is_file(word) else parse_name(word) for word in words]
+    try:
+        return [parse_name(words)]
+    except TypeNameError:
+        if len(words) == 1:
+            raise
+        try:
+            return [parse_name(word) for word in words]
+        except TypeNameError:
+            pass
+        raise
+
+
+_jobs = click.option(
+    "--jobs",
+    type=Whole(1, MOST_JOBS),
+    metavar="N",
+    help="How many cores work at once; the answer does not depend on it.  [default: all]",
+)
+
+#: Adds ``resume: Path | None``.
+resume_option = click.option(
+    "--resume",
+    type=click.Path(dir_okay=False, path_type=Path),
+    metavar="FILE",
+    help="Keep finished work in FILE, and do not repeat the work that is kept there.",
+)
+
+
+def _cores(jobs: int | None) -> int:
+    """Return the number of cores to use."""
+    return jobs or os.cpu_count() or 1
+
+
+def jobs_option(function: Function) -> Function:
+    """Add `--jobs`; the command gets ``jobs: int``."""
+
+    @_jobs
+    @functools.wraps(function)
+    def command(*, jobs: int | None, **others: Any) -> Any:
+        return function(jobs=_cores(jobs), **others)
+
+    return command  # type: ignore[return-value]
+
+
+def worker_options(function: Function) -> Function:
+    """Add `--jobs` and `--scheduler`; the command gets ``workers: Workers``."""
+
+    @_jobs
+    @click.option(
+        "--scheduler",
+        metavar="ADDRESS",
+        help="Use the workers of this Dask scheduler (pip install 'gspcli[cluster]').",
+    )
+    @functools.wraps(function)
+    def command(*, jobs: int | None, scheduler: str | None, **others: Any) -> Any:
+        from gspcli.workers import Workers
+
+        if jobs is not None and scheduler is not None:
+            message = "--jobs and --scheduler exclude each other"
+            raise click.UsageError(message)
+        return function(workers=Workers(_cores(jobs), scheduler), **others)
+
+    return command  # type: ignore[return-value]
+
+
+def standard_deviations(texts: Sequence[str]) -> dict[str, float]:
+    """Return the standard deviations of ``--sigma WHAT=NUMBER`` by the names of what is measured.
+
+    Raises
+    ------
+    SpecError
+        With all mistakes.
+    """
+    from gspcli.motion.files.number_tables import wrong_number
+
+    found: dict[str, float] = {}
+    mistakes = []
+    for text in texts:
+        name, equals, number = text.partition("=")
+        message = ""
+        if not equals:
+            message = f"found {shown(text)}, expected WHAT=NUMBER, as value=0.001"
+        elif name in found:
+            message = f"found {name} twice"
+        else:
+            message = wrong_number(number)
+        if message:
+            mistakes.append(Mistake(None, "--sigma", message))
+        else:
+            found[name] = float(number)
+    if mistakes:
+        raise SpecError(mistakes)
+    return found

@@ -1,0 +1,858 @@
+"""One description of a table for all formats."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import math
+import re
+import sys
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from itertools import zip_longest
+from pathlib import Path
+from typing import Any, Literal
+
+import click
+
+from gspcli.cli.streams import coloured, lacking, printable, representable, say, write_whole
+from gspcli.errors import GspError
+from gspcli.records import dataclass
+from gspcli.resources import data_json
+from gspcli.wording import listed
+
+#: Digits of a number in a table for people, unless the column or the width says otherwise.
+DIGITS = 6
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column of a table.
+
+    Attributes
+    ----------
+    key
+        The key in the rows, and the heading in CSV and JSON.
+    title
+        The heading for people; the key when empty.
+    align
+        Side to which the cells are flushed.
+    essential
+        Whether the column stays when a terminal is too narrow for all of them.
+    minor
+        On a narrow terminal columns with the largest number are omitted first, of several with the
+        same number the last. With a negative number the column is omitted only if it does not fit
+        with fewer digits.
+    fold
+        After what a cell may go on in the next line: a blank in prose, a comma and a blank in
+        lists; empty for cells that stay in one line.
+    aligned
+        Whether the numbers of the column have the same number of decimals, so that the points
+        stand under each other.
+    decimals
+        This many decimals for each number, for any width; None for what `aligned` says.
+    size
+        A typical number. In tables for people a number far below it is a rounding error, and shown
+        as zero. Otherwise one processor would show zero and another one 1e-17.
+    """
+
+    key: str
+    title: str = ""
+    align: Literal["left", "right"] = "left"
+    essential: bool = False
+    minor: int = 0
+    fold: str = ""
+    aligned: bool = False
+    decimals: int | None = None
+    size: float = 0.0
+
+    @property
+    def heading(self) -> str:
+        """The heading for people."""
+        return self.title or self.key
+
+
+@dataclass(frozen=True)
+class Table:
+    """Rows to show.
+
+    Attributes
+    ----------
+    columns
+        The columns in the order of the page.
+    rows
+        A mapping from column keys to values for each row; missing and None are empty cells.
+    title
+        A heading above the table.
+    notes
+        Lines below the table, for people only.
+    summary
+        Lines between the title and the table that state the result. With CSV they go to standard
+        error.
+    part
+        What `--part` calls the table, where a command shows several.
+    """
+
+    columns: Sequence[Column]
+    rows: Sequence[Mapping[str, Any]]
+    title: str = ""
+    notes: Sequence[str] = ()
+    summary: Sequence[str] = ()
+    part: str = ""
+
+    def converted(self, convert: Callable[[str], str]) -> Table:
+        """Return the table with all its texts converted; what columns are called in CSV stays."""
+
+        def cell(value: object) -> object:
+            if isinstance(value, (list, tuple)):
+                return [cell(part) for part in value]
+            return convert(value) if isinstance(value, str) else value
+
+        return replace(
+            self,
+            columns=[replace(one, title=convert(one.heading)) for one in self.columns],
+            rows=[{key: cell(value) for key, value in row.items()} for row in self.rows],
+            title=convert(self.title),
+            notes=list(map(convert, self.notes)),
+            summary=list(map(convert, self.summary)),
+        )
+
+
+def pose_columns(keys: Sequence[str], length: float) -> list[Column]:
+    """Return the columns of poses.
+
+    Parameters
+    ----------
+    keys
+        Three of the position, then four of the quaternion.
+    length
+        A typical length of the platform.
+    """
+    sizes = [length] * 3 + [1.0] * 4
+    return [
+        Column(key, align="right", essential=True, aligned=True, size=size)
+        for key, size in zip(keys, sizes, strict=True)
+    ]
+
+
+#: Numbers of a column have the same number of decimals if the largest lies between these; others
+#: need exponents.
+_SMALLEST, _LARGEST = 1e-3, 1e5
+#: Decimals that an aligned column has at least at full width.
+_FEWEST_DECIMALS = 2
+#: Components of a vector below this part of its size are rounding errors.
+_NOTHING = 1e-9
+#: Numbers of a column below this part of its size are rounding errors.
+_ROUNDING = 1e-12
+
+
+def cell_text(value: object, digits: int = DIGITS) -> str:
+    """Return a value as people read it in a table.
+
+    Parameters
+    ----------
+    value
+        A number, a text, a list of them, or None for nothing.
+    digits
+        Significant digits of numbers that are not whole.
+    """
+    if value is None:
+        return ""
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, float):
+        # Zero has one sign.
+        return f"{value + 0.0:.{digits}g}"
+    if isinstance(value, complex):
+        return f"{value.real:.{digits}g}{value.imag:+.{digits}g}i"
+    if isinstance(value, (list, tuple)):
+        return " ".join(cell_text(item, digits) for item in value)
+    return printable(str(value).replace("\n", " "))
+
+
+def vector_text(numbers: Sequence[float], digits: int = DIGITS, *, size: float = 1.0) -> str:
+    """Return components as people read them, one after the other.
+
+    Parameters
+    ----------
+    numbers, digits
+        The components, and their significant digits.
+    size
+        A typical component. A component below `_NOTHING` times it is a rounding error, and shown as
+        zero.
+    """
+    shown = (x if abs(x) > _NOTHING * size else 0.0 for x in numbers)
+    return ", ".join(f"{x:.{digits}g}" for x in shown)
+
+
+def column_texts(table: Table, column: Column, digits: int = DIGITS) -> list[str]:
+    """Return the cells of a column as text, numbers with this many digits."""
+    values = [_cleared(row.get(column.key), column.size) for row in table.rows]
+    decimals = column.decimals
+    if decimals is None and column.aligned:
+        decimals = _decimals([v for v in values if isinstance(v, float)], digits)
+    if decimals is None:
+        return [cell_text(value, digits) for value in values]
+    return [_fixed(value, decimals, digits) for value in values]
+
+
+def _cleared(value: object, size: float) -> object:
+    """Return zero for a float that is a rounding error of numbers of a size, else the value."""
+    return 0.0 if isinstance(value, float) and abs(value) < _ROUNDING * size else value
+
+
+def _fixed(value: object, decimals: int, digits: int) -> str:
+    """Return a number with this many decimals, any other value unchanged."""
+    if isinstance(value, float) and math.isfinite(value):
+        return _without_negative_zero(f"{value:.{decimals}f}")
+    if isinstance(value, complex):
+        real = _without_negative_zero(f"{value.real:.{decimals}f}")
+        return f"{real}{value.imag:+.{decimals}f}i"
+    return cell_text(value, digits)
+
+
+def _decimals(values: Sequence[float], digits: int) -> int | None:
+    """Return how many decimals give the largest number this many digits; None if none does."""
+    # Rounded, so that 0.9999999999 and 1 have the same decimals.
+    largest = float(f"{max(map(abs, values), default=0.0):.{digits}g}")
+    if largest == 0:
+        return 0
+    if not _SMALLEST <= largest < _LARGEST:
+        return None
+    fewest = max(_FEWEST_DECIMALS - (DIGITS - digits), 0)
+    return max(digits - 1 - math.floor(math.log10(largest)), fewest)
+
+
+def _without_negative_zero(text: str) -> str:
+    return text.removeprefix("-") if not text.strip("-0.") else text
+
+
+#: Blanks between two columns.
+GAP = 2
+#: Digits that are tried when the essential columns do not fit, before records are.
+_FEWER_DIGITS = (5, 4, 3)
+#: Prose is folded to this width before a column is left out.
+_COMFORTABLE = 24
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Columns beside each other.
+
+    Attributes
+    ----------
+    columns, widths
+        Those shown, with their widths in cells of the terminal.
+    texts
+        The cells of each of them, from top to bottom.
+    left_out
+        Headings of the columns for which there is no room.
+    """
+
+    columns: Sequence[Column]
+    widths: Sequence[int]
+    texts: Sequence[Sequence[str]]
+    left_out: Sequence[str] = ()
+
+
+def lay_out(table: Table, width: int | None = None) -> Grid | None:
+    """Choose the layout of a table for a width; None is unlimited.
+
+    Tried in this order: all columns; headings, then prose, folded at blanks; without the columns
+    with the largest `minor`; prose as narrow as its words; fewer digits. Columns whose `minor` is
+    negative are omitted only if they do not fit with four digits either.
+
+    Returns
+    -------
+    The grid; None if the table must be shown as records, a line for each cell.
+    """
+    measured = _Measured(table, DIGITS)
+    if width is None:
+        return measured.grid(measured.natural)
+    important = [k for k, column in enumerate(table.columns) if column.minor < 0]
+    tries: list[tuple[int, tuple[int, ...]]]
+    tries = [(digits, ()) for digits in (DIGITS, *_FEWER_DIGITS)]
+    if important:
+        tries[:0] = [(digits, tuple(important)) for digits in (DIGITS, *_FEWER_DIGITS[:2])]
+    every = {digits: measured if digits == DIGITS else None for digits, _ in tries}
+    for digits, kept in tries:
+        found = every[digits] or _Measured(table, digits)
+        every[digits] = found
+        for widths in found.attempts(width, kept, every=digits == DIGITS):
+            if sum(widths.values()) + GAP * (len(widths) - 1) <= width:
+                return found.grid(widths)
+    return None
+
+
+class _Measured:
+    """The cells of a table with some number of digits, and their widths."""
+
+    def __init__(self, table: Table, digits: int) -> None:
+        self.table = table
+        self.texts = [column_texts(table, column, digits) for column in table.columns]
+        cells = [max(map(cell_width, texts), default=0) for texts in self.texts]
+        headings = [column.heading for column in table.columns]
+        self.natural = dict(enumerate(map(max, cells, map(cell_width, headings))))
+        #: With headings folded, and prose as well.
+        self.folded = dict(enumerate(map(max, cells, map(_longest, headings))))
+        self.narrowest = {
+            k: max([_longest(headings[k]), *(_longest(t, column.fold) for t in self.texts[k])])
+            if column.fold
+            else folded
+            for (k, folded), column in zip(self.folded.items(), table.columns, strict=True)
+        }
+
+    def grid(self, widths: dict[int, int]) -> Grid:
+        columns = self.table.columns
+        return Grid(
+            [columns[k] for k in widths],
+            list(widths.values()),
+            [self.texts[k] for k in widths],
+            [column.heading for k, column in enumerate(columns) if k not in widths],
+        )
+
+    def attempts(
+        self, width: int, important: Sequence[int], *, every: bool
+    ) -> Iterator[dict[int, int]]:
+        """Yield widths of columns by their positions, the best first; not all of them fit.
+
+        Parameters
+        ----------
+        width
+            The width of the terminal.
+        important
+            Columns that stay as essential ones do.
+        every
+            Whether columns are left out one after the other, or all that may be at once.
+        """
+        columns = self.table.columns
+        comfortable = {
+            k: max(narrowest, min(self.folded[k], _COMFORTABLE))
+            for k, narrowest in self.narrowest.items()
+        }
+        kept = list(range(len(columns)))
+        dispensable = sorted(
+            (k for k in kept if not columns[k].essential and k not in important),
+            key=lambda k: (-columns[k].minor, -k),
+        )[: len(kept) - 1]
+        if every:
+            yield self.natural
+            yield self.folded
+            yield self._squeezed(kept, comfortable, width)
+            for k in dispensable:
+                kept.remove(k)
+                yield self._squeezed(kept, comfortable, width)
+        else:
+            kept = [k for k in kept if k not in dispensable]
+        yield self._squeezed(kept, self.narrowest, width)
+
+    def _squeezed(self, kept: list[int], narrowest: dict[int, int], width: int) -> dict[int, int]:
+        """Return the widths after columns of prose are narrowed to fit, the widest first."""
+        widths = {k: self.folded[k] for k in kept}
+        excess = sum(widths.values()) + GAP * (len(widths) - 1) - width
+        while excess > 0:
+            able = [k for k in kept if widths[k] > narrowest[k]]
+            if not able:
+                break
+            widest = max(able, key=widths.__getitem__)
+            widths[widest] -= 1
+            excess -= 1
+        return widths
+
+
+def cell_width(text: str) -> int:
+    """Return how many cells of a terminal a text takes."""
+    if text.isascii():
+        return len(text)
+    from rich.cells import cell_len
+
+    return cell_len(text)
+
+
+def _longest(text: str, separator: str = " ") -> int:
+    return max(map(cell_width, _pieces(text, separator)))
+
+
+def _pieces(text: str, separator: str) -> list[str]:
+    """Return what a text is made of, without the blanks between."""
+    *pieces, last = text.split(separator)
+    return [piece + separator.rstrip(" ") for piece in pieces] + [last]
+
+
+def folded(text: str, width: int, separator: str = " ") -> list[str]:
+    """Return a text in lines of at most a width, broken after separators only.
+
+    Its indentation is kept. A piece longer than the width has a line of its own, and is whole.
+    """
+    pieces = _pieces(text.lstrip(" "), separator)
+    indent = " " * (len(text) - len(text.lstrip(" ")))
+    lines = [indent + pieces[0]]
+    for piece in pieces[1:]:
+        longer = f"{lines[-1]} {piece}"
+        if cell_width(longer) <= width:
+            lines[-1] = longer
+        else:
+            lines.append(indent + piece)
+    return lines
+
+
+_RULE = "─"
+
+
+def folded_lines(text: str) -> str:
+    """Return a text with lines broken at blanks to fit the terminal; continuations are indented."""
+    import shutil
+    import textwrap
+
+    width = shutil.get_terminal_size().columns
+    lines = []
+    for line in text.splitlines():
+        indent = " " * (len(line) - len(line.lstrip()) + 4)
+        parts = textwrap.wrap(
+            line,
+            width,
+            subsequent_indent=indent,
+            break_long_words=False,
+            break_on_hyphens=False,
+            drop_whitespace=True,
+        )
+        lines += parts or [line]
+    return "".join(f"{line}\n" for line in lines)
+
+
+def show(tables: Sequence[Table]) -> None:
+    """Print tables on the terminal, leaving out columns that do not fit."""
+    import shutil
+
+    width = shutil.get_terminal_size().columns
+    for index, table in enumerate(tables):
+        grid = lay_out(table, width)
+        lines = _lines(table, grid, width, bold=coloured(sys.stdout))
+        sys.stdout.write("\n" * (index > 0) + "".join(f"{line}\n" for line in lines))
+        if grid is not None and grid.left_out:
+            sys.stdout.flush()
+            names = f"(left out to fit the terminal: {', '.join(grid.left_out)})"
+            say("\n".join(folded(names, width)))
+
+
+def text_of_tables(tables: Sequence[Table]) -> str:
+    """Return tables as text of any width, for a file or a pipe."""
+    return "\n".join(
+        "".join(f"{line}\n" for line in _lines(table, lay_out(table), None, bold=False))
+        for table in tables
+    )
+
+
+def _lines(table: Table, grid: Grid | None, width: int | None, *, bold: bool) -> Iterator[str]:
+    def emphasized(text: str) -> str:
+        return click.style(text, bold=True) if bold else text
+
+    groups = [
+        map(emphasized, _prose(table.title, width) if table.title else ()),
+        (part for line in table.summary for part in _prose(line, width)),
+        _body(table, grid, width, emphasized) if table.columns else (),
+        (part for note in table.notes for part in _prose(note, width)),
+    ]
+    between = False
+    for lines in filter(None, map(list, groups)):
+        if between:
+            yield ""
+        yield from lines
+        between = True
+
+
+def _body(
+    table: Table, grid: Grid | None, width: int | None, emphasized: Callable[[str], str]
+) -> Iterator[str]:
+    if grid is None:
+        yield from _records(table, width or 0)
+        return
+    heading, *others = _drawn(grid)
+    yield from map(emphasized, heading.split("\n"))
+    yield from others
+
+
+def _prose(text: str, width: int | None) -> list[str]:
+    lines = printable(text).split("\n")
+    return lines if width is None else [part for line in lines for part in folded(line, width)]
+
+
+def _drawn(grid: Grid) -> Iterator[str]:
+    """Yield the headings (several lines in one text), a rule, and the rows."""
+    headings = [
+        folded(column.heading, width)
+        for column, width in zip(grid.columns, grid.widths, strict=True)
+    ]
+    yield "\n".join(_joined(grid, headings))
+    yield (_RULE * (sum(grid.widths) + GAP * (len(grid.widths) - 1)))
+    prose = [k for k, column in enumerate(grid.columns) if column.fold]
+    for row in zip(*grid.texts, strict=True):
+        cells = [[text] for text in row]
+        for k in prose:
+            cells[k] = folded(row[k], grid.widths[k], grid.columns[k].fold)
+        yield from _joined(grid, cells)
+
+
+def _joined(grid: Grid, cells: Sequence[Sequence[str]]) -> Iterator[str]:
+    """Yield the lines of cells that stand beside each other."""
+    for line in zip_longest(*cells, fillvalue=""):
+        parts = map(_flushed, line, grid.columns, grid.widths)
+        yield (" " * GAP).join(parts).rstrip()
+
+
+def _flushed(text: str, column: Column, width: int) -> str:
+    blanks = " " * (width - cell_width(text))
+    return blanks + text if column.align == "right" else text + blanks
+
+
+def _records(table: Table, width: int) -> Iterator[str]:
+    """Yield the cells that are not empty with their headings, an empty line between the rows.
+
+    Numbers stand beside each other as long as there is room, texts have lines of their own.
+    """
+    texts = [column_texts(table, column) for column in table.columns]
+    widest = [max(map(cell_width, cells), default=0) for cells in texts]
+    for index, row in enumerate(zip(*texts, strict=True)):
+        if index:
+            yield ""
+        line = ""
+        for column, text, cells in zip(table.columns, row, widest, strict=True):
+            if not text:
+                continue
+            if column.align == "left":
+                yield from filter(None, [line.rstrip()])
+                yield from folded(f"{column.heading}: {text}", width, column.fold or " ")
+                line = ""
+                continue
+            entry = f"{column.heading} {text.rjust(cells)}"
+            if line and cell_width(line + entry) > width:
+                yield line.rstrip()
+                line = ""
+            line += entry + " " * GAP
+        yield from filter(None, [line.rstrip()])
+
+
+def markdown(tables: Sequence[Table]) -> str:
+    """Return tables in Markdown, with their titles, summaries and notes."""
+    return "\n".join(filter(None, map(_markdown, tables)))
+
+
+def _markdown(table: Table) -> str:
+    title = f"### {printable(table.title)}\n" if table.title else ""
+    paragraphs = [title, *map(_paragraph, table.summary), _grid(table)]
+    return "\n".join(filter(None, [*paragraphs, *map(_paragraph, table.notes)]))
+
+
+def _paragraph(line: str) -> str:
+    return f"{printable(line)}\n"
+
+
+def _grid(table: Table) -> str:
+    if not table.columns:
+        return ""
+    rules = ["---:" if column.align == "right" else "---" for column in table.columns]
+    text = _markdown_line([column.heading for column in table.columns])
+    text += "|" + "|".join(rules) + "|\n"
+    cells = [column_texts(table, column) for column in table.columns]
+    return text + "".join(map(_markdown_line, zip(*cells, strict=True)))
+
+
+def _markdown_line(cells: Sequence[str]) -> str:
+    return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |\n"
+
+
+_HEAD = "% needs \\usepackage{booktabs}\n"
+_NUMBER = re.compile(r"-?\d+(\.\d+)?(?:e([+-]\d+))?")
+_ESCAPES = str.maketrans(
+    {
+        "&": r"\&",
+        "%": r"\%",
+        "#": r"\#",
+        "_": r"\_",
+        "$": r"\$",
+        "{": r"\{",
+        "}": r"\}",
+        "^": r"\textasciicircum{}",
+        "~": r"\textasciitilde{}",
+        "\\": r"\textbackslash{}",
+        "|": r"\textbar{}",
+        "<": r"\textless{}",
+        ">": r"\textgreater{}",
+        "·": r"$\cdot$",
+        "×": r"$\times$",
+        "±": r"$\pm$",
+        "−": r"$-$",
+        "≤": r"$\le$",
+        "≥": r"$\ge$",
+        "≠": r"$\ne$",
+        "∠": r"$\angle$",
+        "→": r"$\to$",
+        "∞": r"$\infty$",
+        "─": "--",
+        "°": r"$^\circ$",
+        "²": r"\textsuperscript{2}",
+        "³": r"\textsuperscript{3}",
+        "ᵀ": r"\textsuperscript{T}",
+        "ρ": r"$\rho$",
+        "σ": r"$\sigma$",
+        "τ": r"$\tau$",
+        "α": r"$\alpha$",
+        "θ": r"$\theta$",
+        "φ": r"$\varphi$",
+        "Σ": r"$\Sigma$",
+        "Δ": r"$\Delta$",
+        "…": r"\dots{}",
+        "“": "``",
+        "”": "''",
+    }
+)
+_ROOT = re.compile(r"√(\d+|)")
+
+
+def latex(tables: Sequence[Table]) -> str:
+    """Return tables as ``tabular`` environments; titles, summaries and notes are comments."""
+    return _HEAD + "\n".join(filter(None, map(_latex, tables)))
+
+
+def _latex(table: Table) -> str:
+    comments = "".join(
+        f"% {line}\n"
+        for text in filter(None, [table.title, *table.summary, *table.notes])
+        for line in printable(text).split("\n")
+    )
+    if not table.columns:
+        return comments
+    layout = "".join("r" if column.align == "right" else "l" for column in table.columns)
+    text = comments + rf"\begin{{tabular}}{{{layout}}}" + "\n\\toprule\n"
+    text += _latex_line([_escaped(column.heading) for column in table.columns]) + "\\midrule\n"
+    cells = [_cells(table, column) for column in table.columns]
+    text += "".join(map(_latex_line, zip(*cells, strict=True)))
+    return text + "\\bottomrule\n\\end{tabular}\n"
+
+
+def _latex_line(cells: Sequence[str]) -> str:
+    line = " & ".join(cells) + " \\\\\n"
+    # After the end of a row a bracket or a star would be an argument of it.
+    return "{}" + line if line.startswith(("[", "*")) else line
+
+
+def _cells(table: Table, column: Column) -> list[str]:
+    values = (row.get(column.key) for row in table.rows)
+    return [
+        _number(text) if isinstance(value, (int, float)) else _escaped(text)
+        for value, text in zip(values, column_texts(table, column), strict=True)
+    ]
+
+
+def _number(text: str) -> str:
+    """Return a number as mathematics, ``1e-05`` as a power of ten."""
+    match = _NUMBER.fullmatch(text)
+    if match is None:
+        return _escaped(text)
+    mantissa = text.partition("e")[0]
+    power = rf" \times 10^{{{int(match[2])}}}" if match[2] else ""
+    return f"${mantissa}{power}$" if power or mantissa.startswith("-") else mantissa
+
+
+def _escaped(text: str) -> str:
+    # The translation would escape what it has made of a root.
+    parts = _ROOT.split(text)
+    pieces = [parts[0].translate(_ESCAPES)]
+    for radicand, rest in zip(parts[1::2], parts[2::2], strict=True):
+        root = rf"$\sqrt{{{radicand}}}$" if radicand else r"$\surd$"
+        pieces.append(root + rest.translate(_ESCAPES))
+    return "".join(pieces)
+
+
+#: What is written as `repr` has it, and never needs quotation marks; floats with all their digits.
+_NUMBERS = {float, int}
+#: What the writer itself writes as `_cell` does.
+_PLAIN = _NUMBERS | {str}
+
+
+def csv_text(table: Table) -> str:
+    """Return a table as CSV."""
+    buffer = io.StringIO()
+    writer = csv.writer(buffer, lineterminator="\n")
+    keys = [column.key for column in table.columns]
+    writer.writerow(keys)
+    columns = [[row.get(key) for row in table.rows] for key in keys]
+    if all(_NUMBERS.issuperset(map(type, column)) for column in columns):
+        # Long tables are of numbers alone; joined, they take two thirds of the writer's time.
+        texts = [map(repr, column) for column in columns]
+        buffer.writelines(f"{','.join(cells)}\n" for cells in zip(*texts, strict=True))
+    else:
+        writer.writerows(
+            [cell if type(cell) in _PLAIN else _csv_cell(cell) for cell in cells]
+            for cells in zip(*columns, strict=True)
+        )
+    return buffer.getvalue()
+
+
+def _csv_cell(value: object) -> str:
+    """Return a value for a machine: full precision, `true` and `false`."""
+    if value is None:
+        return ""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, (list, tuple)):
+        return " ".join(_csv_cell(item) for item in value)
+    return repr(value) if isinstance(value, float) else str(value)
+
+
+def json_text(
+    tables: Sequence[Table],
+    document: Any = None,
+    schema: str = "",
+    *,
+    ascii_only: bool = False,
+) -> str:
+    """Return a document as JSON; without one the rows of the tables, with the name of a schema."""
+    if document is None:
+        rows = {
+            table.part or "rows": [_json_row(table, row) for row in table.rows] for table in tables
+        }
+        document = {"schema": f"gsp.{schema}/1", **rows}
+    return json.dumps(document, indent=2, ensure_ascii=ascii_only) + "\n"
+
+
+def _json_row(table: Table, row: Mapping[str, Any]) -> dict[str, Any]:
+    return {column.key: row.get(column.key) for column in table.columns}
+
+
+_MEANING = Column("meaning", essential=True, fold=" ")
+
+
+def meanings(command: str) -> Iterator[Table]:
+    """Yield the tables of keys and columns of a command.
+
+    Parameters
+    ----------
+    command
+        Its words without ``gsp``, as ``atlas summary``.
+    """
+    for form in data_json("keys", f"{command.replace(' ', '-')}.json"):
+        keys = [dict(zip(("key", "type", "meaning"), row, strict=True)) for row in form["keys"]]
+        columns = (Column("key", essential=True), Column("type", fold=" "), _MEANING)
+        yield Table(columns, keys, f"JSON {form['schema']}", part="keys")
+        if form["columns"]:
+            cells = [dict(zip(("column", "meaning"), row, strict=True)) for row in form["columns"]]
+            yield Table((Column("column", essential=True), _MEANING), cells, "CSV", part="columns")
+
+
+@dataclass(frozen=True)
+class Output:
+    """Where a result goes and in which format.
+
+    Attributes
+    ----------
+    format
+        One of `FORMATS` (or the formats the command allows).
+    path
+        The file, or None for standard output.
+    part
+        The one table that is asked for, None for all.
+    """
+
+    format: str
+    path: Path | None
+    part: str | None = None
+
+
+def emit(
+    output: Output,
+    tables: Table | Sequence[Table],
+    *,
+    document: object = None,
+    schema: str = "",
+    texts: Mapping[str, str] | None = None,
+) -> None:
+    """Write a result to the place and in the format asked for.
+
+    Parameters
+    ----------
+    output
+        From `output_options`.
+    tables
+        What to show in the formats made of tables.
+    document
+        The JSON document; when None, the rows of the tables, each table under its part's name.
+    schema
+        What the schema of that document is called, as ``enumerate`` for ``gsp.enumerate/1``.
+    texts
+        Ready text for formats in which the command has no tables.
+    """
+    tables = [tables] if isinstance(tables, Table) else list(tables)
+    if output.part is not None:
+        tables = [*_of_part(tables, output.part)]
+    limited = output.path is None and lacking(sys.stdout)
+    if limited:
+        # Before the layout, since an escaped character is longer.
+        tables = [table.converted(lambda text: representable(text, sys.stdout)) for table in tables]
+    if texts and output.format in texts:
+        write(output, texts[output.format])
+    elif output.format == "json":
+        write(output, json_text(tables, document, schema, ascii_only=limited))
+    elif output.format == "csv":
+        _emit_csv(output, [table for table in tables if table.columns])
+    elif output.format == "markdown":
+        write(output, markdown(tables))
+    elif output.format == "latex":
+        write(output, latex(tables))
+    else:
+        if output.path is None and sys.stdout.isatty():
+            show(tables)
+        else:
+            write(output, text_of_tables(tables))
+
+
+def _of_part(tables: Sequence[Table], part: str) -> Sequence[Table]:
+    """Return the tables of a part.
+
+    Raises
+    ------
+    GspError
+        If there is none: an empty answer would say that there is nothing in it.
+    """
+    found = [table for table in tables if table.part == part]
+    if not found:
+        there = listed([table.part for table in tables if table.part], "and")
+        message = f"--part {part}: there is no such table in this answer, which has {there}"
+        raise GspError(message)
+    return found
+
+
+def _emit_csv(output: Output, tables: Sequence[Table]) -> None:
+    """Write one table, or each of several to a file of its own."""
+    if len(tables) > 1 and output.path is None:
+        parts = ", ".join(table.part for table in tables)
+        message = f"CSV holds one table: choose --part of {parts}, or -o FILE.csv for a file each"
+        raise click.UsageError(message)
+    for table in tables:
+        place = output
+        if len(tables) > 1:
+            assert output.path is not None
+            place = replace(output, path=_named(output.path, table.part))
+            say(f"{place.path}: written")
+        write(place, csv_text(table))
+        for line in table.summary:
+            say(line)
+
+
+def _named(path: Path, part: str) -> Path:
+    """Return the file of a part: poses.csv and digits give poses-digits.csv."""
+    return path.with_name(f"{path.stem}-{part}{path.suffix}")
+
+
+def write(output: Output, content: str | bytes) -> None:
+    """Write finished text or data to standard output or, whole or not at all, to the file."""
+    if output.path is not None:
+        write_whole(output.path, content)
+    elif isinstance(content, bytes):
+        sys.stdout.buffer.write(content)
+    elif output.format == "html" and lacking(sys.stdout):
+        # A page states its own encoding.
+        sys.stdout.buffer.write(content.encode())
+    else:
+        sys.stdout.write(content)
