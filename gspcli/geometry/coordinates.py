@@ -1,18 +1,17 @@
-"""Numbers of primitives that can be changed by name: ``base.B1.x``, ``crank.B1``, ``slide.B1``."""
+"""The cranks and slides of an instance by name, as they move points: ``crank.B1``, ``slide.B1``."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.errors import ArgumentError
 from gspcli.geometry.instance import Instance
-from gspcli.geometry.numbers import Number
-from gspcli.geometry.primitives import Geometry, Line, Point
+from gspcli.geometry.primitives import Geometry, Point
 from gspcli.records import dataclass
 from gspcli.wording import shown, suggestion
 
@@ -20,69 +19,46 @@ Array = NDArray[np.float64]
 Body = Literal["platform", "base"]
 
 BODIES: tuple[Body, Body] = ("platform", "base")
-AXES = "xyz"
 
 
 @dataclass(frozen=True)
 class Coordinate:
-    """A number of a primitive.
+    """The number of a drive: the angle of a crank, or the place of a carriage.
 
     Attributes
     ----------
     name
-        The name: ``base.B1.x``, ``base.L1.direction.z``, ``platform.H2.normal.x``, or
-        ``crank.B1`` for the angle of a crank, ``slide.B1`` for the place of a carriage.
+        ``crank.B1`` or ``slide.B1``.
     body, primitive
-        The body and the name of the primitive.
+        The body and the name of the point that states the drive.
     vector
-        Which field of the primitive, or ``crank`` or ``slide``.
-    component
-        Which entry of the vector; 0 for a crank or slide.
+        Which of both it is.
     """
 
     name: str
     body: Body
     primitive: str
-    vector: Literal["position", "direction", "normal", "crank", "slide"]
-    component: int
-
-    @property
-    def is_drive(self) -> bool:
-        """Whether it is the value of a crank or slide."""
-        return self.vector in ("crank", "slide")
+    vector: Literal["crank", "slide"]
 
 
 def coordinates(instance: Instance) -> tuple[Coordinate, ...]:
-    """Return all coordinates of the named primitives of an instance."""
-    found: list[Coordinate] = []
+    """Return the cranks and slides of the named points of an instance."""
+    found: dict[Coordinate, None] = {}
     for body in BODIES:
         for name, geometry in _primitives(instance, body).items():
-            found += [
-                Coordinate(f"{body}.{name}.{axis}", body, name, "position", k)
-                for k, axis in enumerate(AXES)
-            ]
-            if isinstance(geometry, Point):
-                if geometry.drive is not None:
-                    sort, owner = geometry.drive.sort, geometry.partner or name
-                    drive = Coordinate(f"{sort}.{owner}", body, owner, sort, 0)
-                    found += [drive] if drive not in found else []
-                continue
-            vector: Literal["direction", "normal"]
-            vector = "direction" if isinstance(geometry, Line) else "normal"
-            found += [
-                Coordinate(f"{body}.{name}.{vector}.{axis}", body, name, vector, k)
-                for k, axis in enumerate(AXES)
-            ]
+            if isinstance(geometry, Point) and geometry.drive is not None:
+                sort, owner = geometry.drive.sort, geometry.partner or name
+                found[Coordinate(f"{sort}.{owner}", body, owner, sort)] = None
     return tuple(found)
 
 
 def choose(instance: Instance, names: Sequence[str]) -> tuple[Coordinate, ...]:
-    """Return coordinates by name; capitals count only if two names differ in nothing else.
+    """Return drives by name; capitals count only if two names differ in nothing else.
 
     Raises
     ------
     ArgumentError
-        If there is no such coordinate, or more than one, or if a point is moved in two ways.
+        If there is no such drive, or more than one.
     """
     every = coordinates(instance)
     found: list[Coordinate] = []
@@ -91,18 +67,9 @@ def choose(instance: Instance, names: Sequence[str]) -> tuple[Coordinate, ...]:
         same = same or [one for one in every if one.name.lower() == name.lower()]
         if len(same) != 1:
             near = suggestion(name, [one.name for one in every])
-            what = "a coordinate" if not same else "only one coordinate of the name"
-            message = f"found {shown(name)}, expected {what} such as base.NAME.x or crank.NAME"
-            raise ArgumentError(message + near)
+            what = "a drive" if not same else "only one drive of the name"
+            raise ArgumentError(f"found {shown(name)}, expected {what} such as crank.NAME" + near)
         found += same
-    for one in found:
-        if one.is_drive and any(
-            other.vector == "position"
-            and (other.body, other.primitive) in carried_by(instance, one)
-            for other in found
-        ):
-            message = f"found {one.name} and coordinates of the same point, expected one of both"
-            raise ArgumentError(message)
     return tuple(found)
 
 
@@ -117,30 +84,14 @@ def carried_by(instance: Instance, drive: Coordinate) -> list[tuple[Body, str]]:
     ]
 
 
-def nominal_coordinates(instance: Instance, chosen: Sequence[Coordinate]) -> Array:
-    """Return the coordinates that the instance states, shape (n,); zero for a crank or slide."""
-    return np.array(
-        [
-            0.0
-            if one.is_drive
-            else getattr(_primitives(instance, one.body)[one.primitive], one.vector)[
-                one.component
-            ].value
-            for one in chosen
-        ]
-    )
-
-
 def drive_corrections(instance: Instance, chosen: Sequence[Coordinate]) -> tuple[Array, Array]:
-    """Return offsets and factors of the readings of coordinates, each of shape (n,).
+    """Return offsets and factors of the readings of drives, each of shape (n,).
 
     A number is its reading times the factor, plus the offset; 0 and 1 unless a crank or slide
     states others.
     """
     added, times = np.zeros(len(chosen)), np.ones(len(chosen))
     for k, one in enumerate(chosen):
-        if not one.is_drive:
-            continue
         (_, name), *_ = carried_by(instance, one)
         point = _primitives(instance, one.body)[name]
         assert isinstance(point, Point)
@@ -151,37 +102,29 @@ def drive_corrections(instance: Instance, chosen: Sequence[Coordinate]) -> tuple
 
 
 def moved(instance: Instance, chosen: Sequence[Coordinate], numbers: Array) -> Instance:
-    """Return an instance with other coordinates, rounded to floats.
+    """Return an instance with its drives elsewhere, rounded to floats.
 
-    A point that a drive has moved has no drive any more, and the instance then no masses.
+    A point that a drive has moved has no drive any more, and the instance then no masses: those
+    are of the machine with all its drives.
 
     Parameters
     ----------
     instance
         The instance.
     chosen
-        Which coordinates.
+        Which drives.
     numbers
-        Shape (n,): lengths, components, and values of cranks and slides, in the units of the
-        instance.
+        Shape (n,), in the units of the instance.
     """
     if not chosen:
         return instance
     changed: dict[tuple[Body, str], Geometry] = {}
     for one, number in zip(chosen, numbers.tolist(), strict=True):
-        if one.is_drive:
-            unit = instance.units.angle.in_radians if one.vector == "crank" else 1.0
-            for key in carried_by(instance, one):
-                point = _primitives(instance, one.body)[key[1]]
-                assert isinstance(point, Point)
-                changed[key] = point.moved(number * unit)
-        else:
-            key = one.body, one.primitive
-            geometry = changed.get(key) or _primitives(instance, one.body)[one.primitive]
-            vector = list(getattr(geometry, one.vector))
-            vector[one.component] = Number.of(number)
-            fields: dict[str, Any] = {one.vector: tuple(vector)}
-            changed[key] = replace(geometry, **fields)
+        unit = instance.units.angle.in_radians if one.vector == "crank" else 1.0
+        for key in carried_by(instance, one):
+            point = _primitives(instance, one.body)[key[1]]
+            assert isinstance(point, Point)
+            changed[key] = point.moved(number * unit)
     constraints = tuple(
         replace(
             row,
@@ -190,9 +133,7 @@ def moved(instance: Instance, chosen: Sequence[Coordinate], numbers: Array) -> I
         )
         for row in instance.constraints
     )
-    # The masses are those of the machine with all its drives.
-    kept = None if any(one.is_drive for one in chosen) else instance.dynamics
-    return replace(instance, constraints=constraints, dynamics=kept)
+    return replace(instance, constraints=constraints, dynamics=None)
 
 
 def _primitives(instance: Instance, body: Body) -> dict[str, Geometry]:

@@ -7,7 +7,6 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.geometry.coordinates import BODIES
 from gspcli.motion.files.number_tables import NumberTable, wrong_number
 from gspcli.motion.files.pose_files import COLUMNS, PoseFormat, poses_in
 from gspcli.pictures.shown_poses import Poses
@@ -18,8 +17,8 @@ _MODE = "mode"
 _CONDITION = "condition"
 #: How infinite condition numbers are written.
 _INFINITE = ("", "inf", "infinity", "infinite")
-#: What coordinates that move begin with.
-_MOVING = tuple(f"{word}." for word in (*BODIES, "crank", "slide"))
+#: What the names of drives begin with.
+_MOVING = ("crank.", "slide.")
 #: Numbers or words of each pose, if there are such columns.
 _FACTS = ("clearance", "pose_clearance", "certified", "status")
 #: Longer tracks are thinned: a page cannot show more poses one after the other.
@@ -33,7 +32,7 @@ def read_tracks(text: str, name: str, form: PoseFormat) -> list[Poses]:
 
     Poses are as in `gspcli.motion.read_poses`. ``t`` or ``row`` says where a pose lies on its way,
     ``condition``, ``clearance``, ``certified`` and ``status`` what else is known of it. Columns
-    such as ``base.B1.x`` or ``crank.B1`` are coordinates that move. Columns that are not known are
+    such as ``crank.B1`` are drives that move. Columns that are not known are
     mistakes. Rows without a pose, where a mode has ended, are skipped.
 
     Parameters

@@ -174,6 +174,6 @@ def test_rows(gsp, tmp_path):
     run = gsp("clearance", HEXAPOD, path, "--mode", "1", "--of", "pose", "--format", "json")
     found = [(one["row"], one["t"], one["mode"]) for one in json.loads(run.out)["modes"]]
     assert found == [(1, 1.0, 1), (2, 2.0, 1)]
-    path.write_text("base.B1.x\n0.01\n0.02\n", encoding="utf-8")
+    path.write_text("crank.B1\n0.01\n0.02\n", encoding="utf-8")
     run = gsp("clearance", "@t-top-head", path)
-    assert "found base.B1.x, expected values only" in run.err
+    assert "found crank.B1, expected values only" in run.err

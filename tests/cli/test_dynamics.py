@@ -235,7 +235,7 @@ def test_options_that_do_not_go_together(gsp, spec, rows, arguments, message):
         ("\n".join(PATH.splitlines()[:4]), "found 3 rows with times, expected at least 6"),
         ("x,y,z,qw,qx,qy,qz,wx\n0,0,0,1,0,0,0,0\n", "without wy wz vx vy vz alphax alphay alphaz"),
         ("x,y,z,qw,qx,qy,qz\n", "found a heading and no rows"),
-        ("1,base.B1.x\n225,3\n", "a coordinate that moves, expected only values"),
+        ("1,base.B1.x\n225,3\n", "found the unknown column 'base.B1.x'"),
         ("x,y,z,qw,qx,qy,qz\n-5,105,0,1,0,0,0\n", "has no derivative"),
     ],
 )

@@ -133,14 +133,14 @@ def test_without_a_real_pose_at_the_first_row_there_is_nothing_to_follow(gsp, tm
     assert "mode 1 begins with another in a fold" in run.err
 
 
-def test_coordinates_that_move_are_columns_for_the_view(gsp, tmp_path):
+def test_drives_that_move_are_columns_for_the_view(gsp, tmp_path):
     path = tmp_path / "cranks.csv"
-    path.write_text("crank.B1,base.B2.x\n0,0.01\n4,0.02\n", encoding="utf-8")
+    path.write_text("crank.B1,crank.B2\n0,0.01\n4,0.02\n", encoding="utf-8")
     options = ("--mode", "1", "--relative", "--format", "csv", "-o", tmp_path / "track.csv")
     run = gsp("track", "@t-top-head", path, *options)
     assert run.code == 0
     head, *rows = (tmp_path / "track.csv").read_text(encoding="utf-8").splitlines()
-    assert head.endswith("condition,crank.B1,base.B2.x")
+    assert head.endswith("condition,crank.B1,crank.B2")
     assert [row.split(",")[-2] for row in rows] == ["0.0", "4.0"]
     run = gsp("view", "@t-top-head", "--track", tmp_path / "track.csv", "-o", tmp_path / "a.html")
     assert run.code == 0

@@ -40,7 +40,7 @@ from numpy.typing import NDArray
 from gspcli.catalogue.counts import generic_counts
 from gspcli.catalogue.types import all_types
 from gspcli.errors import GspError
-from gspcli.geometry.coordinates import choose, coordinates, moved
+from gspcli.geometry.coordinates import choose, moved
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.geometry.random_instances import random_instance
@@ -53,7 +53,7 @@ from tools.fuzz.attacks import attack_by_seeds, call
 Array = NDArray[np.float64]
 
 TURNS = (
-    "plain", "repeated", "closed", "there and back", "at a fold", "coordinate", "steps", "spoilt"
+    "plain", "repeated", "closed", "there and back", "at a fold", "steps", "spoilt"
 )  # fmt: skip
 SPOILT = ("nan", "inf", "", "1e999", "x", "1,2")
 #: Poses that agree to this times their condition are the same; of others with a greater condition
@@ -145,25 +145,12 @@ def attack(turn: str, most: int, rng: np.random.Generator) -> Attack:
             t = folds[rng.integers(len(folds))]["t"][rng.integers(2)]
             extra = [np.interp(t, found.rows[:, 0], x) for x in found.rows.T]
             found.rows = np.insert(found.rows, int(np.searchsorted(found.rows[:, 0], t)), extra, 0)
-    if turn == "coordinate":
-        some = coordinates(instance)
-        one = some[rng.integers(len(some))]
-        place = getattr(_primitive(instance, one.body, one.primitive), one.vector)[one.component]
-        column = place.value + np.cumsum(0.1 * rng.normal(size=len(given)))
-        found = Attack(instance, np.column_stack((found.rows, column)), [*names, one.name])
     if turn == "steps":
         found.options = ["--steps", str(rng.integers(2, 6))]
     if turn == "spoilt":
         where = int(rng.integers(len(given))), int(rng.integers(7))
         found.cell = (*where, SPOILT[rng.integers(len(SPOILT))])
     return found
-
-
-def _primitive(instance: Instance, body: str, name: str) -> Any:
-    for one in instance.constraints:
-        if getattr(one, f"{body}_name") == name:
-            return getattr(one, body)
-    raise KeyError(name)
 
 
 def track(given: Attack, form: str) -> tuple[int, Any, str]:

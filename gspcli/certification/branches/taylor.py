@@ -1,7 +1,7 @@
-"""Equations of an instance whose values and coordinates move: Taylor polynomials with bounds.
+"""Equations of an instance whose values and drives move: Taylor polynomials with bounds.
 
 Between two rows every number of a trajectory is a linear function of s, from 0 to 1: values,
-coordinates of points, components of directions, angles of cranks. The coefficients of the quadrics
+angles of cranks and places of slides. The coefficients of the quadrics
 are then analytic functions of s. On a part of the way, with tau from -1/2 to 1/2, each is a
 polynomial in tau plus a remainder. Lagrange's form bounds the remainder: it is the next coefficient
 of the power series, computed with a ball for s that contains the whole part.
@@ -28,7 +28,7 @@ from gspcli.certification.equations import study
 from gspcli.certification.equations.local_frames import length_scale
 from gspcli.certification.numbers.balls import ball, cross, dot, norm
 from gspcli.certification.numbers.rounding import OUTWARD, TINY
-from gspcli.geometry.coordinates import Body, Coordinate, nominal_coordinates
+from gspcli.geometry.coordinates import Body, Coordinate
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance
 from gspcli.geometry.primitives import Crank, Line, Plane, Point, Slide
 from gspcli.records import dataclass
@@ -115,14 +115,14 @@ def _shift(middle: float, width: float, count: int) -> Array:
 
 
 class MovingSystem:
-    """An instance whose values and coordinates move linearly between rows.
+    """An instance whose values and drives move linearly between rows.
 
     Parameters
     ----------
     instance
         The units and all numbers that do not move.
     chosen
-        The coordinates that move.
+        The drives that move.
     """
 
     def __init__(self, instance: Instance, chosen: Sequence[Coordinate]) -> None:
@@ -130,7 +130,7 @@ class MovingSystem:
         self.chosen = tuple(chosen)
         self.scale = length_scale(instance)
         values = [constraint.value.value for constraint in instance.constraints]
-        row = np.concatenate((values, nominal_coordinates(instance, self.chosen)))
+        row = np.concatenate((values, np.zeros(len(self.chosen))))
         still = self.equations((row, row), arb(0), arb(0), 0)
         #: The shapes of the equations, shape (6,).
         self.shapes = np.array([equation[0] for equation, _ in still], np.int32)
@@ -186,33 +186,19 @@ class MovingSystem:
         self, body: Body, name: str, geometry: Point | Line | Plane, moving: dict[Any, Element]
     ) -> tuple[list[Element], list[Element]]:
         """Return a point of a primitive in units of the scale, and its unit direction."""
-        owner = geometry.partner if isinstance(geometry, Point) else ""
-        own = {
-            (one.vector, one.component): series
-            for one, series in moving.items()
-            if (one.body, one.primitive) == (body, (owner or name) if one.is_drive else name)
-        }
-        position = [
-            own.get(("position", k), ball(number)) for k, number in enumerate(geometry.position)
-        ]
-        if ("crank", 0) in own:
-            assert isinstance(geometry, Point)
-            assert geometry.crank is not None
-            position = _turned(position, geometry.crank, own["crank", 0] * self._unit)
-        if ("slide", 0) in own:
-            assert isinstance(geometry, Point)
-            assert geometry.slide is not None
-            position = _shifted(position, geometry.slide, own["slide", 0])
+        position: list[Element] = [ball(number) for number in geometry.position]
+        if isinstance(geometry, Point):
+            owner = geometry.partner or name
+            for one, number in moving.items():
+                if (one.body, one.primitive) == (body, owner) and geometry.crank is not None:
+                    position = _turned(position, geometry.crank, number * self._unit)
+                elif (one.body, one.primitive) == (body, owner) and geometry.slide is not None:
+                    position = _shifted(position, geometry.slide, number)
         position = [entry / arb(self.scale) for entry in position]
         if isinstance(geometry, Point):
             return position, []
-        which = "direction" if isinstance(geometry, Line) else "normal"
-        given = [
-            own.get((which, k), ball(number)) for k, number in enumerate(getattr(geometry, which))
-        ]
-        square = dot(given, given)
-        size = square.sqrt() if isinstance(square, arb_series) else norm(given)
-        return position, [entry / size for entry in given]
+        given = [ball(number) for number in geometry.vector]
+        return position, [entry / norm(given) for entry in given]
 
     def _with_arm(
         self, body: Body, name: str, point: Any, axis: list[Element], moving: dict[Any, Element]

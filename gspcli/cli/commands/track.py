@@ -160,12 +160,10 @@ def command(
     standard input. The values change linearly between rows; distances to planes (DPH, DHP) are
     signed.
 
-    Other columns move the machine itself. Coordinates of points, lines and planes are base.NAME.x,
-    platform.NAME.y, base.NAME.direction.z and base.NAME.normal.x. The column crank.NAME is the
-    angle of a crank, slide.NAME the place of a slide, if SPEC states them. They change linearly,
-    too: the point of a crank moves on its circle. In a file of poses, cranks and slides are where
-    `gsp measure --drives` has them, and the rods keep their lengths. Events tell where they leave
-    their ranges, and between which rows a mode passes a dead point.
+    The column crank.NAME is the angle of a crank, slide.NAME the place of a slide, if SPEC states
+    them. They change linearly, too: the point of a crank moves on its circle. In a file of poses,
+    cranks and slides are where `gsp measure --drives` has them, and the rods keep their lengths.
+    Events tell where they leave their ranges, and between which rows a mode passes a dead point.
 
     All real poses at the first row are followed. Along a file of poses only the mode of these poses
     is followed, unless --all-modes or --complete is given. Modes have the numbers of `gsp solve
@@ -179,7 +177,7 @@ def command(
 
     --require names the worst row of each requirement, and the exit code is 1 unless all rows keep
     all of them. Ranges, cones, condition, clearance, gap and transmission must hold between the
-    rows, too, with proof, unless coordinates move other than those of cranks and slides.
+    rows, too, with proof.
 
     --along poses changes x, y, z and the angles linearly between the rows of a file of poses,
     as a controller with six axes does. The angles are rx, ry, rz in the order of --euler, ZYX
@@ -570,23 +568,19 @@ def _at_all_rows(result: Track, requirement: Requirement) -> Array | QuantityPar
     """Return a quantity of each pose, in the order of the rows; the geometry may move."""
     import numpy as np
 
-    from gspcli.geometry.drive_numbers import arms_of, is_driven
+    from gspcli.geometry.drive_numbers import is_driven
     from gspcli.motion.files.requirements import QuantityParts
-    from gspcli.motion.following.drive_events import moves_drives_only
 
     name = requirement.quantity
     if name in ("range", "transmission") and is_driven(result.instance):
         return _of_drives(result, name)
-    if name == "gap" and is_driven(result.instance) and moves_drives_only(result):
+    if name == "gap" and is_driven(result.instance):
         return _gaps(result)
     if name in ("clearance", "pose_clearance") and is_driven(result.instance):
         rows, modes = np.nonzero(~np.isnan(result.T[..., 0].T))
         R, T = (array[modes, rows] for array in (result.R, result.T))
         values = result.values[rows]
         return measured_quantities(result.instance, [requirement], values, R, T)[name]
-    if name == "gap" and arms_of(result.instance):
-        message = "--require gap: not known of arms while coordinates of points move"
-        raise GspError(message)
     found: list[Array | QuantityParts] = []
     for part, moved in result.instances():
         # What is followed has one side of each plane; ranges are those of the sides asked for.

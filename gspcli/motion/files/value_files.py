@@ -13,11 +13,9 @@ from gspcli.catalogue.kinds import DLP, DPL, DPP
 from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.coordinates import (
-    BODIES,
     Coordinate,
     choose,
     drive_corrections,
-    nominal_coordinates,
 )
 from gspcli.geometry.coordinates import coordinates as all_coordinates
 from gspcli.geometry.drive_numbers import is_driven
@@ -34,7 +32,7 @@ from gspcli.wording import shortened
 
 Array = NDArray[np.float64]
 
-_MOVING = (*BODIES, "crank", "slide")
+_MOVING = ("crank", "slide")
 #: Values beside poses are what the poses measure, but for this part of the size: they are rounded.
 _ROUNDED = 1e-3
 
@@ -50,7 +48,7 @@ class ValueTable:
     values
         In the units and order of the instance, DPH and DHP signed, shape (n, 6).
     coordinates
-        Coordinates of primitives that move, by name, each of shape (n,).
+        Readings of cranks and slides that move, by name, each of shape (n,).
     poses
         R (m, 3, 3) and T (m, 3) of a file of m poses, whose values these are; None for a file of
         values.
@@ -88,8 +86,8 @@ def read_values(
 
     The columns ``1`` to ``6`` are the values of the constraints; a constraint without a column
     keeps its value in the instance. Poses of an instance with cranks or slides are those that its
-    drives reach, with the rods of the instance. Columns with names such as ``base.B1.x``,
-    ``base.L1.direction.z`` or ``crank.B1`` are coordinates that move
+    drives reach, with the rods of the instance. Columns with names such as
+    ``crank.B1`` or ``slide.B1`` are drives that move
     (`gspcli.geometry.coordinates`). A file with columns x, y, z has poses (`read_poses`); values
     and readings of cranks and slides beside them must be what the poses measure and ask for.
     Columns that are not known are mistakes.
@@ -118,13 +116,6 @@ def read_values(
     if names_poses(table):
         if delta:
             table.note_heading("found poses, expected values with --relative")
-        for one in moving:
-            if moving[one].is_drive and is_driven(instance):
-                continue
-            table.note_column(
-                table.written[table.heading.index(one)],
-                "found a coordinate that moves beside poses, expected values",
-            )
         poses = poses_in(table, form, (*moving, *numbers))
         t = None if poses is None else poses.t
         values = np.zeros((len(table), len(numbers)))
@@ -149,12 +140,12 @@ def read_values(
         if delta and len(moving):
             chosen = list(moving.values())
             added, scales = drive_corrections(instance, chosen)
-            places += (nominal_coordinates(instance, chosen) - added) / scales
+            places -= added / scales
         coordinates = {
             one.name: column for one, column in zip(moving.values(), places.T, strict=True)
         }
         known = {"t", *numbers, *(one.name for one in all_coordinates(instance))}
-        expected = "t, 1 ... 6, base.NAME.x, platform.NAME.x, crank.NAME or slide.NAME"
+        expected = "t, 1 ... 6, crank.NAME or slide.NAME"
         table.refuse_others({*known, *filter(_is_judged, table.heading)}, expected)
     if t is None:
         t = np.arange(1.0, len(values) + 1)

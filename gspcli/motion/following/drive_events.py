@@ -7,7 +7,6 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.geometry.coordinates import carried_by
 from gspcli.geometry.drive_numbers import is_driven
 from gspcli.geometry.drives import Drives
 from gspcli.geometry.limits import out_of_motor_range
@@ -27,7 +26,7 @@ def drive_events(track: Track) -> list[LimitEvent]:
     between two rows if the gain of a drive has different signs there; gains between rows are not
     computed.
     """
-    if not is_driven(track.instance) or not any(one.is_drive for one in track.coordinates):
+    if not is_driven(track.instance) or not track.coordinates:
         return []
     drives = Drives.of(track.instance)
     q = drive_rows(track, drives)
@@ -41,15 +40,9 @@ def drive_rows(track: Track, drives: Drives) -> Array:
         if not drives.moved[k]:
             q[:, k] = track.values[:, drives.users(k)[0]] * drives.units[k]
     for c, one in enumerate(track.coordinates):
-        if one.is_drive and carried_by(track.instance, one):
-            k = drives.names.index(one.name)
-            q[:, k] = track.places[:, c] * drives.units[k]
+        k = drives.names.index(one.name)
+        q[:, k] = track.places[:, c] * drives.units[k]
     return q
-
-
-def moves_drives_only(track: Track) -> bool:
-    """Whether only cranks and slides move points."""
-    return all(one.is_drive for one in track.coordinates)
 
 
 def _ranges(track: Track, drives: Drives, q: Array) -> list[LimitEvent]:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from gspcli.errors import IncompleteError, NotFiniteError
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.coordinates import Coordinate, nominal_coordinates
+from gspcli.geometry.coordinates import Coordinate
 from gspcli.geometry.instance import Instance
 from gspcli.motion.following.branch_follower import FollowOptions, MovingPlatform, Stop
 from gspcli.motion.following.branch_runs import SAME
@@ -74,11 +74,11 @@ def row_modes(
 
 
 def _stated_row(instance: Instance, chosen: Sequence[Coordinate], row: Array) -> Array:
-    """Return the values and coordinates that an instance states; open sides are those of a row."""
+    """Return the values and drives that an instance states; open sides are those of a row."""
     arrangement = Arrangement.of(instance)
     signs = np.where(arrangement.sides < 0, -1.0, 1.0)
     signs = np.where(_open_sides(instance) & (row[:6] < 0), -1.0, signs)
-    return np.concatenate((signs * arrangement.values, nominal_coordinates(instance, chosen)))
+    return np.concatenate((signs * arrangement.values, np.zeros(len(chosen))))
 
 
 def _open_sides(instance: Instance) -> NDArray[np.bool_]:

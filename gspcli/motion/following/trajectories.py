@@ -49,9 +49,8 @@ def track(
         Shape (r, 6), in the units and order of the instance; DPH and DHP distances are signed.
         Offsets are added to them.
     coordinates
-        Of primitives that move, by their names (`gspcli.geometry.coordinates`), such as
-        ``base.B1.x`` or ``slide.B1`` in length units or ``crank.B1`` in angle units; each of shape
-        (r,). Those of cranks and slides are readings.
+        The readings of drives that move, by their names: ``slide.B1`` in length units, ``crank.B1``
+        in angle units; each of shape (r,).
     t
         Increasing, shape (r,); the numbers of the rows from 1 if None.
     modes

@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.geometry.coordinates import coordinates, moved
-from gspcli.geometry.drive_numbers import arms_of, is_driven
+from gspcli.geometry.drive_numbers import arms_of
 from gspcli.geometry.drives import Drives
 from gspcli.geometry.frames import PoseFrame
 from gspcli.geometry.readings import without_corrections
-from gspcli.motion.following.drive_events import drive_rows, moves_drives_only
+from gspcli.motion.following.drive_events import drive_rows
 from gspcli.motion.following.moving_geometry import MovingGeometry
 from gspcli.motion.following.tracks import Track
 from gspcli.motion.paths.between_rows import PathRows, largest_conditions, least_clearances
@@ -57,7 +57,7 @@ class Between:
 def can_be_bounded(track: Track, quantity: str = "") -> bool:
     """Whether bounds of a quantity between the rows of a track are known.
 
-    Its ways are proved, and no point moves but those that drives move, with the stated rods. Arms
+    Its ways are proved, and where drives move the rods are those stated. Arms
     of cranks that stay while the rods change have gaps at the rows only.
     """
     if not track.certified or len(track.t) < 2:
@@ -70,7 +70,7 @@ def can_be_bounded(track: Track, quantity: str = "") -> bool:
 def moves_by_drives(track: Track) -> bool:
     """Whether cranks and slides move a track, and nothing else, with the stated rods."""
     instance = track.instance
-    if not track.coordinates or not is_driven(instance) or not moves_drives_only(track):
+    if not track.coordinates:
         return False
     drives = Drives.of(instance)
     rods = track.values[:, drives.driven] - drives.rods[drives.driven]
@@ -144,7 +144,7 @@ def _rows(
         return _of_drives(track, k, there)
     instance = without_corrections(track.followed)
     # Drives that no column moves stay where the file states their points.
-    still = [one for one in coordinates(instance) if one.is_drive]
+    still = coordinates(instance)
     instance = moved(instance, still, np.zeros(len(still)))
     # Limits are judged apart: a way that leaves them has its condition numbers all the same.
     rows = tuple(replace(row, limits=None) for row in instance.constraints)

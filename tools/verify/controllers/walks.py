@@ -183,7 +183,7 @@ def examine(steps: int, name: str) -> Row:
 
 def _motors(instance: Instance) -> list[str]:
     """Return the names of the cranks and slides."""
-    return [one.name for one in coordinates(instance) if one.is_drive]
+    return [one.name for one in coordinates(instance)]
 
 
 def walk_values(

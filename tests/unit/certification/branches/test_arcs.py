@@ -27,13 +27,16 @@ def _precision():
         yield
 
 
-@pytest.mark.parametrize("moves", [False, True])
-@pytest.mark.parametrize("number", [1, 411, 1035, 3316, 3850])
-def test_polynomials_along_a_line_are_those_of_the_equations(number, moves):
-    rng = np.random.default_rng(number)
-    instance, _ = random_instance(type_by_number(number), rng)
-    names = [f"base.{instance.constraints[0].base_name}.x"] if moves else []
-    values = [*(one.value.value for one in instance.constraints), *[0.3] * moves]
+@pytest.mark.parametrize("number", [1, 411, 1035, 3316, 3850, "t-top-head"])
+def test_polynomials_along_a_line_are_those_of_the_equations(number):
+    names = ["crank.B1", "crank.B4"] if isinstance(number, str) else []
+    rng = np.random.default_rng(0 if names else number)
+    instance = (
+        gspcli.load(data_path("platforms", f"{number}.yaml"))
+        if names
+        else (random_instance(type_by_number(number), rng)[0])
+    )
+    values = [*(one.value.value for one in instance.constraints), *[0.3] * len(names)]
     rows = np.array([values, 1.1 * np.array(values)])
     system = MovingSystem(instance, choose(instance, names))
     equations = CurveSystem(system, (rows[0], rows[1]), rng.normal(size=8))

@@ -113,37 +113,6 @@ def test_what_is_seen_at_many_rows_is_among_the_events(name, seed):
     assert all(any(alike(event, other) for event in events) for other in seen)
 
 
-def test_cones_of_joints_that_move_are_proved_too():
-    """Both ends of a platform on legs that keep their length, moved sideways together."""
-    machine = study(base_angle=5)
-    _, _, values = sideways()
-    names = [row.base_name or f"B{k}" for k, row in enumerate(machine.constraints, 1)]
-    rows = [
-        replace(row, base_name=name) for row, name in zip(machine.constraints, names, strict=True)
-    ]
-    machine = replace(machine, constraints=tuple(rows))
-    shift = np.array([0.0, 15.0])
-    places = {
-        f"base.{name}.x": row.base.point[0] + shift
-        for name, row in zip(names, machine.constraints, strict=True)
-    }
-    same = np.stack((values[0], values[0]))
-    home = np.eye(3), np.array([0, 0, 60.0])
-    assert limit_events(track(machine, same, coordinates=places, near=home)) == []
-    # One joint alone tilts its leg.
-    one = {f"base.{names[0]}.x": machine.constraints[0].base.point[0] + shift}
-    moved = track(machine, values[[0, 0]], coordinates=one, near=home)
-    left = [event for event in limit_events(moved) if event.kind == "cone"]
-    assert left
-    at = left[0]
-    places = {f"base.{names[0]}.x": machine.constraints[0].base.point[0] + shift * [1, at.low - 1]}
-    there = track(machine, same, coordinates=places, near=home)
-    [(_, _), (_, instance)] = there.instances()
-    joints = [(one.constraint, one.body) for one in joint_cones(machine)]
-    tilt = tilts(instance, there.R[0, 1], there.T[0, 1])[joints.index((at.constraint, at.body))]
-    assert tilt == pytest.approx(5, abs=1e-5)
-
-
 @pytest.mark.parametrize(
     ("side", "changes"),
     [

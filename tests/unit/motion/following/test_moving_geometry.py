@@ -7,7 +7,7 @@ from flint import arb
 
 import gspcli
 from gspcli.certification.branches.taylor import MovingSystem
-from gspcli.geometry.coordinates import choose, coordinates, moved, nominal_coordinates
+from gspcli.geometry.coordinates import choose, coordinates
 from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.geometry.random_instances import random_instance
 from gspcli.motion import FollowOptions, MovingPlatform, measure, track
@@ -28,10 +28,6 @@ def random_platform(gsp_type, seed=1):
 
 def nominal_values(instance):
     return np.array([constraint.value.value for constraint in instance.constraints])
-
-
-def named(instance, *, body, vector="position"):
-    return [c for c in coordinates(instance) if c.body == body and c.vector == vector]
 
 
 def matrix_about(axis, angle):
@@ -55,27 +51,6 @@ def test_both_proofs_agree_where_only_values_move(gsp_type):
         assert slow.worst == pytest.approx(quick.worst, rel=0.1)
 
 
-def test_a_base_that_is_shifted_takes_the_platform_along():
-    instance = gspcli.load(data_path("examples", "platform-6-6.yaml"))
-    shift, s = np.array([0.4, -0.3, 0.2]), np.linspace(0, 1, 4)
-    values = np.tile(nominal_values(instance), (4, 1))
-    for body in ("base", "platform"):
-        chosen = named(instance, body=body)
-        places = nominal_coordinates(instance, chosen)[None] + s[:, None] * [
-            shift[c.component] for c in chosen
-        ]
-        columns = dict(zip([c.name for c in chosen], places.T, strict=True))
-        found = track(instance, values, coordinates=columns, everything=True)
-        assert found.certified
-        assert found.complete
-        assert not found.events
-        assert len(found.modes) == 2
-        assert np.allclose(found.R, found.R[:, :1], atol=1e-12)
-        way = shift if body == "base" else -(found.R @ shift)
-        assert np.allclose(found.T - found.T[:, :1], s[:, None] * way, atol=1e-12)
-        assert np.allclose(found.conditions, found.conditions[:, :1])
-
-
 def test_cranks_about_one_axis_turn_everything():
     text = data_path("examples", "platform-6-6.yaml").read_text(encoding="utf-8")
     head, tail = text.split("base:\n")
@@ -86,7 +61,7 @@ def test_cranks_about_one_axis_turn_everything():
     )
     instance = gspcli.loads(f"{head}base:\n{turning}constraints:{constraints}")
     assert gspcli.loads(gspcli.dumps(instance)) == instance
-    names = [c.name for c in named(instance, body="base", vector="crank")]
+    names = [c.name for c in coordinates(instance)]
     assert len(names) == 6
     angles = np.array([0, 25, -70, 120.0])
     values = np.tile(nominal_values(instance), (4, 1))
@@ -103,45 +78,6 @@ def test_cranks_about_one_axis_turn_everything():
     )
     assert np.allclose(direct.R[0, -1], found.R[0, -1], atol=1e-11)
     assert direct.segments > 3
-
-
-@pytest.mark.parametrize("gsp_type", MIXED)
-def test_every_coordinate_can_move(gsp_type):
-    rng, instance, R, T = random_platform(gsp_type)
-    every = coordinates(instance)
-    assert {c.vector for c in every} >= {"position"}
-    start = nominal_coordinates(instance, every)
-    places = start + np.linspace(0, 1, 4)[:, None] * rng.normal(size=len(every)) * 1e-4
-    platform = MovingGeometry(instance, every)
-    values = np.tile(measure(instance, R, T), (4, 1))
-    rows = np.column_stack((values, places))
-    found = platform.follow(
-        rows[None], np.zeros(1, int), platform.points(R[None], T[None]), FollowOptions()
-    )
-    assert found.stop[0] == 0
-    assert found.worst[0] < 1
-    poses = platform.poses(found.points[0])
-    for k in range(4):
-        there = moved(instance, every, places[k])
-        assert np.allclose(measure(there, poses[0][k], poses[1][k]), values[k], atol=1e-9)
-
-
-def test_a_fold_met_by_moving_a_joint():
-    instance = gspcli.load(data_path("examples", "platform-6-6.yaml"))
-    name = f"base.{instance.constraints[0].base_name}.x"
-    (one,) = choose(instance, [name])
-    (first,) = nominal_coordinates(instance, [one])
-    values = np.tile(nominal_values(instance), (2, 1))
-    found = track(instance, values, coordinates={name: first + np.array([0, 1])}, everything=True)
-    assert found.complete
-    folds = sorted({event.low for event in found.events if event.kind == "fold"})
-    assert len(folds) == len(found.events) // 2 == 2
-    for fold in folds:
-        before, after = (
-            gspcli.solve(moved(instance, [one], np.array([first + fold - 1 + step]))).real.sum()
-            for step in (-1e-8, 1e-8)
-        )
-        assert after - before == 2
 
 
 def test_what_taylor_polynomials_leave_out_is_bounded():
