@@ -156,7 +156,6 @@ def decide(
     origins: NDArray[np.float64],
     scale: float,
     tolerance: float,
-    finer: tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]] | None = None,
     jobs: int = 1,
     build: str = "",
 ) -> tuple[
@@ -176,25 +175,6 @@ def follow_far(
     products: int = 0,
     build: str = "",
 ) -> tuple[NDArray[np.complex128], NDArray[np.uint8]]: ...
-def decide_finer(
-    coefficients: NDArray[np.float64],
-    bounds: NDArray[np.float64],
-    equations: NDArray[np.int32],
-    points: NDArray[np.complex128],
-    *,
-    unit: float,
-    origins: NDArray[np.float64],
-    scale: float,
-    tolerance: float,
-    build: str = "",
-) -> tuple[
-    NDArray[np.complex128],
-    NDArray[np.complex128],
-    NDArray[np.complex128],
-    NDArray[np.float64],
-    NDArray[np.uint8],
-    NDArray[np.complex128],
-]: ...
 def decide_far(
     numbers: NDArray[np.complex128],
     errors: NDArray[np.float64],

@@ -18,6 +18,8 @@ constexpr double kOutward = 1.0 + 0x1p-40;
 constexpr double kRounding = 0x1p-90;
 // Numbers below the first are rounded to multiples of the second (`round_entry`).
 constexpr double kSmall = 0x1p-12, kGrid = 0x1p-64;
+// Complex numbers that err by no more than this part of the largest are doubles within 2^-53 of it.
+constexpr double kAccurate = 0x1p-55;
 constexpr double kNothing = 5e-10;  // rounds to zero to nine digits
 
 #if !defined(GSP_FUSED)
@@ -113,7 +115,7 @@ INLINE Rounded round_entry(const V& number, const D& error, const D& unit) {
   const D rest = s.lo + x.lo, reach = kOutward * (error + 0x1p-50 * (rest < 0.0 ? -rest : rest));
   const D up = s.hi + (rest + reach), down = s.hi + (rest - reach);
   // Zero has one sign.
-  return {(up - base) + 0.0, up == down};
+  return {((s.hi + rest) - base) + 0.0, up == down};
 }
 
 // The power of two above the largest part of some numbers, rounded, but not less than another one.
@@ -129,7 +131,7 @@ INLINE D unit_of(const C* numbers, int count, const D& least) {
   return (D)(((Mask)largest & kExponent) + kOne);
 }
 
-// The numbers of poses that are known up to errors (16), rounded.
+// The numbers of poses that are known up to errors (16), in doubles: real ones rounded correctly, complex ones accurate.
 void put_rounded(const C* entry, const D* error, const Mask& real, const D& unit, const FinePoses& out) {
   D re[kEntries], im[kEntries], deviation = D{};
   const D turning = unit_of(entry, kOfR, D{}), moving = unit_of(entry + kOfR, kOfPose - kOfR, unit),
@@ -139,7 +141,8 @@ void put_rounded(const C* entry, const D* error, const Mask& real, const D& unit
     const D here = i < kOfR ? turning : i < kOfPose ? moving : quaternion;
     const Rounded a = round_entry(entry[i].re, error[i], here), b = round_entry(entry[i].im, error[i], here);
     re[i] = a.value, im[i] = real ? D{} : b.value;
-    sure &= a.sure & (b.sure | real);
+    const Mask accurate = error[i] <= kAccurate * here;
+    sure &= (real & a.sure) | (~real & accurate);
     if (i >= kOfPose) continue;
     // A number that is not proved to be rounded correctly can differ by its error in either part.
     const D off = 3.0 * error[i] + 0x1p-52 * bound(entry[i]) + kGrid * here;

@@ -11,11 +11,6 @@ namespace {
 constexpr double kParts = 4.0;
 constexpr int kSteps = 0, kMoreSteps = 3;      // before the proof: paths have had theirs
 constexpr double kValueRounding = 0x1p-94;     // of values with 32 digits (FinePoints)
-// With 64 digits (FinerPoints): their rounding, after how many steps, the most steps, and how short the last one is as
-// a part of the largest coordinate.
-constexpr double kFinerRounding = 0x1p-150;
-constexpr int kFirstFiner = 2, kFinerSteps = 21;
-constexpr double kArrived = 0x1p-96;
 constexpr int kEntries = 12, kNumbers = 16;    // of R and of T; and with the quaternion
 
 // The Hessian matrices and moduli for one set of values.
@@ -126,47 +121,16 @@ struct Lanes {
   Isolation found;
 };
 
-// What is to be done for one set of values, or with numbers of 64 digits for sets that share the lanes.
+// What is to be done for one set of values.
 struct Decision {
   const OpenGeometry& open;
-  const OpenValues* given;
+  const OpenValues& given;
   int count;  // of points of each set
-  bool is_finer;
   const Complex* points;
   const Poses& out;
   ProofSystem system;
   const double *high_coefficients, *low_coefficients;
   double *low, *high;  // ends of the intervals of the linear form
-};
-
-// The values in the lanes.
-struct Given {
-  V gap[kEquations];
-  double unit[W];
-  // Of these are none where values are among the coefficients.
-  LaneValues values;
-  double value[2][kEquations * W], distance[2][kEquations * W];
-  double finer[2][4 * kEquations * W];
-
-  Given(const Decision& d, const int* index) {
-    for (int l = 0; l < W; ++l) {
-      const OpenValues& from = d.given[index[l] / d.count];
-      const double* const off = d.is_finer ? from.finer + 4 * kEquations : from.gap;
-      unit[l] = from.unit;
-      for (int r = 0; r < kEquations; ++r) {
-        gap[r][l] = kOutward * d.open.weight_bound[r] * off[r];
-        if (!d.is_finer) continue;
-        values.norm[r][l] = d.open.weight[r] * from.value[r], values.distance[r][l] = from.distance[r];
-        values.bound[r][l] = kParts * (d.open.norm_bound[r] + d.open.weight_bound[r] * from.bound[r]);
-        value[0][r * W + l] = from.value[r], value[1][r * W + l] = from.low[r];
-        distance[0][r * W + l] = from.distance[r], distance[1][r * W + l] = from.distance_low[r];
-        for (int part = 0; part < 4; ++part)
-          for (int k = 0; k < 2; ++k)
-            finer[k][(part * kEquations + r) * W + l] = from.finer[(part + 5 * k) * kEquations + r];
-      }
-    }
-    values.parts = kParts, values.turned = d.open.turned;
-  }
 };
 
 // A point of 32 digits with its monomials, and how it moves in a step of Newton's method.
@@ -176,14 +140,14 @@ struct FinePoint {
 };
 
 // The poses of proved points, and bounds of their errors.
-void measure(const Decision& d, const Given& given, FinePoint& point, Lanes& s) {
+void measure(const Decision& d, FinePoint& point, Lanes& s) {
   const OpenGeometry& open = d.open;
   Shared<kNumbers> entry;
-  double error[W], f_unit[W], real[W], deviation[W], rounded[W];
+  double error[W], f_unit[W], real[W], unit[W], deviation[W], rounded[W];
   for (int l = 0; l < W; ++l)
-    error[l] = s.found.error_after[l], f_unit[l] = s.f_unit[l], real[l] = s.found.real[l] ? 1.0 : 0.0;
+    unit[l] = d.given.unit, error[l] = s.found.error_after[l], f_unit[l] = s.f_unit[l], real[l] = s.found.real[l] ? 1.0 : 0.0;
   GSP_FINE.poses({point.high, point.low}, {point.monomials, point.monomials_low}, point.change, error, f_unit, real,
-                 given.unit, {entry, deviation, rounded});
+                 unit, {entry, deviation, rounded});
   entry.load(s.entry);
   for (int l = 0; l < W; ++l) s.deviation[l] = deviation[l], s.rounded[l] = rounded[l] != 0.0 ? -1 : 0;
   V largest = splat(1.0);
@@ -199,36 +163,18 @@ void measure(const Decision& d, const Given& given, FinePoint& point, Lanes& s) 
   for (int i = 9; i < kEntries; ++i) s.entry[i] = splat(open.scale) * s.entry[i];
 }
 
-// Whether a step is so short in all lanes that the points have no digits for another one.
-INLINE bool has_arrived(const C* z, const C* moved) {
-  V size = splat(0.0), length = splat(0.0);
-  for (int k = 0; k < N; ++k) size = maximum(bound(z[k]), size), length = maximum(bound(moved[k]), length);
-  bool all = true;
-  for (int l = 0; l < W; ++l) all = all && length[l] <= kArrived * size[l];
-  return all;
-}
-
 // Whether solutions are near points, after so many steps of Newton's method; returns the unit of the errors of f.
-V prove_points(const Decision& d, Given& given, int steps, const Mask* above, const Mask* below, C* z,
+V prove_points(const Decision& d, int steps, const Mask* above, const Mask* below, C* z,
                FinePoint& point, Isolation& found) {
-  const LaneSystem system(d.system, d.is_finer ? &given.values : nullptr);
-  const FineLaneValues fine{d.open.weight, d.open.weight_low, d.open.turned, {given.value[0], given.value[1]},
-                            {given.distance[0], given.distance[1]}};
   Linear at;
   C low[N] = {};
   for (int step = 0;; ++step) {
     Shared<kRows> value;
     C change[kRows], moved[N];
-    linearize(system, z, above, at);
+    linearize(d.system, z, above, at);
     point.high.store(z), point.low.store(low);
     GSP_FINE.values(d.system.quadrics, d.system.equation, d.high_coefficients, d.low_coefficients,
-                    d.is_finer ? &fine : nullptr, {point.high, point.low}, {point.monomials, point.monomials_low},
-                    value);
-#if defined(GSP_FINER)
-    if (d.is_finer && step >= kFirstFiner)
-      GSP_FINER.values({d.system.quadrics, d.open.finer, d.open.finer_weight, d.open.turned, d.system.equation},
-                       given.finer[0], given.finer[1], {point.high, point.low}, value);
-#endif
+                    {point.high, point.low}, {point.monomials, point.monomials_low}, value);
     value.load(at.value);
     newton_step(at, change);
     // Free coordinate k is coordinate k below the patch, k + 1 above it.
@@ -238,7 +184,7 @@ V prove_points(const Decision& d, Given& given, int steps, const Mask* above, co
       if (k > 0) moved[k] = moved[k] + select(above[k - 1], change[k - 1], none);
     }
     point.change.store(moved);
-    if (step == steps || (d.is_finer && step > kFirstFiner && has_arrived(z, moved))) break;
+    if (step == steps) break;
     for (int k = 0; k < N; ++k) {
       subtract(z[k].re, low[k].re, moved[k].re);
       subtract(z[k].im, low[k].im, moved[k].im);
@@ -250,7 +196,9 @@ V prove_points(const Decision& d, Given& given, int steps, const Mask* above, co
       at.jacobian[r][k] = by(units.of_f, at.jacobian[r][k]);
       at.inverse[k][r] = by(units.inverse, at.inverse[k][r]);
     }
-  isolate(system, units, z, above, at, d.is_finer ? kFinerRounding : kValueRounding, given.gap, found);
+  V gap[kEquations];
+  for (int r = 0; r < kEquations; ++r) gap[r] = splat(kOutward * d.open.weight_bound[r] * d.given.gap[r]);
+  isolate(d.system, units, z, above, at, kValueRounding, gap, found);
   return units.of_f;
 }
 
@@ -268,9 +216,8 @@ unsigned decide_lanes(const Decision& d, int count, const int* index, int steps)
   }
   Lanes s;
   FinePoint point;
-  Given given(d, index);
-  s.f_unit = prove_points(d, given, steps, above, below, z, point, s.found);
-  measure(d, given, point, s);
+  s.f_unit = prove_points(d, steps, above, below, z, point, s.found);
+  measure(d, point, s);
   unsigned done = 0;
   for (int l = 0; l < count; ++l) {
     const int p = index[l];
@@ -314,16 +261,10 @@ int there(const Complex* points, int count, double* list) {
   return found;
 }
 
-// Whether all poses of a set of values are proved and different.
-void put_complete(const Decision& d, int set, double* list) {
-  const int first = set * d.count;
-  bool all = true;
-  for (int p = first; p < first + d.count; ++p) all = all && (d.out.proved[p] & (kReal | kComplex));
-  d.out.complete[set] = all && different(d.count, d.low + first, d.high + first, list);
-}
+}  // namespace
 
-void decide(const OpenGeometry& open, const OpenValues& given, int count, const Complex* points,
-            double* work, const Poses& out) {
+void GSP_DECIDE(const OpenGeometry& open, const OpenValues& given, int count, const Complex* points, double* work,
+                const Poses& out) {
   const int quadrics = open.equations.quadrics, size = quadrics * N * N, fine = quadrics * kMonomials;
   double *const hessian = work, *const moduli = hessian + size, *const coefficients = moduli + size;
   double *const low = coefficients + 2 * fine, *const high = low + count, *const list = high + count;
@@ -332,43 +273,14 @@ void decide(const OpenGeometry& open, const OpenValues& given, int count, const 
                          open.turned, open.equations.equation},
                         {given.value, given.low, given.distance, given.distance_low}, coefficients,
                         coefficients + fine);
-  const Decision d{open, &given, count, false, points, out, {quadrics, hessian, moduli, open.equations.equation},
+  const Decision d{open, given, count, points, out, {quadrics, hessian, moduli, open.equations.equation},
                    coefficients, coefficients + fine, low, high};
   for (int p = 0; p < count; ++p) list[p] = p;
   const int left = there(points, decide_all(d, count, list, kSteps), list);
   if (left > 0) decide_all(d, left, list, kMoreSteps);
-  put_complete(d, 0, list);
+  bool all = true;
+  for (int p = 0; p < count; ++p) all = all && (out.proved[p] & (kReal | kComplex));
+  *out.complete = all && different(count, low, high, list);
 }
-
-#if defined(GSP_FINER)
-void decide_together(const OpenGeometry& open, const OpenValues* given, int sets, int count, const Complex* points,
-                     double* work, const Poses& out) {
-  const int fine = open.equations.quadrics * kMonomials, all = sets * count;
-  double *const coefficients = work, *const low = coefficients + 2 * fine, *const high = low + all,
-         *const list = high + all;
-  const double none[kEquations] = {}, one[kEquations] = {1.0, 1.0, 1.0, 1.0, 1.0, 1.0};
-  GSP_FINE.coefficients({open.equations.quadrics, open.equations.hessian, open.hessian_low, open.weight,
-                         open.weight_low, open.turned, open.equations.equation},
-                        {none, none, one, none}, coefficients, coefficients + fine);
-  const Decision d{open, given, count, true, points, out, open.equations, coefficients, coefficients + fine, low, high};
-  for (int p = 0; p < all; ++p) list[p] = p, out.proved[p] = 0;
-  decide_all(d, there(points, all, list), list, kFirstFiner + kFinerSteps);
-  for (int s = 0; s < sets; ++s) put_complete(d, s, list);
-}
-#endif
-
-}  // namespace
-
-void GSP_DECIDE(const OpenGeometry& open, const OpenValues& given, int count,
-                const Complex* points, double* work, const Poses& poses) {
-  decide(open, given, count, points, work, poses);
-}
-
-#if defined(GSP_FINER)
-void GSP_DECIDE_TOGETHER(const OpenGeometry& open, const OpenValues* given, int sets, int count,
-                         const Complex* points, double* work, const Poses& poses) {
-  decide_together(open, given, sets, count, points, work, poses);
-}
-#endif
 
 }  // namespace gsp

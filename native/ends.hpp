@@ -25,8 +25,6 @@ struct OpenGeometry {
   double tolerance;  // largest deviation of a pose, relative to its largest entry if above one
   // For values of equations with 32 digits.
   const double *hessian_low, *weight_low;
-  // The same with 64 digits (FinerGeometry), or null; live pages are built without.
-  const double *finer, *finer_weight;
 };
 
 // One set of values. `value` is the function in the equation (a square, the distance, a cosine),
@@ -36,8 +34,6 @@ struct OpenGeometry {
 struct OpenValues {
   const double *value, *bound, *distance, *low, *gap, *distance_low;  // (6) each
   double unit;  // of the digits of translations, a power of two, in lengths of the equations
-  // (9, 6), or null: the values as sums of four doubles, by how much these err, and the distances likewise.
-  const double* finer;
 };
 
 // Arrays over the points of one set of values.
@@ -51,25 +47,12 @@ struct Poses {
   std::uint8_t* complete;
 };
 
-// Decides about `count` Study points for each of some sets of values with numbers of 64 digits, where points of all
-// sets share the lanes. The arrays of poses and points have the points of one set after those of another. `work` has
-// room for twice 27 quadrics numbers, and for 3 numbers a point.
-using DecideTogether = void(const OpenGeometry&, const OpenValues*, int sets, int count, const Complex* points,
-                            double* work, const Poses&);
-DecideTogether decide_together_portable, decide_together_avx2, decide_together_avx512;
-
 // Decides about `count` Study points of any norm (count, 8) after one step of Newton's method. If
-// that does not suffice, more steps follow at points of 32 digits. Poses are rounded correctly
+// that does not suffice, more steps follow at points of 32 digits. Poses are in doubles then
 // (FinePoints). `work` has room for twice the Hessian matrices and the coefficients, 182 quadrics
 // numbers, and for 3 numbers a point.
 using Decide = void(const OpenGeometry&, const OpenValues&, int count, const Complex* points,
                     double* work, const Poses&);
 Decide decide_portable, decide_avx2, decide_avx512;
-
-// What one build has of both.
-struct EndsBuild {
-  Decide* decide;
-  DecideTogether* together;
-};
 
 }  // namespace gsp

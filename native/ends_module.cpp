@@ -1,6 +1,5 @@
 #include "ends_module.hpp"
 
-#include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 
@@ -8,7 +7,6 @@
 #include <atomic>
 #include <complex>
 #include <memory>
-#include <optional>
 #include <tuple>
 #include <vector>
 
@@ -24,14 +22,9 @@ namespace {
 using Numbers = std::complex<double>;
 
 // Of each value: see OpenValues.
-constexpr std::size_t kNumbers = 6, kFiner = 9;
+constexpr std::size_t kNumbers = 6;
 
-// See FinerGeometry and OpenValues.
-using Finer = std::tuple<Array<double, 3>, Array<double, 2>, Array<double, 3>>;
-
-EndsBuild (*choose)(const std::string& build);
-// So many sets of values share the lanes with numbers of 64 digits.
-constexpr std::size_t kTogether = 64;
+Decide* (*choose)(const std::string& build);
 
 void check_geometry(const Array<double, 3>& hessians, const Array<double, 3>& moduli,
                     const Array<std::int32_t, 2>& equations, const Array<std::int32_t, 1>& turned) {
@@ -55,7 +48,7 @@ nb::tuple decide(Array<double, 3> hessians, Array<double, 3> lows, Array<double,
                  Array<std::int32_t, 2> equations, Array<double, 2> weights,
                  Array<std::int32_t, 1> turned, Array<double, 3> values,
                  Array<double, 1> units, Array<Numbers, 3> points, double unit, Array<double, 2> origins, double scale,
-                 double tolerance, std::optional<Finer> finer, int jobs, const std::string& build) {
+                 double tolerance, int jobs, const std::string& build) {
   const std::size_t systems = points.shape(0), count = points.shape(1);
   const std::size_t quadrics = hessians.shape(0), three = 3, four = 4, eight = kVariables;
   check_geometry(hessians, moduli, equations, turned);
@@ -67,14 +60,6 @@ nb::tuple decide(Array<double, 3> hessians, Array<double, 3> lows, Array<double,
           "weights, values and units must have shapes (4, 6), (systems, 6, 6) and (systems,)");
   require(points.shape(2) == eight && origins.shape(0) == 2 && origins.shape(1) == 3,
           "points and origins must have shapes (systems, count, 8) and (2, 3)");
-  if (finer) {
-    const auto& [coefficients, weights_of, values_of] = *finer;
-    require(coefficients.shape(0) == four && coefficients.shape(1) == quadrics &&
-                coefficients.shape(2) == kMonomials && weights_of.shape(0) == four &&
-                weights_of.shape(1) == kEquations && values_of.shape(0) == systems &&
-                values_of.shape(1) == kFiner && values_of.shape(2) == kEquations,
-            "finer numbers must have shapes (4, quadrics, 27), (4, 6) and (systems, 9, 6)");
-  }
   ProofEquation equation[kEquations];
   for (std::size_t r = 0; r < kEquations; ++r)
     equation[r] = {equations(r, 0), {equations(r, 1), equations(r, 2)}};
@@ -83,9 +68,7 @@ nb::tuple decide(Array<double, 3> hessians, Array<double, 3> lows, Array<double,
       weights.data(), weights.data() + kEquations, weights.data() + 2 * kEquations, turned.data(),
       unit, {origins(0, 0), origins(0, 1), origins(0, 2)},
       {origins(1, 0), origins(1, 1), origins(1, 2)}, scale, tolerance,
-      lows.data(), weights.data() + 3 * kEquations,
-      finer ? std::get<0>(*finer).data() : nullptr, finer ? std::get<1>(*finer).data() : nullptr};
-  const double* const finer_values = finer ? std::get<2>(*finer).data() : nullptr;
+      lows.data(), weights.data() + 3 * kEquations};
   const std::size_t total = systems * count;
   auto rotation = std::make_unique<Numbers[]>(total * 9);
   auto translation = std::make_unique<Numbers[]>(total * 3);
@@ -93,34 +76,26 @@ nb::tuple decide(Array<double, 3> hessians, Array<double, 3> lows, Array<double,
   auto deviation = std::make_unique<double[]>(total);
   auto proved = std::make_unique<std::uint8_t[]>(total);
   auto complete = std::make_unique<std::uint8_t[]>(systems);
-  const EndsBuild run = choose(build);
-  const std::size_t together = finer ? kTogether : 1, pieces = (systems + together - 1) / together;
+  Decide* const run = choose(build);
   {
     nb::gil_scoped_release release;
     std::atomic<std::size_t> next{0};
     const auto work = [&] {
-      std::vector<double> room(2 * quadrics * (eight * eight + kMonomials) + 3 * together * count);
-      std::vector<OpenValues> sets(together);
-      for (std::size_t piece = next++; piece < pieces; piece = next++) {
-        const std::size_t first = piece * together, size = std::min(together, systems - first), at = first * count;
-        for (std::size_t s = first; s < first + size; ++s) {
-          const double* given = values.data() + s * kNumbers * kEquations;
-          sets[s - first] = {given, given + kEquations, given + 2 * kEquations, given + 3 * kEquations,
-                             given + 4 * kEquations, given + 5 * kEquations, units(s),
-                             finer_values ? finer_values + s * kFiner * kEquations : nullptr};
-        }
+      std::vector<double> room(2 * quadrics * (eight * eight + kMonomials) + 3 * count);
+      for (std::size_t s = next++; s < systems; s = next++) {
+        const std::size_t at = s * count;
+        const double* v = values.data() + s * kNumbers * kEquations;
+        const OpenValues given{v, v + kEquations, v + 2 * kEquations, v + 3 * kEquations, v + 4 * kEquations,
+                               v + 5 * kEquations, units(s)};
         const auto* const near = reinterpret_cast<const Complex*>(points.data() + at * eight);
         const Poses poses{reinterpret_cast<Complex*>(rotation.get() + at * 9),
                           reinterpret_cast<Complex*>(translation.get() + at * 3),
                           reinterpret_cast<Complex*>(quaternion.get() + at * 4), deviation.get() + at,
-                          proved.get() + at, complete.get() + first};
-        if (finer)
-          run.together(open, sets.data(), static_cast<int>(size), static_cast<int>(count), near, room.data(), poses);
-        else
-          run.decide(open, sets[0], static_cast<int>(count), near, room.data(), poses);
+                          proved.get() + at, complete.get() + s};
+        run(open, given, static_cast<int>(count), near, room.data(), poses);
       }
     };
-    share(jobs, pieces, work);
+    share(jobs, systems, work);
   }
   return nb::make_tuple(owned(std::move(rotation), {systems, count, three, three}),
                         owned(std::move(translation), {systems, count, three}),
@@ -171,13 +146,13 @@ nb::tuple open(Array<std::int32_t, 1> relations, Array<double, 4> numbers, Array
 
 }  // namespace
 
-void bind_ends(nb::module_& m, EndsBuild (*choose_decide)(const std::string& build)) {
+void bind_ends(nb::module_& m, Decide* (*choose_decide)(const std::string& build)) {
   choose = choose_decide;
   m.def("open", &open, "relations"_a, "numbers"_a, "tables"_a, nb::kw_only(), "tiny"_a,
         "Write down equations with their values left open; see gspcli.certification.poses.many_values.");
   m.def("decide", &decide, "hessians"_a, "lows"_a, "moduli"_a, "equations"_a, "weights"_a, "turned"_a,
         "values"_a, "units"_a, "points"_a, nb::kw_only(), "unit"_a, "origins"_a, "scale"_a, "tolerance"_a,
-        "finer"_a = nb::none(), "jobs"_a = 1, "build"_a = "",
+        "jobs"_a = 1, "build"_a = "",
         "Prove what ends of paths are poses; see gspcli.certification.poses.many_values.");
 }
 

@@ -9,6 +9,6 @@
 
 namespace gsp {
 
-void bind_ends(nanobind::module_& m, EndsBuild (*choose)(const std::string& build));
+void bind_ends(nanobind::module_& m, Decide* (*choose)(const std::string& build));
 
 }  // namespace gsp

@@ -318,10 +318,10 @@ bool apart(const Complex& a, const Complex& b, double reach) {
   return re > reach || -re > reach || im > reach || -im > reach;
 }
 
-// Whether poses are all rounded, and proved different from each other.
+// Whether poses are all proved, and different from each other.
 bool is_complete(int first, int count, double scale, const Poses& out) {
   for (int p = first; p < first + count; ++p) {
-    if (!(out.proved[p] & kRounded) || !(out.proved[p] & (kReal | kComplex))) return false;
+    if (!(out.proved[p] & (kReal | kComplex))) return false;
     for (int q = first; q < p; ++q) {
       const double reach = kOutward * (out.deviation[p] + out.deviation[q]);
       bool different = false;

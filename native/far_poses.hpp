@@ -64,7 +64,7 @@ struct FarValues {
 };
 
 // Decides about all poses for all sets of values, in the order of the sets: those of the geometry, then the
-// conjugates of those that are paired. Poses are complete if they are all rounded and different. `work` has
+// conjugates of those that are paired. Poses are complete if they are all proved and different. `work` has
 // room for `kFarRoom` numbers.
 using DecideFar = void(const FarGeometry&, const FarValues&, double* work, const Poses&);
 DecideFar decide_far_portable, decide_far_avx2, decide_far_avx512;

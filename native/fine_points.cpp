@@ -5,8 +5,6 @@
 namespace gsp {
 namespace {
 
-constexpr double kFormRounding = 0x1p-190;  // of forms that were computed with 64 digits
-
 int monomial(int i, int j) { return i < 4 && j < 4 ? 4 * i - i * (i - 1) / 2 + j - i : 10 + 4 * i + j - 4; }
 
 // A coefficient of the quadric z^T H z / 2, the Hessian matrix H given in two parts.
@@ -44,7 +42,7 @@ void coefficients(const FineGeometry& g, const FineValues& given, double* high, 
 }
 
 void values(int quadrics, const ProofEquation* equations, const double* high, const double* low,
-            const FineLaneValues* given, const FineNumbers& point, const FineNumbers& monomials,
+            const FineNumbers& point, const FineNumbers& monomials,
             const LaneNumbers& out) {
   C z[N], m[kMonomials], quadric[kMostQuadrics];
   for (int i = 0; i < N; ++i) z[i] = load(point, i);
@@ -62,16 +60,6 @@ void values(int quadrics, const ProofEquation* equations, const double* high, co
       im.add(D{} + a, D{} + a_low, m[k].im);
     }
     quadric[q] = {re.total(), im.total()};
-  }
-  for (int r = 0; given && r < kEquations; ++r) {
-    const V value{load(given->value.re, r), load(given->value.im, r)};
-    const V by = times(V{D{} + given->weight[r], D{} + given->weight_low[r]}, value);
-    C& main = quadric[equations[r].main];
-    main = plus(main, C{times(by, quadric[0].re), times(by, quadric[0].im)});
-    if (const int q = given->turned[r]; q >= 0) {
-      const V distance{load(given->distance.re, r), load(given->distance.im, r)};
-      quadric[q] = {times(distance, quadric[q].re), times(distance, quadric[q].im)};
-    }
   }
   const auto put_value = [&](int r, const C& value) {
     store(out.re, r, value.re.hi + value.re.lo), store(out.im, r, value.im.hi + value.im.lo);
@@ -126,21 +114,28 @@ struct Reach {
   D turning, moving, least;
 };
 
-// The error of f is in a unit; the forms of the pose err by `rounding` times the sum of the moduli of their terms.
-INLINE Reach reach_of(const C* z, const D& error, const D& unit, const C& norm, double rounding) {
+// The error of f is in a unit; the forms of the pose err by kRounding times the sum of the moduli of their terms.
+INLINE Reach reach_of(const C* z, const D& error, const D& unit, const C& norm) {
   D turning = D{}, moving = D{};
   for (int i = 0; i < 4; ++i) turning += bound(z[i]), moving += bound(z[4 + i]);
   const D all = turning + moving;
   const D e = turning;
-  turning = 2.0 * turning * error + 8.0 * error * error + rounding * turning * turning;
-  moving = 2.0 * (unit * e + moving) * error + 8.0 * unit * error * error + rounding * all * all;
+  turning = 2.0 * turning * error + 8.0 * error * error + kRounding * turning * turning;
+  moving = 2.0 * (unit * e + moving) * error + 8.0 * unit * error * error + kRounding * all * all;
   const D size = root(norm.re.hi * norm.re.hi + norm.im.hi * norm.im.hi);
   return {turning, moving, (1.0 - 0x1p-40) * size - kOutward * turning};
 }
 
-// Poses from N, and N R and N T in `entry`, at points z.
-void finish(C* z, C& norm, C* entry, const D& off, const D& f_unit, const Mask& is_real, double rounding, const D& unit,
-            const FinePoses& out) {
+void poses(const FineNumbers& point, const FineNumbers& monomials, const LaneNumbers& change,
+           const double* error, const double* f_unit, const double* real, const double* unit, const FinePoses& out) {
+  C z[N], norm, entry[kEntries];
+  for (int i = 0; i < N; ++i) {
+    const C x = load(point, i);
+    z[i] = {exact_sum(x.re.hi, x.re.lo - load(change.re, i)), exact_sum(x.im.hi, x.im.lo - load(change.im, i))};
+  }
+  motion(monomials, point, change, norm, entry);
+  const D off = load(error, 0), of_f = load(f_unit, 0);
+  const Mask is_real = load(real, 0) != 0.0;
   // Where N nearly vanishes, its low part may be as large as the high one.
   norm = {exact_sum(norm.re.hi, norm.re.lo), exact_sum(norm.im.hi, norm.im.lo)};
   // The real part is no further from a real solution.
@@ -148,7 +143,7 @@ void finish(C* z, C& norm, C* entry, const D& off, const D& f_unit, const Mask& 
   for (int i = 0; i < 4; ++i) z[i].im = select(is_real, none, z[i].im);
   norm.im = select(is_real, none, norm.im);
   for (int i = 0; i < kOfPose; ++i) entry[i].im = select(is_real, none, entry[i].im);
-  const Reach reach = reach_of(z, off, f_unit, norm, rounding);
+  const Reach reach = reach_of(z, off, of_f, norm);
   const C factor = inverse(norm), part = inverse(complex_root(norm));
   const D size = root(norm.re.hi * norm.re.hi + norm.im.hi * norm.im.hi), length = root(size);
   const D least = reach.least > 0.0 ? kOutward / reach.least : D{} + __builtin_inf();
@@ -165,31 +160,12 @@ void finish(C* z, C& norm, C* entry, const D& off, const D& f_unit, const Mask& 
     }
     errors[i] = change_of * least;
   }
-  put_rounded(entry, errors, is_real, unit, out);
-}
-
-void poses(const FineNumbers& point, const FineNumbers& monomials, const LaneNumbers& change,
-           const double* error, const double* f_unit, const double* real, const double* unit, const FinePoses& out) {
-  C z[N], norm, entry[kEntries];
-  for (int i = 0; i < N; ++i) {
-    const C x = load(point, i);
-    z[i] = {exact_sum(x.re.hi, x.re.lo - load(change.re, i)), exact_sum(x.im.hi, x.im.lo - load(change.im, i))};
-  }
-  motion(monomials, point, change, norm, entry);
-  finish(z, norm, entry, load(error, 0), load(f_unit, 0), load(real, 0) != 0.0, kRounding, load(unit, 0), out);
-}
-
-void poses_of(const FineNumbers& point, const FineNumbers& motion, const double* error, const double* f_unit,
-              const double* real, double unit, const FinePoses& out) {
-  C z[N], norm = load(motion, 0), entry[kEntries];
-  for (int i = 0; i < N; ++i) z[i] = load(point, i);
-  for (int i = 0; i < kOfPose; ++i) entry[i] = load(motion, i + 1);
-  finish(z, norm, entry, load(error, 0), load(f_unit, 0), load(real, 0) != 0.0, kFormRounding, D{} + unit, out);
+  put_rounded(entry, errors, is_real, load(unit, 0), out);
 }
 
 }  // namespace
 
 extern const FinePoints GSP_FINE;
-const FinePoints GSP_FINE{coefficients, values, poses, poses_of};
+const FinePoints GSP_FINE{coefficients, values, poses};
 
 }  // namespace gsp

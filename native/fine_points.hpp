@@ -37,14 +37,8 @@ struct FineNumbers {
 struct FinePoses {
   LaneNumbers entry;   // (16): R by rows, T, the quaternion with e.e = 1
   double* deviation;   // bounds of the errors of entries of R and T
-  double* rounded;     // 1 where every number is proved to be rounded correctly, else 0
-};
-
-// Values in lanes, number r of lane l at r lanes + l, in two parts: `re` and `im`.
-struct FineLaneValues {
-  const double *weight, *weight_low;
-  const std::int32_t* turned;
-  LaneNumbers value, distance;
+  double* rounded;     // 1 where every number of a real pose is proved to be rounded correctly, or those of a complex
+                       // one are within 2^-53 of the largest; else 0
 };
 
 struct FinePoints {
@@ -52,65 +46,15 @@ struct FinePoints {
   void (*coefficients)(const FineGeometry&, const FineValues&, double* high, double* low);
   // The monomials (27) and the seven equations (7) at points (8). The equations err by less than 2^-94
   // times the sum of the moduli of their terms: coefficients by 2^-96, products and sums by 2^-99.
-  // Values that are not among the coefficients are given, else null.
-  void (*values)(int quadrics, const ProofEquation*, const double* high, const double* low, const FineLaneValues*,
-                 const FineNumbers& point, const FineNumbers& monomials, const LaneNumbers& value);
+  void (*values)(int quadrics, const ProofEquation*, const double* high, const double* low, const FineNumbers& point,
+                 const FineNumbers& monomials, const LaneNumbers& value);
   // The poses of these points less a change (8), that are known up to an error each then, that of f in units; real (1)
   // or not (0). Numbers below 2^-12 units are rounded to multiples of 2^-64 units, others to the
   // nearest double. The unit is a power of two above all numbers of R, of T (but not below the one
   // given), or of the quaternion.
   void (*poses)(const FineNumbers& point, const FineNumbers& monomials, const LaneNumbers& change,
                 const double* error, const double* f_unit, const double* real, const double* unit, const FinePoses&);
-  // The poses of points (8) of which N, N R by rows and N T are known (13), that err by less than 2^-190
-  // times the sum of the moduli of their terms. The errors of f are in units.
-  void (*poses_of)(const FineNumbers& point, const FineNumbers& motion, const double* error, const double* f_unit,
-                   const double* real, double unit, const FinePoses&);
 };
 extern const FinePoints fine_portable, fine_avx2, fine_avx512;
-
-// The numbers of a geometry with 64 digits, for poses at which the equations are nearly dependent: each is
-// the sum of four doubles.
-struct FinerGeometry {
-  int quadrics;
-  const double *coefficient, *weight;  // (4, quadrics, 27) with distances and cosines of zero, (4, 6)
-  const std::int32_t* turned;          // (6), see OpenGeometry
-  const ProofEquation* equation;
-};
-
-// Numbers of 64 digits of as many points as a build has lanes: each is the sum of four doubles.
-struct FinerNumbers {
-  LaneNumbers part[4];
-};
-
-// Equations of quadrics with 64 digits, their values among the coefficients (4, quadrics, 27).
-struct FinerQuadrics {
-  int quadrics;
-  const double* coefficient;
-  const ProofEquation* equation;
-};
-
-// Frames of points: f becomes unit f + (base e - e platform) / 2.
-struct OwnFrames {
-  double unit, base[3], platform[3];
-};
-
-struct FinerPoints {
-  // The seven equations at points of 32 digits, for values and distances (4, 6) in each lane. Their errors are
-  // below 2^-150 times the sum of the moduli of their terms. For only a part of at most 2^-150 of
-  // that sum is computed with rounding.
-  void (*values)(const FinerGeometry&, const double* value, const double* distance, const FineNumbers& point,
-                 const LaneNumbers& out);
-  // Moves points to the frames of the equations; the largest coordinate of e, whose index is returned, is 1.
-  void (*place)(const OwnFrames&, const FinerNumbers& point, double* patch);
-  // The seven equations and their derivatives (7, 8) at points of 64 digits. They err by less than 2^-190, and
-  // 2^-95, times the sum of the moduli of their terms.
-  void (*linearize)(const FinerQuadrics&, const FinerNumbers& point, const FineNumbers& values,
-                    const FineNumbers& derivatives);
-  // Subtracts a change (8) from points; the results err by less than 2^-190 times the moduli of both.
-  void (*move)(const FinerNumbers& point, const FineNumbers& change);
-  // N, N R by rows and N T (13), as FinePoints::poses_of needs them.
-  void (*motion)(const FinerNumbers& point, const FineNumbers& out);
-};
-extern const FinerPoints finer_portable, finer_avx2, finer_avx512;
 
 }  // namespace gsp

@@ -1,59 +1,69 @@
 // The theorem of gspcli.certification.poses.isolation for as many points as there are lanes.
 //
-// Included by ends.cpp and by finer_ends.cpp (with 32 digits) in each of their builds: all in an anonymous namespace, so
-// that the linker cannot merge functions that were compiled for different processors.
+// Included by ends.cpp in each of its builds: all in an anonymous namespace, so that the linker cannot merge functions
+// that were compiled for different processors.
 #pragma once
 
-#include "combined_quadrics.hpp"
 #include "inverse.hpp"
+#include "lanes.hpp"
+#include "proofs.hpp"
 
 namespace gsp {
 namespace {
 
+// Values and gradients of quadrics, of complex numbers or of bounds of moduli.
+template <class T>
+struct Quadrics {
+  T value[kMostQuadrics];
+  T gradient[kMostQuadrics][N];
+};
+
+INLINE void add_real(C& s, double a, const C& b) {
+  s.re += a * b.re;
+  s.im += a * b.im;
+}
+INLINE void add_real(D& s, double a, const D& b) { s += a * b; }
+INLINE void add_term(C& s, const C& a, const C& b) { add_product(s, a, b); }
+INLINE void add_term(D& s, const D& a, const D& b) { s += a * b; }
+INLINE C half(const C& a) { return {0.5 * a.re, 0.5 * a.im}; }
+INLINE D half(const D& a) { return 0.5 * a; }
+
+// The rows of the equations and of their derivatives; the sign of the squares is -1, and 1 for
+// bounds of moduli.
+template <class T>
+void combine(const ProofSystem& system, const Quadrics<T>& q, double sign, T* value,
+             T (*jacobian)[N]) {
+  value[0] = q.value[1];
+  for (int i = 0; i < N; ++i) jacobian[0][i] = q.gradient[1][i];
+  for (int r = 0; r < kEquations; ++r) {
+    const ProofEquation& e = system.equation[r];
+    T* const row = jacobian[r + 1];
+    if (e.squares[0] < 0) {
+      value[r + 1] = q.value[e.main];
+      for (int i = 0; i < N; ++i) row[i] = q.gradient[e.main][i];
+      continue;
+    }
+    T s{};
+    add_term(s, q.value[0], q.value[e.main]);
+    for (int i = 0; i < N; ++i) {
+      row[i] = T{};
+      add_term(row[i], q.value[e.main], q.gradient[0][i]);
+      add_term(row[i], q.value[0], q.gradient[e.main][i]);
+    }
+    for (const int b : e.squares) {
+      if (b < 0) break;
+      T scaled{};
+      add_real(scaled, sign, q.value[b]);
+      add_term(s, scaled, q.value[b]);
+      add_real(scaled, sign, q.value[b]);
+      for (int i = 0; i < N; ++i) add_term(row[i], scaled, q.gradient[b][i]);
+    }
+    value[r + 1] = s;
+  }
+}
+
 // Radius of the theorem.
 constexpr double kReach = 0.125;
-
-// Values of equations whose quadrics are those of distances and cosines of zero, one set in each lane.
-struct LaneValues {
-  D norm[kEquations], bound[kEquations];  // how often N is added to the main quadric; of the moduli of that
-  D distance[kEquations];                 // what quadrics are multiplied by, and with `parts` their moduli
-  double parts;
-  const std::int32_t* turned;  // (6) which: -1: none
-};
-
-// Equations that have their values in their quadrics, or in lanes.
-struct LaneSystem : ProofSystem {
-  const LaneValues* values;
-  LaneSystem(const ProofSystem& system, const LaneValues* in_lanes = nullptr) : ProofSystem(system), values(in_lanes) {}
-};
-
-INLINE void add_values(const LaneSystem& system, const C* z, Quadrics<C>& q) {
-  const LaneValues& v = *system.values;
-  for (int r = 0; r < kEquations; ++r) {
-    const int main = system.equation[r].main, turned = v.turned[r];
-    q.value[main] = q.value[main] + by(v.norm[r], q.value[0]);
-    for (int i = 0; i < 4; ++i) q.gradient[main][i] = q.gradient[main][i] + by(2.0 * v.norm[r], z[i]);
-    if (turned < 0) continue;
-    q.value[turned] = by(v.distance[r], q.value[turned]);
-    for (int i = 0; i < N; ++i) q.gradient[turned][i] = by(v.distance[r], q.gradient[turned][i]);
-  }
-}
-
-// The same of bounds.
-INLINE void add_bounds(const LaneSystem& system, const D* m, Quadrics<D>& q) {
-  const LaneValues& v = *system.values;
-  for (int r = 0; r < kEquations; ++r) {
-    const int main = system.equation[r].main, turned = v.turned[r];
-    for (int i = 0; i < 4; ++i) {
-      q.value[main] += v.bound[r] * m[i] * m[i];
-      q.gradient[main][i] += 2.0 * v.bound[r] * m[i];
-    }
-    if (turned < 0) continue;
-    const D factor = v.parts * v.distance[r];
-    q.value[turned] *= factor;
-    for (int i = 0; i < N; ++i) q.gradient[turned][i] *= factor;
-  }
-}
 
 template <class T>
 void evaluate(int count, const double* hessian, const T* z, Quadrics<T>& out) {
@@ -94,7 +104,7 @@ struct Units {
 
 // Bounds of the sums of the moduli of all second derivatives of each equation where coordinates are
 // not larger than m (`System.curvatures`).
-void curvatures(const LaneSystem& system, const Units& units, const D* m, D* out) {
+void curvatures(const ProofSystem& system, const Units& units, const D* m, D* out) {
   D first[kMostQuadrics], value[kMostQuadrics], second[kMostQuadrics];
   const double* entry = system.moduli;
   for (int q = 0; q < system.quadrics; ++q) {
@@ -112,15 +122,6 @@ void curvatures(const LaneSystem& system, const Units& units, const D* m, D* out
     }
     value[q] = 0.5 * value[q];
     second[q] = sums[0] + units.of_f * (sums[1] + units.of_f * sums[2]);
-  }
-  for (int r = 0; system.values && r < kEquations; ++r) {
-    const LaneValues& v = *system.values;
-    const int main = system.equation[r].main, turned = v.turned[r];
-    for (int i = 0; i < 4; ++i) first[main] += 2.0 * v.bound[r] * m[i], value[main] += v.bound[r] * m[i] * m[i];
-    second[main] += 8.0 * v.bound[r];
-    if (turned < 0) continue;
-    const D factor = v.parts * v.distance[r];
-    first[turned] *= factor, value[turned] *= factor, second[turned] *= factor;
   }
   out[0] = D{} + second[1];
   for (int r = 0; r < kEquations; ++r) {
@@ -144,21 +145,14 @@ struct Linear {
   C value[kRows], jacobian[kRows][kRows], inverse[kRows][kRows];
 };
 
-#if GSP_PARTS == 1
-void evaluate(const LaneSystem& system, const C* z, const Mask* above, Linear& at) {
+void linearize(const ProofSystem& system, const C* z, const Mask* above, Linear& at) {
   Quadrics<C> quadrics;
   C whole[kRows][N];
   evaluate(system.quadrics, system.hessian, z, quadrics);
-  if (system.values) add_values(system, z, quadrics);
   combine(system, quadrics, -1.0, at.value, whole);
   for (int r = 0; r < kRows; ++r) free_columns(whole[r], above, at.jacobian[r]);
-}
-
-void linearize(const LaneSystem& system, const C* z, const Mask* above, Linear& at) {
-  evaluate(system, z, above, at);
   invert(at.jacobian, at.inverse);
 }
-#endif
 
 // The step of Newton's method, in the free coordinates.
 INLINE void newton_step(const Linear& at, C* change) {
@@ -175,17 +169,16 @@ struct Isolation {
   Mask isolated, real, imaginary;
 };
 // Relative error of that step where nothing cancels.
-constexpr double kStepRounding = GSP_PARTS == 1 ? 0x1p-48 : 0x1p-90;
+constexpr double kStepRounding = 0x1p-48;
 
 // Whether there is exactly one solution near a point, from the equations there. Their values err by
 // `rounding` times the sum of the moduli of their terms, and by `gap` times N (6).
-void isolate(const LaneSystem& system, const Units& units, const C* z, const Mask* above, const Linear& at,
+void isolate(const ProofSystem& system, const Units& units, const C* z, const Mask* above, const Linear& at,
              double value_rounding, const D* gap, Isolation& out) {
   Quadrics<D> bounds;
   D m[N], value_bound[kRows], whole_bound[kRows][N], curvature[kRows];
   for (int i = 0; i < N; ++i) m[i] = bound(z[i]);
   evaluate(system.quadrics, system.moduli, m, bounds);
-  if (system.values) add_bounds(system, m, bounds);
   combine(system, bounds, 1.0, value_bound, whole_bound);
   D height = D{};
   for (int i = 0; i < N; ++i) height = maximum(height, units.into(i, size_of(z[i].im)));

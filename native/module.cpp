@@ -24,7 +24,6 @@
 #include "controller_module.hpp"
 #include "counting.hpp"
 #include "ends_module.hpp"
-#include "finer_module.hpp"
 #include "far_module.hpp"
 #include "gaps_module.hpp"
 #include "homotopy.hpp"
@@ -57,8 +56,7 @@ struct Build {
   Intersect* intersect;
   Count* count;
   Follow* follow;
-  EndsBuild ends;
-  DecideFiner* decide_finer;
+  Decide* decide;
   FarBuild far;
   TrackValues* track_values;
 };
@@ -66,17 +64,17 @@ struct Build {
 constexpr Build kPortable{
     "portable",     track_portable,     track_portable_double_double, track_portable_quad_double,
     track_portable_short, track_portable_real, intersect_portable, count_portable,
-    follow_portable, {decide_portable, decide_together_portable}, decide_finer_portable,
+    follow_portable, decide_portable,
     {decide_far_portable, follow_far_portable}, track_values_portable};
 #if defined(GSP_X86)
 constexpr Build kAvx2{
     "avx2",           track_avx2, track_avx2_double_double, track_avx2_quad_double, track_avx2_short,
-    track_avx2_real, intersect_avx2,   count_avx2, follow_avx2, {decide_avx2, decide_together_avx2}, decide_finer_avx2,
+    track_avx2_real, intersect_avx2,   count_avx2, follow_avx2, decide_avx2,
     {decide_far_avx2, follow_far_avx2}, track_values_avx2};
 constexpr Build kAvx512{
     "avx512",           track_avx512, track_avx512_double_double, track_avx512_quad_double,
     track_avx512_short, track_avx512_real, intersect_avx512, count_avx512,      follow_avx512,
-    {decide_avx512, decide_together_avx512}, decide_finer_avx512, {decide_far_avx512, follow_far_avx512}, track_values_avx512};
+    decide_avx512, {decide_far_avx512, follow_far_avx512}, track_values_avx512};
 
 bool has_avx2() { return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"); }
 #endif
@@ -341,8 +339,7 @@ NB_MODULE(_kernel, m) {
   gsp::bind_gaps(m);
   gsp::bind_controller(m);
   gsp::bind_branches(m, [](const std::string& name) { return gsp::build_named(name).follow; });
-  gsp::bind_ends(m, [](const std::string& name) { return gsp::build_named(name).ends; });
-  gsp::bind_finer_ends(m, [](const std::string& name) { return gsp::build_named(name).decide_finer; });
+  gsp::bind_ends(m, [](const std::string& name) { return gsp::build_named(name).decide; });
   gsp::bind_far_poses(m, [](const std::string& name) { return gsp::build_named(name).far; });
   gsp::bind_reduced(m, [](const std::string& name) { return gsp::build_named(name).track_values; });
   m.def("build", [] { return gsp::build_named("").name; },

@@ -25,7 +25,7 @@ struct ProofSystem {
   const ProofEquation* equation;
 };
 
-// The last one: every number of the pose is rounded correctly.
+// The last one: numbers of a real pose are rounded correctly, those of others accurate (FinePoses).
 enum Proved : std::uint8_t { kIsolated = 1, kReal = 2, kComplex = 4, kRounded = 8 };
 
 }  // namespace gsp

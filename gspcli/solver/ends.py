@@ -24,8 +24,6 @@ class Ends(NamedTuple):
         a number where a path is lost.
     far
         Poses far away, to which no paths lead, if there is one choice of sides.
-    all_poses
-        Whether all paths lead to poses, for values in general position.
     has_directions
         Whether quaternions are right in all digits, up to a factor, where N nearly vanishes, too:
         where paths with fewer unknowns to one platform have arrived.
@@ -37,6 +35,5 @@ class Ends(NamedTuple):
     points: ComplexArray
     frames: StudyFrames
     far: FarPoses | None = None
-    all_poses: bool = False
     has_directions: bool = False
     planes: NDArray[np.int64] | None = None

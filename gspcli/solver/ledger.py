@@ -76,14 +76,7 @@ class Ledger:
             return
         proofs, choices, jobs = problem.proofs, problem.choices, problem.jobs
         rows = None if problem.rows is None else problem.rows[self.left]
-        found = proofs.decide(
-            choices,
-            ends.points,
-            ends.frames,
-            rows=rows,
-            jobs=jobs,
-            all_poses=ends.all_poses,
-        )
+        found = proofs.decide(choices, ends.points, ends.frames, rows=rows, jobs=jobs)
         if ends.far is not None:
             found = ends.far.beside(found, proofs, choices[0], rows, jobs=jobs)
         number = found.certified.shape[1]
@@ -112,12 +105,33 @@ class Ledger:
 
     def _keep(self, found: ProvedPoses) -> None:
         """Keep the poses for sets of values that were left and are complete now."""
+        self._round(found)
         if self.proved is None:
             self.proved = found
         else:
             for part, better in zip(self.proved, found, strict=True):
                 part[self.left] = better
         self.left = self.left[~found.complete]
+
+    def _round(self, found: ProvedPoses) -> None:
+        """Round poses for complete sets of values in balls, where 32 digits do not do that.
+
+        Of many sets of values the real ones: the numbers of others are as good as their bounds say.
+        """
+        problem, number = self.problem, found.real.shape[1]
+        wanted = ~found.rounded & found.complete[:, None] & (found.real | (problem.rows is None))
+        for k in np.flatnonzero(wanted.any(axis=1)).tolist():
+            one = problem
+            if problem.rows is not None:
+                one = problem.with_values(problem.rows[self.left[k]])
+            for i in np.flatnonzero(wanted[k]).tolist():
+                sides = one.sides[i * len(one.sides) // number]
+                located = one.locator.near_proved(
+                    found.R[k, i], found.T[k, i], found.deviation[k, i], sides
+                )
+                if located is not None:
+                    found.R[k, i], found.T[k, i] = located.R, located.T
+                    found.quaternions[k, i], found.rounded[k, i] = located.quaternion, True
 
     @property
     def is_at_once(self) -> bool:

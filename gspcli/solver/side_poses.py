@@ -3,15 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.certification.equations.frames import OWN
-from gspcli.certification.equations.mirror_images import with_mirror_images
 from gspcli.certification.poses.collection import Collection
 from gspcli.certification.poses.conjugate_points import conjugate_sources
 from gspcli.certification.poses.distinct import same
@@ -25,9 +21,6 @@ from gspcli.geometry.quaternions import Field, canonical_sign, pose_from_study
 from gspcli.solver.problem import Problem
 from gspcli.solver.results.pose_set import PoseSet
 
-if TYPE_CHECKING:
-    from gspcli.certification.poses.finer_proofs import FinerProofs
-
 Bits = NDArray[np.bool_]
 Index = NDArray[np.intp]
 
@@ -36,11 +29,8 @@ Index = NDArray[np.intp]
 FEW = 50
 #: Poses that agree to this part of their largest entry are not located again.
 _KNOWN = 1e-13
-#: Bits for poses that 32 digits do not round correctly. The second are for numbers half-way between
-#: two doubles, as an entry of a rotation is where it is a ratio of two values.
-_MANY_BITS = 128, 512
-#: Bits of points that are known to many digits.
-_FAR_BITS = 256
+#: Bits of points that are known to many digits, half of those of `far_points`.
+_FAR_BITS = 160
 
 
 class SidePoses:
@@ -111,46 +101,31 @@ class SidePoses:
         self.reached[np.unique(place, return_index=True)[1]] = True
         self.reached &= place >= 0
 
-    def add_proved(self, found: ProvedPoses, reached: Field | None = None) -> Index:
+    def add_proved(self, found: ProvedPoses) -> Index:
         """Add what the kernel has proved of ends, and conjugates; return their places here, or -1.
 
-        Parameters
-        ----------
-        found
-            Of one set of values and these sides: shapes (1, n, ...).
-        reached
-            Study points with more digits, if they are known (`finer_proofs`), shape (4, n, 8).
+        It is of one set of values and these sides: shapes (1, n, ...).
         """
         R, T, e, certified, real, rounded, off = (part[0] for part in found[:-1])
         place = np.full(len(R), -1)
-        known = certified & rounded
-        pairs = known & ~real
 
-        def with_conjugates(x: Field, axis: int = 0) -> Field:
+        def add(chosen: Bits) -> None:
+            pairs = chosen & ~real
             # Zero has one sign.
-            one, other = np.compress(known, x, axis), np.compress(pairs, x, axis).conj() + 0.0
-            return np.concatenate((one, other), axis=axis)
+            parts = [np.concatenate((x[chosen], x[pairs].conj() + 0.0)) for x in (R, T, e)]
+            parts += [np.concatenate((x[chosen], x[pairs])) for x in (real, off)]
+            place[chosen] = self.found.add_proved(*parts)[: chosen.sum()]
 
-        part = None if reached is None else with_conjugates(reached, 1)
-        bounds = np.concatenate((off[known], off[pairs]))
-        reals = np.concatenate((real[known], real[pairs]))
-        new_R, new_T, new_e = (with_conjugates(x) for x in (R, T, e))
-        added = self.found.add_proved(new_R, new_T, new_e, reals, bounds, part)
-        place[known] = added[: known.sum()]
-        # What 32 digits do not tell.
-        rest = np.flatnonzero(certified & ~rounded)
-        if len(rest):
-            place[rest] = self._add_finer(*self._finer.near(R[rest], T[rest]))
+        add(certified & rounded)
         # Mostly pairs of conjugates, which are one after the other.
-        for k in rest[place[rest] < 0].tolist():
+        for k in np.flatnonzero(certified & ~rounded).tolist():
             place[k] = self.found.place_near(R[k], T[k], off[k])
-            for bits in _MANY_BITS if place[k] < 0 else ():
-                located = self.locator.near(R[k], T[k], self.sides, bits)
-                if isinstance(located, Located):
-                    self.found.add([located])
-                    self.found.add_conjugates()
-                    place[k] = self.found.place_near(R[k], T[k], off[k])
-                    break
+            if place[k] >= 0:
+                continue
+            located = self.locator.near_proved(R[k], T[k], off[k], self.sides)
+            if self.found.add([located]):
+                self.found.add_conjugates()
+                place[k] = self.found.place_near(R[k], T[k], off[k])
         return place
 
     def add(self, ends: PathEnds) -> Bits:
@@ -180,9 +155,6 @@ class SidePoses:
         source = index[conjugate_sources(ends.points[index], ends.low[index])]
         sought = index[source == index]
         bits = DOUBLE * ends.digits // 16
-        before, place = len(self.found), self._prove_finely(ends.take(sought))
-        new[sought] = place >= before
-        sought = sought[place < 0]
         near = ends.take(sought)
         located = self.locator.locate(near.points, near.low, self.sides, bits)
         new[sought] = [bool(self.found.add([end])) for end in located]
@@ -206,7 +178,6 @@ class SidePoses:
         planes
             As in `gspcli.solver.ends.Ends`.
         """
-        from gspcli.certification.numbers.balls import sums_of_doubles
         from gspcli.certification.poses.far_points import far_points
 
         has_images = self.problem.has_mirror_images
@@ -218,50 +189,12 @@ class SidePoses:
         points = far_points(self.locator, self.sides, e[is_open], of_open)
         if not points:
             return
-        frames = replace(OWN, length=self.locator.scale)
-        parts = np.array([sums_of_doubles(point) for point in points])
-        found, reached = self._finer.at(parts[:, 0], parts[:, 1:], frames)
-        if has_images:
-            found, reached = found.with_mirror_images(), with_mirror_images(reached, axis=1)
-        place = self._add_finer(found, reached)
-        for k in np.flatnonzero(place[: len(points)] < 0).tolist():
-            located = self.locator.locate_exactly(points[k], self.sides, _FAR_BITS)
+        for point in points:
+            located = self.locator.locate_exactly(point, self.sides, _FAR_BITS)
             if isinstance(located, Located):
                 self.found.add([located, located.mirrored] if has_images else [located])
                 self.found.add_conjugates()
         self.found.add_close_conjugates()
-
-    def _prove_finely(self, ends: PathEnds) -> Index:
-        """Add the poses near ends that 64 digits prove; return their places, or -1, shape (k,)."""
-        number = len(ends.points)
-        if not number or not ends.low.shape[1]:
-            return np.full(number, -1)
-        return self._add_finer(*self._finer.at(ends.points, ends.low, self.problem.frames))
-
-    def _add_finer(self, found: ProvedPoses, reached: Field) -> Index:
-        """Add poses that 64 digits prove and round; return their places here, or -1.
-
-        Doubles may not separate a pose from its conjugate, or from another pose of the collection.
-        It is not added then, and its place is -1: balls separate them.
-        """
-        before, scale = len(self.found), self.locator.scale
-        heights = np.maximum(
-            np.abs(found.R.imag).max(axis=(2, 3), initial=0),
-            np.abs(found.T.imag).max(axis=2, initial=0) / scale,
-        )
-        is_apart = found.real | (heights > 2 * found.deviation)
-        sure = found.certified & found.rounded & is_apart
-        place = self.add_proved(found._replace(certified=sure), reached)
-        is_new = np.zeros(len(place), np.bool_)
-        is_new[np.unique(place, return_index=True)[1]] = True
-        return np.where(is_new & (place >= before), place, -1)
-
-    @cached_property
-    def _finer(self) -> FinerProofs:
-        """The equations with 64 digits."""
-        from gspcli.certification.poses.finer_proofs import FinerProofs
-
-        return FinerProofs(self.locator, self.sides)
 
     def _are_known(self, ends: PathEnds) -> Bits:
         """Return which ends agree with a proved pose in all their digits, shape (k,)."""

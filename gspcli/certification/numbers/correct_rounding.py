@@ -23,6 +23,10 @@ _SMALL, _GRID, _TIE = -12, -64, -900
 SMALL, GRID = Fraction(2) ** _SMALL, Fraction(2) ** _GRID
 
 
+#: Errors of complex numbers that are as good as rounded, as a part of the largest.
+_ACCURATE = 2.0**-55
+
+
 def rounded(
     numbers: Sequence[acb], *, real: bool, least_unit: float = 0.0
 ) -> NDArray[np.complex128] | None:
@@ -46,6 +50,21 @@ def rounded(
     if any(x is None for both in found for x in both):
         return None
     return np.array(found, np.float64).view(np.complex128)[:, 0]
+
+
+def accurate(numbers: Sequence[acb], *, least_unit: float = 0.0) -> NDArray[np.complex128] | None:
+    """Return the numbers in balls within 2^-53 of the largest of them; None if a ball is too large.
+
+    Their middles are rounded as by `rounded`: nearly always the results are those of smaller balls.
+    """
+    if not all(x.is_finite() for x in numbers):
+        return None
+    largest = max([float(part.mid()) for x in numbers for part in (abs(x.real), abs(x.imag))])
+    off = max([float(part.rad()) for x in numbers for part in (x.real, x.imag)])
+    if off > _ACCURATE * max(least_unit, largest):
+        return None
+    middles = [acb(x.real.mid(), x.imag.mid()) for x in numbers]
+    return rounded(middles, real=False, least_unit=least_unit)
 
 
 def _rounded(number: arb, unit: int) -> float | None:

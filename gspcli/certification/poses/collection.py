@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from gspcli.certification.poses.distinct import places, same
 from gspcli.certification.poses.locator import (
-    DOUBLE,
     LAST_PRECISION,
     AtInfinity,
     Located,
@@ -60,8 +59,6 @@ class Collection:
         self._deviations = np.zeros(0)
         self._located: list[Located | None] = []
         self._paired: set[int] = set()
-        #: Points of poses that were proved with 64 digits, as sums of doubles, by their places.
-        self._points: dict[int, Complex] = {}
         #: Poses whose conjugates doubles do not separate from other poses.
         self._close: list[int] = []
 
@@ -74,8 +71,6 @@ class Collection:
         for T, located in zip(self.T, self._located, strict=True):
             if located is not None:
                 yield T.tobytes(), located.isolation.centre
-        for k, point in self._points.items():
-            yield self.T[k].tobytes(), self.locator.exact_sum(point)
 
     def add_proved(
         self,
@@ -84,7 +79,6 @@ class Collection:
         quaternions: Complex,
         real: NDArray[np.bool_],
         off: Array,
-        reached: Complex | None = None,
     ) -> NDArray[np.intp]:
         """Add poses that the kernel has proved; return the place of each in the collection.
 
@@ -96,8 +90,6 @@ class Collection:
             As the attributes of the same names.
         off
             Bounds of their errors (`ProvedPoses.deviation`).
-        reached
-            Study points with more digits, if they are known (`finer_proofs`), shape (4, n, 8).
         """
         known, scale = len(self), self.locator.scale
         entries = _entries(np.concatenate([self.R, R]), np.concatenate([self.T, T]) / scale)
@@ -114,9 +106,6 @@ class Collection:
             )
         )
         self._located += [None] * int(new.sum())
-        if reached is not None:
-            for k, source in enumerate(np.flatnonzero(new).tolist(), start=known):
-                self._points[k] = reached[:, source]
         place = np.concatenate([np.arange(known), known + np.cumsum(new) - 1])
         return np.asarray(place[found[known:]])
 
@@ -207,12 +196,7 @@ class Collection:
     def _exactly(self, k: int) -> Located | None:
         """Return a pose with all its digits, if they can be computed."""
         if self._located[k] is None:
-            if k in self._points:
-                # The doubles of two poses may be alike.
-                start = self.locator.exact_sum(self._points[k])
-                found = self.locator.locate_exactly(start, self.sides, 4 * DOUBLE)
-            else:
-                found = self.locator.near(self.R[k], self.T[k], self.sides)
+            found = self.locator.near(self.R[k], self.T[k], self.sides)
             if isinstance(found, Located) and self._is_near(k, found):
                 self._located[k] = found
         return self._located[k]

@@ -24,13 +24,14 @@ from gspcli.catalogue.kinds import DLP, DPL
 from gspcli.certification.equations.frames import OWN
 from gspcli.certification.numbers.doubled import two_sum
 from gspcli.certification.numbers.rounding import OUTWARD
+from gspcli.certification.poses.distinct import all_different
 from gspcli.certification.poses.local_coordinates import (
     LocalCoordinates,
     combined,
     local_coordinates,
 )
 from gspcli.certification.poses.locator import Locator
-from gspcli.certification.poses.many_values import ProvedPoses, ValueProofs, proved_bits
+from gspcli.certification.poses.many_values import OF_POSES, ProvedPoses, ValueProofs, proved_bits
 from gspcli.certification.poses.value_shifts import Shifts, Values
 from gspcli.defaults import TOLERANCE
 from gspcli.geometry.quaternions import quaternion_product
@@ -53,9 +54,11 @@ _THINNEST = 1e-3
 #: Coordinates are chosen at most this many times. If solutions are lost, values differ by this part
 #: of what they did, down to the third. The last suffices.
 _STAGES, _NEARER, _LEAST_REACH, _NEARLY = 30, 0.25, 2.0**-60, 2.0**-4
+#: Conjugates agree to this part of their largest entry.
+_ALIKE = 1e-6
 #: To poses not farther away than this many lengths paths lead.
 _PATHS = 1e3
-#: Poses not farther away than this many lengths are proved by the equations of near poses.
+#: Poses not farther away than this many lengths are proved by the equations of near poses, too.
 _NEAR = 1e5
 
 
@@ -293,9 +296,7 @@ class FarPoses:
         values, units = proofs.values(choice[None], rows)[:, 0], proofs.units(rows)
         shifts = None if self.shifts is None else self.shifts.of(proofs, choice, rows, values)
         far = self.decide(values, units, scale, shifts=shifts, jobs=jobs)
-        unknown = ~(far.certified & far.rounded) & (np.abs(far.T) < _NEAR * scale).all(axis=2)
-        if unknown.any():
-            _round(far, unknown, proofs, choice, rows, jobs)
+        _prove_near(far, proofs, choice, rows, jobs)
         complete = near.complete & far.complete
         # Two poses are different if their error bounds do not overlap.
         with np.errstate(invalid="ignore"):
@@ -438,23 +439,32 @@ def _axes(given: LocalCoordinates, origin: Complex, reach: float, products: int)
     return axes
 
 
-def _round(
-    far: ProvedPoses,
-    unknown: NDArray[np.bool_],
-    proofs: ValueProofs,
-    choice: Array,
-    rows: Array | None,
-    jobs: int,
+def _prove_near(
+    far: ProvedPoses, proofs: ValueProofs, choice: Array, rows: Array | None, jobs: int
 ) -> None:
-    """Prove and round with 64 digits poses (b, n) that have come nearer, by the near equations.
+    """Prove poses that have come nearer by the near equations.
 
-    Local coordinates have lost digits there. From complex numbers no pose is proved to be real.
+    Two complex ones may have become real: that is not proved by complex local coordinates.
     """
+    with np.errstate(invalid="ignore"):
+        wanted = ~far.certified & (np.abs(far.T) < _NEAR * proofs.scale).all(axis=2)
+    index = np.flatnonzero(wanted.any(axis=1))
+    if not len(index):
+        return
     with np.errstate(invalid="ignore"):
         shifts = np.concatenate((np.zeros_like(far.T[..., :1]), far.T), axis=-1)
         moved = quaternion_product(shifts, far.quaternions) / 2
     points = np.concatenate((far.quaternions, moved), axis=-1).astype(np.complex128, copy=False)
-    proofs.round(far, unknown, choice, points, OWN, rows=rows, jobs=jobs)
+    points = np.where(wanted[..., None], points, np.nan)[index, None]
+    part = None if rows is None else rows[index]
+    better = proofs.decide(choice[None], points, OWN, rows=part, jobs=jobs)
+    for name in OF_POSES:
+        known = getattr(far, name)
+        good = better.certified.reshape(better.certified.shape + (1,) * (known.ndim - 2))
+        known[index] = np.where(good, getattr(better, name), known[index])
+    for k in index[far.certified[index].all(axis=1)].tolist():
+        entries = np.concatenate((far.R[k].reshape(-1, 9), far.T[k] / proofs.scale), axis=1)
+        far.complete[k] = all_different(entries, far.deviation[k])
 
 
 def _are_apart(near: ProvedPoses, far: ProvedPoses, row: int, scale: float) -> bool:
@@ -477,9 +487,14 @@ def _largest(R: Complex, T: Complex) -> Array:
 
 def _one_of_each_pair(R: Complex, T: Complex) -> list[int] | None:
     """Return the real poses and one of each conjugate pair; None if a partner is missing."""
-    entries = np.concatenate((R.reshape(-1, 9), T), axis=1) + 0.0
-    places = {row.tobytes(): k for k, row in enumerate(entries)}
-    partners = [places.get((row.conj() + 0.0).tobytes(), -1) for row in entries]
-    if min(partners, default=0) < 0:
+    entries = np.concatenate((R.reshape(-1, 9), T), axis=1)
+    sizes = np.abs(entries).max(axis=1, initial=0)
+    gaps = np.abs(entries[:, None].conj() - entries).max(axis=2, initial=0)
+    own = np.arange(len(R))
+    partners = gaps.argmin(axis=1) if len(R) else own
+    are_mutual = partners[partners] == own
+    are_near = gaps[own, partners] < _ALIKE * sizes
+    is_real = ~entries.imag.any(axis=1)
+    if not (are_mutual & are_near & ((partners == own) == is_real)).all():
         return None
-    return [k for k, partner in enumerate(partners) if k <= partner]
+    return np.flatnonzero(own <= partners).tolist()

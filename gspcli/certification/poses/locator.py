@@ -25,7 +25,7 @@ from gspcli.certification.equations.measures import satisfies_constraints
 from gspcli.certification.equations.mirror_images import STUDY_SIGNS, mirrored, mirrored_pose
 from gspcli.certification.equations.pose_balls import PoseBall, pose_of_point
 from gspcli.certification.numbers.balls import largest
-from gspcli.certification.numbers.correct_rounding import rounded
+from gspcli.certification.numbers.correct_rounding import accurate, rounded
 from gspcli.certification.poses.isolation import Isolation, refine_point, step_length
 from gspcli.geometry.instance import Instance, Side
 from gspcli.geometry.quaternions import canonical_sign
@@ -38,6 +38,11 @@ DOUBLE, LAST_PRECISION = 64, 1024
 #: From this precision on a point is given up if Newton's method moves it by more than the second
 #: number, relative to its largest coordinate: it is no approximation of a simple solution.
 _PATIENCE, _UNSETTLED = 256, 2.0**-12
+#: Bits for poses that 32 digits do not round correctly. The second are for numbers half-way between
+#: two doubles, as an entry of a rotation is where it is a ratio of two values.
+_MANY_BITS = 128, 512
+#: Largest error of numbers in doubles, as a part of the largest of them.
+_ROUNDING = 2.0**-53
 #: A solution with a smaller N counts as infinite: a platform with such a pose needs decimals of
 #: three hundred digits.
 _NULL = 2.0**-900
@@ -101,22 +106,28 @@ class Located:
 
     @cached_property
     def numbers(self) -> tuple[Complex, Complex, Complex] | None:
-        """R (3, 3), T (3,) in length units and the quaternion (4,), `rounded`.
+        """R (3, 3), T (3,) in length units and the quaternion (4,), `rounded` or `accurate`.
 
         The result is None if the balls are too large.
         """
-        R = rounded(list(chain(*self.pose.rotation)), real=self.real)
-        T = rounded(self.pose.translation, real=self.real, least_unit=1.0)
+        R = self._in_doubles(list(chain(*self.pose.rotation)))
+        T = self._in_doubles(self.pose.translation, least_unit=1.0)
         # N may be as small as the precision of the proof allows.
         with ctx.workprec(2 * self.isolation.precision):
             e = self.isolation.point[:4]
             norm = dot4(e, e)
             # A ball across the negative numbers has no square root.
             root = norm.sqrt() if norm.real > 0 else (-norm).sqrt() * acb(0, 1)
-            quaternion = rounded([entry / root for entry in e], real=self.real)
+            quaternion = self._in_doubles([entry / root for entry in e])
         if R is None or T is None or quaternion is None:
             return None
         return R.reshape(3, 3), self.scale * T, canonical_sign(quaternion[None])[0]
+
+    def _in_doubles(self, numbers: Sequence[acb], least_unit: float = 0.0) -> Complex | None:
+        """Return numbers in balls as doubles: correctly rounded if real, else accurate."""
+        if self.real:
+            return rounded(numbers, real=True, least_unit=least_unit)
+        return accurate(numbers, least_unit=least_unit)
 
     @property
     def R(self) -> Complex:
@@ -222,6 +233,21 @@ class Locator:
         with ctx.workprec(LAST_PRECISION):
             start = self.exactly(points[0])
         return self.locate_exactly(start, sides, bits)
+
+    def near_proved(
+        self, R: Complex, T: Complex, off: float, sides: tuple[int, ...]
+    ) -> Located | None:
+        """Return a pose that is proved within a bound of its error with many digits, or None.
+
+        R, T and the sides are those of `near`; the bound is `ProvedPoses.deviation`.
+        """
+        for bits in _MANY_BITS:
+            found = self.near(R, T, sides, bits)
+            if isinstance(found, Located):
+                gap = max(np.abs(found.R - R).max(), np.abs(found.T - T).max() / self.scale)
+                size = max(1.0, np.abs(R).max(), np.abs(T).max() / self.scale)
+                return found if gap <= off + _ROUNDING * size else None
+        return None
 
     @staticmethod
     def exactly(point: Complex) -> list[acb]:

@@ -9,8 +9,8 @@ square, itself or its cosine. Values are doubles, taken as exact, or those of th
 from __future__ import annotations
 
 import math
-from functools import cache, cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple
+from functools import cache
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,9 +49,6 @@ from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Point
 from gspcli.geometry.quaternions import canonical_sign
 
-if TYPE_CHECKING:
-    from gspcli.certification.poses.finer_numbers import FinerNumbers
-
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 Index = NDArray[np.intp]
@@ -61,8 +58,6 @@ _RELATIONS = {DPP: 0, DPH: 1, DHP: 2, DPL: 3, DLP: 4, DLL: 5, **dict.fromkeys(AN
 _MEETING_LINES = 7
 #: A cosine errs by at most `SINE_ERROR`, which is this part of the unit of `converted`.
 COSINE_ERROR = SINE_ERROR / CONVERSION
-#: The product of larger doubles is a sum of two doubles.
-_LEAST = 2.0**-800
 #: The bits of the kernel.
 _BITS = np.arange(2 * max(ISOLATED, REAL, COMPLEX, ROUNDED))
 _CERTIFIED = ((_BITS & ISOLATED) > 0) & ((_BITS & (REAL | COMPLEX)) > 0)
@@ -86,13 +81,14 @@ class ProvedPoses(NamedTuple):
     real
         Which certified ones are real, shape (b, n).
     rounded
-        For which certified ones every number is proved to be rounded correctly
-        (`correct_rounding`), shape (b, n).
+        For which certified ones the numbers are settled, shape (b, n): each number of a real one is
+        proved to be rounded correctly (`correct_rounding`), those of others are within 2^-53 of the
+        largest.
     deviation
         Bounds of the errors of certified ones in any entry of R, and of T by the scale; shape (b,
         n).
     complete
-        For which sets all ends are certified, rounded, and proved to be different, shape (b,).
+        For which sets all ends are certified, and proved to be different, shape (b,).
     """
 
     R: Complex
@@ -194,7 +190,6 @@ class ValueProofs:
         *,
         rows: Array | None = None,
         jobs: int = 1,
-        all_poses: bool = False,
     ) -> ProvedPoses:
         """Prove poses near the ends of paths in double precision.
 
@@ -212,118 +207,8 @@ class ValueProofs:
             None for the values of the instance, exactly as written; b = 1.
         jobs
             Threads.
-        all_poses
-            Whether all points should be near poses: those that 32 digits do not prove are tried
-            with 64, as are those that 32 digits do not round.
         """
-        values, units = self.values(choices, rows), self.units(rows)
-        found = self._decide(values, units, points, frames, jobs)
-        wanted = found.certified & ~found.rounded
-        points = points.reshape(*wanted.shape, points.shape[-1])
-        if rows is None and not all_poses and not found.certified.all():
-            # Other poses need 64 digits anyway (`finer_proofs`), which round these, too.
-            return found
-        if all_poses:
-            wanted |= ~found.certified & np.isfinite(points).all(axis=-1)
-        if not wanted.any():
-            return found
-        side = np.arange(wanted.shape[1]) * len(choices) // wanted.shape[1]
-        for k, choice in enumerate(choices):
-            here = wanted & (side == k)
-            if here.any():
-                self.round(found, here, choice, points, frames, rows=rows, jobs=jobs)
-        return found
-
-    def round(
-        self,
-        found: ProvedPoses,
-        wanted: NDArray[np.bool_],
-        choice: Array,
-        points: Complex,
-        frames: StudyFrames,
-        *,
-        rows: Array | None = None,
-        jobs: int = 1,
-    ) -> None:
-        """Prove and round poses with 64 digits that 32 digits do not prove or round.
-
-        Parameters
-        ----------
-        found
-            Poses for b sets of values, of which those that are rounded now are changed.
-        wanted
-            Which of them are to be rounded, shape (b, n).
-        choice
-            The sign of each constraint, shape (6,).
-        points, frames
-            Study points near them, (b, n, 8), and their frames.
-        rows, jobs
-            As for `decide`.
-        """
-        index = np.flatnonzero(wanted.any(axis=1))
-        part = None if rows is None else rows[index]
-        values = self.values(choice[None], part)
-        finer = self._finer_values(choice, part, values[:, 0])
-        if self._finer.equations is None or finer is None:
-            return
-        # For each set of values only the points that are asked for, in its first places.
-        row, column = np.nonzero(wanted[index])
-        numbers = np.bincount(row)
-        place = np.arange(len(row)) - np.repeat(np.cumsum(numbers) - numbers, numbers)
-        near = np.full((len(index), 1, numbers.max(), 8), np.nan, complex)
-        near[row, 0, place] = points[index[row], column]
-        better = self._decide(
-            values, self.units(part), near, frames, jobs, finer=(*self._finer.equations, finer)
-        )
-        good = (better.certified & better.rounded)[row, place]
-        row, column, place = row[good], column[good], place[good]
-        for name in OF_POSES:
-            getattr(found, name)[index[row], column] = getattr(better, name)[row, place]
-        self._compare(found, index)
-
-    def _compare(self, found: ProvedPoses, index: Index) -> None:
-        """Say for which of some sets of values all poses are proved, rounded and different."""
-        found.complete[index] = False
-        index = index[(found.certified & found.rounded)[index].all(axis=1)]
-        if not len(index):
-            return
-        from gspcli.certification.poses.distinct import all_different, are_different
-
-        shape = len(index), found.R.shape[1], 9
-        entries = np.concatenate(
-            (found.R[index].reshape(shape), found.T[index] / self.scale), axis=-1
-        )
-        off = found.deviation[index]
-        different = are_different(entries, off)
-        for k in np.flatnonzero(~different).tolist():
-            # One linear form does not separate them.
-            different[k] = all_different(entries[k], off[k])
-        found.complete[index] = different
-
-    def _finer_values(self, choice: Array, rows: Array | None, values: Array) -> Array | None:
-        """Return values (b, 6, 6) with 64 digits for the kernel (native/ends.hpp), (b, 9, 6)."""
-        high, distances, low = values[:, 0], values[:, 2], values[:, 3]
-        if rows is None or self._angles or (np.abs(high[high != 0]) < _LEAST).any():
-            sets = [None] if rows is None else list(rows)
-            found = [self._finer.values(choice, row) for row in sets]
-            known = [each for each in found if each is not None]
-            return np.array(known) if len(known) == len(found) else None
-        # Doubles and their squares are sums of two doubles.
-        exact = np.zeros((len(values), 9, len(choice)))
-        exact[:, 0], exact[:, 1], exact[:, 5] = high, low, distances
-        return exact
-
-    @cached_property
-    def _finer(self) -> FinerNumbers:
-        """The numbers of the equations with 64 digits."""
-        from gspcli.certification.poses.finer_numbers import FinerNumbers, coefficients_of
-
-        _, _, entries, table, weights, _ = self.numbers
-        entries = entries.copy()
-        for k in range(4):
-            entries[table[:, 0], k, k] += 2 * weights[2]
-        moduli = coefficients_of(entries)
-        return FinerNumbers(self.instance, self.scale, self._meeting, moduli)
+        return self._decide(self.values(choices, rows), self.units(rows), points, frames, jobs)
 
     def units(self, rows: Array | None) -> Array:
         """Return the units of the last digits of translations, in lengths of the equations."""
@@ -384,12 +269,10 @@ class ValueProofs:
         points: Complex,
         frames: StudyFrames,
         jobs: int,
-        finer: tuple[Array, Array, Array] | None = None,
     ) -> ProvedPoses:
         """Return the proofs of the kernel about points (b, k, m, 8) for values (b, k, 6, 6).
 
-        The units (b,) of the last digits of translations are in lengths of the equations. With
-        numbers of 64 digits (`FinerNumbers`) the poses are rounded with these.
+        The units (b,) of the last digits of translations are in lengths of the equations.
         """
         count = len(values)
         units = np.repeat(units, values.shape[1])
@@ -404,7 +287,6 @@ class ValueProofs:
             origins=np.array((frames.base, frames.platform)) / self.scale,
             scale=self.scale,
             tolerance=TOLERANCE,
-            finer=finer,
             jobs=jobs,
         )
         certified, real, rounded = proved_bits(bits)
@@ -422,7 +304,7 @@ class ValueProofs:
             skew = skew.reshape(certified.shape)
             certified, real, rounded = certified & skew, real & skew, rounded & skew
         # Solutions for different sides are different: no distance is zero.
-        different &= rounded.all(axis=1)
+        different &= certified.all(axis=1)
 
         def together(part: NDArray[Any]) -> NDArray[Any]:
             return part if len(part) == count else part.reshape(count, -1, *part.shape[2:])

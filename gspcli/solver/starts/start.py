@@ -238,7 +238,7 @@ class Start:
         points = with_conjugates(points)
         frames = StudyFrames(length=unit, platform=given.platform_centre, base=given.base_centre)
         points = points.reshape(-1, len(self.choices), len(self.points), 8)
-        return Ends(points, frames, self.far, all_poses=True)
+        return Ends(points, frames, self.far)
 
 
 def start_among(

@@ -14,7 +14,6 @@ import pytest
 
 from gspcli import _kernel
 from gspcli.certification.numbers.rounding import COMPLEX, ISOLATED, REAL, ROUNDED
-from gspcli.certification.poses.finer_numbers import coefficients_of
 
 #: Nearly a double root: the roots are as far apart.
 NEAR = 1e-3
@@ -52,8 +51,6 @@ def decide(
     tolerance: float = 1e9,
     coordinate: int = 1,
     others: dict[int, complex] | None = None,
-    in_lanes: tuple[float, float] | None = None,
-    moduli_of_turned: float = 1.0,
 ) -> Decided:
     """Decide about points z of one coordinate; the others are zero, or given.
 
@@ -76,11 +73,6 @@ def decide(
         Its index: from 4 on it is one of f.
     others
         Those of the other coordinates that are not zero, by their indices.
-    in_lanes
-        The value and the distance of the first equation, with numbers of 64 digits: N times the
-        value is added, and the second square is multiplied by the distance.
-    moduli_of_turned
-        The moduli of the terms of that square, as a multiple of those of its entries.
     """
     quadrics = [NORM, form(slope=1, k=7)]
     table = np.full((6, 3), -1, np.int32)
@@ -90,21 +82,11 @@ def decide(
             quadrics.append(matrix)
     hessians = np.array(quadrics)
     bounds = np.abs(hessians) * moduli
-    bounds[table[0, 2]] *= moduli_of_turned
     weights = np.zeros((4, 6))
     weights[1] = 1.0
     values = np.zeros((1, 6, 6))
     values[0, 1], values[0, 4] = value_bound, gap
     turned = np.full(6, -1, np.int32)
-    finer = None
-    if in_lanes is not None:
-        weights[0] = 1.0
-        exact = np.zeros((4, len(hessians), 27))
-        exact[0] = coefficients_of(hessians)
-        numbers = np.zeros((1, 9, 6))
-        numbers[0, 0, 0], numbers[0, 5, 0] = values[0, 0, 0], values[0, 2, 0] = in_lanes
-        turned[0] = table[0, 2]
-        finer = exact, np.array([weights[0], *np.zeros((3, 6))]), numbers
     study = np.zeros((1, len(points), 8), complex)
     study[0, :, 0], study[0, :, coordinate] = 1, points
     for k, other in (others or {}).items():
@@ -123,7 +105,6 @@ def decide(
         origins=np.zeros((2, 3)),
         scale=1.0,
         tolerance=tolerance,
-        finer=finer,
     )
     return Decided(R[0], bits[0], deviation[0], bool(complete[0]))
 
@@ -187,49 +168,6 @@ def test_next_to_two_roots_of_e_and_f_together_none_is_isolated() -> None:
             assert not found.bits[0] & ISOLATED
         near = NEAR * (1 + 1e-5)
         assert decide(given, [near], others={5: size * near, 6: size}).bits[0] & ISOLATED
-
-
-def test_values_in_lanes_bend_equations() -> None:
-    """N less a constant is 3 z^2 - e^2, where three coordinates are the same.
-
-    With 64 digits Newton's method takes up to 23 steps. From 0.9 it does not arrive.
-    """
-    near = 2.0**-26
-    alike = {k: [form(slope=1) - form(slope=1, k=k + 1)] for k in (1, 2)}
-    given = {0: [form(-1 - near**2)], **alike}
-    for z in (0.9, 0.9j):
-        found = decide(given, [z], others={2: z, 3: z}, in_lanes=(1.0, 0.0), value_bound=1.0)
-        assert not found.bits[0] & ISOLATED
-    z = near / np.sqrt(3)
-    known = decide(given, [z], others={2: z, 3: z}, in_lanes=(1.0, 0.0), value_bound=1.0)
-    assert known.bits[0] & ISOLATED
-
-
-def test_distances_in_lanes_bend_equations() -> None:
-    """N A = (d C)^2 with A = e z_0^2 and C = z_0 z / d is z^2 = e N."""
-    distance, near = 2.0**20, 2.0**-26
-    given = {0: [form(near**2), form(), form(slope=1 / distance)]}
-    found = decide(given, [0.9, 0.9j, near], in_lanes=(0.0, distance))
-    assert not (found.bits[:2] & ISOLATED).any()
-    assert found.bits[2] & ISOLATED
-
-
-def test_errors_of_values_in_lanes_are_errors_of_the_proof() -> None:
-    """A value may be a sum of terms whose moduli are much larger than it."""
-    at_zero, beside = {0: [form(0, 1)]}, {0: [form(-0.01, 0, 1)]}
-    for given, point, least in ((at_zero, 0.0, 72), (beside, 0.1, 48)):
-        for bits, is_known in ((least - 12, True), (least, False)):
-            found = decide(given, [point], in_lanes=(0.0, 0.0), value_bound=2.0**bits)
-            assert bool(found.bits[0] & ISOLATED) is is_known
-
-
-def test_errors_of_distances_in_lanes_are_errors_of_the_proof() -> None:
-    """N A = (d C)^2, where C may be a sum of terms whose moduli are much larger than it."""
-    distance = 2.0**20
-    given = {0: [form(0.01), form(), form(slope=1 / distance)]}
-    for bits, is_known in ((12, True), (24, False)):
-        found = decide(given, [0.1], in_lanes=(0.0, distance), moduli_of_turned=2.0**bits)
-        assert bool(found.bits[0] & ISOLATED) is is_known
 
 
 def test_curvature_away_from_the_point_counts() -> None:

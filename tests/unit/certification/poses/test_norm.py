@@ -6,7 +6,7 @@ from gspcli.solver.problem import Problem
 from gspcli.solver.strategies.stored_start import careful_paths
 from gspcli.spec import loads
 
-#: Of its 208 paths 48 lead to infinity, many to simple solutions of the equations with N = 0 exactly.
+#: Of its 208 paths 48 lead to infinity, many to simple solutions with N = 0 exactly.
 AT_INFINITY = """
 gsp: 1
 units: {length: unit, angle: rad}
