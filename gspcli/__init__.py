@@ -36,10 +36,8 @@ if TYPE_CHECKING:
     from gspcli.catalogue.types import Family as Family
     from gspcli.catalogue.types import GspType as GspType
     from gspcli.catalogue.types import all_types as all_types
-    from gspcli.dynamics import forward_dynamics as forward_dynamics
     from gspcli.dynamics import inverse_dynamics as inverse_dynamics
     from gspcli.dynamics import natural_modes as natural_modes
-    from gspcli.dynamics import simulate as simulate
     from gspcli.dynamics.analyses import analyze as analyze
     from gspcli.errors import ArgumentError as ArgumentError
     from gspcli.errors import GspError as GspError
@@ -159,7 +157,6 @@ _HOMES = {
     "family_bounds": "gspcli.catalogue.bounds",
     "fit_poses": "gspcli.sensing",
     "fit_readings": "gspcli.sensing",
-    "forward_dynamics": "gspcli.dynamics",
     "freedoms": "gspcli.motion.statics.freedoms",
     "hexapod": "gspcli.geometry.building",
     "identify": "gspcli.calibration.identifying",
@@ -185,7 +182,6 @@ _HOMES = {
     "sensors": "gspcli.sensing",
     "set_values": "gspcli.spec",
     "show": "gspcli.catalogue.known_facts",
-    "simulate": "gspcli.dynamics",
     "solve": "gspcli.solver",
     "solve_batch": "gspcli.solver",
     "solve_values": "gspcli.solver",

@@ -7,7 +7,6 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.dynamics.drive_forces import FORCES
 from gspcli.dynamics.drives import DrivesAtPoses
 from gspcli.dynamics.mass_model import MassModel
 from gspcli.dynamics.trajectories import ACCELERATION, VELOCITY, PoseRates, motion_of_platform
@@ -25,9 +24,6 @@ Array = NDArray[np.float64]
 #: Columns of values: their rates, and the derivatives of these.
 RATES = tuple(f"v{k}" for k in range(1, 7))
 SECOND_RATES = tuple(f"a{k}" for k in range(1, 7))
-#: Those of forces, as headings are read.
-_FORCES = tuple(name.lower() for name in FORCES)
-_ANY = PoseFormat()
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,14 +68,6 @@ class ValueRows:
             if name in self.coordinates:
                 found[:, k] = self.coordinates[name]
         return found
-
-
-@dataclass(frozen=True, eq=False)
-class ForceRows:
-    """Forces of the drives, N and N m, shape (n, m), at times, shape (n,)."""
-
-    t: Array
-    forces: Array
 
 
 def read_rows(text: str, name: str, instance: Instance, form: PoseFormat) -> PoseRows | ValueRows:
@@ -168,40 +156,3 @@ def motion_of_values(
     accelerations = solved(second_rates * unit - drives.bends(twists))
     lengths = np.repeat([1.0, model.metre], 3)
     return PoseRates(twists / lengths, accelerations / lengths)
-
-
-def read_forces(text: str, name: str, instance: Instance, form: PoseFormat = _ANY) -> ForceRows:
-    """Read forces of the drives at times: columns t and F1 ... F6.
-
-    With cranks or slides they are t and a column for each drive, ``torque.crank.B1``.
-
-    Parameters
-    ----------
-    text, name
-        The content, and how messages name it.
-    instance
-        The platform.
-    form
-        What it does not say: columns that are left out.
-
-    Raises
-    ------
-    SpecError
-        With all mistakes, each with line and column.
-    """
-    table = NumberTable(text, name, ignore=form.ignore, columns=form.columns)
-    needed, said = _FORCES, "t and F1 ... F6"
-    if is_driven(instance):
-        drives = [f"torque.{drive}" for drive in Drives.of(instance).names]
-        needed, said = tuple(drives), f"t and {drives[0]} ... {drives[-1]}"
-    columns = table.choose(("t", *needed))
-    table.refuse_others({"t", *needed}, said)
-    numbers = table.numbers(columns or ())
-    if columns and len(numbers) < 2:
-        table.note_heading("found one row, expected two at least: a motion needs an end")
-    if columns:
-        for row in np.flatnonzero(np.diff(numbers[:, 0]) <= 0):
-            found = f"found t = {numbers[row + 1, 0]:g} after {numbers[row, 0]:g}"
-            table.note_cell(int(row) + 1, "t", f"{found}: t must increase")
-    table.check()
-    return ForceRows(numbers[:, 0], numbers[:, 1:])

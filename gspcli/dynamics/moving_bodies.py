@@ -159,33 +159,6 @@ class MovingBodies:
         fall = (points.ways * gravity[..., None, :]).sum(axis=-1)
         return np.asarray(carriers.moment * second_rates + carriers.mass * carriers.share * fall)
 
-    def potential(self) -> Array:
-        """Return the potential energy of the bodies in gravity, shape (...)."""
-        legs, gravity = self.model.legs, self.model.gravity
-        fall = self.model.mass * ((self.centre + self.T) @ gravity)
-        ends = self.arm + self.T[..., None, :]
-        starts = self.model.bodies.x[legs.rows]
-        if self.points is not None:
-            starts = self.points.x[..., legs.rows, :]
-            if (carriers := self.model.carriers) is not None:
-                fall = fall + (self._carrier_centres() @ gravity) @ carriers.mass
-        for (mass, place), start, way in (
-            (legs.cylinder, starts, self.e),
-            (legs.rod, ends, -self.e),
-        ):
-            fall = fall + (mass * (start + place * way) @ gravity[:, None]).sum(axis=(-1, -2))
-        return np.asarray(-fall)
-
-    def _carrier_centres(self) -> Array:
-        """Return the centres of mass of arms and carriages, by constraints, (..., 6, 3)."""
-        points, carriers = self.points, self.model.carriers
-        assert points is not None
-        assert carriers is not None
-        middles = points.drives.middle * self.model.metre
-        # A carriage has its point for a centre.
-        centres: Array = middles + carriers.share[:, None] * (points.x - middles)
-        return centres
-
     def potential_bend(self, twists: Array) -> Array:
         """Return the second derivative of the potential energy along constant twists, (...)."""
         legs, gravity, still = self.model.legs, self.model.gravity, np.zeros(6)

@@ -7,13 +7,8 @@ from numpy.typing import NDArray
 
 from gspcli.dynamics.arrays import RowError
 from gspcli.dynamics.drives import DrivesAtPoses
-from gspcli.dynamics.mass_model import MassModel
-from gspcli.dynamics.moved_points import Knees
 from gspcli.geometry.quaternions import (
     apply,
-    quaternion_from_rotation,
-    rotation_from_quaternion,
-    rotation_from_vector,
 )
 
 Array = NDArray[np.float64]
@@ -47,25 +42,3 @@ def check_shared(drives: DrivesAtPoses, twists: Array) -> None:
             "cannot move so"
         )
         raise RowError(row, message)
-
-
-def closed(model: MassModel, state: Array, knees: Knees | None) -> Array:
-    """Return a state (T, quaternion, ...) in metres at which rods of one drive agree again.
-
-    Integration lets them drift apart by rounding errors and by its own.
-    """
-    known, sharing = model.drives, model.sharing
-    assert known is not None
-    assert sharing is not None
-    state = state.copy()
-    R, T = rotation_from_quaternion(state[3:7]), state[:3]
-    for _ in range(2):
-        wanted = known.wanted(R, T / model.metre, knees) * np.where(
-            known.driven, model.drive_metres, 0.0
-        )
-        means = wanted @ sharing / sharing.sum(axis=0) @ sharing.T
-        pulls = DrivesAtPoses(model, R[None], T[None], means[None]).pulls[0]
-        twist = np.linalg.solve(pulls, means - wanted)
-        R, T = rotation_from_vector(twist[:3]) @ R, T + twist[3:]
-    state[:3], state[3:7] = T, quaternion_from_rotation(R)
-    return state

@@ -7,8 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.dynamics.quintic_splines import FEWEST_ROWS, derivatives
-from gspcli.errors import ArgumentError
+from gspcli.errors import ArgumentError, GspError
 from gspcli.geometry.frames import PoseFrame
 from gspcli.geometry.quaternions import (
     conjugate,
@@ -22,6 +21,8 @@ Array = NDArray[np.float64]
 #: The columns of velocities and accelerations in files.
 VELOCITY = ("wx", "wy", "wz", "vx", "vy", "vz")
 ACCELERATION = ("alphax", "alphay", "alphaz", "ax", "ay", "az")
+#: A quintic spline has this many coefficients at least, and a row for each.
+_FEWEST_ROWS = 6
 #: From row to row a platform turns by less than this (radians): further turns have two ways.
 _LARGEST_TURN = np.pi / 2
 
@@ -54,14 +55,6 @@ def motion_of_platform(frame: PoseFrame, R: Array, expressed: PoseRates) -> Pose
     if axes is not None:
         expressed = PoseRates(*(_turned(part, axes.T) for part in expressed))
     return expressed if arm is None else _at(expressed, R @ -arm)
-
-
-def expressed_motion(frame: PoseFrame, R: Array, motion: PoseRates) -> PoseRates:
-    """Return how the motion of the platform's origin is expressed."""
-    axes, arm = frame.of_base.R, frame.of_platform.T
-    if arm is not None:
-        motion = _at(motion, R @ arm)
-    return motion if axes is None else PoseRates(*(_turned(part, axes) for part in motion))
 
 
 def _turned(vectors: Array, axes: Array) -> Array:
@@ -99,10 +92,17 @@ def spline_motion(t: Array, R: Array, T: Array) -> PoseRates:
     ArgumentError
         If there are fewer than six rows, if times do not increase, or if the platform turns by
         more than 90 degrees from one row to the next.
+    GspError
+        If SciPy is missing.
     """
-    if len(t) < FEWEST_ROWS:
+    try:
+        from scipy.interpolate import make_interp_spline
+    except ImportError as error:
+        message = "rows with times need SciPy, which is missing: pip install 'gspcli[dynamics]'"
+        raise GspError(message) from error
+    if len(t) < _FEWEST_ROWS:
         message = (
-            f"found {len(t)} rows with times, expected at least {FEWEST_ROWS} for a quintic "
+            f"found {len(t)} rows with times, expected at least {_FEWEST_ROWS} for a quintic "
             "spline; or give the velocities and accelerations of each row"
         )
         raise ArgumentError(message)
@@ -121,7 +121,8 @@ def spline_motion(t: Array, R: Array, T: Array) -> PoseRates:
     e[1:] *= np.where(turns < 0, -1.0, 1.0).cumprod()[:, None]
     # Splines of what is small keep their digits: from the first row on.
     offset = np.concatenate((T[0], np.zeros(4)))
-    first, second = derivatives(t - t[0], np.concatenate((T, e), axis=1) - offset)
+    spline = make_interp_spline(t - t[0], np.concatenate((T, e), axis=1) - offset, k=5)
+    first, second = (spline.derivative(k)(t - t[0]) for k in (1, 2))
     # With e' = p e and e'' = (p' + p p) e: the vector of p is omega / 2, and its scalar is the
     # change of the norm, which splines do not keep.
     rate, bend = (quaternion_product(part[:, 3:], conjugate(e)) for part in (first, second))

@@ -178,22 +178,6 @@ def test_singular_rows_are_named(gsp, spec, rows):
     assert "the pose is singular: no forces hold every load there" in unknown.err
 
 
-def test_a_motion_is_read_again_and_needs_the_forces_that_made_it(gsp, spec, rows, tmp_path):
-    pytest.importorskip("scipy")
-    forces = rows("t,F1,F2,F3,F4,F5,F6\n0,25,26,25,24,25,25\n0.02,25,25,27,25,25,25\n")
-    target = tmp_path / "motion.csv"
-    twist = ("--twist", "1,2,3,4,5,6")
-    run = gsp("dynamics", spec, "--pose", POSE, "--forward", forces, *twist, "-o", target)
-    assert (run.code, run.err) == (0, "")
-    found = numbers(gsp("dynamics", spec, target, "--format", "csv").out)
-    assert [found["F2"][0], found["F3"][1]] == pytest.approx([26, 27], rel=1e-9)
-    # The first row is as given, in the units of the file.
-    first = numbers(target.read_text(encoding="utf-8"))
-    assert [first[key][0] for key in ("wx", "wy", "wz", "vx")] == pytest.approx([1, 2, 3, 4])
-    document = gsp("dynamics", spec, "--pose", POSE, "--forward", forces, "--format", "json")
-    assert json.loads(document.out)["energy_error"] < 1e-9
-
-
 def test_modes_of_one_pose_and_of_all(gsp, spec):
     one = gsp("dynamics", spec, "--pose", POSE, "--modes")
     assert one.out.splitlines()[2].split()[:3] == ["mode", "f", "[Hz]"]
@@ -208,8 +192,6 @@ def test_modes_of_one_pose_and_of_all(gsp, spec):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (("--forward", "f.csv", "--modes"), "--forward takes a pose to start from"),
-        (("--twist", "1,2,3,4,5,6"), "--twist is for --forward only"),
         (("--stiffness", "1"), "--stiffness is for --modes only"),
         (("--near", POSE), "--near says which mode to follow: give it with ROWS"),
         (("--mode", "1", "--pose", POSE), "give either "),
@@ -255,29 +237,6 @@ def test_what_the_file_does_not_say(gsp, rows):
     run = gsp("dynamics", wrong)
     assert run.code == 2
     assert "wrong.yaml:3:17: units.length: found 'furlong', expected m, dm, cm, mm" in run.err
-
-
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ("t,F1,F2,F3,F4,F5\n0,1,1,1,1,1\n1,1,1,1,1,1\n", "f6 is missing"),
-        ("t,F1,F2,F3,F4,F5,F6\n0,1,1,1,1,1,1\n", "found one row, expected two at least"),
-        ("t,F1,F2,F3,F4,F5,F6\n0,1,1,1,1,1,1\n0,1,1,1,1,1,1\n", "3:1: found t = 0 after 0"),
-        ("t,F1,F2,F3,F4,F5,F6\n0,1,1,x,1,1,1\n1,1,1,1,1,1,1\n", "2:7: f3: found 'x'"),
-    ],
-)
-def test_mistakes_of_forces(gsp, spec, rows, text, message):
-    run = gsp("dynamics", spec, "--pose", POSE, "--forward", rows(text, "forces.csv"))
-    assert (run.code, run.out) == (2, "")
-    assert message in run.err
-
-
-def test_a_motion_starts_at_home(gsp, spec, rows):
-    forces = rows("t,F1,F2,F3,F4,F5,F6\n0,20,20,20,20,20,20\n.01,20,20,20,20,20,20\n", "f.csv")
-    run = gsp("dynamics", spec, "--forward", forces, "--format", "csv")
-    home = re.match(r"home is mode (\d+): ", run.err)
-    given = gsp("dynamics", spec, "--forward", forces, "--mode", home[1], "--format", "csv")
-    assert (run.code, run.out) == (given.code, given.out) == (0, given.out)
 
 
 def test_analyze_adds_the_weights(gsp, spec):
@@ -326,21 +285,7 @@ def test_torques_of_a_rotary_machine(gsp, rows):
     assert (refused.code, "not met: torque" in refused.err) == (1, True)
 
 
-def test_a_rotary_machine_is_held_by_its_torques(gsp, rows, tmp_path):
+def test_rates_of_rods_beside_drives_are_refused(gsp, rows):
     spec = rows(ROTARY, "rotary.yaml")
-    at_rest = numbers(gsp("dynamics", spec, "--mode", "home", "--format", "csv").out)
-    torques = {key: column for key, column in at_rest.items() if key.startswith("torque")}
-    text = ",".join(["t", *torques])
-    for t in (0, 0.1):
-        text += "\n" + ",".join(map(repr, [t, *(column[0] for column in torques.values())]))
-    run = gsp(
-        "dynamics", spec, "--mode", "home", "--forward", rows(text, "f.csv"), "--format", "csv"
-    )
-    motion = numbers(run.out)
-    assert motion["z"] == pytest.approx([120, 120], abs=1e-6)
-    wrong = rows(text.replace("torque.crank.B6", "F6"), "g.csv")
-    refused = gsp("dynamics", spec, "--forward", wrong)
-    assert refused.code == 2
-    assert "expected t torque.crank.B1" in refused.err
     rates = rows("t,crank.B1,v1,v2,v3,v4,v5,v6,a1,a2,a3,a4,a5,a6\n0," + ",".join("0" * 13), "r.csv")
     assert "expected a column t: splines" in gsp("dynamics", spec, rates).err

@@ -244,31 +244,6 @@ def test_workspace_has_the_platforms_own_home_in_json(gsp, spec):
     assert "position (0, 0, 0), quaternion (1, 0, 0, 0)" in shown
 
 
-def test_simulated_motions_are_expressed_with_their_velocities(gsp, spec, tmp_path):
-    pytest.importorskip("scipy")
-    masses = gspcli.Dynamics(gspcli.RigidBody(10, [0, 0, 20], [1, 1, 1, 0, 0, 0]))
-    platform, expressed = (replace(one, dynamics=masses) for one in (MACHINE, EXPRESSED))
-    forces = tmp_path / "forces.csv"
-    forces.write_text("t,F1,F2,F3,F4,F5,F6\n0,9,9,9,9,9,9\n0.01,9,9,9,9,9,9\n", encoding="utf-8")
-    moving = ("--twist", "0.5,1,2,30,20,10")
-    paths, moved = [], []
-    for instance in (platform, expressed):
-        paths.append(spec(instance))
-        run = gsp("dynamics", paths[-1], "--forward", forces, *moving, "--format", "csv")
-        assert run.code == 0
-        moved.append(tmp_path / f"{len(moved)}.csv")
-        moved[-1].write_text(run.out, encoding="utf-8")
-    assert moved[0].read_text() != moved[1].read_text()
-    needed = [
-        _numbers(gsp("dynamics", path, rows, "--format", "csv").out)
-        for path, rows in zip(paths, moved, strict=True)
-    ]
-    for k in range(1, 7):
-        one, other = (np.array(table[f"F{k}"], float) for table in needed)
-        assert one == pytest.approx(np.full(len(one), 9.0), abs=1e-5)
-        assert other == pytest.approx(one, abs=1e-6)
-
-
 @pytest.mark.parametrize("fmt", ["mjcf", "sdf"])
 def test_models_mark_the_frames_and_keep_them(gsp, spec, tmp_path, fmt):
     """The pose of the tool in the work frame, as the model has it, is the expressed pose."""

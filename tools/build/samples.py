@@ -119,8 +119,6 @@ SAMPLES: dict[str, tuple[str, ...]] = {
         "MASSES --modes --require frequency>=20",
         "MASSES --pose 0,0,1e-7,1,0,0,0 --modes",
         "MASSES --pose 0,0,0,1,0,0,0 --modes",
-        "MASSES --pose 5,0,190,1,0,0,0 --forward FORCES",
-        "MASSES --pose 5,0,190,1,0,0,0 --pivot 0,0,5 --forward FORCES",
         "ROTARY --mode home --require torque<=2",
         "ROTARY --mode home --modes",
     ),

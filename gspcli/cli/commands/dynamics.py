@@ -1,4 +1,4 @@
-"""`gsp dynamics`: forces of the drives, motions under forces, natural frequencies."""
+"""`gsp dynamics`: forces of the drives and natural frequencies."""
 
 from __future__ import annotations
 
@@ -11,7 +11,6 @@ import numpy as np
 
 from gspcli.cli.options import Changes, load_instance, output_options, value_options
 from gspcli.cli.pose_options import (
-    HOME,
     ColumnOptions,
     GivenPose,
     Mode,
@@ -19,7 +18,6 @@ from gspcli.cli.pose_options import (
     asked_poses,
     check_sources,
     column_options,
-    frame_note,
     mode_number,
     mode_option,
     near_option,
@@ -27,7 +25,7 @@ from gspcli.cli.pose_options import (
     pose_value_option,
     text_of,
 )
-from gspcli.cli.render import Column, Output, Table, emit, pose_columns
+from gspcli.cli.render import Column, Output, Table, emit
 from gspcli.cli.requirements import (
     judged,
     refuse,
@@ -39,11 +37,8 @@ from gspcli.cli.requirements import (
 from gspcli.cli.streams import working
 from gspcli.dynamics.arrays import plain
 from gspcli.dynamics.drive_forces import FORCES
-from gspcli.dynamics.forward import POSE
-from gspcli.dynamics.trajectories import ACCELERATION, VELOCITY
 from gspcli.dynamics.vibrations import FREQUENCIES
 from gspcli.errors import GspError, IncompleteError
-from gspcli.geometry.arrangement import Arrangement
 from gspcli.records import dataclass
 from gspcli.wording import listed
 
@@ -61,10 +56,8 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
     from gspcli.cli.pose_options import GivenPose, Mode
-    from gspcli.dynamics import SimulatedMotion
     from gspcli.dynamics.motion_files import ValueRows
     from gspcli.dynamics.trajectories import PoseRates
-    from gspcli.geometry.frames import PoseFrame
 
 #: A message names at most this many rows.
 _MOST_NAMED = 5
@@ -79,17 +72,6 @@ _MOST_NAMED = 5
 @value_options
 @pose_options
 @column_options
-@click.option(
-    "--forward",
-    metavar="FORCES",
-    help="How the platform moves under forces: a file with t and F1 ... F6 (with cranks or slides "
-    "torque.crank.B1 ...), linear between rows.",
-)
-@click.option(
-    "--twist",
-    metavar="NUMBERS",
-    help="Its velocity at the start: wx,wy,wz,vx,vy,vz.  [default: at rest]",
-)
 @click.option("--modes", "modal", is_flag=True, help="Natural frequencies and mode shapes instead.")
 @click.option(
     "--stiffness",
@@ -108,14 +90,12 @@ def command(
     near: GivenPose | None,
     conventions: PoseConventions,
     columns: ColumnOptions,
-    forward: str | None,
-    twist: str | None,
     modal: bool,
     stiffness: str | None,
     require: str | None,
     output: Output,
 ) -> None:
-    """Compute forces of the drives along a motion, motions under forces, natural frequencies.
+    """Compute forces of the drives along a motion, and natural frequencies.
 
     Each row has the forces of the six drives in N (moments in N m for angles), and the power of
     all in W. A force is positive if the drive pushes towards a greater value. The worst row and
@@ -135,10 +115,6 @@ def command(
     y z, in the axes of the base. Their derivatives are alphax alphay alphaz ax ay az. For
     values these are v1 ... v6 and a1 ... a6. All are per second, in the units of SPEC.
 
-    --forward computes how the platform moves under given forces, from home, --pose or --mode.
-    Each row is a pose with velocities and accelerations, as this command reads them, and
-    energies in J. The exit code is 4 if the motion cannot be followed to the end.
-
     --modes gives the six natural frequencies in Hz of the platform on its drives as springs,
     with the geometric stiffness of the weights. A frequency is negative where the pose is not
     stable. For one pose the shape of each vibration is shown, too.
@@ -154,28 +130,13 @@ def command(
       gsp dynamics platform.yaml path.csv -o forces.csv
       gsp dynamics platform.yaml path.csv --require "force<=200, power<=50"
       gsp dynamics platform.yaml --mode home --modes --stiffness 2e6
-      gsp dynamics platform.yaml --pose 0,0,150,1,0,0,0 --forward forces.csv
     """
-    if forward is not None and (rows is not None or modal or require is not None):
-        message = "--forward takes a pose to start from: no ROWS, --modes or --require"
-        raise click.UsageError(message)
-    for name, given, needs, other in (
-        ("--twist", twist, "--forward", forward is not None),
-        ("--stiffness", stiffness, "--modes", modal),
-    ):
-        if given is not None and not other:
-            message = f"{name} is for {needs} only"
-            raise click.UsageError(message)
-    if spec == forward == "-":
-        message = "SPEC and FORCES cannot both be standard input"
+    if stiffness is not None and not modal:
+        message = "--stiffness is for --modes only"
         raise click.UsageError(message)
     check_sources(spec, rows, mode, pose, near)
     instance = load_instance(spec, changes)
     form = conventions.form(instance, columns)
-    if forward is not None:
-        start = start_of(instance, mode, pose, form)
-        _forward(instance, forward, start, twist, form, output)
-        return
     requirements = required(require)
     asked = asked_rows(instance, rows, mode, pose, near, form)
     if modal:
@@ -308,47 +269,6 @@ def _modes(
     _tell(found, asked, requirements, known, rows, partial(mode_tables, found, asked, rows), output)
 
 
-def _forward(
-    instance: Instance,
-    forces: str,
-    start: AskedMotion,
-    twist: str | None,
-    form: PoseFormat,
-    output: Output,
-) -> None:
-    import numpy as np
-
-    from gspcli.dynamics import simulate
-    from gspcli.dynamics.motion_files import read_forces
-    from gspcli.dynamics.trajectories import PoseRates, motion_of_platform
-    from gspcli.motion.files.number_tables import numbers_of
-
-    table = read_forces(*text_of(forces), instance, form)
-    angles = np.repeat([instance.units.angle.in_radians, 1.0], 3)
-    first: Array | float = 0.0
-    if twist is not None:
-        first = angles * numbers_of(twist, (6,), "--twist")
-        rows = first[None]
-        first = motion_of_platform(form.frame, start.R, PoseRates(rows, rows)).twists[0]
-    with working("simulating"):
-        found = simulate(
-            instance,
-            start.R[0],
-            start.T[0],
-            table.t,
-            table.forces,
-            twist=first,
-            drives=start.drives,
-        )
-    document = found.to_json(form.frame) if output.format == "json" else None
-    emit(output, motion_table(found, form.frame), document=document)
-    if not found.energy_error < 1e-6:
-        message = (
-            f"the energy is wrong by {found.shown_error:.0e} of its changes: do not use this motion"
-        )
-        raise GspError(message)
-
-
 @dataclass(frozen=True, eq=False)
 class AskedMotion:
     """Poses, and what to call them.
@@ -411,13 +331,6 @@ class AskedMotion:
         return f"in row {k + 1}" + ("" if self.t is None else f" (t = {self.t[k]:.6g})")
 
 
-def start_of(
-    instance: Instance, mode: Mode | None, pose: GivenPose | None, form: PoseFormat
-) -> AskedMotion:
-    """Return the one pose that a motion begins at."""
-    return _without_file(instance, mode or HOME, pose, form)
-
-
 def asked_rows(
     instance: Instance,
     rows: str | None,
@@ -478,7 +391,6 @@ def _followed(
 
 
 _TWIST = ("rx", "ry", "rz", "x", "y", "z")
-_ENERGIES = ("kinetic", "potential", "work")
 
 
 def force_rows(found: DriveForces, asked: AskedMotion) -> list[dict[str, Any]]:
@@ -578,30 +490,6 @@ def _unstable(found: NaturalModes) -> str:
 
 def _heading(key: str, instance: Instance) -> str:
     return f"{key} [{'rad' if key.startswith('r') else instance.units.length}]"
-
-
-def motion_table(found: SimulatedMotion, frame: PoseFrame) -> Table:
-    """Return a row for each time, whose columns `gsp dynamics` reads, as expressed in a frame."""
-    instance = found.instance
-    columns = [Column("t", align="right", essential=True)]
-    numbers = found.expressed(frame)
-    columns += pose_columns(POSE, Arrangement.of(instance).length)
-    for keys, minor in ((VELOCITY, 1), (ACCELERATION, 3)):
-        for three in (keys[:3], keys[3:]):
-            size = max(_size(numbers[key]) for key in three)
-            columns += [Column(key, align="right", minor=minor, size=size) for key in three]
-    size = max(_size(numbers[key]) for key in _ENERGIES)
-    columns += [Column(key, f"{key} [J]", "right", minor=2, size=size) for key in _ENERGIES]
-    table = {key: column.tolist() for key, column in numbers.items()}
-    rows = [dict(zip(table, row, strict=True)) for row in zip(*table.values(), strict=True)]
-    units = instance.units
-    moving = "the platform's origin" if frame.is_identity else "the point x y z"
-    notes = [
-        f"lengths in {units.length}, angles in {units.angle.value}, seconds; w v: angular velocity "
-        f"and velocity of {moving}; alpha a: their derivatives",
-        f"the work of the drives is off the change of energies by {found.shown_error:.0e} of it",
-    ]
-    return Table(columns, rows, title=instance.title, notes=[*notes, *frame_note(frame)])
 
 
 def _size(numbers: Array) -> float:

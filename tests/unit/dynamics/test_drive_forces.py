@@ -11,7 +11,6 @@ import pytest
 
 import gspcli
 from gspcli.dynamics import inverse_dynamics, natural_modes
-from gspcli.dynamics.forward import forward_dynamics
 from gspcli.dynamics.mass_model import MassModel
 from gspcli.dynamics.moving_bodies import equation_of_motion
 from gspcli.errors import ArgumentError
@@ -66,15 +65,6 @@ def test_weights_of_the_platform_are_held_as_analyze_says(name):
     centre = R @ [c.value for c in stated.platform.centre] + T
     held = wrenches(instance, R, T).reactions(weight, np.zeros(3), centre)
     assert np.allclose(inverse_dynamics(instance, R, T).forces[0], held, rtol=1e-10)
-
-
-@pytest.mark.parametrize("name", KINDS)
-def test_forces_and_accelerations_are_inverse_to_each_other(name):
-    rng = np.random.default_rng(2)
-    instance, R, T = random_platform(name, rng)
-    t, a = random_motion(instance, rng)
-    F = inverse_dynamics(instance, R, T, twists=t, accelerations=a).forces
-    assert np.allclose(forward_dynamics(instance, R, T, t, F), a, rtol=1e-9, atol=1e-9)
 
 
 @pytest.mark.parametrize("name", KINDS)

@@ -8,16 +8,14 @@ import numpy as np
 import pytest
 
 import gspcli
-from gspcli.dynamics import forward_dynamics, inverse_dynamics, natural_modes, simulate
+from gspcli.dynamics import inverse_dynamics, natural_modes
 from gspcli.dynamics.arrays import RowError
-from gspcli.errors import ArgumentError
 from gspcli.geometry.drives import Drives
 from gspcli.geometry.masses import Carriage
 from tests.support.driven_machines import (
     MADE_UP,
     SHIPPED,
     driven,
-    random_motion,
     some_pose,
     weighed,
 )
@@ -44,22 +42,6 @@ def test_forces_of_rods_without_mass_give_the_torques(case):
     at = R @ [c.value for c in bare.platform.centre]
     held = J.T @ found.forces[0] + np.concatenate((np.cross(at, weight), weight))
     assert np.abs(held).max() < 1e-12 * np.abs(weight).max()
-
-
-def test_the_power_of_the_drives_changes_the_energy(case):
-    instance, R, T, _, rng = case
-    twist, _ = random_motion(instance, rng)
-    torques = inverse_dynamics(instance, R, T).torques[0] * 1.2
-    motion = simulate(instance, R, T, [0, 0.004, 0.008], torques, twist=0.02 * twist)
-    assert motion.energy_error < 1e-9
-    found = inverse_dynamics(
-        instance,
-        motion.R,
-        motion.T,
-        twists=motion.twists,
-        accelerations=motion.accelerations,
-    )
-    assert np.abs(found.torques - torques).max() < 1e-8 * np.abs(torques).max()
 
 
 def test_drives_at_given_numbers_are_those_of_the_pose(case):
@@ -137,15 +119,10 @@ def test_rods_of_one_carriage_must_ask_for_one_speed():
     turning = [1.0, 0, 0, 0, 0, 0]
     with pytest.raises(RowError, match=r"rods 3 and 4 ask for different speeds of slide\.B3"):
         inverse_dynamics(instance, np.eye(3), T, twists=turning, accelerations=0)
-    with pytest.raises(ArgumentError, match="rods 3 and 4 ask"):
-        simulate(instance, np.eye(3), T, [0, 0.01], 0.0, twist=turning)
     found = inverse_dynamics(instance, np.eye(3), T)
     assert found.torques.shape == found.powers.shape == (1, 3)
     assert found.forces.shape == (1, 6)
     assert natural_modes(instance, np.eye(3), T, stiffness=1e5).frequencies.shape == (1, 3)
-    assert forward_dynamics(instance, np.eye(3), T, 0.0, found.torques[0]) == pytest.approx(
-        np.zeros((1, 6)), abs=1e-9
-    )
 
 
 def test_modes_of_the_file_have_their_drives_at_zero():

@@ -10,7 +10,7 @@ import pytest
 
 import gspcli
 from gspcli.calibration.data_files import read_measurements
-from gspcli.dynamics.motion_files import read_forces, read_rows
+from gspcli.dynamics.motion_files import read_rows
 from gspcli.errors import SpecError
 from gspcli.motion import PoseFormat, read_poses, read_values
 from gspcli.pictures.tracks import read_tracks
@@ -68,9 +68,6 @@ def test_every_reader_refuses_them(hexapod):
         mistakes(read_values, values, "f", hexapod, PLAIN),
         mistakes(read_values, pose, "f", hexapod, PLAIN),
         mistakes(read_measurements, values, "f", hexapod, PLAIN),
-        mistakes(
-            read_forces, "t,F1,F2,F3,F4,F5,F6,speeed\n" + "0,1,1,1,1,1,1,1\n" * 2, "f", hexapod
-        ),
     ):
         assert "found the unknown column 'speeed'" in "\n".join(lines)
 
