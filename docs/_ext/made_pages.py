@@ -16,7 +16,7 @@ import platform_page
 
 from gspcli.cli.commands import COMMANDS
 from gspcli.cli.main import cli, run
-from gspcli.resources import data_directory
+from gspcli.cli.result import Field, Fields
 
 DOCS = Path(__file__).resolve().parents[1]
 WIDTH = 95
@@ -187,31 +187,31 @@ def geometries() -> str:
 def output() -> tuple[str, dict[str, str]]:
     """Return the page of what commands print for programs, and their JSON Schemas by file."""
     text, schemas = OUTPUT, {}
-    for name, _ in leaves():
-        file = data_directory() / "keys" / f"{name.replace(' ', '-')}.json"
-        if not file.exists():
+    for name, command in leaves():
+        if not any("--keys" in parameter.opts for parameter in command.params):
             continue
         text += f"\n## gsp {name}\n"
-        for form in json.loads(file.read_text(encoding="utf-8")):
-            made = form["schema"].removeprefix("gsp.").partition("/")[0] + ".schema.json"
-            schemas[made] = json.dumps(schema(form), indent=1) + "\n"
-            text += f"\n[`{form['schema']}`](static/made/{made})\n\n"
+        for form, fields in Fields(name).forms.items():
+            made = form.removeprefix("gsp.").partition("/")[0] + ".schema.json"
+            schemas[made] = json.dumps(schema(form, fields), indent=1) + "\n"
+            text += f"\n[`{form}`](static/made/{made})\n\n"
             text += "| key | type | meaning |\n|---|---|---|\n"
-            text += "".join(
-                f"| `{key}` | {types} | {said} |\n" for key, types, said in form["keys"]
-            )
-            if form["columns"]:
-                columns = ", ".join(f"`{column}`" for column, _ in form["columns"])
-                text += f"\nColumns of CSV: {columns}\n"
+            for one in fields:
+                if one.path:
+                    text += f"| `{one.path}` | {one.type_in_json} | {one.meaning} |\n"
+            if columns := [one for one in fields if one.is_column and "@" not in one.key]:
+                text += f"\nColumns of CSV: {', '.join(f'`{one.key}`' for one in columns)}\n"
     return text, schemas
 
 
-def schema(form: dict[str, Any]) -> dict[str, Any]:
-    """Return the JSON Schema of the keys of one form: their types, where each may be missing."""
+def schema(form: str, fields: list[Field]) -> dict[str, Any]:
+    """Return the JSON Schema of one form: the types of its keys, where each may be missing."""
     whole: dict[str, Any] = {"type": "object"}
-    for path, types, meaning in form["keys"]:
+    for one in fields:
+        if not one.path:
+            continue
         here = whole
-        for word in path.split("."):
+        for word in one.path.replace("crank.*", "*").split("."):
             name = word.rstrip("[]")
             if name == "*":
                 here = here.setdefault("additionalProperties", {})
@@ -222,11 +222,11 @@ def schema(form: dict[str, Any]) -> dict[str, Any]:
             for _ in range(word.count("[]")):
                 here.setdefault("type", "array")
                 here = here.setdefault("items", {})
-        if types != "null":
-            several = types.split(" or ")
+        several = one.type_in_json.split(" or ")
+        if several != ["null"] and "any" not in several:
             here["type"] = several[0] if len(several) == 1 else several
-        here["description"] = meaning
-    return {"$schema": DIALECT, "title": form["schema"], **whole}
+        here["description"] = one.meaning
+    return {"$schema": DIALECT, "title": form, **whole}
 
 
 def pages() -> dict[str, str]:

@@ -50,12 +50,12 @@ def _keys_option(function: Function) -> Function:
 
     def show(context: click.Context, _: click.Parameter, wanted: bool) -> None:
         if wanted:
-            from gspcli.cli.render import meanings, text_of_tables
-            from gspcli.cli.render import show as show_tables
+            from gspcli.cli.render import show, text_of_tables
+            from gspcli.cli.result import Fields
 
-            tables = list(meanings(" ".join(context.command_path.split()[1:])))
+            tables = [*Fields(" ".join(context.command_path.split()[1:])).meanings()]
             if sys.stdout.isatty():
-                show_tables(tables)
+                show(tables)
             else:
                 sys.stdout.write(text_of_tables(tables))
             context.exit()

@@ -12,7 +12,7 @@ import numpy as np
 
 from gspcli.catalogue.kinds import DLL
 from gspcli.catalogue.types import MAX_ANGLES
-from gspcli.cli.render import Column, Table
+from gspcli.cli.result import Field, Fields, Result
 from gspcli.geometry.frames import IDENTITY, PoseFrame
 from gspcli.geometry.primitives import Line
 from gspcli.geometry.printed_numbers import printed_residual
@@ -28,6 +28,8 @@ if TYPE_CHECKING:
     from gspcli.certification import Certificate
     from gspcli.geometry.instance import Instance
     from gspcli.solver import SolveResult
+
+FIELDS = Fields("solve")
 
 #: Parts of a pose smaller than this are shown as zero, lengths by the platform's.
 _ZERO = 1e-12
@@ -108,7 +110,7 @@ def data_table(
     *,
     imaginary: bool,
     summary: Sequence[str],
-) -> Table:
+) -> Result:
     """Return every column of the poses, for programs."""
     columns = [_NUMBER, *shown.position, *shown.turns, *FACTS]
     read = {column.key: column.read(result) for column in columns}
@@ -136,7 +138,7 @@ def data_table(
     if imaginary:
         keys += [f"{c.key}_imag" for c in columns if c.of_pose]
     keys += [key for key in DECIMALS if any(key in row for row in rows)]
-    return Table([Column(key) for key in keys], rows, summary=summary, part="poses")
+    return Result([Field(key) for key in keys], rows, summary=summary, part="poses")
 
 
 def add_expressed(document: dict[str, Any], result: SolveResult, shown: Shown) -> None:
@@ -156,31 +158,30 @@ def pose_tables(
     *,
     summary: Sequence[str],
     notes: Sequence[str],
-) -> list[Table]:
+) -> list[Result]:
     """Return the poses for people: units in the headings, exceptions marked."""
     instance = result.instance
     title = instance.title
     if not shown.indices:
-        return [Table([], [], title, notes=notes, summary=summary)]
+        return [Result([], [], title, notes=notes, summary=summary)]
     rows = _rows(result, shown)
-    number = Column("number", "no.", align="right", essential=True)
+    number = FIELDS["number"]
     translation = [_column(result, column, shown) for column in shown.position]
     rotation = [_column(result, column, shown) for column in shown.turns]
     units = instance.units
     last = [
-        Column("distance", f"distance [{units.length}]", "right", minor=1, aligned=True),
-        Column("turn", f"turn [{units.angle.value}]", "right", minor=1, aligned=True),
-        Column("off", "off [σ]", "right", minor=1),
-        Column("sides", _sided(result), minor=1),
-        Column("residual", align="right", minor=3),
-        Column("condition", align="right", minor=2),
-        Column("remarks", minor=-1, fold=", "),
+        FIELDS["distance"].but(title=f"distance [{units.length}]"),
+        FIELDS["turn"].but(title=f"turn [{units.angle.value}]"),
+        FIELDS["off@2"],
+        FIELDS["sides"].but(title=_sided(result)),
+        *FIELDS.of("residual condition"),
+        FIELDS["remarks@2"],
     ]
     last = [column for column in last if any(row.get(column.key) is not None for row in rows)]
     orientations = _orientations(result, shown)
     if not orientations:
         columns = [number, *translation, *rotation, *last]
-        return [Table(columns, rows, title, notes=notes, summary=summary, part="poses")]
+        return [Result(columns, rows, title, notes=notes, summary=summary, part="poses")]
     named = {k: letter for letter, group in orientations.items() for k in group}
     for row in rows:
         row["orientation"] = named[row["number"] - 1]
@@ -192,15 +193,15 @@ def pose_tables(
         }
         for letter, group in orientations.items()
     ]
-    orientation = Column("orientation", essential=True)
-    positions = Column("positions", align="right", essential=True)
+    orientation = FIELDS["orientation"]
+    positions = FIELDS["positions"]
     return [
-        Table([orientation, *rotation, positions], leaders, title, (), summary, "orientations"),
-        Table([number, orientation, *translation, *last], rows, notes=notes, part="poses"),
+        Result([orientation, *rotation, positions], leaders, title, (), summary, "orientations"),
+        Result([number, orientation, *translation, *last], rows, notes=notes, part="poses"),
     ]
 
 
-def lone_tables(result: SolveResult, shown: Shown) -> list[Table]:
+def lone_tables(result: SolveResult, shown: Shown) -> list[Result]:
     """Return the real poses that are isolated over the real but not over the complex numbers."""
     alone = replace(shown, indices=range(len(result.lone.R)), distances=None)
     if not alone.indices:
@@ -275,11 +276,11 @@ def _sided(result: SolveResult) -> str:
     return f"sides {','.join(map(str, sided))}"
 
 
-def _column(result: SolveResult, column: PoseColumn, shown: Shown) -> Column:
+def _column(result: SolveResult, column: PoseColumn, shown: Shown) -> Field:
     units = result.instance.units
     unit = {"length": units.length, "angle": units.angle.value, "": ""}[column.unit]
     heading = f"{column.key} [{unit}]" if unit else column.key
-    return Column(
+    return Field(
         column.key, heading, "right", essential=True, aligned=True, decimals=shown.decimals
     )
 
@@ -561,7 +562,7 @@ def digit_cells(pose: Mapping[str, Any]) -> dict[str, str]:
     return dict(zip(DECIMALS, flat, strict=False))
 
 
-def digit_table(rows: Sequence[Mapping[str, Any]]) -> Table:
+def digit_table(rows: Sequence[Mapping[str, Any]]) -> Result:
     """Return one number a line, for people: fifty digits do not fit beside each other."""
     lines = [
         {"number": row["number"], "entry": key.removeprefix("refined_"), "value": row[key]}
@@ -569,9 +570,5 @@ def digit_table(rows: Sequence[Mapping[str, Any]]) -> Table:
         for key in DECIMALS
         if key in row
     ]
-    columns = (
-        Column("number", "no.", align="right", essential=True),
-        Column("entry", essential=True),
-        Column("value", essential=True),
-    )
-    return Table(columns, lines, title="Proved digits", part="digits")
+    columns = FIELDS.of("number entry value")
+    return Result(columns, lines, title="Proved digits", part="digits")

@@ -12,128 +12,18 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import zip_longest
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import click
 
+from gspcli.cli.result import Field, Result
 from gspcli.cli.streams import coloured, lacking, printable, representable, say, write_whole
 from gspcli.errors import GspError
 from gspcli.records import dataclass
-from gspcli.resources import data_json
 from gspcli.wording import listed
 
 #: Digits of a number in a table for people, unless the column or the width says otherwise.
 DIGITS = 6
-
-
-@dataclass(frozen=True)
-class Column:
-    """A column of a table.
-
-    Attributes
-    ----------
-    key
-        The key in the rows, and the heading in CSV and JSON.
-    title
-        The heading for people; the key when empty.
-    align
-        Side to which the cells are flushed.
-    essential
-        Whether the column stays when a terminal is too narrow for all of them.
-    minor
-        On a narrow terminal columns with the largest number are omitted first, of several with the
-        same number the last. With a negative number the column is omitted only if it does not fit
-        with fewer digits.
-    fold
-        After what a cell may go on in the next line: a blank in prose, a comma and a blank in
-        lists; empty for cells that stay in one line.
-    aligned
-        Whether the numbers of the column have the same number of decimals, so that the points
-        stand under each other.
-    decimals
-        This many decimals for each number, for any width; None for what `aligned` says.
-    size
-        A typical number. In tables for people a number far below it is a rounding error, and shown
-        as zero. Otherwise one processor would show zero and another one 1e-17.
-    """
-
-    key: str
-    title: str = ""
-    align: Literal["left", "right"] = "left"
-    essential: bool = False
-    minor: int = 0
-    fold: str = ""
-    aligned: bool = False
-    decimals: int | None = None
-    size: float = 0.0
-
-    @property
-    def heading(self) -> str:
-        """The heading for people."""
-        return self.title or self.key
-
-
-@dataclass(frozen=True)
-class Table:
-    """Rows to show.
-
-    Attributes
-    ----------
-    columns
-        The columns in the order of the page.
-    rows
-        A mapping from column keys to values for each row; missing and None are empty cells.
-    title
-        A heading above the table.
-    notes
-        Lines below the table, for people only.
-    summary
-        Lines between the title and the table that state the result. With CSV they go to standard
-        error.
-    part
-        What `--part` calls the table, where a command shows several.
-    """
-
-    columns: Sequence[Column]
-    rows: Sequence[Mapping[str, Any]]
-    title: str = ""
-    notes: Sequence[str] = ()
-    summary: Sequence[str] = ()
-    part: str = ""
-
-    def converted(self, convert: Callable[[str], str]) -> Table:
-        """Return the table with all its texts converted; what columns are called in CSV stays."""
-
-        def cell(value: object) -> object:
-            if isinstance(value, (list, tuple)):
-                return [cell(part) for part in value]
-            return convert(value) if isinstance(value, str) else value
-
-        return replace(
-            self,
-            columns=[replace(one, title=convert(one.heading)) for one in self.columns],
-            rows=[{key: cell(value) for key, value in row.items()} for row in self.rows],
-            title=convert(self.title),
-            notes=list(map(convert, self.notes)),
-            summary=list(map(convert, self.summary)),
-        )
-
-
-def pose_columns(keys: Sequence[str], length: float) -> list[Column]:
-    """Return the columns of poses.
-
-    Parameters
-    ----------
-    keys
-        Three of the position, then four of the quaternion.
-    length
-        A typical length of the platform.
-    """
-    sizes = [length] * 3 + [1.0] * 4
-    return [
-        Column(key, align="right", essential=True, aligned=True, size=size)
-        for key, size in zip(keys, sizes, strict=True)
-    ]
 
 
 #: Numbers of a column have the same number of decimals if the largest lies between these; others
@@ -186,7 +76,7 @@ def vector_text(numbers: Sequence[float], digits: int = DIGITS, *, size: float =
     return ", ".join(f"{x:.{digits}g}" for x in shown)
 
 
-def column_texts(table: Table, column: Column, digits: int = DIGITS) -> list[str]:
+def column_texts(table: Result, column: Field, digits: int = DIGITS) -> list[str]:
     """Return the cells of a column as text, numbers with this many digits."""
     values = [_cleared(row.get(column.key), column.size) for row in table.rows]
     decimals = column.decimals
@@ -250,13 +140,13 @@ class Grid:
         Headings of the columns for which there is no room.
     """
 
-    columns: Sequence[Column]
+    columns: Sequence[Field]
     widths: Sequence[int]
     texts: Sequence[Sequence[str]]
     left_out: Sequence[str] = ()
 
 
-def lay_out(table: Table, width: int | None = None) -> Grid | None:
+def lay_out(table: Result, width: int | None = None) -> Grid | None:
     """Choose the layout of a table for a width; None is unlimited.
 
     Tried in this order: all columns; headings, then prose, folded at blanks; without the columns
@@ -288,7 +178,7 @@ def lay_out(table: Table, width: int | None = None) -> Grid | None:
 class _Measured:
     """The cells of a table with some number of digits, and their widths."""
 
-    def __init__(self, table: Table, digits: int) -> None:
+    def __init__(self, table: Result, digits: int) -> None:
         self.table = table
         self.texts = [column_texts(table, column, digits) for column in table.columns]
         cells = [max(map(cell_width, texts), default=0) for texts in self.texts]
@@ -421,7 +311,7 @@ def folded_lines(text: str) -> str:
     return "".join(f"{line}\n" for line in lines)
 
 
-def show(tables: Sequence[Table]) -> None:
+def show(tables: Sequence[Result]) -> None:
     """Print tables on the terminal, leaving out columns that do not fit."""
     import shutil
 
@@ -436,7 +326,7 @@ def show(tables: Sequence[Table]) -> None:
             say("\n".join(folded(names, width)))
 
 
-def text_of_tables(tables: Sequence[Table]) -> str:
+def text_of_tables(tables: Sequence[Result]) -> str:
     """Return tables as text of any width, for a file or a pipe."""
     return "\n".join(
         "".join(f"{line}\n" for line in _lines(table, lay_out(table), None, bold=False))
@@ -444,7 +334,7 @@ def text_of_tables(tables: Sequence[Table]) -> str:
     )
 
 
-def _lines(table: Table, grid: Grid | None, width: int | None, *, bold: bool) -> Iterator[str]:
+def _lines(table: Result, grid: Grid | None, width: int | None, *, bold: bool) -> Iterator[str]:
     def emphasized(text: str) -> str:
         return click.style(text, bold=True) if bold else text
 
@@ -463,7 +353,7 @@ def _lines(table: Table, grid: Grid | None, width: int | None, *, bold: bool) ->
 
 
 def _body(
-    table: Table, grid: Grid | None, width: int | None, emphasized: Callable[[str], str]
+    table: Result, grid: Grid | None, width: int | None, emphasized: Callable[[str], str]
 ) -> Iterator[str]:
     if grid is None:
         yield from _records(table, width or 0)
@@ -501,12 +391,12 @@ def _joined(grid: Grid, cells: Sequence[Sequence[str]]) -> Iterator[str]:
         yield (" " * GAP).join(parts).rstrip()
 
 
-def _flushed(text: str, column: Column, width: int) -> str:
+def _flushed(text: str, column: Field, width: int) -> str:
     blanks = " " * (width - cell_width(text))
     return blanks + text if column.align == "right" else text + blanks
 
 
-def _records(table: Table, width: int) -> Iterator[str]:
+def _records(table: Result, width: int) -> Iterator[str]:
     """Yield the cells that are not empty with their headings, an empty line between the rows.
 
     Numbers stand beside each other as long as there is room, texts have lines of their own.
@@ -533,12 +423,12 @@ def _records(table: Table, width: int) -> Iterator[str]:
         yield from filter(None, [line.rstrip()])
 
 
-def markdown(tables: Sequence[Table]) -> str:
+def markdown(tables: Sequence[Result]) -> str:
     """Return tables in Markdown, with their titles, summaries and notes."""
     return "\n".join(filter(None, map(_markdown, tables)))
 
 
-def _markdown(table: Table) -> str:
+def _markdown(table: Result) -> str:
     title = f"### {printable(table.title)}\n" if table.title else ""
     paragraphs = [title, *map(_paragraph, table.summary), _grid(table)]
     return "\n".join(filter(None, [*paragraphs, *map(_paragraph, table.notes)]))
@@ -548,7 +438,7 @@ def _paragraph(line: str) -> str:
     return f"{printable(line)}\n"
 
 
-def _grid(table: Table) -> str:
+def _grid(table: Result) -> str:
     if not table.columns:
         return ""
     rules = ["---:" if column.align == "right" else "---" for column in table.columns]
@@ -610,12 +500,12 @@ _ESCAPES = str.maketrans(
 _ROOT = re.compile(r"√(\d+|)")
 
 
-def latex(tables: Sequence[Table]) -> str:
+def latex(tables: Sequence[Result]) -> str:
     """Return tables as ``tabular`` environments; titles, summaries and notes are comments."""
     return _HEAD + "\n".join(filter(None, map(_latex, tables)))
 
 
-def _latex(table: Table) -> str:
+def _latex(table: Result) -> str:
     comments = "".join(
         f"% {line}\n"
         for text in filter(None, [table.title, *table.summary, *table.notes])
@@ -637,7 +527,7 @@ def _latex_line(cells: Sequence[str]) -> str:
     return "{}" + line if line.startswith(("[", "*")) else line
 
 
-def _cells(table: Table, column: Column) -> list[str]:
+def _cells(table: Result, column: Field) -> list[str]:
     values = (row.get(column.key) for row in table.rows)
     return [
         _number(text) if isinstance(value, (int, float)) else _escaped(text)
@@ -671,7 +561,7 @@ _NUMBERS = {float, int}
 _PLAIN = _NUMBERS | {str}
 
 
-def csv_text(table: Table) -> str:
+def csv_text(table: Result) -> str:
     """Return a table as CSV."""
     buffer = io.StringIO()
     writer = csv.writer(buffer, lineterminator="\n")
@@ -702,7 +592,7 @@ def _csv_cell(value: object) -> str:
 
 
 def json_text(
-    tables: Sequence[Table],
+    tables: Sequence[Result],
     document: Any = None,
     schema: str = "",
     *,
@@ -717,28 +607,8 @@ def json_text(
     return json.dumps(document, indent=2, ensure_ascii=ascii_only) + "\n"
 
 
-def _json_row(table: Table, row: Mapping[str, Any]) -> dict[str, Any]:
+def _json_row(table: Result, row: Mapping[str, Any]) -> dict[str, Any]:
     return {column.key: row.get(column.key) for column in table.columns}
-
-
-_MEANING = Column("meaning", essential=True, fold=" ")
-
-
-def meanings(command: str) -> Iterator[Table]:
-    """Yield the tables of keys and columns of a command.
-
-    Parameters
-    ----------
-    command
-        Its words without ``gsp``, as ``atlas summary``.
-    """
-    for form in data_json("keys", f"{command.replace(' ', '-')}.json"):
-        keys = [dict(zip(("key", "type", "meaning"), row, strict=True)) for row in form["keys"]]
-        columns = (Column("key", essential=True), Column("type", fold=" "), _MEANING)
-        yield Table(columns, keys, f"JSON {form['schema']}", part="keys")
-        if form["columns"]:
-            cells = [dict(zip(("column", "meaning"), row, strict=True)) for row in form["columns"]]
-            yield Table((Column("column", essential=True), _MEANING), cells, "CSV", part="columns")
 
 
 @dataclass(frozen=True)
@@ -762,7 +632,7 @@ class Output:
 
 def emit(
     output: Output,
-    tables: Table | Sequence[Table],
+    tables: Result | Sequence[Result],
     *,
     document: object = None,
     schema: str = "",
@@ -783,7 +653,7 @@ def emit(
     texts
         Ready text for formats in which the command has no tables.
     """
-    tables = [tables] if isinstance(tables, Table) else list(tables)
+    tables = [tables] if isinstance(tables, Result) else list(tables)
     if output.part is not None:
         tables = [*_of_part(tables, output.part)]
     limited = output.path is None and lacking(sys.stdout)
@@ -807,7 +677,7 @@ def emit(
             write(output, text_of_tables(tables))
 
 
-def _of_part(tables: Sequence[Table], part: str) -> Sequence[Table]:
+def _of_part(tables: Sequence[Result], part: str) -> Sequence[Result]:
     """Return the tables of a part.
 
     Raises
@@ -823,7 +693,7 @@ def _of_part(tables: Sequence[Table], part: str) -> Sequence[Table]:
     return found
 
 
-def _emit_csv(output: Output, tables: Sequence[Table]) -> None:
+def _emit_csv(output: Output, tables: Sequence[Result]) -> None:
     """Write one table, or each of several to a file of its own."""
     if len(tables) > 1 and output.path is None:
         parts = ", ".join(table.part for table in tables)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from gspcli.cli.render import Column
+from gspcli.cli.result import Field
 from gspcli.errors import CheckFailed, GspError
 from gspcli.wording import listed
 
@@ -243,7 +243,7 @@ def _transmissions(
 
 def add_quantities(
     rows: Sequence[dict[str, Any]], quantities: Mapping[str, Array | QuantityParts]
-) -> list[Column]:
+) -> list[Field]:
     """Add quantities to rows, one number each, and return their columns."""
     from gspcli.motion.files.requirements import QUANTITIES, QuantityParts
 
@@ -251,7 +251,7 @@ def add_quantities(
     for name, given in quantities.items():
         key = name.replace("-", "_")
         heading = {"range": "of range", "cone": "of cone"}.get(name, name.replace("-", " "))
-        columns.append(Column(key, heading, align="right", essential=True))
+        columns.append(Field(key, heading, align="right", essential=True))
         if isinstance(given, QuantityParts):
             numbers = given.least if QUANTITIES[name].least else given.largest
         else:
@@ -268,7 +268,7 @@ def judged(
     T: Array,
     rows: Sequence[dict[str, Any]],
     known: Mapping[str, Array | QuantityParts] | None = None,
-) -> tuple[list[RequirementVerdict], list[Column]]:
+) -> tuple[list[RequirementVerdict], list[Field]]:
     """Return the verdicts, and the columns of the numbers that they need.
 
     These numbers are computed, and added to the rows.

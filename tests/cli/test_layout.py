@@ -6,24 +6,16 @@ import math
 
 import pytest
 
-from gspcli.cli.render import (
-    Column,
-    Table,
-    _lines,
-    cell_text,
-    column_texts,
-    folded,
-    lay_out,
-    printable,
-)
+from gspcli.cli.render import _lines, cell_text, column_texts, folded, lay_out, printable
+from gspcli.cli.result import Field, Result
 
 
-def _drawn(table: Table, width: int) -> list[str]:
+def _drawn(table: Result, width: int) -> list[str]:
     return list(_lines(table, lay_out(table, width), width, bold=False))
 
 
-def _numbers(*values: float) -> Table:
-    return Table([Column("x", align="right", aligned=True)], [{"x": value} for value in values])
+def _numbers(*values: float) -> Result:
+    return Result([Field("x", align="right", aligned=True)], [{"x": value} for value in values])
 
 
 @pytest.mark.parametrize(
@@ -48,15 +40,15 @@ def test_points_stand_under_each_other(
 
 
 def test_so_many_decimals_as_were_asked_for_at_any_width() -> None:
-    column = Column("x", decimals=9, align="right", essential=True)
-    table = Table([column, column], [{"x": 1 / 3}])
+    column = Field("x", decimals=9, align="right", essential=True)
+    table = Result([column, column], [{"x": 1 / 3}])
     assert _drawn(table, 200)[-1] == "0.333333333  0.333333333"
     assert _drawn(table, 20) == ["x 0.333333333", "x 0.333333333"]
 
 
 def test_digits_go_before_records_are_made() -> None:
-    columns = [Column(k, align="right", essential=True, aligned=True) for k in "abc"]
-    table = Table(columns, [dict.fromkeys("abc", -math.pi)])
+    columns = [Field(k, align="right", essential=True, aligned=True) for k in "abc"]
+    table = Result(columns, [dict.fromkeys("abc", -math.pi)])
     assert _drawn(table, 28)[-1] == "-3.14159  -3.14159  -3.14159"
     assert _drawn(table, 27)[-1] == "-3.1416  -3.1416  -3.1416"
     assert _drawn(table, 20)[-1] == "-3.14  -3.14  -3.14"
@@ -64,8 +56,8 @@ def test_digits_go_before_records_are_made() -> None:
 
 
 def test_what_matters_least_goes_first() -> None:
-    columns = [Column("aaaa", essential=True), *(Column(k * 4, minor=ord(k)) for k in "cbd")]
-    table = Table(columns, [{}])
+    columns = [Field("aaaa", essential=True), *(Field(k * 4, minor=ord(k)) for k in "cbd")]
+    table = Result(columns, [{}])
     kept = {}
     for width in (24, 17, 11, 5, 4):
         grid = lay_out(table, width)
@@ -76,8 +68,8 @@ def test_what_matters_least_goes_first() -> None:
 
 
 def test_headings_and_prose_are_folded_at_blanks() -> None:
-    table = Table(
-        [Column("n", "how many", align="right"), Column("why", fold=" "), Column("l", fold=", ")],
+    table = Result(
+        [Field("n", "how many", align="right"), Field("why", fold=" "), Field("l", fold=", ")],
         [
             {
                 "n": 12,
@@ -93,7 +85,7 @@ def test_headings_and_prose_are_folded_at_blanks() -> None:
         "  12  one two three four five    a b, c d, e f",
         "      six seven eight nine ten",
     ]
-    lists = Table([Column("l", fold=", ")], [{"l": "a b, c d, e f"}])
+    lists = Result([Field("l", fold=", ")], [{"l": "a b, c d, e f"}])
     assert _drawn(lists, 10)[2:] == ["a b, c d,", "e f"]
 
 
@@ -105,13 +97,13 @@ def test_a_word_is_never_broken() -> None:
 
 def test_records_say_every_cell_that_is_not_empty() -> None:
     columns = [
-        Column("x", align="right", essential=True),
-        Column("empty"),
-        Column("text", essential=True),
-        Column("y", align="right"),
+        Field("x", align="right", essential=True),
+        Field("empty"),
+        Field("text", essential=True),
+        Field("y", align="right"),
     ]
     rows = [{"x": 1.5, "text": "t" * 30, "y": 2}, {"x": -10.25, "text": "u", "y": 3}]
-    assert _drawn(Table(columns, rows), 30) == [
+    assert _drawn(Result(columns, rows), 30) == [
         "x    1.5",
         "text:",
         "t" * 30,

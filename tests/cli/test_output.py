@@ -15,15 +15,16 @@ from pathlib import Path
 import click
 import pytest
 
-from gspcli.cli.render import Column, Output, Table, emit
+from gspcli.cli.render import Output, emit
+from gspcli.cli.result import Field, Result
 from gspcli.cli.streams import check_writable, progress, working, write_whole
 from gspcli.errors import GspError
 
-TABLE = Table(
+TABLE = Result(
     columns=[
-        Column("name", essential=True),
-        Column("count", "how many", align="right"),
-        Column("value", align="right"),
+        Field("name", essential=True),
+        Field("count", "how many", align="right"),
+        Field("value", align="right"),
     ],
     rows=[
         {"name": "a|b", "count": 3, "value": 1 / 3},
@@ -85,28 +86,28 @@ def test_latex_escapes(capsys: pytest.CaptureFixture[str]) -> None:
 
 def test_latex_numbers_and_roots(capsys: pytest.CaptureFixture[str]) -> None:
     rows = [{"x": -1e-5, "y": "[√3/2"}, {"x": -2, "y": "x_1 < √5"}]
-    emit(Output("latex", None), Table([Column("y"), Column("x", align="right")], rows))
+    emit(Output("latex", None), Result([Field("y"), Field("x", align="right")], rows))
     shown = capsys.readouterr().out
     assert "{}[$\\sqrt{3}$/2 & $-1 \\times 10^{-5}$ \\\\\n" in shown
     assert "x\\_1 \\textless{} $\\sqrt{5}$ & $-2$ \\\\\n" in shown
 
 
 SEVERAL = [
-    Table([Column("a")], [{"a": 1}], part="first", summary=["one row"]),
-    Table([Column("b")], [{"b": 2}], part="second"),
+    Result([Field("a")], [{"a": 1}], part="first", summary=["one row"]),
+    Result([Field("b")], [{"b": 2}], part="second"),
 ]
 
 
 def test_csv_of_numbers_alone_is_that_of_the_writer(capsys: pytest.CaptureFixture[str]) -> None:
     numbers = [[1, 0.1, 1e-300], [-2, math.nan, math.inf], [3, -0.0, 123456789012345680.0]]
-    columns = [Column(key) for key in ("a", 'b,"c"', "d")]
+    columns = [Field(key) for key in ("a", 'b,"c"', "d")]
     keys = [column.key for column in columns]
     rows = [dict(zip(keys, row, strict=True)) for row in numbers]
     buffer = io.StringIO()
     csv.writer(buffer, lineterminator="\n").writerows([keys, *numbers])
-    emit(Output("csv", None), Table(columns, rows))
+    emit(Output("csv", None), Result(columns, rows))
     assert capsys.readouterr().out == buffer.getvalue()
-    emit(Output("csv", None), Table(columns, [*rows, dict.fromkeys(keys)]))
+    emit(Output("csv", None), Result(columns, [*rows, dict.fromkeys(keys)]))
     assert capsys.readouterr().out == buffer.getvalue() + ",,\n"
 
 
@@ -135,7 +136,7 @@ def test_one_part_in_other_formats(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_a_piped_table_is_never_cut(capsys: pytest.CaptureFixture[str]) -> None:
-    wide = Table(columns=[Column("x")], rows=[{"x": "y" * 5000}])
+    wide = Result(columns=[Field("x")], rows=[{"x": "y" * 5000}])
     emit(Output("table", None), wide)
     assert "y" * 5000 in capsys.readouterr().out
 

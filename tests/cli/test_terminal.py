@@ -165,12 +165,13 @@ def test_derived_equations_fit_the_terminal(monkeypatch):
 
 
 def test_remarks_stay_where_fewer_digits_make_room():
-    from gspcli.cli.render import Column, Table, lay_out
+    from gspcli.cli.render import lay_out
+    from gspcli.cli.result import Field, Result
 
-    numbers = [Column(key, align="right", essential=True) for key in "abc"]
+    numbers = [Field(key, align="right", essential=True) for key in "abc"]
     row = {"a": 0.123456, "b": 0.123456, "c": 0.123456, "d": 1.5, "e": "home"}
-    columns = [*numbers, Column("d", minor=2), Column("e", minor=-1)]
-    table = Table(columns, [row])
+    columns = [*numbers, Field("d", minor=2), Field("e", minor=-1)]
+    table = Result(columns, [row])
 
     def shown(width):
         return [column.key for column in lay_out(table, width).columns]

@@ -22,7 +22,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from gspcli.cli.render import Column, Output, Table, emit
+from gspcli.cli.render import Output, emit
+from gspcli.cli.result import Field, Result
 from gspcli.errors import INTERRUPTED
 from tools.recording import CONFIRMED, DIFFERENT, ROOT, UNABLE, sources_sha256
 from tools.verify.campaigns import SOURCES, WORK
@@ -95,10 +96,10 @@ def verify(
 def conclude(outcomes: Sequence[Outcome]) -> int:
     """Print the summary and return the exit code."""
     columns = [
-        Column("step", essential=True),
-        Column("result", essential=True),
-        Column("seconds", align="right", essential=True),
-        Column("what", "what was derived again"),
+        Field("step", essential=True),
+        Field("result", essential=True),
+        Field("seconds", align="right", essential=True),
+        Field("what", "what was derived again"),
     ]
     unable = [o.step.name for o in outcomes if o.code == UNABLE]
     wrong = [o.step.name for o in outcomes if o.code not in (CONFIRMED, UNABLE)]
@@ -107,7 +108,7 @@ def conclude(outcomes: Sequence[Outcome]) -> int:
         notes.append(f"not verified, for the reasons above: {', '.join(unable)}")
     if wrong:
         notes.append(f"different from the record, or failed: {', '.join(wrong)}")
-    emit(Output("table", None), Table(columns, [o.row for o in outcomes], notes=notes))
+    emit(Output("table", None), Result(columns, [o.row for o in outcomes], notes=notes))
     return DIFFERENT if wrong else UNABLE if unable else CONFIRMED
 
 

@@ -24,7 +24,7 @@ from gspcli.cli.pose_options import (
     pose_options,
     pose_value_option,
 )
-from gspcli.cli.render import Column, Output, Table, emit, vector_text
+from gspcli.cli.render import Output, emit, vector_text
 from gspcli.cli.requirements import (
     judged,
     refuse,
@@ -33,6 +33,7 @@ from gspcli.cli.requirements import (
     verdict_entries,
     verdict_lines,
 )
+from gspcli.cli.result import Field, Fields, Result
 from gspcli.errors import GspError
 
 if TYPE_CHECKING:
@@ -41,6 +42,8 @@ if TYPE_CHECKING:
     from gspcli.geometry.drives import Drives
     from gspcli.geometry.instance import Instance
     from gspcli.motion.statics.wrenches import Wrenches
+
+FIELDS = Fields("analyze")
 
 #: Formats for people.
 _READABLE = ("table", "markdown", "latex")
@@ -251,28 +254,14 @@ _TWIST = ("rx", "ry", "rz", "x", "y", "z")
 _WRENCH = ("mx", "my", "mz", "fx", "fy", "fz")
 
 
-def overview(entries: list[dict[str, Any]], given: Wrenches, more: Sequence[Column] = ()) -> Table:
+def overview(entries: list[dict[str, Any]], given: Wrenches, more: Sequence[Field] = ()) -> Result:
     """Return a line for each pose; `more` are columns of quantities added to the entries."""
     columns = [
-        Column("row", align="right", essential=True),
-        Column("t", align="right"),
-        Column("mode", align="right", essential=True),
-        Column("condition", align="right", essential=True),
-        Column("transmission", align="right", essential=True),
-        Column("torque", "largest torque", align="right", essential=True),
-        Column("torque_of", "of", essential=True),
-        Column("manipulability", align="right", minor=2),
-        Column("largest", "largest σ", align="right", minor=3),
-        Column("smallest", "smallest σ", align="right", minor=3),
-        Column("worst", "worst force", align="right", minor=1),
-        Column("force", "largest force", align="right", essential=True),
-        Column("force_in", "in", align="right"),
-        Column("moment", "largest moment", align="right", essential=True),
-        Column("moment_in", "in", align="right"),
-        Column("least_stiffness", "least stiffness", align="right", essential=True),
-        Column("worst_shift", "error of point", align="right"),
-        Column("bound_shift", "proved ≤", align="right", essential=True),
-        Column("geometry_shift", "from geometry", align="right", essential=True),
+        *FIELDS.of(
+            "row t mode condition transmission torque torque_of manipulability largest smallest "
+            "worst force force_in moment moment_in least_stiffness worst_shift bound_shift "
+            "geometry_shift"
+        ),
         *more,
     ]
     rows = [_line(entry, given) for entry in entries]
@@ -280,7 +269,7 @@ def overview(entries: list[dict[str, Any]], given: Wrenches, more: Sequence[Colu
     always = ("condition", "manipulability", "largest", "smallest", "worst")
     asked = {key for row in rows for key in row}
     kept = [column for column in columns if column.key in always or column.key in asked]
-    return Table(kept, rows, title=given.instance.title, notes=_explained(rows[0], given))
+    return Result(kept, rows, title=given.instance.title, notes=_explained(rows[0], given))
 
 
 def _line(entry: dict[str, Any], given: Wrenches) -> dict[str, Any]:
@@ -335,7 +324,7 @@ def _explained(row: dict[str, Any], given: Wrenches) -> list[str]:
     return notes + _weights(given)
 
 
-def drives_table(entry: dict[str, Any], drives: Drives) -> Table:
+def drives_table(entry: dict[str, Any], drives: Drives) -> Result:
     """Return a line for each drive of one pose."""
     rows = []
     for k, name in enumerate(drives.names):
@@ -350,21 +339,16 @@ def drives_table(entry: dict[str, Any], drives: Drives) -> Table:
         if "torques" in entry:
             row["torque"] = entry["torques"][k]
         rows.append(row)
-    columns = [
-        Column("drive", essential=True),
-        Column("rods", essential=True),
-        Column("at", align="right", essential=True, aligned=True),
-        Column("transmission", align="right", essential=True, aligned=True),
-    ]
+    columns = FIELDS.of("drive rods at transmission@2")
     units = drives.instance.units
     notes = [f"at: in {units.angle.value} or {units.length} from where it is stated", _TRANSMISSION]
     if "torques" in entry:
-        columns.append(Column("torque", align="right", essential=True, aligned=True))
+        columns.append(FIELDS["torque@2"])
         notes.append(f"torque: of cranks force times {units.length}, of slides a force")
-    return Table(columns, rows, title="Drives", notes=notes, part="drives")
+    return Result(columns, rows, title="Drives", notes=notes, part="drives")
 
 
-def details(entry: dict[str, Any], given: Wrenches) -> list[Table]:
+def details(entry: dict[str, Any], given: Wrenches) -> list[Result]:
     """Return all tables of one pose."""
     kinds = [constraint.kind.name for constraint in given.instance.constraints]
     labels = [f"{k} {kind}" for k, kind in enumerate(kinds, 1)]
@@ -385,7 +369,7 @@ def details(entry: dict[str, Any], given: Wrenches) -> list[Table]:
     return tables
 
 
-def _screws(entry: dict[str, Any], given: Wrenches, kinds: list[str]) -> Table:
+def _screws(entry: dict[str, Any], given: Wrenches, kinds: list[str]) -> Result:
     """Return the wrenches of the constraints; notes describe the pose."""
     screws = []
     for k, kind in enumerate(kinds):
@@ -397,19 +381,14 @@ def _screws(entry: dict[str, Any], given: Wrenches, kinds: list[str]) -> Table:
             row["reaction"] = entry["reactions"][k]
         screws.append(row)
     forces, moments = ("fx", "fy", "fz"), ("mx", "my", "mz")
-    columns = [
-        Column("number", "no.", align="right", essential=True),
-        Column("kind", essential=True),
-    ]
+    columns = FIELDS.of("number kind")
     if "reactions" in entry:
-        columns.append(Column("reaction", align="right", essential=True))
+        columns.append(FIELDS["reaction"])
     for keys, size in ((forces, 1.0), (moments, given.length)):
-        columns += [Column(key, "", "right", True, aligned=True, size=size) for key in keys]
-    columns += [
-        Column(key, align="right", size=given.length) for key in ("pitch", "px", "py", "pz")
-    ]
+        columns += [Field(key, "", "right", True, aligned=True, size=size) for key in keys]
+    columns += [Field(key, align="right", size=given.length) for key in ("pitch", "px", "py", "pz")]
     notes = _notes(entry, given)
-    return Table(columns, screws, title=given.instance.title, notes=notes, part="wrenches")
+    return Result(columns, screws, title=given.instance.title, notes=notes, part="wrenches")
 
 
 def _notes(entry: dict[str, Any], given: Wrenches) -> list[str]:
@@ -440,10 +419,10 @@ def _weights(given: Wrenches) -> list[str]:
     return [f"reactions hold the weights under dynamics in SPEC, too: N, and N {unit} for angles"]
 
 
-def _matrix(part: str, title: str, corner: str, rows: Any, columns: Any, matrix: Any) -> Table:
-    return Table(
-        [Column(corner, essential=True)]
-        + [Column(name, align="right", essential=True, aligned=True) for name in columns],
+def _matrix(part: str, title: str, corner: str, rows: Any, columns: Any, matrix: Any) -> Result:
+    return Result(
+        [Field(corner, essential=True)]
+        + [Field(name, align="right", essential=True, aligned=True) for name in columns],
         [
             {corner: name, **dict(zip(columns, values, strict=True))}
             for name, values in zip(rows, matrix, strict=True)
@@ -453,7 +432,7 @@ def _matrix(part: str, title: str, corner: str, rows: Any, columns: Any, matrix:
     )
 
 
-def _geometry_errors(errors: dict[str, Any], unit: str) -> Table:
+def _geometry_errors(errors: dict[str, Any], unit: str) -> Result:
     rows = [
         {"error": name, "worst": worst, "rms": rms}
         for name, worst, rms in zip(_TWIST, errors["worst"], errors["rms"], strict=True)
@@ -462,18 +441,14 @@ def _geometry_errors(errors: dict[str, Any], unit: str) -> Table:
         {"error": "rotation", "worst": errors["turn"]},
         {"error": "distance", "worst": errors["shift"]},
     ]
-    columns = (
-        Column("error", essential=True),
-        Column("worst", "worst, first order", align="right", essential=True),
-        Column("rms", align="right", essential=True),
-    )
+    columns = FIELDS.of("error worst@2 rms")
     note = f"rotations in radians, distances in {unit}; upper bounds for rotation and distance"
-    return Table(
+    return Result(
         columns, rows, title="Errors of the pose from the geometry", notes=[note], part="geometry"
     )
 
 
-def _errors(errors: dict[str, Any], unit: str) -> Table:
+def _errors(errors: dict[str, Any], unit: str) -> Result:
     rows = [
         {"error": name, "worst": a, "bound": b, "rms": c}
         for name, a, b, c in zip(
@@ -484,13 +459,8 @@ def _errors(errors: dict[str, Any], unit: str) -> Table:
         {"error": "rotation", "worst": errors["worst_turn"], "bound": errors["bound_turn"]},
         {"error": "distance", "worst": errors["worst_shift"], "bound": errors["bound_shift"]},
     ]
-    columns = (
-        Column("error", essential=True),
-        Column("worst", "worst, first order", align="right", essential=True),
-        Column("bound", "proved ≤", align="right", essential=True),
-        Column("rms", align="right"),
-    )
+    columns = FIELDS.of("error worst@2 bound rms@2")
     note = f"rotations in radians, distances in {unit}"
     if any(row["bound"] is None for row in rows):
         note += "; the tolerances are too large for a proof"
-    return Table(columns, rows, title="Errors of the pose", notes=[note], part="errors")
+    return Result(columns, rows, title="Errors of the pose", notes=[note], part="errors")

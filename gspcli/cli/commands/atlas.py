@@ -17,14 +17,17 @@ from gspcli.cli.options import (
     seed_option,
     worker_options,
 )
-from gspcli.cli.render import Column, Output, Table, emit
+from gspcli.cli.render import Output, emit
+from gspcli.cli.result import Field, Fields, Result
 from gspcli.cli.streams import progress, say, write_whole
 from gspcli.errors import CheckFailed, IncompleteError
 
 if TYPE_CHECKING:
     from gspcli.atlas.records import RecordVerdict
-    from gspcli.atlas.task_counts import Result
+    from gspcli.atlas.task_counts import Result as TaskResult
     from gspcli.workers import Workers
+
+FIELDS, _VERIFIED = Fields("atlas summary"), Fields("atlas verify")
 
 #: `verify --fast` counts at most this many tasks, each of at most this many solutions.
 _FAST = (40, 256)
@@ -72,12 +75,11 @@ def summary(output: Output) -> None:
     emit(
         output,
         [
-            Table(
+            Result(
                 columns=[
-                    Column("name", "class", essential=True),
-                    Column("sides", essential=True),
+                    *FIELDS.of("name sides"),
                     *_numbers("types", "smallest", "median", "largest"),
-                    Column("of_largest", "largest for"),
+                    FIELDS["of_largest"],
                     *_numbers("different"),
                 ],
                 rows=found["counts"],
@@ -90,14 +92,11 @@ def summary(output: Output) -> None:
                     f"{without_one:.0e}",
                 ],
             ),
-            Table(
+            Result(
                 columns=[
-                    Column("bound", essential=True),
-                    Column("name", "class", essential=True),
+                    *FIELDS.of("bound name"),
                     *_numbers("types", "sharp"),
-                    Column("median", "median factor", align="right"),
-                    Column("largest", "largest factor", align="right"),
-                    Column("of_largest", "largest for"),
+                    *FIELDS.of("median largest of_largest"),
                 ],
                 rows=found["bounds"],
                 title="Bounds against generic counts",
@@ -113,8 +112,8 @@ def summary(output: Output) -> None:
     )
 
 
-def _numbers(*keys: str) -> list[Column]:
-    return [Column(key, align="right", essential=True) for key in keys]
+def _numbers(*keys: str) -> list[Field]:
+    return [Field(key, align="right", essential=True) for key in keys]
 
 
 @command.command
@@ -187,7 +186,7 @@ def verify(
         raise IncompleteError(message)
 
 
-def _verified(verdicts: Mapping[Result, RecordVerdict]) -> Table:
+def _verified(verdicts: Mapping[TaskResult, RecordVerdict]) -> Result:
     """Say for each method how many counts were as recorded."""
     rows: list[dict[str, Any]] = []
     for characteristic in dict.fromkeys(result.task.characteristic for result in verdicts):
@@ -202,18 +201,15 @@ def _verified(verdicts: Mapping[Result, RecordVerdict]) -> Table:
     rows = [{**dict.fromkeys((c.key for c in numbers), 0), **row} for row in rows]
     equal = sum(row["equal"] for row in rows)
     note = f"confirmed: {equal} of {len(verdicts)} counts"
-    columns = [Column("method", essential=True), *numbers]
-    return Table(columns, rows, notes=[note], part="methods")
+    columns = [_VERIFIED["method"], *numbers]
+    return Result(columns, rows, notes=[note], part="methods")
 
 
-def _differing(wrong: Sequence[Result]) -> Table:
+def _differing(wrong: Sequence[TaskResult]) -> Result:
     from gspcli.atlas.records import recorded
 
-    return Table(
-        columns=[
-            Column("subject", essential=True),
-            *_numbers("sides", "characteristic", "recorded", "counted"),
-        ],
+    return Result(
+        columns=[_VERIFIED["subject"], *_numbers("sides", "characteristic", "recorded", "counted")],
         rows=[{**vars(r.task), "recorded": recorded(r.task), "counted": r.count} for r in wrong],
         title="Different from the record",
         part="different",

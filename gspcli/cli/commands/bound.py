@@ -15,7 +15,10 @@ from gspcli.catalogue.known_facts import bound as known
 from gspcli.catalogue.recorded_varieties import coordinates_label
 from gspcli.catalogue.types import GspType
 from gspcli.cli.options import output_options, read_names
-from gspcli.cli.render import Column, Output, Table, emit
+from gspcli.cli.render import Output, emit
+from gspcli.cli.result import Field, Fields, Result
+
+FIELDS = Fields("bound")
 
 _SURFACES = {"P": "plane", "S": "sphere", "C": "cylinder"}
 _GENERIC = ("generic_one_sided", "generic_two_sided")
@@ -55,7 +58,7 @@ def _degrees(degrees: Degrees) -> str:
     return f"{degrees.two_sided} ({degrees.one_sided} one-sided)"
 
 
-def _tables(found: KnownBounds) -> list[Table]:
+def _tables(found: KnownBounds) -> list[Result]:
     subject = found.subject
     title = subject.id
     if isinstance(subject, GspType):
@@ -68,7 +71,7 @@ def _tables(found: KnownBounds) -> list[Table]:
     ]
 
 
-def constraint_table(kinds: Sequence[Kind], title: str) -> Table:
+def constraint_table(kinds: Sequence[Kind], title: str) -> Result:
     """Return a row for each constraint: its degrees and the surface it gives."""
     rows = []
     for kind in kinds:
@@ -83,22 +86,15 @@ def constraint_table(kinds: Sequence[Kind], title: str) -> Table:
                 "surface": _SURFACES.get(facts.surface or "", ""),
             }
         )
-    return Table(
-        columns=[
-            Column("kind", "constraint", essential=True),
-            Column("degree_lazard", "degree (Lazard)", essential=True),
-            Column("degree_mourrain", "degree (Mourrain)", essential=True),
-            Column("degree_lowest", "lowest degree", essential=True),
-            Column("coordinates", "in coordinates", minor=1),
-            Column("surface", "surface"),
-        ],
+    return Result(
+        columns=FIELDS.of("kind degree_lazard degree_mourrain degree_lowest coordinates surface"),
         rows=rows,
         title=title,
         part="constraints",
     )
 
 
-def bound_table(found: KnownBounds) -> Table:
+def bound_table(found: KnownBounds) -> Result:
     """Return rows: the bounds that apply with their reasons, the counts, the best known real."""
     subject, counts, real = found.subject, found.counts, best_real(found.subject)
     applying = [(name, bound) for name, bound in found.bounds.items() if bound is not None]
@@ -124,13 +120,8 @@ def bound_table(found: KnownBounds) -> Table:
                 "sides": "two-sided",
             }
         )
-    return Table(
-        columns=[
-            Column("kind", "number of solutions", essential=True, fold=" "),
-            Column("source", "by", essential=True, fold=" "),
-            Column("value", align="right", essential=True),
-            Column("sides", essential=True, fold=" "),
-        ],
+    return Result(
+        columns=FIELDS.of("kind@2 source value sides"),
         rows=rows,
         notes=[
             *dict.fromkeys(bound.reason for _, bound in applying),
@@ -140,7 +131,7 @@ def bound_table(found: KnownBounds) -> Table:
     )
 
 
-def _summary(subjects: list[KnownBounds]) -> Table:
+def _summary(subjects: list[KnownBounds]) -> Result:
     rows = [
         subject.identity
         | subject.bounds.values()
@@ -148,10 +139,10 @@ def _summary(subjects: list[KnownBounds]) -> Table:
         | {"best_real": best_real(subject.subject)}
         for subject in subjects
     ]
-    return Table(
+    return Result(
         columns=[
-            *(Column(key) for key in ("number", "id", "class", "family")),
-            *(Column(name, align="right") for name in (*BOUND_NAMES, *_GENERIC, "best_real")),
+            *(Field(key) for key in ("number", "id", "class", "family")),
+            *(Field(name, align="right") for name in (*BOUND_NAMES, *_GENERIC, "best_real")),
         ],
         rows=rows,
     )

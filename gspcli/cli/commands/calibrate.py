@@ -28,8 +28,9 @@ from gspcli.cli.pose_options import (
     pose_options,
     text_of,
 )
-from gspcli.cli.render import Column, Output, Table, emit, pose_columns, write
+from gspcli.cli.render import Output, emit, write
 from gspcli.cli.requirements import measured_quantities, require_option, required
+from gspcli.cli.result import Field, Fields, Result, pose_columns
 from gspcli.cli.streams import working
 from gspcli.errors import CheckFailed
 from gspcli.wording import counted, listed, named
@@ -47,6 +48,8 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
     from gspcli.calibration.planning import Plan
     from gspcli.motion import PoseFormat
+
+FIELDS = Fields("calibrate")
 
 #: The most poses of a plan. More poses take hours to choose, and determine the numbers hardly
 #: better than as many random poses.
@@ -346,7 +349,7 @@ def _allowed(
 _POSE = ("x", "y", "z", "qw", "qx", "qy", "qz")
 
 
-def calibration_table(result: Calibration, remarks: Sequence[str] | None = None) -> Table:
+def calibration_table(result: Calibration, remarks: Sequence[str] | None = None) -> Result:
     """Return the numbers found beside those stated; of a log, with `remarks`, none are stated."""
     rows = [
         {
@@ -365,16 +368,15 @@ def calibration_table(result: Calibration, remarks: Sequence[str] | None = None)
         )
     ]
     columns = [
-        Column("number", essential=True),
-        *(Column(key, align="right", essential=True, aligned=True) for key in ("stated", "found")),
-        Column("sigma", align="right", essential=True),
-        Column("change/sigma", align="right"),
+        FIELDS["number"],
+        *(Field(key, align="right", essential=True, aligned=True) for key in ("stated", "found")),
+        *FIELDS.of("sigma change/sigma"),
     ]
     if remarks is not None:
         columns = [one for one in columns if one.key not in ("stated", "change/sigma")]
         rows = [{one.key: row[one.key] for one in columns} for row in rows]
     units = result.stated.units
-    return Table(
+    return Result(
         columns,
         rows,
         title=result.stated.title,
@@ -455,20 +457,20 @@ def calibration_document(result: Calibration) -> dict[str, Any]:
     return {"schema": "gsp.calibrate/1", **result.to_json()}
 
 
-def plan_table(plan: Plan, frame: PoseFrame) -> Table:
+def plan_table(plan: Plan, frame: PoseFrame) -> Result:
     """Return poses to measure, as expressed in a frame, with what the machine reads there."""
     from gspcli.geometry.arrangement import Arrangement
 
-    columns = [Column("t", align="right", essential=True)]
+    columns = FIELDS.of("t")
     columns += pose_columns(_POSE, Arrangement.of(plan.instance).length)
     columns += [
-        Column(str(k), f"{k} {row.kind.name}", align="right", aligned=True, minor=1)
+        Field(str(k), f"{k} {row.kind.name}", align="right", aligned=True, minor=1)
         for k, row in enumerate(plan.instance.constraints, 1)
         if k - 1 not in plan.driven
     ]
-    columns += [Column(name, align="right", aligned=True, minor=1) for name in plan.drive_names]
+    columns += [Field(name, align="right", aligned=True, minor=1) for name in plan.drive_names]
     read = [column.key for column in columns[1 + len(_POSE) :]]
-    return Table(
+    return Result(
         columns,
         [
             {

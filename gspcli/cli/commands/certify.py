@@ -11,7 +11,8 @@ import click
 from gspcli.cli.options import Changes, Positive, load_instance, output_options, value_options
 from gspcli.cli.pose_options import text_of
 from gspcli.cli.pose_tables import DECIMALS, digit_cells, digit_table, digits_option, refined
-from gspcli.cli.render import Column, Output, Table, emit
+from gspcli.cli.render import Output, emit
+from gspcli.cli.result import Field, Fields, Result
 from gspcli.cli.streams import working
 from gspcli.defaults import MAX_PRECISION, TOLERANCE
 from gspcli.errors import CheckFailed, IncompleteError
@@ -19,18 +20,11 @@ from gspcli.errors import CheckFailed, IncompleteError
 if TYPE_CHECKING:
     from gspcli.certification import Certificates
 
+FIELDS = Fields("certify")
+
 _SIDES = {1: "positive", -1: "negative"}
-_COLUMNS = (
-    Column("number", "no.", align="right", essential=True),
-    Column("outcome", essential=True),
-    Column("real", essential=True),
-    Column("same_as", "same as", align="right"),
-    Column("residual_bound", "residual ≤", align="right"),
-    Column("deviation", "deviation ≤", align="right"),
-    Column("sides"),
-    Column("precision", "bits", align="right"),
-    Column("error", "error ≤", align="right"),
-    Column("uniqueness", "alone within", align="right"),
+_COLUMNS = FIELDS.of(
+    "number outcome real same_as residual_bound deviation sides precision error uniqueness"
 )
 
 
@@ -148,7 +142,7 @@ def _tables(
     counts: dict[str, int],
     nearness: list[str],
     output_format: str,
-) -> list[Table]:
+) -> list[Result]:
     rows: list[dict[str, Any]] = []
     for entry in solutions:
         sides = " ".join(f"{k}:{side}" for k, side in entry["sides"].items())
@@ -157,10 +151,10 @@ def _tables(
         "{poses} poses: {certified} certified, {distinct} of them proved pairwise different, "
         "{real} of these real"
     ).format(**counts)
-    shown = [Column(key) for key in DECIMALS if any(key in row for row in rows)]
+    shown = [Field(key) for key in DECIMALS if any(key in row for row in rows)]
     if output_format == "csv" or not shown:
-        return [Table([*_COLUMNS, *shown], rows, summary=[note, *nearness], part="poses")]
-    return [Table(_COLUMNS, rows, summary=[note, *nearness], part="poses"), digit_table(rows)]
+        return [Result([*_COLUMNS, *shown], rows, summary=[note, *nearness], part="poses")]
+    return [Result(_COLUMNS, rows, summary=[note, *nearness], part="poses"), digit_table(rows)]
 
 
 def _conclude(solutions: list[dict[str, Any]], proved: Certificates) -> None:

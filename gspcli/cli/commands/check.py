@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from gspcli.cli.options import output_options, spec_source
-from gspcli.cli.render import Column, Output, Table, emit, write
+from gspcli.cli.render import Output, emit, write
+from gspcli.cli.result import Fields, Result
 from gspcli.errors import SpecError
 from gspcli.resources import data_path
 from gspcli.wording import MOST_LINES
@@ -15,17 +16,9 @@ from gspcli.wording import MOST_LINES
 if TYPE_CHECKING:
     from gspcli.spec.checks import CheckedFile
 
-_COLUMNS = (
-    Column("file", essential=True),
-    Column("valid", essential=True),
-    Column("class"),
-    Column("number", "no.", align="right"),
-    Column("type", fold=" "),
-    Column("expected", align="right"),
-    Column("bound", align="right"),
-    Column("warnings", align="right"),
-    Column("shared", fold=", ", minor=1),
-)
+FIELDS = Fields("check")
+
+_COLUMNS = FIELDS.of("file valid class number type expected bound warnings shared")
 
 
 @click.command()
@@ -70,7 +63,7 @@ def command(specs: tuple[str, ...], schema: bool, output: Output) -> None:
         # The error has the first ones only.
         notes += [f"mistake: {mistake}" for mistake in found.mistakes]
     rows = [_row(one) for one in found.files]
-    emit(output, Table(_COLUMNS, rows, notes=notes), document=found.to_json())
+    emit(output, Result(_COLUMNS, rows, notes=notes), document=found.to_json())
     if not found.valid:
         raise SpecError(found.mistakes)
 

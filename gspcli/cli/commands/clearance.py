@@ -21,12 +21,15 @@ from gspcli.cli.pose_options import (
     pose_options,
     pose_value_option,
 )
-from gspcli.cli.render import Column, Output, Table, emit
+from gspcli.cli.render import Output, emit
+from gspcli.cli.result import Field, Fields, Result
 from gspcli.cli.streams import progress
 from gspcli.errors import GspError
 
 if TYPE_CHECKING:
     from gspcli.geometry.instance import Instance
+
+FIELDS = Fields("clearance")
 
 
 @click.command()
@@ -154,19 +157,15 @@ def _unit(instance: Instance, of: str, *, ranged: bool) -> str:
     return f"units of 1 {units.length} for distances, 1 {units.angle.value} for angles"
 
 
-def _drive_table(instance: Instance, rows: list[dict[str, Any]]) -> Table:
+def _drive_table(instance: Instance, rows: list[dict[str, Any]]) -> Result:
     from gspcli.geometry.drives import Drives
     from gspcli.motion.singularities.drive_clearances import drive_weights
 
     names, units = Drives.of(instance).names, instance.units
     columns = [
         *_name_columns(rows),
-        Column("lower", "proved regular", align="right", essential=True),
-        Column("knees", "knees proved", align="right", essential=True),
-        Column("upper", "fold found", align="right", essential=True),
-        Column("dead_point", "dead point found", align="right"),
-        Column("drive", "of"),
-        *(Column(name, align="right") for name in names),
+        *FIELDS.of("lower knees upper dead_point drive"),
+        *(Field(name, align="right") for name in names),
     ]
     what = f"1 {units.angle.value} for cranks, 1 {units.length} for slides"
     if drive_weights(instance)[1]:
@@ -177,33 +176,31 @@ def _drive_table(instance: Instance, rows: list[dict[str, Any]]) -> Table:
         | dict(zip(names, row["drives"] or (), strict=False))
         for row in rows
     ]
-    return Table(columns, shown, title=instance.title, notes=[note])
+    return Result(columns, shown, title=instance.title, notes=[note])
 
 
-def _name_columns(rows: list[dict[str, Any]]) -> list[Column]:
+def _name_columns(rows: list[dict[str, Any]]) -> list[Field]:
     names = [key for key in ("row", "t", "mode") if any(row.get(key) is not None for row in rows)]
-    return [Column(key, align="right", essential=True) for key in names or ("mode",)]
+    return [Field(key, align="right", essential=True) for key in names or ("mode",)]
 
 
-def _table(instance: Instance, rows: list[dict[str, Any]], of: str, unit: str) -> Table:
+def _table(instance: Instance, rows: list[dict[str, Any]], of: str, unit: str) -> Result:
     columns = [
         *_name_columns(rows),
-        Column("lower", "proved free", align="right", essential=True),
-        Column(
-            "upper", "singular at" if of == "pose" else "ends at", align="right", essential=True
-        ),
-        Column("ratio", align="right"),
+        FIELDS["lower@2"],
+        FIELDS["upper@2"].but(title="singular at" if of == "pose" else "ends at"),
+        FIELDS["ratio"],
     ]
-    columns.append(Column("by"))
+    columns.append(FIELDS["by"])
     if of == "values":
-        columns.append(Column("constraint", "of", align="right"))
+        columns.append(FIELDS["constraint"])
     columns += [
-        Column(str(k), f"{k} {constraint.kind.name}", align="right")
+        Field(str(k), f"{k} {constraint.kind.name}", align="right")
         for k, constraint in enumerate(instance.constraints, 1)
     ]
     note = f"clearances in {unit}; last columns: the values "
     note += "of the nearest singular pose found" if of == "pose" else "where the mode ends"
-    return Table(columns, [_shown(row) for row in rows], title=instance.title, notes=[note])
+    return Result(columns, [_shown(row) for row in rows], title=instance.title, notes=[note])
 
 
 def _shown(row: dict[str, Any]) -> dict[str, Any]:

@@ -13,7 +13,10 @@ from gspcli.catalogue.names import parse_kinds
 from gspcli.catalogue.realization import realization
 from gspcli.catalogue.recorded_varieties import LAZARD, MOURRAIN, coordinates_label, varieties
 from gspcli.cli.options import output_options
-from gspcli.cli.render import Column, Output, Table, emit
+from gspcli.cli.render import Output, emit
+from gspcli.cli.result import Field, Fields, Result
+
+FIELDS = Fields("constraint")
 
 _LEGEND = (
     "platform: point Y, line (B, v), plane (B, normal v); "
@@ -27,17 +30,9 @@ _PROOF = (
     "these degrees are the lowest: at exact motions that satisfy a random constraint of the kind "
     "the monomials of lower degree have the same rank as on all motions"
 )
-_ALL_COLUMNS = (
-    Column("kind", essential=True),
-    Column("equation", essential=True, fold=" "),
-    Column("degree_lazard", "Lazard", "right", minor=2),
-    Column("degree_mourrain", "Mourrain", "right", minor=2),
-    Column("degree_lowest", "lowest", "right", essential=True),
-    Column("degree_lowest_one_sided", "one-sided", "right"),
-    Column("coordinates", "in"),
-    Column("surface"),
-    Column("realization"),
-    Column("meaning", fold=" ", minor=3),
+_ALL_COLUMNS = FIELDS.of(
+    "kind equation degree_lazard degree_mourrain degree_lowest degree_lowest_one_sided "
+    "coordinates surface realization meaning"
 )
 
 
@@ -90,9 +85,9 @@ def _row(facts: ConstraintFacts) -> dict[str, Any]:
     }
 
 
-def _overview(shown: list[ConstraintFacts]) -> Table:
+def _overview(shown: list[ConstraintFacts]) -> Result:
     notes = (*_LEGEND, "surface: plane P, sphere S or cylinder C under a fixed orientation")
-    return Table(_ALL_COLUMNS, [_row(facts) for facts in shown], notes=notes)
+    return Result(_ALL_COLUMNS, [_row(facts) for facts in shown], notes=notes)
 
 
 def _equations(facts: ConstraintFacts) -> list[dict[str, Any]]:
@@ -141,13 +136,13 @@ def _one_sided(facts: ConstraintFacts, degrees: Degrees | None) -> int | None:
     return degrees.one_sided if degrees is not None and facts.kind.has_sides else None
 
 
-def _equation_list(shown: list[ConstraintFacts]) -> Table:
+def _equation_list(shown: list[ConstraintFacts]) -> Result:
     """Return the equations of several kinds in one table."""
     rows = [row for facts in shown for row in _equation_rows(facts)]
-    return Table([Column(key) for key in rows[0]], rows, part="equations")
+    return Result([Field(key) for key in rows[0]], rows, part="equations")
 
 
-def _page(facts: ConstraintFacts) -> list[Table]:
+def _page(facts: ConstraintFacts) -> list[Result]:
     degrees = [
         {
             "coordinates": coordinates_label(name),
@@ -158,31 +153,26 @@ def _page(facts: ConstraintFacts) -> list[Table]:
         }
         for name, row in facts.degrees.items()
     ]
-    one_sided = [Column("degree_lowest_one_sided", "one-sided", "right")]
+    one_sided = FIELDS.of("degree_lowest_one_sided")
     if not facts.kind.has_sides:
         one_sided = []
     difference = any(row["difference"] is not None for row in degrees)
     return [
-        Table(
+        Result(
             [
-                Column("system", "written", essential=True),
-                Column("equation", essential=True, fold=" "),
-                Column("degree_paper", "Prop. 4.1", "right"),
-                Column("degree_lowest", "lowest", "right"),
+                *FIELDS.of("system equation degree_paper degree_lowest@2"),
                 *one_sided,
-                Column("coordinates", "in"),
+                FIELDS["coordinates"],
             ],
             _equation_rows(facts),
             title=f"{facts.kind}: {facts.meaning}",
             notes=_LEGEND,
         ),
-        Table(
+        Result(
             [
-                Column("coordinates", essential=True),
-                Column("variety", "degree of the motions", "right", essential=True),
-                Column("degree_lowest", "lowest degree", "right", essential=True),
+                *FIELDS.of("coordinates@2 variety degree_lowest@3"),
                 *one_sided,
-                *([Column("difference", "of differences", "right")] if difference else []),
+                *FIELDS.of("difference" if difference else ""),
             ],
             degrees,
             notes=_remarks(facts),

@@ -16,7 +16,8 @@ from gspcli.cli.options import (
     seed_option,
     value_options,
 )
-from gspcli.cli.render import Column, Output, Table, emit
+from gspcli.cli.render import Output, emit
+from gspcli.cli.result import Fields, Result
 from gspcli.cli.streams import progress
 from gspcli.defaults import LONG_COUNT
 from gspcli.errors import NotFiniteError
@@ -27,23 +28,12 @@ if TYPE_CHECKING:
     from gspcli.certification.counting import ExactCount
     from gspcli.geometry.instance import Instance
 
-_COLUMNS = (
-    Column("spec", essential=True),
-    Column("type_count", "type", align="right", essential=True),
-    Column("geometry_count", "geometry", align="right", essential=True),
-    Column("exact_count", "exact", align="right", essential=True),
-    Column("distinct", align="right", essential=True),
-    Column("finite", essential=True),
-    Column("proof", "proof of the exact count", fold=" "),
-    Column("geometry_proof", "of the geometry's", fold=" ", minor=1),
+FIELDS = Fields("count")
+
+_COLUMNS = FIELDS.of(
+    "spec type_count geometry_count exact_count distinct finite proof geometry_proof"
 )
-_GEOMETRY_COLUMNS = (
-    Column("geometry", essential=True),
-    Column("count", align="right", essential=True),
-    Column("distinct", align="right", essential=True),
-    Column("meaning", "what is special", fold=" ", essential=True),
-    Column("proof", fold=" "),
-)
+_GEOMETRY_COLUMNS = FIELDS.of("geometry count distinct meaning proof@2")
 _LEGEND = (
     "type: the count of almost every platform of the type; geometry: of this geometry with almost "
     "all values; exact: of this platform, with multiplicities; all for the sides asked for"
@@ -135,7 +125,7 @@ def _count_specs(
         documents.append(found.to_json())
         rows.append(_row(spec, instance, found.exact, found.geometry))
     document: Any = documents[0] if len(documents) == 1 else documents
-    emit(output, Table(_COLUMNS, rows, notes=[_LEGEND]), document=document)
+    emit(output, Result(_COLUMNS, rows, notes=[_LEGEND]), document=document)
     if refusals:
         raise NotCountedError("\n".join(refusals))
     if infinite:
@@ -179,5 +169,5 @@ def _count_geometries(
         return progress(these, total=len(these), label="counting solutions")
 
     found = count_type(gsp_type, chosen, limit, seed, shown_progress)
-    table = Table(_GEOMETRY_COLUMNS, found.rows(), title=gsp_type.id)
+    table = Result(_GEOMETRY_COLUMNS, found.rows(), title=gsp_type.id)
     emit(output, table, document=found.to_json())

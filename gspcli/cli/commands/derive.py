@@ -8,11 +8,14 @@ from typing import TYPE_CHECKING
 import click
 
 from gspcli.cli.options import output_options
-from gspcli.cli.render import Column, Output, Table, emit
+from gspcli.cli.render import Output, emit
+from gspcli.cli.result import Fields, Result
 from gspcli.cli.streams import progress, working
 
 if TYPE_CHECKING:
     from gspcli.symbolic.triangular import TriangularSet
+
+FIELDS = Fields("derive")
 
 
 @click.command()
@@ -55,15 +58,9 @@ def command(case: str | None, expand: bool, output: Output) -> None:
         emit(output, (), texts={output.format: text})
 
 
-def _listing(sets: list[TriangularSet]) -> Table:
-    return Table(
-        columns=[
-            Column("case", essential=True),
-            Column("title", fold=" "),
-            Column("degrees"),
-            Column("solutions", align="right", essential=True),
-            Column("source", fold=" ", minor=1),
-        ],
+def _listing(sets: list[TriangularSet]) -> Result:
+    return Result(
+        columns=FIELDS.of("case title degrees solutions source"),
         rows=[
             {
                 "case": item.case,

@@ -25,7 +25,7 @@ from gspcli.cli.pose_options import (
     pose_value_option,
     text_of,
 )
-from gspcli.cli.render import Column, Output, Table, emit
+from gspcli.cli.render import Output, emit
 from gspcli.cli.requirements import (
     judged,
     refuse,
@@ -34,6 +34,7 @@ from gspcli.cli.requirements import (
     verdict_entries,
     verdict_lines,
 )
+from gspcli.cli.result import Field, Fields, Result
 from gspcli.cli.streams import working
 from gspcli.dynamics.arrays import plain
 from gspcli.dynamics.drive_forces import FORCES
@@ -58,6 +59,8 @@ if TYPE_CHECKING:
     from gspcli.cli.pose_options import GivenPose, Mode
     from gspcli.dynamics.motion_files import ValueRows
     from gspcli.dynamics.trajectories import PoseRates
+
+FIELDS = Fields("dynamics")
 
 #: A message names at most this many rows.
 _MOST_NAMED = 5
@@ -183,7 +186,7 @@ def _tell(
     requirements: list[Requirement],
     known: Mapping[str, Array | QuantityParts],
     rows: list[dict[str, Any]],
-    tables: Callable[[list[Column], list[str]], Table | list[Table]],
+    tables: Callable[[list[Field], list[str]], Result | list[Result]],
     output: Output,
 ) -> None:
     """Write the result, warn of singular poses, and fail if a requirement is not kept.
@@ -406,25 +409,25 @@ def force_table(
     found: DriveForces,
     asked: AskedMotion,
     rows: list[dict[str, Any]],
-    more: list[Column],
+    more: list[Field],
     lines: list[str],
-) -> Table:
+) -> Result:
     """Return the forces of each row, and the worst of them in a note."""
     instance = found.instance
     kinds = [row.kind.name for row in instance.constraints]
-    columns = [Column(asked.first_column, align="right", essential=True)]
+    columns = [Field(asked.first_column, align="right", essential=True)]
     torques = found.torque_columns
     columns += [
-        Column(key, f"{key.removeprefix('torque.')} [{unit}]", "right", True, aligned=True)
+        Field(key, f"{key.removeprefix('torque.')} [{unit}]", "right", True, aligned=True)
         for key, unit in zip(torques, found.torque_units, strict=False)
     ]
     columns += [
-        Column(key, f"{key} {kind} [{unit}]", "right", not torques, aligned=True, size=size)
+        Field(key, f"{key} {kind} [{unit}]", "right", not torques, aligned=True, size=size)
         for key, kind, unit, size in zip(
             FORCES, kinds, found.units, _sizes(found.forces, found.units), strict=True
         )
     ]
-    columns.append(Column("power", "power [W]", "right", size=_size(found.powers)))
+    columns.append(FIELDS["power"].but(size=_size(found.powers)))
     notes = [f"{asked.how}; positive: the drive pushes towards a greater value"]
     if torques:
         notes.append("F1 ... F6 act along the rods; before them: what the drives do")
@@ -438,7 +441,7 @@ def force_table(
         notes.append(
             f"worst: {worst.force:.6g} {unit} by drive {worst.drive + 1} {asked.place(worst.row)}"
         )
-    return Table(columns + more, rows, title=instance.title, notes=notes, summary=lines)
+    return Result(columns + more, rows, title=instance.title, notes=notes, summary=lines)
 
 
 def mode_rows(found: NaturalModes, asked: AskedMotion) -> list[dict[str, Any]]:
@@ -452,19 +455,19 @@ def mode_tables(
     found: NaturalModes,
     asked: AskedMotion,
     rows: list[dict[str, Any]],
-    more: list[Column],
+    more: list[Field],
     lines: list[str],
-) -> list[Table]:
+) -> list[Result]:
     """Return the frequencies of each row, or of one pose the modes with their shapes."""
     instance = found.instance
     notes = ["natural frequencies in Hz" + _unstable(found)]
     if len(found.T) > 1 or found.singular.any():
-        columns = [Column(asked.first_column, align="right", essential=True)]
+        columns = [Field(asked.first_column, align="right", essential=True)]
         columns += [
-            Column(key, f"{key} [Hz]", align="right", essential=True, aligned=True)
+            Field(key, f"{key} [Hz]", align="right", essential=True, aligned=True)
             for key in FREQUENCIES[: found.squares.shape[1]]
         ]
-        return [Table(columns + more, rows, title=instance.title, notes=notes, summary=lines)]
+        return [Result(columns + more, rows, title=instance.title, notes=notes, summary=lines)]
     shapes = [
         {"mode": k + 1, "frequency": frequency, **dict(zip(_TWIST, shape, strict=True))}
         for k, (frequency, shape) in enumerate(
@@ -472,15 +475,14 @@ def mode_tables(
         )
     ]
     columns = [
-        Column("mode", align="right", essential=True),
-        Column("frequency", "f [Hz]", align="right", essential=True, aligned=True),
-        *(Column(key, _heading(key, instance), "right", aligned=True) for key in _TWIST),
+        *FIELDS.of("mode frequency"),
+        *(Field(key, _heading(key, instance), "right", aligned=True) for key in _TWIST),
     ]
     notes.append(
         "shapes: turns about the axes of the base, and the way of the platform's origin; the "
         "largest is one radian or the typical length"
     )
-    return [Table(columns, shapes, title=instance.title, notes=notes, summary=lines)]
+    return [Result(columns, shapes, title=instance.title, notes=notes, summary=lines)]
 
 
 def _unstable(found: NaturalModes) -> str:

@@ -20,7 +20,10 @@ from gspcli.catalogue.kinds import DLL
 from gspcli.catalogue.names import parse_class, parse_kind_set, parse_type
 from gspcli.catalogue.types import CLASSES, GspType, PlatformClass
 from gspcli.cli.options import Whole, output_options
-from gspcli.cli.render import Column, Output, Table, emit
+from gspcli.cli.render import Output, emit
+from gspcli.cli.result import Field, Fields, Result
+
+FIELDS = Fields("enumerate")
 
 #: Options that take several words, as in `--only PL PH A`.
 _WORD_LISTS = ("--only", "--with", "--without", "--columns", "--sort")
@@ -141,9 +144,9 @@ def command(
     shown = [listing.column(key) for key in _words(columns)] if columns else listing.DEFAULT_COLUMNS
     emit(
         output,
-        Table(
+        Result(
             columns=[
-                Column(
+                Field(
                     column.key,
                     column.title,
                     align="right" if column.numeric else "left",
@@ -198,7 +201,7 @@ def _select(
     )
 
 
-def _counts(selected: listing.TypeList) -> Table:
+def _counts(selected: listing.TypeList) -> Result:
     filtered = len(selected) < len(listing.TypeList())
 
     def rows() -> Iterator[dict[str, Any]]:
@@ -217,12 +220,10 @@ def _counts(selected: listing.TypeList) -> Table:
             "selected": len(selected),
         }
 
-    return Table(
+    return Result(
         columns=[
-            Column("class", essential=True),
-            Column("formula", "Proposition 2.2"),
-            Column("types", "by formula", align="right", essential=True),
-            Column("selected", "selected" if filtered else "enumerated", "right", essential=True),
+            *FIELDS.of("class formula types"),
+            FIELDS["selected"].but(title="selected" if filtered else "enumerated"),
         ],
         rows=list(rows()),
         part="classes",
@@ -238,7 +239,7 @@ def _formula(platform_class: PlatformClass) -> str:
     )
 
 
-def _sharing(selected: listing.TypeList) -> Table:
+def _sharing(selected: listing.TypeList) -> Result:
     """Count the patterns of shared primitives by class."""
 
     def row(name: str, members: list[GspType]) -> dict[str, Any]:
@@ -251,13 +252,8 @@ def _sharing(selected: listing.TypeList) -> Table:
 
     closed = {t.mirrored for t in selected} == set(selected)
     by_class = [(c.id, [t for t in selected if t.platform_class == c]) for c in CLASSES]
-    return Table(
-        columns=[
-            Column("class", essential=True),
-            Column("types", align="right", essential=True),
-            Column("patterns", align="right", essential=True),
-            Column("up_to_swap", "up to exchanging bodies", align="right"),
-        ],
+    return Result(
+        columns=FIELDS.of("class types@2 patterns up_to_swap"),
         rows=[*(row(name, members) for name, members in by_class), row("all", list(selected))],
         part="classes",
         notes=[
@@ -267,7 +263,7 @@ def _sharing(selected: listing.TypeList) -> Table:
     )
 
 
-def _patterns(gsp_type: GspType, limit: int | None) -> Table:
+def _patterns(gsp_type: GspType, limit: int | None) -> Result:
     """List the patterns of shared primitives of one type."""
     rows = []
     for pattern in islice(coincident_types(gsp_type), limit):
@@ -281,14 +277,8 @@ def _patterns(gsp_type: GspType, limit: int | None) -> Table:
                 "never_rigid": excess.reason if excess else None,
             }
         )
-    return Table(
-        columns=[
-            Column("id", essential=True),
-            Column("pattern", essential=True, fold=" "),
-            Column("platform_primitives", "on platform", align="right", minor=1),
-            Column("base_primitives", "on base", align="right", minor=1),
-            Column("never_rigid", "why it never fixes the platform", fold=" "),
-        ],
+    return Result(
+        columns=FIELDS.of("id pattern platform_primitives base_primitives never_rigid"),
         rows=rows,
         part="patterns",
         title=gsp_type.id,

@@ -9,23 +9,16 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from gspcli.cli.options import FORMATS, output_options
-from gspcli.cli.render import Column, Output, Table, emit
+from gspcli.cli.render import Output, emit
+from gspcli.cli.result import Fields, Result
 from gspcli.resources import data_json, instance_files, shipped_file
 
 if TYPE_CHECKING:
     from gspcli.catalogue.types import GspType
 
-_COLUMNS = (
-    Column("name", essential=True),
-    Column("group", essential=True),
-    Column("type", essential=True),
-    Column("expected", align="right"),
-    Column("exact", align="right"),
-    Column("real", align="right"),
-    Column("number", "no.", align="right"),
-    Column("title", fold=" ", minor=1),
-    Column("source", fold=" ", minor=2),
-)
+FIELDS = Fields("example")
+
+_COLUMNS = FIELDS.of("name group type expected exact real number title source")
 #: The format of a file itself; the list has no such form.
 _FILE = "yaml"
 _LEGEND = (
@@ -66,7 +59,7 @@ def command(name: str | None, output: Output) -> None:
     entries = [{key: row[key] for key in keys} for row in rows]
     emit(
         output,
-        Table(_COLUMNS, rows, notes=[_LEGEND]),
+        Result(_COLUMNS, rows, notes=[_LEGEND]),
         document={"schema": "gsp.example/1", "files": entries},
     )
 

@@ -8,12 +8,15 @@ import click
 
 from gspcli.cli.options import output_options, refuse_to_replace, spec_source
 from gspcli.cli.pose_options import GivenPose, PoseConventions, pose_options, pose_value_option
-from gspcli.cli.render import Column, Output, Table, emit
+from gspcli.cli.render import Output, emit
+from gspcli.cli.result import Fields, Result
 from gspcli.errors import GspError
 
 if TYPE_CHECKING:
     from gspcli.geometry.instance import Instance
     from gspcli.motion.statics.freedoms import Freedoms
+
+FIELDS = Fields("freedoms")
 
 #: At most this many candidates are shown without --all.
 _SHOWN = 12
@@ -106,7 +109,7 @@ def _home(instance: Instance) -> tuple[Any, Any]:
     return None, None
 
 
-def _tables(found: Freedoms, *, everything: bool, readable: bool) -> list[Table]:
+def _tables(found: Freedoms, *, everything: bool, readable: bool) -> list[Result]:
     """Return the free screws, and the constraints that would remove freedoms."""
     unit = found.instance.units.length
     lines = list(found.sentences)
@@ -119,14 +122,11 @@ def _tables(found: Freedoms, *, everything: bool, readable: bool) -> list[Table]
         {"number": number, "freedom": screw.words(unit)}
         for number, screw in enumerate(found.screws, 1)
     ]
-    columns = [
-        Column("number", "no.", "right", essential=True),
-        Column("freedom", essential=True, fold=" "),
-    ]
+    columns = FIELDS.of("number freedom")
     kinds = " ".join(row.kind.name for row in found.instance.constraints)
     title = f"{found.instance.name}: {kinds}" if found.instance.name else kinds
     tables = [
-        Table(columns if rows or not readable else [], rows, title, summary=lines, part="freedoms")
+        Result(columns if rows or not readable else [], rows, title, summary=lines, part="freedoms")
     ]
     shown = found.candidates if everything else found.candidates[:_SHOWN]
     if not shown or not readable:
@@ -143,10 +143,5 @@ def _tables(found: Freedoms, *, everything: bool, readable: bool) -> list[Table]
         }
         for one in shown
     ]
-    more_columns = [
-        Column("constraint", "could be added", essential=True),
-        Column("kind"),
-        Column("removes", align="right", essential=True),
-        Column("restrains", essential=True),
-    ]
-    return [*tables, Table(more_columns, more, notes=notes, part="candidates")]
+    more_columns = FIELDS.of("constraint kind removes restrains")
+    return [*tables, Result(more_columns, more, notes=notes, part="candidates")]

@@ -20,7 +20,7 @@ from gspcli.cli.pose_options import (
     text_of,
     warn_of_range,
 )
-from gspcli.cli.render import Column, Output, Table, emit
+from gspcli.cli.render import Output, emit
 from gspcli.cli.requirements import (
     judged,
     refuse,
@@ -29,6 +29,7 @@ from gspcli.cli.requirements import (
     verdict_entries,
     verdict_lines,
 )
+from gspcli.cli.result import Field, Fields, Result
 from gspcli.errors import GspError, IncompleteError
 from gspcli.wording import counted
 
@@ -44,6 +45,8 @@ if TYPE_CHECKING:
     from gspcli.motion import PoseFormat
     from gspcli.motion.files.requirements import QuantityParts, Requirement
     from gspcli.motion.paths.nearest_poses import NearestPose
+
+FIELDS = Fields("measure")
 
 
 @click.command()
@@ -215,12 +218,12 @@ def _sizes(instance: Instance) -> list[float]:
 
 
 def _table(
-    instance: Instance, rows: list[dict[str, Any]], more: list[Column], summary: list[str]
-) -> Table:
+    instance: Instance, rows: list[dict[str, Any]], more: list[Field], summary: list[str]
+) -> Result:
     kinds = [constraint.kind.name for constraint in instance.constraints]
-    columns = [Column("t", align="right", essential=True)]
+    columns = FIELDS.of("t")
     columns += [
-        Column(str(k), f"{k} {name}", align="right", essential=True, aligned=True, size=size)
+        Field(str(k), f"{k} {name}", align="right", essential=True, aligned=True, size=size)
         for k, (name, size) in enumerate(zip(kinds, _sizes(instance), strict=True), 1)
     ]
     columns += more
@@ -229,7 +232,7 @@ def _table(
     note = f"distances in {units.length}, angles in {units.angle.value}"
     if any(row["sides"] for row in rows):
         note += "; DPH and DHP signed, positive where the normal points"
-    return Table(columns, rows, title=title, notes=[note], summary=summary)
+    return Result(columns, rows, title=title, notes=[note], summary=summary)
 
 
 #: A message names at most this many poses that are out of reach.
@@ -292,7 +295,7 @@ def emit_drives(
         share = drives.transmission(drives.gains(table.R, table.T, q))[:, drives.driven]
         for row, least in zip(rows, share.min(axis=1).tolist(), strict=True):
             row["transmission"] = least
-        shown = [Column("transmission", align="right", essential=True)]
+        shown = FIELDS.of("transmission")
     gaps, known = add_gaps(instance, table.R, table.T, rows)
     verdicts, more = judged(instance, requirements, table.R, table.T, rows, known)
     more = [*gaps, *more]
@@ -367,20 +370,20 @@ def _drive_table(
     instance: Instance,
     rows: list[dict[str, Any]],
     names: Sequence[str],
-    more: Sequence[Column],
+    more: Sequence[Field],
     notes: list[str],
     summary: list[str],
-) -> Table:
+) -> Result:
     columns = [
-        Column(key, align="right", essential=True, aligned=key != "t") for key in ("t", *names)
+        Field(key, align="right", essential=True, aligned=key != "t") for key in ("t", *names)
     ]
     title = ": ".join(part for part in (instance.name, instance.type.id) if part)
-    return Table([*columns, *more], rows, title=title, notes=notes, summary=summary)
+    return Result([*columns, *more], rows, title=title, notes=notes, summary=summary)
 
 
 def add_gaps(
     instance: Instance, R: Array, T: Array, rows: Sequence[dict[str, Any]]
-) -> tuple[list[Column], dict[str, Array | QuantityParts]]:
+) -> tuple[list[Field], dict[str, Array | QuantityParts]]:
     """Add to rows the least gap of each pose, and what it is between; nothing without shapes.
 
     Returns
@@ -396,10 +399,7 @@ def add_gaps(
     found = gaps(instance, R, T)
     for row, said in zip(rows, found.to_json(), strict=True):
         row |= said
-    columns = [
-        Column("gap", align="right", essential=True),
-        Column("gap_between", "between", essential=True),
-    ]
+    columns = FIELDS.of("gap gap_between")
     return columns, {"gap": QuantityParts(found.values, found.pairs)}
 
 
@@ -465,19 +465,19 @@ def _row(t: float, one: NearestPose, form: PoseFormat, names: list[str]) -> dict
 
 def _nearest_table(
     instance: Instance, rows: list[dict[str, Any]], form: PoseFormat, names: dict[str, str]
-) -> Table:
+) -> Result:
     units = instance.units
     columns = [
-        Column("t", align="right", essential=True),
+        FIELDS["t"],
         *(
-            Column(key, heading, align="right", minor=1, aligned=True)
+            Field(key, heading, align="right", minor=1, aligned=True)
             for key, heading in names.items()
         ),
-        *(Column(key, align="right", essential=True, aligned=True) for key in _POSE),
-        Column("shift", f"shift [{units.length}]", align="right"),
-        Column("turn", f"turn [{units.angle.value}]", align="right"),
-        Column("limits", fold=", ", minor=-1),
-        Column("way", minor=2),
+        *(Field(key, align="right", essential=True, aligned=True) for key in _POSE),
+        FIELDS["shift"].but(title=f"shift [{units.length}]"),
+        FIELDS["turn"].but(title=f"turn [{units.angle.value}]"),
+        FIELDS["limits"],
+        FIELDS["way"],
     ]
     moved = sum(bool(row["limits"]) for row in rows)
     summary = f"{counted(moved, 'pose')} of {len(rows)} moved to the nearest one within the limits"
@@ -486,4 +486,4 @@ def _nearest_table(
         *frame_note(form.frame),
     ]
     rows = [{**row, "limits": ", ".join(row["limits"])} for row in rows]
-    return Table(columns, rows, title=instance.title, notes=notes, summary=[summary])
+    return Result(columns, rows, title=instance.title, notes=notes, summary=[summary])

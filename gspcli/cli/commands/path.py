@@ -22,7 +22,8 @@ from gspcli.cli.pose_options import (
     frame_note,
     pose_options,
 )
-from gspcli.cli.render import Column, Output, Table, emit, pose_columns
+from gspcli.cli.render import Output, emit
+from gspcli.cli.result import Field, Fields, Result, pose_columns
 from gspcli.cli.streams import working
 from gspcli.defaults import PATH_SECONDS
 from gspcli.errors import CheckFailed, IncompleteError
@@ -38,6 +39,8 @@ if TYPE_CHECKING:
     from gspcli.motion.paths.mode_groups import ModeGroups
     from gspcli.motion.paths.planned_paths import PlannedPath
     from gspcli.motion.paths.timing import Timing
+
+FIELDS = Fields("path")
 
 
 class _EndType(click.ParamType):  # type: ignore[type-arg]
@@ -291,24 +294,24 @@ def _refuse_undecided(groups: ModeGroups) -> None:
 _POSE = ("x", "y", "z", "qw", "qx", "qy", "qz")
 
 
-def path_table(found: PlannedPath, frame: PoseFrame) -> Table:
+def path_table(found: PlannedPath, frame: PoseFrame) -> Result:
     """Return the rows of a path, with what is proved of its parts above them."""
     from gspcli.geometry.arrangement import Arrangement
 
     columns = [
-        Column("t", align="right", essential=True),
+        FIELDS["t"],
         *(
-            Column(name, _titled(found, name), align="right", minor=1, size=_size(found, name))
+            Field(name, _titled(found, name), align="right", minor=1, size=_size(found, name))
             for name in found.motors
         ),
         *pose_columns(_POSE, Arrangement.of(found.instance).length),
-        Column("condition", align="right"),
+        FIELDS["condition"],
     ]
     if found.drives is None:
-        columns.append(Column("clearance", align="right", minor=2))
+        columns.append(FIELDS["clearance"])
     if found.gaps is not None:
-        columns.append(Column("gap", align="right", minor=2))
-    return Table(
+        columns.append(FIELDS["gap"])
+    return Result(
         columns,
         found.rows(frame),
         title=found.instance.title,
@@ -399,15 +402,9 @@ def _time(found: PlannedPath, timing: Timing) -> str:
     return text
 
 
-def groups_table(found: ModeGroups) -> Table:
+def groups_table(found: ModeGroups) -> Result:
     """Return which modes belong together."""
-    columns = [
-        Column("mode", align="right", essential=True),
-        Column("signs", essential=True),
-        Column("group", align="right", essential=True),
-        Column("others", "joined with", fold=", ", essential=True),
-        Column("status", essential=True),
-    ]
+    columns = FIELDS.of("mode signs group others status")
     rows = [
         {**row, "others": row["others"] or None, "status": _status(row)} for row in found.rows()
     ]
@@ -420,7 +417,7 @@ def groups_table(found: ModeGroups) -> Table:
     notes = [f"signs are those of {listed(found.names, 'and')}: a regular path keeps them"]
     if any("?" in str(row["signs"]) for row in rows):
         notes.append("?: the sign is not proved")
-    return Table(columns, rows, title=found.instance.title, summary=[text], notes=notes)
+    return Result(columns, rows, title=found.instance.title, summary=[text], notes=notes)
 
 
 def _status(row: dict[str, object]) -> str:

@@ -27,27 +27,19 @@ from gspcli.catalogue.realization import (
 )
 from gspcli.catalogue.types import CONSTRAINTS, GspType
 from gspcli.cli.options import DRAWINGS, FORMATS, is_file, load_instance, output_options
-from gspcli.cli.render import Column, Output, Table, emit, write
+from gspcli.cli.render import Output, emit, write
+from gspcli.cli.result import Fields, Result
 from gspcli.cli.streams import working
 from gspcli.errors import GspError, TypeNameError
 
+FIELDS = Fields("realize")
+
 _BOND = re.compile(r"[PLH]\d+[-^]")
 
-_COLUMNS = [
-    Column("number", "#", align="right", essential=True),
-    Column("kinds", essential=True),
-    Column("platform"),
-    Column("base"),
-    Column("chain", essential=True),
-    Column("constraints", align="right", minor=3),
-    Column("joint_freedoms", "Σf", align="right"),
-    Column("idle_freedoms", "idle", align="right"),
-    Column("idle_motion", "idle motion", fold=" "),
-    Column("alternative", minor=1),
-    Column("outside", minor=1),
-    Column("held_freedoms", "held", align="right", minor=1),
-    Column("figure", align="right", minor=2),
-]
+_COLUMNS = FIELDS.of(
+    "number kinds platform base chain constraints joint_freedoms idle_freedoms idle_motion "
+    "alternative outside held_freedoms figure"
+)
 
 
 @click.command()
@@ -105,7 +97,7 @@ def command(names: tuple[str, ...], chosen: str, output: Output) -> None:
     rows = [{"number": n, **_row(mounted)} for n, mounted in enumerate(built.chains, start=1)]
     emit(
         output,
-        Table(_COLUMNS, rows, title=title, notes=notes),
+        Result(_COLUMNS, rows, title=title, notes=notes),
         document={
             "schema": "gsp.realize/1",
             "type": gsp_type.to_json(),

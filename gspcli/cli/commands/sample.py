@@ -18,13 +18,16 @@ from gspcli.cli.options import (
     seed_option,
     worker_options,
 )
-from gspcli.cli.render import Column, Output, Table, emit, write
+from gspcli.cli.render import Output, emit, write
+from gspcli.cli.result import Fields, Result
 from gspcli.cli.streams import say, write_whole
 from gspcli.errors import INTERRUPTED, GspError
 
 if TYPE_CHECKING:
     from gspcli.reality.real_distribution import Sample, Tally
     from gspcli.workers import Workers
+
+FIELDS = Fields("sample")
 
 #: The longest bar of the histogram, characters.
 _BAR = 40
@@ -122,7 +125,7 @@ def _save(folder: Path, wanted: Sample, tally: Tally) -> None:
         write_whole(folder / f"{name}.yaml", dumps(replace(instance, name=name)))
 
 
-def _table(wanted: Sample, tally: Tally, *, bars: bool) -> Table:
+def _table(wanted: Sample, tally: Tally, *, bars: bool) -> Result:
     most = max(tally.real.values(), default=1)
     decided = tally.real.total()
     rows = [
@@ -135,12 +138,9 @@ def _table(wanted: Sample, tally: Tally, *, bars: bool) -> Table:
         for real in sorted(tally.real)
     ]
     mean = "" if tally.mean is None else f", {tally.mean:.4g} real on average"
-    return Table(
+    return Result(
         columns=[
-            Column("real", "real solutions", align="right", essential=True),
-            Column("platforms", align="right", essential=True),
-            Column("share", align="right", essential=True),
-            *([Column("bar", " ")] if bars else []),
+            *FIELDS.of("real platforms share bar" if bars else "real platforms share"),
         ],
         rows=rows,
         title=f"{wanted.gsp_type.id}: {_subject(wanted)}",

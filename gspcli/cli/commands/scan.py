@@ -33,7 +33,8 @@ from gspcli.cli.pose_options import (
     pose_options,
     pose_value_option,
 )
-from gspcli.cli.render import Column, Output, Table, emit, write
+from gspcli.cli.render import Output, emit, write
+from gspcli.cli.result import Field, Fields, Result
 from gspcli.cli.streams import progress, say, working
 from gspcli.defaults import SEED
 from gspcli.errors import INTERRUPTED, IncompleteError
@@ -55,6 +56,8 @@ if TYPE_CHECKING:
     from gspcli.motion.singularities.crossings import Meeting
     from gspcli.motion.singularities.pose_scans import PoseScan
     from gspcli.motion.singularities.scan_results import ScanResult
+
+FIELDS = Fields("scan")
 
 QUANTITIES = ("modes", "condition", "clearance")
 _NUMBERS = tuple("123456")
@@ -268,7 +271,7 @@ _OWN, _EXPRESSED = ("Tx", "Ty", "Tz"), ("x", "y", "z")
 _TURN = ("qw", "qx", "qy", "qz")
 
 
-def scan_table(result: ScanResult, form: str, frame: PoseFrame) -> Table:
+def scan_table(result: ScanResult, form: str, frame: PoseFrame) -> Result:
     """Return the table of the nodes, or that of the folds with poses as expressed in a frame."""
     from gspcli.geometry.arrangement import Arrangement
 
@@ -277,18 +280,15 @@ def scan_table(result: ScanResult, form: str, frame: PoseFrame) -> Table:
     if result.folds:
         position = _OWN if frame.is_identity else _EXPRESSED
         rows = rows if frame.is_identity else _expressed(rows, result, frame)
-        columns = [Column("change", align="right", essential=True)]
+        columns = FIELDS.of("change")
         # Tables for people show positions, which distinguish mirror images.
         shown = (*position, *_TURN) if form == "csv" else position
         size = Arrangement.of(instance).length
-        columns += [Column(key, align="right", minor=1, aligned=True, size=size) for key in shown]
+        columns += [Field(key, align="right", minor=1, aligned=True, size=size) for key in shown]
     else:
-        columns = [
-            Column("modes", align="right", essential=True),
-            Column("condition", align="right"),
-        ]
+        columns = FIELDS.of("modes condition")
         if found.clearances is not None:
-            columns.append(Column("clearance", align="right"))
+            columns.append(FIELDS["clearance"])
     notes = [_note(found)]
     if limits.curves:
         cusps = sum(len(curve.cusps) for curve in limits.curves)
@@ -297,9 +297,9 @@ def scan_table(result: ScanResult, form: str, frame: PoseFrame) -> Table:
     notes += [_meeting(result.names, one, frame) for one in limits.meetings]
     if result.folds:
         notes += frame_note(frame)
-    return Table(
+    return Result(
         [
-            *(Column(name, _heading(instance, name), "right", True) for name in result.names),
+            *(Field(name, _heading(instance, name), "right", True) for name in result.names),
             *columns,
         ],
         rows,
@@ -402,14 +402,14 @@ def scan_poses(
     names = [axis.name for axis in axes]
     cleared = quantity == "clearance"
     rows = _singular_rows(found, names) if folds else _node_rows(found, names, cleared=cleared)
-    columns = [Column(name, align="right", essential=True) for name in names]
+    columns = [Field(name, align="right", essential=True) for name in names]
     if not folds:
-        columns.append(Column("determinant", align="right", essential=True))
-        columns.append(Column("condition", align="right"))
-        columns += [Column("clearance", align="right")] * cleared
+        columns.append(FIELDS["determinant"])
+        columns.append(FIELDS["condition"])
+        columns += FIELDS.of("clearance") * cleared
     signs = [int((found.determinants * sign > 0).sum()) for sign in (1, -1)]
     note = f"{found.determinants.size} poses; determinant positive at {signs[0]}, negative at "
-    table = Table(
+    table = Result(
         columns,
         rows,
         title=instance.title,

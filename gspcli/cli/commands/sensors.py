@@ -22,7 +22,8 @@ from gspcli.cli.pose_options import (
     pose_options,
     text_of,
 )
-from gspcli.cli.render import Column, Output, Table, emit
+from gspcli.cli.render import Output, emit
+from gspcli.cli.result import Field, Fields, Result
 from gspcli.cli.streams import working
 from gspcli.errors import GspError, IncompleteError
 from gspcli.wording import counted, listed
@@ -31,6 +32,8 @@ if TYPE_CHECKING:
     from gspcli.geometry.instance import Instance
     from gspcli.motion import PoseFormat, ValueTable
     from gspcli.sensing import Sensor, SensorResult
+
+FIELDS = Fields("sensors")
 
 _KINDS = ("leg", "coordinate", "joint", "inclinometer", "distance", "angle")
 
@@ -261,7 +264,7 @@ _NOUNS = {"leg": "leg", "coordinate": "coordinate", "joint": "angle of a joint"}
 _ZERO = 1e-6
 
 
-def sensor_table(result: SensorResult, form: str, *, everything: bool) -> Table:
+def sensor_table(result: SensorResult, form: str, *, everything: bool) -> Result:
     """Return the table of the sensors.
 
     Parameters
@@ -277,7 +280,7 @@ def sensor_table(result: SensorResult, form: str, *, everything: bool) -> Table:
     unit_of = {str(sensor): units[sensor.unit] for sensor in result.sensors}
     rows = result.rows()
     if form == "csv":
-        return Table([Column(key) for key in rows[0]], rows, summary=_summary(result))
+        return Result([Field(key) for key in rows[0]], rows, summary=_summary(result))
     if not everything:
         best = {result.in_group(group)[0]: group for group in result.groups}
         kept = {str(result.sensors[k]) for k in best}
@@ -295,19 +298,17 @@ def sensor_table(result: SensorResult, form: str, *, everything: bool) -> Table:
         for row in rows
     ]
     columns = [
-        Column("sensor", essential=True, fold=" "),
-        Column("sigma", align="right", minor=2),
-        Column("least", "5 % below" if several else "apart by", "right", essential=True),
-        *([Column("median", align="right", minor=1)] if several else []),
-        *([] if several else [Column("pair", "worst pair", minor=1)]),
-        Column("suffices", align="right", essential=True, fold=" "),
+        *FIELDS.of("sensor sigma"),
+        FIELDS["least"].but(title="5 % below" if several else "apart by"),
+        FIELDS["median" if several else "pair"],
+        FIELDS["suffices"],
     ]
     notes = [
         "in standard deviations of the sensor"
         + (", of the pair of modes that it tells apart worst" if several else ""),
         *_notes(result, everything),
     ]
-    return Table(columns, shown, result.instance.title, notes=notes, summary=_summary(result))
+    return Result(columns, shown, result.instance.title, notes=notes, summary=_summary(result))
 
 
 def _percent(share: float) -> str:

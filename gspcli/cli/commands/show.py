@@ -11,7 +11,10 @@ from gspcli.catalogue.realization import Mechanism, mechanism_of_type, realizati
 from gspcli.catalogue.types import GspType
 from gspcli.cli.commands.bound import bound_table, constraint_table
 from gspcli.cli.options import is_file, load_instance, output_options
-from gspcli.cli.render import Column, Output, Table, emit
+from gspcli.cli.render import Output, emit
+from gspcli.cli.result import Fields, Result
+
+FIELDS = Fields("show")
 
 
 @click.command
@@ -53,7 +56,7 @@ def _title(gsp_type: GspType) -> str:
     return f"{gsp_type.id}  (no. {gsp_type.number}, {gsp_type.platform_class})"
 
 
-def _meanings(gsp_type: GspType) -> Table:
+def _meanings(gsp_type: GspType) -> Result:
     rows = [
         {
             "kind": kind.name,
@@ -63,19 +66,14 @@ def _meanings(gsp_type: GspType) -> Table:
         }
         for kind in dict.fromkeys(gsp_type.kinds)
     ]
-    return Table(
-        columns=[
-            Column("kind", "constraint", essential=True),
-            Column("count", "times", align="right", essential=True),
-            Column("equation", "equation, x_base = R x_platform + T", essential=True, fold=" "),
-            Column("meaning", fold=" "),
-        ],
+    return Result(
+        columns=FIELDS.of("kind count equation meaning"),
         rows=rows,
         part="meanings",
     )
 
 
-def _chains(gsp_type: GspType, built: Mechanism) -> Table:
+def _chains(gsp_type: GspType, built: Mechanism) -> Result:
     rows = [
         {
             "kind": kind.name,
@@ -85,20 +83,15 @@ def _chains(gsp_type: GspType, built: Mechanism) -> Table:
         }
         for kind in dict.fromkeys(gsp_type.kinds)
     ]
-    return Table(
-        columns=[
-            Column("kind", "constraint", essential=True),
-            Column("chain", essential=True),
-            Column("description", "realized by", fold=" "),
-            Column("idle", "idle motion", fold=" ", minor=1),
-        ],
+    return Result(
+        columns=FIELDS.of("kind chain description idle"),
         rows=rows,
         part="chains",
         notes=[f"mobility: {built.sum_shown}"],
     )
 
 
-def _facts(known: KnownFacts, alias: Alias | None) -> Table:
+def _facts(known: KnownFacts, alias: Alias | None) -> Result:
     gsp_type = known.subject
     mirrored = gsp_type.mirrored
     notes = [
@@ -113,4 +106,4 @@ def _facts(known: KnownFacts, alias: Alias | None) -> Table:
         notes.insert(0, f"{alias.name}: {alias.meaning}")
     if alias and alias.pattern:
         notes.insert(1, f"this pattern of shared joints: {alias.pattern}  (gsp new {alias.name})")
-    return Table(columns=[], rows=[], notes=notes)
+    return Result(columns=[], rows=[], notes=notes)

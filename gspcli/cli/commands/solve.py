@@ -35,7 +35,8 @@ from gspcli.cli.pose_options import (
     pose_options,
 )
 from gspcli.cli.pose_tables import digit_cells, digit_table, digits_option, refined
-from gspcli.cli.render import Column, Output, Table, emit, write
+from gspcli.cli.render import Output, emit, write
+from gspcli.cli.result import Field, Fields, Result
 from gspcli.cli.streams import progress, say, working
 from gspcli.errors import (
     ArgumentError,
@@ -60,6 +61,8 @@ if TYPE_CHECKING:
     from gspcli.sensing.notation import SensorReading
     from gspcli.solver import SolveResult
     from gspcli.solver.results.columns import PoseColumn
+
+FIELDS = Fields("solve")
 
 #: Formats for people.
 _READABLE = ("table", "markdown", "latex")
@@ -202,17 +205,7 @@ LINES = "jsonl"
 #: This process solves this many instances before it starts others: a start takes as long as solving
 #: them.
 _HERE_FIRST = 16
-_COLUMNS = (
-    Column("instance", essential=True),
-    Column("name", minor=2, fold=" "),
-    Column("type", minor=3, fold=" "),
-    Column("real", align="right", essential=True),
-    Column("found", align="right", essential=True),
-    Column("certified", align="right", minor=1),
-    Column("verdict", essential=True),
-    Column("exit_code", "exit code", align="right", minor=1),
-    Column("message", fold=" "),
-)
+_COLUMNS = FIELDS.of("instance name type real found certified verdict exit_code message")
 
 
 class Source(NamedTuple):
@@ -307,7 +300,7 @@ def solve_many(
         message = f"{', '.join(specs)}: found no instance, expected one in each line"
         raise GspError(message)
     if output.format != LINES:
-        emit(output, Table(_COLUMNS, rows, notes=[_sum(rows)]))
+        emit(output, Result(_COLUMNS, rows, notes=[_sum(rows)]))
     elif not streamed:
         write(output, "".join(texts))
     code: int = max(row["exit_code"] for row in rows)
@@ -487,7 +480,7 @@ def show_fit(
 
 def _poses(
     fit: PoseFit, rotation: Sequence[PoseColumn], decimals: int | None, frame: PoseFrame
-) -> Table:
+) -> Result:
     """Return a row for each pose."""
     import numpy as np
 
@@ -502,22 +495,21 @@ def _poses(
     for row, place in zip(rows, poses.T.tolist(), strict=True):
         row |= dict(zip(("Tx", "Ty", "Tz"), place, strict=True))
     units = {"": "", "length": instance.units.length, "angle": instance.units.angle.value}
-    columns = [Column("number", "no.", "right", essential=True)]
+    columns = FIELDS.of("number")
     columns += [
-        Column(key, f"{key} [{units['length']}]", "right", True, aligned=True, decimals=decimals)
+        Field(key, f"{key} [{units['length']}]", "right", True, aligned=True, decimals=decimals)
         for key in ("Tx", "Ty", "Tz")
     ]
     for one in rotation:
         title = f"{one.key} [{units[one.unit]}]" if one.unit else ""
-        columns.append(Column(one.key, title, "right", True, aligned=True, decimals=decimals))
+        columns.append(Field(one.key, title, "right", True, aligned=True, decimals=decimals))
         for row, cell in zip(rows, one.read(poses), strict=True):
             row[one.key] = float(cell)
     columns += [
-        Column("chi_squared", "chi²", "right", essential=True),
-        Column("probability", "p", "right", minor=1),
-        Column("sigma_T", f"± T [{units['length']}]", "right", minor=1),
-        Column("sigma_turn", f"± turn [{units['angle']}]", "right", minor=2),
-        Column("fits", "fits"),
+        *FIELDS.of("chi_squared probability"),
+        FIELDS["sigma_T"].but(title=f"± T [{units['length']}]"),
+        FIELDS["sigma_turn"].but(title=f"± turn [{units['angle']}]"),
+        FIELDS["fits"],
     ]
     for row in rows:
         row["chi_squared"] = round(float(f"{row['chi_squared']:.4g}"), _DECIMALS)
@@ -529,10 +521,10 @@ def _poses(
     notes = ["± of one axis, the largest of three; of the platform's origin"]
     if not frame.is_identity:
         notes.append(f"poses are {frame.words}")
-    return Table(columns, rows, instance.title, notes=notes, summary=fit.sentences, part="poses")
+    return Result(columns, rows, instance.title, notes=notes, summary=fit.sentences, part="poses")
 
 
-def _residuals(fit: PoseFit) -> list[Table]:
+def _residuals(fit: PoseFit) -> list[Result]:
     """Return the residuals of the best pose."""
     if not fit.poses:
         return []
@@ -550,16 +542,16 @@ def _residuals(fit: PoseFit) -> list[Table]:
         )
     ]
     columns = [
-        Column("measured", essential=True),
-        Column("off", "off [σ]", "right", essential=True, decimals=_DECIMALS),
-        Column("studentised", align="right", essential=True, decimals=_DECIMALS),
-        Column("remarks"),
+        FIELDS["measured"],
+        FIELDS["off"].but(decimals=_DECIMALS),
+        FIELDS["studentised"].but(decimals=_DECIMALS),
+        FIELDS["remarks"],
     ]
     notes = [
         "off: measured less fitted, at pose 1; studentised: over the deviation of that difference, "
         "empty where no other measurement checks it"
     ]
-    return [Table(columns, rows, notes=notes, part="residuals")]
+    return [Result(columns, rows, notes=notes, part="residuals")]
 
 
 def check_options(*, fitting: bool, **given: object) -> None:
@@ -938,7 +930,7 @@ def _refined(result: SolveResult, shown: Shown, digits: int) -> list[dict[str, A
     ]
 
 
-def _digits_of(shown: Shown, proved: Sequence[dict[str, Any] | None]) -> list[Table]:
+def _digits_of(shown: Shown, proved: Sequence[dict[str, Any] | None]) -> list[Result]:
     """Return the table of the digits that are proved, if there are any."""
     if not any(proved):
         return []

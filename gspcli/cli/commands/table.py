@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from gspcli.cli.options import output_options
-from gspcli.cli.render import Column, Output, Table, emit
+from gspcli.cli.render import Output, emit
+from gspcli.cli.result import Field, Fields, Result
 from gspcli.cli.streams import progress, working
 from gspcli.errors import CheckFailed
 
@@ -17,6 +18,8 @@ if TYPE_CHECKING:
     from gspcli.paper.comparison import Comparison
     from gspcli.paper.errata import Erratum
     from gspcli.paper.printed import Difference
+
+FIELDS = Fields("table")
 
 _CHOICES = ("1", "2", "3", "errata", "all")
 _TABLES = (1, 2, 3)
@@ -93,7 +96,7 @@ def _confirm() -> str:
     )
 
 
-def _table(comparison: Comparison, *, plain: bool) -> Table:
+def _table(comparison: Comparison, *, plain: bool) -> Result:
     """Return a table for people, or plain for programs."""
     if comparison.number == 3:
         return _grouped(comparison, plain=plain)
@@ -107,15 +110,15 @@ def _table(comparison: Comparison, *, plain: bool) -> Table:
             rows.append(
                 {k: _radical(v) + " *" * (found[k] is not None) for k, v in computed.items()}
             )
-    columns = [Column(key, align="right", essential=True) for key in comparison.columns]
+    columns = [Field(key, align="right", essential=True) for key in comparison.columns]
     return _compared(comparison, columns, rows, plain=plain)
 
 
 def _compared(
-    comparison: Comparison, columns: list[Column], rows: list[dict[str, Any]], *, plain: bool
-) -> Table:
-    return Table(
-        [*columns, Column("erratum")] if plain else columns,
+    comparison: Comparison, columns: list[Field], rows: list[dict[str, Any]], *, plain: bool
+) -> Result:
+    return Result(
+        [*columns, FIELDS["erratum"]] if plain else columns,
         rows,
         comparison.title,
         notes=_verdict(comparison),
@@ -134,7 +137,7 @@ def _radical(value: object) -> str:
     return re.sub(r"sqrt\((\d+)\)", r"√\1", str(value)).replace("*√", "√")
 
 
-def _grouped(comparison: Comparison, *, plain: bool) -> Table:
+def _grouped(comparison: Comparison, *, plain: bool) -> Result:
     """Show Table 3 by cases, as the paper does."""
     differing = {d.computed: d for d in comparison.differences}
     groups: dict[tuple[int, str], list[str]] = {}
@@ -154,10 +157,10 @@ def _grouped(comparison: Comparison, *, plain: bool) -> Table:
     return _compared(
         comparison,
         [
-            Column("n1", _HEADINGS["n1"], align="right", essential=True),
-            Column("surfaces", _HEADINGS["surfaces"], essential=True),
-            Column("families", align="right", essential=True),
-            Column("distances", _HEADINGS["distances"], essential=True, fold=", "),
+            FIELDS["n1"].but(title=_HEADINGS["n1"]),
+            FIELDS["surfaces"].but(title=_HEADINGS["surfaces"]),
+            FIELDS["families"],
+            FIELDS["distances"].but(title=_HEADINGS["distances"]),
         ],
         rows,
         plain=plain,
@@ -178,21 +181,17 @@ def _document(erratum: Erratum, evidence: Mapping[str, str]) -> dict[str, Any]:
     return {**erratum.document(), "evidence": evidence.get(erratum.key)}
 
 
-def _errata(errata: Sequence[Erratum], evidence: Mapping[str, str], confirmed: str | None) -> Table:
+def _errata(
+    errata: Sequence[Erratum], evidence: Mapping[str, str], confirmed: str | None
+) -> Result:
     rows = [_document(erratum, evidence) for erratum in errata]
     notes = []
     for erratum in errata:
         notes += [f"{erratum.place}: {erratum.argument}"]
         if erratum.key in evidence:
             notes += [f"  proved: {evidence[erratum.key]}"]
-    return Table(
-        [
-            Column("key", "erratum", essential=True),
-            Column("sort"),
-            Column("place", essential=True, fold=" "),
-            Column("printed", "the paper prints", fold=" "),
-            Column("correct", "what holds", fold=" "),
-        ],
+    return Result(
+        FIELDS.of("key sort place printed correct"),
         rows,
         "Errata",
         part="errata",

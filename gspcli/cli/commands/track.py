@@ -31,7 +31,7 @@ from gspcli.cli.pose_options import (
     pose_options,
     text_of,
 )
-from gspcli.cli.render import Column, Output, Table, emit, pose_columns
+from gspcli.cli.render import Output, emit
 from gspcli.cli.requirements import (
     add_quantities,
     measured_quantities,
@@ -41,6 +41,7 @@ from gspcli.cli.requirements import (
     verdict_entries,
     verdict_lines,
 )
+from gspcli.cli.result import Field, Fields, Result, pose_columns
 from gspcli.cli.streams import say, working
 from gspcli.errors import GspError, IncompleteError
 from gspcli.geometry.limits import joint_cones
@@ -63,11 +64,13 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from gspcli.cli.pose_options import PoseConventions
-    from gspcli.cli.render import Column
+    from gspcli.cli.result import Field
     from gspcli.geometry.frames import PoseFrame
     from gspcli.motion import Event, PoseFormat
     from gspcli.motion.files.requirements import QuantityParts, RequirementVerdict
     from gspcli.motion.paths.pose_ways import PoseWays
+
+FIELDS = Fields("track")
 
 
 @click.command()
@@ -367,25 +370,25 @@ def track_table(
     result: Track,
     rows: list[dict[str, Any]],
     limits: list[LimitEvent],
-    more: list[Column],
+    more: list[Field],
     summary: list[str],
     frame: PoseFrame,
-) -> Table:
+) -> Result:
     """Return the table of the rows, with what is proved of the track below it."""
     from gspcli.geometry.arrangement import Arrangement
     from gspcli.motion.following.tracks import POSE
 
-    columns = [Column(key, align="right", essential=True) for key in ("t", "mode")]
+    columns = [Field(key, align="right", essential=True) for key in ("t", "mode")]
     columns += pose_columns(POSE, Arrangement.of(result.instance).length)
-    columns.append(Column("condition", align="right"))
+    columns.append(FIELDS["condition"])
     columns += [
-        Column(key, key.replace("_", " "), align="right", essential=True)
+        Field(key, key.replace("_", " "), align="right", essential=True)
         for key in ("clearance", "pose_clearance")
         if rows and key in rows[0]
     ]
     columns += more
     names = [one.name for one in result.coordinates]
-    columns += [Column(name, align="right", minor=1) for name in names]
+    columns += [Field(name, align="right", minor=1) for name in names]
     if names:
         at = {t: dict(zip(names, place, strict=True)) for t, place in _places(result)}
         rows = [{**row, **at[row["t"]]} for row in rows]
@@ -400,7 +403,7 @@ def track_table(
     if result.complete:
         note += "; every real pose at the last row is accounted for"
     notes = [note, *cones_notes(result, limits), *frame_note(frame)]
-    return Table(columns, rows, title=title, notes=notes, summary=summary)
+    return Result(columns, rows, title=title, notes=notes, summary=summary)
 
 
 def _places(result: Track) -> Iterator[tuple[float, list[float]]]:
@@ -530,7 +533,7 @@ def judged_track(
     done: FollowedTrack,
     requirements: Sequence[Requirement],
     rows: list[dict[str, Any]],
-) -> tuple[list[RequirementVerdict], list[Column]]:
+) -> tuple[list[RequirementVerdict], list[Field]]:
     """Return whether a track keeps what is required, and the columns that this adds to its rows.
 
     Parameters

@@ -34,7 +34,8 @@ from gspcli.cli.pose_options import (
     pose_value_option,
     span_of,
 )
-from gspcli.cli.render import Column, Output, Table, emit, vector_text, write
+from gspcli.cli.render import Output, emit, vector_text, write
+from gspcli.cli.result import Field, Fields, Result
 from gspcli.cli.streams import progress, say
 from gspcli.errors import GspError, IncompleteError
 from gspcli.geometry.drive_numbers import driven_points, is_driven, shares_drives
@@ -51,6 +52,8 @@ if TYPE_CHECKING:
     from gspcli.motion import PoseFormat, Travel, Workspace
 
     Array = NDArray[np.float64]
+
+FIELDS = Fields("workspace")
 
 #: The tolerance without --gap, and where every box is shown.
 _TOLERANCE, _COARSE = 0.01, 0.1
@@ -408,7 +411,7 @@ def _parts_note(found: Workspace, home: Home, instance: Instance) -> list[str]:
     ]
 
 
-def volume_table(found: Workspace, home: Home, instance: Instance) -> Table:
+def volume_table(found: Workspace, home: Home, instance: Instance) -> Result:
     """Return the extents over each parameter, and the volume above them."""
     low, high = found.volume
     count = len(found.inner_keys)
@@ -424,9 +427,9 @@ def volume_table(found: Workspace, home: Home, instance: Instance) -> Table:
         *frame_note(home.frame),
     ]
     columns = [
-        Column("name", essential=True),
+        FIELDS["name"],
         *(
-            Column(key, align="right", essential=True)
+            Field(key, align="right", essential=True)
             for key in ("least", "lowest", "highest", "most")
         ),
     ]
@@ -434,7 +437,7 @@ def volume_table(found: Workspace, home: Home, instance: Instance) -> Table:
         notes.append(
             f"legs and bodies are at least {found.boxes.gap:g} {instance.units.length} apart"
         )
-    return Table(columns, found.rows(), title=found.instance.title, notes=notes, summary=summary)
+    return Result(columns, found.rows(), title=found.instance.title, notes=notes, summary=summary)
 
 
 def box_rows(found: Workspace) -> list[dict[str, Any]]:
@@ -462,13 +465,13 @@ def box_rows(found: Workspace) -> list[dict[str, Any]]:
     ]
 
 
-def box_table(found: Workspace, rows: list[dict[str, Any]]) -> Table:
+def box_table(found: Workspace, rows: list[dict[str, Any]]) -> Result:
     """Return the table of boxes."""
     keys = [f"{name}_{end}" for name in found.free for end in ("low", "high")]
-    columns = [Column("status", essential=True)]
-    columns += [Column(key, align="right") for key in _POSE]
-    columns += [Column(key, align="right", essential=True) for key in keys]
-    return Table(columns, rows, title=found.instance.title)
+    columns = FIELDS.of("status")
+    columns += [Field(key, align="right") for key in _POSE]
+    columns += [Field(key, align="right", essential=True) for key in keys]
+    return Result(columns, rows, title=found.instance.title)
 
 
 _MOST_HELD = 1000
@@ -541,16 +544,13 @@ def show_travels(
         )
     units = instance.units
     columns = [
-        *(Column(f"held_{name}", f"{name} held", "right", True) for name in names),
-        Column("axis", essential=True),
-        # Lengths and angles differ in size: with the decimals that suit the larger, the smaller
-        # would be lost.
-        *(Column(key, align="right", essential=True) for key in ("down", "up", "total")),
-        Column("down_stops", "stops down", fold=", "),
-        Column("up_stops", "stops up", fold=", "),
+        *(Field(f"held_{name}", f"{name} held", "right", True) for name in names),
+        FIELDS["axis"],
+        *(Field(key, align="right", essential=True) for key in ("down", "up", "total")),
+        *FIELDS.of("down_stops up_stops"),
     ]
     if output.format == "csv":
-        columns[-2:-2] = [Column("down_end"), Column("up_end")]
+        columns[-2:-2] = FIELDS.of("down_end up_end")
     apart = "" if gap is None else f", legs are {gap:g} {units.length} apart"
     what = f"all limits are kept{apart}" + (" and no pose is singular" if connected else "")
     notes = [
@@ -576,7 +576,7 @@ def show_travels(
         "travel": travel,
         "volume": None,
     }
-    emit(output, Table(columns, rows, title=instance.title, notes=notes), document=document)
+    emit(output, Result(columns, rows, title=instance.title, notes=notes), document=document)
 
 
 def _free_values(instance: Instance) -> list[str]:

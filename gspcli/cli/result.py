@@ -1,0 +1,233 @@
+"""What a command answers: fields that are described once, and rows, for every format."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from gspcli.records import dataclass
+
+_FOLDER = Path(__file__).parent / "fields"
+_TYPES = {"whole": "integer", "text": "string", "list": "array"}
+
+
+@dataclass(frozen=True)
+class Field:
+    """A number or text of each row: its key, its meaning, and how tables show it.
+
+    Attributes
+    ----------
+    key
+        The key in the rows, and the heading in CSV and JSON. In a description it may be a pattern:
+        ``1…6``, ``crank.*``.
+    title
+        The heading for people; the key when empty.
+    align
+        Side to which the cells are flushed.
+    essential
+        Whether the column stays when a terminal is too narrow for all of them.
+    minor
+        On a narrow terminal columns with the largest number are omitted first, of several with the
+        same number the last. With a negative number the column is omitted only if it does not fit
+        with fewer digits.
+    fold
+        After what a cell may go on in the next line: a blank in prose, a comma and a blank in
+        lists; empty for cells that stay in one line.
+    aligned
+        Whether the numbers of the column have the same number of decimals, so that the points
+        stand under each other.
+    decimals
+        This many decimals for each number, for any width; None for what `aligned` says.
+    size
+        A typical number. In tables for people a number far below it is a rounding error, and shown
+        as zero. Otherwise one processor would show zero and another one 1e-17.
+    meaning, type
+        What it is; number, whole, text, boolean, list or object, with a question mark if it may be
+        null.
+    path
+        Where it is in JSON, such as ``poses[].t``; empty for a column only.
+    is_column
+        Whether it is a column of tables and CSV.
+    """
+
+    key: str
+    title: str = ""
+    align: str = "left"
+    essential: bool = False
+    minor: int = 0
+    fold: str = ""
+    aligned: bool = False
+    decimals: int | None = None
+    size: float = 0.0
+    meaning: str = ""
+    type: str = "text"
+    path: str = ""
+    is_column: bool = True
+
+    @property
+    def heading(self) -> str:
+        """The heading for people."""
+        return self.title or self.key
+
+    @property
+    def type_in_json(self) -> str:
+        """The type of the key in JSON."""
+        names = [_TYPES.get(name, name) for name in self.type.rstrip("?").split("/")]
+        return " or ".join(["null"] * self.type.endswith("?") + names)
+
+    def but(self, **changes: Any) -> Field:
+        """Return the field with other attributes, for what depends on the platform."""
+        return replace(self, **changes)
+
+
+class Fields:
+    """All that a command prints, described once: in the file of its name in `fields/`.
+
+    A line of it is ``path | type | meaning | how tables show it``. The path is that in JSON; it is
+    one of a column, too, if it is an entry of the rows of a list (``poses[].t``), unless the line
+    says ``json``. A line with ``table`` is a column only. Two columns of one name are told apart by
+    what follows an @. ``+ platform`` takes the lines of another file. The last part has
+    ``essential``, ``aligned``, ``minor=2``, ``fold`` (at blanks), ``list`` (at commas),
+    ``left``, ``right``, ``decimals=3`` and, last, ``title=``. ``# gsp.measure/1`` begins a form
+    of JSON.
+    """
+
+    def __init__(self, command: str) -> None:
+        self._name = command.replace(" ", "-")
+
+    @cached_property
+    def forms(self) -> dict[str, list[Field]]:
+        """The fields by the forms of JSON."""
+        found: dict[str, list[Field]] = {}
+        for line in _lines(self._name):
+            if line.startswith("# "):
+                found[line[2:]] = []
+            else:
+                found[next(reversed(found))].append(_field(line))
+        return found
+
+    @cached_property
+    def _columns(self) -> dict[str, Field]:
+        every = [one for fields in self.forms.values() for one in fields if one.is_column]
+        return {one.key: one for one in reversed(every)}
+
+    def __getitem__(self, name: str) -> Field:
+        """Return the column of a name."""
+        return self._columns[name].but(key=name.partition("@")[0])
+
+    def of(self, names: str) -> list[Field]:
+        """Return the columns of names between blanks."""
+        return [self[name] for name in names.split()]
+
+    def meanings(self) -> Iterator[Result]:
+        """Yield tables of what the keys of JSON and the columns of CSV mean, for each form."""
+        schema = {"key": "schema", "type": "string", "meaning": "name and version of this form"}
+        for form, fields in self.forms.items():
+            keys = [
+                {"key": one.path, "type": one.type_in_json, "meaning": one.meaning}
+                for one in fields
+                if one.path
+            ]
+            meaning = Field("meaning", essential=True, fold=" ")
+            columns = (Field("key", essential=True), Field("type", fold=" "), meaning)
+            yield Result(columns, [schema, *keys], f"JSON {form}", part="keys")
+            cells = {one.key: one.meaning for one in fields if one.is_column and "@" not in one.key}
+            if cells:
+                rows = [{"column": key, "meaning": said} for key, said in cells.items()]
+                yield Result((Field("column", essential=True), meaning), rows, "CSV")
+
+
+def _lines(name: str) -> Iterator[str]:
+    for line in (_FOLDER / f"{name}.txt").read_text(encoding="utf-8").splitlines():
+        if line.startswith("+ "):
+            yield from _lines(line[2:])
+        else:
+            yield line
+
+
+def _field(line: str) -> Field:
+    path, kind, meaning, shown, *_ = [*map(str.strip, line.split(" | ")), ""]
+    shown, _, title = shown.partition("title=")
+    words = dict(word.partition("=")[::2] for word in shown.split())
+    is_row = path.count("[].") == 1 and "json" not in words
+    left = "right" not in words and kind.rstrip("?") in ("text", "list", "boolean")
+    return Field(
+        path.partition("[].")[2].removesuffix("[]") if is_row else path,
+        title,
+        "left" if left or "left" in words else "right",
+        "essential" in words,
+        int(words.get("minor", 0)),
+        ", " if "list" in words else " " if "fold" in words else "",
+        "aligned" in words,
+        int(words["decimals"]) if "decimals" in words else None,
+        meaning=meaning,
+        type=kind,
+        path="" if "table" in words else path,
+        is_column=is_row or "table" in words,
+    )
+
+
+@dataclass(frozen=True)
+class Result:
+    """Rows to show, and what is said about them.
+
+    Attributes
+    ----------
+    columns
+        The fields of the rows in their order.
+    rows
+        A mapping from keys to values for each row; missing and None are empty cells.
+    title
+        A heading above the table.
+    notes
+        Lines below the table, for people only.
+    summary
+        Lines between the title and the table that state the result. With CSV they go to standard
+        error.
+    part
+        What `--part` calls the table, where a command shows several.
+    """
+
+    columns: Sequence[Field]
+    rows: Sequence[Mapping[str, Any]]
+    title: str = ""
+    notes: Sequence[str] = ()
+    summary: Sequence[str] = ()
+    part: str = ""
+
+    def converted(self, convert: Callable[[str], str]) -> Result:
+        """Return the result with all its texts converted; what columns are called in CSV stays."""
+
+        def cell(value: object) -> object:
+            if isinstance(value, (list, tuple)):
+                return [cell(part) for part in value]
+            return convert(value) if isinstance(value, str) else value
+
+        return replace(
+            self,
+            columns=[replace(one, title=convert(one.heading)) for one in self.columns],
+            rows=[{key: cell(value) for key, value in row.items()} for row in self.rows],
+            title=convert(self.title),
+            notes=list(map(convert, self.notes)),
+            summary=list(map(convert, self.summary)),
+        )
+
+
+def pose_columns(keys: Sequence[str], length: float) -> list[Field]:
+    """Return the columns of poses.
+
+    Parameters
+    ----------
+    keys
+        Three of the position, then four of the quaternion.
+    length
+        A typical length of the platform.
+    """
+    sizes = [length] * 3 + [1.0] * 4
+    return [
+        Field(key, "", "right", essential=True, aligned=True, size=size)
+        for key, size in zip(keys, sizes, strict=True)
+    ]
