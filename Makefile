@@ -7,7 +7,7 @@ STAMP  := $(VENV)/.installed
 NATIVE := $(wildcard native/*) CMakeLists.txt
 
 .DEFAULT_GOAL := help
-.PHONY: help install demo test lint types docs bench verify verify-fast verify-solve verify-exports verify-pages mutants count-families msolve wheel clean machines machines-fast
+.PHONY: help install demo test test-quick test-processors lint types docs bench verify verify-fast verify-exports mutants count-families msolve wheel clean
 
 help: ## show this list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-14s %s\n", $$1, $$2}'
@@ -33,17 +33,17 @@ demo: $(STAMP) ## the paper's tables checked, its platform and Dietmaier's solve
 test: $(STAMP) ## the test suite (some minutes on two cores)
 	$(BIN)/python -m pytest -q -n auto -m 'not slow'
 
-machines: $(STAMP) ## everything that pages show, with the instructions of three processors (two minutes)
-	$(BIN)/python -m tools.verify.machines
+test-quick: $(STAMP) ## the tests of single packages alone (two minutes of processor time)
+	$(BIN)/python -m pytest -q -n auto -m 'not slow' tests/unit
 
-machines-fast: $(STAMP) ## some pages and commands of it (half a minute)
-	$(BIN)/python -m tools.verify.machines --fast
+test-processors: $(STAMP) ## the suite with the instructions of four processors, one after the other
+	$(BIN)/python -m tests.processors
 
 lint: $(STAMP) ## style of the code
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 
-types: $(STAMP) ## static types of the package and of tools/
+types: $(STAMP) ## static types of the package and of tools/ and viewer/
 	$(BIN)/mypy
 
 docs: $(STAMP) ## the site: these pages, all commands, the Python reference (build/site)
@@ -54,26 +54,20 @@ JOBS ?= $(shell nproc 2>/dev/null || echo 2)
 verify-fast: $(STAMP) msolve ## a sample of the data derived again and compared (a minute)
 	$(BIN)/python -m tools.verify --fast --jobs $(JOBS)
 
-verify: $(STAMP) msolve ## all data derived again and compared (hours; taken up where it stopped)
+verify: $(STAMP) msolve ## all data derived again and compared (hours)
 	$(BIN)/python -m tools.verify --jobs $(JOBS)
-
-verify-solve: $(STAMP) ## random platforms of every family solved completely, recorded (40 minutes)
-	$(BIN)/python -m tools.verify.solve all --jobs $(JOBS)
 
 verify-exports: $(STAMP) msolve ## 100 random types and all modes of machines with motors in MuJoCo, forces of 200, 50 in programs for polynomial systems (half an hour)
 	$(BIN)/python -m pytest -q -rs -n $(JOBS) -m slow tests/oracles/test_mujoco.py tests/oracles/test_exported_systems.py tests/oracles/test_dynamics_mujoco.py tests/oracles/test_dynamics_pinocchio.py tests/oracles/test_driven_mujoco.py
 
-verify-pages: $(STAMP) ## live pages of all platforms drawn in every mode, compared with ordinary pages (minutes; chromium)
-	$(BIN)/python -m tools.verify.live_pictures
-
 mutants: $(STAMP) ## inequalities of proofs weakened one at a time: a test must notice each (an hour)
-	$(BIN)/python -m tools.verify.mutants
+	$(BIN)/python -m tests.weakened
 
 count-families: $(STAMP) ## a random platform of each of 626 families counted exactly (minutes)
-	$(BIN)/python -m tools.verify.counts families --check
+	$(BIN)/python -m tools.data.family_counts --check
 
 bench: $(STAMP) msolve ## gsp against msolve, PHCpack and Macaulay2; writes docs/benchmarks.md (15 minutes; PEER=fksgp=FOLDER: fkSGP, too)
-	$(BIN)/python -m bench $(addprefix --peer ,$(PEER)) --output docs
+	$(BIN)/python -m benchmarks $(addprefix --peer ,$(PEER)) --output docs
 
 PEERS := build/peers
 msolve:

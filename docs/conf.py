@@ -63,7 +63,7 @@ def _gallery(app, name, source):
     """Put the drawings into their page."""
     del app
     if name == "gallery":
-        from tools.build import site_gallery
+        from docs._ext import site_gallery
 
         source[0] = source[0].partition("<!--")[0] + site_gallery.grid()
 
@@ -71,7 +71,7 @@ def _gallery(app, name, source):
 def _views(app, exception):
     """Write the pages to which the gallery leads."""
     if exception is None and app.builder.name == "html":
-        from tools.build import site_gallery
+        from docs._ext import site_gallery
 
         site_gallery.write(Path(app.outdir))
 

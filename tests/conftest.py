@@ -19,14 +19,14 @@ settings.load_profile("gsp")
 # A program for LinuxCNC's own Python, which is run there.
 collect_ignore = ["support/linuxcnc/sim.py"]
 
-# The programs of tools/ are found there; the package is the installed one.
+# `tests.support`, `tools` and `viewer` are found there; the package is the installed one.
 sys.path.append(str(Path(__file__).resolve().parents[1]))
 
 
 @pytest.fixture(scope="session")
 def load_tool() -> Callable[[str], ModuleType]:
-    """Import a program of tools/ by name: `load_tool("verify.special")`."""
-    return lambda name: importlib.import_module(f"tools.{name}")
+    """Import a module of tests/support by name: `load_tool("special.platforms")`."""
+    return lambda name: importlib.import_module(f"tests.support.{name}")
 
 
 @dataclass(frozen=True)

@@ -151,14 +151,3 @@ def sha256(content: str | bytes) -> str:
 def canonical_sha256(content: object) -> str:
     """Return the sha256 of a JSON value in its canonical form."""
     return sha256(json.dumps(content, sort_keys=True, separators=(",", ":"), ensure_ascii=False))
-
-
-def sources_sha256(places: Iterable[str]) -> str:
-    """Return the sha256 of the programs and start systems in some places of the project."""
-    digest = hashlib.sha256()
-    for place in places:
-        here = ROOT / place
-        for path in [here] if here.is_file() else sorted(here.rglob("*")):
-            if path.is_file() and path.suffix in {".py", ".c", ".h", ".cpp", ".hpp", ".npy"}:
-                digest.update(path.relative_to(ROOT).as_posix().encode() + path.read_bytes())
-    return digest.hexdigest()

@@ -31,7 +31,7 @@ LEGEND = """
   poses as the exact count.
 - *certified*: how many of all poses are proved, with whether they are real.
 
-`python -m tools.build.example_counts` computes all numbers again. The sides of planes are those
+`python -m tools.data.example_counts` computes all numbers again. The sides of planes are those
 of the machines. Where an exact count is below the count of the type, the geometry is special
 (symmetry, shared joints), and the other poses are at infinity.
 

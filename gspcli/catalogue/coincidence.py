@@ -281,23 +281,23 @@ def _least_pairs(kinds: Sequence[Kind], word: Sequence[Pair]) -> Iterator[Pair]:
 # The number of patterns of shared primitives, without a list of them (Burnside's lemma).
 #
 # The patterns are those of `gspcli.catalogue.coincidence`; the way is independent of it. Let g
-# permute the primitives of each sort of the platform, and h those of the base. For every r let F_r be
-# the number of slots (pairs of primitives) for a kind that g^r and h^r fix together. It is the
+# permute the primitives of each sort of the platform, and h those of the base. For every r let F_r
+# be the number of slots (pairs of primitives) for a kind that g^r and h^r fix together. It is the
 # product of the number of primitives that g^r fixes and the number of those that h^r fixes. The
 # multisets of slots that (g, h) leaves fixed have the generating function M(x) = exp(sum F_r x^r /
-# r). The *sets* have M(x) / M(x^2), since 1 + x^l = (1 - x^2l) / (1 - x^l) for each cycle. Hence the
-# sets of m slots for a kind are the sum, over a partition lambda of a and a partition nu of b with a
-# + 2b = m, of
+# r). The *sets* have M(x) / M(x^2), since 1 + x^l = (1 - x^2l) / (1 - x^l) for each cycle. Hence
+# the sets of m slots for a kind are the sum, over a partition lambda of a and a partition nu of b
+# with a + 2b = m, of
 #
 #     (1 / z(lambda)) ((-1)^length(nu) / z(nu)) product of F_r over the parts r of lambda and nu,
 #
-# where z is the order of the centralizer of a permutation of that cycle type. Now take the mean over
-# all g and h, with at least as many primitives of each sort as edges. Let some parts r be given, and
-# take the product over them of the number of primitives of one sort that g^r fixes. By Burnside's
-# lemma the mean of this product over g is the number of partitions of a set into blocks that a
-# permutation with cycles of these lengths does not change. So the number of patterns of a type is a
-# sum over cycle types, one for each kind, of a weight times one factor `invariant_partitions` for
-# each sort on each body.
+# where z is the order of the centralizer of a permutation of that cycle type. Now take the mean
+# over all g and h, with at least as many primitives of each sort as edges. Let some parts r be
+# given, and take the product over them of the number of primitives of one sort that g^r fixes. By
+# Burnside's lemma the mean of this product over g is the number of partitions of a set into blocks
+# that a permutation with cycles of these lengths does not change. So the number of patterns of a
+# type is a sum over cycle types, one for each kind, of a weight times one factor
+# `invariant_partitions` for each sort on each body.
 
 #: The lengths of the cycles of a permutation, the longest first.
 CycleType = tuple[int, ...]
@@ -441,13 +441,13 @@ def _square(cycle_type: CycleType) -> CycleType:
 #
 # Choose some primitives of either body, at their places in a pose. Consider the motions of the
 # platform that keep all of them in place (a line may slide along itself, a plane in itself). Such a
-# motion changes no value of a constraint that has an end among these primitives. If the motions have
-# s freedoms, at most 6 - s of these constraints are independent. If there are more than 6 - s of
-# them, the whole pattern is dependent in every pose, and its direct kinematics has no solution or
-# infinitely many. An angle depends only on the direction of a line or plane.
+# motion changes no value of a constraint that has an end among these primitives. If the motions
+# have s freedoms, at most 6 - s of these constraints are independent. If there are more than 6 - s
+# of them, the whole pattern is dependent in every pose, and its direct kinematics has no solution
+# or infinitely many. An angle depends only on the direction of a line or plane.
 #
-# The converse is a computation, not part of this module: the tests find six independent gradients, in
-# exact arithmetic, for patterns without such a part.
+# The converse is a computation, not part of this module: the tests find six independent gradients,
+# in exact arithmetic, for patterns without such a part.
 
 #: The part of a primitive that the constraints use: all of it, or the direction of a line or plane.
 _POINT, _LINE, _PLANE, _DIRECTION = "P", "L", "H", "direction"

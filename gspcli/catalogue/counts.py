@@ -152,10 +152,10 @@ def _rows(name: str) -> list[dict[str, str]]:
 # The number of common points of general quadrics of six spaces, from intersection theory.
 #
 # Y is the smooth projective variety of the (e, f, g) with e.f = 0, e != 0 and (f, g) != 0, up to
-# (e, f, g) ~ (r e, r t f, t g). The motions are its open part g N != 0. Blow up Y along B_t, and then
-# along the strict transforms of B_p and B_q; these centres are products of projective lines. On the
-# result the spaces a, p, q, l and the differences of two members of s have no base points. So the
-# numbers are products of divisor classes. Proof: docs/counts.md, Theorem 1.
+# (e, f, g) ~ (r e, r t f, t g). The motions are its open part g N != 0. Blow up Y along B_t, and
+# then along the strict transforms of B_p and B_q; these centres are products of projective lines.
+# On the result the spaces a, p, q, l and the differences of two members of s have no base points.
+# So the numbers are products of divisor classes. Proof: docs/counts.md, Theorem 1.
 
 DIMENSION = 6
 #: Degrees of h^k x^(6-k) on Y: coefficients of t^(3-k) in 1 / ((1 - t)^4 (1 - 2t)).

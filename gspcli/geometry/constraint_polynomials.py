@@ -8,7 +8,7 @@ v. The vectors w and v are unit vectors. All functions take leading batch axes a
 
 Three other statements exist on purpose. They are evidence that does not use this one:
 `gspcli.certification` (the exact equations in ball arithmetic), `gspcli.atlas.modular_equations`
-(modulo a prime), and the programs in bench and tools. The quadrics that paths are tracked on
+(modulo a prime), and the programs in benchmarks and tools. The quadrics that paths are tracked on
 (`gspcli.solver.study_systems`, `gspcli.geometry.distance_forms`) are the same polynomials in Study
 coordinates.
 """

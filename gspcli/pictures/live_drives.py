@@ -52,7 +52,7 @@ _PLACES = 2**40
 _SPREAD = 0.5
 #: Where a motor has no range: this turn, in radians, or this part of its rod to either side.
 _TURN, _PART = np.pi / 4, 0.3
-#: The numbers of sorts of drives in tools/view/module/joints.hpp.
+#: The numbers of sorts of drives in viewer/module/joints.hpp.
 _SORTS = {"value": 0, "crank": 1, "slide": 2}
 
 
@@ -310,7 +310,7 @@ def _parts(samples: Any, cranked: Any, unit: float) -> Any:
 
 
 def joint_numbers(instance: Instance, drives: Drives, proofs: ValueProofs) -> list[Any]:
-    """Return the numbers of tools/view/module/joints.cpp after the first."""
+    """Return the numbers of viewer/module/joints.cpp after the first."""
     scale = proofs.scale
     relations, primitives, forms, tiny = proofs.opened
     found: list[Any] = [scale]

@@ -1,6 +1,6 @@
 """The numbers from which a page finds all poses again when values move.
 
-They are the numbers of a geometry for the kernel of the page (tools/view/module/). They contain the
+They are the numbers of a geometry for the kernel of the page (viewer/module/). They contain the
 coefficients of values in equations, solved systems with complex values from which paths start, the
 equations of proofs, poses far away, and the numbers of the step of a controller. The page has no
 other mathematics.

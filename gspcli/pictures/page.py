@@ -1,6 +1,6 @@
 """The page that shows a scene: one file that needs nothing else, not even a network.
 
-The page itself is data (`tools/build/view.py` makes it); here it gets the scene, and all numbers
+The page itself is data (`viewer/pages.py` makes it); here it gets the scene, and all numbers
 a second time as text, for people who cannot see the picture and browsers that cannot draw it.
 """
 

@@ -1,4 +1,4 @@
-"""The line of an instance file that names its JSON Schema (`tools/build/schema.py` writes it)."""
+"""The line of an instance file that names its JSON Schema (`tools/data/schema.py` writes it)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A real browser for tests of pages (`tools.browser`)."""
+"""A real browser for tests of pages (`tests.support.browser`)."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from gspcli.pictures.staging import first_mode, scene_of
 from gspcli.resources import instance_files
 from gspcli.solver import solve
 from gspcli.spec import load
-from tools.browser import CHROMIUM, Browser
+from tests.support.browser import CHROMIUM, Browser
 
 
 @pytest.fixture(scope="session")

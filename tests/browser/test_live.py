@@ -20,7 +20,7 @@ from gspcli.spec import load, set_values
 from tests.support.live_pages import give, opened, settle, text
 
 if TYPE_CHECKING:
-    from tools.browser import Browser
+    from tests.support.browser import Browser
 
 NAME = "workspace-study"
 

@@ -18,7 +18,7 @@ from gspcli.solver import solve
 from tests.support.live_pages import give, opened, text
 
 if TYPE_CHECKING:
-    from tools.browser import Browser
+    from tests.support.browser import Browser
 
 AXES = ("x", "y", "z", "rx", "ry", "rz")
 MACHINE = replace(

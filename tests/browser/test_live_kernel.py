@@ -14,11 +14,11 @@ from gspcli.geometry.random_instances import random_instance
 from gspcli.pictures.live_numbers import live_module
 from gspcli.resources import instance_files
 from gspcli.spec import load
+from tests.support.live_answers import compared
 from tools.recording import ROOT
-from tools.verify.live import compared
 
 if TYPE_CHECKING:
-    from tools.browser import Browser
+    from tests.support.browser import Browser
 
 STATES = 12
 #: Planar plates, poses far away, cranks, slides, tripods in planes, planes with sides, three
@@ -57,7 +57,7 @@ RUN = """
 
 @pytest.fixture(scope="module")
 def kernel(chromium: Browser) -> Any:
-    script = (ROOT / "tools/view/src/live/kernel.js").read_text(encoding="utf-8")
+    script = (ROOT / "viewer/src/live/kernel.js").read_text(encoding="utf-8")
     chromium.call("Page.navigate", url="about:blank")
     chromium.run(script.replace("export ", "") + "\n0")
 

@@ -11,7 +11,7 @@ import pytest
 from tests.support.live_pages import give, opened, text
 
 if TYPE_CHECKING:
-    from tools.browser import Browser
+    from tests.support.browser import Browser
 
 #: The machine of the page: mode 16 is home, and of 16 real modes four vanish where value 1 is 402.
 HOME = 16

@@ -21,24 +21,24 @@ from tests.support.live_pages import give, opened, settle, text
 from tools.recording import ROOT
 
 if TYPE_CHECKING:
-    from tools.browser import Browser
+    from tests.support.browser import Browser
 
-SOURCES = ROOT / "tools" / "view" / "src" / "live"
+SOURCES = ROOT / "viewer" / "src" / "live"
 MODULES = ("vectors.js", "rotations.js", "drives.js", "hull.js")
 
 
 @pytest.fixture(scope="module")
 def run(chromium: Browser) -> Any:
     """What runs an expression with the functions of the page."""
-    chromium.call("Page.navigate", url="about:blank")
     texts = [(SOURCES / name).read_text("utf-8") for name in MODULES]
     # Two files have a function of one name.
     texts[-1] = f"const hull = (() => {{ {texts[-1].replace('export ', '')}; return hull; }})();"
     lines = [line for each in texts for line in each.splitlines() if not line.startswith("import")]
     script = "\n".join(lines).replace("export ", "")
     script = "\n".join(line for line in script.splitlines() if "import {" not in line)
-    chromium.run(script + "\n0")
-    return lambda expression: json.loads(chromium.run(f"JSON.stringify({expression})"))
+    # Each in a function of its own, whatever page the browser shows.
+    call = "(() => {{ {}\nreturn JSON.stringify({}); }})()"
+    return lambda expression: json.loads(chromium.run(call.format(script, expression)))
 
 
 def corners(faces: Any) -> set[frozenset[tuple[float, ...]]]:

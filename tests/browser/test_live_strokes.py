@@ -18,9 +18,9 @@ from gspcli.spec import load
 from tools.recording import ROOT
 
 if TYPE_CHECKING:
-    from tools.browser import Browser
+    from tests.support.browser import Browser
 
-SOURCES = ROOT / "tools" / "view" / "src" / "live"
+SOURCES = ROOT / "viewer" / "src" / "live"
 MODULES = ("vectors.js", "rotations.js", "drives.js", "strokes.js")
 #: Shorter guides are rounding errors.
 SEEN = 1e-9
@@ -42,14 +42,15 @@ NAMES = (
 
 @pytest.fixture(scope="module")
 def draw(chromium: Browser) -> Any:
-    chromium.call("Page.navigate", url="about:blank")
     texts = [(SOURCES / name).read_text("utf-8") for name in MODULES]
     lines = [line for text in texts for line in text.splitlines() if not line.startswith("import")]
-    chromium.run("\n".join(lines).replace("export ", "") + "\n0")
+    script = "\n".join(lines).replace("export ", "")
+    # Each in a function of its own, whatever page the browser shows.
+    call = "(() => {{ {}\nreturn JSON.stringify(strokesAt({})); }})()"
 
     def run(constraint: Any, pose: Any, size: float) -> Any:
         given = ", ".join(json.dumps(x) for x in (constraint, pose, size))
-        return json.loads(chromium.run(f"JSON.stringify(strokesAt({given}))"))
+        return json.loads(chromium.run(call.format(script, given)))
 
     return run
 

@@ -11,7 +11,7 @@ import pytest
 from tests.support.live_pages import give, opened
 
 if TYPE_CHECKING:
-    from tools.browser import Browser
+    from tests.support.browser import Browser
 
 #: Pixels that a finger needs, and contrasts that small text needs.
 TARGET, CONTRAST = 24, 4.5

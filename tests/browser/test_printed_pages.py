@@ -16,7 +16,7 @@ from gspcli.spec import load
 from tests.support.live_pages import opened
 
 if TYPE_CHECKING:
-    from tools.browser import Browser
+    from tests.support.browser import Browser
 
 #: A4 at 96 pixels an inch.
 PAPER = (794, 1123)

@@ -22,7 +22,7 @@ from gspcli.solver import solve
 from gspcli.spec import load
 
 if TYPE_CHECKING:
-    from tools.browser import Browser
+    from tests.support.browser import Browser
 
 SHIFT = 8
 STAGE = "document.getElementById('canvas').getBoundingClientRect()"

@@ -11,7 +11,7 @@ import pytest
 from gspcli import Point, example
 from gspcli.geometry.drives import Drives
 from gspcli.motion.singularities.clearance_results import clearance
-from tools.verify.driven_machines import machines
+from tests.support.independent_machines import machines
 
 #: Two rods each on three carriages, vertical rails; positions only.
 DELTA = """\
@@ -89,7 +89,7 @@ def test_travel_ends_where_a_motor_does(gsp, head):
 
 
 def test_both_bounds_enclose_a_sum_of_poses(gsp, head):
-    from tools.verify.driven_machines import PlaneGeometry
+    from tests.support.independent_machines import PlaneGeometry
 
     run = gsp(
         "workspace", head, "--over", "x,z", "--within", "x=-0.08:0.08", "--within", "z=0.1:0.25",

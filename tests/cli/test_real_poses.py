@@ -8,7 +8,7 @@ import pytest
 from gspcli.cli.pose_options import real_poses
 from gspcli.errors import GspError
 from gspcli.solver import solve
-from tools.special.platforms import platforms, recorded
+from tests.support.special.platforms import platforms, recorded
 
 #: Of a platform whose lines touch there was a second mode that met no constraint.
 TOUCHING = "line-pairs/2/parallel-touching"

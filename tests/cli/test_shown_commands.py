@@ -8,9 +8,9 @@ from pathlib import Path
 import click
 import pytest
 
+from docs._ext import shown_commands, shown_output, stand_ins
+from docs._ext.shown_commands import ENDLESS, LONG, Shown, is_short
 from gspcli.cli.main import cli
-from tools.build import shown_commands, shown_output, stand_ins
-from tools.build.shown_commands import ENDLESS, LONG, Shown, is_short
 
 PAGES = {page.name: shown_commands.shown_in(page) for page in shown_commands.pages()}
 PAGES = {name: shown for name, shown in PAGES.items() if shown}
@@ -46,7 +46,7 @@ def _run(commands: list[Shown]) -> None:
         assert done.code in codes, (shown.place, shown.line, done.output)
         assert shown.says in done.output, (shown.line, done.output)
         if shown.output:
-            advice = "run python -m tools.build.shown_output"
+            advice = "run python -m docs._ext.shown_output"
             assert shown_output.same(done.output, shown.output), (shown.line, done.output, advice)
 
 

@@ -17,14 +17,14 @@ EXPECTED = {
 
 
 def test_every_example_has_its_record():
-    assert set(EXPECTED) == set(FILES), "run python -m tools.build.example_counts"
+    assert set(EXPECTED) == set(FILES), "run python -m tools.data.example_counts"
 
 
 @pytest.mark.parametrize("path", FILES.values(), ids=lambda path: path.stem)
 def test_the_solver_finds_the_recorded_counts(path):
     record = EXPECTED[path.stem]
     content = hashlib.sha256(path.read_bytes()).hexdigest()
-    assert content == record["sha256"], "run python -m tools.build.example_counts"
+    assert content == record["sha256"], "run python -m tools.data.example_counts"
     instance = load(path)
     assert instance.type.id == record["type"]
     result = solve(instance)

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-SOURCES = ROOT / "tools" / "view"
+SOURCES = ROOT / "viewer"
 VIEW = ROOT / "data" / "view"
 NAMES = ("page.html", "live.html")
 STYLES = {"page.html": ("style.css",), "live.html": ("style.css", "live.css")}

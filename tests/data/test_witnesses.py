@@ -12,7 +12,6 @@ from gspcli.catalogue.counts import (
     all_families,
     best_real,
     family_counts,
-    read_row,
     recorded,
     witness,
 )
@@ -21,8 +20,6 @@ from gspcli.catalogue.names import parse_type
 from gspcli.catalogue.types import CLASSES, CONSTRAINTS, families
 from gspcli.reality.witness_proofs import certified_real, known_instance, witness_instance
 from gspcli.resources import data_json, data_path
-from gspcli.spec import dumps, loads
-from tools.witnesses.best import rows_of, witness_text
 
 #: A sample is certified again if it takes no longer than this many poses together.
 SAMPLE, POSES = 12, 64
@@ -68,17 +65,6 @@ def test_exchanged_bodies_have_the_mirrored_family() -> None:
         other = witness(found.exchanged.family)
         assert other is not None
         assert other.real == found.real
-
-
-def test_rows_and_instances_are_read_back() -> None:
-    for found in recorded():
-        instance = witness_instance(found, _angles(found))
-        assert tuple(rows_of(instance)) == found.rows
-        assert loads(dumps(instance)).constraints[0].value == instance.constraints[0].value
-        again = read_row(
-            {"family": found.family.id, "real": str(found.real), "numbers": witness_text(found)}
-        )
-        assert again == found
 
 
 def test_a_sample_is_certified_again() -> None:

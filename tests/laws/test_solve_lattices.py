@@ -19,7 +19,7 @@ from gspcli.geometry.primitives import Geometry, Line, Plane, Point, vector
 from gspcli.geometry.quaternions import rotation_from_quaternion
 from gspcli.geometry.residuals import residuals
 from gspcli.solver.study_systems import side_choices
-from tools.oracle.poses_by_paths import solve_by_tracking
+from tests.support.oracle.poses_by_paths import solve_by_tracking
 
 
 def nonzero(rng: np.random.Generator, size: int) -> np.ndarray:

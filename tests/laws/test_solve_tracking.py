@@ -16,7 +16,7 @@ from gspcli.geometry.quaternions import study_from_pose
 from gspcli.geometry.random_instances import random_instance
 from gspcli.solver import solve
 from gspcli.solver.study_systems import target_systems
-from tools.oracle.poses_by_paths import solve_by_tracking
+from tests.support.oracle.poses_by_paths import solve_by_tracking
 
 seeds = st.integers(0, 10**6)
 

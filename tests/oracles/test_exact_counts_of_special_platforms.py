@@ -1,12 +1,9 @@
 """Exact counts against the Gröbner bases recorded for special and nearly special platforms.
 
-Those are of msolve and Singular, from other equations modulo other primes
-(tools/special/counts.py). Of the 800 platforms a sample is counted; all with ``-m slow``.
+Those are of msolve and Singular, from other equations modulo other primes.
 """
 
 from __future__ import annotations
-
-from collections.abc import Callable
 
 import pytest
 
@@ -14,8 +11,10 @@ from gspcli.certification.counting import NotCountedError, count_exactly
 from gspcli.certification.counting.modular_platform import ModularPlatform
 from gspcli.defaults import SEED
 from gspcli.geometry.instance import Instance
+from tests.support.special.platforms import platforms, recorded
 
-EVERY = 12
+#: Every fourth, and all with parallel lines.
+SAMPLE = [name for k, name in enumerate(recorded()) if k % 4 == 0 or "/parallel" in name]
 #: Of angles with nine decimals six primes leave some doubt: there are few to choose from.
 FINE = 10**10
 
@@ -44,19 +43,7 @@ def disagreement(instance: Instance, record: dict[str, str]) -> str | None:
     return None if max(count.error, count.distinct_error) < 1e-9 else f"error {count.error}"
 
 
-def compare(load_tool: Callable, chosen: Callable[[int, str], bool]) -> dict[str, str]:
-    tool = load_tool("special.platforms")
-    records = tool.recorded()
-    platforms = [p for k, p in enumerate(tool.platforms()) if p.id in records and chosen(k, p.id)]
-    assert len(platforms) > 50
-    found = {p.id: disagreement(p.instance, records[p.id]) for p in platforms}
-    return {name: text for name, text in found.items() if text is not None}
-
-
-def test_a_sample_and_all_parallel_lines(load_tool: Callable) -> None:
-    assert not compare(load_tool, lambda k, name: k % EVERY == 0 or "/parallel" in name)
-
-
-@pytest.mark.slow
-def test_all(load_tool: Callable) -> None:
-    assert not compare(load_tool, lambda k, name: True)
+@pytest.mark.parametrize("name", SAMPLE)
+def test_counts_are_those_of_other_programs(name: str) -> None:
+    [platform] = [one for one in platforms([name.partition("/")[0]]) if one.id == name]
+    assert disagreement(platform.instance, recorded()[name]) is None

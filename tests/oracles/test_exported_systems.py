@@ -1,6 +1,6 @@
 """Exported systems in the programs they are for: as many poses as the solver finds, all certified.
 
-The platforms have short rational coefficients (`bench.cases.random_instances`).
+The platforms have short rational coefficients (`benchmarks.cases.random_instances`).
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from bench import msolve
-from bench.cases import random_instances
+from benchmarks import msolve
+from benchmarks.cases import random_instances
 from gspcli.atlas.groebner import msolve_path
 from gspcli.catalogue.counts import generic_counts
 from gspcli.catalogue.names import parse_type

@@ -19,7 +19,7 @@ import pytest
 
 import gspcli
 from gspcli.resources import instance_files
-from tools.verify.controllers import linuxcnc
+from tests.support.controllers import linuxcnc
 
 SUPPORT = Path(__file__).parents[1] / "support" / "linuxcnc"
 EXAMPLES = Path(__file__).parents[2] / "docs" / "controller"

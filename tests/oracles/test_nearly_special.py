@@ -1,4 +1,4 @@
-"""Special and nearly special platforms against exact counts (`tools/verify/special.py`)."""
+"""Special and nearly special platforms against exact counts (special-platforms.yaml)."""
 
 from __future__ import annotations
 
@@ -186,12 +186,9 @@ def test_the_second_of_two_poses_that_doubles_do_not_tell_apart_is_found_later(
     order: slice, load_tool: Callable, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Two real poses 1e-16 apart: paths lead to them one after the other."""
-    parts, draw = load_tool("special.parts"), load_tool("special.legs")
-    names = "DPL DPH DPP DPP DPP DPP"
-    six = draw.axis_legs(names, parts.Draws(f"double {names}"))
-    value = parts.sqrt(six[1].square(parts.HOME) - parts.tenth(32))
-    instance = parts.assembled(six, parts.HOME, values={1: value}, one_sided=[1])
-    problem = Problem(instance, starts=SolvedStarts())
+    made = load_tool("special.platforms")
+    [platform] = [p for p in made.platforms(["double"]) if p.id == "double/DPL-DPH/-1e-32"]
+    problem = Problem(platform.instance, starts=SolvedStarts())
     first = SidePoses(problem, 0)
     ends: list[PathEnds] = []
     monkeypatch.setattr(first, "locate", lambda x: ends.append(x) or SidePoses.locate(first, x))

@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from bench import macaulay2, msolve, phc
-from bench.cases import CASES
-from bench.homotopy import UNKNOWNS, Homotopy
-from bench.peers import Answer, compare
+from benchmarks import macaulay2, msolve, phc
+from benchmarks.cases import CASES
+from benchmarks.homotopy import UNKNOWNS, Homotopy
+from benchmarks.peers import Answer, compare
 from gspcli.solver import SolveResult, solve
 from gspcli.spec import load
 

@@ -21,12 +21,12 @@ from gspcli.geometry.quaternions import Field, normalized, rotation_from_quatern
 from gspcli.geometry.random_instances import random_instance
 from gspcli.geometry.residuals import residuals
 from gspcli.solver import SolveResult, solve
-from tools.oracle.poses_by_paths import solve_by_tracking
+from tests.support.oracle.poses_by_paths import solve_by_tracking
 
 DATA = Path(__file__).parents[2] / "data"
 EXAMPLES = DATA / "examples"
 EXPECTED = json.loads((EXAMPLES / "expected.json").read_text(encoding="utf-8"))["examples"]
-SHARED_JOINTS = DATA / "verification" / "coincident-platforms.csv"
+SHARED_JOINTS = Path(__file__).parent / "records" / "coincident-platforms.csv"
 
 
 def accounted(instance: Instance) -> SolveResult:

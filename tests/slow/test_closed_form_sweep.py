@@ -15,7 +15,7 @@ from matching import pose_set_distance
 from gspcli.catalogue.types import type_by_number
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.random_instances import random_instance
-from tools.oracle.poses_by_paths import solve_by_tracking
+from tests.support.oracle.poses_by_paths import solve_by_tracking
 
 TYPES = 1120
 BLOCKS = 40

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from tools.browser import Browser
+    from tests.support.browser import Browser
 
 
 def opened(browser: Browser, path: Path, fragment: str = "") -> None:

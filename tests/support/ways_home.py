@@ -15,7 +15,7 @@ from gspcli.solver.result import SolveResult
 from tools.recording import ROOT
 
 Array = NDArray[np.float64]
-PROGRAM = ROOT / "tools" / "view" / "ways.mjs"
+PROGRAM = ROOT / "viewer" / "ways.mjs"
 
 
 def ways_home(

@@ -13,10 +13,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from bench import fksgp, macaulay2, machines, msolve, phc
-from bench.__main__ import _machine_bars, bars, main
-from bench.cases import CASES, Case
-from bench.homotopy import (
+from benchmarks import fksgp, macaulay2, machines, msolve, peer_table, phc
+from benchmarks.__main__ import _machine_bars, bars, main
+from benchmarks.cases import CASES, Case
+from benchmarks.homotopy import (
     NAMES,
     Homotopy,
     blackbox_system,
@@ -26,15 +26,14 @@ from bench.homotopy import (
     stated_equations,
     written_product,
 )
-from bench.markdown import duration, table
-from bench.peers import Answer, compare
-from bench.report import Bar, CaseResult, PeerResult, Report
-from bench.sweep import Cost, plot
+from benchmarks.markdown import duration, table
+from benchmarks.peers import Answer, compare
+from benchmarks.report import Bar, CaseResult, PeerResult, Report
+from benchmarks.sweep import Cost, plot
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.quaternions import study_from_pose
 from gspcli.solver import SolveResult, solve
 from gspcli.spec import dumps, loads
-from tools.build import peer_table
 
 SEED = 1
 SMALL = [case for case in CASES if case.key not in ("6PL", "6LL")]
@@ -232,11 +231,11 @@ def test_libraries_are_loaded_with_one_thread() -> None:
     """Else the waiting of the others counts as processor time."""
     given = {k: v for k, v in os.environ.items() if not k.endswith("_NUM_THREADS")}
     code = (
-        "import bench, os, sys; assert 'numpy' not in sys.modules; import bench.own;"
+        "import benchmarks, os, sys; assert 'numpy' not in sys.modules; import benchmarks.own;"
         "import numpy as np; a = np.ones((400, 400));"
         "a @ a; print(os.environ['OPENBLAS_NUM_THREADS'], len(os.listdir('/proc/self/task')))"
         if sys.platform == "linux"
-        else "import bench, os; print(os.environ['OPENBLAS_NUM_THREADS'], 1)"
+        else "import benchmarks, os; print(os.environ['OPENBLAS_NUM_THREADS'], 1)"
     )
     found = subprocess.run(
         [sys.executable, "-c", code], env=given, capture_output=True, text=True, check=True

@@ -25,7 +25,7 @@ pytestmark = pytest.mark.skipif(shutil.which("g++") is None, reason="no g++")
 @pytest.fixture(scope="module")
 def turned(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., np.ndarray]:
     path = tmp_path_factory.mktemp("joints") / "joints.so"
-    module = ROOT / "tools" / "view" / "module"
+    module = ROOT / "viewer" / "module"
     sources = [ROOT / "tests/support/live_joints.cpp", ROOT / "native/open_equations.cpp"]
     options = ["-std=c++20", "-O1", "-shared", "-fPIC", "-ffp-contract=off", f"-I{module}"]
     subprocess.run(["g++", *options, *sources, "-o", path], check=True)

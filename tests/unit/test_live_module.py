@@ -7,7 +7,7 @@ import shutil
 
 import pytest
 
-from tools.build import live_module
+from viewer import kernel as live_module
 
 
 @pytest.mark.skipif(shutil.which(live_module.COMPILER) is None, reason="no emscripten here")

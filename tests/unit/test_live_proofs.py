@@ -19,7 +19,7 @@ from gspcli.geometry.random_instances import random_instance
 from gspcli.motion.singularities.pose_clearances import Displacements, pose_clearances
 
 ROOT = Path(__file__).resolve().parents[2]
-MODULE = ROOT / "tools" / "view" / "module"
+MODULE = ROOT / "viewer" / "module"
 #: As the kernel of a page numbers them; the others are angles.
 KINDS = ("DPP", "DPL", "DLP", "DPH", "DHP", "DLL")
 

@@ -2,25 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
-from types import ModuleType
 
-import pytest
-
-
-@pytest.fixture(scope="module")
-def tool(load_tool: Callable[[str], ModuleType]) -> ModuleType:
-    return load_tool("verify.mutants")
+from tests.weakened import __main__ as tool
 
 
-def test_every_text_is_in_its_file_once_and_every_test_exists(tool: ModuleType) -> None:
+def test_every_text_is_in_its_file_once_and_every_test_exists() -> None:
     listed = tool.mutants()
     assert len(listed) >= 80
     assert list(tool.problems(listed)) == []
 
 
-def test_one_is_killed_and_what_changes_nothing_is_not(tool: ModuleType, tmp_path) -> None:
+def test_one_is_killed_and_what_changes_nothing_is_not(tmp_path) -> None:
     """The tests are run with the changed file, and not with the installed one."""
     one = next(one for one in tool.mutants() if one.name == "isolation-contains-radius")
     copy = tool.Copy(tmp_path)

@@ -1,7 +1,7 @@
 """The wheel holds the kernel and the data, and works without the checkout.
 
 The kernel in it is the installed one: that its sources compile is seen by `make install`, and in
-the wheels for other machines by `tools/verify/wheel.py`.
+the wheels for other machines by `tools/wheel.py`.
 """
 
 from __future__ import annotations

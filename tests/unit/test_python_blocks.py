@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 import gspcli
+from docs._ext.shown_commands import pages
 from gspcli.geometry.quaternions import rotation_from_quaternion
 from gspcli.resources import instance_files
-from tools.build.shown_commands import pages
 from tools.recording import ROOT
 
 MEASURED = ROOT / "docs" / "calibration" / "measured.csv"

@@ -44,8 +44,8 @@ def poses_of_repeated(problem: Problem, ledger: Ledger) -> PoseSet | None:
     Fewer than six equations on the six-dimensional set of poses have a solution set of positive
     dimension through each of their solutions: an equation takes away at most one dimension. So one
     certified pose proves what an elimination of a set of four dimensions takes minutes for
-    (``same-points/*/exact`` of `python -m tools.verify.special solve`: two of three were incomplete
-    after ten seconds). The result is None, too, if no real motion is found at a certified pose.
+    (``same-points/*/exact`` of tests/oracles/special-platforms.yaml). The result is None, too, if
+    no real motion is found at a certified pose.
     """
     rows = _different(problem.instance.constraints)
     if len(rows) == CONSTRAINTS:

@@ -15,8 +15,8 @@ from gspcli.continuation.start import (
 )
 from gspcli.continuation.systems import Structure
 from gspcli.resources import data_json, data_path
-from tools.build.monodromy import solve_generic, trace_defects
-from tools.build.start_systems import canonical_monomials
+from tools.data.monodromy import solve_generic, trace_defects
+from tools.data.start_systems import canonical_monomials
 
 
 def test_there_are_119_spaces():

@@ -17,9 +17,9 @@ from gspcli.motion import FollowerStatus
 from gspcli.motion.following import platform_numbers as numbers_module
 from gspcli.motion.following.platform_numbers import platform_numbers
 from gspcli.resources import instance_files
-from tools.verify.controllers.compiled import CompiledController, poses_of
-from tools.verify.controllers.rounding import ExactEquations
-from tools.verify.driven_machines import machines
+from tests.support.controllers.compiled import CompiledController, poses_of
+from tests.support.controllers.rounding import ExactEquations
+from tests.support.independent_machines import machines
 
 STRICT = ["-std=c99", "-O2", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow"]
 STRICT += ["-Wdouble-promotion", "-Wstrict-prototypes", "-Werror"]

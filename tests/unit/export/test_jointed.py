@@ -58,7 +58,7 @@ def test_changed_loops_are_a_change(written) -> None:
 @pytest.mark.parametrize("form", FORMS)
 @pytest.mark.parametrize("name", ["figure-3", "fixture-3-2-1", "surfaces-pcc"])
 def test_the_joints_have_the_same_modes(written, load_tool, form: str, name: str) -> None:
-    tool = load_tool("verify.machine_files")
+    tool = load_tool("machine_files")
     instance = gspcli.example(name)
     found = import_machine(written(name, form), platform="platform", digits=17)
     before, after = tool.poses(instance)[0], tool.poses(found.instance)[0]

@@ -17,8 +17,8 @@ from gspcli.geometry.quaternions import (
     rotation_from_vector,
 )
 from gspcli.motion import FollowerStatus
-from tools.verify.driven_machines import Machine, PlaneGeometry, machines
-from tools.verify.nearest import kept
+from tests.support.independent_machines import Machine, PlaneGeometry, machines
+from tests.support.nearest import kept
 
 pytestmark = pytest.mark.skipif(not shutil.which("gcc"), reason="no gcc")
 FLAGS = ["-std=c99", "-O2", "-Wall", "-Wextra", "-Werror", "-ffp-contract=off"]

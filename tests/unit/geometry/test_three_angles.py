@@ -7,7 +7,7 @@ from itertools import combinations_with_replacement, islice
 import numpy as np
 import pytest
 
-from bench.cases import random_instances
+from benchmarks.cases import random_instances
 from gspcli import _kernel
 from gspcli.catalogue.kinds import DISTANCE_KINDS
 from gspcli.geometry.arrangement import Arrangement

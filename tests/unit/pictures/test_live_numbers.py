@@ -14,8 +14,8 @@ import gspcli
 from gspcli.geometry.numbers import Number
 from gspcli.pictures.live_numbers import live_numbers
 from gspcli.resources import data_json, data_path, instance_files
-from tools.build import live_module
 from tools.recording import sha256
+from viewer import kernel as live_module
 
 
 def numbers_of(name: str) -> dict:
@@ -26,7 +26,7 @@ def test_the_module_is_that_of_the_sources():
     manifest = data_json("live", "manifest.json")
     content = gzip.decompress(data_path("live", "kernel.wasm.gz").read_bytes())
     assert manifest["module"] == {"bytes": len(content), "sha256": sha256(content)}
-    hint = "run python -m tools.build.live_module"
+    hint = "run python -m viewer.kernel"
     assert manifest["manifest"]["sources"]["sha256"] == live_module.digest(), hint
 
 

@@ -25,7 +25,7 @@ from gspcli.reality.recognition import look_real
 from gspcli.reality.solved_platforms import Solved, solved
 from gspcli.reality.state import State, read_state
 from gspcli.reality.witness_proofs import certified_real, platform_of, real_instance
-from tools.oracle.poses_by_paths import solve_by_tracking
+from tests.support.oracle.poses_by_paths import solve_by_tracking
 
 MIXED = "DPP DPL DLP DPH DHP ALL"
 

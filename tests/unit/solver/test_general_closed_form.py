@@ -6,7 +6,7 @@ from itertools import islice
 import numpy as np
 import pytest
 
-from bench.cases import random_instances
+from benchmarks.cases import random_instances
 from gspcli import load, solve, solve_values
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.numbers import Number

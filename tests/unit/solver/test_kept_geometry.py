@@ -25,7 +25,7 @@ from gspcli.solver.strategies import elimination
 from gspcli.solver.strategies.kept_geometry import kept_start
 from gspcli.spec import load
 from tests.support.matching import pose_set_distance
-from tools.special.realistic import machines
+from tests.support.realistic import machines
 
 SPECIAL = {
     ("platforms", "nano-hexapod"): 28,

@@ -23,7 +23,7 @@ from gspcli.solver.results import pose_batch as batch_module
 from gspcli.solver.results.proof import CountKind
 from gspcli.solver.starts.solved_starts import SolvedStarts
 from gspcli.solver.strategies.row_groups import groups_of
-from tools.oracle.poses_by_paths import solve_by_tracking
+from tests.support.oracle.poses_by_paths import solve_by_tracking
 
 
 def instance_of(name: str):

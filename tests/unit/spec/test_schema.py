@@ -11,7 +11,7 @@ from gspcli.cli.main import run
 from gspcli.resources import data_directory
 from gspcli.spec import loads
 from gspcli.spec.schema import EDITOR_LINE, FILE_NAME
-from tools.build.schema import json_schema
+from tools.data.schema import json_schema
 
 PUBLISHED = data_directory() / FILE_NAME
 SHIPPED = sorted(data_directory().glob("*/*.yaml"))
@@ -75,7 +75,7 @@ VALIDATOR = jsonschema.Draft202012Validator(json_schema())
 
 def test_the_published_schema_is_up_to_date():
     recorded = json.loads(PUBLISHED.read_text(encoding="utf-8"))
-    assert recorded == json_schema(), "run python -m tools.build.schema"
+    assert recorded == json_schema(), "run python -m tools.data.schema"
     jsonschema.Draft202012Validator.check_schema(recorded)
 
 

@@ -49,7 +49,7 @@ from gspcli.symbolic.coordinate_systems import (
     system,
 )
 from gspcli.symbolic.rational_motions import RationalMotion, random_motion
-from tools.build.constraints import constraint_facts, unproved_degrees
+from tools.data.constraints import constraint_facts, unproved_degrees
 from tools.equations.exact_constraints import RationalConstraint, sample
 from tools.equations.loci import loci, quadratic_part
 from tools.equations.lower_degrees import constrained_motions, excludes_degree

@@ -30,7 +30,7 @@ from gspcli.symbolic.rational_motions import monomials, random_motion, rank, res
 from tools.equations.motions import equations, motion_blocks, motion_variables
 
 ROOT = Path(__file__).parents[3]
-CHECK = [sys.executable, "-m", "tools.build.varieties", "--check"]
+CHECK = [sys.executable, "-m", "tools.data.varieties", "--check"]
 NAMES = [coordinates.name for coordinates in SYSTEMS]
 
 

@@ -22,7 +22,7 @@ from gspcli.geometry.quaternions import quaternion_from_rotation, study_from_pos
 from gspcli.geometry.random_instances import random_instance
 from gspcli.geometry.residuals import residuals
 from gspcli.solver.study_systems import side_choices
-from tools.oracle.poses_by_paths import solve_by_tracking
+from tests.support.oracle.poses_by_paths import solve_by_tracking
 
 TYPES = (
     "DPP DPP DPP DPP DPP DPP",

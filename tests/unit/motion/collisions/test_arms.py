@@ -16,8 +16,8 @@ from gspcli.geometry.instance import Instance
 from gspcli.geometry.shapes import Shapes
 from gspcli.motion.collisions.compared import ComparedShapes
 from gspcli.motion.paths.motors import Motors
+from tests.support.independent_machines import upside_down
 from tests.support.thick_legs import poses_near
-from tools.verify.driven_machines import upside_down
 
 PLATES = {
     body: [[x * side, y * side, z] for x in (-1, 1) for y in (-1, 1) for z in heights]

@@ -13,7 +13,7 @@ from gspcli.geometry.drives import Drives
 from gspcli.motion import FollowerStatus
 from gspcli.motion.following.platform_numbers import platform_numbers
 from tests.support.driven_machines import driven, some_pose
-from tools.verify.driven_machines import upside_down
+from tests.support.independent_machines import upside_down
 
 
 def swapped(instance):

@@ -15,7 +15,7 @@ from gspcli.motion.following.branch_follower import Stop
 from gspcli.motion.following.platform_numbers import platform_numbers
 from gspcli.motion.poses.inverse_kinematics import value_slopes
 from gspcli.resources import instance_files
-from tools.verify.driven_machines import upside_down
+from tests.support.independent_machines import upside_down
 
 TYPES = list(all_types())
 

@@ -16,7 +16,7 @@ from gspcli.geometry.quaternions import quaternion_from_rotation, rotation_from_
 from gspcli.motion.following.limit_numbers import limit_numbers
 from gspcli.motion.following.limit_search import MARGIN, LimitSearch
 from gspcli.motion.following.platform_numbers import platform_numbers
-from tools.verify.driven_machines import Machine, machines
+from tests.support.independent_machines import Machine, machines
 
 LEGS = ["workspace-study-cones", "rubin-m2", "three-rps"]
 DRIVEN = ["reachy 60", "t-top 60", "paradex", "6-PUS", "mixed"]

@@ -12,8 +12,8 @@ from gspcli.geometry.drives import Drives
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.quaternions import quaternion_from_rotation, rotation_from_vector
 from gspcli.motion.paths.nearest_poses import FARTHER, NearestPoses
-from tools.verify.driven_machines import PlaneGeometry, machines
-from tools.verify.nearest import kept
+from tests.support.independent_machines import PlaneGeometry, machines
+from tests.support.nearest import kept
 
 MACHINES = ["workspace-study", "workspace-study-cones", "rubin-m2", "three-rps"]
 

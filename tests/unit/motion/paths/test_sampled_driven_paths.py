@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from gspcli.motion.paths.pose_ways import WayProof
-from tools.verify import driven_paths
+from tests.support import driven_paths
 
 
 @pytest.mark.parametrize("name", ["t-top 120", "mixed"])

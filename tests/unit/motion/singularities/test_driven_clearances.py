@@ -13,8 +13,8 @@ from gspcli.motion.following.branch_follower import MovingPlatform
 from gspcli.motion.singularities.drive_clearances import drive_clearances, each_drive_clearance
 from gspcli.motion.singularities.driven_enclosures import DrivenNeighbourhood
 from gspcli.motion.singularities.enclosures import Box, Norm
-from tools.verify.driven_clearances import examine
-from tools.verify.driven_machines import machines
+from tests.support.driven_clearances import examine
+from tests.support.independent_machines import machines
 
 MACHINES = ("reachy 60", "paradex", "6-PUS", "mixed")
 
