@@ -70,7 +70,7 @@ def import_machine(
     Parameters
     ----------
     file
-        MJCF, SDF, URDF, CASPR, LinuxCNC, CuikSuite or a table, as `gsp import --help` lists them.
+        MJCF, SDF, URDF, CASPR, LinuxCNC or a table, as `gsp import --help` lists them.
     base, platform
         The names of the bodies to take as base and platform; found if None.
     meet

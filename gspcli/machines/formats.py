@@ -21,7 +21,6 @@ FORMATS = (
     "<robot> (URDF)",
     "<cables> (CASPR)",
     "setp genhexkins (LinuxCNC)",
-    "[JOINTS] (CuikSuite)",
     "columns bx, by, bz, px, py, pz (a table)",
 )
 
@@ -46,12 +45,10 @@ def machine_of(path: Path, *, stored: bool = True) -> Graph | Instance:
     text, file = text_of(path), str(path)
     if text.lstrip()[:1] == "<":
         return _marked_up(text, path, stored)
-    from gspcli.machines.readers import cuik, linuxcnc, tables
+    from gspcli.machines.readers import linuxcnc, tables
 
     if linuxcnc.is_hal(text):
         return linuxcnc.read(text, path)
-    if cuik.is_world(text):
-        return cuik.read(text, file, path.stem)
     if tables.is_table(text):
         return tables.read(text, file, path.stem)
     first = next((line for line in text.splitlines() if line.strip()), "")
@@ -59,12 +56,7 @@ def machine_of(path: Path, *, stored: bool = True) -> Graph | Instance:
 
 
 def _marked_up(text: str, path: Path, stored: bool) -> Graph | Instance:
-    file = str(path)
-    if "<%" in text:
-        from gspcli.machines.readers import erb
-
-        text = erb.expanded(text, file)
-    root = parse(text, file)
+    root = parse(text, str(path))
     if root.tag == "mujoco":
         from gspcli.machines.readers import mjcf
 

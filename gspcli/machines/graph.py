@@ -178,8 +178,6 @@ class Graph:
         The acceleration of gravity, shape (3,), if the file states it.
     notes
         What was ignored or assumed.
-    exact
-        Coordinates of points as written, by the doubles nearest to them.
     remarks
         By the names of joints: properties that an instance file cannot state.
     """
@@ -194,7 +192,6 @@ class Graph:
     has_home: bool = True
     gravity: Array | None = None
     notes: tuple[str, ...] = ()
-    exact: Mapping[tuple[float, ...], tuple[str, ...]] = field(default_factory=dict)
     remarks: Mapping[str, str] = field(default_factory=dict)
 
     @property

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
@@ -33,6 +32,8 @@ Array = NDArray[np.float64]
 OPEN = 1e-3
 #: A platform with less mass (kilogrammes) is one of kinematics alone.
 _WEIGHTLESS = 1e-6
+#: Of the size: less is rounding.
+_ROUNDING = 1e-12
 
 
 class _Rounding:
@@ -44,21 +45,11 @@ class _Rounding:
         The size of the machine.
     digits
         The number of digits, counted from the first digit of the size.
-    exact
-        Coordinates of points that are written otherwise, by the doubles next to them.
     """
 
     def __init__(self, machine: Machine, digits: int) -> None:
         self.digits = digits
         self.decimals = digits - 1 - math.floor(math.log10(machine.size))
-        self.exact: dict[tuple[float, ...], list[Number]] = {}
-        for key, texts in machine.graph.exact.items():
-            # What only the other program can read is written as decimals.
-            with suppress(ArgumentError):
-                self.exact[self._key(key)] = [Number.of(text) for text in texts]
-
-    def _key(self, point: tuple[float, ...]) -> tuple[float, ...]:
-        return tuple(round(x, self.decimals) + 0.0 for x in point)
 
     def length(self, value: float) -> Number:
         """Return a length."""
@@ -69,8 +60,8 @@ class _Rounding:
         return Number.of(repr(float(round(float(value), self.digits)) + 0.0))
 
     def point(self, point: Array) -> Vector:
-        """Return a point, with its coordinates as written in the file, if they are."""
-        x, y, z = self.exact.get(self._key(tuple(point))) or map(self.length, point)
+        """Return a point."""
+        x, y, z = map(self.length, point)
         return x, y, z
 
     def direction(self, direction: Array) -> Vector:
@@ -208,7 +199,9 @@ def sentences(machine: Machine) -> list[str]:
         parts = [f"{held.kind} = {said}"]
         if found.limits is not None:
             scale = 180 / np.pi if held.kind[0] == "A" else 1.0
-            low, high = (scale * limit for limit in found.limits)
+            # A bound that is a rounding error of the machine's size is zero.
+            least = _ROUNDING * (1.0 if held.kind[0] == "A" else machine.size)
+            low, high = (scale * (x if abs(x) > least else 0.0) for x in found.limits)
             parts.append("fixed" if low == high else f"range {low:.6g} to {high:.6g}")
         if found.crank is not None:
             parts.append(f"base point on a crank of {found.crank.radius:.6g}")

@@ -72,7 +72,7 @@ class SourceLine:
         return np.array([self.number(word) for word in words])
 
     def limit(self, text: str | None, otherwise: float) -> float:
-        """Return an end of a range: infinite if it is not given, ``inf``, or as large as 1e15."""
+        """Return an end of a range, `otherwise` if it is not given; of 1e15 on it is infinite."""
         if text is None or not text.strip():
             return otherwise
         word = text.strip().lower()
@@ -106,11 +106,9 @@ def text_of(path: Path) -> str:
             continue
     try:
         return content.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
+    except UnicodeDecodeError:
         if b"\0" in content:
             message = f"{named(path.name)} is no text"
             raise place.error(message) from None
-        line = content.count(b"\n", 0, error.start) + 1
         # Comments in the encoding of Western Europe are common, and every byte is a letter there.
-        del line
         return content.decode("latin-1")

@@ -82,9 +82,9 @@ def _spare(file: Path, output: Output) -> None:
 
 
 command.help = str(command.help).format(
-    formats="FILE is one of these: MJCF (for MuJoCo; the package mujoco is needed), SDF or a "
-    "template of it (ERB), URDF with loops in NAME.yaml beside NAME.urdf. Or it is "
-    "NAME_bodies.xml of CASPR with NAME_cables.xml, a HAL file of LinuxCNC with its INI file, a "
-    ".world of CuikSuite, or a table of joints (CSV, TSV). The format is recognized by the "
+    formats="FILE is one of these: MJCF (for MuJoCo; the package mujoco is needed), SDF, "
+    "URDF with loops in NAME.yaml beside NAME.urdf. Or it is "
+    "NAME_bodies.xml of CASPR with NAME_cables.xml, a HAL file of LinuxCNC with its INI file, "
+    "or a table of joints (CSV, TSV). The format is recognized by the "
     "content."
 )

@@ -30,8 +30,6 @@ class RowLeg:
         Its length; None for the length at the pose of the file.
     low, high
         The range of the length.
-    rod
-        Whether it has no drive.
     """
 
     name: str
@@ -40,7 +38,6 @@ class RowLeg:
     length: float | None = None
     low: float = 0.0
     high: float = math.inf
-    rod: bool = False
 
 
 def legs_graph(
@@ -52,9 +49,7 @@ def legs_graph(
     length: str,
     platform: Body | None = None,
     notes: Sequence[str] = (),
-    exact: Mapping[tuple[float, ...], tuple[str, ...]] | None = None,
     remarks: Mapping[str, str] | None = None,
-    joints: Sequence[Joint] = (),
 ) -> Graph:
     """Return the graph of a machine with legs.
 
@@ -70,16 +65,14 @@ def legs_graph(
         The unit of length.
     platform
         The mass of the platform with centre and inertia, if known.
-    notes, exact, remarks
+    notes, remarks
         As `Graph` has them.
-    joints
-        Other joints between ``base`` and ``platform``.
     """
     X = _above(legs) if pose is None else pose
     bodies = {"base": Body("base", np.eye(4))}
     bodies["platform"] = Body("platform", X) if platform is None else replace(platform, pose=X)
     names = [leg.name for leg in legs]
-    made = list(joints)
+    made: list[Joint] = []
     for number, leg in enumerate(legs, 1):
         said = leg.name if names.count(leg.name) == 1 else f"{leg.name} ({number})"
         end = place(X, leg.platform)
@@ -97,7 +90,7 @@ def legs_graph(
                 f"{said}, foot",
                 f"{said}, head",
                 frame(T=e * (value - apart)),
-                () if leg.rod else (slide,),
+                (slide,),
             ),
             Joint(
                 f"{said}, platform",
@@ -119,7 +112,6 @@ def legs_graph(
         drives_known=True,
         has_home=pose is not None,
         notes=tuple(notes),
-        exact={} if exact is None else exact,
         remarks={} if remarks is None else remarks,
     )
 

@@ -82,11 +82,11 @@ class _Loops:
         """Return the frames that the loops join."""
         value = self._of("closed_loop")
         if not isinstance(value, Sequence):
-            raise self._error(value, "expected a list of pairs of links")
+            raise self._error(value, "expected a list of pairs of links or joints")
         pairs = []
         for pair in value:
             if not isinstance(pair, Sequence) or len(pair) != 2:
-                raise self._error(pair, "expected two links")
+                raise self._error(pair, "expected two links or joints")
             pairs.append((str(pair[0]), str(pair[1])))
         return pairs
 
@@ -233,15 +233,18 @@ class _Robot:
         if len(pairs) != len(kinds):
             message = f"found {len(pairs)} loops and {len(kinds)} types in {self.loops.file.name}"
             raise NoPlatform(message + ", expected as many")
+        # The frame of a joint is that of the link below it.
+        links = {joint.get("name"): self._end(joint, "child") for joint in self.root.all("joint")}
+        links |= {name: name for name in self.links}
         joints = []
         for number, ((first, second), kind) in enumerate(zip(pairs, kinds, strict=True), 1):
-            for link in (first, second):
-                if link not in self.links:
+            for end in (first, second):
+                if end not in links:
                     message = f"found the loop of {shown(first)} and {shown(second)} in "
-                    message += f"{self.loops.file.name}, but no link {shown(link)} in the robot"
-                    raise NoPlatform(message)
-            name = f"loop {number}"
-            joints.append(self._closed(name, (first, second), (np.eye(4), np.eye(4)), kind))
+                    message += f"{self.loops.file.name}, but no link or joint {shown(end)} in the "
+                    raise NoPlatform(message + "robot")
+            ends = links[first], links[second]
+            joints.append(self._closed(f"loop {number}", ends, (np.eye(4), np.eye(4)), kind))
         return joints
 
     def _closed(

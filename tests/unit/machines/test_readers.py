@@ -118,6 +118,8 @@ def test_linuxcnc(read: Write) -> None:
     found = read("kinematics.hal", hal(), machine__ini=INI + limits)
     same(found)
     assert [x.value for x in found.instance.constraints[0].limits] == [50, 400]
+    wide = read("kinematics.hal", hal(), machine__ini=INI + limits.replace("50", "0"))
+    assert all("range 0 to 400" in chain for chain in wide.chains)
     inch = read("kinematics.hal", hal(), machine__ini=INI.replace("mm", "inch"))
     assert inch.instance.units.length == "in"
     turned = read("kinematics.hal", hal(), machine__ini=INI.replace("100 0 0 0", "100 10 20 30"))
@@ -205,11 +207,10 @@ def test_caspr_of_other_numbers_of_cables(read: Write) -> None:
 
 def test_equal_chains_are_no_six_constraints(read: Write) -> None:
     """An instance file refuses the same distance twice, so none is written."""
-    lines = world().splitlines()
-    joints = [k for k, line in enumerate(lines) if "sph_prs_sph" in line]
-    lines[joints[5]] = lines[joints[4]]
+    lines = table("name,bx,by,bz,px,py,pz,length").splitlines()
+    lines[-1] = lines[-2]
     with pytest.raises(NoPlatform, match="hold the same distance: these are at most five"):
-        read("hexapod.world", "\n".join(lines) + "\n")
+        read("joints.csv", "\n".join(lines) + "\n")
 
 
 @pytest.mark.parametrize(("name", "real"), [("FAST", 16), ("CoGiRo", None)])
@@ -220,69 +221,3 @@ def test_public_cable_robots(name: str, real: int | None) -> None:
             import_machine(file)
     else:
         assert gspcli.solve(import_machine(file).instance).counts.real == real
-
-
-# -- CuikSuite --------------------------------------------------------------------------------
-
-
-def world(kind: str = "sph_prs_sph", ends: str = "length {}") -> str:
-    rows = [
-        f"  {kind} : ground ({', '.join(map(repr, b))}) plate ({', '.join(map(repr, p))}) "
-        f"{ends.format(repr(float(length)))} radius 0.1 color (white)"
-        for b, p, length in zip(BASE.tolist(), PLATFORM.tolist(), LENGTHS, strict=True)
-    ]
-    head = "/* a\n hexapod */\n[CONSTANTS]\n  q := 85 % mm\n  r := q*sin(pi/6)\n\n"
-    head += "[LINKS]\n ground :\n plate : \n\n"
-    return head + "[JOINTS]\n" + "\n".join(rows) + "\n"
-
-
-def test_cuik(read: Write) -> None:
-    same(read("hexapod.world", world()), home=False)
-    rods = read("hexapod.world", world("sph_sph"))
-    same(rods, home=False)
-    assert all("S-S: DPP" in line and line.endswith("fixed") for line in rods.chains)
-    ranges = read("hexapod.world", world(ends="range [q, 2*q+{}]"))
-    low, high = ranges.instance.constraints[1].limits
-    assert (low.value, high.value) == pytest.approx((85, 170 + LENGTHS[1]))
-
-
-def test_cuik_keeps_expressions(read: Write) -> None:
-    found = read("hexapod.world", world().replace("(85.0, 120.0,", "(r*sqrt(3), q,"))
-    x, y, _ = found.instance.constraints[0].base.position
-    assert str(y) == "85"
-    assert str(x) == "42.5 * sqrt(3)"
-    assert x.value == pytest.approx(42.5 * np.sqrt(3))
-
-
-def test_cuik_with_a_ball(read: Write) -> None:
-    rows = "\n".join(world().splitlines()[:-3])
-    ball = "\n  spherical neck : ground (0, 0, 50) (1,0,0) (0,1,0) plate (0, 0, -50) (1,0,0)\n"
-    found = read("wrist.world", rows + ball)
-    assert sorted(row.kind.name for row in found.instance.constraints) == ["DPH"] * 3 + ["DPP"] * 3
-    assert np.allclose(found.instance.home.T, [0, 0, 100])
-
-
-@pytest.mark.parametrize(
-    ("change", "says"),
-    [
-        (("sph_prs_sph", "revolute"), "found the joints 1 revolute"),
-        (("plate (", "other ("), "found joints between 2 pairs of links"),
-        (("85.0", "s"), "hexapod.world:12:1: found 's': the name s, which has no value"),
-        (("85.0", "1/0"), "an expression without a value"),
-        (("85.0", "q**99"), "a power above"),
-        (("85.0", "__import__('os')"), "no expression of numbers"),
-        (("(85.0, 120.0, 0.0)", "(85.0, 120.0)"), "found 2 coordinates, expected three"),
-        (("plate (90", "plate ((90"), "a bracket that is not closed"),
-        (("length", "long"), "found no length above 0"),
-    ],
-)
-def test_cuik_with_mistakes(read: Write, change: tuple[str, str], says: str) -> None:
-    with pytest.raises(GspError, match=re.escape(says)):
-        read("hexapod.world", world().replace(*change, 1))
-
-
-def test_constants_that_double_end(read: Write) -> None:
-    names = "".join(f"  c{i} := c{i - 1} + c{i - 1}\n" for i in range(1, 40))
-    text = world().replace("[CONSTANTS]\n", f"[CONSTANTS]\n  c0 := q + q\n{names}")
-    with pytest.raises(SpecError, match="found an expression of"):
-        read("hexapod.world", text)

@@ -12,7 +12,6 @@ from one_hexapod import BASE, LENGTHS, PLATFORM, UP, Write, same
 import gspcli
 from gspcli.errors import GspError, SpecError
 from gspcli.machines.api import import_machine
-from gspcli.machines.graph import NoPlatform
 
 # -- SDF --------------------------------------------------------------------------------------
 
@@ -86,27 +85,6 @@ def test_sdf_with_mistakes(read: Write, change: tuple[str, str], says: str) -> N
     assert change[0] in text
     with pytest.raises(GspError, match=re.escape(says)):
         read("model.sdf", text.replace(*change, 1))
-
-
-def test_templates(read: Write) -> None:
-    head = "<%\n  HEIGHT = 0.05 * 2  # metres\n  HALF = 1/2\n  WIDE = Math.sqrt(4)*Math::PI\n%>"
-    text = (
-        sdf()
-        .replace("<sdf", f"{head}<sdf")
-        .replace("0 0 0.1 0 0 0", "0 <%= HALF %> <%= HEIGHT %> 0 0 0")
-    )
-    same(read("model.sdf.erb", text), 1e-3)
-    for wrong in ("<% 6.times do |i| %>", "<%= NOTHING %>", "<%= `ls` %>", "<%= 2**999 %>"):
-        with pytest.raises(SpecError, match=r"model.sdf.erb:1:1: found"):
-            read("model.sdf.erb", text.replace("<?xml", f"{wrong}<?xml"))
-
-
-def test_a_public_template_whose_axes_miss() -> None:
-    file = models.public("ingram_stewart.sdf.erb")
-    with pytest.raises(NoPlatform, match=r"pass each other at 0\.0376 m: --meet 0\.014") as error:
-        import_machine(file)
-    assert len(str(error.value).splitlines()) == 2
-    assert gspcli.solve(import_machine(file, meet=0.03).instance).counts.real == 8
 
 
 # -- URDF -------------------------------------------------------------------------------------
@@ -200,6 +178,16 @@ def test_urdf_with_loops_in_yaml(read: Write) -> None:
     assert any("taken for drives: all slides" in note for note in plain.notes)
 
 
+def test_urdf_with_loops_of_joints(read: Write) -> None:
+    """Frames of Pinocchio are those of joints, too: each is that of the link below the joint."""
+    text = urdf()
+    above = dict(re.findall(r'<joint name="(\w+)".*?<child link="(\w+)"', text))
+    joints = {link: joint for joint, link in above.items()}
+    named = re.sub(r"end\d|hole\d", lambda found: joints.get(found[0], found[0]), YAML)
+    assert named != YAML
+    same(read("robot.urdf", text, robot__yaml=named), 1e-3)
+
+
 def test_urdf_with_loop_joints_and_drives(read: Write) -> None:
     loops = "".join(
         f'<loop_joint name="l{i}" type="spherical"><link1 link="end{i}"/><link2 link="plate" '
@@ -215,7 +203,7 @@ def test_urdf_with_loop_joints_and_drives(read: Write) -> None:
 @pytest.mark.parametrize(
     ("change", "yaml", "says"),
     [
-        (("", ""), ("hole3", "hole9"), "no link 'hole9' in the robot"),
+        (("", ""), ("hole3", "hole9"), "no link or joint 'hole9' in the robot"),
         (("", ""), ("3d, 3d", "3d"), "found 5 loops and 4 types"),
         (("", ""), ("3d", "4d"), "found a loop of the type '4d'"),
         (("", ""), ("[end1, hole1]", "end1"), "expected two links"),
