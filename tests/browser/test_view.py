@@ -20,6 +20,7 @@ from gspcli.pictures.tracks import read_tracks
 from gspcli.resources import instance_files
 from gspcli.solver import solve
 from gspcli.spec import load
+from tests.support.browser import PATIENCE
 
 if TYPE_CHECKING:
     from tests.support.browser import Browser
@@ -132,7 +133,7 @@ def test_joints_that_move_are_moved(browser: Browser, view: Callable[..., Path])
 def test_playing_moves_on_and_stops(browser: Browser, view: Callable[..., Path]) -> None:
     browser.open(view("octahedral-3-3"))
     browser.key(" ")
-    deadline = time.monotonic() + 60
+    deadline = time.monotonic() + PATIENCE
     while current(browser) == [1]:
         assert time.monotonic() < deadline, "nothing moved"
     assert browser.run("play.getAttribute('aria-label')") == "pause"
@@ -243,7 +244,7 @@ def test_a_picture_is_saved(browser: Browser, view: Callable[..., Path], tmp_pat
     browser.call("Page.setDownloadBehavior", behavior="allow", downloadPath=str(tmp_path))
     browser.key("s")
     target = tmp_path / "octahedral-3-3-platform-mode-1-of-4.png"
-    deadline = time.monotonic() + 60
+    deadline = time.monotonic() + PATIENCE
     while not target.exists():
         assert time.monotonic() < deadline, list(tmp_path.iterdir())
         time.sleep(0.05)
@@ -275,7 +276,7 @@ def test_a_notebook_shows_the_page_in_a_frame(browser: Browser, tmp_path: Path) 
     path = tmp_path / "notebook.html"
     path.write_text(f"<!doctype html><title>cell</title>{result._repr_html_()}", encoding="utf-8")
     browser.open(path)
-    deadline = time.monotonic() + 60
+    deadline = time.monotonic() + PATIENCE
     while colours(window(browser)) <= 50:
         assert time.monotonic() < deadline, "nothing is drawn"
     assert browser.messages == []

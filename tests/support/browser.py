@@ -29,7 +29,8 @@ FLAGS = [
     "--hide-scrollbars",
     "--remote-debugging-pipe",
 ]
-PATIENCE = 30.0
+#: A page that does nothing any more is given up after so long: no answer depends on it.
+PATIENCE = 600.0
 _SETTLED = "new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))"
 
 
@@ -135,9 +136,9 @@ class Browser:
             assert time.monotonic() < deadline, "the page never finished"
         self.settle()
 
-    def wait(self, script: str, seconds: float = PATIENCE) -> None:
+    def wait(self, script: str) -> None:
         """Wait until an expression is true in the page."""
-        deadline = time.monotonic() + seconds
+        deadline = time.monotonic() + PATIENCE
         while not self.run(script):
             assert time.monotonic() < deadline, f"never came: {script}; {self.messages}"
             time.sleep(0.02)
