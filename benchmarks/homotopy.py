@@ -16,9 +16,15 @@ from gspcli.continuation.endpoints import random_start
 from gspcli.continuation.quadrics import NORM
 from gspcli.continuation.start import start_system
 from gspcli.continuation.systems import Structure
-from gspcli.export.motion_coordinates import study_affine
-from gspcli.export.polynomial_systems import SumOfProducts, equations, expanded
-from gspcli.export.polynomials import Monomial, Polynomial, Style
+from gspcli.export.polynomial_systems import (
+    Monomial,
+    Polynomial,
+    Style,
+    SumOfProducts,
+    equations,
+    expanded,
+    study_affine,
+)
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.quaternions import Field, pose_from_study

@@ -32,9 +32,8 @@ import numpy as np
 from gspcli.catalogue.names import parse_type
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.random_instances import random_instance
-from gspcli.pictures.live_numbers import live_numbers
-from gspcli.pictures.live_page import live_page
-from gspcli.pictures.staging import first_mode, scene_of
+from gspcli.pictures.live_numbers import live_numbers, live_page
+from gspcli.pictures.stage import first_mode, scene_of
 from gspcli.resources import instance_files
 from gspcli.solver import solve
 from gspcli.spec import load

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from benchmarks.homotopy import NAMES, UNKNOWNS, Homotopy, Product
 from benchmarks.peers import Answer, no_answer
 from benchmarks.processes import run
-from gspcli.export.polynomials import Style
+from gspcli.export.polynomial_systems import Style
 
 STYLE = Style(imaginary="ii")
 _SCRIPT = """needsPackage "NumericalAlgebraicGeometry";

@@ -15,8 +15,8 @@ from benchmarks.peers import Answer, no_answer
 from benchmarks.processes import run
 from gspcli.errors import SpecError
 from gspcli.export.answers import read_msolve
-from gspcli.export.formats.msolve import msolve_input
-from gspcli.export.polynomials import Polynomial
+from gspcli.export.formats import msolve_input
+from gspcli.export.polynomial_systems import Polynomial
 from gspcli.geometry.instance import Instance
 
 #: The virtual environment of the peers that come from PyPI.

@@ -23,8 +23,8 @@ from benchmarks.homotopy import (
 from benchmarks.peers import Answer, no_answer
 from benchmarks.processes import run
 from gspcli.export.answers import read_phcpack
-from gspcli.export.formats.phcpack import phcpack_input
-from gspcli.export.polynomials import Style
+from gspcli.export.formats import phcpack_input
+from gspcli.export.polynomial_systems import Style
 from gspcli.geometry.instance import Instance
 
 _RULE = "=" * 75

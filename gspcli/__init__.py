@@ -81,7 +81,7 @@ if TYPE_CHECKING:
     from gspcli.motion.statics.freedoms import freedoms as freedoms
     from gspcli.motion.workspace.box_division import workspace as workspace
     from gspcli.paper.comparison import table as table
-    from gspcli.pictures.notebook import notebook_view as notebook_view
+    from gspcli.pictures.page import notebook_view as notebook_view
     from gspcli.pictures.whole_views import view as view
     from gspcli.reality.real_search import maximize_real as maximize_real
     from gspcli.reality.sample_results import sample as sample
@@ -170,7 +170,7 @@ _HOMES = {
     "mechanism": "gspcli.catalogue.realization",
     "natural_modes": "gspcli.dynamics",
     "new": "gspcli.geometry.random_instances",
-    "notebook_view": "gspcli.pictures.notebook",
+    "notebook_view": "gspcli.pictures.page",
     "parse_class": "gspcli.catalogue.names",
     "parse_kind": "gspcli.catalogue.names",
     "parse_kind_set": "gspcli.catalogue.names",

@@ -5,7 +5,7 @@
 The npm client installs exactly the packages of viewer/package-lock.json, esbuild bundles
 three.js and the sources into one script, and scripts and style sheets are put into the pages. What
 remains to be filled in, marked ``@@name@@``, is up to `gspcli.pictures.page` and
-`gspcli.pictures.live_page`.
+`gspcli.pictures.live_numbers`.
 """
 
 from __future__ import annotations

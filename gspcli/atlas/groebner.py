@@ -19,7 +19,7 @@ from pathlib import Path
 from gspcli.atlas.modular_equations import Function, ModularEquation, quadrics
 from gspcli.certification.equations import study
 from gspcli.errors import GspError, IncompleteError, NotFiniteError
-from gspcli.export.formats.msolve import msolve_input
+from gspcli.export.formats import msolve_input
 
 #: From indices of (e0 ... e3, f0 ... f3), in rising order, to coefficients.
 Polynomial = dict[tuple[int, ...], int]

@@ -6,8 +6,7 @@ import re
 from typing import TYPE_CHECKING
 
 from gspcli.errors import ArgumentError
-from gspcli.export.format import ControllerFormat, ModeFormat, SystemFormat
-from gspcli.export.formats import FORMATS
+from gspcli.export.formats import FORMATS, ControllerFormat, ModeFormat, SystemFormat
 from gspcli.records import dataclass
 from gspcli.wording import counted, listed, shown
 
@@ -129,8 +128,7 @@ def _pose(
 def _system(
     instance: Instance, target: str, form: SystemFormat, coordinates: str, digits: int
 ) -> Export:
-    from gspcli.export.motion_coordinates import MOTIONS
-    from gspcli.export.polynomial_systems import system
+    from gspcli.export.polynomial_systems import MOTIONS, system
 
     if coordinates not in MOTIONS:
         message = f"found {shown(coordinates)}, expected {listed(COORDINATES)}"

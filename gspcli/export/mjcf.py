@@ -17,8 +17,17 @@ from numpy.typing import NDArray
 
 from gspcli import __version__
 from gspcli.catalogue.kinds import Kind
-from gspcli.export.carriers import Carrier, carriers
-from gspcli.export.chains import Chain, ChainJoint, Link, ball, chain, driven_leg, socket
+from gspcli.export.chains import (
+    Carrier,
+    Chain,
+    ChainJoint,
+    Link,
+    ball,
+    carriers,
+    chain,
+    driven_leg,
+    socket,
+)
 from gspcli.export.simulated_masses import Inertial, SimulatedMasses
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.frames import Placement, PoseFrame

@@ -4,8 +4,23 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
 
-from gspcli.pictures.figures import PLATFORM, SOFT, styled, written
+import numpy as np
+from numpy.typing import NDArray
+
+from gspcli.pictures.figures import ANGLE, PLATFORM, SOFT, styled, written, written_drawing
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from gspcli.calibration import Calibration
+    from gspcli.motion import Workspace
+    from gspcli.motion.singularities.crossings import Boundary
+    from gspcli.motion.singularities.pose_scans import PoseScan
+    from gspcli.motion.singularities.value_scans import Scan
+
 
 #: Colours that people with any colour vision can distinguish (Okabe and Ito).
 PALETTE = ("#0072b2", "#e69f00", "#009e73", "#d55e00")
@@ -48,3 +63,326 @@ def bar_chart(
         axes.grid(axis="y")
         axes.set(title=title, xlabel=x_label, ylabel=y_label)
         return written(figure, fmt)
+
+
+Array = NDArray[np.float64]
+
+
+def mode_map(found: Scan, boundary: Boundary, quantity: str, fmt: str) -> bytes:
+    """Return a scan as a picture: a stair over one value, a coloured map over two.
+
+    Parameters
+    ----------
+    found
+        The scan.
+    boundary
+        Where the number of modes changes: lines over one value, curves with cusps over two.
+    quantity
+        What the colours of a map are: ``modes``, ``condition`` or ``clearance``.
+    fmt
+        ``svg``, ``png`` or ``pdf``.
+
+    Raises
+    ------
+    GspError
+        If matplotlib is not installed.
+    """
+    with styled():
+        from matplotlib.figure import Figure
+
+        figure = Figure(figsize=(6.0, 4.4 if len(found.axes) == 2 else 3.0), layout="constrained")
+        if len(found.axes) == 2:
+            _map(figure, found, boundary, quantity)
+        else:
+            _stair(figure, found, boundary, quantity)
+        return written(figure, fmt)
+
+
+def _label(found: Scan, k: int) -> str:
+    constraint = found.instance.constraints[found.axes[k].constraint]
+    units, drive = found.instance.units, found.axes[k].drive
+    if drive:
+        return f"{drive} ({units.angle.value if drive.startswith('crank.') else units.length})"
+    unit = units.length if constraint.kind.is_distance else units.angle.value
+    return f"{constraint.kind.name} {found.axes[k].constraint + 1} ({unit})"
+
+
+_TITLES = {
+    "modes": "real modes",
+    "condition": "smallest condition number of a mode",
+    "clearance": "smallest proved clearance of a mode",
+}
+
+
+def _numbers(found: Scan, quantity: str) -> Array:
+    """Return what is shown at each node, NaN where nothing is known."""
+    if quantity == "modes":
+        return np.where(found.modes < 0, np.nan, found.modes.astype(float))
+    numbers = found.conditions if quantity == "condition" else found.clearances
+    assert numbers is not None
+    return np.where(np.isfinite(numbers) & (found.modes > 0), numbers, np.nan)
+
+
+def _stair(figure: Figure, found: Scan, boundary: Boundary, quantity: str) -> None:
+    axes = figure.subplots()
+    axes.plot(found.axes[0].values, _numbers(found, quantity), ".", color=PLATFORM)
+    for fold in boundary.crossings:
+        axes.axvline(fold.values[0], color=ANGLE, linewidth=0.8)
+    axes.set(xlabel=_label(found, 0), ylabel=_TITLES[quantity])
+    if quantity != "modes":
+        axes.set_yscale("log")
+    axes.grid(axis="y")
+
+
+def _map(figure: Figure, found: Scan, boundary: Boundary, quantity: str) -> None:
+    from matplotlib import colormaps
+    from matplotlib.colors import BoundaryNorm, LogNorm
+
+    axes = figure.subplots()
+    shown = np.ma.masked_invalid(_numbers(found, quantity).T)
+    x, y = (np.array(axis.values) for axis in found.axes)
+    if quantity == "modes":
+        numbers = np.unique(found.modes[found.modes >= 0]).tolist() or [0]
+        # One colour for each number that occurs, light for few.
+        bounds = [*(number - 0.5 for number in numbers), numbers[-1] + 0.5]
+        colours = colormaps["Blues"].resampled(len(numbers) + 1)
+        norm: Any = BoundaryNorm(bounds, colours.N, extend="neither")
+        ticks: Any = numbers
+    else:
+        colours, norm, ticks = colormaps["viridis"], LogNorm(), None
+    mesh = axes.pcolormesh(x, y, shown, cmap=colours, norm=norm, shading="nearest", rasterized=True)
+    for curve in boundary.curves:
+        axes.plot(*curve.values.T, color=ANGLE, linewidth=1.0)
+        axes.plot(*curve.cusps.T, "o", color=ANGLE, markersize=3.5)
+    axes.set(xlim=(x[0], x[-1]), ylim=(y[0], y[-1]))
+    bar = figure.colorbar(mesh, ax=axes, ticks=ticks)
+    bar.set_label(_TITLES[quantity])
+    axes.set(xlabel=_label(found, 0), ylabel=_label(found, 1))
+
+
+def pose_map(found: PoseScan, quantity: str, fmt: str) -> bytes:
+    """Return a scan of poses as a picture: a line over one coordinate, a coloured map over two.
+
+    Parameters
+    ----------
+    found
+        The scan; over two coordinates its singular curve is drawn, too.
+    quantity
+        What is shown: ``determinant``, ``condition`` or ``clearance``.
+    fmt
+        ``svg``, ``png`` or ``pdf``.
+    """
+    with styled():
+        from matplotlib.figure import Figure
+
+        flat = len(found.axes) == 1
+        figure = Figure(figsize=(6.0, 3.0 if flat else 4.4), layout="constrained")
+        axes = figure.subplots()
+        numbers = {
+            "determinant": lambda: found.determinants,
+            "condition": lambda: found.conditions,
+            "clearance": lambda: found.clearances,
+        }[quantity]()
+        grids = [np.array(axis.values) for axis in found.axes]
+        labels = [f"{axis.name} ({_unit(found, axis.name)})" for axis in found.axes]
+        if flat:
+            axes.plot(grids[0], numbers, color=PLATFORM)
+            if quantity == "determinant":
+                axes.axhline(0, color=ANGLE, linewidth=0.8)
+            axes.set(xlabel=labels[0], ylabel=quantity)
+            return written(figure, fmt)
+        shown = np.ma.masked_invalid(numbers.T)
+        colours: dict[str, Any] = {"cmap": "viridis"}
+        if quantity == "determinant":
+            most = float(np.ma.max(np.ma.abs(shown))) or 1.0
+            colours = {"cmap": "RdBu", "vmin": -most, "vmax": most}
+        elif quantity == "condition":
+            colours["norm"] = "log"
+        mesh = axes.pcolormesh(*grids, shown, shading="nearest", rasterized=True, **colours)
+        for curve in found.curves:
+            axes.plot(*curve.T, color=ANGLE, linewidth=1.2)
+        figure.colorbar(mesh, ax=axes).set_label(quantity)
+        axes.set(xlabel=labels[0], ylabel=labels[1])
+        return written(figure, fmt)
+
+
+def _unit(found: PoseScan, name: str) -> str:
+    units = found.instance.units
+    return units.angle.value if name.startswith("r") else units.length
+
+
+_SLICES = 6
+_COLUMNS = 3
+
+
+def workspace_slices(found: Workspace, fmt: str) -> bytes:
+    """Return a workspace over two or three parameters as a picture.
+
+    Over three there are six slices, evenly between the ends of the third parameter.
+
+    Parameters
+    ----------
+    found
+        The workspace.
+    fmt
+        ``svg``, ``png`` or ``pdf``.
+
+    Raises
+    ------
+    GspError
+        If matplotlib is not installed.
+    """
+    with styled():
+        from matplotlib.figure import Figure
+
+        flat = len(found.free) == 2
+        size = (4.6, 4.4) if flat else (8.4, 6.0)
+        figure = Figure(figsize=size, layout="constrained")
+        if flat:
+            axes = figure.subplots()
+            _draw(axes, found, found.inner, found.open)
+            _frame(axes, found)
+        else:
+            panels = figure.subplots(_SLICES // _COLUMNS, _COLUMNS, sharex=True, sharey=True)
+            low, high = _ends(found)[2]
+            for k, axes in enumerate(panels.flat):
+                at = low + (high - low) * (k + 0.5) / _SLICES
+                _draw(axes, found, *(_cut(boxes, at) for boxes in (found.inner, found.open)))
+                _frame(axes, found, left=k % _COLUMNS == 0, below=k >= _SLICES - _COLUMNS)
+                axes.set_title(f"{found.free[2]} = {at:.4g} {_slice_unit(found, 2)}")
+        figure.legend(handles=_legend(), loc="outside lower center", ncols=2)
+        return written_drawing(figure, fmt)
+
+
+def _cut(boxes: Array, at: float) -> Array:
+    """Return the boxes that a value of the third parameter cuts."""
+    return np.asarray(boxes[(boxes[:, 2, 0] <= at) & (at < boxes[:, 2, 1]), :2])
+
+
+def _ends(found: Workspace) -> Array:
+    """Return bounds of the set, or the whole divided box if the set is empty, (d, 2)."""
+    outer = found.extents[:, 1]
+    whole = found.bounds / found.units[:, None]
+    return np.where(np.isnan(outer), whole, outer)
+
+
+def _draw(axes: Axes, found: Workspace, inner: Array, open_: Array) -> None:
+    from matplotlib.collections import PolyCollection
+
+    for boxes, colour in ((open_, ANGLE), (inner, PLATFORM)):
+        (left, right), (below, above) = boxes[:, 0].T, boxes[:, 1].T
+        corners = np.stack(
+            [
+                np.stack(pair, axis=1)
+                for pair in ((left, below), (right, below), (right, above), (left, above))
+            ],
+            axis=1,
+        )
+        axes.add_collection(
+            PolyCollection(list(corners), facecolors=colour, edgecolors="none", rasterized=True)
+        )
+    for k, name in enumerate(found.free[:2]):
+        at = found.boxes.home["xyz".index(name[-1]) + (3 if name.startswith("r") else 0)]
+        (axes.axvline if k == 0 else axes.axhline)(
+            at / found.units[k], color=SOFT, linewidth=0.6, linestyle=(0, (1, 3))
+        )
+
+
+def _frame(axes: Axes, found: Workspace, *, left: bool = True, below: bool = True) -> None:
+    (x0, x1), (y0, y1) = _ends(found)[:2]
+    room = 0.04 * max(x1 - x0, y1 - y0)
+    axes.set(xlim=(x0 - room, x1 + room), ylim=(y0 - room, y1 + room))
+    same = found.free[0].startswith("r") == found.free[1].startswith("r")
+    axes.set_aspect("equal" if same else "auto")
+    if below:
+        axes.set_xlabel(f"{found.free[0]} ({_slice_unit(found, 0)})")
+    if left:
+        axes.set_ylabel(f"{found.free[1]} ({_slice_unit(found, 1)})")
+
+
+def _slice_unit(found: Workspace, k: int) -> str:
+    units = found.instance.units
+    return units.angle.value if found.free[k].startswith("r") else units.length
+
+
+def _legend() -> list[object]:
+    from matplotlib.patches import Patch
+
+    return [
+        Patch(color=PLATFORM, label="can be reached, proved"),
+        Patch(color=ANGLE, label="the boundary is in here; outside none can, proved"),
+    ]
+
+
+#: Residuals are drawn to this many decimals: the last bits are not those of another run.
+_DECIMALS = 4
+
+
+def residual_chart(result: Calibration, fmt: str) -> bytes:
+    """Return the residuals of readings and of poses by row, and how they are distributed.
+
+    Parameters
+    ----------
+    result
+        A calibration. Residuals are divided by their deviations (and by the scatter, if the
+        noise was not stated), so that they should look like a normal distribution; the worst row
+        is marked.
+    fmt
+        ``svg``, ``png`` or ``pdf``.
+    """
+    with styled():
+        import numpy as np
+        from matplotlib.figure import Figure
+
+        readings, poses = (
+            np.round(part / result.scatter, _DECIMALS)
+            for part in (result.residuals, result.pose_residuals)
+        )
+        figure = Figure(figsize=(7.2, 3.2), layout="constrained")
+        left, right = figure.subplots(1, 2, width_ratios=(2.4, 1), sharey=True)
+        rows = np.arange(1, len(readings) + 1)
+        for axes in (left, right):
+            axes.axhspan(-1.96, 1.96, color=SOFT, alpha=0.12, linewidth=0)
+            axes.axhline(0, color=SOFT, linewidth=0.6)
+        groups = (("poses", poses, "x", ANGLE), ("readings", readings, "o", PLATFORM))
+        for label, part, mark, color in groups:
+            if part.size:
+                places = np.repeat(rows[:, None], part.shape[1], axis=1)
+                left.plot(
+                    places.ravel(),
+                    part.ravel(),
+                    mark,
+                    color=color,
+                    markersize=3.4 if mark == "o" else 3.0,
+                    markeredgewidth=0 if mark == "o" else 0.8,
+                    alpha=0.8,
+                    label=label,
+                )
+        if result.worst is not None:
+            row = result.worst[0]
+            every = np.concatenate((readings[row], poses[row]))
+            height = float(every[int(np.nanargmax(np.abs(every)))])
+            left.annotate(
+                f"row {result.seen.lines[row]}",
+                (row + 1, height),
+                textcoords="offset points",
+                xytext=(5, -3 if height > 0 else 3),
+                fontsize=7,
+                color=SOFT,
+            )
+        every = np.concatenate((readings.ravel(), poses.ravel()))
+        every = every[np.isfinite(every)]
+        limit = max(3.5, 1.08 * float(np.abs(every).max(initial=0.0)))
+        steps = np.linspace(-limit, limit, 29)
+        right.hist(every, steps, orientation="horizontal", color=SOFT, alpha=0.55)
+        middle = np.linspace(-limit, limit, 200)
+        # What removes the poses and the numbers found also takes some of the scatter.
+        spread = float(np.sqrt(np.mean(every**2))) or 1.0
+        bell = np.exp(-0.5 * (middle / spread) ** 2) / (spread * np.sqrt(2 * np.pi))
+        right.plot(bell * len(every) * (steps[1] - steps[0]), middle, color=PLATFORM, linewidth=1.1)
+        left.set(xlabel="row", ylabel="residual / standard deviation", ylim=(-limit, limit))
+        chi = f"chi-squared {result.chi_squared / result.scatter**2:.4g} of {result.freedom}"
+        left.set_title(chi)
+        left.legend(loc="lower left", ncols=2, fontsize=7)
+        right.set(xlabel="how many", title="all")
+        return written_drawing(figure, fmt)

@@ -11,11 +11,17 @@ import math
 import re
 from collections.abc import Mapping
 from html import escape
+from typing import TYPE_CHECKING
 
 from gspcli import __version__
 from gspcli.pictures.projection import View
 from gspcli.pictures.scene import Scene, SceneSeries
+from gspcli.pictures.stage import first_mode, scene_of
 from gspcli.resources import data_path
+
+if TYPE_CHECKING:
+    from gspcli.solver.result import SolveResult
+
 
 #: Significant digits of the size of the scene in the list; the pose that is shown has more.
 _DIGITS = 4
@@ -169,4 +175,25 @@ def _table(name: str, heads: list[str], rows: str) -> str:
     return (
         f'<div class="scroll" tabindex="0"><table id="{name}"><thead><tr>{head}</tr></thead>'
         f"<tbody>{rows}</tbody></table></div>"
+    )
+
+
+_HEIGHT = 620
+
+
+def notebook_view(result: SolveResult) -> str:
+    """Return a result as HTML for a notebook: its page in a frame of its own.
+
+    Parameters
+    ----------
+    result
+        What `gspcli.solver.solve` found.
+    """
+    document = escape(page(scene_of(result), first_mode(result.drawn)))
+    title = escape(result.instance.name or result.instance.type.id)
+    # In a frame of its own the page's style and scripts touch nothing of the notebook's.
+    return (
+        f'<iframe srcdoc="{document}" title="{title}" sandbox="allow-scripts allow-downloads" '
+        f'style="width: 100%; height: {_HEIGHT}px; border: 1px solid #8884; border-radius: 6px">'
+        "</iframe>"
     )

@@ -2,17 +2,34 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from typing import NamedTuple
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import field, replace
+from itertools import combinations
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.catalogue.kinds import Kind, Primitive
+from gspcli.catalogue.kinds import DPP, Kind, Primitive
 from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.coordinates import BODIES, choose, moved
+from gspcli.geometry.drive_numbers import arms_of, is_driven
+from gspcli.geometry.drives import Drives
+from gspcli.geometry.instance import Constraint, Instance
+from gspcli.geometry.measurement import measured
 from gspcli.geometry.primitives import Geometry, Point
-from gspcli.pictures.hulls import convex_hull
-from gspcli.pictures.scene import DrawnBody, DrawnPrimitive, Stroke, StrokeStyle
+from gspcli.geometry.printed_numbers import printed_residual
+from gspcli.geometry.quaternions import quaternion_from_rotation
+from gspcli.geometry.residuals import condition_numbers, sides_of
+from gspcli.pictures.scene import (
+    DrawnBody,
+    DrawnConstraint,
+    DrawnPrimitive,
+    Scene,
+    SceneSeries,
+    Stroke,
+    StrokeStyle,
+)
 from gspcli.pictures.strokes import (
     Sizes,
     StrokeEnds,
@@ -21,6 +38,187 @@ from gspcli.pictures.strokes import (
     distance_strokes,
     perpendicular,
 )
+from gspcli.records import dataclass
+from gspcli.solver.result import SolveResult
+from gspcli.ties import definite_sign
+
+#: Half of what is drawn of a rail without a range, in sizes of the scene.
+_RAIL = 0.2
+
+
+def with_drives(instance: Instance, poses: Poses) -> Poses:
+    """Return poses with the numbers of the drives at each, where an instance has cranks or slides.
+
+    Poses that state coordinates, or that the rods do not reach, are not changed: their points stay
+    where they are stated, and the rods change their lengths.
+    """
+    if poses.coordinates or not len(poses.T) or not is_driven(instance):
+        return poses
+    drives = Drives.of(instance)
+    moved = [k for k, sort in enumerate(drives.sorts) if sort != "value"]
+    q = drives.inverse(poses.R, poses.T)[:, moved] / drives.units[moved]
+    if np.isnan(q).any():
+        return poses
+    names = tuple(drives.names[k] for k in moved)
+    return replace(poses, coordinates=names, places=q)
+
+
+def arm_strokes(instance: Instance, poses: Poses, size: float) -> list[tuple[Stroke, ...]]:
+    """Return what is drawn of the arm or rail of each constraint at poses; nothing of values.
+
+    An arm leads from the axis of its crank to the point, a rail along the range of its slide.
+
+    Parameters
+    ----------
+    instance
+        The platform as it is stated.
+    poses
+        The poses, perhaps with coordinates; drives that are none of them are where it states them.
+    size
+        Of the scene.
+    """
+    count = len(poses.T)
+    if not is_driven(instance) or not count:
+        return [()] * len(instance.constraints)
+    drives = Drives.of(instance)
+    q = np.zeros((count, drives.count))
+    for name, column in zip(poses.coordinates, poses.places.T, strict=False):
+        if name in drives.names:
+            k = drives.names.index(name)
+            q[:, k] = column * drives.units[k]
+    points = drives.points(q)
+    found: list[tuple[Stroke, ...]] = []
+    for k in range(len(instance.constraints)):
+        sort = drives.sorts[drives.index[k]]
+        if not drives.driven[k]:
+            found.append(())
+            continue
+        start = np.broadcast_to(drives.middle[k], (count, 3))
+        ends = start, points[:, k]
+        if sort == "slide":
+            low, high = _rail(drives, k, size)
+            ends = start + low * drives.beside[k], start + high * drives.beside[k]
+        line = np.stack(ends, axis=1)
+        if drives.on_platform[k]:
+            line = line @ np.swapaxes(poses.R, -1, -2) + poses.T[:, None]
+        style = StrokeStyle.PERPENDICULAR if sort == "crank" else StrokeStyle.GUIDE
+        found.append((Stroke(style, line),))
+    return found
+
+
+def drawn_drives(instance: Instance) -> list[dict[str, Any] | None]:
+    """Return of each constraint the crank or slide that moves its point, as data for a page.
+
+    Returns
+    -------
+    list
+        None without one, else its ``sort``, the ``body`` of the point, ``middle``, ``across`` and
+        ``beside``, ``unit``, ``factor`` and ``offset`` (`gspcli.geometry.drives.Drives`), and its
+        ``range`` in radians or lengths, or None.
+    """
+    if not is_driven(instance):
+        return [None] * len(instance.constraints)
+    drives = Drives.of(instance)
+    found: list[dict[str, Any] | None] = []
+    for k, driven in enumerate(drives.driven.tolist()):
+        drive = drives.index[k]
+        ends = [drives.low[drive].item(), drives.high[drive].item()]
+        one = {
+            "sort": drives.sorts[drive],
+            "body": BODIES[0] if drives.on_platform[k] else BODIES[1],
+            **{name: getattr(drives, name)[k].tolist() for name in ("middle", "across", "beside")},
+            "range": ends if np.isfinite(ends).all() else None,
+            "unit": drives.units[drive].item(),
+            "factor": drives.factors[drive].item(),
+            "offset": drives.offsets[drive].item(),
+        }
+        found.append(one if driven else None)
+    return found
+
+
+def _rail(drives: Drives, k: int, size: float) -> tuple[float, float]:
+    """Return the ends of a rail from its stated point."""
+    low, high = drives.low[drives.index[k]], drives.high[drives.index[k]]
+    if np.isfinite([low, high]).all():
+        return float(low), float(high)
+    return -_RAIL * size, _RAIL * size
+
+
+def joined(
+    strokes: Sequence[tuple[Stroke, ...]], more: Sequence[tuple[Stroke, ...]]
+) -> tuple[tuple[Stroke, ...], ...]:
+    """Return the strokes of each constraint with further ones."""
+    return tuple((*each, *added) for each, added in zip(strokes, more, strict=True))
+
+
+#: Points nearer to a plane or line than this fraction of the extent are drawn in it: measured
+#: bodies are flat only up to their last decimals.
+_FLAT = 2e-3
+#: Points nearer to each other than this fraction of their coordinates are one.
+_SAME = 1e-9
+
+
+def convex_hull(points: Array) -> tuple[Array, ...]:
+    """Return the faces of the convex hull of a few points, each of shape (k, 3).
+
+    Points in one plane give one polygon, points on one line its two ends, and one point (or
+    none) no face at all. Every triple of points is tried as a face, which for the dozen points
+    of a body is quicker than being clever.
+    """
+    if not len(points):
+        return ()
+    offsets = points - points.mean(axis=0)
+    extent = np.abs(offsets).max()
+    _, singular, axes = np.linalg.svd(offsets, full_matrices=True)
+    if extent <= _SAME * np.abs(points).max():
+        return ()
+    dimension = int((singular > _FLAT * singular[0]).sum())
+    if dimension == 1:
+        along = offsets @ definite_sign(axes[0])
+        return (points[[along.argmin(), along.argmax()]],)
+    if dimension == 2:
+        return (_polygon(points, definite_sign(axes[2])),)
+    faces: dict[frozenset[int], Array] = {}
+    for triple in combinations(range(len(points)), 3):
+        a, b, c = points[list(triple)]
+        normal = np.cross(b - a, c - a)
+        norm = np.linalg.norm(normal)
+        if norm <= _FLAT * extent**2:
+            continue  # a sliver is no face
+        heights = (points - a) @ (normal / norm)
+        flat = np.abs(heights) <= _FLAT * extent
+        if (heights[~flat] > 0).all() or (heights[~flat] < 0).all():
+            inside = frozenset(np.flatnonzero(flat).tolist())
+            faces.setdefault(inside, _polygon(points[flat], normal / norm))
+    return tuple(faces.values())
+
+
+def _polygon(points: Array, normal: Array) -> Array:
+    """Return the corners, in order, of the convex hull of points in a plane."""
+    first = np.eye(3)[np.abs(normal).argmin()]
+    first = np.cross(normal, first)
+    first /= np.linalg.norm(first)
+    flat = (points - points.mean(axis=0)) @ np.stack((first, np.cross(normal, first)), axis=1)
+    order = sorted(range(len(flat)), key=lambda k: (flat[k, 0], flat[k, 1]))
+    size = np.abs(flat).max()
+
+    def half(indices: list[int]) -> list[int]:
+        # Andrew's monotone chain.
+        chain: list[int] = []
+        for k in indices:
+            while len(chain) > 1 and _turn(flat[chain[-2]], flat[chain[-1]], flat[k]) <= (
+                _SAME * size**2
+            ):
+                chain.pop()
+            chain.append(k)
+        return chain[:-1]
+
+    return points[half(order) + half(order[::-1])]
+
+
+def _turn(a: Array, b: Array, c: Array) -> float:
+    return float((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
+
 
 Array = NDArray[np.float64]
 
@@ -216,3 +414,314 @@ class Stage:
         if on_base.primitive is Primitive.LINE:
             at = at + _OUTWARD * (on_base.outline[1] - at)
         return np.broadcast_to(at, (n, 3))
+
+
+@dataclass(frozen=True, eq=False)
+class Poses:
+    """Poses to show, before anything is drawn.
+
+    Attributes
+    ----------
+    title, item, note
+        As in `SceneSeries`.
+    R, T
+        Shapes (n, 3, 3) and (n, 3), real.
+    facts
+        Further numbers or words about each pose.
+    parameter
+        What moves the platform, its name and values; None for modes.
+    conditions
+        Condition numbers where they are known, shape (n,).
+    coordinates, places
+        Names of coordinates that move (`gspcli.geometry.coordinates`), c of them, and where they
+        are at each pose, shape (n, c).
+    """
+
+    title: str
+    item: str
+    R: Array
+    T: Array
+    facts: Mapping[str, list[Any]] = field(default_factory=dict)
+    parameter: tuple[str, Array] | None = None
+    conditions: Array | None = None
+    note: str = ""
+    coordinates: tuple[str, ...] = ()
+    places: Array = field(default_factory=lambda: np.zeros((0, 0)))
+
+
+def names_of(constraints: Sequence[Constraint]) -> list[tuple[str, str]]:
+    """Return the names of both primitives; those without a name get letter and number."""
+    return [
+        (
+            row.platform_name or f"{row.platform.primitive.value}{i}",
+            row.base_name or f"{row.base.primitive.value.lower()}{i}",
+        )
+        for i, row in enumerate(constraints, start=1)
+    ]
+
+
+def series_of(
+    arrangement: Arrangement, poses: Poses, strokes: Sequence[tuple[Stroke, ...]], labels: Array
+) -> SceneSeries:
+    """Return poses as they are shown.
+
+    Parameters
+    ----------
+    arrangement
+        The platform.
+    poses
+        The poses.
+    strokes, labels
+        As in `SceneSeries`.
+    """
+    R, T = poses.R, poses.T
+    values = np.asarray(measured(arrangement, R, T).real).copy()
+    values[:, arrangement.distances] = np.abs(values[:, arrangement.distances])
+    values[:, arrangement.angles] /= arrangement.in_radians
+    facts = dict(poses.facts)
+    if poses.parameter is not None and any(kind.has_sides for kind in arrangement.kinds):
+        sides = sides_of(arrangement, R, T)
+        facts["sides"] = [
+            "".join({1: "+", -1: "−", 0: ""}[s] for s in row) for row in sides.tolist()
+        ]
+    conditions = poses.conditions
+    if conditions is None:
+        conditions = condition_numbers(arrangement, R, T)
+    return SceneSeries(
+        title=poses.title,
+        item=poses.item,
+        R=R,
+        T=T,
+        quaternions=quaternion_from_rotation(R),
+        measured=values,
+        conditions=conditions,
+        strokes=tuple(strokes),
+        labels=labels,
+        facts=facts,
+        parameter=poses.parameter,
+        note=poses.note,
+    )
+
+
+def moving_series(instance: Instance, poses: Poses, size: float) -> SceneSeries:
+    """Return poses at which primitives are elsewhere in their bodies; lines and planes as needed.
+
+    Parameters
+    ----------
+    instance
+        The platform as it is stated.
+    poses
+        The poses, with coordinates.
+    size
+        Of the scene.
+
+    Raises
+    ------
+    ArgumentError
+        If a coordinate is none of the instance.
+    """
+    chosen = choose(instance, poses.coordinates)
+    names = names_of(instance.constraints)
+    parts: list[SceneSeries] = []
+    for k, place in enumerate(poses.places):
+        there = moved(instance, chosen, place)
+        arrangement = Arrangement.of(there)
+        one = replace(
+            poses,
+            R=poses.R[k : k + 1],
+            T=poses.T[k : k + 1],
+            facts={},
+            conditions=None if poses.conditions is None else poses.conditions[k : k + 1],
+        )
+        stage = Stage(arrangement, names, one.R, one.T, size)
+        platform, base = (
+            stage.body(name, [getattr(row, name) for row in there.constraints]) for name in BODIES
+        )
+        shown = series_of(arrangement, one, *stage.drawn(platform, base))
+        parts.append(replace(shown, bodies={"platform": [platform], "base": [base]}))
+    return _joined(poses, parts, {one.body for one in chosen})
+
+
+def _joined(poses: Poses, parts: Sequence[SceneSeries], moving: set[str]) -> SceneSeries:
+    """Return the series of single poses as one, with the bodies that move."""
+    facts = {**poses.facts}
+    if parts and "sides" in parts[0].facts:
+        facts["sides"] = [part.facts["sides"][0] for part in parts]
+    bodies: dict[str, list[DrawnBody]] = {
+        name: [part.bodies[name][0] for part in parts] for name in sorted(moving)
+    }
+    every = zip(*(part.strokes for part in parts), strict=True)
+    return replace(
+        parts[0],
+        R=poses.R,
+        T=poses.T,
+        quaternions=quaternion_from_rotation(poses.R),
+        measured=np.concatenate([part.measured for part in parts]),
+        conditions=np.concatenate([part.conditions for part in parts]),
+        strokes=tuple(
+            tuple(
+                Stroke(same[0].style, np.concatenate([stroke.points for stroke in same]))
+                for same in zip(*each, strict=True)
+            )
+            for each in every
+        ),
+        labels=np.concatenate([part.labels for part in parts]),
+        facts=facts,
+        bodies=bodies,
+    )
+
+
+#: This many of the motions that were found are shown; often they are parts of one.
+_MOTIONS = 8
+#: Of more points only those farthest in this many directions are drawn: a hull of all takes long.
+_CORNERS = 40
+
+
+def drawn_diameters(instance: Instance) -> dict[int, float]:
+    """Return the stated diameters of legs that are not zero, by the index of the constraint."""
+    if instance.shapes is None:
+        return {}
+    legs = [k for k, row in enumerate(instance.constraints) if row.kind is DPP]
+    stated = [one.value for one in instance.shapes.diameters]
+    every = stated * len(legs) if len(stated) == 1 else stated
+    return {k: diameter for k, diameter in zip(legs, every, strict=True) if diameter > 0}
+
+
+def drawn_arms(instance: Instance) -> dict[int, float]:
+    """Return the stated diameters of arms that are not zero, by the index of the constraint."""
+    stated = {k: arm.diameter.value for k, arm in arms_of(instance).items()}
+    return {k: diameter for k, diameter in stated.items() if diameter > 0}
+
+
+def drawn_shells(instance: Instance) -> dict[str, tuple[Array, ...]]:
+    """Return the faces of the stated outlines by the name of the body, in its frame."""
+    found = {}
+    for name in ("platform", "base"):
+        stated = () if instance.shapes is None else getattr(instance.shapes, name)
+        if stated:
+            points = np.array([[x.value for x in point] for point in stated])
+            faces = tuple(face for face in convex_hull(_corners(points)) if len(face) > 2)
+            if faces:
+                found[name] = faces
+    return found
+
+
+def _corners(points: Array) -> Array:
+    """Return the points that are farthest in directions all around, if there are many."""
+    if len(points) <= _CORNERS:
+        return points
+    # Directions on a spiral, evenly over the sphere.
+    k = np.arange(_CORNERS)
+    height, angle = 1 - (2 * k + 1) / _CORNERS, k * np.pi * (3 - np.sqrt(5))
+    across = np.sqrt(1 - height**2)
+    directions = np.stack((across * np.cos(angle), across * np.sin(angle), height), axis=1)
+    return np.asarray(points[np.unique((points @ directions.T).argmax(axis=0))])
+
+
+def scene_of(
+    result: SolveResult,
+    tracks: Sequence[Poses] = (),
+    *,
+    only: int | None = None,
+    summary: str = "",
+) -> Scene:
+    """Return the scene of a result: its assembly modes, its motions, and tracks if given.
+
+    Parameters
+    ----------
+    result
+        What `gspcli.solver.solve` found.
+    tracks
+        Further poses of the same platform, such as those of a trajectory.
+    only
+        The index of one mode, if nothing else is to be shown: lines and planes are then drawn
+        no larger than it needs.
+    summary
+        The text about the result; if empty, its account.
+    """
+    instance, arrangement = result.instance, result.arrangement
+    shown = [_modes(result.drawn, only)]
+    if only is None:
+        shown += [*_motions(result), *(with_drives(instance, poses) for poses in tracks)]
+    still = [poses for poses in shown if not poses.coordinates]
+    R = np.concatenate([poses.R for poses in still])
+    T = np.concatenate([poses.T for poses in still])
+    names = names_of(instance.constraints)
+    staged = Stage(arrangement, names, R, T)
+    platform = staged.body("platform", [row.platform for row in instance.constraints])
+    base = staged.body("base", [row.base for row in instance.constraints])
+    strokes, labels = staged.drawn(platform, base)
+    series, first = [], 0
+    for poses in shown:
+        arms = arm_strokes(instance, poses, staged.size)
+        if poses.coordinates:
+            moving = moving_series(instance, poses, staged.size)
+            series.append(replace(moving, strokes=joined(moving.strokes, arms)))
+            continue
+        chosen = slice(first, first + len(poses.R))
+        here = [tuple(Stroke(s.style, s.points[chosen]) for s in each) for each in strokes]
+        here = [*joined(here, arms)]
+        series.append(series_of(arrangement, poses, here, labels[chosen]))
+        first = chosen.stop
+    units, kind, diameters = instance.units, instance.type, drawn_diameters(instance)
+    thick_arms = drawn_arms(instance)
+    return Scene(
+        title=instance.name or kind.id,
+        type_id=f"{kind.id} (type {kind.number}, {kind.platform_class.id})",
+        summary=summary or f"{result.poses.account_text}.",
+        length_unit=units.length,
+        angle_unit=units.angle.value,
+        size=staged.size,
+        platform=platform,
+        base=base,
+        bonds=tuple(
+            DrawnConstraint(
+                i + 1, row.kind, *names[i], row.value.value, diameters.get(i), thick_arms.get(i)
+            )
+            for i, row in enumerate(instance.constraints)
+        ),
+        series=tuple(series),
+        shells=drawn_shells(instance),
+    )
+
+
+def first_mode(result: SolveResult) -> int:
+    """Return the index of the mode that is shown first, which is home; 0 if there is none."""
+    return 0 if result.home is None else result.home.number - 1
+
+
+def _modes(result: SolveResult, only: int | None) -> Poses:
+    chosen = slice(result.counts.real) if only is None else slice(only, only + 1)
+    real = result.solutions[chosen]
+    length = result.arrangement.length
+    facts: dict[str, list[Any]] = {"residual": [printed_residual(s.residual, length) for s in real]}
+    if any(solution.sides for solution in real):
+        signs = {"positive": "+", "negative": "−"}
+        facts["sides"] = ["".join(signs[side] for side in s.sides.values()) for s in real]
+    if any(solution.multiplicity > 1 for solution in real):
+        facts["multiplicity"] = [solution.multiplicity for solution in real]
+    facts["certified"] = ["yes" if solution.certified else "no" for solution in real]
+    return Poses(
+        "Assembly modes",
+        "mode",
+        result.R[chosen].real,
+        result.T[chosen].real,
+        facts=facts,
+        conditions=result.conditions[chosen],
+    )
+
+
+def _motions(result: SolveResult) -> list[Poses]:
+    real = [motion for motion in result.motions if motion.real and motion.dimension][:_MOTIONS]
+    return [
+        Poses(
+            "Self-motion" + (f" {number}" if len(real) > 1 else ""),
+            "pose",
+            motion.R.real,
+            motion.T.real,
+            parameter=("step", np.arange(len(motion.R), dtype=float)),
+            conditions=np.full(len(motion.R), np.inf),
+            note="A sample of the motion that was found: all values are kept along it.",
+        )
+        for number, motion in enumerate(real, start=1)
+    ]

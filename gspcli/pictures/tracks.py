@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from gspcli.motion.files.number_tables import NumberTable, wrong_number
 from gspcli.motion.files.pose_files import COLUMNS, PoseFormat, poses_in
-from gspcli.pictures.shown_poses import Poses
+from gspcli.pictures.stage import Poses
 
 #: What moves the platform: the first of these that there is, else the number of the row.
 _PARAMETERS = ("t", "row")

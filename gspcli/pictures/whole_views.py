@@ -17,8 +17,7 @@ from gspcli.pictures.line_drawings import drawing
 from gspcli.pictures.page import number, page
 from gspcli.pictures.projection import View
 from gspcli.pictures.scene import Scene
-from gspcli.pictures.shown_poses import Poses
-from gspcli.pictures.staging import scene_of
+from gspcli.pictures.stage import Poses, scene_of
 from gspcli.solver import SolveResult, solve
 from gspcli.ties import first_smallest
 from gspcli.wording import listed, shown
@@ -109,8 +108,7 @@ def viewed(
     if fmt == _PAGE:
         scene = _expressed(scene_of(result, tracks, summary=summary), frame)
         if live:
-            from gspcli.pictures.live_numbers import live_numbers
-            from gspcli.pictures.live_page import live_page
+            from gspcli.pictures.live_numbers import live_numbers, live_page
 
             text = live_page(scene, live_numbers(result), start, view, names=names, frame=frame)
         else:

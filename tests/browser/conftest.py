@@ -8,9 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from gspcli.pictures.live_numbers import live_numbers
-from gspcli.pictures.live_page import live_page
-from gspcli.pictures.staging import first_mode, scene_of
+from gspcli.pictures.live_numbers import live_numbers, live_page
+from gspcli.pictures.stage import first_mode, scene_of
 from gspcli.resources import instance_files
 from gspcli.solver import solve
 from gspcli.spec import load

@@ -11,9 +11,7 @@ import numpy as np
 import pytest
 
 from gspcli.geometry.drives import Drives
-from gspcli.pictures.arms import arm_strokes, drawn_drives
-from gspcli.pictures.hulls import convex_hull
-from gspcli.pictures.shown_poses import Poses
+from gspcli.pictures.stage import Poses, arm_strokes, convex_hull, drawn_drives
 from gspcli.resources import instance_files
 from gspcli.solver import solve
 from gspcli.spec import load

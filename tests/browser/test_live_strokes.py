@@ -9,9 +9,8 @@ import numpy as np
 import pytest
 
 from gspcli.geometry.instance import Instance
-from gspcli.pictures.arms import drawn_drives
 from gspcli.pictures.scene import Scene
-from gspcli.pictures.staging import scene_of
+from gspcli.pictures.stage import drawn_drives, scene_of
 from gspcli.resources import instance_files
 from gspcli.solver import solve
 from gspcli.spec import load

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from gspcli.pictures.page import page
-from gspcli.pictures.staging import scene_of
+from gspcli.pictures.stage import scene_of
 from gspcli.resources import instance_files
 from gspcli.solver import solve
 from gspcli.spec import load

@@ -23,11 +23,9 @@ from gspcli.catalogue.counts import generic_counts
 from gspcli.catalogue.names import parse_type
 from gspcli.catalogue.types import all_types
 from gspcli.certification import Certificates, certify
-from gspcli.export.answers import read_answer
-from gspcli.export.candidates import read_candidates
+from gspcli.export.answers import read_answer, read_candidates
 from gspcli.export.formats import FORMATS
-from gspcli.export.motion_coordinates import MOTIONS
-from gspcli.export.polynomial_systems import system
+from gspcli.export.polynomial_systems import MOTIONS, system
 from gspcli.geometry.instance import Instance
 from gspcli.resources import data_path
 from gspcli.solver import SolveResult, solve

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.pictures.live_numbers import live_module, live_numbers
-from gspcli.pictures.staging import first_mode, scene_of
+from gspcli.pictures.stage import first_mode, scene_of
 from gspcli.solver.result import SolveResult
 from tools.recording import ROOT
 

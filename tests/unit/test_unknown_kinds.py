@@ -16,8 +16,7 @@ from gspcli.certification.counting import count_exactly
 from gspcli.certification.equations.frames import OWN
 from gspcli.certification.poses.many_values import ValueProofs
 from gspcli.export.chains import chain
-from gspcli.export.motion_coordinates import study
-from gspcli.export.polynomial_systems import system
+from gspcli.export.polynomial_systems import study, system
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.constraint_polynomials import polynomial
 from gspcli.geometry.distance_forms import measures

@@ -1,4 +1,4 @@
-// Joints that motors move: where they are, and the equations then (gspcli.pictures.live_drives).
+// Joints that motors move: where they are, and the equations then (gspcli.pictures.live_numbers).
 #pragma once
 
 #include "../../native/open_equations.hpp"

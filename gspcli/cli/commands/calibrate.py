@@ -277,7 +277,7 @@ def _show(result: Calibration, output: Output, *, accept: bool) -> None:
         if not refused:
             write(output, calibrated_text(result))
     elif output.format in DRAWINGS:
-        from gspcli.pictures.residual_charts import residual_chart
+        from gspcli.pictures.charts import residual_chart
 
         write(output, residual_chart(result, output.format))
     else:
@@ -549,7 +549,7 @@ def identified(
         if not refused:
             write(output, calibrated_text(result, [f"from {named(path)}", *said]))
     elif output.format in DRAWINGS:
-        from gspcli.pictures.residual_charts import residual_chart
+        from gspcli.pictures.charts import residual_chart
 
         write(output, residual_chart(result, output.format))
     else:

@@ -85,8 +85,7 @@ def command(
     if spec == result == "-":
         message = "SPEC and RESULT cannot both be standard input"
         raise click.UsageError(message)
-    from gspcli.export.answers import read_answer
-    from gspcli.export.candidates import read_candidates
+    from gspcli.export.answers import read_answer, read_candidates
     from gspcli.geometry.frames import PoseFrame
     from gspcli.solver import certify
 

@@ -14,8 +14,7 @@ from gspcli.cli.render import Output, write
 from gspcli.cli.streams import check_writable, say, working
 from gspcli.errors import GspError
 from gspcli.export.exported import COORDINATES, DIGITS, TRIES, exported
-from gspcli.export.format import ControllerFormat, ModeFormat, SystemFormat
-from gspcli.export.formats import FORMATS
+from gspcli.export.formats import FORMATS, ControllerFormat, ModeFormat, SystemFormat
 from gspcli.wording import listed
 
 #: Formats of a model at a pose, of a program, and of equations.

@@ -76,7 +76,7 @@ def command(names: tuple[str, ...], chosen: str, output: Output) -> None:
       gsp realize platform.yaml --realization outside -o mechanism.svg
     """
     if output.format in DRAWINGS and (kinds := _kinds(names)):
-        from gspcli.pictures.chain_panels import chain_drawing
+        from gspcli.pictures.mechanisms import chain_drawing
 
         headed = [(kind.name, REALIZATIONS[chosen](kind)) for kind in kinds]
         write(output, chain_drawing(headed, output.format))
@@ -160,7 +160,7 @@ def _platform(names: Sequence[str]) -> tuple[str, GspType, Sequence[Connection]]
 def _platform_drawn(spec: str, built: Mechanism, fmt: str) -> bytes:
     """Return the drawing of an instance on its chains."""
     from gspcli.pictures.mechanisms import mechanism_drawing
-    from gspcli.pictures.staging import first_mode, scene_of
+    from gspcli.pictures.stage import first_mode, scene_of
     from gspcli.solver import solve
 
     instance = load_instance(spec)
@@ -175,7 +175,7 @@ def _platform_drawn(spec: str, built: Mechanism, fmt: str) -> bytes:
 
 def _chains_drawn(built: Mechanism, fmt: str) -> bytes:
     """Return the drawing of the different chains of a mechanism."""
-    from gspcli.pictures.chain_panels import chain_drawing
+    from gspcli.pictures.mechanisms import chain_drawing
 
     used: dict[Realization, list[int]] = {}
     for index, mounted in enumerate(built.chains):

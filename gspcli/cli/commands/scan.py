@@ -173,7 +173,7 @@ def command(
     result = as_read(asked, found, limits, folds=folds)
     found, limits = result.found, result.limits
     if output.format in DRAWINGS:
-        from gspcli.pictures.maps import mode_map
+        from gspcli.pictures.charts import mode_map
 
         write(output, mode_map(found, limits, quantity, output.format))
     else:
@@ -395,7 +395,7 @@ def scan_poses(
         with working("clearances"):
             found.clearances  # noqa: B018
     if output.format in DRAWINGS:
-        from gspcli.pictures.maps import pose_map
+        from gspcli.pictures.charts import pose_map
 
         write(output, pose_map(found, quantity, output.format))
         return

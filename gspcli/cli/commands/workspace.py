@@ -321,7 +321,7 @@ def _interval(text: str) -> tuple[str, tuple[float, float]]:
 
 def _show(found: Workspace, home: Home, instance: Instance, listed: bool, output: Output) -> None:
     if output.format in DRAWINGS:
-        from gspcli.pictures.slices import workspace_slices
+        from gspcli.pictures.charts import workspace_slices
 
         write(output, workspace_slices(found, output.format))
         return

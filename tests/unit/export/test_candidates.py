@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from gspcli.errors import SpecError
-from gspcli.export.candidates import read_candidates
+from gspcli.export.answers import read_candidates
 from gspcli.geometry.quaternions import rotation_from_quaternion
 
 E = [0.5, 0.1, -0.7, 0.3]

@@ -6,7 +6,7 @@ from fractions import Fraction
 import pytest
 
 from gspcli.catalogue.kinds import KINDS_BY_NAME
-from gspcli.export.constants import Constants
+from gspcli.export.polynomial_systems import Constants
 from gspcli.geometry.instance import AngleUnit, Constraint
 from gspcli.geometry.numbers import parse_number
 from gspcli.geometry.primitives import Line, vector

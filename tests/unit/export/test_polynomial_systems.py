@@ -4,10 +4,8 @@ import numpy as np
 import pytest
 
 from gspcli.export.answers import read_answer
-from gspcli.export.format import SystemFormat
-from gspcli.export.formats import FORMATS
-from gspcli.export.motion_coordinates import MOTIONS
-from gspcli.export.polynomial_systems import system
+from gspcli.export.formats import FORMATS, SystemFormat
+from gspcli.export.polynomial_systems import MOTIONS, system
 from gspcli.geometry.quaternions import study_from_pose
 from gspcli.resources import instance_files
 from gspcli.solver import solve

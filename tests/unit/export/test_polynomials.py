@@ -5,7 +5,7 @@ from fractions import Fraction
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gspcli.export.polynomials import Polynomial, Style, cross, dot
+from gspcli.export.polynomial_systems import Polynomial, Style, cross, dot
 
 NAMES = ("a", "b", "c")
 POINT = {"a": Fraction(3, 2), "b": Fraction(-5), "c": Fraction(7, 3)}

@@ -8,8 +8,7 @@ import pytest
 import gspcli
 from gspcli.geometry.drives import Drives
 from gspcli.pictures.scene import StrokeStyle
-from gspcli.pictures.shown_poses import Poses
-from gspcli.pictures.staging import scene_of
+from gspcli.pictures.stage import Poses, scene_of
 from tests.support.driven_machines import driven, some_pose
 
 

@@ -7,7 +7,7 @@ from itertools import product
 import numpy as np
 import pytest
 
-from gspcli.pictures.hulls import convex_hull
+from gspcli.pictures.stage import convex_hull
 
 CUBE = np.array([*product((0.0, 1.0), repeat=3)])
 

@@ -5,10 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from gspcli.pictures.label_places import Label, apart
 from gspcli.pictures.line_drawings import drawing
-from gspcli.pictures.projection import Paper
-from gspcli.pictures.staging import scene_of
+from gspcli.pictures.projection import Label, Paper, apart
+from gspcli.pictures.stage import scene_of
 from gspcli.resources import instance_files
 from gspcli.solver import solve
 from gspcli.spec import load

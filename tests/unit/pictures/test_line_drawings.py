@@ -16,7 +16,7 @@ from gspcli.pictures.figures import styled, written, written_drawing
 from gspcli.pictures.line_drawings import drawing
 from gspcli.pictures.projection import View
 from gspcli.pictures.scene import Scene
-from gspcli.pictures.staging import scene_of
+from gspcli.pictures.stage import scene_of
 from gspcli.resources import instance_files
 from gspcli.solver import solve
 from gspcli.spec import load

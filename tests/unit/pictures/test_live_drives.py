@@ -16,8 +16,7 @@ from gspcli.geometry.drives import Drives
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Crank, as_array
-from gspcli.pictures.live_drives import LiveMotors, _circle, anywhere, apart, counted
-from gspcli.pictures.live_numbers import live_numbers
+from gspcli.pictures.live_numbers import LiveMotors, _circle, anywhere, apart, counted, live_numbers
 from gspcli.resources import instance_files
 from gspcli.solver.starts.solved_starts import SolvedStarts
 

@@ -15,10 +15,8 @@ from gspcli.catalogue.realization import (
     outside,
     realization,
 )
-from gspcli.pictures.chain_panels import chain_drawing
-from gspcli.pictures.joint_frames import ChainEnds, mounted
-from gspcli.pictures.mechanisms import mechanism_drawing
-from gspcli.pictures.staging import first_mode, scene_of
+from gspcli.pictures.mechanisms import ChainEnds, chain_drawing, mechanism_drawing, mounted
+from gspcli.pictures.stage import first_mode, scene_of
 from gspcli.resources import instance_files
 from gspcli.solver import solve
 from gspcli.spec import load

@@ -11,7 +11,7 @@ import pytest
 
 from gspcli.pictures.page import page
 from gspcli.pictures.scene import Scene
-from gspcli.pictures.staging import scene_of
+from gspcli.pictures.stage import scene_of
 from gspcli.resources import instance_files
 from gspcli.solver import solve
 from gspcli.spec import load, loads

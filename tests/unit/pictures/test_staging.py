@@ -8,7 +8,7 @@ import numpy as np
 
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.shapes import Shapes
-from gspcli.pictures.staging import drawn_diameters, drawn_shells, scene_of
+from gspcli.pictures.stage import drawn_diameters, drawn_shells, scene_of
 from gspcli.solver import solve
 from gspcli.spec.shipped import example
 from tests.support.thick_legs import thick

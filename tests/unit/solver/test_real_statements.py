@@ -7,7 +7,7 @@ import re
 import numpy as np
 import pytest
 
-from gspcli.pictures.staging import scene_of
+from gspcli.pictures.stage import scene_of
 from gspcli.solver import SolveResult, solve
 from gspcli.solver.special.real_statements import isolated_real_poses
 from gspcli.spec import loads

@@ -10,7 +10,7 @@ from gspcli.motion.paths.home_map import home_map
 from gspcli.motion.paths.pose_ways import PoseWays
 from gspcli.motion.paths.value_ways import ValueWays
 from gspcli.motion.poses.inverse_kinematics import values_at
-from gspcli.pictures.live_home import live_home
+from gspcli.pictures.live_numbers import live_home
 from gspcli.solver import SolveResult, solve
 from gspcli.spec.shipped import example
 
