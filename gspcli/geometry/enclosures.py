@@ -52,7 +52,8 @@ class Enclosure:
     mid
         The middles, shape (..., d).
     rad
-        Bounds of the distances from ``mid + lin . u``, shape (...).
+        Bounds of the distances from ``mid + lin . u``, shape (...); several for each vector may be
+        on axes before.
     lin
         The linear parts, shape (..., d, m).
     cube
@@ -66,7 +67,9 @@ class Enclosure:
     ) -> None:
         self.mid: Array = np.asarray(mid, float)
         self.lin: Array = np.zeros((*self.mid.shape, 0)) if lin is None else lin
-        self.rad: Array = np.broadcast_to(np.asarray(rad, float), self.mid.shape[:-1])
+        bound = np.asarray(rad, float)
+        shape = np.broadcast_shapes(bound.shape, self.mid.shape[:-1])
+        self.rad: Array = np.broadcast_to(bound, shape)
         self.cube = cube
 
     @classmethod
@@ -323,6 +326,11 @@ class Matrix:
         top = spectral_norm(mid)
         return cls(mid, np.broadcast_to(np.asarray(rad, float), top.shape), top)
 
+    @property
+    def most(self) -> Array:
+        """Bounds of the norms, shape (...)."""
+        return np.asarray((self.top + self.rad) * OUT)
+
     @classmethod
     def outer(cls, a: Enclosure, b: Enclosure) -> Matrix:
         """Return ``a b^T + b a^T``."""
@@ -350,3 +358,47 @@ class Matrix:
         rounding = ROUND * self.mid.shape[-1] * far * self.top
         rad = far * self.rad + reach * (self.top + self.rad) + rounding
         return Matrix(number.mid[..., None] * self.mid, rad * OUT, far * self.top * OUT)
+
+
+class Jet:
+    """Functions of vectors x with their derivatives, enclosed for all x of a set.
+
+    Attributes
+    ----------
+    value
+        Numbers, shape (..., 1).
+    gradient
+        First derivatives, shape (..., d).
+    bend
+        Second derivatives, shape (..., d, d).
+    """
+
+    __slots__ = ("bend", "gradient", "value")
+
+    def __init__(self, value: Enclosure, gradient: Enclosure, bend: Matrix) -> None:
+        self.value, self.gradient, self.bend = value, gradient, bend
+
+    @classmethod
+    def quadric(cls, matrix: Matrix, x: Enclosure) -> Jet:
+        """Return ``x . M x / 2``."""
+        value = x.quadric(matrix.mid, matrix.top).widened(matrix.rad * x.most**2 / 2)
+        gradient = x.under(matrix.mid, matrix.top).widened(matrix.rad * x.most)
+        return cls(value, gradient, matrix)
+
+    def __add__(self, other: Jet) -> Jet:
+        gradient = self.gradient + other.gradient
+        return Jet(self.value + other.value, gradient, self.bend + other.bend)
+
+    def __sub__(self, other: Jet) -> Jet:
+        gradient = self.gradient - other.gradient
+        return Jet(self.value - other.value, gradient, self.bend - other.bend)
+
+    def __mul__(self, other: Jet) -> Jet:
+        gradient = self.value * other.gradient + other.value * self.gradient
+        bend = other.bend.times(self.value) + self.bend.times(other.value)
+        bend = bend + Matrix.outer(self.gradient, other.gradient)
+        return Jet(self.value * other.value, gradient, bend)
+
+    def times(self, number: Enclosure) -> Jet:
+        """Return the product with numbers that do not depend on x."""
+        return Jet(number * self.value, number * self.gradient, self.bend.times(number))

@@ -96,6 +96,9 @@ class Exact:
     def most(self) -> Any:
         return self.norm().x[0]
 
+    def take(self, *index: object) -> Exact:
+        return self
+
     def widened(self, more: Any) -> Exact:
         away = [mp.mpf(v) for v in self.rng.normal(size=len(self.x))]
         far = length(away)
@@ -105,6 +108,50 @@ class Exact:
         """Return a vector at the edge of a ball about this one."""
         found = self.widened(mp.mpf(radius) * (1 - mp.mpf(2) ** -48))
         return found.unit() if unit else found
+
+
+class ExactJet:
+    """A function of a vector of 60 digits with its derivatives, with the operations of `Jet`."""
+
+    def __init__(self, value: Any, gradient: Exact, bend: list[Exact]) -> None:
+        self.value, self.gradient, self.bend = value, gradient, bend
+
+    @classmethod
+    def quadric(cls, matrix: Any, x: Exact) -> ExactJet:
+        """Return a quadric of one matrix, moved at random by its radius."""
+        middle = matrix.mid.reshape(matrix.mid.shape[-2:])
+        step = x.rng.normal(size=middle.shape)
+        step = step + step.T
+        share = float(np.squeeze(matrix.rad)) * (1 - 1e-12) / np.linalg.norm(step)
+        bend = [Exact(a) + Exact(b * share) for a, b in zip(middle, step, strict=True)]
+        gradient = Exact([row.dot(x).x[0] for row in bend])
+        return cls(gradient.dot(x).x[0] / 2, gradient, bend)
+
+    def _with(self, other: ExactJet, sign: int) -> ExactJet:
+        bend = [a + sign * b for a, b in zip(self.bend, other.bend, strict=True)]
+        return ExactJet(
+            self.value + sign * other.value, self.gradient + sign * other.gradient, bend
+        )
+
+    def __add__(self, other: ExactJet) -> ExactJet:
+        return self._with(other, 1)
+
+    def __sub__(self, other: ExactJet) -> ExactJet:
+        return self._with(other, -1)
+
+    def __mul__(self, other: ExactJet) -> ExactJet:
+        f, g = Exact([self.value]), Exact([other.value])
+        bend = [
+            f * h + g * k + Exact([p]) * other.gradient + Exact([q]) * self.gradient
+            for h, k, p, q in zip(
+                other.bend, self.bend, self.gradient.x, other.gradient.x, strict=True
+            )
+        ]
+        return ExactJet(self.value * other.value, f * other.gradient + g * self.gradient, bend)
+
+    def times(self, number: Exact) -> ExactJet:
+        bend = [number * row for row in self.bend]
+        return ExactJet(self.value * number.x[0], number * self.gradient, bend)
 
 
 def outside(enclosure: Any, exact: Exact, u: Sequence[float] = ()) -> float:

@@ -2,7 +2,7 @@
 
 Between two rows either the values change linearly, or the position and the angles do. Each half of
 the way between them belongs to the row at its end. The poses on it are near to that of the row: for
-values by the theorem of `gspcli.motion.singularities.enclosures`, else since position and angles
+values by the theorem of `gspcli.motion.singularities.neighbourhoods`, else since parameters
 are known. Where a bound does not suffice the way is halved, by a pose in its middle.
 
 Clearances need less. Let a pose have the clearance r, and let the values on the way from it change
@@ -31,7 +31,7 @@ from gspcli.motion.paths.pose_ways import PoseWays
 from gspcli.motion.paths.value_ways import ValueWays
 from gspcli.motion.poses.inverse_kinematics import values_at
 from gspcli.motion.singularities.clearances import clearances, range_weights
-from gspcli.motion.singularities.enclosures import Neighbourhood
+from gspcli.motion.singularities.neighbourhoods import Neighbourhood
 from gspcli.records import dataclass
 
 Array = NDArray[np.float64]

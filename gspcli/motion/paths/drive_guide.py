@@ -25,7 +25,7 @@ from gspcli.motion.paths.guides import GuideRows, RowsOnWay, on_polygon
 from gspcli.motion.paths.motors import Motors
 from gspcli.motion.paths.pose_ways import PoseWays
 from gspcli.motion.paths.value_ways import ValueWays
-from gspcli.motion.singularities.driven_enclosures import DrivenNeighbourhood
+from gspcli.motion.singularities.neighbourhoods import DrivenNeighbourhood
 
 Array = NDArray[np.float64]
 

@@ -3,7 +3,7 @@
 If that is so, the mode is regular on the whole box. Its poses are open and closed among all poses
 whose values are in the ranges. So no path within the ranges leads from it to another mode, not even
 through singular poses, and every straight way of values is a path of it. The proof is that of
-`gspcli.motion.singularities.enclosures`: boxes that are too large for it are halved, and the mode
+`gspcli.motion.singularities.neighbourhoods`: boxes too large for it are halved, and the mode
 is followed to their centres.
 """
 
@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.motion.paths.value_ways import ValueWays
-from gspcli.motion.singularities.enclosures import Neighbourhood
+from gspcli.motion.singularities.neighbourhoods import Neighbourhood
 
 Array = NDArray[np.float64]
 

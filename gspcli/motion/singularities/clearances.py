@@ -25,7 +25,7 @@ from gspcli.motion.following.row_instances import over_rows
 from gspcli.motion.following.tracks import Event
 from gspcli.motion.following.trajectories import track_from
 from gspcli.motion.poses.inverse_kinematics import value_slopes, values_at
-from gspcli.motion.singularities.enclosures import Neighbourhood
+from gspcli.motion.singularities.neighbourhoods import Neighbourhood
 from gspcli.progress import Progress, silent
 from gspcli.records import dataclass
 from gspcli.ties import definite_signs, definite_vectors, first_smallest

@@ -15,9 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.certification.branches.fold_system import rounded_along
+from gspcli.geometry.enclosures import Enclosure, Matrix
 from gspcli.motion.following.branch_follower import MovingPlatform
 from gspcli.motion.following.moving_geometry import MovingGeometry
-from gspcli.motion.singularities.enclosures import Neighbourhood
+from gspcli.motion.singularities.neighbourhoods import STUDY, equations
 from gspcli.motion.singularities.scan_rows import ScanRows
 from gspcli.records import dataclass
 from gspcli.ties import definite_sign
@@ -66,6 +67,34 @@ class Curve:
             # z and u are known up to sign, and of norm one.
             square += 2 - 2 * np.abs(self.unknowns[:, part] @ x[part])
         return bool(square.min() < _LONGEST**2)
+
+
+class _Numbers:
+    """Numbers with their derivatives, with the operations of `Jet`."""
+
+    def __init__(self, value: Array, gradient: Array, bend: Array) -> None:
+        self.value, self.gradient, self.bend = value, gradient, bend
+
+    @classmethod
+    def quadric(cls, matrix: Matrix, x: Array) -> _Numbers:
+        gradient = matrix.mid @ x
+        return cls(gradient @ x / 2, gradient, matrix.mid)
+
+    def __sub__(self, other: _Numbers) -> _Numbers:
+        gradient = self.gradient - other.gradient
+        return _Numbers(self.value - other.value, gradient, self.bend - other.bend)
+
+    def __mul__(self, other: _Numbers) -> _Numbers:
+        f, g = np.asarray(self.value)[..., None], np.asarray(other.value)[..., None]
+        outer = self.gradient[..., :, None] * other.gradient[..., None, :]
+        bend = f[..., None] * other.bend + g[..., None] * self.bend
+        gradient = f * other.gradient + g * self.gradient
+        bend = bend + outer + np.swapaxes(outer, -1, -2)
+        return _Numbers(self.value * other.value, gradient, bend)
+
+    def times(self, number: Enclosure) -> _Numbers:
+        c = number.mid[0]
+        return _Numbers(c[:, 0] * self.value, c * self.gradient, c[..., None] * self.bend)
 
 
 class Discriminant:
@@ -143,19 +172,20 @@ class Discriminant:
 
     def _terms(self, x: Array) -> tuple[Array, Array, Array, tuple[Array, Array]]:
         """Return F (7,), F' (7, 8), F''u (7, 8), and the derivatives of F and F'u by w (7, 2)."""
-        near = Neighbourhood(self.platform, x[None, :8], self._internal(x[16:])[None])
-        bent = np.einsum("kij,j->ki", near.hessians[0], x[8:16])
-        return near.residuals()[0], near.jacobian[0, :7], bent, self._moving(near, x[8:16])
-
-    def _moving(self, near: Neighbourhood, u: Array) -> tuple[Array, Array]:
-        """Return derivatives of F and of F'u by both values, shapes (7, 2)."""
-        slopes = self.platform.slopes(near.values)[0]
+        z, u, values = x[:8], x[8:16], self._internal(x[16:])
+        F, rows, bent = np.zeros(7), np.zeros((7, 8)), np.zeros((7, 8))
         first, second = np.zeros((7, 2)), np.zeros((7, 2))
-        for k, row in enumerate(self.varied):
-            change = -slopes[row] * self._widths[k]
-            first[row + 1, k] = change * near.factors[0, row]
-            second[row + 1, k] = change * (near.factor_gradients[0, row] @ u)
-        return first, second
+        slopes = self.platform.slopes(values)
+        study = _Numbers.quadric(STUDY, z)
+        F[0], rows[0], bent[0] = study.value, study.gradient, study.bend @ u
+        c = Enclosure(self.platform.coefficients(values)[None, :, None])
+        for at, found, factor in equations(self.platform, z, c, _Numbers):
+            F[at + 1], rows[at + 1], bent[at + 1] = found.value, found.gradient, found.bend @ u
+            for k, row in enumerate(self.varied):
+                change = -slopes[row] * self._widths[k]
+                first[at + 1, k] = np.where(at == row, change * factor.value, 0.0)
+                second[at + 1, k] = np.where(at == row, change * (factor.gradient @ u), 0.0)
+        return F, rows, bent, (first, second)
 
     def _corrected(self, x: Array, at: Array, row: Array | None, goal: float = 0.0) -> Array | None:
         """Return the solution near some unknowns by Newton's method, or None.

@@ -20,7 +20,7 @@ from gspcli.geometry.drives import Drives
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.measurement import measured
 from gspcli.geometry.quaternions import rotation_from_quaternion
-from gspcli.motion.singularities.driven_enclosures import DrivenNeighbourhood
+from gspcli.motion.singularities.neighbourhoods import DrivenNeighbourhood
 from gspcli.progress import Progress, silent
 from gspcli.records import dataclass
 

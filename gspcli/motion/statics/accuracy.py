@@ -19,7 +19,7 @@ from gspcli.geometry.quaternions import (
 )
 from gspcli.motion.following.branch_follower import MovingPlatform, apart
 from gspcli.motion.poses.inverse_kinematics import values_at
-from gspcli.motion.singularities.enclosures import SIGNS, Neighbourhood, corners
+from gspcli.motion.singularities.neighbourhoods import SIGNS, Neighbourhood, corners
 from gspcli.motion.statics.driven_statics import DrivenStatics
 from gspcli.motion.statics.wrenches import Wrenches
 from gspcli.records import dataclass

@@ -15,7 +15,7 @@ from gspcli.motion.paths.driven_rows import DrivenRows
 from gspcli.motion.paths.motors import Motors
 from gspcli.motion.paths.pose_ways import PoseWays
 from gspcli.motion.singularities.drive_clearances import drive_clearances, drive_weights
-from gspcli.motion.singularities.driven_enclosures import DrivenNeighbourhood
+from gspcli.motion.singularities.neighbourhoods import DrivenNeighbourhood
 
 #: Machines with six freedoms; delta and three-prs have three.
 SIX = ("t-top-head", "reachy-mini-head", "hexaglide", "modified-paradex")

@@ -4,7 +4,7 @@ import numpy as np
 
 from gspcli.certification.branches.parametric_quadrics import MovingEquations, Shape, ValueFunction
 from gspcli.motion.following.branch_follower import MovingPlatform
-from gspcli.motion.singularities.enclosures import Neighbourhood
+from gspcli.motion.singularities.neighbourhoods import Neighbourhood
 
 
 def test_a_cosine_changes_at_an_angle_of_zero() -> None:

@@ -10,7 +10,7 @@ from gspcli.motion import MovingPlatform, measure
 from gspcli.motion.following.branch_follower import Stop
 from gspcli.motion.singularities import clearances as module
 from gspcli.motion.singularities.clearances import clearance, clearances, range_weights
-from gspcli.motion.singularities.enclosures import SIGNS
+from gspcli.motion.singularities.neighbourhoods import SIGNS
 from gspcli.resources import data_path, instance_files
 
 TYPES = ["6PP", "6PH", "6PL", "6DLL", "PP PL LP PH HP DLL", "PL PL LP ALL ALH AHH"]

@@ -11,8 +11,7 @@ import pytest
 from gspcli.geometry.drives import Drives
 from gspcli.motion.following.branch_follower import MovingPlatform
 from gspcli.motion.singularities.drive_clearances import drive_clearances, each_drive_clearance
-from gspcli.motion.singularities.driven_enclosures import DrivenNeighbourhood
-from gspcli.motion.singularities.enclosures import Box, Norm
+from gspcli.motion.singularities.neighbourhoods import Box, DrivenNeighbourhood, Norm
 from tests.support.driven_clearances import examine
 from tests.support.independent_machines import machines
 
@@ -61,7 +60,7 @@ def test_bounds_hold_when_motors_move(near, size: float) -> None:
             slopes = near._gradients(norm, whole, widths[None])
             exact = norm.slopes(np.einsum("kij,j->ki", change, z)[None])
             assert (exact <= slopes * whole + 1e-12)[0, driven].all()
-        spread = near._spread(whole, np.ones((1, 6)), 0.0, widths[None])[0, 1:]
+        spread = near._spreads(whole, widths[None])[-1, 0, 1:]
         norms = np.abs(np.linalg.eigvalsh(change)).max(axis=1)
         assert (norms <= spread)[driven].all()
 

@@ -12,7 +12,7 @@ from gspcli.certification.branches.parametric_quadrics import MovingEquations, S
 from gspcli.geometry.random_instances import random_instance
 from gspcli.motion.following.branch_follower import MovingPlatform
 from gspcli.motion.singularities import pose_clearances
-from gspcli.motion.singularities.enclosures import Neighbourhood
+from gspcli.motion.singularities.neighbourhoods import Neighbourhood
 from gspcli.motion.singularities.pose_clearances import (
     Displacements,
     Regular,

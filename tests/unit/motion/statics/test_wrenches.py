@@ -8,7 +8,7 @@ from gspcli.errors import ArgumentError
 from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.geometry.random_instances import random_instance
 from gspcli.motion import MovingPlatform, measure
-from gspcli.motion.singularities.enclosures import SIGNS
+from gspcli.motion.singularities.neighbourhoods import SIGNS
 from gspcli.motion.statics.accuracy import accuracy
 from gspcli.motion.statics.wrenches import wrenches
 from gspcli.resources import data_path
