@@ -99,7 +99,7 @@ if TYPE_CHECKING:
     from gspcli.spec import read as read
     from gspcli.spec import set_values as set_values
     from gspcli.spec.checks import check as check
-    from gspcli.spec.shipped import example as example
+    from gspcli.spec.reading import example as example
     from gspcli.symbolic.derivation import derive as derive
 
 __version__ = "1.0.0"
@@ -152,7 +152,7 @@ _HOMES = {
     "distance": "gspcli.geometry.building",
     "dump": "gspcli.spec",
     "dumps": "gspcli.spec",
-    "example": "gspcli.spec.shipped",
+    "example": "gspcli.spec.reading",
     "exported": "gspcli.export.exported",
     "family_bounds": "gspcli.catalogue.bounds",
     "fit_poses": "gspcli.sensing",

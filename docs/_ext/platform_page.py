@@ -8,7 +8,7 @@ from gspcli.cli.commands.example import short_name
 from gspcli.geometry.instance import Constraint, Instance
 from gspcli.resources import data_json, instance_files
 from gspcli.spec import load, sharing
-from gspcli.spec.schema import SCHEMA_LINE
+from gspcli.spec.form_of_instance import SCHEMA_LINE
 
 FOLDER = "platforms"
 HEAD = """\

@@ -36,7 +36,7 @@ from gspcli.geometry.home_pose import HomePose
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.primitives import Point
 from gspcli.geometry.quaternions import apply, quaternion_from_rotation
-from gspcli.spec.whole_files import LARGEST_TABLE, content_of
+from gspcli.spec.document import LARGEST_TABLE, content_of
 from gspcli.wording import counted, listed
 
 Array = NDArray[np.float64]

@@ -219,7 +219,7 @@ def column_options(function: Function) -> Function:
 def text_of(path: str) -> tuple[str, str]:
     """Return the content of a file or, for -, of standard input, and its name."""
     from gspcli.cli.options import refuse_to_replace
-    from gspcli.spec.whole_files import LARGEST_TABLE, content_of
+    from gspcli.spec.document import LARGEST_TABLE, content_of
 
     refuse_to_replace(path)
     name = "standard input" if path == "-" else path

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.errors import Location, Mistake, SpecError
-from gspcli.spec.whole_files import content_of
+from gspcli.spec.document import content_of
 from gspcli.wording import named, shown
 
 Array = NDArray[np.float64]

@@ -16,7 +16,7 @@ from gspcli.errors import GspError
 from gspcli.reality.platforms import Platforms
 from gspcli.reality.solved_platforms import Solved
 from gspcli.records import dataclass
-from gspcli.spec.whole_files import LARGEST_SPEC, content_of
+from gspcli.spec.document import LARGEST_SPEC, content_of
 from gspcli.wording import named
 
 SCHEMA = "gsp.maximize-real/1"

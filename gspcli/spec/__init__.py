@@ -5,8 +5,7 @@
 the primitives that several constraints share, `out_of_proportion` lengths that differ too much.
 """
 
-from gspcli.spec.meaning import bonds, sharing
-from gspcli.spec.proportion import out_of_proportion
+from gspcli.spec.meaning import bonds, out_of_proportion, sharing
 from gspcli.spec.reading import Reading, load, loads, read, read_text
 from gspcli.spec.settings import set_values
 from gspcli.spec.writing import dump, dumps

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 from gspcli.errors import GspError
 from gspcli.geometry.numbers import Number, parse_number
-from gspcli.spec.schema import EDITOR_LINE
+from gspcli.spec.form_of_instance import EDITOR_LINE
 from gspcli.wording import listed, shown, suggestion
 
 #: Significant digits of a height or an angle that is computed here.

@@ -6,21 +6,17 @@ import re
 from collections.abc import Iterator
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, BinaryIO, TextIO
+from typing import BinaryIO, TextIO
 
 from gspcli.errors import ArgumentError, Mistake, SpecError
 from gspcli.geometry.instance import AngleUnit, Instance
 from gspcli.records import dataclass
-from gspcli.spec.document import Mapping, Scalar, Value, decode
-from gspcli.spec.file_checks import FileChecker
-from gspcli.spec.ordinary import read_ordinary
-from gspcli.spec.plain import read_plainly
-from gspcli.spec.proportion import out_of_proportion
-from gspcli.spec.whole_files import LARGEST_SPEC, content_of
+from gspcli.resources import shipped_file
+from gspcli.spec.document import LARGEST_SPEC, Mapping, Scalar, Value, content_of, decode
+from gspcli.spec.form_of_instance import INSTANCE
+from gspcli.spec.instance_checks import FileChecker
+from gspcli.spec.meaning import out_of_proportion
 from gspcli.wording import named
-
-if TYPE_CHECKING:
-    from gspcli.spec.models import InstanceModel
 
 #: A function of an angle in radians, with a plain number that is not zero.
 _OF_RADIANS = re.compile(r"\b(sin|cos|tan)\(\s*[-+]?\s*((?=[\d.]*[1-9])[\d.]+)\s*\)")
@@ -117,14 +113,7 @@ def read_text(text: str, *, name: str = "instance", any_number: bool = False) ->
     if not isinstance(text, str):
         message = f"found a {type(text).__name__}, expected the text of an instance file"
         raise ArgumentError(message, "text")
-    root = read_ordinary(text, name)
-    if root is not None:
-        try:
-            return _reading(root, [], any_number=any_number)
-        except SpecError:
-            # The full reading reports mistakes.
-            pass
-    from gspcli.spec.any_yaml import parse
+    from gspcli.spec.yaml_reader import parse
 
     mistakes: list[Mistake] = []
     return _reading(parse(text, name, mistakes), mistakes, any_number=any_number)
@@ -141,19 +130,12 @@ def _reading(root: Value, mistakes: list[Mistake], *, any_number: bool) -> Readi
     if not isinstance(root, Mapping):
         message = "found no keys, expected an instance: gsp, units, platform, base, constraints"
         raise SpecError([*mistakes, Mistake(root.location, "", message)])
-    reader = FileChecker(
-        root, read_plainly(root) or _model(root, mistakes), mistakes, any_number=any_number
-    )
+    model = INSTANCE.read(root, mistakes)
+    reader = FileChecker(root, model, mistakes, any_number=any_number)
     instance = reader.instance()
     if instance is None or mistakes:
         raise SpecError(sorted(mistakes, key=_place))
     return Reading(instance, reader)
-
-
-def _model(root: Mapping, mistakes: list[Mistake]) -> InstanceModel:
-    from gspcli.spec.models import InstanceModel
-
-    return InstanceModel.model_validate(root, context=mistakes)
 
 
 def load(source: str | Path | TextIO | BinaryIO, *, name: str | None = None) -> Instance:
@@ -183,3 +165,24 @@ def _radians_message(match: re.Match[str]) -> str:
 def _place(mistake: Mistake) -> tuple[int, int]:
     location = mistake.location
     return (location.line, location.column) if location else (0, 0)
+
+
+def example(name: str) -> Instance:
+    """Return an instance that is part of gsp: an example, or a real machine.
+
+    Parameters
+    ----------
+    name
+        A name in the list of `gsp example`, with or without the ``@`` of the command line.
+
+    Raises
+    ------
+    GspError
+        If there is no instance with that name.
+
+    Examples
+    --------
+    >>> example("rubin-m2").type.number
+    3389
+    """
+    return load(shipped_file(name.removeprefix("@")))

@@ -15,7 +15,7 @@ from gspcli.motion.paths.value_ways import ValueWays
 from gspcli.motion.poses.inverse_kinematics import values_at
 from gspcli.pictures.live_numbers import live_numbers
 from gspcli.solver import SolveResult, solve
-from gspcli.spec.shipped import example
+from gspcli.spec.reading import example
 from tests.support.thick_legs import poses_near
 from tests.support.ways_home import ways_home
 

@@ -215,7 +215,7 @@ def test_a_text_that_is_no_unicode_is_written(gsp: Run, tmp_path: Path) -> None:
     ],
 )
 def test_files_that_never_end_are_refused(gsp, words, monkeypatch) -> None:
-    monkeypatch.setattr("gspcli.spec.whole_files.LARGEST_TABLE", 1 << 20)
+    monkeypatch.setattr("gspcli.spec.document.LARGEST_TABLE", 1 << 20)
     run = gsp(*words)
     assert run.code == 2
     assert run.err.rstrip().endswith(" MB")

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.quaternions import rotation_from_quaternion
 from gspcli.geometry.shapes import Shapes
-from gspcli.spec.shipped import example
+from gspcli.spec.reading import example
 
 Array = NDArray[np.float64]
 

@@ -50,7 +50,6 @@ ROOMS = {
     "flint": {"certification"},
     "mpmath": {"geometry"},
     "yaml": {"spec"},
-    "pydantic": {"spec"},
     "click": {"cli"},
     "rich": {"cli"},
     "matplotlib": {"pictures"},
@@ -157,7 +156,7 @@ def _loaded_by(code: str) -> set[str]:
     return set(run.stdout.splitlines()[-1].split())
 
 
-HEAVY = {"numpy", "sympy", "pandas", "flint", "pydantic", "yaml", "rich", "scipy", "matplotlib"}
+HEAVY = {"numpy", "sympy", "pandas", "flint", "yaml", "rich", "scipy", "matplotlib"}
 
 
 @pytest.mark.parametrize(
@@ -173,13 +172,14 @@ HEAVY = {"numpy", "sympy", "pandas", "flint", "pydantic", "yaml", "rich", "scipy
         ("from gspcli.cli.main import run; run(['bound', '17', '--format', 'json'])", HEAVY),
         (
             "from gspcli.cli.main import run; run(['solve', '@dietmaier', '--format', 'json'])",
-            HEAVY - {"numpy"} | {"mpmath", "difflib"},
+            HEAVY - {"numpy", "yaml"} | {"mpmath", "difflib"},
         ),
         (
             "from gspcli.cli.main import run; run(['solve', '@nano-hexapod', '--format', 'json'])",
             # `numpy.ma` is loaded by `np.unique`, which takes as long as solving that platform, and
             # no path is to be followed with more digits.
-            HEAVY - {"numpy", "flint"} | {"numpy.ma", "gspcli.solver.strategies.more_digits"},
+            HEAVY - {"numpy", "yaml", "flint"}
+            | {"numpy.ma", "gspcli.solver.strategies.more_digits"},
         ),
     ],
 )

@@ -7,26 +7,11 @@ from __future__ import annotations
 
 import json
 import sys
-from typing import Any
 
-from gspcli.spec.models import InstanceModel
+from gspcli.spec.form_of_instance import json_schema
 from tools.recording import ROOT, parser, save
 
 TARGET = ROOT / "data" / "instance.schema.json"
-DIALECT = "https://json-schema.org/draft/2020-12/schema"
-
-
-def json_schema() -> dict[str, Any]:
-    """Return the schema of the parsed YAML.
-
-    It states keys, arities and sorts of values. Only `gspcli.spec.load` checks conditions that need
-    arithmetic or names (ranges of angles, zero directions, unknown primitives).
-    """
-    schema = InstanceModel.model_json_schema()
-    schema["title"] = "gsp instance file"
-    text = json.dumps({"$schema": DIALECT, **schema})
-    result: dict[str, Any] = json.loads(text.replace("Model", ""))
-    return result
 
 
 def main() -> int:

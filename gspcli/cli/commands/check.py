@@ -51,7 +51,7 @@ def command(specs: tuple[str, ...], schema: bool, output: Output) -> None:
         message = "give SPEC, or --schema without one"
         raise click.UsageError(message)
     if schema:
-        from gspcli.spec.schema import FILE_NAME
+        from gspcli.spec.form_of_instance import FILE_NAME
 
         write(output, data_path(FILE_NAME).read_text(encoding="utf-8"))
         return

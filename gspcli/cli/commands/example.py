@@ -46,7 +46,7 @@ def command(name: str | None, output: Output) -> None:
       gsp solve @sdss-primary
     """
     if name is not None:
-        from gspcli.spec.schema import beside_schema
+        from gspcli.spec.form_of_instance import beside_schema
 
         text = beside_schema(shipped_file(name.removeprefix("@")).read_text(encoding="utf-8"))
         emit(output, [], texts={output.format: text})

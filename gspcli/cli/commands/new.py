@@ -92,7 +92,7 @@ def command(
         return
     from gspcli.geometry.random_instances import new
     from gspcli.spec import dumps
-    from gspcli.spec.schema import EDITOR_LINE
+    from gspcli.spec.form_of_instance import EDITOR_LINE
 
     text = " ".join(type_words)
     instance = new(text, decimals=decimals, planar=planar, one_sided=one_sided, seed=seed)

@@ -353,7 +353,7 @@ def _lines_of(spec: str) -> Iterator[Source]:
     GspError
         If it cannot be read.
     """
-    from gspcli.spec.whole_files import LARGEST_SPEC
+    from gspcli.spec.document import LARGEST_SPEC
     from gspcli.wording import named
 
     name = "standard input" if spec == "-" else spec

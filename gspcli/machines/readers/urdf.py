@@ -15,8 +15,8 @@ from gspcli.machines.graph import Body, Graph, Joint, NoPlatform, Part, ball
 from gspcli.machines.markup import MarkupElement
 from gspcli.machines.readers.inertias import matrix
 from gspcli.machines.source import text_of
-from gspcli.spec.any_yaml import parse
 from gspcli.spec.document import Mapping, Sequence, Value
+from gspcli.spec.yaml_reader import parse
 from gspcli.wording import listed, shown
 
 Array = NDArray[np.float64]

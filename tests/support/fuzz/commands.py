@@ -46,7 +46,7 @@ from tools.recording import ROOT
 DOCUMENTED = (0, 1, 2, 3, 4, INTERRUPTED)
 LIMIT_S = 1.0
 MOST_LINES, MOST_CHARACTERS = 5, 700
-_LIBRARIES = ("sympy", "pandas", "matplotlib.pyplot", "mpmath", "flint", "pydantic", "yaml")
+_LIBRARIES = ("sympy", "pandas", "matplotlib.pyplot", "mpmath", "flint", "yaml")
 #: What another library says, or Python.
 FOREIGN = ("Traceback", "Warning:", "Exception ignored", "internal error")
 

@@ -58,21 +58,6 @@ def test_a_file_reads_back_and_states_readings():
         assert [x.value for x in one.limits] == pytest.approx([x.value for x in other.limits])
 
 
-def test_both_readers_agree():
-    from gspcli.spec.any_yaml import parse
-    from gspcli.spec.models import InstanceModel
-    from gspcli.spec.ordinary import read_ordinary
-    from gspcli.spec.plain import read_plainly
-
-    text = gspcli.dumps(_offset())
-    plain = read_plainly(read_ordinary(text, "spec"))
-    model = InstanceModel.model_validate(parse(text, "spec", []), context=[])
-    assert plain is not None
-    for one, other in zip(plain.constraints, model.constraints, strict=True):
-        assert (one.offset, one.scale) == (other.offset, other.scale)
-    assert plain.constraints[2].offset is None
-
-
 def test_solve_and_certify():
     one, other = gspcli.solve(_offset()), gspcli.solve(_added())
     assert len(one.solutions) == len(other.solutions)

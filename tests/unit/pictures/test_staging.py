@@ -10,7 +10,7 @@ from gspcli.geometry.numbers import Number
 from gspcli.geometry.shapes import Shapes
 from gspcli.pictures.stage import drawn_diameters, drawn_shells, scene_of
 from gspcli.solver import solve
-from gspcli.spec.shipped import example
+from gspcli.spec.reading import example
 from tests.support.thick_legs import thick
 
 

@@ -3,8 +3,6 @@
 import pytest
 
 import gspcli
-from gspcli.spec.ordinary import read_ordinary
-from gspcli.spec.plain import read_plainly
 
 GOOD = gspcli.dumps(gspcli.example("workspace-study"))
 STATED = (
@@ -32,10 +30,6 @@ def test_one_frame_alone(text):
     )
     assert gspcli.loads(gspcli.dumps(found)) == found
     assert gspcli.loads(GOOD + "frames: {}").frames is None
-
-
-def test_the_quick_reader_takes_them():
-    assert read_plainly(read_ordinary(GOOD + STATED, "f")) is not None
 
 
 @pytest.mark.parametrize(

@@ -10,8 +10,7 @@ import yaml
 from gspcli.cli.main import run
 from gspcli.resources import data_directory
 from gspcli.spec import loads
-from gspcli.spec.schema import EDITOR_LINE, FILE_NAME
-from tools.data.schema import json_schema
+from gspcli.spec.form_of_instance import EDITOR_LINE, FILE_NAME, json_schema
 
 PUBLISHED = data_directory() / FILE_NAME
 SHIPPED = sorted(data_directory().glob("*/*.yaml"))
@@ -157,3 +156,9 @@ def test_wrong_files_do_not_conform(change, message):
     errors = [error.message for error in VALIDATOR.iter_errors(document)]
     assert len(errors) == 1
     assert message in errors[0]
+
+
+def test_a_quaternion_of_a_frame_has_four_numbers():
+    document = yaml.safe_load(ALL_KEYS)
+    document["frames"]["work"]["quaternion"] = [1, 0, 0]
+    assert "is too short" in next(VALIDATOR.iter_errors(document)).message

@@ -15,7 +15,7 @@ from gspcli.geometry.shapes import Shapes
 from gspcli.motion import gaps
 from gspcli.resources import instance_files
 from gspcli.spec import dumps, loads
-from gspcli.spec.shipped import example
+from gspcli.spec.reading import example
 
 TEXT = instance_files()["workspace-study"].read_text(encoding="utf-8").rstrip() + "\n"
 PLATE = "[[100, 0, 0], [-50, 50*sqrt(3), 0], [-50, -50*sqrt(3), 1/3]]"

@@ -10,7 +10,7 @@ from gspcli.errors import ArgumentError
 from gspcli.geometry.shapes import Shapes
 from gspcli.motion import gaps
 from gspcli.motion.collisions.compared import ComparedShapes
-from gspcli.spec.shipped import example
+from gspcli.spec.reading import example
 from tests.support.thick_legs import MACHINES, poses_near, thick
 
 SEGMENTS, PAIR = np.array([0, 2, 4]), np.array([[0, 1]])

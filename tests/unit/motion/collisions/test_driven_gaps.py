@@ -20,7 +20,7 @@ from gspcli.motion.paths.pose_ways import PoseWays
 from gspcli.motion.workspace.box_division import workspace
 from gspcli.motion.workspace.driven_boxes import knees_of
 from gspcli.solver import solve
-from gspcli.spec.shipped import example
+from gspcli.spec.reading import example
 
 #: Of the machine: the length of its rods.
 SIZE = Drives.of(example("reachy-mini-head")).rods.max()

@@ -14,7 +14,7 @@ from gspcli.motion.collisions.compared import ComparedShapes
 from gspcli.motion.collisions.driven_moves import point_moves, slips_near
 from gspcli.motion.poses.cranks import drive_values
 from gspcli.solver import solve
-from gspcli.spec.shipped import example
+from gspcli.spec.reading import example
 from tests.support.thick_legs import poses_near
 
 #: Machines with cranks, slides, and shared carriages on base and platform.

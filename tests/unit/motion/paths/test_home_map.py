@@ -12,7 +12,7 @@ from gspcli.motion.paths.value_ways import ValueWays
 from gspcli.motion.poses.inverse_kinematics import values_at
 from gspcli.pictures.live_numbers import live_home
 from gspcli.solver import SolveResult, solve
-from gspcli.spec.shipped import example
+from gspcli.spec.reading import example
 
 
 def solved(name: str) -> tuple[SolveResult, int]:

@@ -6,7 +6,7 @@ import pytest
 import gspcli
 from gspcli.errors import ArgumentError
 from gspcli.motion.collisions.compared import ComparedShapes
-from gspcli.spec.shipped import example
+from gspcli.spec.reading import example
 from tests.support.thick_legs import thick
 
 NEAR = np.eye(3), [10.0, 0, 420]

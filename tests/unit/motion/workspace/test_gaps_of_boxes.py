@@ -10,7 +10,7 @@ from gspcli.motion.poses.inverse_kinematics import values_at
 from gspcli.motion.workspace.box_division import workspace
 from gspcli.motion.workspace.pose_boxes import PARAMETERS
 from gspcli.motion.workspace.travels import travels
-from gspcli.spec.shipped import example
+from gspcli.spec.reading import example
 from tests.support.thick_legs import thick
 
 HOME = np.eye(3), np.array([0.0, 0.0, 400.0])

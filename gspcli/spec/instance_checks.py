@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from collections.abc import Mapping as Table
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any
 
 from gspcli.catalogue.kinds import ANGLE_KINDS, DISTANCE_KINDS, DPP, KINDS_BY_NAME, Kind
 from gspcli.catalogue.names import parse_type
 from gspcli.catalogue.types import CONSTRAINTS, MAX_ANGLES
 from gspcli.errors import Mistake, TypeNameError
 from gspcli.geometry.checking import ONE_SIDE
+from gspcli.geometry.corrections import value_of
 from gspcli.geometry.instance import (
     AngleUnit,
     Constraint,
@@ -20,23 +22,17 @@ from gspcli.geometry.instance import (
     as_read,
 )
 from gspcli.geometry.numbers import Number
-from gspcli.geometry.primitives import Cone, Geometry, Line, Plane, Point, Vector
-from gspcli.geometry.ranges import wrong_half_angle, wrong_scale, wrong_value
+from gspcli.geometry.primitives import Cone, Crank, Geometry, Line, Plane, Point, Slide, Vector
+from gspcli.geometry.ranges import turns, wrong_half_angle, wrong_scale, wrong_value
 from gspcli.spec.document import Mapping, Scalar, Sequence, Value
 from gspcli.spec.meaning import remarks
-from gspcli.spec.plain import ConstraintFields, InstanceFields, PrimitiveFields
 from gspcli.wording import listed, shown, suggestion
 
 if TYPE_CHECKING:
     from gspcli.geometry.home_pose import Frames, HomePose
     from gspcli.geometry.masses import Dynamics
     from gspcli.geometry.shapes import Shapes
-    from gspcli.spec.models import ConstraintModel, InstanceModel, PrimitiveModel
 
-    #: The content of a constraint, read by `plain` or by `models`.
-    AnyConstraint: TypeAlias = ConstraintModel | ConstraintFields
-    AnyInstance: TypeAlias = InstanceModel | InstanceFields
-    AnyPrimitive: TypeAlias = PrimitiveModel | PrimitiveFields
 
 _SORTS = {Point: "point", Line: "line", Plane: "plane"}
 
@@ -46,7 +42,7 @@ def _vector(components: list[Number]) -> Vector:
     return (x, y, z)
 
 
-def _geometry(model: AnyPrimitive | None) -> Geometry | None:
+def _geometry(model: Any) -> Geometry | None:
     if model is None:
         return None
     if model.line is not None:
@@ -59,11 +55,8 @@ def _geometry(model: AnyPrimitive | None) -> Geometry | None:
     tilt = None if cone is None else Cone(_vector(cone.axis), cone.half_angle)
     if crank is None and slide is None:
         return Point(_vector(model.point), tilt)
-    from gspcli.spec.drive_checks import crank_of, slide_of
-
-    crank_read = crank_of(crank)
-    slide_read = None if crank_read is not None else slide_of(slide)
-    return Point(_vector(model.point), tilt, crank_read, slide_read)
+    turned = _crank_of(crank)
+    return Point(_vector(model.point), tilt, turned, _slide_of(slide) if turned is None else None)
 
 
 Body = dict[str, Geometry | None]
@@ -87,7 +80,7 @@ class FileChecker:
     def __init__(
         self,
         root: Mapping,
-        model: AnyInstance,
+        model: Any,
         mistakes: list[Mistake],
         *,
         any_number: bool = False,
@@ -103,15 +96,13 @@ class FileChecker:
 
     @staticmethod
     def _body(
-        models: Table[str, AnyPrimitive | None] | None,
+        models: Table[str, Any] | None,
     ) -> Body | None:
         if models is None:
             return None
         body = {name: _geometry(model) for name, model in models.items()}
         if any(model is not None and model.partner is not None for model in models.values()):
-            from gspcli.spec.drive_checks import joined
-
-            return joined(body, models)
+            return _with_partners(body, models)
         return body
 
     def _note(self, value: Value, message: str) -> None:
@@ -167,7 +158,7 @@ class FileChecker:
             if geometry is not None and (where, name) not in used
         )
 
-    def _constraint(self, node: Value, model: AnyConstraint | None) -> Constraint | None:
+    def _constraint(self, node: Value, model: Any) -> Constraint | None:
         if not isinstance(node, Mapping):
             return None
         quantity = "distance" if "distance" in node else "angle"
@@ -211,7 +202,7 @@ class FileChecker:
         return row
 
     def _at_home(
-        self, node: Mapping, kind: Kind, platform: Geometry, base: Geometry, model: AnyConstraint
+        self, node: Mapping, kind: Kind, platform: Geometry, base: Geometry, model: Any
     ) -> Number | None:
         """Return the value of a constraint that states ``value: home``."""
         home = self._home()
@@ -226,7 +217,7 @@ class FileChecker:
 
         return home_value(kind, Side(model.side or "both"), platform, base, home, self.unit)
 
-    def _corrected(self, row: Constraint, model: AnyConstraint, node: Mapping) -> Constraint:
+    def _corrected(self, row: Constraint, model: Any, node: Mapping) -> Constraint:
         """Return a constraint that is written as readings, with its offset and scale."""
         if model.offset is not None and row.kind.has_sides and row.side is Side.BOTH:
             message = f"found an offset for {row.kind.name}, {ONE_SIDE}"
@@ -337,21 +328,17 @@ class FileChecker:
         """Check cranks, slides and the names of the points that others ride with."""
         for where, body in (("platform", self.platform), ("base", self.base)):
             if body is not None and _has_drives(body, self.root[Scalar(where)]):
-                from gspcli.spec.drive_checks import mistakes_of_drives
-
-                self.mistakes += mistakes_of_drives(self.root[Scalar(where)], body, self.unit)
+                self.mistakes += _mistakes_of_drives(self.root[Scalar(where)], body, self.unit)
 
     def _dynamics(self, constraints: list[Constraint | None]) -> Dynamics | None:
         """Return the masses, and note their mistakes."""
         if self.model.dynamics is None:
             return None
-        from gspcli.spec.mass_checks import dynamics_of, mistakes_of_masses
-
-        dynamics = dynamics_of(self.model.dynamics)
+        dynamics = _dynamics_of(self.model.dynamics)
         rows = [row for row in constraints if row is not None]
         if dynamics is not None and len(rows) == len(constraints) and self.model.units:
             length = self.model.units.length
-            self.mistakes += mistakes_of_masses(self.root, dynamics, rows, length)
+            self.mistakes += _mistakes_of_masses(self.root, dynamics, rows, length)
         return dynamics
 
     def _shapes(self, constraints: list[Constraint | None]) -> Shapes | None:
@@ -432,9 +419,7 @@ class FileChecker:
                 if message:
                     found.append(Mistake(key.location, key.path, message))
             if body is not None and _has_drives(body, self.root[Scalar(where)]):
-                from gspcli.spec.drive_checks import doubts_of_drives
-
-                found += doubts_of_drives(self.root[Scalar(where)], body)
+                found += _doubts_of_drives(self.root[Scalar(where)], body)
         return found
 
 
@@ -444,3 +429,187 @@ def _rotation(stated: Any) -> dict[str, Any]:
         return {"quaternion": stated.quaternion}
     angles = [angle or Number.of(0) for angle in (stated.rx, stated.ry, stated.rz)]
     return {"euler": stated.euler, "angles": angles}
+
+
+#: Quarter turns of one turn, the widest range of a crank.
+_TURN = 4
+
+
+def _crank_of(model: Any) -> Crank | None:
+    """Return a crank with its range as values."""
+    if model is None:
+        return None
+    return Crank(model.centre, model.axis, *_of_readings(model), model.diameter)
+
+
+def _slide_of(model: Any) -> Slide | None:
+    """Return a slide with its range as values."""
+    return None if model is None else Slide(model.direction, *_of_readings(model))
+
+
+def _of_readings(
+    model: Any,
+) -> tuple[list[Number] | None, Number | None, Number | None, Number | None]:
+    limits = model.range
+    if limits is not None and not (model.scale is not None and wrong_scale(model.scale)):
+        limits = [value_of(limit, model.scale, model.offset) for limit in limits]
+    return limits, model.tolerance, model.offset, model.scale
+
+
+def _with_partners(body: Body, models: Table[str, Any]) -> dict[str, Geometry | None]:
+    """Return a body whose points have the drives of the points that they ride with."""
+    found = dict(body)
+    for name, model in models.items():
+        point = body[name]
+        if model is None or model.partner is None or not isinstance(point, Point):
+            continue
+        other = body.get(model.partner)
+        if isinstance(other, Point) and not other.partner:
+            found[name] = replace(
+                point, crank=other.crank, slide=other.slide, partner=model.partner
+            )
+    return found
+
+
+def _mistakes_of_drives(nodes: Mapping, body: Body, unit: AngleUnit | None) -> Iterator[Mistake]:
+    """Yield the mistakes in the cranks and slides of a body.
+
+    Parameters
+    ----------
+    nodes
+        The section of the body in the file.
+    body
+        Its primitives, after `_with_partners`.
+    unit
+        The unit of angles, or None if the file does not state it.
+    """
+    for name, geometry in body.items():
+        node = nodes[Scalar(name)]
+        if not isinstance(geometry, Point) or not isinstance(node, Mapping):
+            continue
+        if "with" in node:
+            if message := _wrong_partner(name, node[Scalar("with")], body):
+                yield _at(node[Scalar("with")], message)
+        elif geometry.drive is not None:
+            yield from _of_drive(node[Scalar(geometry.drive.sort)], geometry.drive, unit)
+
+
+def _wrong_partner(name: str, partner: Value, body: Body) -> str:
+    """Return what is wrong with the name after ``with``, or nothing."""
+    expected = "expected a point of the same body with a crank or a slide"
+    if not isinstance(partner, Scalar) or partner == name:
+        return f"found the point itself, {expected}"
+    if partner not in body:
+        driven = [key for key, one in body.items() if _own_drive(one) and key != name]
+        hint = suggestion(partner, driven) or (f": {listed(driven)}" if driven else "")
+        return f"found the unknown name {shown(partner)}, {expected}{hint}"
+    other = body[partner]
+    if other is None or _own_drive(other):
+        return ""
+    if isinstance(other, Point) and other.partner:
+        return f"found {shown(partner)}, which rides with {other.partner}: write {other.partner}"
+    return f"found {shown(partner)}, which has none, {expected}"
+
+
+def _own_drive(geometry: Geometry | None) -> bool:
+    return isinstance(geometry, Point) and geometry.drive is not None and not geometry.partner
+
+
+def _of_drive(node: Mapping, drive: Crank | Slide, unit: AngleUnit | None) -> Iterator[Mistake]:
+    if drive.scale is not None and (wrong := wrong_scale(drive.scale)):
+        written = node[Scalar("scale")]
+        yield _at(written, f"found {shown(written)}, {wrong}")
+    if drive.tolerance is not None and drive.tolerance.value < 0:
+        written = node[Scalar("tolerance")]
+        yield _at(written, f"found {shown(written)}, expected a tolerance of at least 0")
+    if isinstance(drive, Crank) and drive.diameter is not None and drive.diameter.value < 0:
+        written = node[Scalar("diameter")]
+        yield _at(written, f"found {shown(written)}, expected a diameter of at least 0")
+    if drive.limits is None:
+        return
+    low, high = drive.limits
+    written = node[Scalar("range")]
+    if low.value > high.value:
+        message = f"found {shown(written[0])} above {shown(written[1])}, expected [low, high]"
+        yield _at(written, message)
+    elif isinstance(drive, Crank) and unit is not None:
+        width = Number("-", (high, low))
+        if turns(width, unit) > _TURN:
+            turn = "360" if unit is AngleUnit.DEGREE else "2*pi"
+            message = f"found a range of {width.value:.6g}, expected at most one turn, {turn}"
+            yield _at(written, message)
+
+
+def _at(node: Value, message: str) -> Mistake:
+    return Mistake(node.location, node.path, message)
+
+
+def _doubts_of_drives(nodes: Mapping, body: Body) -> Iterator[Mistake]:
+    """Yield warnings about unusual drives; arguments as for `_mistakes_of_drives`."""
+    for name, geometry in body.items():
+        if not isinstance(geometry, Point) or geometry.drive is None:
+            continue
+        drive, node = geometry.drive, nodes[Scalar(name)]
+        if isinstance(drive, Crank) and not _has_arm(geometry, drive):
+            message = "the point lies on the axis of its crank, which does not move it"
+            place = node[Scalar("with" if geometry.partner else "crank")]
+            yield _at(place, message)
+        if geometry.partner or drive.limits is None:
+            continue
+        low, high = drive.limits
+        if not low.value <= 0 <= high.value:
+            ends = " to ".join(str(drive.reading_of(limit)) for limit in (low, high))
+            stated = drive.reading_of(Number.of(0))
+            message = f"the stated point, at {stated}, is outside the range from {ends}"
+            yield _at(node[Scalar(drive.sort)][Scalar("range")], message)
+
+
+def _has_arm(point: Point, crank: Crank) -> bool:
+    arm = [Number("-", pair) for pair in zip(point.position, crank.centre, strict=True)]
+    (a, b, c), (x, y, z) = arm, crank.axis
+    products = ((b, z, c, y), (c, x, a, z), (a, y, b, x))
+    return any(
+        Number("-", (Number("*", (p, q)), Number("*", (r, s)))).value for p, q, r, s in products
+    )
+
+
+def _dynamics_of(model: Any) -> Dynamics | None:
+    """Return the masses in a file; None if they cannot be read."""
+    from gspcli.geometry import masses
+
+    if any(None in (part or ()) for part in (model.legs, model.arms, model.carriages)):
+        return None
+
+    def body(stated: Any) -> masses.LegBody | None:
+        if stated is None:
+            return None
+        moments = stated.inertia or 0, stated.axial or 0
+        return masses.LegBody(stated.mass, stated.centre, *moments)
+
+    platform, drives = model.platform, model.drives
+    return masses.Dynamics(
+        masses.RigidBody(platform.mass, platform.centre, platform.inertia),
+        [masses.Leg(body(leg.cylinder), body(leg.rod), leg.universal) for leg in model.legs or ()],
+        None
+        if drives is None
+        else masses.Drives(0 if drives.inertia is None else drives.inertia, drives.stiffness),
+        model.gravity or masses.GRAVITY,
+        [masses.Arm(arm.mass, arm.centre, arm.inertia or 0) for arm in model.arms or ()],
+        [masses.Carriage(one.mass) for one in model.carriages or ()],
+    )
+
+
+def _mistakes_of_masses(
+    root: Mapping, dynamics: Dynamics, rows: list[Constraint], length: str
+) -> Iterator[Mistake]:
+    """Yield the mistakes in the masses of a file, each with its place."""
+    from gspcli.geometry.mass_mistakes import mistakes
+
+    for place, message in mistakes(dynamics, rows, length):
+        node: Any = root
+        for part in place:
+            if isinstance(node, Sequence) and isinstance(part, str):
+                # One leg for all, in brackets.
+                (node,) = node
+            node = node[part]
+        yield Mistake(node.location, node.path, message)
