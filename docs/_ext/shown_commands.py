@@ -42,7 +42,7 @@ _INDENTED = re.compile(r"^ {4}(?:\$ |(?=gsp ))(.+)$", re.MULTILINE)
 _THEN = ("&&", "|")
 #: What takes hours, a cluster, or a limit of time that it uses up: it is only read.
 ENDLESS = re.compile(
-    r"gsp atlas (build|verify)|--time|--count 100000|=5:7:500"
+    r"--time|--count 100000|=5:7:500"
     r"|gsp maximize-real (?!.*--show)"
 )
 #: What takes seconds.

@@ -7,7 +7,7 @@ to that of the platform; the direction or normal of the platform, ``w = R u``; a
 v. The vectors w and v are unit vectors. All functions take leading batch axes and complex numbers.
 
 Three other statements exist on purpose. They are evidence that does not use this one:
-`gspcli.certification` (the exact equations in ball arithmetic), `gspcli.atlas.modular_equations`
+`gspcli.certification` (the exact equations in ball arithmetic), `tools.atlas.groebner`
 (modulo a prime), and the programs in benchmarks and tools. The quadrics that paths are tracked on
 (`gspcli.solver.study_systems`, `gspcli.geometry.distance_forms`) are the same polynomials in Study
 coordinates.

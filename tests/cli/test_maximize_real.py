@@ -137,7 +137,7 @@ def test_known_numbers_are_a_column_and_a_key(gsp) -> None:
 
 
 def test_a_second_search_on_the_same_state_is_refused(gsp, tmp_path):
-    from gspcli.atlas.journal import held
+    from gspcli.journal import held
 
     path = tmp_path / "state.json"
     words = ["maximize-real", "3D3A", "PH", "PH", "PH", "--attempts", "1", "--resume", path]

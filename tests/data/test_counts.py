@@ -7,9 +7,6 @@ import hashlib
 import json
 from pathlib import Path
 
-from gspcli.atlas.records import COLUMNS, MANIFEST_FILE
-from gspcli.atlas.tasks import PRIMES, Task, monodromy_counts
-from gspcli.atlas.trace import TOLERANCE
 from gspcli.catalogue.bounds import type_bounds
 from gspcli.catalogue.counts import (
     FAMILIES_FILE,
@@ -26,6 +23,8 @@ from gspcli.catalogue.counts import (
 from gspcli.catalogue.kinds import DLL, DPH, DPL, DPP
 from gspcli.catalogue.types import all_types
 from gspcli.resources import data_path
+from tools.atlas.records import COLUMNS, MANIFEST_FILE
+from tools.atlas.tasks import PRIMES, TOLERANCE, Task, monodromy_counts
 
 
 def _rows(name: str) -> list[dict[str, str]]:
@@ -111,7 +110,7 @@ def test_no_family_with_three_angles_has_another_count_than_table_3_by_hand() ->
 
 
 def test_tasks_expect_what_is_recorded() -> None:
-    from gspcli.atlas.records import recorded
+    from tools.atlas.records import recorded
 
     for subject, sides in (("pppqqq", 1), ("DPL DPL DPH DHP DHP DLL", 2), ("DPP DPL DLP", 1)):
         task = Task(subject, sides, PRIMES[0])

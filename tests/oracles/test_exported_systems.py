@@ -18,7 +18,6 @@ import pytest
 
 from benchmarks import msolve
 from benchmarks.cases import random_instances
-from gspcli.atlas.groebner import msolve_path
 from gspcli.catalogue.counts import generic_counts
 from gspcli.catalogue.names import parse_type
 from gspcli.catalogue.types import all_types
@@ -30,6 +29,7 @@ from gspcli.geometry.instance import Instance
 from gspcli.resources import data_path
 from gspcli.solver import SolveResult, solve
 from gspcli.spec import load
+from tools.atlas.groebner import msolve_path
 
 MSOLVE = msolve_path() or msolve.executable()
 SEED = 3

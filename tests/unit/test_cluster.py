@@ -13,12 +13,11 @@ from typing import Any
 import pytest
 
 from gspcli import workers as module
-from gspcli.atlas.task_counts import count_all, measure
-from gspcli.atlas.tasks import Task
 from gspcli.catalogue.names import parse_type
 from gspcli.errors import GspError
 from gspcli.reality.maximize import Search, attempts
 from gspcli.workers import HERE, Workers
+from tools.atlas.tasks import Task, count_all, measure
 
 distributed = pytest.importorskip("distributed", reason="the extra `cluster` is not installed")
 

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from gspcli import Line, Plane, Point, distance, measure, solve
-from gspcli.atlas.modular_equations import FramedPrimitive, equation
 from gspcli.catalogue.kinds import ANGLE_KINDS, Kind, Law, Primitive, Quantity
 from gspcli.certification.counting import count_exactly
 from gspcli.certification.equations.frames import OWN
@@ -25,6 +24,7 @@ from gspcli.geometry.measurement import jacobian
 from gspcli.geometry.numbers import Number
 from gspcli.pictures.strokes import connection
 from gspcli.solver.study_systems import target_systems
+from tools.atlas.groebner import FramedPrimitive, equation
 
 #: What a wider definition might add: the distance of two parallel planes.
 PLANES = Kind(Quantity.DISTANCE, Primitive.PLANE, Primitive.PLANE, 10, Law.SIGNED, "a")

@@ -167,7 +167,7 @@ SAMPLES: dict[str, tuple[str, ...]] = {
 #: Where a platform with masses stands, rows of poses and rows of forces.
 _PAGE = Path(__file__).resolve().parents[2] / "docs" / "dynamics.md"
 #: Takes hours, or prints what only a wrong record makes it print.
-_LONG = {"atlas verify"}
+_LONG: set[str] = set()
 #: Values after which the platform is in another mode, and folds of others on the way.
 _LOOP = data_directory() / "trajectories" / "mode-change"
 #: Made-up measurements of a real machine.

@@ -18,7 +18,7 @@ from typing import Any
 
 import flint
 
-from gspcli.atlas.groebner import msolve_path
+from tools.atlas.groebner import msolve_path
 from tools.oracle.matrix_ideal import Ideal, Polynomial
 from tools.recording import ROOT, UNABLE
 

@@ -98,7 +98,7 @@ def command(
     if real == 0:
         message = "--real 0 is for --show: a search is for at least one real pose"
         raise click.UsageError(message)
-    from gspcli.atlas.journal import held
+    from gspcli.journal import held
     from gspcli.reality.real_search import RealSearch
     from gspcli.reality.state import State, read_state
 

@@ -228,7 +228,7 @@ def _refuse_gaps(found: Scan, limits: Boundary) -> None:
 
 def _fill(found: Scan, workers: Workers, journal: Path | None) -> None:
     """Find the poses at all nodes, but for those in the work file."""
-    from gspcli.atlas.journal import Journal
+    from gspcli.journal import Journal
     from gspcli.motion.singularities.value_scans import Piece, scanned
 
     done: set[int] = set()

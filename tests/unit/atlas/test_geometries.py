@@ -1,6 +1,6 @@
 import pytest
 
-from gspcli.atlas.geometries import CLASSES, random_geometry
+from gspcli.atlas.platform_counts import CLASSES, random_geometry
 from gspcli.catalogue.names import parse_name
 from gspcli.certification.counting import count_geometry
 from gspcli.errors import GspError

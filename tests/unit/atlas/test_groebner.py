@@ -6,9 +6,9 @@ from itertools import product
 
 import pytest
 
-from gspcli.atlas.groebner import msolve_path, standard_monomials
-from gspcli.atlas.tasks import PRIMES, Task
 from gspcli.errors import NotFiniteError
+from tools.atlas.groebner import msolve_path, standard_monomials
+from tools.atlas.tasks import PRIMES, Task
 
 needs_msolve = pytest.mark.skipif(msolve_path() is None, reason="msolve is not installed")
 

@@ -9,14 +9,11 @@ from pathlib import Path
 
 import pytest
 
-from gspcli.atlas import task_counts as module
-from gspcli.atlas.journal import Journal
-from gspcli.atlas.task_counts import Result, count_all
-from gspcli.atlas.tasks import Task
-from gspcli.atlas.trace import TraceTest
-from gspcli.atlas.tracked_counts import Tracked
 from gspcli.errors import GspError
+from gspcli.journal import Journal
 from gspcli.workers import Workers
+from tools.atlas import tasks as module
+from tools.atlas.tasks import Result, Task, TraceTest, Tracked, count_all
 
 TASKS = [Task("DPP DPP DPP", 1, 0, seed) for seed in range(3)]
 
@@ -95,7 +92,7 @@ def test_a_long_line_cut_off_is_dropped(tmp_path: Path) -> None:
 def test_one_process_at_a_time(tmp_path: Path) -> None:
     path = tmp_path / "work.jsonl"
     script = (
-        "import sys; from pathlib import Path; from gspcli.atlas.journal import Journal\n"
+        "import sys; from pathlib import Path; from gspcli.journal import Journal\n"
         "with Journal.opened(Path(sys.argv[1])) as journal:\n"
         "    journal.append({'a': 1}); print(flush=True); sys.stdin.read()"
     )

@@ -6,15 +6,15 @@ from random import Random
 
 import pytest
 
-from gspcli.atlas.modular_equations import (
+from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, DPP, KINDS, Kind
+from gspcli.certification.equations import study
+from tools.atlas.groebner import (
     FramedPrimitive,
     equation,
     quadrics,
+    quadrics_modulo,
     random_platform,
-    random_quadrics,
 )
-from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, DPP, KINDS, Kind
-from gspcli.certification.equations import study
 
 PRIME = 2147483647
 
@@ -131,6 +131,6 @@ def test_random_systems_depend_on_nothing_but_the_seed() -> None:
         kinds, 3, PRIME, Random(2)
     )
     assert len(random_platform(kinds, 3, PRIME, Random(1))) == len(kinds) + 3
-    members = random_quadrics("apqlss", PRIME, Random(1))
+    members = quadrics_modulo("apqlss", PRIME, Random(1))
     used = [{k for k, c in enumerate(member.first) if c} for member in members]
     assert [len(indices) for indices in used] == [10, 13, 13, 19, 17, 17]

@@ -7,13 +7,10 @@ import io
 
 import pytest
 
-from gspcli.atlas.records import RecordVerdict, contents, verdict
-from gspcli.atlas.task_counts import Result
-from gspcli.atlas.tasks import PRIMES, Task
-from gspcli.atlas.trace import TraceTest
-from gspcli.atlas.tracked_counts import Tracked
 from gspcli.defaults import SEED
 from gspcli.errors import CheckFailed
+from tools.atlas.records import RecordVerdict, contents, verdict
+from tools.atlas.tasks import PRIMES, Result, Task, TraceTest, Tracked
 
 SUBJECT, FAMILY = "DPP DPP DPL", "3D3A PP PP PL"
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from gspcli.atlas.trace import moving_equation, trace_test
 from gspcli.catalogue.names import parse_type
 from gspcli.continuation.quadrics import ComplexArray
 from gspcli.continuation.systems import Structure, System
@@ -13,6 +12,7 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.random_instances import random_instance
 from gspcli.solver.study_systems import target_systems
 from tests.support.systems import solve_system
+from tools.atlas.tasks import moving_equation, trace_test
 
 SEED = 4
 ANGLES = {"3D3A": 3, "4D2A": 2, "5D1A": 1}

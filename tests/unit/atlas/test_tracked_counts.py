@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from gspcli.atlas.tasks import Task
-from gspcli.atlas.tracked_counts import Tracked
+from tools.atlas.tasks import Task, Tracked
 
 
 @pytest.mark.parametrize("sides", [1, 2])

@@ -14,10 +14,6 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from gspcli.atlas.groebner import msolve_path, msolve_version
-from gspcli.atlas.task_counts import Result
-from gspcli.atlas.tasks import LIMITS, PRIMES, Task, monodromy_counts
-from gspcli.atlas.trace import TOLERANCE
 from gspcli.catalogue.counts import (
     FAMILIES_FILE,
     NUMBERS_FILE,
@@ -32,6 +28,8 @@ from gspcli.catalogue.kinds import Kind
 from gspcli.catalogue.types import Family
 from gspcli.defaults import SEED
 from gspcli.errors import CheckFailed
+from tools.atlas.groebner import msolve_path, msolve_version
+from tools.atlas.tasks import LIMITS, PRIMES, TOLERANCE, Result, Task, monodromy_counts
 
 MANIFEST_FILE = "manifest.json"
 COMMAND = "gsp atlas build"

@@ -1,0 +1,1 @@
+"""The evidence for the generic counts: Gröbner bases, tracked paths, trace tests."""
