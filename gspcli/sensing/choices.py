@@ -12,13 +12,11 @@ from numpy.typing import NDArray
 from gspcli.errors import GspError
 from gspcli.geometry.building import angle, distance
 from gspcli.geometry.instance import Constraint, Instance
-from gspcli.geometry.primitives import Line, Plane, Point, unit_vectors
+from gspcli.geometry.primitives import Line, Point, unit_vectors
 from gspcli.records import dataclass
-from gspcli.sensing.notation import SensorReading
 from gspcli.sensing.sensor_kinds import (
-    CoordinateSensor,
     Inclinometer,
-    LegSensor,
+    SensorReading,
     ValueSensor,
     verticals,
 )
@@ -57,22 +55,16 @@ def candidates_of(
 def _constraints(instance: Instance, one: SensorReading) -> list[Constraint]:
     """Return the constraints that a reading is, in the units of the instance."""
     sensor = one.sensor
-    if isinstance(sensor, LegSensor):
-        ends = Point(sensor.platform.exact(instance)), Point(sensor.base.exact(instance))
-        return [distance(*ends, one.values[0])]
-    if isinstance(sensor, CoordinateSensor):
-        plane = Plane([0, 0, 0], sensor.direction)
-        side = "negative" if one.values[0] < 0 else "positive"
-        point = Point(sensor.platform.exact(instance))
-        return [distance(point, plane, abs(one.values[0]), side=side)]
     if isinstance(sensor, ValueSensor):
         parts = sensor.platform.primitive(instance), sensor.base.primitive(instance)
+        # A point of a drive is measured where it is stated.
+        here, there = (Point(p.position) if isinstance(p, Point) else p for p in parts)
         if not sensor.measured.is_distance:
-            return [angle(*parts, one.values[0])]
+            return [angle(here, there, one.values[0])]
         side = "both"
         if sensor.measured.has_sides:
             side = "negative" if one.values[0] < 0 else "positive"
-        return [distance(*parts, abs(one.values[0]), side=side)]
+        return [distance(here, there, abs(one.values[0]), side=side)]
     if isinstance(sensor, Inclinometer):
         unit = instance.units.angle.in_radians
         seen = verticals(np.array(one.values) * unit)

@@ -16,9 +16,9 @@ from gspcli.geometry.instance import Instance
 from gspcli.geometry.quaternions import rotation_from_vector, vector_from_rotation
 from gspcli.sensing.choices import candidates_of, next_choice, platform_of
 from gspcli.sensing.fitted_poses import FittedPose, PoseFit, Without
-from gspcli.sensing.identification import parsed_readings
-from gspcli.sensing.notation import SensorReading
+from gspcli.sensing.mode_readings import parsed_readings
 from gspcli.sensing.pose_numbers import PoseNumbers, pose_sizes, value_sigmas
+from gspcli.sensing.sensor_kinds import SensorReading
 from gspcli.solver import SolveResult, solve
 
 Array = NDArray[np.float64]
@@ -66,7 +66,7 @@ def fit_poses(
     instance
         The platform; its values are measurements, too.
     readings
-        Texts such as ``"leg P7 B7 = 212.4 ± 0.1"`` (`gspcli.sensing.notation`); those of the
+        Texts such as ``"leg P7 B7 = 212.4 ± 0.1"`` (`gspcli.sensing.sensor_kinds`); those of the
         instance if None.
     sigma
         Standard deviations of the values by ``value``, ``angle`` or the number of a constraint, in

@@ -15,8 +15,7 @@ from gspcli.geometry.instance import Instance, Side
 from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.motion.poses.inverse_kinematics import value_slopes, values_at
 from gspcli.records import dataclass
-from gspcli.sensing.notation import SensorReading
-from gspcli.sensing.sensor_kinds import Inclinometer, JointSensor, verticals
+from gspcli.sensing.sensor_kinds import Inclinometer, JointSensor, SensorReading, verticals
 from gspcli.wording import listed, shown
 
 Array = NDArray[np.float64]

@@ -65,7 +65,7 @@ CALLS = [
     ["clearance", "@octahedral-3-3", "--mode", "1"],
     ["clearance", "@octahedral-3-3", "--mode", "1", "--of", "pose"],
     ["sensors", "@rubin-m2"],
-    ["sensors", "@simscape-hexapod", "--random", "20"],
+    ["sensors", "@simscape-hexapod"],
     ["solve", "@rubin-m2", "--reading", "leg P1 B2 = 2.913 ± 0.002"],
     ["workspace", "@workspace-study", "--shift", "z=0:10:2"],
     ["workspace", "@workspace-study", "--over", "x,z"],

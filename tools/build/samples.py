@@ -59,9 +59,9 @@ SAMPLES: dict[str, tuple[str, ...]] = {
     ),
     "sensors": (
         "@rubin-m2",
-        "@linuxcnc-hexapod --random 5",
+        "@linuxcnc-hexapod",
         "@no-real-pose",
-        "@workspace-study --random 5 --known-side",
+        "@workspace-study --known-side",
     ),
     "certify": ("@figure-3 POSES", "@figure-3 POSES --digits 20", "@figure-3 TWICE"),
     "count": (

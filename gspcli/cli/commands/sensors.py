@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
 FIELDS = Fields("sensors")
 
-_KINDS = ("leg", "coordinate", "joint", "inclinometer", "distance", "angle")
+_KINDS = ("leg", "joint", "inclinometer", "distance", "angle")
 
 
 @click.command()
@@ -45,23 +45,6 @@ _KINDS = ("leg", "coordinate", "joint", "inclinometer", "distance", "angle")
 @click.option("--relative", is_flag=True, help="The values in the file are added to those of SPEC.")
 @pose_options
 @column_options
-@click.option(
-    "--random",
-    "count",
-    type=click.IntRange(1, 100_000),
-    metavar="COUNT",
-    help="Take this number of random sets of values: in the ranges of SPEC if each constraint has "
-    "one, else about home.",
-)
-@click.option(
-    "--within",
-    "intervals",
-    metavar="NAME=LOW:HIGH",
-    multiple=True,
-    help="Keep NAME in this interval: random numbers for it are drawn there. NAME is the number of "
-    "a constraint, or a drive such as crank.B1. The others stay. May be repeated. 100 sets unless "
-    "--random says how many.",
-)
 @click.option(
     "--sensor",
     "names",
@@ -91,7 +74,6 @@ _KINDS = ("leg", "coordinate", "joint", "inclinometer", "distance", "angle")
     is_flag=True,
     help="Assume that the platform is on the same side of the base as at home.",
 )
-@click.option("--up", metavar="X,Y,Z", default="0,0,1", help="The vertical in the base.")
 @click.option(
     "--all-sensors", "everything", is_flag=True, help="Show each sensor, not the best ones only."
 )
@@ -105,13 +87,10 @@ def command(
     relative: bool,
     conventions: PoseConventions,
     columns: ColumnOptions,
-    count: int | None,
-    intervals: tuple[str, ...],
     names: tuple[str, ...],
     deviations: tuple[str, ...],
     need: float,
     known_side: bool,
-    up: str,
     everything: bool,
     seed: int,
     jobs: int,
@@ -119,15 +98,15 @@ def command(
 ) -> None:
     """Say which one more sensor tells the assembly modes of a platform apart.
 
-    All real modes are found, and the reading of each possible sensor at each of them. Sensors
-    are one more leg between joints, or to a point above either body, a coordinate of the
-    platform, an angle of a joint, and an inclinometer. A sensor is judged by the two modes
-    whose readings are nearest, in standard deviations of the sensor. If no sensor suffices, the
-    best two together are named.
+    All real modes are found, and the reading of each sensor at each of them. Sensors are one more
+    leg between joints, an angle of a joint, and an inclinometer. A sensor is judged by the two
+    modes whose readings are nearest, in standard deviations of the sensor. If no sensor suffices,
+    the best two together are named.
 
-    Modes that are mirror images are found from the exact numbers: if the joints of either body
-    lie in a plane, no leg between the planes tells them apart. Near a fold, where two modes
-    meet, their readings are nearly equal: no sensor suffices there, and the output says so.
+    If the joints of either body lie in a plane, modes come in mirror images, and no leg between
+    the planes tells them apart: --known-side leaves out those on the other side of the base. Near
+    a fold, where two modes meet, their readings are nearly equal: no sensor suffices there, and the
+    output says so.
 
     With the sensor, gsp solve SPEC --reading finds the mode that a reading belongs to.
 
@@ -137,16 +116,11 @@ def command(
     \b
     Examples:
       gsp sensors @rubin-m2
-      gsp sensors @simscape-hexapod --random 200
-      gsp sensors @simscape-hexapod --random 200 --known-side
+      gsp sensors @simscape-hexapod --known-side
       gsp sensors platform.yaml path.csv --euler ZYX
-      gsp sensors platform.yaml --within 1=480:520 --sigma inclinometer=0.02
-      gsp sensors @modified-paradex --within slide.B1=-0.2:0.2 --random 20
+      gsp sensors platform.yaml --sigma inclinometer=0.02
       gsp sensors platform.yaml --sensor "leg P1 B3" --sensor inclinometer
     """
-    if rows is not None and (count is not None or intervals):
-        message = "give either ROWS, or --random and --within"
-        raise click.UsageError(message)
     about_rows = [*(["--relative"] if relative else ()), *conventions.options, *columns.options]
     if rows is None and about_rows:
         message = f"{listed(about_rows, 'and')}: needs ROWS"
@@ -159,26 +133,23 @@ def command(
     instance = load_instance(spec, changes)
     chosen = _chosen(names, instance)
     table = _rows(rows, instance, conventions.form(instance, columns), delta=relative)
-    within = dict(map(_interval, intervals)) or None
     with working("solving"):
         result = sensors(
             instance,
             None if table is None else table.values,
             coordinates=None if table is None else table.coordinates,
-            random=count,
-            within=within,
             seed=seed,
             sensors=chosen,
             sigma=dict(map(_deviation, deviations)),
             need=need,
             known_side=known_side,
-            up=_vector(up),
             jobs=jobs,
         )
     shown = sensor_table(result, output.format, everything=everything or bool(names))
     emit(output, shown, document=result.to_json())
     if missing := int((~result.separations.complete).sum()):
-        message = f"at {counted(missing, 'set')} of {len(result.values)} not all poses are known"
+        sets = len(result.separations.modes)
+        message = f"at {counted(missing, 'set')} of {sets} not all poses are known"
         raise IncompleteError(message)
 
 
@@ -196,7 +167,7 @@ def _rows(
 def _chosen(names: tuple[str, ...], instance: Instance) -> list[Sensor] | None:
     """Return the sensors that are named; None for all."""
     from gspcli.errors import ArgumentError
-    from gspcli.sensing.notation import parse_sensor
+    from gspcli.sensing.sensor_kinds import parse_sensor
 
     found = []
     for name in names:
@@ -208,58 +179,20 @@ def _chosen(names: tuple[str, ...], instance: Instance) -> list[Sensor] | None:
     return found or None
 
 
-def _numbers(option: str, text: str, parts: list[str], expected: str) -> list[float]:
-    from gspcli.motion.files.number_tables import wrong_number
-
-    if any(map(wrong_number, parts)):
-        message = f"{option}: found {text!r}, expected {expected}"
-        raise GspError(message)
-    return [float(part) for part in parts]
-
-
-def _interval(text: str) -> tuple[int | str, tuple[float, float]]:
-    expected = "NAME=LOW:HIGH with a constraint or a drive, such as 1=480:520 or crank.B1=-20:20"
-    name, _, span = text.partition("=")
-    ends = [part.strip() for part in span.split(":")]
-    name = name.strip()
-    if not (name.isdecimal() or name.startswith(("crank.", "slide."))) or len(ends) != 2:
-        message = f"--within: found {text!r}, expected {expected}"
-        raise GspError(message)
-    low, high = _numbers("--within", text, ends, expected)
-    return int(name) if name.isdecimal() else name, (low, high)
-
-
 def _deviation(text: str) -> tuple[str, float]:
     expected = f"WHAT=NUMBER with one of {', '.join(_KINDS)}, such as inclinometer=0.02"
+    from gspcli.motion.files.number_tables import wrong_number
+
     kind, _, value = text.partition("=")
     if kind.strip() not in _KINDS:
         message = f"--sigma: found {text!r}, expected {expected}"
         raise GspError(message)
-    (number,) = _numbers("--sigma", text, [value.strip()], expected)
-    return kind.strip(), number
-
-
-def _vector(text: str) -> list[float]:
-    parts = [part.strip() for part in text.split(",")]
-    expected = "X,Y,Z, such as 0,0,1"
-    if len(parts) != 3:
-        message = f"--up: found {text!r}, expected {expected}"
+    if wrong_number(value.strip()):
+        message = f"--sigma: found {text!r}, expected {expected}"
         raise GspError(message)
-    return _numbers("--up", text, parts, expected)
+    return kind.strip(), float(value)
 
 
-#: The origin of the sets of values, in words.
-_DRAWN = {
-    "rows": "of the file",
-    "within": "drawn within the intervals given",
-    "ranges": "drawn in the ranges of SPEC",
-    "poses": "measured at random poses about home (10 % of the size, 15 degrees)",
-    "cranks": "with the cranks turned to random poses about home (10 % of the size, 15 degrees)",
-    "drives": "with the drives moved to random poses about home (10 % of the size, 15 degrees)",
-    "motors": "with each drive moved at random about home (slides 10 % of the size, cranks 15 "
-    "degrees)",
-}
-_NOUNS = {"leg": "leg", "coordinate": "coordinate", "joint": "angle of a joint"}
 #: Differences below this many standard deviations are rounding.
 _ZERO = 1e-6
 
@@ -282,10 +215,9 @@ def sensor_table(result: SensorResult, form: str, *, everything: bool) -> Result
     if form == "csv":
         return Result([Field(key) for key in rows[0]], rows, summary=_summary(result))
     if not everything:
-        best = {result.in_group(group)[0]: group for group in result.groups}
-        kept = {str(result.sensors[k]) for k in best}
+        kept = {str(result.sensors[result.of_kind(kind)[0]]) for kind in result.kinds}
         rows = [row for row in rows if row["sensor"] in kept]
-    several = len(result.values) > 1
+    several = result.values is not None
     shown = [
         {
             **row,
@@ -325,8 +257,6 @@ def _difference(value: float | None) -> float | None:
 def _suffices(row: dict[str, Any], several: bool) -> str | None:
     if row["share"] is None:
         return None
-    if row["blind"]:
-        return "never"
     if several:
         return _percent(row["share"])
     return "yes" if row["share"] == 1 else "no"
@@ -336,7 +266,7 @@ def _summary(result: SensorResult) -> list[str]:
     found, told = result.separations, int(result.told.sum())
     known = found.modes[found.complete]
     side = " on the known side" if result.known_side else ""
-    if result.drawn == "given":
+    if result.values is None:
         modes = int(known.sum())
         lines = [f"{counted(modes, 'real mode')}{side}"]
         if modes < 2:
@@ -347,8 +277,8 @@ def _summary(result: SensorResult) -> list[str]:
         )
         number = " to ".join(map(str, ends))
         lines = [
-            f"{counted(len(result.values), 'set')} of values {_DRAWN[result.drawn]}, with {number} "
-            f"real modes{side}; {told} with more than one"
+            f"{counted(len(result.values), 'set')} of values of the file, with {number} real "
+            f"modes{side}; {told} with more than one"
         ]
         if not told:
             return lines
@@ -364,12 +294,12 @@ def _answer(result: SensorResult) -> str:
     assert best is not None
     name, share = result.sensors[best], result.shares[best]
     least = result.separations.least[best, result.told].min()
-    several = result.drawn != "given"
+    several = result.values is not None
     if share == 1:
         return f"one more sensor suffices: {name}, {_apart(least)} at least"
     where = f"in {_percent(share)} of these sets" if several else f"only {_apart(least)}"
     text = f"no single sensor suffices; best is {name}, {where}"
-    pair = result.to_json()["pair"]
+    pair = result.pair_json()
     if pair is None:
         return text
     both = " and ".join(pair["sensors"])
@@ -390,7 +320,7 @@ def _fold(result: SensorResult) -> str:
     units = result.instance.units
     first, second = near["modes"]
     which = f"modes {first} and {second} are"
-    if result.drawn != "given":
+    if result.values is not None:
         sets = counted(near["hopeless"], "set")
         which = (
             f"in {sets} two modes are too close; modes {first} and {second} of set {near['set']}"
@@ -403,27 +333,7 @@ def _fold(result: SensorResult) -> str:
 
 
 def _notes(result: SensorResult, everything: bool) -> list[str]:
-    notes = []
-    if blind := int(result.blind.sum()):
-        legs = [s for s, b in zip(result.sensors, result.blind, strict=True) if b]
-        kinds = {"leg": 0, "coordinate": 0, "joint": 0}
-        for sensor in legs:
-            kinds[sensor.kind] += 1
-        parts = [counted(number, _NOUNS[kind]) for kind, number in kinds.items() if number]
-        drives = [getattr(g, "drive", None) for g in result.instance.primitives]
-        sorts = {f"{drive.sort}s" for drive in drives if drive is not None}
-        what = " and ".join(sorted(sorts))
-        planar = "planar" + (f" with the {what} as stated" if sorts else "")
-        notes.append(
-            f"{' and '.join(parts)} never {'suffices' if blind == 1 else 'suffice'}, proved: base "
-            f"and platform are {planar}, and each mode has a mirror image at which they read the "
-            "same"
-        )
-    if not everything:
-        notes += [_group_note(result)]
-    return notes
-
-
-def _group_note(result: SensorResult) -> str:
-    counts = [f"{len(result.in_group(group))} {group}" for group in result.groups]
-    return f"the best of each sort ({', '.join(counts)}): --all-sensors shows each"
+    if everything:
+        return []
+    counts = [f"{len(result.of_kind(kind))} {kind}" for kind in result.kinds]
+    return [f"the best of each sort ({', '.join(counts)}): --all-sensors shows each"]

@@ -58,7 +58,7 @@ if TYPE_CHECKING:
     from gspcli.geometry.instance import Instance
     from gspcli.motion.poses.mode_filters import Condition
     from gspcli.sensing import PoseFit, ReadingFit
-    from gspcli.sensing.notation import SensorReading
+    from gspcli.sensing.sensor_kinds import SensorReading
     from gspcli.solver import SolveResult
     from gspcli.solver.results.columns import PoseColumn
 
@@ -159,7 +159,7 @@ def given_readings(
     """Return the readings that are given; if `repeated` they may be those of constraints, too."""
     if not texts:
         return []
-    from gspcli.sensing.notation import parse_reading
+    from gspcli.sensing.sensor_kinds import parse_reading
 
     found = []
     for text in texts:

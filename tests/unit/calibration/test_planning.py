@@ -17,7 +17,6 @@ from gspcli.geometry.coordinates import coordinates, moved
 from gspcli.geometry.limits import within_limits
 from gspcli.motion.poses.inverse_kinematics import values_at
 from gspcli.resources import data_path
-from gspcli.sensing.mode_sets import home_of
 
 
 @pytest.fixture(scope="module")
@@ -96,7 +95,8 @@ def test_home_must_be_within_reach():
 def test_cranks_drive_a_rotary_machine():
     """What is planned are angles of cranks, and their legs keep their lengths there."""
     machine = gspcli.load(data_path("platforms", "reachy-mini-head.yaml"))
-    home = home_of(gspcli.solve(machine))
+    at = gspcli.solve(machine).home
+    home = at.R, at.T
     sigma = {"position": 5e-6, "rotation": 1e-3, "crank": 0.02, "value": 2e-6}
     plan = planned(machine, 16, *home, sigma=sigma)
     chosen = tuple(one for one in coordinates(machine) if one.vector == "crank")

@@ -8,18 +8,24 @@ import pickle
 
 import numpy as np
 import pytest
+from gspcli.sensing.identification import parsed_readings
+from gspcli.sensing.notation import parse_sensor
 
 import gspcli
 from gspcli.errors import ArgumentError, GspError
 from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.sensing.choices import candidates_of, next_choice, platform_of
 from gspcli.sensing.fitted_poses import chance
-from gspcli.sensing.identification import parsed_readings
-from gspcli.sensing.notation import parse_sensor
 from gspcli.sensing.pose_fitting import _in_order, _minima, _pose, fit_poses
 from gspcli.sensing.pose_numbers import PoseNumbers, value_sigmas
 
-SENSORS = ("leg P1 B2", "leg P3 B6", "coordinate z P1", "inclinometer", "joint 1 base about x")
+SENSORS = (
+    "leg P1 B2",
+    "leg P3 B6",
+    "leg P1 (0, 1, -9)",
+    "inclinometer",
+    "joint 1 base about x",
+)
 SIGMA = 1e-3
 
 
@@ -45,7 +51,7 @@ def measured(name, sensors=SENSORS, *, noise=SIGMA, seed=0, wrong=None, by=0.2, 
 @pytest.mark.parametrize("name", ["workspace-study", "three-rps", "sdss-primary"])
 def test_the_true_pose_fits(name):
     """Of legs, and of machines with planes; noise of the size that is stated."""
-    sensors = ["coordinate z (0, 0, 10)", "inclinometer", "coordinate x (9, 5, 0)"]
+    sensors = ["leg (0, 0, 10) (7, 3, -90)", "inclinometer", "leg (9, 5, 0) (90, 4, 2)"]
     noise = 0 if name == "three-rps" else SIGMA / 2
     machine, texts, R, T = measured(name, sensors, noise=noise)
     fit = fit_poses(machine, texts, sigma={"value": SIGMA, "angle": SIGMA})
@@ -95,7 +101,7 @@ def measured_about(exact, R, T, seed):
 
 
 def test_slopes_are_the_derivatives_of_residuals():
-    machine, texts, R, T = measured("sdss-primary", ("coordinate z (9, 0, 0)", "inclinometer"))
+    machine, texts, R, T = measured("sdss-primary", ("leg (9, 0, 0) (3, 5, -90)", "inclinometer"))
     numbers = PoseNumbers(
         machine, tuple(parsed_readings(machine, texts)), value_sigmas(machine, {"value": 1.0})
     )
@@ -113,7 +119,7 @@ def test_slopes_are_the_derivatives_of_residuals():
 
 @pytest.mark.parametrize("wrong", [1, 6, 8])
 def test_the_outlier_is_named(wrong):
-    """A value, a leg or a coordinate that is off by 200 deviations; the fit without it is right."""
+    """A value or a leg that is off by 200 deviations; the fit without it is right."""
     machine, texts, _, T = measured("rubin-camera", wrong=wrong, noise=SIGMA / 2)
     fit = fit_poses(machine, texts, sigma={"value": SIGMA})
     assert fit.fitting == []

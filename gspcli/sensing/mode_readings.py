@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from gspcli.errors import ArgumentError
 from gspcli.geometry.instance import Instance
 from gspcli.records import dataclass
-from gspcli.sensing.notation import SensorReading, parse_reading
+from gspcli.sensing.sensor_kinds import SensorReading, parse_reading
 from gspcli.solver import SolveResult
 from gspcli.wording import listed
 
@@ -173,8 +173,8 @@ def fit_readings(result: SolveResult, readings: Sequence[str | SensorReading]) -
     result
         A solved platform, as `gspcli.solve` returns it.
     readings
-        Texts such as ``"leg P7 B7 = 212.4 ± 0.1"`` (see `gspcli.sensing.notation`): one, or more
-        with independent errors.
+        Texts such as ``"leg P7 B7 = 212.4 ± 0.1"`` (`gspcli.sensing.sensor_kinds`); their errors
+        are independent.
 
     Raises
     ------
