@@ -166,7 +166,7 @@ class Instance:
         The frames in which commands read and print poses, or None (`gspcli.PoseFrame`). They
         change no pose.
     readings
-        What further sensors read at the pose of the values, as `gspcli.sensing.sensor_kinds` has it.
+        What further sensors read at the pose of the values, as `parse_reading` takes it.
     shapes
         The diameters of legs and the hulls of bodies, or None. They change no pose.
     """

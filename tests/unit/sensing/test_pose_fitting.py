@@ -8,16 +8,16 @@ import pickle
 
 import numpy as np
 import pytest
-from gspcli.sensing.identification import parsed_readings
-from gspcli.sensing.notation import parse_sensor
 
 import gspcli
 from gspcli.errors import ArgumentError, GspError
 from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.sensing.choices import candidates_of, next_choice, platform_of
 from gspcli.sensing.fitted_poses import chance
+from gspcli.sensing.mode_readings import parsed_readings
 from gspcli.sensing.pose_fitting import _in_order, _minima, _pose, fit_poses
 from gspcli.sensing.pose_numbers import PoseNumbers, value_sigmas
+from gspcli.sensing.sensor_kinds import parse_sensor
 
 SENSORS = (
     "leg P1 B2",
