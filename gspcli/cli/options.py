@@ -126,8 +126,9 @@ def output_options(
                 chosen = _SUFFIXES.get(Path(path).suffix.lower())
                 if chosen not in formats:
                     known = ", ".join(s for s, name in _SUFFIXES.items() if name in formats)
-                    message = f"no format known from {shown(path)}: use --format, or one of {known}"
-                    raise click.BadParameter(message)
+                    raise click.BadParameter(
+                        f"no format known from {shown(path)}: use --format, or one of {known}"
+                    )
             if path is not None:
                 check_writable(Path(path))
             if chosen in DRAWINGS:
@@ -338,8 +339,7 @@ def spec_source(word: str) -> str | Path:
     if word.startswith(_SHIPPED):
         return shipped_file(word[1:])
     if word != "-" and (meant := _meant(word)):
-        message = f"{named(word)}: there is no such file: did you mean {meant}?"
-        raise GspError(message)
+        raise GspError(f"{named(word)}: there is no such file: did you mean {meant}?")
     return word
 
 
@@ -400,8 +400,7 @@ def refuse_to_replace(word: str) -> None:
     except (OSError, ValueError):
         return
     if same and output.path.is_file():
-        message = f"-o {named(output.path)}: it is the file that is read: choose another"
-        raise GspError(message)
+        raise GspError(f"-o {named(output.path)}: it is the file that is read: choose another")
 
 
 def read_type(words: Sequence[str]) -> GspType:
@@ -489,8 +488,7 @@ def worker_options(function: Function) -> Function:
         from gspcli.workers import Workers
 
         if jobs is not None and scheduler is not None:
-            message = "--jobs and --scheduler exclude each other"
-            raise click.UsageError(message)
+            raise click.UsageError("--jobs and --scheduler exclude each other")
         return function(workers=Workers(_cores(jobs), scheduler), **others)
 
     return command  # type: ignore[return-value]

@@ -89,8 +89,7 @@ class PoseConventions:
         )
         if instance is None:
             if self.relative_to is not None:
-                message = f"{RELATIVE} {HOME}: there is no platform that states a home"
-                raise GspError(message)
+                raise GspError(f"{RELATIVE} {HOME}: there is no platform that states a home")
             return form
         units = instance.units
         return replace(
@@ -113,8 +112,7 @@ class PoseConventions:
         try:
             return PoseFrame.of(instance, relative=self.relative_to is not None)
         except ArgumentError as error:
-            message = f"{RELATIVE} {HOME}: {error}"
-            raise GspError(message) from None
+            raise GspError(f"{RELATIVE} {HOME}: {error}") from None
 
 
 RELATIVE = "--relative-to"
@@ -226,11 +224,11 @@ def text_of(path: str) -> tuple[str, str]:
     try:
         return content_of(path, LARGEST_TABLE).decode("utf-8-sig"), name
     except UnicodeDecodeError as error:
-        message = f"{name}: found {error.reason}, expected text in UTF-8"
-        raise GspError(message) from error
+        raise GspError(f"{name}: found {error.reason}, expected text in UTF-8") from error
     except (OSError, ValueError) as error:
-        message = f"{named(name)}: cannot be read: {getattr(error, 'strerror', None) or error}"
-        raise GspError(message) from error
+        raise GspError(
+            f"{named(name)}: cannot be read: {getattr(error, 'strerror', None) or error}"
+        ) from error
 
 
 def warn_of_range(instance: Instance, t: Sequence[float], values: Array) -> None:
@@ -301,8 +299,7 @@ class GivenPose:
             table = read_pose(self.text, replace(form, columns=()), self.option)
         if len(table.R) != 1:
             where = f"{self.option} {shortened(self.text)}"
-            message = f"{where}: found {len(table.R)} poses, expected one"
-            raise GspError(message)
+            raise GspError(f"{where}: found {len(table.R)} poses, expected one")
         return table.R[0], table.T[0]
 
     def _of_file(self, form: PoseFormat) -> PoseTable:
@@ -440,8 +437,7 @@ def axes_of(texts: Sequence[str], names: Sequence[str]) -> list[tuple[str, tuple
     axes = [_axis(text, names) for text in texts]
     total = math.prod(len(nodes) for _, nodes in axes)
     if total > _MOST_NODES:
-        message = f"found {total} nodes, expected at most {_MOST_NODES}"
-        raise GspError(message)
+        raise GspError(f"found {total} nodes, expected at most {_MOST_NODES}")
     return axes
 
 
@@ -453,15 +449,14 @@ def _axis(text: str, names: Sequence[str]) -> tuple[str, tuple[float, ...]]:
     match = _AXIS.fullmatch(text.replace(" ", ""))
     if match is None or match[1] not in names or wrong_number(match[2]) or wrong_number(match[3]):
         form = f"NAME=LOW:HIGH:COUNT with {listed(names)}, such as {names[0]}=5:7:200"
-        message = f"--vary: found {shown(text)}, expected {form}"
-        raise GspError(message)
+        raise GspError(f"--vary: found {shown(text)}, expected {form}")
     low, high, count = float(match[2]), float(match[3]), int(match[4])
     if not low < high or count < 2:
-        message = f"--vary: found {shown(text)}, expected LOW below HIGH and at least two values"
-        raise GspError(message)
+        raise GspError(
+            f"--vary: found {shown(text)}, expected LOW below HIGH and at least two values"
+        )
     if count > _MOST_NODES:
-        message = f"found {count} nodes, expected at most {_MOST_NODES}"
-        raise GspError(message)
+        raise GspError(f"found {count} nodes, expected at most {_MOST_NODES}")
     return match[1], tuple(np.linspace(low, high, count).tolist())
 
 
@@ -512,18 +507,17 @@ def real_poses(instance: Instance) -> tuple[Array, Array]:
     with working("solving"):
         result = solve(instance)
     if result.verdict == "infinite":
-        message = "the poses of the platform are infinitely many\ngive one with --pose"
-        raise NotFiniteError(message)
+        raise NotFiniteError("the poses of the platform are infinitely many\ngive one with --pose")
     if result.verdict != "complete":
-        message = "the poses of the platform could not all be found\ngive one with --pose"
-        raise IncompleteError(message)
+        raise IncompleteError(
+            "the poses of the platform could not all be found\ngive one with --pose"
+        )
     R, T = result.R[result.real].real, result.T[result.real].real
     if not len(R):
-        message = (
+        raise GspError(
             "the platform has no real pose for its values\n"
             "give a pose with --pose, or other values (gsp solve says which contradict each other)"
         )
-        raise GspError(message)
     return R, T
 
 
@@ -600,17 +594,13 @@ def check_sources(
     given = {"--mode": mode, "--pose": pose, "--near": near}
     names = [name for name, option in given.items() if option is not None]
     if len(names) > 1:
-        message = f"give either {' or '.join(names)}"
-        raise click.UsageError(message)
+        raise click.UsageError(f"give either {' or '.join(names)}")
     if near is not None and rows is None:
-        message = "--near says which mode to follow: give it with ROWS"
-        raise click.UsageError(message)
+        raise click.UsageError("--near says which mode to follow: give it with ROWS")
     if rows is not None and pose is not None:
-        message = "give either ROWS or --pose"
-        raise click.UsageError(message)
+        raise click.UsageError("give either ROWS or --pose")
     if spec == rows == "-":
-        message = "SPEC and ROWS cannot both be standard input"
-        raise click.UsageError(message)
+        raise click.UsageError("SPEC and ROWS cannot both be standard input")
 
 
 def asked_poses(
@@ -660,20 +650,21 @@ def _of_file(
     if has_poses(text, name, form):
         if mode is not None or near is not None:
             option = "--near" if mode is None else "--mode"
-            message = f"{option}: found the poses of {name}, expected a file of values to follow"
-            raise GspError(message)
+            raise GspError(
+                f"{option}: found the poses of {name}, expected a file of values to follow"
+            )
         table = read_poses(text, name, form)
         if not len(table.R):
-            message = f"{name}: found no poses, expected at least one"
-            raise GspError(message)
+            raise GspError(f"{name}: found no poses, expected at least one")
         rows = list(range(1, len(table.R) + 1))
         t = [float(row) for row in rows] if table.t is None else table.t.tolist()
         return AskedPoses(table.R, table.T, [None] * len(rows), rows, t)
     values = read_values(text, name, instance, form)
     if values.coordinates:
         moving = ", ".join(values.coordinates)
-        message = f"{name}: found {moving}, expected values only: the geometry stays as SPEC has it"
-        raise GspError(message)
+        raise GspError(
+            f"{name}: found {moving}, expected values only: the geometry stays as SPEC has it"
+        )
     modes = None if mode is None else [mode_number(instance, mode)]
     with working("following"):
         start = None if near is None else near.read(form)
@@ -686,8 +677,7 @@ def _of_track(followed: Track) -> AskedPoses:
     import numpy as np
 
     if not len(followed.modes):
-        message = "there is no real pose at the first row"
-        raise GspError(message)
+        raise GspError("there is no real pose at the first row")
     rows, modes = np.nonzero(~np.isnan(followed.T[..., 0].T))
     return AskedPoses(
         followed.R[modes, rows],

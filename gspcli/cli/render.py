@@ -678,18 +678,11 @@ def emit(
 
 
 def _of_part(tables: Sequence[Result], part: str) -> Sequence[Result]:
-    """Return the tables of a part.
-
-    Raises
-    ------
-    GspError
-        If there is none: an empty answer would say that there is nothing in it.
-    """
+    """Return the tables of a part."""
     found = [table for table in tables if table.part == part]
     if not found:
         there = listed([table.part for table in tables if table.part], "and")
-        message = f"--part {part}: there is no such table in this answer, which has {there}"
-        raise GspError(message)
+        raise GspError(f"--part {part}: there is no such table in this answer, which has {there}")
     return found
 
 
@@ -697,8 +690,9 @@ def _emit_csv(output: Output, tables: Sequence[Result]) -> None:
     """Write one table, or each of several to a file of its own."""
     if len(tables) > 1 and output.path is None:
         parts = ", ".join(table.part for table in tables)
-        message = f"CSV holds one table: choose --part of {parts}, or -o FILE.csv for a file each"
-        raise click.UsageError(message)
+        raise click.UsageError(
+            f"CSV holds one table: choose --part of {parts}, or -o FILE.csv for a file each"
+        )
     for table in tables:
         place = output
         if len(tables) > 1:

@@ -93,8 +93,7 @@ def _measured(
     instance: Instance, name: str, values: Array, R: Array, T: Array
 ) -> Array | QuantityParts:
     if name in _SOURCES:
-        message = f"--require {name}: not known here, use {_SOURCES[name]}"
-        raise GspError(message)
+        raise GspError(f"--require {name}: not known here, use {_SOURCES[name]}")
     if name in ("range", "cone", "transmission"):
         return limits_of(instance, name, values, R, T)
     if name == "gap":
@@ -115,11 +114,10 @@ def _measured(
 
         return clearances(instance, R, T, weights=range_weights(instance))
     if is_driven(instance):
-        message = (
+        raise GspError(
             "--require pose-clearance: not known of machines with cranks or slides, use clearance, "
             "which is that of their drives"
         )
-        raise GspError(message)
     from gspcli.motion.singularities.pose_clearances import pose_clearances
 
     return pose_clearances(instance, R, T)
@@ -137,8 +135,7 @@ def gaps_of(instance: Instance, R: Array, T: Array, q: Array | None = None) -> Q
     from gspcli.motion.files.requirements import QuantityParts
 
     if instance.shapes is None:
-        message = "--require gap: SPEC states no shapes of its legs (shapes: {diameter: ...})"
-        raise GspError(message)
+        raise GspError("--require gap: SPEC states no shapes of its legs (shapes: {diameter: ...})")
     compared = ComparedShapes(instance)
     return QuantityParts(compared.gaps(R, T, q), compared.names)
 
@@ -206,8 +203,7 @@ def limits_of(
             names, parts = _with_motors(drives, q, parts)
     if not names:
         what = "cranks and slides" if name == "transmission" else name
-        message = f"--require {name}: SPEC states no {what}"
-        raise GspError(message)
+        raise GspError(f"--require {name}: SPEC states no {what}")
     return parts
 
 
@@ -332,5 +328,4 @@ def verdict_entries(
 def refuse(verdicts: Sequence[RequirementVerdict]) -> None:
     """Raise `CheckFailed` if a requirement is not met."""
     if failed := [str(one.requirement) for one in verdicts if not one.met]:
-        message = f"not met: {listed(failed, 'and')}"
-        raise CheckFailed(message)
+        raise CheckFailed(f"not met: {listed(failed, 'and')}")

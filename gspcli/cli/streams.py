@@ -11,7 +11,8 @@ import sys
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from threading import Lock, Timer
+from threading import Event, Lock, Thread, Timer
+from time import monotonic
 from typing import IO, TYPE_CHECKING, Any, TextIO, TypeVar
 
 import click
@@ -272,8 +273,7 @@ def _told(path: Path) -> Iterator[None]:
     except (OSError, ValueError, RuntimeError) as error:
         # Those without a number are a zero byte in a name, and links that lead to themselves.
         reason = getattr(error, "strerror", None) or str(error)
-        message = f"{named(path)}: cannot be written: {reason}"
-        raise GspError(message) from error
+        raise GspError(f"{named(path)}: cannot be written: {reason}") from error
 
 
 def _is_special(path: Path) -> bool:
@@ -313,14 +313,13 @@ def _replace(path: Path, data: bytes) -> None:
 Item = TypeVar("Item")
 
 _PATIENCE_SECONDS = 1.0
+#: Off a terminal long work says every so many seconds how far it is.
+_LINE_SECONDS = 10.0
 
 
 def progress(items: Iterable[Item], *, total: int | None = None, label: str = "") -> Iterator[Item]:
     """Yield the items; after a second, show a bar on the terminal (see `gspcli.progress`)."""
-    if not sys.stderr.isatty():
-        yield from items
-        return
-    bar = _LateBar(label, total)
+    bar = _LateBar(label, total) if sys.stderr.isatty() else _Lines(label, total)
     try:
         for item in items:
             yield item
@@ -332,12 +331,35 @@ def progress(items: Iterable[Item], *, total: int | None = None, label: str = ""
 @contextmanager
 def working(label: str) -> Iterator[None]:
     """Show, after a second, that work of unknown length goes on."""
-    bar = _LateBar(label, None) if sys.stderr.isatty() else None
+    bar = _LateBar(label, None) if sys.stderr.isatty() else _Lines(label, None)
     try:
         yield
     finally:
-        if bar is not None:
-            bar.stop()
+        bar.stop()
+
+
+class _Lines:
+    """A line on standard error every ten seconds."""
+
+    def __init__(self, label: str, total: int | None) -> None:
+        self._label, self._total, self._done = label, total, 0
+        self._begun = monotonic()
+        self._stopped = Event()
+        thread = Thread(target=self._run, daemon=True)
+        # A system that refuses threads gets no lines.
+        with suppress(RuntimeError):
+            thread.start()
+
+    def _run(self) -> None:
+        while not self._stopped.wait(_LINE_SECONDS):
+            of = "" if self._total is None else f": {self._done} of {self._total}"
+            say(f"{self._label}{of} ({monotonic() - self._begun:.0f} s)")
+
+    def advance(self) -> None:
+        self._done += 1
+
+    def stop(self) -> None:
+        self._stopped.set()
 
 
 class _LateBar:

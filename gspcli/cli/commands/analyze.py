@@ -244,8 +244,7 @@ def _load(text: str) -> tuple[list[float] | None, list[float] | None]:
 def _geometry(text: str | None) -> list[float] | None:
     numbers = _given(text, (1, 2), "--geometry-tolerance")
     if numbers is not None and min(numbers) < 0:
-        message = f"--geometry-tolerance: found {text}, expected numbers of at least 0"
-        raise GspError(message)
+        raise GspError(f"--geometry-tolerance: found {text}, expected numbers of at least 0")
     return numbers
 
 

@@ -234,13 +234,7 @@ def _check_usage(
     targets: tuple[str, ...],
     output: Output,
 ) -> None:
-    """Raise if arguments and options do not go together.
-
-    Raises
-    ------
-    click.UsageError
-        With what to give instead.
-    """
+    """Raise if arguments and options do not go together."""
     message = ""
     if log is not None:
         if spec is not None or plan is not None or targets:
@@ -262,14 +256,7 @@ def _check_usage(
 
 
 def _show(result: Calibration, output: Output, *, accept: bool) -> None:
-    """Write the new numbers, the residuals or the table of both.
-
-    Raises
-    ------
-    CheckFailed
-        If the data do not fit the machine, unless that is accepted; no instance file is written
-        then.
-    """
+    """Write the new numbers, the residuals or the table of both."""
     refused = bool(result.doubts) and not accept
     if output.format == "yaml":
         from gspcli.calibration.instance_files import calibrated_text
@@ -513,26 +500,7 @@ def identified(
     *,
     accept: bool,
 ) -> None:
-    """Find a hexapod from a log, and write its numbers, its instance file or the residuals.
-
-    Parameters
-    ----------
-    path
-        The log; - for standard input.
-    form
-        How its poses are expressed, by the options.
-    noise, options
-        As for `calibrate_rows`.
-    output
-        Where to and how.
-    accept
-        Whether a file is written even if the fit is doubted.
-
-    Raises
-    ------
-    CheckFailed
-        If the fit is doubted and that is not accepted.
-    """
+    """Find a hexapod from a log, and write its numbers, its instance file or the residuals."""
     import numpy as np
 
     from gspcli.calibration.identifying import identify_log
@@ -563,8 +531,7 @@ def identified(
         for sentence in said:
             click.echo(sentence, err=True)
     if refused:
-        message = (
+        raise CheckFailed(
             f"the log does not fit a machine with six legs: {found.doubts[0]}\n"
             "look for wrong rows, or try --robust; --accept takes the result unchanged"
         )
-        raise CheckFailed(message)

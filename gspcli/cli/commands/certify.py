@@ -83,8 +83,7 @@ def command(
       gsp certify platform.yaml poses.json --digits 50 --format json
     """
     if spec == result == "-":
-        message = "SPEC and RESULT cannot both be standard input"
-        raise click.UsageError(message)
+        raise click.UsageError("SPEC and RESULT cannot both be standard input")
     from gspcli.export.answers import read_answer, read_candidates
     from gspcli.geometry.frames import PoseFrame
     from gspcli.solver import certify

@@ -48,8 +48,7 @@ def command(specs: tuple[str, ...], schema: bool, output: Output) -> None:
       gsp check --schema
     """
     if schema == bool(specs):
-        message = "give SPEC, or --schema without one"
-        raise click.UsageError(message)
+        raise click.UsageError("give SPEC, or --schema without one")
     if schema:
         from gspcli.spec.form_of_instance import FILE_NAME
 

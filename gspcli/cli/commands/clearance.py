@@ -107,13 +107,11 @@ def command(
     """
     check_sources(spec, rows, mode, pose, near)
     if all_modes and (mode is not None or pose is not None):
-        message = "give either --all-modes or one of --mode and --pose"
-        raise click.UsageError(message)
+        raise click.UsageError("give either --all-modes or one of --mode and --pose")
     if rows is None and pose is None and not all_modes:
         mode = mode or HOME
     if points is not None and of != "pose":
-        message = "--points needs --of pose"
-        raise click.UsageError(message)
+        raise click.UsageError("--points needs --of pose")
     from gspcli.motion.singularities.clearance_results import clearance
     from gspcli.motion.singularities.clearances import range_weights
 
@@ -139,12 +137,10 @@ def _points(text: str) -> list[list[float]]:
     points = [[cell.strip() for cell in point.split(",")] for point in text.split(";")]
     for point in points:
         if len(point) != 3:
-            message = f"--points: found {len(point)} coordinates, expected X,Y,Z;X,Y,Z;..."
-            raise GspError(message)
+            raise GspError(f"--points: found {len(point)} coordinates, expected X,Y,Z;X,Y,Z;...")
         for cell in point:
             if wrong := wrong_number(cell):
-                message = f"--points: {wrong}"
-                raise GspError(message)
+                raise GspError(f"--points: {wrong}")
     return [[float(cell) for cell in point] for point in points]
 
 

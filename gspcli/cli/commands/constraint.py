@@ -15,6 +15,8 @@ from gspcli.catalogue.recorded_varieties import LAZARD, MOURRAIN, coordinates_la
 from gspcli.cli.options import output_options
 from gspcli.cli.render import Output, emit
 from gspcli.cli.result import Field, Fields, Result
+from gspcli.cli.streams import say
+from gspcli.wording import listed
 
 FIELDS = Fields("constraint")
 
@@ -58,6 +60,9 @@ def command(kind: str | None, output: Output) -> None:
         tables = [_overview(shown)]
     else:
         shown = [constraint_facts(each) for each in parse_kinds(kind)]
+        if len(shown) > 1:
+            names = listed([f"{facts.kind}" for facts in shown], "and")
+            say(f"{kind.upper()} is a distance and an angle: here are both, {names}")
         if output.format == "csv":
             tables = [_equation_list(shown)]
         else:

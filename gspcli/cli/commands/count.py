@@ -95,12 +95,10 @@ def command(
       gsp count --type "6D PP PP PH PH PH PL" --geometry generic,planar
     """
     if (type_name is None) == (not specs):
-        message = "give either SPEC or --type"
-        raise click.UsageError(message)
+        raise click.UsageError("give either SPEC or --type")
     if type_name is not None:
         if changes != Changes():
-            message = "--set and --delta change the values of SPEC: --type has none"
-            raise click.UsageError(message)
+            raise click.UsageError("--set and --delta change the values of SPEC: --type has none")
         _count_geometries(read_type([type_name]), geometries, effort, seed, output)
     else:
         _count_specs(specs, changes, effort, seed, output)
@@ -129,8 +127,7 @@ def _count_specs(
     if refusals:
         raise NotCountedError("\n".join(refusals))
     if infinite:
-        message = f"infinitely many complex solutions: {', '.join(infinite)}"
-        raise NotFiniteError(message)
+        raise NotFiniteError(f"infinitely many complex solutions: {', '.join(infinite)}")
 
 
 def _row(
@@ -160,10 +157,9 @@ def _count_geometries(
     chosen = possible if names == "all" else [name.strip() for name in names.split(",")]
     for name in chosen:
         if name not in possible:
-            message = (
+            raise click.BadParameter(
                 f"found --geometry {shown(name)}, expected of {gsp_type.id}: {', '.join(possible)}"
             )
-            raise click.BadParameter(message)
 
     def shown_progress(these: Sequence[str]) -> Iterable[str]:
         return progress(these, total=len(these), label="counting solutions")

@@ -135,8 +135,7 @@ def command(
       gsp dynamics platform.yaml --mode home --modes --stiffness 2e6
     """
     if stiffness is not None and not modal:
-        message = "--stiffness is for --modes only"
-        raise click.UsageError(message)
+        raise click.UsageError("--stiffness is for --modes only")
     check_sources(spec, rows, mode, pose, near)
     instance = load_instance(spec, changes)
     form = conventions.form(instance, columns)
@@ -189,19 +188,7 @@ def _tell(
     tables: Callable[[list[Field], list[str]], Result | list[Result]],
     output: Output,
 ) -> None:
-    """Write the result, warn of singular poses, and fail if a requirement is not kept.
-
-    Parameters
-    ----------
-    found, asked
-        What was found, and where.
-    requirements, known
-        What is required, and the numbers that it may be about.
-    rows, tables
-        What is shown; the tables, given columns that requirements add and lines with verdicts.
-    output
-        Where.
-    """
+    """Write the result, warn of singular poses, and fail if a requirement is not kept."""
     verdicts, more = judged(found.instance, requirements, asked.R, asked.T, rows, known)
     shown = tables(more, verdict_lines(verdicts, asked.place))
     document = _document(found, verdicts, asked) if output.format == "json" else None
@@ -248,8 +235,7 @@ def _refuse_singular(found: DriveForces | NaturalModes, asked: AskedMotion) -> N
         return
     named = listed([asked.place(row) for row in rows[:_MOST_NAMED]], "and")
     more = f" and {len(rows) - _MOST_NAMED} more" if len(rows) > _MOST_NAMED else ""
-    message = f"{named}{more} the pose is singular: no forces hold every load there"
-    raise IncompleteError(message)
+    raise IncompleteError(f"{named}{more} the pose is singular: no forces hold every load there")
 
 
 def _modes(
@@ -350,11 +336,9 @@ def asked_rows(
     found = read_rows(*text_of(rows), instance, form)
     if isinstance(found, PoseRows):
         if mode is not None or near is not None:
-            message = "--mode and --near are for files of values: this one says the poses"
-            raise GspError(message)
+            raise GspError("--mode and --near are for files of values: this one says the poses")
         if not len(found.T):
-            message = f"{rows}: found no poses, expected at least one"
-            raise GspError(message)
+            raise GspError(f"{rows}: found no poses, expected at least one")
         return AskedMotion(found.R, found.T, found.t, found.motion)
     return _followed(instance, found, mode, near, form)
 
@@ -381,11 +365,10 @@ def _followed(
         found = track(instance, rows.values, coordinates=moving, t=rows.t, modes=modes, near=start)
     if found.ends:
         (end,) = found.ends
-        message = (
+        raise IncompleteError(
             f"mode {end.mode} ends at t = {end.low:.10g} ({end.kind}): there are no forces beyond\n"
             "end the rows before it (gsp track shows where it ends)"
         )
-        raise IncompleteError(message)
     R, T = found.R[0], found.T[0]
     motion = None
     if rows.rates is not None and rows.second_rates is not None:

@@ -52,8 +52,7 @@ def command(name: str | None, output: Output) -> None:
         emit(output, [], texts={output.format: text})
         return
     if output.format == _FILE:
-        message = "the list has no YAML form: give a NAME, or another format"
-        raise click.UsageError(message)
+        raise click.UsageError("the list has no YAML form: give a NAME, or another format")
     rows = [_row(name, path) for name, path in instance_files().items()]
     keys = [column.key for column in _COLUMNS]
     entries = [{key: row[key] for key in keys} for row in rows]

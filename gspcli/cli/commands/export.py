@@ -148,7 +148,8 @@ def _source(output: Output, last: str, suffix: str) -> Path:
     """Return where one of two files is written; the other is beside it."""
     source = output.path
     if source is None or source.suffix != suffix:
-        message = f"two files are written: expected -o NAME{suffix}, NAME{last} is then beside it"
-        raise GspError(message)
+        raise GspError(
+            f"two files are written: expected -o NAME{suffix}, NAME{last} is then beside it"
+        )
     check_writable(source.with_suffix(last))
     return source

@@ -65,8 +65,9 @@ def command(
         R, T = pose.read(conventions.form(instance))
         instance = _moved(instance, R, T)
     elif conventions.options:
-        message = f"{conventions.options[0]} says how --pose is read: give --pose, too"
-        raise click.UsageError(message)
+        raise click.UsageError(
+            f"{conventions.options[0]} says how --pose is read: give --pose, too"
+        )
     else:
         R, T = _home(instance)
     found = freedoms(instance, R, T)
@@ -104,8 +105,7 @@ def _home(instance: Instance) -> tuple[Any, Any]:
         if home is not None:
             return home.R, home.T
     if instance.home is None:
-        message = "SPEC states no home: give --pose x,y,z,qw,qx,qy,qz, or `home` in SPEC"
-        raise GspError(message)
+        raise GspError("SPEC states no home: give --pose x,y,z,qw,qx,qy,qz, or `home` in SPEC")
     return None, None
 
 

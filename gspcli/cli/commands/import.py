@@ -77,8 +77,7 @@ def _spare(file: Path, output: Output) -> None:
     if target.samefile(file) or (
         loops.exists() and target.samefile(loops) and b"closed_loop" in loops.read_bytes()
     ):
-        message = f"{target}: this file is read, expected another one for -o"
-        raise GspError(message)
+        raise GspError(f"{target}: this file is read, expected another one for -o")
 
 
 command.help = str(command.help).format(

@@ -118,8 +118,9 @@ def command(
     write(output, dumps(found.instance))
     say(f"{found.real} real poses, certified")
     if not interrupted and real is not None and found.real < real:
-        message = f"{real} real poses were asked for, {found.real} were found: give it more time"
-        raise CheckFailed(message)
+        raise CheckFailed(
+            f"{real} real poses were asked for, {found.real} were found: give it more time"
+        )
     return INTERRUPTED if interrupted else 0
 
 
@@ -149,8 +150,7 @@ def _reject_search_options() -> None:
         and context.get_parameter_source(str(parameter.name)) is ParameterSource.COMMANDLINE
     ]
     if ignored:
-        message = f"--show makes no search: leave out {', '.join(ignored)}"
-        raise click.UsageError(message)
+        raise click.UsageError(f"--show makes no search: leave out {', '.join(ignored)}")
 
 
 def _searched(

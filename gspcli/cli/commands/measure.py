@@ -30,6 +30,7 @@ from gspcli.cli.requirements import (
     verdict_lines,
 )
 from gspcli.cli.result import Field, Fields, Result
+from gspcli.cli.streams import say
 from gspcli.errors import GspError, IncompleteError
 from gspcli.wording import counted
 
@@ -140,8 +141,10 @@ def command(
     instance = load_instance(spec)
     requirements = required(require)
     form = conventions.form(instance, columns)
+    text = name = ""
     if pose is None:
-        table = read_poses(*text_of(str(poses)), form)
+        text, name = text_of(str(poses))
+        table = read_poses(text, name, form)
     else:
         R, T = pose.read(form)
         table = PoseTable(None, R[None], T[None])
@@ -155,6 +158,7 @@ def command(
         emit_nearest(instance, table, form, output)
         return
     values = measure(instance, table.R, table.T)
+    _say_other_values(text, name, form, instance, values)
     rows = _rows(instance, table, values.tolist())
     gaps, known = add_gaps(instance, table.R, table.T, rows)
     verdicts, more = judged(instance, requirements, table.R, table.T, rows, known)
@@ -175,6 +179,22 @@ def command(
     refuse(verdicts)
 
 
+def _say_other_values(
+    text: str, name: str, form: PoseFormat, instance: Instance, values: Array
+) -> None:
+    """Say on standard error that values beside poses, which are not used, contradict them."""
+    from gspcli.motion.files.number_tables import NumberTable
+    from gspcli.motion.files.value_files import compare_values
+
+    if not text or text.lstrip()[:1] in "{[":
+        return
+    table = NumberTable(text, name, form.units.of(instance), form.ignore, form.columns)
+    compare_values(table, instance, values)
+    if table.mistakes:
+        more = f" (and {len(table.mistakes) - 1} more)" if len(table.mistakes) > 1 else ""
+        say(f"warning: {table.mistakes[0]}{more}: not used, the values are measured")
+
+
 def _check_options(
     spec: str,
     poses: str | None,
@@ -184,18 +204,16 @@ def _check_options(
 ) -> None:
     """Raise if the options contradict each other; `kinds` are --drives, --cranks and --nearest."""
     if (poses is None) == (pose is None):
-        message = "give either POSES or --pose"
-        raise click.UsageError(message)
+        raise click.UsageError("give either POSES or --pose")
     if spec == poses == "-":
-        message = "SPEC and POSES cannot both be standard input"
-        raise click.UsageError(message)
+        raise click.UsageError("SPEC and POSES cannot both be standard input")
     drives, cranks, nearest = kinds
     if cranks and require is not None:
-        message = "--require needs the values or --drives, not --cranks"
-        raise click.UsageError(message)
+        raise click.UsageError("--require needs the values or --drives, not --cranks")
     if nearest and (cranks or drives or require is not None):
-        message = "--nearest gives the values of poses within the limits: leave out other options"
-        raise click.UsageError(message)
+        raise click.UsageError(
+            "--nearest gives the values of poses within the limits: leave out other options"
+        )
 
 
 def _rows(instance: Instance, table: PoseTable, values: list[list[float]]) -> list[dict[str, Any]]:
@@ -246,13 +264,7 @@ def times_of(table: PoseTable) -> list[float]:
 
 
 def emit_cranks(instance: Instance, table: PoseTable, output: Output) -> None:
-    """Write the angles of the cranks at poses.
-
-    Raises
-    ------
-    GspError
-        If a pose is out of reach.
-    """
+    """Write the angles of the cranks at poses."""
     from gspcli.motion import crank_angles, drive_values
 
     cranks, _ = crank_angles(instance, table.R, table.T)
@@ -275,15 +287,7 @@ def emit_cranks(instance: Instance, table: PoseTable, output: Output) -> None:
 def emit_drives(
     instance: Instance, table: PoseTable, requirements: Sequence[Requirement], output: Output
 ) -> None:
-    """Write the numbers of all drives at poses, and their transmissions.
-
-    Raises
-    ------
-    GspError
-        If a pose is out of reach.
-    CheckFailed
-        If a requirement is not met.
-    """
+    """Write the numbers of all drives at poses, and their transmissions."""
     from gspcli.motion import drive_values
 
     drives, q = drive_values(instance, table.R, table.T)
@@ -384,13 +388,7 @@ def _drive_table(
 def add_gaps(
     instance: Instance, R: Array, T: Array, rows: Sequence[dict[str, Any]]
 ) -> tuple[list[Field], dict[str, Array | QuantityParts]]:
-    """Add to rows the least gap of each pose, and what it is between; nothing without shapes.
-
-    Returns
-    -------
-    columns, known
-        What is added, and the gaps for `gspcli.cli.requirements.judged`.
-    """
+    """Add to rows the least gap of each pose, and what it is between; nothing without shapes."""
     if instance.shapes is None:
         return [], {}
     from gspcli.motion.collisions.leg_gaps import gaps
@@ -407,13 +405,7 @@ _POSE = ("x", "y", "z", "qw", "qx", "qy", "qz")
 
 
 def emit_nearest(instance: Instance, table: PoseTable, form: PoseFormat, output: Output) -> None:
-    """Write the nearest pose to each pose of a table, from home and then from row to row.
-
-    Raises
-    ------
-    IncompleteError
-        If no way to some row is proved; the platform stays at the row before.
-    """
+    """Write the nearest pose to each pose of a table, from home and then from row to row."""
     from gspcli.motion.paths.nearest_poses import NearestPoses
 
     _, R, T = one_mode(instance, None)

@@ -268,14 +268,14 @@ def _end(given: int | str | GivenPose | None, form: PoseFormat) -> End:
 def _refuse(found: PlannedPath) -> None:
     """Raise unless there is a path."""
     if found.verdict == "impossible":
-        message = f"from {found.start} to {found.goal} there is no path, proved\n{found.reason}"
-        raise CheckFailed(message)
+        raise CheckFailed(
+            f"from {found.start} to {found.goal} there is no path, proved\n{found.reason}"
+        )
     if found.verdict == "not found":
-        message = (
+        raise IncompleteError(
             f"from {found.start} to {found.goal} no path was found in the time given\n"
             "it is not proved that there is none: try --time or another --seed"
         )
-        raise IncompleteError(message)
 
 
 def _refuse_undecided(groups: ModeGroups) -> None:
@@ -284,11 +284,10 @@ def _refuse_undecided(groups: ModeGroups) -> None:
         first, second = groups.undecided[0]
         rest = len(groups.undecided) - 1
         more = f" (and of {rest} more pairs)" if rest else ""
-        message = (
+        raise IncompleteError(
             f"groups {first} and {second}{more}: no path was found, and it is not proved that "
             "there is none\ntry --time or another --seed"
         )
-        raise IncompleteError(message)
 
 
 _POSE = ("x", "y", "z", "qw", "qx", "qy", "qz")

@@ -167,8 +167,9 @@ def _platform_drawn(spec: str, built: Mechanism, fmt: str) -> bytes:
     with working("solving"):
         result = solve(instance)
     if not result.drawn.counts.real:
-        message = f"{spec}: no real pose to draw the mechanism at; name its type for the chains"
-        raise GspError(message)
+        raise GspError(
+            f"{spec}: no real pose to draw the mechanism at; name its type for the chains"
+        )
     scene = scene_of(result, only=first_mode(result.drawn))
     return mechanism_drawing(scene, built, fmt, 0)
 

@@ -109,8 +109,7 @@ def _make(folder: Path) -> None:
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        message = f"{folder}: cannot be made: {error.strerror}"
-        raise GspError(message) from error
+        raise GspError(f"{folder}: cannot be made: {error.strerror}") from error
 
 
 def _save(folder: Path, wanted: Sample, tally: Tally) -> None:

@@ -202,13 +202,11 @@ def _axes(instance: Instance, texts: tuple[str, ...]) -> list[Axis]:
 def _refuse_coordinates(texts: tuple[str, ...], conventions: PoseConventions) -> None:
     """Raise for options about poses where values vary."""
     if any(text.strip()[:1] in "xyzr" for text in texts):
-        message = (
+        raise click.UsageError(
             "--vary: found coordinates of a pose: give --pose, too, for the coordinates that stay"
         )
-        raise click.UsageError(message)
     if conventions.euler or conventions.pivot:
-        message = "--euler and --pivot say how --pose is read: give --pose, too"
-        raise click.UsageError(message)
+        raise click.UsageError("--euler and --pivot say how --pose is read: give --pose, too")
 
 
 def _refuse_gaps(found: Scan, limits: Boundary) -> None:
@@ -216,14 +214,14 @@ def _refuse_gaps(found: Scan, limits: Boundary) -> None:
     from gspcli.motion.singularities.value_scans import UNKNOWN
 
     if unknown := int((found.modes == UNKNOWN).sum()):
-        message = f"at {unknown} of {found.modes.size} nodes not all poses could be found"
-        raise IncompleteError(message)
+        raise IncompleteError(
+            f"at {unknown} of {found.modes.size} nodes not all poses could be found"
+        )
     if limits.unexplained:
-        message = (
+        raise IncompleteError(
             f"on {len(limits.unexplained)} edges of the grid the folds found do not explain how "
             "the number of modes changes"
         )
-        raise IncompleteError(message)
 
 
 def _fill(found: Scan, workers: Workers, journal: Path | None) -> None:
@@ -367,25 +365,7 @@ def scan_poses(
     quantity: str,
     output: Output,
 ) -> None:
-    """Scan poses and show what was found.
-
-    Parameters
-    ----------
-    instance
-        Geometry and units.
-    texts
-        The axes.
-    pose
-        The pose whose coordinates vary, and the other coordinates of all nodes.
-    form
-        How the numbers of a pose are meant: order of axes, pivot, units.
-    folds
-        Whether to show where the determinant changes its sign instead of the nodes.
-    quantity
-        What pictures show; ``clearance`` is a column then.
-    output
-        Where to.
-    """
+    """Scan poses and show what was found."""
     from gspcli.motion.singularities.pose_scans import PoseAxis, PoseScan
 
     axes = tuple(PoseAxis(*axis) for axis in axes_of(texts, PARAMETERS))

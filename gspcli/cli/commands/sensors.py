@@ -123,11 +123,9 @@ def command(
     """
     about_rows = [*(["--relative"] if relative else ()), *conventions.options, *columns.options]
     if rows is None and about_rows:
-        message = f"{listed(about_rows, 'and')}: needs ROWS"
-        raise click.UsageError(message)
+        raise click.UsageError(f"{listed(about_rows, 'and')}: needs ROWS")
     if spec == rows == "-":
-        message = "SPEC and ROWS cannot both be standard input"
-        raise click.UsageError(message)
+        raise click.UsageError("SPEC and ROWS cannot both be standard input")
     from gspcli.sensing import sensors
 
     instance = load_instance(spec, changes)
@@ -174,8 +172,7 @@ def _chosen(names: tuple[str, ...], instance: Instance) -> list[Sensor] | None:
         try:
             found.append(parse_sensor(name, instance))
         except ArgumentError as error:
-            message = f"--sensor {name!r}, {error}"
-            raise GspError(message) from None
+            raise GspError(f"--sensor {name!r}, {error}") from None
     return found or None
 
 
@@ -198,17 +195,7 @@ _ZERO = 1e-6
 
 
 def sensor_table(result: SensorResult, form: str, *, everything: bool) -> Result:
-    """Return the table of the sensors.
-
-    Parameters
-    ----------
-    result
-        Of `gspcli.sensors`.
-    form
-        The format; CSV has the numbers in full.
-    everything
-        Whether each sensor is shown, not only the best of each sort.
-    """
+    """Return the table of the sensors."""
     units = {"length": result.instance.units.length, "angle": result.instance.units.angle.value}
     unit_of = {str(sensor): units[sensor.unit] for sensor in result.sensors}
     rows = result.rows()

@@ -92,13 +92,7 @@ class FilterOptions:
     def applied(
         self, result: SolveResult, conventions: PoseConventions
     ) -> tuple[SolveResult, dict[str, list[int]] | None]:
-        """Return the result without the poses that are left out as home, and their numbers.
-
-        Raises
-        ------
-        GspError
-            If the platform has no limits, or no plane of its base.
-        """
+        """Return the result without the poses that are left out as home, and their numbers."""
         if not (self.where or self.within_limits or self.above):
             return result, None
         from gspcli.motion.poses.mode_filters import ModeFilter
@@ -109,8 +103,7 @@ class FilterOptions:
         try:
             left = asked.left_out(result)
         except ArgumentError as error:
-            message = f"--{error.where.replace('_', '-')}: {error.message}"
-            raise GspError(message) from None
+            raise GspError(f"--{error.where.replace('_', '-')}: {error.message}") from None
         out = tuple(sorted(number - 1 for those in left.values() for number in those))
         return replace(result, left_out=out), left
 
@@ -149,8 +142,7 @@ def _parsed(texts: tuple[str, ...]) -> tuple[Condition, ...]:
     try:
         return tuple(one for text in texts for one in parse_conditions(text))
     except ArgumentError as error:
-        message = f"--where: {error}"
-        raise GspError(message) from None
+        raise GspError(f"--where: {error}") from None
 
 
 def given_readings(
@@ -166,8 +158,7 @@ def given_readings(
         try:
             found.append(parse_reading(text, instance, repeated=repeated))
         except GspError as error:
-            message = f"--reading {quoted(text)}, {error}"
-            raise GspError(message) from None
+            raise GspError(f"--reading {quoted(text)}, {error}") from None
     return found
 
 
@@ -255,30 +246,9 @@ def solve_many(
 
     Answers in JSON, one a line, are written as soon as they are known. An error of one instance is
     part of its answer, and the others are solved.
-
-    Parameters
-    ----------
-    specs
-        The arguments: files, those with an instance in each line, or ``-``.
-    solving
-        How one is solved; picklable.
-    changes
-        What is changed in each.
-    jobs
-        How many processes.
-    output
-        Where the answers go.
-    lines
-        Whether all files have an instance in each line.
-
-    Returns
-    -------
-    int
-        The largest exit code of an instance.
     """
     if specs.count("-") > 1:
-        message = "standard input can be one SPEC only: - is given more than once"
-        raise GspError(message)
+        raise GspError("standard input can be one SPEC only: - is given more than once")
     answers = _answers(_sources(specs, lines=lines), partial(_answer, solving, changes), jobs)
     total = None if _any_lines(specs, lines=lines) else len(specs)
     streamed = output.format == LINES and output.path is None
@@ -297,8 +267,7 @@ def solve_many(
         else:
             texts.append(text)
     if not rows:
-        message = f"{', '.join(specs)}: found no instance, expected one in each line"
-        raise GspError(message)
+        raise GspError(f"{', '.join(specs)}: found no instance, expected one in each line")
     if output.format != LINES:
         emit(output, Result(_COLUMNS, rows, notes=[_sum(rows)]))
     elif not streamed:
@@ -364,14 +333,16 @@ def _lines_of(spec: str) -> Iterator[Source]:
             while line := file.readline(LARGEST_SPEC + 1):
                 number += 1
                 if len(line) > LARGEST_SPEC:
-                    message = f"{named(name)}: line {number} has more than {LARGEST_SPEC >> 20} MB"
-                    raise GspError(message)
+                    raise GspError(
+                        f"{named(name)}: line {number} has more than {LARGEST_SPEC >> 20} MB"
+                    )
                 if line.strip():
                     text = line.decode("utf-8-sig", errors="surrogateescape")
                     yield Source(f"{name}, line {number}", text)
     except (OSError, ValueError) as error:
-        message = f"{named(name)}: cannot be read: {getattr(error, 'strerror', None) or error}"
-        raise GspError(message) from error
+        raise GspError(
+            f"{named(name)}: cannot be read: {getattr(error, 'strerror', None) or error}"
+        ) from error
 
 
 def _answer(solving: Solving, changes: Changes, source: Source) -> Answer:
@@ -436,32 +407,14 @@ def show_fit(
     frame: PoseFrame,
     output: Output,
 ) -> int:
-    """Fit poses to all measurements, and write them with residuals.
-
-    Parameters
-    ----------
-    instance, readings
-        The platform, and the readings of further sensors; if there are none, those of its file.
-    sigmas
-        Standard deviations of the values, as texts of the option.
-    rotation, decimals, frame
-        How poses are written, and in which frame; JSON has those of the platform in the base.
-    output
-        Where to.
-
-    Raises
-    ------
-    CheckFailed
-        Unless exactly one pose fits.
-    """
+    """Fit poses to all measurements, and write them with residuals."""
     from gspcli.sensing import fit_poses
 
     if not readings and not instance.readings:
-        message = (
+        raise GspError(
             "--fit needs readings besides the six values: --reading 'leg P1 B3 = 212.4 ± 0.1', or "
             "`readings` in SPEC"
         )
-        raise GspError(message)
     with working("fitting"):
         fit = fit_poses(instance, readings or None, sigma=standard_deviations(sigmas))
     document = {"schema": "gsp.solve/1", **instance.to_json(), "fit": fit.to_json()}
@@ -557,12 +510,10 @@ def _residuals(fit: PoseFit) -> list[Result]:
 def check_options(*, fitting: bool, **given: object) -> None:
     """Raise for --sigma without --fit, and for options of the table of modes with it."""
     if not fitting:
-        message = "--sigma says how exact the values are: give it with --fit"
-        raise click.UsageError(message)
+        raise click.UsageError("--sigma says how exact the values are: give it with --fit")
     wrong = [f"--{name.replace('_', '-')}" for name, value in given.items() if value]
     if wrong:
-        message = f"{listed(wrong, 'and')}: not with --fit"
-        raise click.UsageError(message)
+        raise click.UsageError(f"{listed(wrong, 'and')}: not with --fit")
 
 
 @click.command()
@@ -777,8 +728,7 @@ def _refuse_alone(conventions: PoseConventions, **options: object) -> None:
     given = [f"--{name}" for name, value in options.items() if value]
     given += [name for name in conventions.options if name != RELATIVE]
     if given:
-        message = f"{listed(given, 'and')}: for one SPEC and its table only"
-        raise click.UsageError(message)
+        raise click.UsageError(f"{listed(given, 'and')}: for one SPEC and its table only")
 
 
 @dataclass(frozen=True)
@@ -845,8 +795,9 @@ def _check_usage(rotation: str, *, everything: bool, no_certify: bool) -> None:
     if no_certify:
         click.echo("--no-certify is ignored: every pose is proved", err=True)
     if everything and rotation not in ("quaternion", "matrix"):
-        message = f"--rotation {rotation} cannot write poses that are not real: leave out --all"
-        raise click.UsageError(message)
+        raise click.UsageError(
+            f"--rotation {rotation} cannot write poses that are not real: leave out --all"
+        )
 
 
 def _goal(
@@ -856,8 +807,9 @@ def _goal(
     if near is not None:
         return near.read(conventions.form(instance))
     if (conventions.euler or conventions.pivot) and not filtered:
-        message = "--euler and --pivot say how --near and --where are read: give one of them, too"
-        raise click.UsageError(message)
+        raise click.UsageError(
+            "--euler and --pivot say how --near and --where are read: give one of them, too"
+        )
     return None
 
 
@@ -981,8 +933,7 @@ def _complain(result: SolveResult) -> None:
         raise IncompleteError(message)
     if result.proof is None and counts.certified < counts.found:
         missing = counts.found - counts.certified
-        message = f"{missing} of {counts.found} poses could not be certified"
-        raise IncompleteError(message)
+        raise IncompleteError(f"{missing} of {counts.found} poses could not be certified")
 
 
 Function = TypeVar("Function", bound=Callable[..., Any])

@@ -82,8 +82,7 @@ def command(which: str, check: bool, output: Output) -> None:
     unexplained = [str(d) for comparison in comparisons for d in comparison.unexplained]
     if check and unexplained:
         lines = "\n".join(unexplained)
-        message = f"printed differently, and no proved erratum accounts for it:\n{lines}"
-        raise CheckFailed(message)
+        raise CheckFailed(f"printed differently, and no proved erratum accounts for it:\n{lines}")
 
 
 def _confirm() -> str:

@@ -258,11 +258,9 @@ def _check_poses(
 def _check(mode: Mode | None, near: GivenPose | None, spec: str, values: str) -> None:
     """Raise for arguments that cannot be combined."""
     if mode is not None and near is not None:
-        message = "give either --mode or --near"
-        raise click.UsageError(message)
+        raise click.UsageError("give either --mode or --near")
     if spec == values == "-":
-        message = "SPEC and VALUES cannot both be standard input"
-        raise click.UsageError(message)
+        raise click.UsageError("SPEC and VALUES cannot both be standard input")
 
 
 def _tell(result: Track, limits: list[LimitEvent], output: Output) -> None:
@@ -301,19 +299,17 @@ def _clearances(
 def _refuse_losses(result: Track, left: list[Departure], *, allowed: bool) -> None:
     """Raise if modes are not accounted for, end early, or leave the poses of the file."""
     if result.complete is False:
-        message = (
+        raise IncompleteError(
             "the modes followed and the poses at the last row do not account for each other\n"
             "give more rows, or try --jobs 1 with a smaller step"
         )
-        raise IncompleteError(message)
     if result.ends and not allowed:
         names = ", ".join(str(event.mode) for event in result.ends)
         many = len(result.ends) > 1
-        message = (
+        raise IncompleteError(
             f"mode{'s' if many else ''} {names} end{'' if many else 's'} before the last row\n"
             "use --allow-loss if that is expected"
         )
-        raise IncompleteError(message)
     if left:
         raise IncompleteError(_departure_sentences(left, result.instance))
 
@@ -475,11 +471,10 @@ def along_values(
             jobs=jobs,
         )
     if not everything and not len(result.modes):
-        message = (
+        raise GspError(
             "there is no real pose at the first row\n"
             "begin with other values, or use --complete for modes that begin on the way"
         )
-        raise GspError(message)
     with working("looking at limits"):
         limits = limit_events(result)
     left = [] if table.poses is None else departures(result, *table.poses)
@@ -534,17 +529,7 @@ def judged_track(
     requirements: Sequence[Requirement],
     rows: list[dict[str, Any]],
 ) -> tuple[list[RequirementVerdict], list[Field]]:
-    """Return whether a track keeps what is required, and the columns that this adds to its rows.
-
-    Parameters
-    ----------
-    done
-        The track, and where it leaves limits.
-    requirements
-        What is required.
-    rows
-        A row for each pose, in the order of the rows of the file, then of the modes.
-    """
+    """Return whether a track keeps what is required, and the columns that this adds to its rows."""
     if not requirements:
         return [], []
     import numpy as np

@@ -108,11 +108,9 @@ def command(
         gsp view platform.yaml --track -
     """
     if spec == track == "-":
-        message = "SPEC and --track cannot both be standard input"
-        raise click.UsageError(message)
+        raise click.UsageError("SPEC and --track cannot both be standard input")
     if live and (track is not None or output.format != _PAGE):
-        message = f"--live makes a page ({_PAGE}) of a platform, without --track"
-        raise click.UsageError(message)
+        raise click.UsageError(f"--live makes a page ({_PAGE}) of a platform, without --track")
     from gspcli.cli.pose_tables import summary
     from gspcli.pictures.tracks import read_tracks
     from gspcli.pictures.whole_views import viewed
@@ -160,11 +158,10 @@ def _view(text: str | None) -> View | None:
     except ValueError:
         azimuth = elevation = math.nan
     if not (math.isfinite(azimuth) and abs(elevation) <= _UPRIGHT):
-        message = (
+        raise GspError(
             f"--from: found {shown(text)}, expected two angles in degrees, azimuth,elevation, the "
             f"second between -{_UPRIGHT} and {_UPRIGHT}"
         )
-        raise GspError(message)
     return View(azimuth, elevation)
 
 

@@ -231,8 +231,7 @@ def _knees(instance: Instance, moving: Instance, home: Home) -> ArrayLike | None
 
 def _one_home(mode: object, pose: object) -> None:
     if mode is not None and pose is not None:
-        message = "give either --mode or --pose"
-        raise click.UsageError(message)
+        raise click.UsageError("give either --mode or --pose")
 
 
 def _keeps_limits(
@@ -270,14 +269,12 @@ def _free(
     if over is not None:
         names = tuple(name.strip() for name in over.split(","))
         if len(set(names)) < len(names) or not set(names) <= set(PARAMETERS):
-            message = (
+            raise GspError(
                 f"--over: found {shown(over)}, expected one or more of {', '.join(PARAMETERS)}"
             )
-            raise GspError(message)
         return names
     if orientation is not None and position is not None:
-        message = "with both --orientation and --position give --over, too"
-        raise click.UsageError(message)
+        raise click.UsageError("with both --orientation and --position give --over, too")
     if orientation is not None:
         return ("x", "y", "z")
     return ("rx", "ry", "rz") if position is not None else None
@@ -304,18 +301,16 @@ def _check(
 
 def _refuse_wide_bounds(found: Workspace, wanted: float) -> None:
     if found.gap > wanted:
-        message = (
+        raise IncompleteError(
             f"the bounds of the volume differ by {found.gap:.3g}, relatively, after "
             f"{found.judged} boxes: more than --gap {wanted:g}"
         )
-        raise IncompleteError(message)
 
 
 def _interval(text: str) -> tuple[str, tuple[float, float]]:
     name, low, high, count = span_of("within", text)
     if count is not None:
-        message = f"--within: found {shown(text)}, expected NAME=LOW:HIGH, such as z=60:140"
-        raise GspError(message)
+        raise GspError(f"--within: found {shown(text)}, expected NAME=LOW:HIGH, such as z=60:140")
     return name, (low, high)
 
 
@@ -327,8 +322,7 @@ def _show(found: Workspace, home: Home, instance: Instance, listed: bool, output
         return
     count = len(found.inner_keys) + len(found.open_keys)
     if listed and count > _MOST_SHOWN:
-        message = f"found {count} boxes, expected at most {_MOST_SHOWN}: try a larger --gap"
-        raise GspError(message)
+        raise GspError(f"found {count} boxes, expected at most {_MOST_SHOWN}: try a larger --gap")
     boxes = box_rows(found) if listed else []
     document = None
     if output.format == "json":
@@ -491,19 +485,16 @@ def _offsets(held: tuple[str, ...]) -> list[dict[str, float]]:
         else:
             name, low, high, count = span_of("shift", text)
             if count is None or count < 1:
-                message = (
+                raise GspError(
                     f"--shift: found {shown(text)}, expected NAME=VALUE or NAME=LOW:HIGH:COUNT"
                 )
-                raise GspError(message)
             if count > _MOST_HELD:
-                message = f"--shift: found {count} values, expected at most {_MOST_HELD}"
-                raise GspError(message)
+                raise GspError(f"--shift: found {count} values, expected at most {_MOST_HELD}")
             values = np.linspace(low, high, count).tolist()
         choices.setdefault(name, []).extend(values)
     found = [dict(zip(choices, row, strict=True)) for row in product(*choices.values())]
     if len(found) > _MOST_HELD:
-        message = f"--shift: found {len(found)} combinations, expected at most {_MOST_HELD}"
-        raise GspError(message)
+        raise GspError(f"--shift: found {len(found)} combinations, expected at most {_MOST_HELD}")
     return found
 
 
@@ -518,23 +509,7 @@ def show_travels(
     knees: ArrayLike | None = None,
     gap: float | None = None,
 ) -> None:
-    """Show how far each axis travels from home.
-
-    Parameters
-    ----------
-    instance, home, sequence
-        The platform, where it starts and the order of the turns.
-    held
-        What is moved first, as ``--shift`` has it.
-    output
-        Where to.
-    connected
-        Whether singular poses end a travel, too.
-    knees
-        The knees of cranks and slides, as `gspcli.motion.workspace.travels.travels` has them.
-    gap
-        How far legs and bodies must be apart; None if that is not checked.
-    """
+    """Show how far each axis travels from home."""
     offsets = _offsets(held)
     names = list(offsets[0])
     rows: list[dict[str, Any]] = []
@@ -753,8 +728,7 @@ def home_pose(
         count = 3 if form.euler else 4
         if len(orientation.split(",")) != count:
             what = "rx,ry,rz" if form.euler else "qw,qx,qy,qz, or rx,ry,rz with --euler"
-            message = f"--orientation: found {shown(orientation)}, expected {what}"
-            raise GspError(message)
+            raise GspError(f"--orientation: found {shown(orientation)}, expected {what}")
         R = read_pose(f"0,0,0,{orientation}", form, "--orientation").R[0]
         home = replace(home, R=R, T=at - R @ form.pivot, mode=None)
     if position is not None:

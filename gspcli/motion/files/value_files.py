@@ -122,7 +122,7 @@ def read_values(
         if poses is not None and not table.mistakes:
             values, coordinates = _of_poses(instance, poses.R, poses.T)
             of_file = poses.R, poses.T
-            _compare(table, instance, values)
+            compare_values(table, instance, values)
             _compare_drives(table, instance, moving, coordinates)
     else:
         note_legs(table, instance)
@@ -156,7 +156,7 @@ def read_values(
     return ValueTable(t, values, coordinates, of_file)
 
 
-def _compare(table: NumberTable, instance: Instance, measured: Array) -> None:
+def compare_values(table: NumberTable, instance: Instance, measured: Array) -> None:
     """Note values beside poses that are not those that the poses measure."""
     names = [str(k) for k in range(1, measured.shape[1] + 1)]
     names = [name for name in names if name in table.heading]
