@@ -9,7 +9,14 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from gspcli.cli.options import Changes, Positive, load_instance, output_options, value_options
+from gspcli.cli.options import (
+    Changes,
+    Command,
+    Positive,
+    load_instance,
+    output_options,
+    value_options,
+)
 from gspcli.cli.pose_options import (
     HOME,
     ColumnOptions,
@@ -50,7 +57,7 @@ _READABLE = ("table", "markdown", "latex")
 _ZERO = 1e-12
 
 
-@click.command()
+@click.command(cls=Command)
 @click.argument("spec", metavar="SPEC")
 @click.argument("rows", metavar="[ROWS]", required=False)
 @mode_option("only this one, in detail; also along a file of values.")

@@ -14,7 +14,7 @@ from gspcli.catalogue.known_facts import KnownBounds
 from gspcli.catalogue.known_facts import bound as known
 from gspcli.catalogue.recorded_varieties import coordinates_label
 from gspcli.catalogue.types import GspType
-from gspcli.cli.options import output_options, read_names
+from gspcli.cli.options import Command, output_options, read_names
 from gspcli.cli.render import Output, emit
 from gspcli.cli.result import Field, Fields, Result
 
@@ -24,7 +24,7 @@ _SURFACES = {"P": "plane", "S": "sphere", "C": "cylinder"}
 _GENERIC = ("generic_one_sided", "generic_two_sided")
 
 
-@click.command
+@click.command(cls=Command)
 @click.argument("names", nargs=-1, required=True, metavar="TYPE...")
 @output_options(parts=("constraints", "bounds"))
 def command(names: tuple[str, ...], output: Output) -> None:

@@ -11,6 +11,7 @@ import click
 from gspcli.cli.options import (
     DRAWINGS,
     FORMATS,
+    Command,
     Positive,
     Whole,
     load_instance,
@@ -56,7 +57,7 @@ FIELDS = Fields("calibrate")
 _MOST_PLANNED = 300
 
 
-@click.command()
+@click.command(cls=Command)
 @click.argument("spec", metavar="[SPEC]", required=False)
 @click.argument("data", metavar="[DATA]", required=False)
 @click.option(
@@ -155,10 +156,10 @@ def command(
     cell of DATA may be blank. Its columns are:
 
     \b
-      1 ... 6             what the machine reads (distances to planes signed)
+      1 ... 6             what the machine reads
       x, y, z, rotation   the pose as `gsp measure` reads it
-      P1.x, P1.y, P1.z    the position of point P1, or of a --target
-      incl.x, incl.y      angles of the platform's axes x, y above the horizontal
+      P1.x, P1.y, P1.z    position of point or --target P1
+      incl.x, incl.y      angles of x, y above the horizontal
       crank.B1, slide.B1  what a drive reads
       t                   a name of the row
 

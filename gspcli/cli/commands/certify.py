@@ -8,7 +8,14 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from gspcli.cli.options import Changes, Positive, load_instance, output_options, value_options
+from gspcli.cli.options import (
+    Changes,
+    Command,
+    Positive,
+    load_instance,
+    output_options,
+    value_options,
+)
 from gspcli.cli.pose_options import text_of
 from gspcli.cli.pose_tables import DECIMALS, digit_cells, digit_table, digits_option, refined
 from gspcli.cli.render import Output, emit
@@ -28,7 +35,7 @@ _COLUMNS = FIELDS.of(
 )
 
 
-@click.command()
+@click.command(cls=Command)
 @click.argument("spec", metavar="SPEC")
 @click.argument("result", metavar="RESULT")
 @value_options

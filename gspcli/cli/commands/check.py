@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from gspcli.cli.options import output_options, spec_source
+from gspcli.cli.options import Command, output_options, spec_source
 from gspcli.cli.render import Output, emit, write
 from gspcli.cli.result import Fields, Result
 from gspcli.errors import SpecError
@@ -21,7 +21,7 @@ FIELDS = Fields("check")
 _COLUMNS = FIELDS.of("file valid class number type expected bound warnings shared")
 
 
-@click.command()
+@click.command(cls=Command)
 @click.argument("specs", metavar="[SPEC...]", nargs=-1)
 @click.option(
     "--schema",

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from gspcli.cli.options import Changes, load_instance, output_options, value_options
+from gspcli.cli.options import Changes, Command, load_instance, output_options, value_options
 from gspcli.cli.pose_options import (
     HOME,
     ColumnOptions,
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 FIELDS = Fields("clearance")
 
 
-@click.command()
+@click.command(cls=Command)
 @click.argument("spec", metavar="SPEC")
 @click.argument("rows", metavar="[ROWS]", required=False)
 @mode_option("only this one; also along a file of values.  [default: home]")

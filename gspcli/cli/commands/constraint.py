@@ -12,7 +12,7 @@ from gspcli.catalogue.kinds import KINDS
 from gspcli.catalogue.names import parse_kinds
 from gspcli.catalogue.realization import realization
 from gspcli.catalogue.recorded_varieties import LAZARD, MOURRAIN, coordinates_label, varieties
-from gspcli.cli.options import output_options
+from gspcli.cli.options import Command, output_options
 from gspcli.cli.render import Output, emit
 from gspcli.cli.result import Field, Fields, Result
 from gspcli.cli.streams import say
@@ -38,7 +38,7 @@ _ALL_COLUMNS = FIELDS.of(
 )
 
 
-@click.command
+@click.command(cls=Command)
 @click.argument("kind", required=False)
 @output_options()
 def command(kind: str | None, output: Output) -> None:

@@ -9,6 +9,7 @@ import click
 
 from gspcli.cli.options import (
     Changes,
+    Command,
     Positive,
     load_instance,
     output_options,
@@ -40,7 +41,7 @@ _LEGEND = (
 )
 
 
-@click.command()
+@click.command(cls=Command)
 @click.argument("specs", metavar="[SPEC]...", nargs=-1)
 @value_options
 @click.option("--type", "type_name", metavar="TYPE", help="Count random platforms of a type.")

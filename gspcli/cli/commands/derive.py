@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from gspcli.cli.options import output_options
+from gspcli.cli.options import Command, output_options
 from gspcli.cli.render import Output, emit
 from gspcli.cli.result import Fields, Result
 from gspcli.cli.streams import progress, working
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 FIELDS = Fields("derive")
 
 
-@click.command()
+@click.command(cls=Command)
 @click.argument("case", required=False)
 @click.option("--expand", is_flag=True, help="Write every coefficient in the parameters alone.")
 @output_options(formats=("text", "latex", "json"), default="text")

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 import numpy as np
 
-from gspcli.cli.options import Changes, load_instance, output_options, value_options
+from gspcli.cli.options import Changes, Command, load_instance, output_options, value_options
 from gspcli.cli.pose_options import (
     ColumnOptions,
     GivenPose,
@@ -66,7 +66,7 @@ FIELDS = Fields("dynamics")
 _MOST_NAMED = 5
 
 
-@click.command()
+@click.command(cls=Command)
 @click.argument("spec", metavar="SPEC")
 @click.argument("rows", metavar="[ROWS]", required=False)
 @mode_option("only this one; also along a file of values.  [default: home, all without ROWS]")

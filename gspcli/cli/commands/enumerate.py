@@ -19,7 +19,7 @@ from gspcli.catalogue.coincidence import (
 from gspcli.catalogue.kinds import DLL
 from gspcli.catalogue.names import parse_class, parse_kind_set, parse_type
 from gspcli.catalogue.types import CLASSES, GspType, PlatformClass
-from gspcli.cli.options import Whole, output_options
+from gspcli.cli.options import Command, Whole, output_options
 from gspcli.cli.render import Output, emit
 from gspcli.cli.result import Field, Fields, Result
 
@@ -45,7 +45,7 @@ _MINOR = {
 _MOST_MINOR = 7
 
 
-class _WordListCommand(click.Command):
+class _WordListCommand(Command):
     """Lets the options in `_WORD_LISTS` take words up to the next option."""
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:

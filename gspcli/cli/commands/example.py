@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from gspcli.cli.options import FORMATS, output_options
+from gspcli.cli.options import FORMATS, Command, output_options
 from gspcli.cli.render import Output, emit
 from gspcli.cli.result import Fields, Result
 from gspcli.resources import data_json, instance_files, shipped_file
@@ -27,7 +27,7 @@ _LEGEND = (
 )
 
 
-@click.command()
+@click.command(cls=Command)
 @click.argument("name", required=False)
 @output_options(formats=(*FORMATS, _FILE))
 def command(name: str | None, output: Output) -> None:

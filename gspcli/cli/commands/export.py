@@ -8,7 +8,15 @@ from pathlib import Path
 
 import click
 
-from gspcli.cli.options import Changes, Finite, Whole, file_option, load_instance, value_options
+from gspcli.cli.options import (
+    Changes,
+    Command,
+    Finite,
+    Whole,
+    file_option,
+    load_instance,
+    value_options,
+)
 from gspcli.cli.pose_options import Mode, mode_option
 from gspcli.cli.render import Output, write
 from gspcli.cli.streams import check_writable, say, working
@@ -23,7 +31,7 @@ _PROGRAMS = {name: form for name, form in FORMATS.items() if isinstance(form, Co
 _SYSTEMS = {name: form for name, form in FORMATS.items() if isinstance(form, SystemFormat)}
 
 
-@click.command()
+@click.command(cls=Command)
 @click.argument("spec", metavar="SPEC")
 @click.option(
     "--to",

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from gspcli.cli.options import output_options, refuse_to_replace, spec_source
+from gspcli.cli.options import Command, output_options, refuse_to_replace, spec_source
 from gspcli.cli.pose_options import GivenPose, PoseConventions, pose_options, pose_value_option
 from gspcli.cli.render import Output, emit
 from gspcli.cli.result import Fields, Result
@@ -24,7 +24,7 @@ _SHOWN = 12
 _OFF = 1e-6
 
 
-@click.command()
+@click.command(cls=Command)
 @click.argument("spec", metavar="SPEC")
 @pose_value_option(".  [default: home]")
 @pose_options

@@ -6,14 +6,14 @@ from pathlib import Path
 
 import click
 
-from gspcli.cli.options import Finite, Whole, file_option
+from gspcli.cli.options import Command, Finite, Whole, file_option
 from gspcli.cli.render import Output, write
 from gspcli.cli.streams import say
 from gspcli.defaults import IMPORTED_DIGITS, MEETING_SHARE
 from gspcli.errors import GspError
 
 
-@click.command()
+@click.command(cls=Command)
 @click.argument("file", metavar="FILE", type=click.Path(path_type=Path))
 @click.option("--base", metavar="NAME", help="Which body is the base.  [default: found]")
 @click.option("--platform", metavar="NAME", help="Which is the platform.  [default: found]")

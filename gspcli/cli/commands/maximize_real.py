@@ -10,6 +10,7 @@ import click
 from click.core import ParameterSource
 
 from gspcli.cli.options import (
+    Command,
     Positive,
     Whole,
     file_option,
@@ -32,7 +33,7 @@ if TYPE_CHECKING:
     from gspcli.workers import Workers
 
 
-@click.command()
+@click.command(cls=Command)
 @click.argument("names", nargs=-1, required=True, metavar="TYPE|SPEC")
 @click.option("--show", is_flag=True, help="Do not search: write the best known platform.")
 @click.option(

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from gspcli.cli.options import load_instance, output_options
+from gspcli.cli.options import Command, load_instance, output_options
 from gspcli.cli.pose_options import (
     ColumnOptions,
     GivenPose,
@@ -50,7 +50,7 @@ if TYPE_CHECKING:
 FIELDS = Fields("measure")
 
 
-@click.command()
+@click.command(cls=Command)
 @click.argument("spec", metavar="SPEC")
 @click.argument("poses", metavar="[POSES]", required=False)
 @pose_value_option("instead of POSES")

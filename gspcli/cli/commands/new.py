@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from gspcli.cli.options import decimals_option, file_option, one_sided_option, seed_option
+from gspcli.cli.options import Command, decimals_option, file_option, one_sided_option, seed_option
 from gspcli.cli.render import Output, write
 from gspcli.wording import listed
 
@@ -32,7 +32,7 @@ _TEMPLATE_HEAD = """\
 """
 
 
-@click.command()
+@click.command(cls=Command)
 @click.argument("type_words", metavar="TYPE...", nargs=-1, required=True)
 @click.option(
     "--rotary", is_flag=True, help="Write a hexapod whose motors turn arms, from KEY=NUMBER."

@@ -8,6 +8,7 @@ import click
 
 from gspcli.cli.options import (
     Changes,
+    Command,
     Finite,
     Positive,
     load_instance,
@@ -81,7 +82,7 @@ class _LimitType(click.ParamType):  # type: ignore[type-arg]
         return found
 
 
-@click.command()
+@click.command(cls=Command)
 @click.argument("spec", metavar="SPEC")
 @click.option(
     "--from",

@@ -26,7 +26,7 @@ from gspcli.catalogue.realization import (
     outside,
 )
 from gspcli.catalogue.types import CONSTRAINTS, GspType
-from gspcli.cli.options import DRAWINGS, FORMATS, is_file, load_instance, output_options
+from gspcli.cli.options import DRAWINGS, FORMATS, Command, is_file, load_instance, output_options
 from gspcli.cli.render import Output, emit, write
 from gspcli.cli.result import Fields, Result
 from gspcli.cli.streams import working
@@ -42,7 +42,7 @@ _COLUMNS = FIELDS.of(
 )
 
 
-@click.command()
+@click.command(cls=Command)
 @click.argument("names", nargs=-1, required=True, metavar="TYPE|PATTERN|SPEC")
 @click.option(
     "--realization",

@@ -11,6 +11,7 @@ import click
 from gspcli.cli.options import (
     DRAWINGS,
     FORMATS,
+    Command,
     Whole,
     one_sided_option,
     output_options,
@@ -35,7 +36,7 @@ _BAR = 40
 _ALL_DIGITS = 17
 
 
-@click.command()
+@click.command(cls=Command)
 @click.argument("names", nargs=-1, required=True, metavar="TYPE")
 @click.option(
     "--count",

@@ -18,6 +18,7 @@ from gspcli.cli.options import (
     DRAWINGS,
     FORMATS,
     Changes,
+    Command,
     load_instance,
     output_options,
     resume_option,
@@ -63,7 +64,7 @@ QUANTITIES = ("modes", "condition", "clearance")
 _NUMBERS = tuple("123456")
 
 
-@click.command()
+@click.command(cls=Command)
 @click.argument("spec", metavar="SPEC")
 @click.option(
     "--vary",

@@ -8,6 +8,7 @@ import click
 
 from gspcli.cli.options import (
     Changes,
+    Command,
     Positive,
     jobs_option,
     load_instance,
@@ -38,7 +39,7 @@ FIELDS = Fields("sensors")
 _KINDS = ("leg", "joint", "inclinometer", "distance", "angle")
 
 
-@click.command()
+@click.command(cls=Command)
 @click.argument("spec", metavar="SPEC")
 @click.argument("rows", metavar="[ROWS]", required=False)
 @value_options

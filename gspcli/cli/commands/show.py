@@ -10,14 +10,14 @@ from gspcli.catalogue.names import Alias, find_alias, parse_type
 from gspcli.catalogue.realization import Mechanism, mechanism_of_type, realization
 from gspcli.catalogue.types import GspType
 from gspcli.cli.commands.bound import bound_table, constraint_table
-from gspcli.cli.options import is_file, load_instance, output_options
+from gspcli.cli.options import Command, is_file, load_instance, output_options
 from gspcli.cli.render import Output, emit
 from gspcli.cli.result import Fields, Result
 
 FIELDS = Fields("show")
 
 
-@click.command
+@click.command(cls=Command)
 @click.argument("names", nargs=-1, required=True, metavar="TYPE")
 @output_options(parts=("constraints", "meanings", "bounds", "chains"))
 def command(names: tuple[str, ...], output: Output) -> None:

@@ -16,6 +16,7 @@ import click
 from gspcli.cli.options import (
     FORMATS,
     Changes,
+    Command,
     decimals_option,
     jobs_option,
     load_instance,
@@ -516,7 +517,7 @@ def check_options(*, fitting: bool, **given: object) -> None:
         raise click.UsageError(f"{listed(wrong, 'and')}: not with --fit")
 
 
-@click.command()
+@click.command(cls=Command)
 @click.argument("specs", metavar="SPEC...", nargs=-1, required=True)
 @click.option(
     "--lines",

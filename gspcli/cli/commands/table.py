@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from gspcli.cli.options import output_options
+from gspcli.cli.options import Command, output_options
 from gspcli.cli.render import Output, emit
 from gspcli.cli.result import Field, Fields, Result
 from gspcli.cli.streams import progress, working
@@ -26,7 +26,7 @@ _TABLES = (1, 2, 3)
 _HEADINGS = {"n1": "N1", "surfaces": "case", "distances": "three distance constraints"}
 
 
-@click.command
+@click.command(cls=Command)
 @click.argument("which", type=click.Choice(_CHOICES), metavar="{1|2|3|errata|all}")
 @click.option(
     "--check",

@@ -12,6 +12,7 @@ import click
 
 from gspcli.cli.options import (
     Changes,
+    Command,
     Whole,
     jobs_option,
     load_instance,
@@ -73,7 +74,7 @@ if TYPE_CHECKING:
 FIELDS = Fields("track")
 
 
-@click.command()
+@click.command(cls=Command)
 @click.argument("spec", metavar="SPEC")
 @click.argument("values", metavar="VALUES")
 @mode_option("only this one is followed.")

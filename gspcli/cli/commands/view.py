@@ -10,7 +10,14 @@ from typing import TYPE_CHECKING
 
 import click
 
-from gspcli.cli.options import DRAWINGS, Changes, load_instance, output_options, value_options
+from gspcli.cli.options import (
+    DRAWINGS,
+    Changes,
+    Command,
+    load_instance,
+    output_options,
+    value_options,
+)
 from gspcli.cli.pose_options import (
     ColumnOptions,
     Mode,
@@ -36,7 +43,7 @@ _UPRIGHT = 90
 _PAGE = "html"
 
 
-@click.command()
+@click.command(cls=Command)
 @click.argument("spec", metavar="SPEC")
 @value_options
 @mode_option("what is shown first.  [default: home]")

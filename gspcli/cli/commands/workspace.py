@@ -15,6 +15,7 @@ from gspcli.cli.options import (
     DRAWINGS,
     FORMATS,
     Changes,
+    Command,
     Finite,
     Whole,
     jobs_option,
@@ -60,7 +61,7 @@ _TOLERANCE, _COARSE = 0.01, 0.1
 _MOST_SHOWN = 2_000_000
 
 
-@click.command()
+@click.command(cls=Command)
 @click.argument("spec", metavar="SPEC")
 @mode_option("where to begin.  [default: home]")
 @pose_value_option("home, instead of a mode of SPEC")
