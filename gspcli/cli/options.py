@@ -182,6 +182,15 @@ def _keys_option(function: Function) -> Function:
     )(function)
 
 
+_force_option = click.option(
+    "--force",
+    "force_",
+    is_flag=True,
+    is_eager=True,
+    help="Replace also a file that is read, or one beside that of -o.",
+)
+
+
 #: The help of `-o`, the same in all commands.
 _FILE_HELP = "Write to FILE, replacing it"
 
@@ -200,17 +209,20 @@ def file_option(suffix: str) -> Callable[[Function], Function]:
         path = None if value in (None, "-") else Path(str(value))
         if path is not None:
             check_writable(path)
-        context.params["output"] = Output(suffix, path)
+        context.params["output"] = Output(suffix, path, force=context.params.pop("force_", False))
 
-    return click.option(
-        "-o",
-        "--output",
-        "output_file_",
-        metavar="FILE",
-        expose_value=False,
-        callback=resolve,
-        help=f"{_FILE_HELP}.",
-    )
+    def decorate(function: Function) -> Function:
+        return click.option(
+            "-o",
+            "--output",
+            "output_file_",
+            metavar="FILE",
+            expose_value=False,
+            callback=resolve,
+            help=f"{_FILE_HELP}.",
+        )(_force_option(function))
+
+    return decorate
 
 
 def output_options(
@@ -248,7 +260,9 @@ def output_options(
 
                 require_matplotlib()
             part = context.params.pop("part_", None)
-            context.params["output"] = Output(chosen or default, Path(path) if path else None, part)
+            force = context.params.pop("force_", False)
+            place = Path(path) if path else None
+            context.params["output"] = Output(chosen or default, place, part, force)
             return None
 
         function = click.option(
@@ -259,7 +273,7 @@ def output_options(
             expose_value=False,
             callback=resolve,
             help=f"{_FILE_HELP}; its suffix gives the format.",
-        )(function)
+        )(_force_option(function))
         if parts:
             function = click.option(
                 "--part",
@@ -505,14 +519,16 @@ def refuse_to_replace(word: str) -> None:
     """
     context = click.get_current_context(silent=True)
     output = None if context is None else context.params.get("output")
-    if not isinstance(output, Output) or output.path is None or word == "-":
+    if not isinstance(output, Output) or output.path is None or output.force or word == "-":
         return
     try:
         same = output.path.exists() and output.path.samefile(word)
     except (OSError, ValueError):
         return
     if same and output.path.is_file():
-        raise GspError(f"-o {named(output.path)}: it is the file that is read: choose another")
+        raise GspError(
+            f"-o {named(output.path)}: it is the file that is read: choose another, or --force"
+        )
 
 
 def read_type(words: Sequence[str]) -> GspType:

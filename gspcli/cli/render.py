@@ -17,10 +17,18 @@ from typing import Any
 import click
 
 from gspcli.cli.result import Field, Result
-from gspcli.cli.streams import coloured, lacking, printable, representable, say, write_whole
+from gspcli.cli.streams import (
+    check_writable,
+    coloured,
+    lacking,
+    printable,
+    representable,
+    say,
+    write_whole,
+)
 from gspcli.errors import GspError
 from gspcli.records import dataclass
-from gspcli.wording import listed
+from gspcli.wording import listed, named
 
 #: Digits of a number in a table for people, unless the column or the width says otherwise.
 DIGITS = 6
@@ -623,11 +631,33 @@ class Output:
         The file, or None for standard output.
     part
         The one table that is asked for, None for all.
+    force
+        Whether files that are read, or beside that of `-o`, may be replaced.
     """
 
     format: str
     path: Path | None
     part: str | None = None
+    force: bool = False
+
+    def beside(self, path: Path) -> Output:
+        """Return the place of a file that `-o` does not name: one that exists is not replaced.
+
+        Raises
+        ------
+        GspError
+            If there is such a file that gsp has not written, without `--force`.
+        """
+        check_writable(path)
+        if path != self.path and not self.force and path.is_file() and not _is_ours(path):
+            raise GspError(f"{named(path)}: it is beside the file of -o: --force replaces it")
+        return replace(self, path=path)
+
+
+def _is_ours(path: Path) -> bool:
+    """Return whether a file says at its beginning that gsp has written it."""
+    with path.open("rb") as file:
+        return re.search(rb"gsp (export|\d)", file.read(200)) is not None
 
 
 def emit(
@@ -693,11 +723,11 @@ def _emit_csv(output: Output, tables: Sequence[Result]) -> None:
         raise click.UsageError(
             f"CSV holds one table: choose --part of {parts}, or -o FILE.csv for a file each"
         )
-    for table in tables:
-        place = output
+    places = [output]
+    if len(tables) > 1 and output.path is not None:
+        places = [output.beside(_named(output.path, table.part)) for table in tables]
+    for table, place in zip(tables, places, strict=True):
         if len(tables) > 1:
-            assert output.path is not None
-            place = replace(output, path=_named(output.path, table.part))
             say(f"{place.path}: written")
         write(place, csv_text(table))
         for line in table.summary:

@@ -15,7 +15,7 @@ def test_writes_the_loops_beside_the_robot(gsp, tmp_path) -> None:
     # The loops are not written over by what is made of them.
     again = gsp("import", str(target), "-o", str(target.with_suffix(".yaml")))
     assert again.code == 2
-    assert "this file is read" in again.err
+    assert "it is no instance file" in again.err
     assert target.with_suffix(".yaml").read_text() == found[".yaml"]
     assert gsp("import", str(target), "-o", str(target)).code == 2
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from inspect import cleandoc
 from pathlib import Path
 
@@ -19,7 +18,7 @@ from gspcli.cli.options import (
 )
 from gspcli.cli.pose_options import Mode, mode_option
 from gspcli.cli.render import Output, write
-from gspcli.cli.streams import check_writable, say, working
+from gspcli.cli.streams import say, working
 from gspcli.errors import GspError
 from gspcli.export.exported import COORDINATES, DIGITS, TRIES, exported
 from gspcli.export.formats import FORMATS, ControllerFormat, ModeFormat, SystemFormat
@@ -118,6 +117,9 @@ def command(
     form = FORMATS[target]
     pair = None if isinstance(form, SystemFormat) or len(form.suffixes) < 2 else form.suffixes
     source = None if pair is None else _source(output, *pair)
+    places = {}
+    if source is not None:
+        places = {suffix: output.beside(source.with_suffix(suffix)) for suffix in pair or ()}
     with working("exporting"):
         found = exported(
             instance,
@@ -133,8 +135,7 @@ def command(
     for note in found.notes:
         say(note)
     for suffix, text in found.files.items():
-        path = output.path if source is None else source.with_suffix(suffix)
-        write(output if path is None else replace(output, path=path), text)
+        write(places.get(suffix, output), text)
 
 
 def _irrational() -> str:
@@ -159,5 +160,4 @@ def _source(output: Output, last: str, suffix: str) -> Path:
         raise GspError(
             f"two files are written: expected -o NAME{suffix}, NAME{last} is then beside it"
         )
-    check_writable(source.with_suffix(last))
     return source

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import click
@@ -11,6 +12,7 @@ from gspcli.cli.render import Output, write
 from gspcli.cli.streams import say
 from gspcli.defaults import IMPORTED_DIGITS, MEETING_SHARE
 from gspcli.errors import GspError
+from gspcli.wording import named
 
 
 @click.command(cls=Command)
@@ -60,7 +62,7 @@ def command(
     """
     from gspcli.machines.api import import_machine
 
-    _spare(file, output)
+    _spare(output)
     found = import_machine(file, base=base, platform=platform, meet=meet, digits=digits)
     say(f"{file}: {found.described}")
     for line in (*found.chains, *found.notes):
@@ -68,16 +70,13 @@ def command(
     write(output, found.text)
 
 
-def _spare(file: Path, output: Output) -> None:
-    """Refuse to write over what is read: the loops of a robot are in a YAML file, too."""
-    loops = file.with_suffix(".yaml")
-    target = output.path
-    if target is None or not (target.exists() and file.exists()):
-        return
-    if target.samefile(file) or (
-        loops.exists() and target.samefile(loops) and b"closed_loop" in loops.read_bytes()
-    ):
-        raise GspError(f"{target}: this file is read, expected another one for -o")
+def _spare(output: Output) -> None:
+    """Refuse to replace what is no instance file: machines of other programs have several files."""
+    path = output.path
+    if path is not None and path.is_file() and not output.force:
+        head = path.read_bytes()[:65536]
+        if head and not re.search(rb"(?m)^gsp\s*:", head):
+            raise GspError(f"-o {named(path)}: it is no instance file: choose another, or --force")
 
 
 command.help = str(command.help).format(
