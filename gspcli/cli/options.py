@@ -410,6 +410,11 @@ class Changes:
     values: tuple[str, ...] = ()
     differences: tuple[str, ...] = ()
 
+    @property
+    def given(self) -> bool:
+        """Whether there are any."""
+        return bool(self.values or self.differences)
+
     def of(self, instance: Instance) -> Instance:
         """Return the instance with these changes.
 
@@ -418,7 +423,7 @@ class Changes:
         SpecError
             With all mistakes in the texts.
         """
-        if not self.values and not self.differences:
+        if not self.given:
             return instance
         from gspcli.spec import set_values
 

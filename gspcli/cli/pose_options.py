@@ -414,8 +414,11 @@ def chosen(mode: Mode | None, home: HomeMode | None, count: int) -> int:
 
     number = mode if isinstance(mode, int) else None
     found = chosen_mode(number, home, count)
-    if number is None and home is not None and count > 1:
-        say(home.text)
+    if number is None and home is not None:
+        if count > 1:
+            say(home.text)
+        if home.doubt:
+            say(f"warning: {home.doubt}")
     return found
 
 

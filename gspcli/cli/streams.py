@@ -317,8 +317,16 @@ _PATIENCE_SECONDS = 1.0
 _LINE_SECONDS = 10.0
 
 
-def progress(items: Iterable[Item], *, total: int | None = None, label: str = "") -> Iterator[Item]:
-    """Yield the items; after a second, show a bar on the terminal (see `gspcli.progress`)."""
+def progress(
+    items: Iterable[Item], *, total: int | None = None, label: str = "", lines: bool = False
+) -> Iterator[Item]:
+    """Yield the items; after a second, show a bar on the terminal (see `gspcli.progress`).
+
+    Off a terminal nothing is shown or, with `lines`, how far the work is every ten seconds.
+    """
+    if not lines and not sys.stderr.isatty():
+        yield from items
+        return
     bar = _LateBar(label, total) if sys.stderr.isatty() else _Lines(label, total)
     try:
         for item in items:
@@ -331,18 +339,20 @@ def progress(items: Iterable[Item], *, total: int | None = None, label: str = ""
 @contextmanager
 def working(label: str) -> Iterator[None]:
     """Show, after a second, that work of unknown length goes on."""
-    bar = _LateBar(label, None) if sys.stderr.isatty() else _Lines(label, None)
+    bar = _LateBar(label, None) if sys.stderr.isatty() else None
     try:
         yield
     finally:
-        bar.stop()
+        if bar is not None:
+            bar.stop()
 
 
 class _Lines:
     """A line on standard error every ten seconds."""
 
     def __init__(self, label: str, total: int | None) -> None:
-        self._label, self._total, self._done = label, total, 0
+        self._label, self._total = label, total
+        self._done = 0
         self._begun = monotonic()
         self._stopped = Event()
         thread = Thread(target=self._run, daemon=True)

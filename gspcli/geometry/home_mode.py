@@ -22,6 +22,8 @@ Array = NDArray[np.float64]
 
 #: Poses whose distances differ by less, in the platform's size, are equally near.
 _EQUAL = 1e-6
+#: A stated home that is farther from every mode, in the platform's size, is probably a mistake.
+_FAR = 0.1
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,6 +46,8 @@ class HomeMode:
         How far it is from the stated home, in words; empty if that is where it is.
     kept
         Whether only some of the real poses were kept, of which there are `count`.
+    doubt
+        What is odd if it is far from the stated home, else empty.
     """
 
     number: int
@@ -54,6 +58,7 @@ class HomeMode:
     equal: int
     away: str
     kept: bool = False
+    doubt: str = ""
 
     @property
     def reason(self) -> str:
@@ -109,12 +114,20 @@ def home_mode(instance: Instance, R: Array, T: Array) -> HomeMode | None:
     middles = R[equal] @ arrangement.platform_centre + T[equal]
     # Heights that differ by rounding errors are equal, and the first of them counts.
     best = int(equal[(middles[:, 2] / arrangement.length).round(6).argmax()])
-    away = ""
+    away = doubt = ""
     if home is not None and apart[best] > _EQUAL:
         units = instance.units
         turn = turned[best] / arrangement.in_radians
         away = f"{moved[best]:.3g} {units.length} and {turn:.3g} {units.angle.value}"
-    return HomeMode(best + 1, R[best], T[best], len(R), home is not None, len(equal), away)
+        if apart[best] > _FAR:
+            doubt = (
+                f"the stated home is {away} from the nearest mode, more than a tenth of the "
+                f"platform: are its numbers in {units.length} and {units.angle.value}, and are the "
+                "values those at home?"
+            )
+    return HomeMode(
+        best + 1, R[best], T[best], len(R), home is not None, len(equal), away, doubt=doubt
+    )
 
 
 def distances(R: Array, T: Array, R0: Array, T0: Array) -> tuple[Array, Array]:

@@ -271,7 +271,7 @@ class AskedMotion:
     motion
         How it moves there, or None if that is not given.
     modes
-        Whether the poses are the modes of the instance.
+        The numbers of the modes that the poses are; empty for other poses.
     drives
         Readings of the drives, shape (n, m), of a platform with cranks or slides whose rows say
         where they are; None for the knees of home.

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from gspcli.cli.options import Command, Finite, Whole, file_option
+from gspcli.cli.options import Command, Finite, Whole, file_option, refuse_to_replace
 from gspcli.cli.render import Output, write
 from gspcli.cli.streams import say
 from gspcli.defaults import IMPORTED_DIGITS, MEETING_SHARE
@@ -62,6 +62,7 @@ def command(
     """
     from gspcli.machines.api import import_machine
 
+    refuse_to_replace(str(file))
     _spare(output)
     found = import_machine(file, base=base, platform=platform, meet=meet, digits=digits)
     say(f"{file}: {found.described}")
@@ -75,7 +76,7 @@ def _spare(output: Output) -> None:
     path = output.path
     if path is not None and path.is_file() and not output.force:
         head = path.read_bytes()[:65536]
-        if head and not re.search(rb"(?m)^gsp\s*:", head):
+        if head and not re.search(rb"\A(\s*(#.*)?\n)*(---\n)?gsp\s*:", head):
             raise GspError(f"-o {named(path)}: it is no instance file: choose another, or --force")
 
 

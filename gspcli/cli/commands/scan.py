@@ -244,6 +244,7 @@ def _fill(found: Scan, workers: Workers, journal: Path | None) -> None:
             results,
             total=len(missing),
             label="nodes in thousands" if found.piece == 1000 else "parts of the nodes",
+            lines=True,
         ):
             found.enter(piece)
             if work is not None:
@@ -262,7 +263,7 @@ def _boundary(found: Scan) -> Boundary:
     from gspcli.motion.singularities.crossings import boundaries
 
     edges = sum(1 for _ in found.edges)
-    *_, last = progress(boundaries(found), total=edges, label="edges with folds")
+    *_, last = progress(boundaries(found), total=edges, label="edges with folds", lines=True)
     return last
 
 

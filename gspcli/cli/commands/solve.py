@@ -678,6 +678,8 @@ def command(
             shown = replace(shown, fits=fit.rows())
         proved = _refined(result, shown, digits) if digits is not None else []
     _show(result, shown, proved, fit, output, everything=everything, legend=legend)
+    if result.home is not None and result.home.doubt and not changes.given:
+        say(f"warning: {result.home.doubt}")
     return _complained(result, fit)
 
 

@@ -6,6 +6,7 @@ import signal
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
+from functools import partial
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
@@ -195,7 +196,8 @@ def command(
         found = workspace(
             moving, home.R, home.T, free=free, pivot=home.pivot, sequence=sequence,
             within=dict(map(_interval, intervals)), connected=only, knees=knees, gap=leg_gap,
-            tolerance=wanted, most_boxes=most_boxes, jobs=jobs, progress=progress, stop=interrupted,
+            tolerance=wanted, most_boxes=most_boxes, jobs=jobs, stop=interrupted,
+            progress=partial(progress, lines=True),
         )  # fmt: skip
     _show(found, home, instance, listed, output)
     if interrupted():
@@ -514,7 +516,7 @@ def show_travels(
     offsets = _offsets(held)
     names = list(offsets[0])
     rows: list[dict[str, Any]] = []
-    for offset in progress(offsets, total=len(offsets), label="travels"):
+    for offset in progress(offsets, total=len(offsets), label="travels", lines=True):
         rows += _offset_rows(
             instance, home, sequence, offset, connected=connected, knees=knees, gap=gap
         )
