@@ -97,8 +97,7 @@ def command(
         return 0
 
     if real == 0:
-        message = "--real 0 is for --show: a search is for at least one real pose"
-        raise click.UsageError(message)
+        raise click.UsageError("--real 0 is for --show: a search is for at least one real pose")
     from gspcli.journal import held
     from gspcli.reality.real_search import RealSearch
     from gspcli.reality.state import State, read_state

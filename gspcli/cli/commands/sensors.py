@@ -148,8 +148,7 @@ def command(
     emit(output, shown, document=result.to_json())
     if missing := int((~result.separations.complete).sum()):
         sets = len(result.separations.modes)
-        message = f"at {counted(missing, 'set')} of {sets} not all poses are known"
-        raise IncompleteError(message)
+        raise IncompleteError(f"at {counted(missing, 'set')} of {sets} not all poses are known")
 
 
 def _rows(
@@ -183,11 +182,9 @@ def _deviation(text: str) -> tuple[str, float]:
 
     kind, _, value = text.partition("=")
     if kind.strip() not in _KINDS:
-        message = f"--sigma: found {text!r}, expected {expected}"
-        raise GspError(message)
+        raise GspError(f"--sigma: found {text!r}, expected {expected}")
     if wrong_number(value.strip()):
-        message = f"--sigma: found {text!r}, expected {expected}"
-        raise GspError(message)
+        raise GspError(f"--sigma: found {text!r}, expected {expected}")
     return kind.strip(), float(value)
 
 

@@ -316,13 +316,7 @@ def _sources(specs: Sequence[str], *, lines: bool) -> Iterator[Source]:
 
 
 def _lines_of(spec: str) -> Iterator[Source]:
-    """Yield the lines of a file that are not empty.
-
-    Raises
-    ------
-    GspError
-        If it cannot be read.
-    """
+    """Yield the lines of a file that are not empty."""
     from gspcli.spec.document import LARGEST_SPEC
     from gspcli.wording import named
 
