@@ -41,7 +41,7 @@ def test_paths_along_poses_are_proved_again(gsp, tmp_path):
 def test_a_path_with_a_time_is_proved_again(gsp, tmp_path):
     file = str(tmp_path / "path.csv")
     ends = ("--from", "home", "--to", "0,0,0.001,1,0,0,0")
-    limits = ("--speed", "0.001", "--acceleration", "0.002", "--round")
+    limits = ("--speed", "0.001", "--acceleration", "0.002")
     run = gsp("path", "@rubin-m2", *ends, *limits, "-o", file)
     assert run.code == 0
     assert run.err.splitlines()[3].endswith("s: each motor at most 0.001 m/s and 0.002 m/s^2")
@@ -53,7 +53,7 @@ def test_a_path_with_a_time_is_proved_again(gsp, tmp_path):
     timing = document["timing"]
     assert timing["speed"] == {"motors": 0.001, "platform": 0.0005}
     assert timing["seconds"] == document["rows"][-1]["t"] >= 0.001 / 0.0005
-    assert (timing["corners"], timing["rounded"]) == (0, 0)
+    assert timing["corners"] == 0
 
 
 def test_a_path_to_where_it_begins_has_no_length(gsp):
@@ -129,7 +129,6 @@ def test_all_modes(gsp):
         (("--from", "home", "--to", "2", "--time", "0"), "0.0 is not in the range"),
         (("--from", "home", "--to", "2", "--along", "lines"), "'lines' is not one of"),
         (("--from", "home", "--to", "2", "--speed", "1"), "--speed and --acceleration go together"),
-        (("--from", "home", "--to", "2", "--round"), "--round goes with --speed"),
         (("--all", "--speed", "1", "--acceleration", "1"), "--all makes no rows"),
         (("--speed", "motor=1"), "'motor' is not one of motors, platform, turn"),
         (("--speed", "1,2"), "motors stands twice"),

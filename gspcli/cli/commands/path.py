@@ -143,12 +143,6 @@ class _LimitType(click.ParamType):  # type: ignore[type-arg]
     metavar="A",
     help="With --speed: no acceleration is above A, in units a second squared, proved likewise.",
 )
-@click.option(
-    "--round",
-    "rounded",
-    is_flag=True,
-    help="With --speed: round corners instead of stopping there, as far as that is proved.",
-)
 @seed_option("")
 @value_options
 @pose_options
@@ -164,7 +158,6 @@ def command(
     seconds: float,
     speed: dict[str, float] | None,
     acceleration: dict[str, float] | None,
-    rounded: bool,
     seed: int,
     changes: Changes,
     conventions: PoseConventions,
@@ -189,8 +182,7 @@ def command(
     With --speed and --acceleration t is in seconds. One number limits each motor: in mm/s and
     mm/s^2 for lengths in mm, in deg/s and deg/s^2 for angles in degrees.
     `motors=50,platform=100,turn=30` limits the pivot of the platform and its turn, too, on ways of
-    poses. The platform begins and ends at rest and stops at corners; with --round it passes them on
-    parabolas, which are proved.
+    poses. The platform begins and ends at rest and stops at corners.
 
     With --all the modes of SPEC are grouped: those of one group are joined by proved paths. The
     exit code is 4 if two groups are not proved to be apart.
@@ -204,7 +196,7 @@ def command(
       gsp path @rubin-camera --all
     """
     _check(start, goal, everything, spec)
-    _check_speed(speed, acceleration, rounded, everything)
+    _check_speed(speed, acceleration, everything)
     from gspcli.motion.paths.api import mode_groups, path
 
     instance = load_instance(spec, changes)
@@ -220,7 +212,7 @@ def command(
         found = path(
             instance, first, last, along=along, clear=clear, gap=gap, time=seconds, seed=seed,
             pivot=_pivot(form), sequence=form.euler or "ZYX",
-            speed=speed, acceleration=acceleration, rounded=rounded,
+            speed=speed, acceleration=acceleration,
         )  # fmt: skip
     if found.verdict == "proved" or output.format == "json":
         emit(output, path_table(found, form.frame), document=found.to_json(form.frame))
@@ -241,13 +233,11 @@ def _check(start: object, goal: object, everything: bool, spec: str) -> None:
         raise click.UsageError(message)
 
 
-def _check_speed(speed: object, acceleration: object, rounded: bool, everything: bool) -> None:
+def _check_speed(speed: object, acceleration: object, everything: bool) -> None:
     """Raise for options of the time that cannot be combined."""
     message = ""
     if (speed is None) != (acceleration is None):
         message = "--speed and --acceleration go together"
-    elif rounded and speed is None:
-        message = "--round goes with --speed and --acceleration"
     elif everything and speed is not None:
         message = "--all makes no rows: leave out --speed and --acceleration"
     if message:
@@ -394,9 +384,7 @@ def _time(found: PlannedPath, timing: Timing) -> str:
         if numbers:
             limits.append(f"{names[name]} at most {listed(numbers, 'and')}")
     text = f"{timing.seconds:.4g} s: {', '.join(limits)}"
-    stops = timing.corners - timing.rounded
-    if timing.rounded:
-        text += f"; {counted(timing.rounded, 'corner')} rounded"
+    stops = len(timing.moves.tops) - 1
     if stops:
         text += f"; stops at {counted(stops, 'corner')}"
     return text

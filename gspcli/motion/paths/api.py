@@ -31,7 +31,6 @@ def path(
     sequence: str = "ZYX",
     speed: float | Mapping[str, float] | None = None,
     acceleration: float | Mapping[str, float] | None = None,
-    rounded: bool = False,
 ) -> PlannedPath:
     """Plan a path from one pose to another that is proved on the whole way.
 
@@ -68,8 +67,6 @@ def path(
         of each motor, in the unit of its value a second (squared). By name: of the ``motors``, of
         the ``platform``'s pivot, and of its ``turn`` in the unit of angles; the last two are proved
         on ways of poses.
-    rounded
-        Whether corners are rounded where that is proved, instead of stops.
 
     Raises
     ------
@@ -87,7 +84,7 @@ def path(
     'the sign of det J differs, and a regular path keeps it'
     """
     limits = PathLimits.of(speed, acceleration)
-    planner = _planner(instance, along, clear, time, seed, pivot, sequence, limits, rounded, gap)
+    planner = _planner(instance, along, clear, time, seed, pivot, sequence, limits, gap)
     modes = Modes(instance)
     return planner.path(modes.end(start, "start"), modes.end(goal, "goal"))
 
@@ -121,7 +118,6 @@ def _planner(
     pivot: Sequence[float] | None,
     sequence: str,
     limits: PathLimits | None = None,
-    rounded: bool = False,
     gap: float | None = None,
 ) -> Planner:
     if not (np.isfinite(time) and time >= 0):
@@ -132,6 +128,6 @@ def _planner(
         raise ArgumentError(message, "seed")
     return Planner(
         instance, along=along, clear=clear, seconds=time, seed=int(seed), pivot=pivot,
-        sequence=sequence, limits=limits, rounded=rounded,
+        sequence=sequence, limits=limits,
         gap=gap,
     )  # fmt: skip

@@ -19,7 +19,7 @@ from gspcli.motion.following.limit_events import limit_events
 from gspcli.motion.following.moving_geometry import MovingGeometry
 from gspcli.motion.following.row_instances import over_rows
 from gspcli.motion.following.tracks import Track
-from gspcli.motion.paths.driven_rows import DrivenRows
+from gspcli.motion.paths.between import PathRows
 from gspcli.motion.paths.ends import PathEnd
 from gspcli.motion.paths.guides import GuideRows, RowsOnWay, on_polygon
 from gspcli.motion.paths.motors import Motors
@@ -83,8 +83,6 @@ class DriveGuide:
 
     def through(self, given: RowsOnWay) -> GuideRows | None:
         """Return given rows with their poses, or None if the way through them is not proved."""
-        if given.bulges is not None:
-            return None
         drives = self.motors.drives
         q = given.numbers * drives.units
         followed = self._followed(given.numbers)
@@ -101,17 +99,11 @@ class DriveGuide:
             if not pieces:
                 return None
             proofs[part] += pieces
-        rows = DrivenRows(
-            self.ways, followed.values, R, T, motors=self.motors, numbers=q, middle=self.middle,
-            clear=self.clear > 0, geometry=geometry,
-        )  # fmt: skip
+        rows = PathRows(
+            self.ways, followed.values, R, T, motors=self.motors, numbers=q, geometry=geometry
+        )
         trace = GuideRows(given.part, given.fraction, followed.values, R, T, proofs, rows, q)
         return trace if trace.keeps(self.clear, self.gap) else None
-
-    def refused(self, given: RowsOnWay) -> list[int]:
-        """Return nothing: it is not looked for."""
-        del given
-        return []
 
     def placed(self, corner: Array) -> Array:
         """Return a corner unchanged."""
@@ -150,7 +142,7 @@ class DriveGuide:
             return 1
         if not halvings:
             return 0
-        there = self.middle(q, R, T)
+        there = self._middle(q, R, T)
         if there is None:
             return 0
         middle = numbers.mean(axis=0)
@@ -158,7 +150,7 @@ class DriveGuide:
         second = first and self._keeps_knees(np.stack((middle, numbers[1])), *there, halvings - 1)
         return first + second if second else 0
 
-    def middle(self, q: Array, R: Array, T: Array) -> tuple[Array, Array] | None:
+    def _middle(self, q: Array, R: Array, T: Array) -> tuple[Array, Array] | None:
         """Return the pose in the middle of a way of drives from a pose; None if it is not found.
 
         Parameters

@@ -9,9 +9,8 @@ from gspcli.errors import IncompleteError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
 from gspcli.motion.collisions.compared import ComparedShapes
-from gspcli.motion.paths.between_rows import HALVINGS, least_clearances
+from gspcli.motion.paths.between import least_clearances, least_gaps
 from gspcli.motion.paths.ends import PathEnd
-from gspcli.motion.paths.gaps_between import least_gaps
 from gspcli.motion.paths.guides import PROVED_ROWS, Guide, GuideRows
 from gspcli.motion.paths.planned_paths import PathPart, PlannedPath
 from gspcli.motion.paths.timing import PathLimits, timed
@@ -30,8 +29,6 @@ def finished(
     start: PathEnd,
     goal: PathEnd,
     limits: PathLimits | None = None,
-    *,
-    rounded: bool = False,
 ) -> PlannedPath:
     """Return a path with its rows.
 
@@ -45,8 +42,8 @@ def finished(
         Those of a proved path, shape (k + 1, 6).
     start, goal
         Its ends.
-    limits, rounded
-        Of speeds and accelerations, if the path has a time; whether corners are rounded.
+    limits
+        Of speeds and accelerations, if the path has a time.
 
     Raises
     ------
@@ -55,7 +52,7 @@ def finished(
     """
     proved = np.full(len(corners) - 1, PROVED_ROWS)
     trace = guide.trace(corners, proved)
-    timing, curved, t = None, None, None
+    timing, t = None, None
     if trace is not None:
         length = Arrangement.of(given).length
         wanted = np.ceil(_lengths(given, trace) / (_STEP * length))
@@ -63,9 +60,9 @@ def finished(
         # Long steps near singular poses are not proved; those of the search are.
         for tried in (rows, np.maximum(rows, proved)):
             if limits is not None:
-                found = timed(guide, corners, limits, tried, rounded=rounded)
+                found = timed(guide, corners, limits, tried)
                 if found is not None:
-                    trace, t, timing, curved = found
+                    trace, t, timing = found
                     break
             elif (rowed := guide.trace(corners, tried)) is not None:
                 trace = rowed
@@ -73,9 +70,11 @@ def finished(
     if trace is None or (limits is not None and timing is None):
         message = "the path that was found could not be proved again: try another seed"
         raise IncompleteError(message)
-    # Halving takes long; without a clearance that is asked for, the rows suffice.
-    halvings = HALVINGS if guide.clear else 0
-    at, between = least_clearances(trace.rows, guide.clear, halvings)
+    # Those of drives take long.
+    if guide.clear or trace.rows.motors is None:
+        at, between = least_clearances(trace.rows, guide.clear)
+    else:
+        at, between = np.zeros(len(trace.T)), np.zeros(len(trace.T) - 1)
     conditions = trace.rows.conditions()
     gaps = None if guide.gap is None else least_gaps(trace.rows, guide.gap)[1]
     first = np.searchsorted(trace.part, np.arange(len(trace.proofs)))
@@ -89,7 +88,6 @@ def finished(
             float(lengths[k]),
             float(conditions[a : b + 1].max()),
             float(between[a:b].min()),
-            rounded=curved is not None and bool(curved[k]),
             gap=None if gaps is None else float(gaps[a:b].min()),
         )
         for k, (a, b) in enumerate(zip(first.tolist(), last.tolist(), strict=True))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from itertools import pairwise
 from typing import NamedTuple, Protocol
 
@@ -11,10 +10,8 @@ from numpy.typing import NDArray
 
 from gspcli.geometry.limits import within_limits
 from gspcli.motion.collisions.compared import ComparedShapes
-from gspcli.motion.paths.between_rows import PathRows, least_clearances
-from gspcli.motion.paths.driven_rows import DrivenRows
-from gspcli.motion.paths.gaps_between import least_gaps
-from gspcli.motion.paths.pose_ways import PoseWays, WayProof
+from gspcli.motion.paths.between import PathRows, least_clearances, least_gaps
+from gspcli.motion.paths.pose_ways import PoseWays
 from gspcli.motion.paths.value_ways import ValueWays
 from gspcli.motion.poses.inverse_kinematics import values_at
 
@@ -63,8 +60,6 @@ class RowsOnWay(NamedTuple):
     """Where on its part each row is, shape (r,); the last row is at 1."""
     numbers: Array
     """Values, or positions and angles, shape (r, 6)."""
-    bulges: Array | None = None
-    """How far the way after each row is from the straight one at most, shape (r - 1, 6)."""
 
 
 class Guide(Protocol):
@@ -93,10 +88,6 @@ class Guide(Protocol):
 
     def through(self, given: RowsOnWay) -> GuideRows | None:
         """Return given rows with their poses, or None if the way through them is not proved."""
-        ...
-
-    def refused(self, given: RowsOnWay) -> list[int]:
-        """Return the indices of rows after which the way is not proved, if they are known."""
         ...
 
     def placed(self, corner: Array) -> Array:
@@ -142,20 +133,6 @@ class ValueGuide:
         self.sizes = np.where(finite, width, 0.0)
         self._digits = _digits(self.sizes)
 
-    def refused(self, given: RowsOnWay) -> list[int]:
-        """Return the rows after which the way is not proved; see `Guide`."""
-        values, bulges = given.numbers, given.bulges
-        found = self.ways.follow(values[None], np.zeros(1, np.int64), self.first[None])
-        lost = np.isnan(found.points[0, :, 0])
-        if lost.any():
-            return [int(lost.argmax()) - 1]
-        R, T = self.ways.poses(found.points[0])
-        rows = PathRows(self.ways, values, R, T, bulges=bulges)
-        between = least_clearances(rows, 0.0, 0)[1]
-        curved = np.zeros(len(between), bool) if bulges is None else bulges.any(axis=1)
-        bad = (curved & (between <= 0)) | (between < self.clear) | _too_near(rows, self.gap)
-        return np.flatnonzero(bad).tolist()
-
     def widen(self, corners: Array) -> None:
         """Set how far values without a range may be moved, by those of a path."""
         span = np.ptp(corners, axis=0)
@@ -168,7 +145,7 @@ class ValueGuide:
 
     def through(self, given: RowsOnWay) -> GuideRows | None:
         """Return given rows with their poses, or None; see `Guide`."""
-        part, fraction, values, bulges = given
+        part, fraction, values = given
         if not self.ways.kept(values).all():
             return None
         found = self.ways.follow(values[None], np.zeros(1, np.int64), self.first[None])
@@ -181,10 +158,8 @@ class ValueGuide:
             return None
         R, T = self.ways.poses(points)
         proofs = _shared(int(found.parts[0]), np.bincount(part[:-1]))
-        between = PathRows(self.ways, values, R, T, bulges=bulges)
+        between = PathRows(self.ways, values, R, T)
         trace = GuideRows(part, fraction, values, R, T, proofs, between)
-        if bulges is not None and not _enclosed(trace, bulges):
-            return None
         return trace if trace.keeps(self.clear, self.gap) else None
 
     def placed(self, corner: Array) -> Array:
@@ -239,52 +214,25 @@ class PoseGuide:
     def through(self, given: RowsOnWay) -> GuideRows | None:
         """Return given rows with their poses, or None; see `Guide`."""
         proofs = np.zeros(int(given.part[-1]) + 1, np.int64)
-        for part, proof in zip(given.part.tolist(), self._proofs(given), strict=False):
+        for part, (first, last) in zip(given.part.tolist(), pairwise(given.numbers), strict=False):
+            proof = self.ways.prove(first, last)
             if not proof.sign:
                 return None
             proofs[part] += proof.cells
         return self._through(given, proofs)
 
-    def refused(self, given: RowsOnWay) -> list[int]:
-        """Return the rows after which the way is not proved; see `Guide`."""
-        left = np.array([not proof.sign for proof in self._proofs(given)], bool)
-        if self.gap is not None:
-            R, T = self.ways.poses(given.numbers)
-            values = values_at(self.ways.instance, R, T)
-            rows = PathRows(self.ways, values, R, T, given.numbers, bulges=given.bulges)
-            left |= _too_near(rows, self.gap)
-        return np.flatnonzero(left).tolist()
-
-    def _proofs(self, given: RowsOnWay) -> Iterator[WayProof]:
-        """Prove the way after each row; curved ones by a box that contains them."""
-        numbers, bulges = given.numbers, given.bulges
-        for k, (first, last) in enumerate(pairwise(numbers)):
-            if bulges is not None and bulges[k].any():
-                low, high = np.minimum(first, last) - bulges[k], np.maximum(first, last) + bulges[k]
-                yield self.ways.contains(low, high)
-            else:
-                yield self.ways.prove(first, last)
-
     def _through(self, given: RowsOnWay, proofs: NDArray[np.int64]) -> GuideRows | None:
-        part, fraction, parameters, bulges = given
+        part, fraction, parameters = given
         R, T = self.ways.poses(parameters)
-        motors = self.ways.motors
-        if motors is not None:
+        motors, q = self.ways.motors, None
+        if motors is None:
+            values = values_at(self.ways.instance, R, T)
+        else:
             values, q = motors.values(R, T), motors.numbers(R, T)
             if np.isnan(q).any():
                 return None
-            if self.gap is not None and bulges is not None and bulges.any():
-                # Of curved ways gaps are not bounded where drives move joints.
-                return None
-            driven = DrivenRows(
-                self.ways, values, R, T, parameters, bulges=bulges, motors=motors,
-                clear=self.clear > 0,
-            )  # fmt: skip
-            trace = GuideRows(part, fraction, values, R, T, proofs, driven, q)
-            return trace if trace.keeps(self.clear, self.gap) else None
-        values = values_at(self.ways.instance, R, T)
-        between = PathRows(self.ways, values, R, T, parameters, bulges=bulges)
-        trace = GuideRows(part, fraction, values, R, T, proofs, between)
+        rows = PathRows(self.ways, values, R, T, parameters, motors=motors)
+        trace = GuideRows(part, fraction, values, R, T, proofs, rows, q)
         return trace if trace.keeps(self.clear, self.gap) else None
 
     def placed(self, corner: Array) -> Array:
@@ -308,22 +256,6 @@ class PoseGuide:
         if self.gap is not None:
             kept &= (ComparedShapes(instance).bounds(R, T).low >= self.gap).all(axis=1)
         return kept
-
-
-def _too_near(rows: PathRows, gap: float | None) -> NDArray[np.bool_]:
-    """Return on which ways between rows legs or bodies may be too near, shape (r - 1,)."""
-    if gap is None:
-        return np.zeros(len(rows.T) - 1, bool)
-    return ~(least_gaps(rows, gap)[1] >= gap)
-
-
-def _enclosed(trace: GuideRows, bulges: Array) -> bool:
-    """Whether curved ways are in the boxes about their rows in which the mode is proved alone.
-
-    Each place is in the box of one of both rows, and so is the straight way, which is followed.
-    """
-    curved = bulges.any(axis=1)
-    return bool((least_clearances(trace.rows, 0.0, 0)[1][curved] > 0).all())
 
 
 def _digits(sizes: Array) -> list[int]:

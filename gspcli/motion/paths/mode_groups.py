@@ -199,8 +199,6 @@ def _join(
     if len(open_) < 2:
         return
     poses = map_of_poses(planner, ends, classes, open_)
-    if ranged:
-        _join_near_values(planner, poses, ends, classes, sides, open_, deadline)
     # Random poses change what must stay. Modes differ in last digits of their orientation.
     grows = motors is None or not (motors.shared or planner.stays)
     _grow(poses, _tried_pairs(classes, open_), deadline if grows else 0.0)
@@ -220,32 +218,6 @@ def _take(found: PoseMap | ValueMap, members: list[int], joined: Connections) ->
         for j in range(i):
             if found.connections.joined(i, j):
                 joined.join(a, members[j])
-
-
-def _join_near_values(
-    planner: Planner,
-    poses: PoseMap,
-    ends: list[PathEnd],
-    classes: list[PoseClass],
-    sides: dict[bytes, list[int]],
-    open_: list[int],
-    deadline: float,
-) -> None:
-    """Join modes on a map of poses by polygons along the ways of maps of values."""
-    guide = planner.pose_guide()
-    half = time.monotonic() + (deadline - time.monotonic()) / 2
-    for members in sides.values():
-        found = map_of_values(planner, ends, members)
-        _grow(found, _tried_pairs(classes, members), half)
-        for i, a in enumerate(members):
-            for j, b in enumerate(members[:i]):
-                places = open_.index(a), open_.index(b)
-                corners = found.way(i, j)
-                if corners is None or poses.connections.joined(*places):
-                    continue
-                values = planner.value_guide(found.ways, ends[a], ends[b])
-                if planner.polygon_near(values, corners, guide, ends[a], ends[b]) is not None:
-                    poses.connections.join(*places)
 
 
 def _tried_pairs(classes: list[PoseClass], members: list[int]) -> list[tuple[int, int]]:

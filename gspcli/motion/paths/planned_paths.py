@@ -48,8 +48,6 @@ class PathPart:
     clearance
         A proved lower bound of the clearance of all its poses, between the rows, too; in the units
         of `gsp clearance`. 0 if nothing is proved.
-    rounded
-        Whether it is a rounded corner.
     gap
         A proved lower bound of the least gap between legs and bodies at all its poses, if one is
         asked for.
@@ -61,7 +59,6 @@ class PathPart:
     length: float
     condition: float
     clearance: float
-    rounded: bool = False
     gap: float | None = None
 
     def to_json(self) -> dict[str, Any]:
@@ -72,7 +69,6 @@ class PathPart:
             "length": self.length,
             "condition": self.condition if np.isfinite(self.condition) else None,
             "clearance": self.clearance,
-            **({"rounded": True} if self.rounded else {}),
             **({} if self.gap is None else {"gap": self.gap}),
         }
 
@@ -142,7 +138,7 @@ class PlannedPath:
     @property
     def straight(self) -> int:
         """The number of straight parts."""
-        return sum(not part.rounded for part in self.parts)
+        return len(self.parts)
 
     @property
     def length(self) -> float:

@@ -36,10 +36,9 @@ from gspcli.motion.paths.guides import PROVED_ROWS, Guide, PoseGuide, ValueGuide
 from gspcli.motion.paths.motors import Motors
 from gspcli.motion.paths.planned_paths import PlannedPath
 from gspcli.motion.paths.pose_map import PoseMap
-from gspcli.motion.paths.pose_polygons import pose_polygon
 from gspcli.motion.paths.pose_ways import PoseWays
 from gspcli.motion.paths.sheets import Sheet, whole_sheet
-from gspcli.motion.paths.smoothing import LONG, smoothed, stretch
+from gspcli.motion.paths.smoothing import smoothed
 from gspcli.motion.paths.timing import PathLimits
 from gspcli.motion.paths.value_map import ValueMap
 from gspcli.motion.paths.value_ways import ValueWays
@@ -51,8 +50,8 @@ Array = NDArray[np.float64]
 #: Yields None while it goes on, and at last a path with what proves it.
 Search = Iterator[tuple[Guide, Array] | None]
 
-#: This many other maps of poses are made, of this many random poses, if a path is long.
-_MAPS, _GROWN = 3, 300
+#: How many times as many rows of a way of values are tried as places of straight ways of poses.
+_FINER = (1, 4, 16)
 
 
 class Planner:
@@ -74,8 +73,8 @@ class Planner:
         Of everything random.
     pivot, sequence
         The point of the platform and the order of angles of straight ways of poses.
-    limits, rounded
-        Of speeds and accelerations, if paths are to have a time; whether corners are rounded.
+    limits
+        Of speeds and accelerations, if paths are to have a time.
     """
 
     def __init__(
@@ -90,7 +89,6 @@ class Planner:
         pivot: ArrayLike | None = None,
         sequence: str = "ZYX",
         limits: PathLimits | None = None,
-        rounded: bool = False,
     ) -> None:
         if along not in (None, "values", "poses"):
             message = f"found {along!r}, expected values or poses"
@@ -98,15 +96,12 @@ class Planner:
         if not (clear >= 0 and np.isfinite(clear)):
             message = f"found {clear}, expected a number that is not negative"
             raise ArgumentError(message, "clear")
-        if rounded and limits is None:
-            message = "corners are rounded for a speed: give a speed and an acceleration"
-            raise ArgumentError(message, "rounded")
         if limits is not None and limits.of_platform:
             if along == "values":
                 message = "found a limit of the platform, which is proved along poses only"
                 raise ArgumentError(message, "speed")
             along = "poses"
-        self.limits, self.rounded = limits, rounded
+        self.limits = limits
         if gap is not None:
             _check_gap(instance, gap)
         self.gap = gap
@@ -165,8 +160,9 @@ class Planner:
             guide, corners = self._on_map(ways, start, goal, lambda: time.monotonic() < deadline)
         if guide is None or corners is None:
             return self._not_found(start, goal)
-        corners = self._smoothed(guide, corners, start, goal)
-        return finished(self.given, guide, corners, start, goal, self.limits, rounded=self.rounded)
+        if len(corners) > 2:
+            corners = smoothed(self.instance, guide, corners, self.seed)
+        return finished(self.given, guide, corners, start, goal, self.limits)
 
     def _driven(
         self, motors: Motors, start: PathEnd, goal: PathEnd, more: Callable[[], bool]
@@ -186,32 +182,12 @@ class Planner:
             elif not self.stays and (
                 not motors.shared or (straight[0, 3:] == straight[1, 3:]).all()
             ):
-                guide, corners = _first(self._pose_searches(start, goal, self.seed), more)
+                guide, corners = _first([self._on_poses(start, goal)], more)
         if guide is None or corners is None:
             return self._not_found(start, goal)
-        corners = self._smoothed(guide, corners, start, goal)
-        return finished(self.given, guide, corners, start, goal, self.limits, rounded=self.rounded)
-
-    def _smoothed(self, guide: Guide, corners: Array, start: PathEnd, goal: PathEnd) -> Array:
-        """Return a path that costs less; of long ones on poses the shortest from several maps."""
-        if len(corners) == 2:
-            return corners
-        best = smoothed(self.instance, guide, corners, self.seed)
-        if not isinstance(guide, PoseGuide):
-            return best
-        length = stretch(self.instance, guide, best)
-        for k in range(_MAPS):
-            if length <= LONG:
-                break
-            more = _Countdown(_GROWN)
-            _, other = _first(self._pose_searches(start, goal, self.seed + 1 + k), more)
-            if other is None:
-                continue
-            tried = smoothed(self.instance, guide, other, self.seed)
-            here = stretch(self.instance, guide, tried)
-            if here < length:
-                best, length = tried, here
-        return best
+        if len(corners) > 2:
+            corners = smoothed(self.instance, guide, corners, self.seed)
+        return finished(self.given, guide, corners, start, goal, self.limits)
 
     @property
     def stays(self) -> bool:
@@ -307,24 +283,19 @@ class Planner:
         """Return a path on a map of values or poses, if one is found while there is time."""
         along = self.along or ("values" if ways.ranged else "poses")
         if along == "values":
-            return _first([self._on_values(ways, start, goal, self.seed)], more)
-        return _first(self._pose_searches(start, goal, self.seed), more)
+            return _first([self._on_values(ways, start, goal)], more)
+        searches = [self._on_poses(start, goal)]
+        if ways.ranged:
+            searches.insert(0, self._near_values(ways, start, goal))
+        return _first(searches, more)
 
-    def _pose_searches(self, start: PathEnd, goal: PathEnd, seed: int) -> list[Search]:
-        """Return the searches for a polygon of poses; they take turns."""
-        found = [self._on_poses(start, goal, seed)]
-        ways = None if self.motors is not None else self.values(start)
-        if ways is not None and ways.ranged:
-            found.insert(0, self._near_values(ways, start, goal, seed))
-        return found
-
-    def _on_values(self, ways: ValueWays, start: PathEnd, goal: PathEnd, seed: int) -> Search:
+    def _on_values(self, ways: ValueWays, start: PathEnd, goal: PathEnd) -> Search:
         """Search on a map of values."""
         guide = self.value_guide(ways, start, goal)
         values, R, T = (
             np.stack([getattr(end, n) for end in (start, goal)]) for n in ("values", "R", "T")
         )
-        found = ValueMap(ways, self.instance, values, R, T, seed=seed)
+        found = ValueMap(ways, self.instance, values, R, T, seed=self.seed)
         while True:
             corners = found.way(0, 1)
             if corners is None:
@@ -336,28 +307,24 @@ class Planner:
             else:
                 self._refuse(found, guide)
 
-    def _near_values(self, ways: ValueWays, start: PathEnd, goal: PathEnd, seed: int) -> Search:
-        """Search on a map of values; a polygon of poses follows the way that it has."""
-        for found in self._on_values(ways, start, goal, seed):
+    def _near_values(self, ways: ValueWays, start: PathEnd, goal: PathEnd) -> Search:
+        """Search on a map of values; straight ways of poses lead along the way that it has."""
+        poses, ends = self.pose_guide(), self._parameters(start, goal)
+        for found in self._on_values(ways, start, goal):
             if found is None:
                 yield None
                 continue
-            poses = self.pose_guide()
-            polygon = self.polygon_near(*found, poses, start, goal)
-            if polygon is not None:
-                yield poses, polygon
-            break
-        while True:
-            yield None
-
-    def polygon_near(
-        self, guide: Guide, corners: Array, poses: PoseGuide, start: PathEnd, goal: PathEnd
-    ) -> Array | None:
-        """Return a proved polygon of poses along a way of values; None if there is none."""
-        trace = guide.trace(corners, np.full(len(corners) - 1, PROVED_ROWS))
-        if trace is None:
-            return None
-        return pose_polygon(poses, trace.rows, *self._parameters(start, goal))
+            guide, corners = found
+            for finer in _FINER:
+                trace = guide.trace(corners, np.full(len(corners) - 1, finer * PROVED_ROWS))
+                if trace is None:
+                    return
+                places = self.ways.continued(trace.R, trace.T)
+                places = np.stack([ends[0], *places[1:-1], self.ways.nearest(places[-2], ends[1])])
+                polygon = _polygon(poses, places)
+                if polygon is not None:
+                    yield poses, polygon
+                    return
 
     def _refuse(self, found: ValueMap, guide: ValueGuide) -> None:
         """Take the first edge of a way away that does not keep cones or clearance."""
@@ -372,14 +339,14 @@ class Planner:
         # Each part is proved alone, and all of them together are not: rounding at a corner.
         found.refuse(nodes[0], nodes[1])
 
-    def _on_poses(self, start: PathEnd, goal: PathEnd, seed: int) -> Search:
+    def _on_poses(self, start: PathEnd, goal: PathEnd) -> Search:
         """Search on a map of poses."""
         guide = self.pose_guide()
         R, T = np.stack((start.R, goal.R)), np.stack((start.T, goal.T))
         limited = has_limits(self.instance) or self.motors is not None or self.gap is not None
         kept = guide.kept if limited else None
         classes = [self.classes.of(end.R, end.T) for end in (start, goal)]
-        found = PoseMap(self.ways, R, T, classes, self.classes.of, seed=seed, kept=kept)
+        found = PoseMap(self.ways, R, T, classes, self.classes.of, seed=self.seed, kept=kept)
         found.join_given()
         while True:
             corners = found.way(0, 1)
@@ -396,6 +363,21 @@ class Planner:
                 )
 
 
+def _polygon(guide: PoseGuide, places: Array) -> Array | None:
+    """Return corners of a proved polygon through some places, long straight ways first."""
+    corners, spans = [places[0]], [(0, len(places) - 1)]
+    while spans:
+        first, last = spans.pop()
+        if guide.trace(places[[first, last]], np.array([PROVED_ROWS])) is not None:
+            corners.append(places[last])
+        elif last - first == 1:
+            return None
+        else:
+            middle = (first + last) // 2
+            spans += [(middle, last), (first, middle)]
+    return np.array(corners)
+
+
 def _first(searches: list[Search], more: Callable[[], bool]) -> tuple[Guide | None, Array | None]:
     """Return what the first of some searches finds; all take turns while there is time.
 
@@ -403,23 +385,11 @@ def _first(searches: list[Search], more: Callable[[], bool]) -> tuple[Guide | No
     """
     while True:
         for search in searches:
-            found = next(search)
+            found = next(search, None)
             if found is not None:
                 return found
         if not more():
             return None, None
-
-
-class _Countdown:
-    """Says this many times that there may be more: a search that does not depend on the time."""
-
-    def __init__(self, count: int) -> None:
-        self._left = count
-
-    def __call__(self) -> bool:
-        """Return whether there may be more."""
-        self._left -= 1
-        return self._left >= 0
 
 
 def _check_gap(instance: Instance, gap: float) -> None:

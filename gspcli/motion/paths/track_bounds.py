@@ -15,15 +15,17 @@ from gspcli.geometry.readings import without_corrections
 from gspcli.motion.following.drive_events import drive_rows
 from gspcli.motion.following.moving_geometry import MovingGeometry
 from gspcli.motion.following.tracks import Track
-from gspcli.motion.paths.between_rows import PathRows, largest_conditions, least_clearances
-from gspcli.motion.paths.drive_guide import DriveGuide
-from gspcli.motion.paths.driven_bounds import largest_driven_conditions, least_transmissions
-from gspcli.motion.paths.driven_rows import DrivenRows
-from gspcli.motion.paths.ends import PathEnd
-from gspcli.motion.paths.gaps_between import least_gaps
+from gspcli.motion.paths.between import (
+    PathRows,
+    largest_conditions,
+    least_clearances,
+    least_gaps,
+    least_transmissions,
+)
 from gspcli.motion.paths.motors import Motors
 from gspcli.motion.paths.pose_ways import PoseWays
 from gspcli.motion.paths.value_ways import ValueWays
+from gspcli.motion.singularities.clearances import range_weights
 from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
@@ -32,6 +34,12 @@ Array = NDArray[np.float64]
 _SAME = 1e-12
 
 #: What is judged between rows: whether the least counts, not the largest.
+_BOUNDS = {
+    "condition": largest_conditions,
+    "clearance": least_clearances,
+    "gap": least_gaps,
+    "transmission": least_transmissions,
+}
 BOUNDED = {"condition": False, "clearance": True, "gap": True, "transmission": True}
 
 
@@ -106,26 +114,14 @@ def worst_between(
         there = np.flatnonzero(~np.isnan(track.T[k, :, 0]))
         if len(there) < 2:
             continue
-        bounds = _bounds(_rows(track, k, there, ways, frame), quantity, wanted)
-        bad = -bounds if least else bounds
-        row = int(bad.argmax())
-        kept = bounds[row] >= wanted if least else bounds[row] <= wanted
-        if not kept and (worst is None or bad[row] > (-worst.bound if least else worst.bound)):
+        at, bounds = _BOUNDS[quantity](_rows(track, k, there, ways, frame), wanted)
+        sign = 1 if least else -1
+        ends = np.minimum(sign * at[:-1], sign * at[1:])
+        row = int(np.lexsort((ends, sign * bounds))[0])
+        kept = sign * bounds[row] >= sign * wanted
+        if not kept and (worst is None or sign * bounds[row] < sign * worst.bound):
             worst = Between(mode, int(there[row]), float(bounds[row]))
     return worst
-
-
-def _bounds(rows: PathRows, quantity: str, wanted: float) -> Array:
-    """Return proved bounds of a quantity on the ways between rows, shape (r - 1,)."""
-    if quantity == "gap":
-        return least_gaps(rows, wanted)[1]
-    if quantity == "clearance":
-        return least_clearances(rows, wanted)[1]
-    if not isinstance(rows, DrivenRows):
-        return largest_conditions(rows, wanted)[1]
-    if quantity == "condition":
-        return largest_driven_conditions(rows, wanted)[1]
-    return least_transmissions(rows, wanted)[1]
 
 
 def _rows(
@@ -137,9 +133,7 @@ def _rows(
         if frame is not None:
             R, T = frame.from_platform(R, T)
         parameters = ways.continued(R, T)
-        if ways.motors is None:
-            return PathRows(ways, values, R, T, parameters)
-        return DrivenRows(ways, values, R, T, parameters, motors=ways.motors, clear=True)
+        return PathRows(ways, values, R, T, parameters, motors=ways.motors)
     if track.coordinates:
         return _of_drives(track, k, there)
     instance = without_corrections(track.followed)
@@ -149,10 +143,10 @@ def _rows(
     # Limits are judged apart: a way that leaves them has its condition numbers all the same.
     rows = tuple(replace(row, limits=None) for row in instance.constraints)
     free = ValueWays(replace(instance, constraints=rows), np.sign(values[0]))
-    return PathRows(free, values, R, T, weights=PathRows.weights_of(track.instance))
+    return PathRows(free, values, R, T, weights=range_weights(track.instance))
 
 
-def _of_drives(track: Track, k: int, there: NDArray[np.int64]) -> DrivenRows:
+def _of_drives(track: Track, k: int, there: NDArray[np.int64]) -> PathRows:
     """Return the rows of one mode of a track of drives."""
     instance = without_corrections(track.instance)
     R, T = track.R[k, there], track.T[k, there]
@@ -163,10 +157,7 @@ def _of_drives(track: Track, k: int, there: NDArray[np.int64]) -> DrivenRows:
     knees = np.where(drives.driven & (gains < 0), -1, 1)
     motors = Motors(instance, knees=knees)
     ways = PoseWays(instance, limits=False, motors=motors)
-    begin = PathEnd("", track.values[there[0]], R[0], T[0])
-    middle = DriveGuide(motors, ways, begin, begin).middle
     geometry = MovingGeometry(track.followed, track.coordinates)
-    return DrivenRows(
-        ways, track.values[there], R, T, motors=motors, numbers=numbers, middle=middle,
-        clear=True, geometry=geometry,
-    )  # fmt: skip
+    return PathRows(
+        ways, track.values[there], R, T, motors=motors, numbers=numbers, geometry=geometry
+    )

@@ -12,7 +12,7 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.quaternions import rotation_from_quaternion
 from gspcli.geometry.residuals import condition_numbers
 from gspcli.motion.following.trajectories import track_from
-from gspcli.motion.paths.between_rows import PathRows, largest_conditions, least_clearances
+from gspcli.motion.paths.between import PathRows, largest_conditions, least_clearances
 from gspcli.motion.paths.condition_bounds import condition_bounds
 from gspcli.motion.paths.pose_ways import PoseWays
 from gspcli.motion.paths.track_bounds import can_be_bounded, worst_between
@@ -113,14 +113,10 @@ def test_bounds_along_poses_hold_at_samples(name):
     worst = condition_numbers(Arrangement.of(instance), R, T).max()
     _, between = largest_conditions(rows, 1.5 * worst)
     assert worst <= between.max() <= 1.5 * worst
-    assert (rows.condition_bounds() > 1.001 * rows.conditions()[:-1]).all()
     some = slice(None, None, 20)
     least = clearances(instance, R[some], T[some], weights=rows.units).min()
     _, between = least_clearances(rows, 0.5 * least)
     assert 0.5 * least <= between.min() <= least * (1 + 1e-9)
-    # The travel of values is at least their change.
-    change = (np.abs(np.diff(rows.values, axis=0)) / rows.units).max(axis=1)
-    assert (change <= rows.travels()).all()
 
 
 def test_a_peak_between_two_rows_is_found():
@@ -170,15 +166,11 @@ def test_tracks_are_judged_between_their_rows():
 
 
 def test_a_clearance_falls_with_the_way():
-    """Between rows that are far apart nothing is proved without more rows."""
-    rows, _, _ = rows_on_values("workspace-study", 0.08, count=2)
-    at, between = least_clearances(rows, 0.0, halvings=0)
-    travel = float(rows.travels()[0])
-    assert travel > 0.2 > at.max()
-    # Of condition numbers nothing is known there either.
-    assert rows.condition_bounds().tolist() == [np.inf]
-    assert between.tolist() == [0.0]
-    near, _, _ = rows_on_values("workspace-study", 1e-3, count=2)
-    at, between = least_clearances(near, 0.0, halvings=0)
-    travel = float(near.travels()[0])
-    assert 0 < between[0] <= (at.sum() - travel) / 2
+    """At least that in the middle less the travel is proved, and never more than at an end."""
+    for change in (0.08, 1e-3):
+        rows, (_, R, T), _ = rows_on_values("workspace-study", change, count=2)
+        at, between = least_clearances(rows, 0.0)
+        travel = (np.abs(np.diff(rows.values, axis=0)) / rows.units).max()
+        middle = clearances(rows.instance, R[100:101], T[100:101], weights=rows.units)[0]
+        assert between[0] <= min(at.min(), middle)
+        assert between[0] > middle - travel

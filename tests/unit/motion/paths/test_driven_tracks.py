@@ -16,13 +16,16 @@ from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.geometry.residuals import condition_numbers
 from gspcli.geometry.shapes import Shapes
 from gspcli.motion.collisions.compared import ComparedShapes
-from gspcli.motion.paths.driven_bounds import largest_driven_conditions, least_transmissions
-from gspcli.motion.paths.gaps_between import least_gaps
+from gspcli.motion.paths.between import (
+    ValueParts,
+    largest_conditions,
+    least_gaps,
+    least_transmissions,
+)
 from gspcli.motion.paths.motors import Motors
 from gspcli.motion.paths.pose_tracks import pose_track
 from gspcli.motion.paths.pose_ways import PoseWays, WayProof
 from gspcli.motion.paths.track_bounds import _rows, can_be_bounded, worst_between
-from gspcli.motion.paths.way_pieces import ValueParts
 
 ROWS, SAMPLES = 3, 60
 
@@ -94,7 +97,7 @@ def sampled(instance, R, T, q):
     return {
         least_gaps: ComparedShapes(instance).bounds(R, T, q).high.min(axis=1),
         least_transmissions: drives.transmission(drives.gains(R, T, q)).min(axis=1),
-        largest_driven_conditions: -condition_numbers(drives.arrangement(q), R, T, length),
+        largest_conditions: -condition_numbers(drives.arrangement(q), R, T, length),
     }
 
 
@@ -103,7 +106,7 @@ def sampled(instance, R, T, q):
 def test_no_sample_is_worse_than_what_is_proved(name, along):
     rows, *samples = rows_and_samples(name, along)
     for bound, numbers in sampled(rows.instance, *samples).items():
-        worse = -1 if bound is largest_driven_conditions else 1
+        worse = -1 if bound is largest_conditions else 1
         least = np.minimum(numbers[:-1].reshape(-1, SAMPLES).min(axis=1), numbers[SAMPLES::SAMPLES])
         room = 1e-9 * np.abs(least)
         for wanted in (least.min() - 2e-3 * abs(least.min()), least.max(), -1e9):
@@ -201,7 +204,7 @@ def test_joints_on_a_piece_of_a_way_of_drives_are_as_near_as_is_said():
     rows, *_ = rows_and_samples("reachy-mini-head", "drives")
     drives = rows.motors.drives
     centre = Arrangement.of(rows.instance).platform_centre
-    parts = ValueParts(rows, rows.followed(), np.array([0]), 4, centre)
+    parts = ValueParts(rows, np.array([0]), 4, centre)
     which = np.arange(len(parts.way))
     middle = parts.near(which, np.zeros(len(which)), 0.5)
     assert (middle.slips > 0).all()

@@ -12,12 +12,10 @@ from gspcli.geometry.home_mode import home_mode
 from gspcli.geometry.readings import without_corrections
 from gspcli.motion import measure, track
 from gspcli.motion.collisions.compared import ComparedShapes
-from gspcli.motion.paths.between_rows import PathRows
-from gspcli.motion.paths.gaps_between import least_gaps
+from gspcli.motion.paths.between import PathRows, _covered, least_gaps
 from gspcli.motion.paths.pose_tracks import pose_track
 from gspcli.motion.paths.pose_ways import PoseWays
 from gspcli.motion.paths.track_bounds import worst_between
-from gspcli.motion.paths.way_pieces import _covered
 from gspcli.motion.poses.inverse_kinematics import values_at
 from gspcli.solver import solve
 from tests.support.thick_legs import MACHINES, poses_near, thick

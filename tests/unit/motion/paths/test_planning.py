@@ -201,3 +201,11 @@ def test_a_distance_of_lines_does_not_pass_zero_along_values():
     row[lines[0]] = 0.0
     assert not ways.kept(row)
     assert Arrangement.of(platform).kinds[lines[0]].name == "DLL"
+
+
+def test_a_path_of_poses_within_ranges_is_found_along_one_of_values():
+    study = gspcli.example("workspace-study")
+    found = gspcli.path(study, "home", 3, along="poses")
+    assert (found.verdict, found.along) == ("proved", "poses")
+    assert within_limits(study, found.values, found.R, found.T).all()
+    assert found.length < 3 * found.straight_length

@@ -10,10 +10,9 @@ from gspcli.errors import ArgumentError
 from gspcli.geometry.euler import rotation_from_euler
 from gspcli.motion.following.departures import departures
 from gspcli.motion.following.trajectories import track_from
-from gspcli.motion.paths import guides
 from gspcli.motion.paths.ends import PathEnd
 from gspcli.motion.paths.finished_paths import finished
-from gspcli.motion.paths.moves import Corner, LineMove, moves_of
+from gspcli.motion.paths.moves import LineMove, moves_of
 from gspcli.motion.paths.planner import Planner
 from gspcli.motion.paths.timing import PathLimits
 from gspcli.motion.poses.inverse_kinematics import values_at
@@ -76,7 +75,7 @@ def timed(study, goal, **more):
     return gspcli.path(study, "home", goal, speed=SPEED, acceleration=ACCELERATION, **more)
 
 
-def around(plain, *, clear=0.0, rounded=False):
+def around(plain, *, clear=0.0):
     """Return the path with corners with a time: it is not planned again."""
     ends = [
         PathEnd(name, *(getattr(plain, key)[row] for key in ("values", "R", "T")))
@@ -86,12 +85,12 @@ def around(plain, *, clear=0.0, rounded=False):
     guide = planner.value_guide(planner.values(ends[0]), *ends)
     corners = plain.values[[0, *(part.last for part in plain.parts)]]
     limits = PathLimits.of(SPEED, ACCELERATION)
-    return finished(plain.instance, guide, corners, *ends, limits, rounded=rounded)
+    return finished(plain.instance, guide, corners, *ends, limits)
 
 
 def test_a_path_that_is_planned_with_a_speed(study, plain):
-    found = timed(study, 3, rounded=True)
-    again = around(plain, rounded=True)
+    found = timed(study, 3)
+    again = around(plain)
     assert found.timing.to_json() == again.timing.to_json()
     assert np.abs(found.values - again.values).max() < 1e-9
     assert np.array_equal(found.t, again.t)
@@ -99,31 +98,21 @@ def test_a_path_that_is_planned_with_a_speed(study, plain):
 
 def test_a_path_around_stops_at_corners(plain):
     found = checked(around(plain))
-    assert found.timing.rounded == 0
-    assert found.timing.corners == len(found.parts) - 1 == len(plain.parts) - 1
+    assert len(found.timing.moves.tops) == len(found.parts) == len(plain.parts)
     # At rest at each corner: the path is the same.
     corners = found.values[[part.last for part in found.parts]]
     assert np.array_equal(corners, plain.values[[part.last for part in plain.parts]])
     moves = found.timing.moves
     ends = [found.t[part.last] for part in found.parts[:-1]]
-    assert np.abs(moves.at(np.array(ends))[1]).max() < 1e-9
-
-
-def test_rounded_corners_take_less_time_and_are_proved_anew(plain):
-    stops = around(plain)
-    found = checked(around(plain, rounded=True))
-    assert found.timing.rounded == found.timing.corners == sum(p.rounded for p in found.parts)
-    assert least_time(found, SPEED, ACCELERATION) < found.timing.seconds < stops.timing.seconds
-    assert found.length < stops.length
-    moves = found.timing.moves
-    middle = moves.begins[:-1][moves.round] + moves.durations[moves.round] / 2
-    assert (np.abs(moves.at(middle)[1]).max(axis=1) > 0.1 * SPEED).all()
+    short = 1e-6
+    near = moves.at(np.add.outer(ends, (0.0, short)).ravel())[0].reshape(len(ends), 2, -1)
+    assert np.abs(np.diff(near, axis=1)).max() < ACCELERATION * short**2
 
 
 def test_motors_keep_limits_on_ways_of_poses(study):
     goal = np.eye(3), [40.0, 20, 430]
-    found = checked(timed(study, goal, along="poses", rounded=True))
-    assert (found.along, found.timing.corners) == ("poses", 0)
+    found = checked(timed(study, goal, along="poses"))
+    assert (found.along, len(found.parts)) == ("poses", 1)
 
 
 def test_the_platform_keeps_limits_around_corners():
@@ -131,41 +120,29 @@ def test_the_platform_keeps_limits_around_corners():
     speed = {"motors": 1.0, "platform": 0.005, "turn": 20.0}
     acceleration = {"platform": 0.02, "turn": 60.0}
     more = {"speed": speed, "acceleration": acceleration}
-    found = gspcli.path(platform, 1, 5, rounded=True, **more)
-    assert found.timing.rounded == found.timing.corners > 0
+    found = gspcli.path(platform, 1, 5, **more)
+    assert len(found.parts) > 1
     v, _, _ = rates(found)
     assert 0.5 < v < 1 + 1e-6
     moves = found.timing.moves
     times = np.linspace(0, moves.seconds, 40_001)
-    numbers, velocity, bend = moves.at(times)
-    assert 0.004 < np.linalg.norm(velocity[:, :3], axis=1).max() <= 0.005
-    assert np.linalg.norm(bend[:, :3], axis=1).max() <= 0.02
+    numbers, step = moves.at(times)[0], times[1]
+    velocity = np.diff(numbers[:, :3], axis=0) / step
+    assert 0.004 < np.linalg.norm(velocity, axis=1).max() <= 0.005 * (1 + 1e-6)
+    bend = np.diff(velocity, axis=0) / step
+    assert np.linalg.norm(bend, axis=1).max() <= 0.02 * (1 + 1e-4)
     R = rotation_from_euler("ZYX", numbers[:, 3:])
     step = np.swapaxes(R[:-1], 1, 2) @ R[1:]
     cosine = (np.trace(step, axis1=1, axis2=2) - 1) / 2
     assert np.degrees(np.arccos(np.minimum(cosine, 1)).max()) / times[1] < 20 * (1 + 1e-3)
 
 
-def test_a_clearance_is_kept_on_rounded_corners(plain):
+def test_a_clearance_is_kept_around_corners(plain):
     least = min(plain.clearances) / 4
     assert least > 0
-    found = around(plain, rounded=True, clear=least)
-    assert found.timing.rounded > 0
+    found = around(plain, clear=least)
+    assert len(found.parts) > 1
     assert min(part.clearance for part in found.parts) >= least
-
-
-def test_a_parabola_that_is_not_proved_becomes_a_stop(plain, monkeypatch):
-    monkeypatch.setattr(guides, "_enclosed", lambda trace, bulges: False)
-    found = around(plain, rounded=True)
-    assert found.timing.rounded == 0
-    assert not any(part.rounded for part in found.parts)
-
-
-def test_cones_of_ways_of_values_keep_corners():
-    platform = gspcli.example("workspace-study-cones")
-    found = timed(platform, (np.eye(3), [5.0, 0, 62]), rounded=True)
-    assert found.verdict == "proved"
-    assert found.timing.corners == 0
 
 
 def test_nothing_moves_in_no_time(study):
@@ -173,21 +150,14 @@ def test_nothing_moves_in_no_time(study):
     assert found.timing.seconds < 1e-6
 
 
-def test_rates_at_corners_are_those_that_can_be_reached():
-    # A short part between two long ones: from its end the rate must fall on the third part.
-    lines = [LineMove(np.array([w, 0.0]), w, 2.0) for w in (10.0, 0.1, 0.1)]
-    moves = moves_of(
-        np.array([[0, 0], [10, 0], [10.1, 0], [10.2, 0]]), lines, [Corner(0.0, 0.5)] * 2
-    )
-    assert moves.rates[[0, 3]].tolist() == [0, 0]
-    assert moves.rates[2] ** 2 == pytest.approx(2 * 2 * 0.1)
-    assert moves.rates[1] ** 2 == pytest.approx(2 * 2 * 0.2)
-    times = np.linspace(0, moves.seconds, 10_001)
-    places, speeds, bends = moves.at(times)
-    assert places[-1, 0] == pytest.approx(10.2, abs=1e-12)
-    assert np.abs(np.diff(speeds[:, 0])).max() < 2.01 * times[1]
-    assert speeds.max() == pytest.approx(1)
-    assert np.abs(bends).max() == pytest.approx(2)
+def test_a_short_part_does_not_reach_its_speed():
+    """Speeds rise and fall at 2 a second squared: a way of 0.1 takes 2 sqrt(0.1 / 2) s."""
+    lines = [LineMove(np.array([w, 0.0]), w, 2.0) for w in (10.0, 0.1)]
+    moves = moves_of(np.array([[0, 0], [10, 0], [10.1, 0]]), lines)
+    assert np.diff(moves.begins) == pytest.approx([10.5, 2 * np.sqrt(0.05)])
+    places, parts = moves.at(np.array([0.5, 10.5 + np.sqrt(0.05), moves.seconds]))
+    assert places[:, 0] == pytest.approx([0.25, 10.05, 10.1])
+    assert parts.tolist() == [0, 1, 1]
 
 
 @pytest.mark.parametrize(
@@ -199,7 +169,6 @@ def test_rates_at_corners_are_those_that_can_be_reached():
         ({"speed": np.nan, "acceleration": 5}, "found nan for motors"),
         ({"speed": {"motor": 1}, "acceleration": 5}, "found 'motor'"),
         ({"speed": {"turn": 1}, "acceleration": 5}, "found no limit of the motors"),
-        ({"rounded": True}, "give a speed"),
         (
             {"speed": {"motors": 1, "turn": 1}, "acceleration": 5, "along": "values"},
             "proved along poses only",
