@@ -6,6 +6,7 @@ import io
 import json
 import re
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,7 +14,11 @@ import matplotlib.image
 import numpy as np
 import pytest
 
+import gspcli
+from gspcli.geometry.euler import euler_from_rotation, rotation_from_euler
+from gspcli.geometry.frames import PoseFrame
 from gspcli.pictures.live_numbers import live_numbers
+from gspcli.pictures.whole_views import viewed
 from gspcli.resources import instance_files
 from gspcli.solver import solve
 from gspcli.spec import load, set_values
@@ -21,6 +26,7 @@ from tests.support.live_pages import give, opened, settle, text
 
 if TYPE_CHECKING:
     from tests.support.browser import Browser
+
 
 NAME = "workspace-study"
 
@@ -344,3 +350,276 @@ def test_another_mode_goes_home_through_stored_poses(
     assert not any("singular pose" in event for _, event in shown)
     assert text(browser, "followed-name") == "Mode 16, home"
     assert browser.messages == []
+
+
+# Sliders of the pose in a live page, in the frames of the file or relative to home.
+
+
+AXES = ("x", "y", "z", "rx", "ry", "rz")
+MACHINE = replace(
+    gspcli.example("workspace-study"),
+    frames=gspcli.Frames(
+        tool=gspcli.Frame([3, -5, 30], euler="xyz", angles=(10, -20, 30)),
+        work=gspcli.Frame([100, 20, -7], euler="xyz", angles=(-15, 25, 40)),
+    ),
+)
+FRAMES = {
+    "work": (PoseFrame.of(MACHINE), "poses of the tool in the work frame"),
+    "home": (
+        PoseFrame.of(MACHINE, relative=True),
+        "poses of the tool relative to home, along the axes of the work frame",
+    ),
+    "none": (PoseFrame(), "poses of the platform in the base"),
+}
+
+
+@pytest.fixture(scope="module")
+def page(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
+    folder, result = tmp_path_factory.mktemp("framed"), solve(MACHINE)
+    assert result.home is not None
+    start = result.home.number - 1
+
+    def write(name: str) -> Path:
+        path = folder / f"{name}.html"
+        path.write_bytes(viewed(result, "html", start, live=True, frame=FRAMES[name][0])[1])
+        return path
+
+    return write
+
+
+def numbers(browser: Browser, name: str, keys: tuple[str, ...]) -> np.ndarray:
+    return np.array(
+        [float(browser.run(f"document.getElementById('{name}-{k}').value")) for k in keys]
+    )
+
+
+@pytest.mark.parametrize("name", FRAMES)
+def test_sliders_are_expressed_poses(
+    browser: Browser, page: Callable[[str], Path], name: str
+) -> None:
+    frame, words = FRAMES[name]
+    opened(browser, page(name))
+    browser.run("document.querySelector('input[value=pose]').click()")
+    assert text(browser, "coordinates").startswith(words + "; turns about its fixed axes x, y, z")
+
+    def shown(R: np.ndarray, T: np.ndarray) -> np.ndarray:
+        turn, at = frame.from_platform(R, T)
+        return np.concatenate((at, np.rad2deg(euler_from_rotation("xyz", turn))))
+
+    home = MACHINE.home
+    assert home is not None
+    start = shown(home.R(1.0), home.T)
+    assert numbers(browser, "pose", AXES) == pytest.approx(start, abs=1e-2)
+    if name == "home":
+        assert start == pytest.approx(np.zeros(6), abs=1e-9)
+    # A number that is typed moves the platform there; the values are those of that pose.
+    moved = numbers(browser, "pose", AXES)
+    for k, step in ((0, 12.0), (4, 5.0), (5, -8.0)):
+        moved[k] += step
+        give(browser, f"pose-{AXES[k]}", moved[k])
+    R, T = frame.to_platform(rotation_from_euler("xyz", np.deg2rad(moved[3:])), moved[:3])
+    values = gspcli.measure(MACHINE, R, T)
+    assert numbers(browser, "value", tuple("123456")) == pytest.approx(
+        np.asarray(values).ravel(), abs=2e-2
+    )
+
+
+# Links, the way home and the text about both on live pages.
+
+
+#: The machine of the page: mode 16 is home, and of 16 real modes four vanish where value 1 is 402.
+HOME = 16
+
+
+def followed_mode(browser: Browser) -> str:
+    return str(browser.run("document.querySelector('#modes [aria-current]')?.dataset.mode ?? ''"))
+
+
+def test_a_link_is_not_overwritten_by_the_move_before(
+    browser: Browser, live: Callable[..., Path]
+) -> None:
+    # The timers of the page are due when the link is set, and its event comes after them.
+    script = """window.addEventListener("hashchange", (event) => {
+          if (window.isLate) return;
+          window.isLate = true;
+          event.stopImmediatePropagation();
+          setTimeout(() => window.dispatchEvent(new Event("hashchange")), 600);
+        });"""
+    added = browser.call("Page.addScriptToEvaluateOnNewDocument", source=script)
+    opened(browser, live())
+    browser.call("Page.removeScriptToEvaluateOnNewDocument", identifier=added["identifier"])
+    browser.run(
+        "(async () => { const one = document.getElementById('value-1'); one.value = 430.5;"
+        " one.dispatchEvent(new Event('change'));"
+        " await new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));"
+        " location.hash = '#2=425&mode=15'; })()"
+    )
+    browser.run("new Promise((done) => setTimeout(done, 1000))")
+    browser.wait("document.getElementById('value-2').value === '425'")
+    assert browser.run("location.hash") == "#2=425&mode=15"
+    assert followed_mode(browser) == "15"
+
+
+def test_a_mode_that_is_not_there_is_home(browser: Browser, live: Callable[..., Path]) -> None:
+    opened(browser, live(), "#mode=999")
+    assert followed_mode(browser) == str(HOME)
+    assert text(browser, "followed-name") == f"Mode {HOME}, home"
+
+
+def test_what_vanished_is_not_said_at_home(browser: Browser, live: Callable[..., Path]) -> None:
+    opened(browser, live())
+    give(browser, "value-1", 402)
+    assert "have met and vanished" in text(browser, "event")
+    browser.run("document.getElementById('home').click()")
+    assert text(browser, "event") == ""
+    browser.wait("document.getElementById('spoken').textContent.includes('16 real')")
+    assert "vanished" not in text(browser, "spoken")
+
+
+@pytest.mark.parametrize(
+    ("fragment", "said"),
+    [
+        ("#1=1e308", "No real pose is known for these values."),
+        ("#1=-1", "There is no real pose for these values."),
+    ],
+)
+def test_poses_that_are_not_known_may_be_there(
+    browser: Browser, live: Callable[..., Path], fragment: str, said: str
+) -> None:
+    opened(browser, live("nano-hexapod"), fragment)
+    browser.wait("document.getElementById('busy').hidden")
+    assert text(browser, "no-mode") == said
+
+
+def test_values_that_take_long_are_solved_when_the_slider_rests(
+    browser: Browser, live: Callable[..., Path]
+) -> None:
+    # A processor on which all poses take 40 ms.
+    script = """let late = 0; const now = performance.now.bind(performance);
+        performance.now = () => now() + (late += 40);
+        window.Worker = class extends Worker {
+          addEventListener(type, hear) {
+            const later = ({ data }) => hear({ data: { ...data, milliseconds: 40 } });
+            super.addEventListener(type, later);
+          }
+        };"""
+    added = browser.call("Page.addScriptToEvaluateOnNewDocument", source=script)
+    opened(browser, live())
+    browser.call("Page.removeScriptToEvaluateOnNewDocument", identifier=added["identifier"])
+    for value in (422, 421, 420, 419):
+        give(browser, "value-1", value)
+    rows = "document.querySelectorAll('#modes tbody tr:not(.gone)').length"
+    browser.run(
+        f"(() => {{ window.seen = []; new MutationObserver(() => seen.push([busy.hidden, {rows}]))"
+        ".observe(busy, {attributes: true}); })()"
+    )
+    give(browser, "value-1", 402)
+    # The live_links_followed mode moves at once; the others come when it rests.
+    assert browser.run("seen") == [[False, 1], [True, 12]]
+    assert "12 real" in text(browser, "status")
+    assert text(browser, "event") == "modes 7 and 10, 8 and 13 have met and vanished"
+    assert followed_mode(browser) == str(HOME)
+    # Rows that came did not push the followed one out of the list; the frame of the list, of one
+    # pixel, and a part of a pixel may cover its lower edge.
+    below = browser.run(
+        "document.querySelector('#modes [aria-current]').getBoundingClientRect().bottom"
+        " - document.querySelector('#mode-list .scroll').getBoundingClientRect().bottom"
+    )
+    assert below < 2
+    assert browser.messages == []
+
+
+# Words of live pages are explained; their texts can be read and their controls touched.
+
+
+#: Pixels that a finger needs, and contrasts that small text needs.
+TARGET, CONTRAST = 24, 4.5
+_SMALL = f"""
+[...document.querySelectorAll("button, input, select, summary")]
+  .filter((one) => one.checkVisibility() && !one.closest(".tabs"))
+  .map((one) => {{
+    const around = one.type === "checkbox" ? one.closest("label") : one;
+    const {{ width, height }} = around.getBoundingClientRect();
+    return [one.outerHTML.slice(0, 80), width, height];
+  }})
+  .filter(([, width, height]) => Math.min(width, height) < {TARGET})
+"""
+
+
+@pytest.mark.parametrize("width", [360, 1280])
+def test_fingers_find_everything(browser: Browser, live: Callable[..., Path], width: int) -> None:
+    browser.size(width, 800)
+    opened(browser, live("example-6.8"))
+    assert browser.run(_SMALL) == []
+
+
+def test_the_dot_of_the_map_is_seen_where_the_pose_is_moved(
+    browser: Browser, live: Callable[..., Path]
+) -> None:
+    opened(browser, live("nano-hexapod"))
+    browser.run("document.querySelector('input[value=pose]').click()")
+    # So far that both values are beyond the map.
+    give(browser, "pose-z", 0.2)
+    inside = browser.run(
+        "(() => { const [dot, map] = ['map-dot', 'map']"
+        "   .map((id) => document.getElementById(id).getBoundingClientRect());"
+        " return dot.width > 0 && dot.left > map.left - 12 && dot.right < map.right + 12"
+        "   && dot.top > map.top - 12 && dot.bottom < map.bottom + 12; })()"
+    )
+    assert inside
+    assert browser.run("document.getElementById('map-dot').className") == "beyond"
+
+
+def cues(browser: Browser) -> list[Any]:
+    return browser.run(
+        "[...document.querySelectorAll('#modes tbody .chip')]"
+        ".map((chip) => `${chip.style.background} ${chip.dataset.cue}`)"
+    )
+
+
+def test_of_many_modes_the_nearest_are_drawn_and_all_are_told_apart(
+    browser: Browser, live: Callable[..., Path]
+) -> None:
+    opened(browser, live("dietmaier"))
+    assert browser.run("document.getElementById('others').value") == "near"
+    # Nine colours with four signs.
+    assert len(set(cues(browser))) == 36
+    opened(browser, live("nano-hexapod"))
+    assert browser.run("document.getElementById('others').value") == "all"
+    assert len(set(cues(browser))) == 8
+
+
+def test_a_followed_row_near_a_fold_can_be_read(
+    browser: Browser, live: Callable[..., Path]
+) -> None:
+    opened(browser, live("dietmaier"))
+    colours = browser.run(
+        "(() => { const row = document.querySelector('#modes tr.near[aria-current]');"
+        " return [getComputedStyle(row.lastElementChild).color,"
+        " getComputedStyle(row).backgroundColor]; })()"
+    )
+    ink, paper = (brightness(colour) for colour in colours)
+    assert (max(ink, paper) + 0.05) / (min(ink, paper) + 0.05) >= CONTRAST
+
+
+def brightness(colour: str) -> float:
+    """Return the relative luminance of WCAG 2."""
+    parts = [int(x) / 255 for x in colour[4:-1].split(",")]
+    linear = [x / 12.92 if x <= 0.03928 else ((x + 0.055) / 1.055) ** 2.4 for x in parts]
+    return float(0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2])
+
+
+def test_the_notice_without_webgl_hides_nothing(
+    browser: Browser, live: Callable[..., Path]
+) -> None:
+    script = """const all = HTMLCanvasElement.prototype.getContext;
+        HTMLCanvasElement.prototype.getContext = function (kind, ...more) {
+          return kind === "2d" ? all.call(this, kind, ...more) : null; }"""
+    added = browser.call("Page.addScriptToEvaluateOnNewDocument", source=script)
+    opened(browser, live("nano-hexapod"))
+    browser.call("Page.removeScriptToEvaluateOnNewDocument", identifier=added["identifier"])
+    status, notice = browser.run(
+        "['status', 'notice'].map((id) => document.getElementById(id).getBoundingClientRect())"
+        ".map(({ top, bottom }) => [top, bottom])"
+    )
+    assert notice[0] >= status[1]

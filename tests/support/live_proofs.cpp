@@ -1,4 +1,4 @@
-// Proofs of the kernel of live pages, one by one, for tests/unit/test_live_proofs.py.
+// Proofs of the kernel of live pages, one by one, for tests/unit/pictures/test_live.py.
 #include <algorithm>
 #include <cmath>
 #include <complex>

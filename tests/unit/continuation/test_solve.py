@@ -5,7 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from gspcli.continuation.endpoints import random_start
+from gspcli.continuation.parameter_homotopy import follow
+from gspcli.continuation.quadrics import evaluate
+from gspcli.continuation.regularity import clearly_simple, nonlinearity, simple
+from gspcli.continuation.start import start_system
+from gspcli.continuation.systems import System
 from gspcli.continuation.tracked_paths import solve_systems
+from gspcli.continuation.tracker import track
 from tests.support.systems import solve_system
 
 KINDS = [
@@ -123,3 +130,98 @@ def test_griffis_duffy_moves(build):
     assert solutions.account.verdict == "infinite"
     assert is_account_consistent(solutions)
     assert any(curve.real and curve.dimension == 1 for curve in solutions.curves)
+
+
+# Simple solutions are distinguished from double ones for any condition numbers.
+
+
+def solved(target: System):
+    """The system in its canonical order and balanced, its paths, and the results."""
+    start = start_system(target.structure.canonical())
+    balanced, _ = target.canonical().coefficients.balanced()
+    system = System(start.system.structure, balanced)
+    return system, track(random_start(start, 1, 0), system, start.points)
+
+
+@pytest.mark.parametrize("kinds", ["PP PP PP PP PP PP", "PL LP PH HP A A", "LL LL PP PL PH A"])
+def test_solutions_of_random_platforms_are_simple(build, kinds):
+    target, _, _ = build.platform(kinds, np.random.default_rng(5))
+    system, results = solved(target)
+    assert clearly_simple(results).all()
+    assert nonlinearity(system, results.points[0]).max() < 1e-6
+
+
+@pytest.mark.parametrize(("distance", "found"), [(0.0, 79), (1e-5, 80), (1e-2, 80)])
+def test_a_point_on_a_line_is_a_double_solution_and_one_near_it_two(build, distance, found):
+    """Both factors of the product vanish, which leaves the scaled rows well-conditioned."""
+    solutions = solve_system(build.point_at_a_line(distance, np.random.default_rng(8)))
+    assert solutions.account.verdict == "complete"
+    assert solutions.account.found == 80
+    assert len(solutions.points) == found
+    assert solutions.singular.sum() == 80 - found
+
+
+def test_a_point_on_a_line_is_not_simple(build):
+    system, results = solved(build.point_at_a_line(0.0, np.random.default_rng(8)))
+    ends = results.points[0]
+    product = system.structure.is_product
+    factors = [np.abs(evaluate(x[product], ends)[:, 0]) for x in system.coefficients[:2]]
+    on_line = (factors[0] < 1e-6) & (factors[1] < 1e-6)
+    assert on_line.sum() == 2
+    assert not simple(system, ends[on_line]).any()
+    assert not clearly_simple(results)[0][on_line].any()
+    # Dividing the rows by what cancels in them hides it.
+    assert results.condition[0][on_line].max() < 1e6
+    assert simple(system, ends[~on_line]).all()
+
+
+# Following solutions from one system to another.
+
+
+def lines(points: np.ndarray) -> np.ndarray:
+    return points / np.linalg.norm(points, axis=1, keepdims=True)
+
+
+@pytest.mark.parametrize("kinds", ["PP PP PP PP PP PP", "PP PL LP PH HP A"])
+def test_all_solutions_lead_to_all(build, kinds):
+    known, _, _ = build.platform(kinds, np.random.default_rng(1))
+    target, _, _ = build.platform(kinds, np.random.default_rng(2))
+    found = follow(known, solve_system(known).points, target, rng=np.random.default_rng(3))
+    assert found is not None
+    expected = solve_system(target).points
+    assert len(found.points) == len(expected)
+    np.testing.assert_allclose((found.points[:, :4] ** 2).sum(axis=1), 1)
+    inner = np.abs(lines(found.points).conj() @ lines(expected).T)
+    assert sorted(inner.argmax(axis=1)) == list(range(len(expected)))
+    assert inner.max(axis=1).min() > 1 - 1e-9
+    assert (found.condition > 0).all()
+
+
+def test_scale_of_the_equations_does_not_matter(build):
+    rng = np.random.default_rng(4)
+    known, target = (build.platform("PP PP PP PP PP PL", rng)[0] for _ in range(2))
+    points = solve_system(known).points
+    sizes = np.exp(rng.standard_normal(6))
+    one, other = (
+        follow(known, points, system, rng=np.random.default_rng(5))
+        for system in (target, target.scaled(sizes, sizes[::-1]))
+    )
+    assert one is not None
+    assert other is not None
+    np.testing.assert_allclose(one.points, other.points, atol=1e-8)
+
+
+def test_paths_that_end_together_are_not_said_to_have_been_followed(build):
+    """Congruent bodies: an infinite set of solutions."""
+    rng = np.random.default_rng(6)
+    y = rng.standard_normal((6, 3))
+    known = build.legs(y, rng.standard_normal((6, 3)), rng.uniform(1, 2, 6))
+    special = build.legs(y, y, [1.0] * 6)
+    points = solve_system(known).points
+    assert follow(known, points, special, rng=np.random.default_rng(7)) is None
+
+
+def test_what_is_no_solution_is_not_followed(build):
+    known, target = (build.platform("PP " * 6, np.random.default_rng(s))[0] for s in (8, 9))
+    wrong = np.random.default_rng(10).standard_normal((3, 8)).astype(complex)
+    assert follow(known, wrong, target, rng=np.random.default_rng(11)) is None
