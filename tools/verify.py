@@ -71,12 +71,8 @@ STEPS = {
         "tools.data.coincident_counts --check --groebner",
         "--sample 6",
     ),
-    "tracking": Step(
-        "data/counts", "tools.atlas verify --method tracking --jobs {jobs}", "--fast"
-    ),
-    "groebner": Step(
-        "data/counts", "tools.atlas verify --method groebner --jobs {jobs}", "--fast"
-    ),
+    "tracking": Step("data/counts", "tools.atlas verify --method tracking --jobs {jobs}", "--fast"),
+    "groebner": Step("data/counts", "tools.atlas verify --method groebner --jobs {jobs}", "--fast"),
     "exact-counts": Step(
         "data/counts/families.csv", "tools.data.family_counts --check", "--sample 25"
     ),
