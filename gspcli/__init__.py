@@ -76,8 +76,8 @@ if TYPE_CHECKING:
     from gspcli.motion.paths.api import path as path
     from gspcli.motion.paths.nearest_poses import NearestPoses as NearestPoses
     from gspcli.motion.poses.measured_values import measure as measure
-    from gspcli.motion.singularities.clearance_results import clearance as clearance
-    from gspcli.motion.singularities.scan_results import scan as scan
+    from gspcli.motion.singularities.clearances import clearance as clearance
+    from gspcli.motion.singularities.scans import scan as scan
     from gspcli.motion.statics.freedoms import freedoms as freedoms
     from gspcli.motion.workspace.box_division import workspace as workspace
     from gspcli.paper.comparison import table as table
@@ -144,7 +144,7 @@ _HOMES = {
     "calibrate": "gspcli.calibration",
     "certify": "gspcli.solver",
     "check": "gspcli.spec.checks",
-    "clearance": "gspcli.motion.singularities.clearance_results",
+    "clearance": "gspcli.motion.singularities.clearances",
     "coincident_types": "gspcli.catalogue.coincidence",
     "constraint_facts": "gspcli.catalogue.constraints",
     "count": "gspcli.atlas.platform_counts",
@@ -178,7 +178,7 @@ _HOMES = {
     "path": "gspcli.motion.paths.api",
     "read": "gspcli.spec",
     "sample": "gspcli.reality.sample_results",
-    "scan": "gspcli.motion.singularities.scan_results",
+    "scan": "gspcli.motion.singularities.scans",
     "sensors": "gspcli.sensing",
     "set_values": "gspcli.spec",
     "show": "gspcli.catalogue.known_facts",

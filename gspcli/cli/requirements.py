@@ -106,7 +106,7 @@ def _measured(
     from gspcli.geometry.drive_numbers import is_driven
 
     if name == "clearance" and is_driven(instance):
-        from gspcli.motion.singularities.drive_clearances import drive_clearances
+        from gspcli.motion.singularities.clearances import drive_clearances
 
         return drive_clearances(instance, R, T)[0]
     if name == "clearance":

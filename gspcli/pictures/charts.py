@@ -18,8 +18,7 @@ if TYPE_CHECKING:
     from gspcli.calibration import Calibration
     from gspcli.motion import Workspace
     from gspcli.motion.singularities.crossings import Boundary
-    from gspcli.motion.singularities.pose_scans import PoseScan
-    from gspcli.motion.singularities.value_scans import Scan
+    from gspcli.motion.singularities.scans import PoseScan, Scan
 
 
 #: Colours that people with any colour vision can distinguish (Okabe and Ito).

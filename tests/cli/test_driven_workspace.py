@@ -10,7 +10,7 @@ import pytest
 
 from gspcli import Point, example
 from gspcli.geometry.drives import Drives
-from gspcli.motion.singularities.clearance_results import clearance
+from gspcli.motion.singularities.clearances import clearance
 from tests.support.independent_machines import machines
 
 #: Two rods each on three carriages, vertical rails; positions only.

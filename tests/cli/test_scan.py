@@ -67,7 +67,7 @@ def test_curves_and_clearances(gsp):
 
 
 def test_work_is_kept_and_taken_up(gsp, tmp_path, monkeypatch):
-    from gspcli.motion.singularities import value_scans as scanning
+    from gspcli.motion.singularities import scans as scanning
 
     monkeypatch.setattr(scanning, "_PIECE", 2)
     done, journal = [], tmp_path / "work.jsonl"

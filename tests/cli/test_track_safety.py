@@ -10,7 +10,7 @@ import pytest
 
 import gspcli
 from gspcli.geometry.numbers import Number
-from gspcli.motion.singularities.drive_clearances import drive_clearances
+from gspcli.motion.singularities.clearances import drive_clearances
 
 POSES = """t,x,y,z,rx,ry,rz
 0,0,0,400,0,0,0

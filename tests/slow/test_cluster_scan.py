@@ -11,7 +11,7 @@ import pytest
 
 import gspcli
 from gspcli.defaults import SEED
-from gspcli.motion.singularities.value_scans import Axis, Scan, scan, scanned
+from gspcli.motion.singularities.scans import Axis, Scan, scan_grid, scanned
 from gspcli.resources import data_path
 from gspcli.workers import Workers
 
@@ -35,7 +35,7 @@ def test_a_scan_survives_a_killed_worker(gsp):
             if number == 0:
                 os.kill(victim, signal.SIGKILL)
             found.enter(piece)
-        here = scan(instance, axes)
+        here = scan_grid(instance, axes)
         assert found.pieces == 4
         assert np.array_equal(found.modes, here.modes)
         assert np.array_equal(found.conditions, here.conditions)

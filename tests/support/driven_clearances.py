@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from gspcli.defaults import SEED
-from gspcli.motion.singularities.drive_clearances import drive_weights, each_drive_clearance
+from gspcli.motion.singularities.clearances import drive_weights, each_drive_clearance
 from tests.support.independent_machines import Equations, PlaneGeometry, machines
 
 #: Random changes of each machine, and the steps to each.

@@ -112,7 +112,7 @@ def command(
         mode = mode or HOME
     if points is not None and of != "pose":
         raise click.UsageError("--points needs --of pose")
-    from gspcli.motion.singularities.clearance_results import clearance
+    from gspcli.motion.singularities.clearances import clearance
     from gspcli.motion.singularities.clearances import range_weights
 
     instance = load_instance(spec, changes)
@@ -155,7 +155,7 @@ def _unit(instance: Instance, of: str, *, ranged: bool) -> str:
 
 def _drive_table(instance: Instance, rows: list[dict[str, Any]]) -> Result:
     from gspcli.geometry.drives import Drives
-    from gspcli.motion.singularities.drive_clearances import drive_weights
+    from gspcli.motion.singularities.clearances import drive_weights
 
     names, units = Drives.of(instance).names, instance.units
     columns = [

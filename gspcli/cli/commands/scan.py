@@ -47,7 +47,7 @@ if TYPE_CHECKING:
 
     from gspcli.geometry.instance import Instance
     from gspcli.motion.singularities.crossings import Boundary
-    from gspcli.motion.singularities.value_scans import Axis, Scan
+    from gspcli.motion.singularities.scans import Axis, Scan
     from gspcli.workers import Workers
 
     Array = NDArray[np.float64]
@@ -55,8 +55,8 @@ if TYPE_CHECKING:
     from gspcli.geometry.frames import PoseFrame
     from gspcli.motion import PoseFormat
     from gspcli.motion.singularities.crossings import Meeting
-    from gspcli.motion.singularities.pose_scans import PoseScan
-    from gspcli.motion.singularities.scan_results import ScanResult
+    from gspcli.motion.singularities.scans import PoseScan
+    from gspcli.motion.singularities.scans import ScanResult
 
 FIELDS = Fields("scan")
 
@@ -152,8 +152,8 @@ def command(
         return 0
     _refuse_coordinates(texts, conventions)
     from gspcli.motion.singularities.crossings import Boundary
-    from gspcli.motion.singularities.scan_results import as_read, check_values, corrected
-    from gspcli.motion.singularities.value_scans import MISSING, Scan
+    from gspcli.motion.singularities.scans import as_read, check_values, corrected
+    from gspcli.motion.singularities.scans import MISSING, Scan
 
     asked = Scan.empty(instance, _axes(instance, texts))
     found = Scan.empty(*corrected(asked), clearance=quantity == "clearance")
@@ -191,7 +191,7 @@ def command(
 
 def _axes(instance: Instance, texts: tuple[str, ...]) -> list[Axis]:
     """Return the values and drives that vary."""
-    from gspcli.motion.singularities.scan_results import axis_of, drive_names
+    from gspcli.motion.singularities.scans import axis_of, drive_names
 
     known = (*_NUMBERS, *drive_names(instance))
     return [
@@ -212,7 +212,7 @@ def _refuse_coordinates(texts: tuple[str, ...], conventions: PoseConventions) ->
 
 def _refuse_gaps(found: Scan, limits: Boundary) -> None:
     """Raise if poses of a node are missing, or folds do not explain a change of the number."""
-    from gspcli.motion.singularities.value_scans import UNKNOWN
+    from gspcli.motion.singularities.scans import UNKNOWN
 
     if unknown := int((found.modes == UNKNOWN).sum()):
         raise IncompleteError(
@@ -228,7 +228,7 @@ def _refuse_gaps(found: Scan, limits: Boundary) -> None:
 def _fill(found: Scan, workers: Workers, journal: Path | None) -> None:
     """Find the poses at all nodes, but for those in the work file."""
     from gspcli.journal import Journal
-    from gspcli.motion.singularities.value_scans import Piece, scanned
+    from gspcli.motion.singularities.scans import Piece, scanned
 
     done: set[int] = set()
     title = _identity(found)
@@ -368,7 +368,7 @@ def scan_poses(
     output: Output,
 ) -> None:
     """Scan poses and show what was found."""
-    from gspcli.motion.singularities.pose_scans import PoseAxis, PoseScan
+    from gspcli.motion.singularities.scans import PoseAxis, PoseScan
 
     axes = tuple(PoseAxis(*axis) for axis in axes_of(texts, PARAMETERS))
     pose.read(form)

@@ -282,8 +282,11 @@ def _clearances(
     found = {}
     if clear or "clearance" in asked:
         from gspcli.motion.paths.track_bounds import moves_by_drives
-        from gspcli.motion.singularities.clearances import clearances, range_weights
-        from gspcli.motion.singularities.drive_clearances import drive_clearances
+        from gspcli.motion.singularities.clearances import (
+            clearances,
+            drive_clearances,
+            range_weights,
+        )
 
         if moves_by_drives(result):
             found["clearance"] = _of_machine(result, lambda *pose: drive_clearances(*pose)[0])

@@ -33,7 +33,7 @@ from gspcli.motion.paths.motors import Motors
 from gspcli.motion.paths.pose_ways import PoseWays
 from gspcli.motion.paths.value_ways import ValueWays
 from gspcli.motion.singularities.clearances import clearances, range_weights
-from gspcli.motion.singularities.drive_clearances import drive_clearances, drive_weights
+from gspcli.motion.singularities.clearances import drive_clearances, drive_weights
 from gspcli.records import dataclass
 
 Array = NDArray[np.float64]

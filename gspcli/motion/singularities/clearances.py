@@ -1,15 +1,23 @@
-"""Clearance: the change of the values within which an assembly mode meets no singularity.
+"""Clearance: how far values, drives or the pose may change before a mode meets a singularity.
 
-The distance of two sets of values is the largest difference of a value, divided by its weight. A
-clearance of r means that all values together may change by up to r times their weights, in any
+The distance of two sets of values, or of drives, is the largest difference of one, divided by its
+weight. A clearance of r means that all together may change by up to r times their weights, in any
 combination.
+
+Of values the lower bound is proved: up to it the pose has exactly one continuation, which is
+regular. The upper bound is the nearest fold that was found by following the mode with proof.
+Of drives two numbers are proved: the same, and up to where no drive comes to a dead point, so that
+all keep their knees. The nearest fold and the nearest dead point that were found bound them:
+numbers, not proofs.
 """
 
 from __future__ import annotations
 
-from collections.abc import Generator, Iterator
+from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import cached_property
 from itertools import product
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,29 +26,49 @@ from gspcli.certification.poses.parallel_poses import nearly_parallel
 from gspcli.defaults import SEED
 from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.drive_numbers import is_driven
+from gspcli.geometry.drives import Drives
 from gspcli.geometry.instance import Instance
+from gspcli.geometry.measurement import measured
+from gspcli.geometry.quaternions import rotation_from_quaternion
 from gspcli.geometry.ranges import value_range
+from gspcli.geometry.readings import readings_of
 from gspcli.motion.following.branch_follower import MovingPlatform, Stop, apart
 from gspcli.motion.following.row_instances import over_rows
 from gspcli.motion.following.tracks import Event
 from gspcli.motion.following.trajectories import track_from
-from gspcli.motion.poses.inverse_kinematics import value_slopes, values_at
-from gspcli.motion.singularities.neighbourhoods import Neighbourhood
+from gspcli.motion.poses.cranks import drive_values
+from gspcli.motion.poses.inverse_kinematics import measure, value_slopes, values_at
+from gspcli.motion.singularities.neighbourhoods import DrivenNeighbourhood, Neighbourhood
+from gspcli.motion.singularities.pose_clearances import PoseClearance, pose_clearance
 from gspcli.progress import Progress, silent
 from gspcli.records import dataclass
 from gspcli.ties import definite_signs, definite_vectors, first_smallest
+from gspcli.wording import counted
+
+if TYPE_CHECKING:
+    import pandas as pd
+
 
 Array = NDArray[np.float64]
 
 #: Halvings of the interval in which the clearance is sought, after a first estimate.
 _HALVINGS = 7
 _REFINEMENTS = 7
-#: Straight lines of values are followed up to this many weights.
+#: Straight lines of values and drives are followed up to this many weights.
 _FARTHEST = 1e3
 #: The part of the way to the end of a range up to which a mode is followed.
 _SHORT = 1 - 1e-6
 #: First directions of the search for the nearest singularity, and rounds that improve each.
 _STARTS, _MANY_STARTS, _ROUNDS = 6, 30, 6
+#: Halvings of the interval of a clearance, and the ratio of its ends that suffices.
+_DRIVE_HALVINGS, _CLOSE = 60, 1.002
+#: Steps along a line of drives: the first in clearances, their growth, and the least relatively.
+_FIRST, _GROWTH, _LEAST, _STEPS = 1.0, 1.5, 1e-7, 400
+#: Iterations of Newton's method, its residual, and the farthest that a step may move the pose.
+_ITERATIONS, _RESIDUAL, _JUMP = 8, 1e-11, 0.1
+#: The quantities that may change.
+KINDS = ("values", "drives", "pose")
 
 
 def clearances(
@@ -138,21 +166,6 @@ class Clearance:
     def ratio(self) -> float:
         """Upper bound by lower bound."""
         return self.upper / self.lower if self.lower > 0 else np.inf
-
-
-def clearance(
-    instance: Instance,
-    R: ArrayLike,
-    T: ArrayLike,
-    *,
-    weights: ArrayLike | None = None,
-    refine: bool = False,
-    seed: int = SEED,
-) -> Clearance:
-    """Return proved bounds of the clearance of a pose, as `each_clearance` of several."""
-    R, T = np.asarray(R, float)[None], np.asarray(T, float)[None]
-    (found,) = each_clearance(instance, R, T, weights=weights, refine=refine, seed=seed)
-    return found
 
 
 def each_clearance(
@@ -360,3 +373,471 @@ def _along(
     normal = np.linalg.svd(rows)[0][:, -1]
     outward = normal * np.sign(normal @ step)
     return (event.high - 1) * reach, event, definite_signs(outward)
+
+
+@dataclass(frozen=True, eq=False)
+class DriveClearance:
+    """Bounds of the clearance of one pose in its drives.
+
+    Attributes
+    ----------
+    lower
+        Proved: up to here there is exactly one continuation, and no singularity.
+    knees
+        Proved: up to here no drive comes to a dead point; at most ``lower``.
+    upper
+        The change at the nearest fold that was found; infinite if there is none.
+    dead_point
+        The change at the nearest dead point that was found; infinite if there is none.
+    drive
+        The index of the drive that is at it, or None.
+    q, R, T
+        The drives and the pose at the fold: shapes (m,), (3, 3) and (3,), or None.
+    """
+
+    lower: float
+    knees: float
+    upper: float
+    dead_point: float
+    drive: int | None
+    q: Array | None
+    R: Array | None
+    T: Array | None
+
+    @property
+    def ratio(self) -> float:
+        """Upper bound by lower bound."""
+        return self.upper / self.lower if self.lower > 0 else np.inf
+
+
+def drive_weights(instance: Instance) -> tuple[Array, bool]:
+    """Return the weights of the drives, lengths and radians, shape (m,).
+
+    Also whether they are half the ranges; otherwise they are one in the unit of each drive.
+    """
+    drives = Drives.of(instance)
+    half = (drives.high - drives.low) / 2
+    if np.isfinite(half).all() and (half > 0).all():
+        return half, True
+    return drives.units.copy(), False
+
+
+def drive_clearances(
+    instance: Instance,
+    R: ArrayLike,
+    T: ArrayLike,
+    *,
+    weights: ArrayLike | None = None,
+    knees: ArrayLike | None = None,
+) -> tuple[Array, Array]:
+    """Return what is proved of poses: `DriveClearance.lower` and `knees`, shape (n,) each.
+
+    Zero if there is no proof, or the drives do not reach the pose.
+
+    Parameters
+    ----------
+    instance
+        The machine; its home pose decides the knees, without one each pose does.
+    R, T
+        Poses, shapes (n, 3, 3) and (n, 3).
+    weights
+        The unit of each drive's changes, lengths and radians, shape (m,); as `drive_weights`.
+    knees
+        The signs of the gains, shape (6,), instead of those of the home pose.
+    """
+    drives, units = _given(instance, weights)
+    R, T = np.asarray(R, float), np.asarray(T, float)
+    signs = None if knees is None else np.asarray(knees)
+    proved = [_proved(drives, R[k], T[k], units, signs) for k in range(len(T))]
+    return np.array([one for one, _ in proved]), np.array([one for _, one in proved])
+
+
+def each_drive_clearance(
+    instance: Instance, R: Array, T: Array, *, progress: Progress = silent
+) -> list[DriveClearance]:
+    """Return bounds of the clearance of each of some poses.
+
+    For the upper bounds the pose is followed by Newton's method along the lines to all corners of
+    the box of drives, until it ends in a fold, and until a gain changes its sign.
+
+    Parameters
+    ----------
+    instance, R, T
+        As for `drive_clearances`, with the weights of `drive_weights`.
+    progress
+        Receives each pose that is done.
+    """
+    drives, units = Drives.of(instance), drive_weights(instance)[0]
+    found = []
+    for k in progress(range(len(T)), total=len(T), label="poses"):
+        lower, knees = _proved(drives, R[k], T[k], units)
+        found.append(_Corners(drives, R[k], T[k], units, lower).bounds(lower, knees))
+    return found
+
+
+def _given(instance: Instance, weights: ArrayLike | None) -> tuple[Drives, Array]:
+    drives = Drives.of(instance)
+    units = drive_weights(instance)[0] if weights is None else np.asarray(weights, float)
+    if units.shape != (drives.count,) or not (np.isfinite(units) & (units > 0)).all():
+        message = f"found {units.tolist()}, expected {drives.count} positive numbers"
+        raise ArgumentError(message, "weights")
+    return drives, units
+
+
+def _proved(
+    drives: Drives, R: Array, T: Array, units: Array, knees: NDArray[np.int64] | None = None
+) -> tuple[float, float]:
+    q = drives.inverse(R, T, knees)
+    if np.isnan(q).any():
+        return 0.0, 0.0
+    near = DrivenNeighbourhood(drives, R, T, q)
+    # Constraints that share a drive move together; it is proved for all their changes.
+    widths = near.widths(units[drives.index])[None]
+
+    def regular(size: float) -> bool:
+        return bool(near.box(size * widths).measure[0] < 1)
+
+    def kept(size: float) -> bool:
+        return bool(near.keeps_knees(size * widths, near.box(size * widths))[0])
+
+    lower = _largest(regular, _FARTHEST)
+    return lower, _largest(kept, lower)
+
+
+def _largest(good: Callable[[float], bool], most: float) -> float:
+    """Return a size for which something is proved, nearly the largest, found by halving."""
+    if good(most):
+        return most
+    low, high = 0.0, most
+    for _ in range(_DRIVE_HALVINGS):
+        # Any order of magnitude is possible; it is found first.
+        size = (low + high) / 2 if low > 0 else high / 8
+        low, high = (size, high) if good(size) else (low, size)
+        if low > 0 and high <= low * _CLOSE:
+            break
+    return low
+
+
+class _Corners:
+    """A pose followed to the corners of the box of its drives.
+
+    Parameters
+    ----------
+    drives, R, T
+        The machine and the pose.
+    units
+        The weights, shape (m,).
+    lower
+        The clearance that is proved: the first step.
+    """
+
+    def __init__(self, drives: Drives, R: Array, T: Array, units: Array, lower: float) -> None:
+        signs = product((1.0, -1.0), repeat=drives.count)
+        self.drives, self.units = drives, units
+        self.q = drives.inverse(R, T)
+        self.ways = np.array(list(signs)) * units
+        count = len(self.ways)
+        self.R, self.T = np.repeat(R[None], count, axis=0), np.repeat(T[None], count, axis=0)
+        self.far = np.zeros(count)
+        self.step = np.full(count, max(_FIRST * lower, 1e-9))
+        self.length = float(np.nanmax(drives.rods))
+
+    def bounds(self, lower: float, knees: float) -> DriveClearance:
+        """Return the bounds, with the nearest fold and dead point."""
+        nothing = DriveClearance(lower, knees, np.inf, np.inf, None, None, None, None)
+        if lower == 0:
+            return nothing
+        drives = self.drives
+        J = drives.jacobian(self.R[:1], self.T[:1], self.q[None])
+        sign = np.sign(np.linalg.det(J))[0]
+        gains = np.sign(drives.gains(self.R[:1], self.T[:1], self.q[None]))[0]
+        upper, dead, drive, at = np.inf, np.inf, None, None
+        active = np.ones(len(self.ways), bool)
+        for _ in range(_STEPS):
+            some = np.flatnonzero(active)
+            if not len(some):
+                break
+            size = self.far[some] + self.step[some]
+            R, T, good = self._newton(some, size)
+            q = self.q + size[:, None] * self.ways[some]
+            with np.errstate(all="ignore"):
+                J = drives.jacobian(R, T, q)
+                good &= np.isfinite(J).all(axis=(1, 2))
+                J[~good] = np.eye(6)
+                good &= np.sign(np.linalg.det(J)) == sign
+                changed = (np.sign(drives.gains(R, T, q)) != gains) & drives.driven
+            moved = some[good]
+            if (crossed := good & changed.any(axis=1)).any():
+                nearest = int(np.where(crossed, size, np.inf).argmin())
+                if size[nearest] < dead:
+                    dead = float(size[nearest])
+                    drive = int(drives.index[int(changed[nearest].argmax())])
+            self.R[moved], self.T[moved], self.far[moved] = R[good], T[good], size[good]
+            self.step[some] *= np.where(good, _GROWTH, 0.5)
+            ended = self.step < _LEAST * self.far
+            for k in np.flatnonzero(ended & active):
+                if self.far[k] < upper:
+                    upper, at = float(self.far[k]), int(k)
+            active &= ~ended & (self.far < min(upper, _FARTHEST))
+        if at is None:
+            return DriveClearance(lower, knees, np.inf, dead, drive, None, None, None)
+        q = self.q + upper * self.ways[at]
+        return DriveClearance(lower, knees, upper, dead, drive, q, self.R[at], self.T[at])
+
+    def _newton(
+        self, some: NDArray[np.intp], size: Array
+    ) -> tuple[Array, Array, NDArray[np.bool_]]:
+        """Return the poses at some corners and sizes, and which are solutions nearby."""
+        drives = self.drives
+        R, T = self.R[some].copy(), self.T[some].copy()
+        q = self.q + size[:, None] * self.ways[some]
+        arrangement = drives.arrangement(q)
+        wanted = np.where(drives.driven, drives.rods, q[:, drives.index])
+        with np.errstate(all="ignore"):
+            for _ in range(_ITERATIONS):
+                off = wanted - measured(arrangement, R, T)
+                J = drives.jacobian(R, T, q)
+                fine = np.isfinite(J).all(axis=(1, 2)) & np.isfinite(off).all(axis=1)
+                J[~fine], off[~fine] = np.eye(6), 0.0
+                J[np.abs(np.linalg.det(J)) == 0] = np.eye(6)
+                twist = np.linalg.solve(J, off[..., None])[..., 0]
+                R, T = _turned(twist[:, :3]) @ R, T + twist[:, 3:]
+            off = np.abs(wanted - measured(arrangement, R, T)).max(axis=1)
+            far = np.linalg.norm(T - self.T[some], axis=1) / self.length
+            far += np.abs(R - self.R[some]).max(axis=(1, 2))
+            good = (off <= _RESIDUAL * self.length) & (far < _JUMP)
+        return R, T, np.asarray(good)
+
+
+def _turned(omega: Array) -> Array:
+    """Return the rotations by vectors, ``(n, 3) -> (n, 3, 3)``."""
+    half = np.linalg.norm(omega, axis=1, keepdims=True) / 2
+    with np.errstate(invalid="ignore", over="ignore"):
+        part = np.where(half > 0, np.sin(half) / np.where(half > 0, 2 * half, 1.0), 0.5)
+        quaternion = np.concatenate((np.cos(half), omega * part), axis=1)
+    quaternion[~np.isfinite(quaternion).all(axis=1)] = [1, 0, 0, 0]
+    return np.asarray(rotation_from_quaternion(quaternion))
+
+
+@dataclass(frozen=True, eq=False)
+class Clearances:
+    """Proved bounds of the clearances of n poses.
+
+    Attributes
+    ----------
+    instance
+        The platform.
+    of
+        The quantity that changes: one of `KINDS`.
+    bounds
+        The bounds of each pose.
+    """
+
+    instance: Instance
+    of: str
+    bounds: tuple[Clearance | DriveClearance | PoseClearance, ...]
+
+    def __repr__(self) -> str:
+        kinds = self.instance.name or self.instance.type.id
+        least = f", at least {self.lower.min():.6g}" if len(self.bounds) else ""
+        return f"<Clearances of {kinds}: {counted(len(self.bounds), 'pose')}{least}>"
+
+    @cached_property
+    def lower(self) -> Array:
+        """Proved lower bounds: nothing singular is nearer, shape (n,); read-only."""
+        return self._column("lower")
+
+    @cached_property
+    def upper(self) -> Array:
+        """Distances of singularities that were found, else infinite, shape (n,); read-only."""
+        return self._column("upper")
+
+    def _column(self, name: str) -> Array:
+        column = np.array([getattr(one, name) for one in self.bounds], dtype=float)
+        column.setflags(write=False)
+        return column
+
+    def rows(self) -> list[dict[str, Any]]:
+        """Return the bounds of each pose, as plain data."""
+        return [_row(self.instance, one) for one in self.bounds]
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return a row for each pose, without places; imports pandas.
+
+        The columns are lower, upper, ratio, and by and constraint, or, of drives, knees, dead_point
+        and drive.
+        """
+        import pandas as pd
+
+        last = ["knees", "dead_point", "drive"] if self.of == "drives" else ["by", "constraint"]
+        columns = ["lower", "upper", "ratio", *last]
+        return pd.DataFrame(self.rows(), columns=columns)
+
+    def to_json(self, names: Sequence[Mapping[str, Any]] | None = None) -> dict[str, Any]:
+        """Return everything as plain data of schema ``gsp.clearance/1``.
+
+        Parameters
+        ----------
+        names
+            The name of each pose; without names there is no ``mode``.
+        """
+        called = [{"mode": None}] * len(self.bounds) if names is None else names
+        rows = [{**name, **row} for name, row in zip(called, self.rows(), strict=True)]
+        head = {"schema": "gsp.clearance/1", **self.instance.to_json()}
+        return {**head, "of": self.of, "modes": rows}
+
+
+def clearance(
+    instance: Instance,
+    R: ArrayLike,
+    T: ArrayLike,
+    *,
+    of: str | None = None,
+    points: ArrayLike | None = None,
+    refine: bool = False,
+    progress: Progress = silent,
+) -> Clearances:
+    """Bound the change of values, drives or the pose before the pose meets a singularity.
+
+    Parameters
+    ----------
+    instance
+        The platform. If each constraint, or each drive, has a range, changes count in halves of
+        them.
+    R, T
+        The poses, shapes (n, 3, 3) and (n, 3).
+    of
+        ``values``, ``drives`` or ``pose``: the quantity that changes. By default the drives of
+        machines with cranks or slides, the values of others.
+    points
+        For ``pose``: the points of the platform, in its frame, whose displacements count, shape
+        (m, 3); by default those of the distances.
+    refine
+        Whether to look for better bounds: a few seconds a pose; not of drives.
+    progress
+        Receives the number of each pose.
+
+    Raises
+    ------
+    ArgumentError
+        Naming what is wrong.
+    """
+    of = of or default_kind(instance)
+    if of not in KINDS:
+        message = f"found {of!r}, expected {' or '.join(KINDS)}"
+        raise ArgumentError(message, "of")
+    if points is not None and of != "pose":
+        message = "points count for the clearance of a pose only"
+        raise ArgumentError(message, "points")
+    R, T = np.reshape(np.asarray(R, float), (-1, 3, 3)), np.reshape(np.asarray(T, float), (-1, 3))
+    driven = is_driven(instance)
+    if of == "pose" and driven:
+        message = (
+            "not known of the pose of a machine with cranks or slides, whose joints move with it: "
+            "use drives"
+        )
+        raise ArgumentError(message, "of")
+    if of == KINDS[0] and driven:
+        return Clearances(instance, of, tuple(_with_drives_still(instance, R, T, refine, progress)))
+    if of == KINDS[0]:
+        weights = range_weights(instance)
+        each = each_clearance(instance, R, T, weights=weights, refine=refine, progress=progress)
+        return Clearances(instance, of, tuple(each))
+    if of == "drives":
+        moved = each_drive_clearance(instance, R, T, progress=progress)
+        return Clearances(instance, of, tuple(moved))
+    poses = list(zip(R, T, strict=True))
+    found = [
+        pose_clearance(instance, turn, place, points=points, refine=refine)
+        for turn, place in progress(poses, total=len(poses), label="poses")
+    ]
+    return Clearances(instance, of, tuple(found))
+
+
+def _with_drives_still(
+    instance: Instance, R: Array, T: Array, refine: bool, progress: Progress
+) -> Iterator[Clearance]:
+    """Yield the clearances of values at poses, with cranks and slides still where they are.
+
+    Raises
+    ------
+    ArgumentError
+        If the drives do not reach a pose.
+    """
+    drives, q = drive_values(instance, R, T, along=False)
+    unreached = np.isnan(q).any(axis=1)
+    if unreached.any():
+        message = f"the drives do not reach pose {int(unreached.argmax()) + 1}"
+        raise ArgumentError(message, "R")
+    for k in progress(range(len(q)), total=len(q), label="poses"):
+        there = drives.instance_at(q[k])
+        weights, one = range_weights(there), slice(k, k + 1)
+        yield from each_clearance(there, R[one], T[one], weights=weights, refine=refine)
+
+
+def default_kind(instance: Instance) -> str:
+    """Return the quantity that changes by default: drives where motors move points, else values."""
+    return "drives" if is_driven(instance) else "values"
+
+
+def _row(instance: Instance, found: Clearance | DriveClearance | PoseClearance) -> dict[str, Any]:
+    if isinstance(found, PoseClearance):
+        return _of_pose(instance, found)
+    if isinstance(found, DriveClearance):
+        return _of_drives(instance, found)
+    return _of_values(instance, found)
+
+
+def _of_drives(instance: Instance, found: DriveClearance) -> dict[str, Any]:
+    """Return the bounds of the clearance of one pose in its drives."""
+    drives = Drives.of(instance)
+    q, R, T = (None if part is None else part.tolist() for part in (found.q, found.R, found.T))
+    return {
+        "lower": found.lower,
+        "knees": found.knees,
+        "upper": _finite(found.upper),
+        "dead_point": _finite(found.dead_point),
+        "ratio": _finite(found.ratio),
+        "drive": None if found.drive is None else drives.names[found.drive],
+        "drives": None if q is None else drives.readings(np.array(q)).tolist(),
+        "R": R,
+        "T": T,
+    }
+
+
+def _finite(number: float) -> float | None:
+    return number if number < float("inf") else None
+
+
+def _of_values(instance: Instance, found: Clearance) -> dict[str, Any]:
+    """Return the bounds of the clearance of one mode in its values."""
+    row = _bounds(found.lower, found.upper, found.ratio)
+    if found.values is None:
+        return row
+    readings = readings_of(instance, found.values).tolist()
+    row |= {"by": "fold" if found.end is None else "end of range", "values": readings}
+    if found.end is not None:
+        row["constraint"] = found.end + 1
+    if found.fold is not None:
+        row |= {"R": found.fold.R.tolist(), "T": found.fold.T.tolist()}
+    return row
+
+
+def _of_pose(instance: Instance, found: PoseClearance) -> dict[str, Any]:
+    """Return the bounds of the clearance of one pose."""
+    row = _bounds(found.lower, found.upper, found.ratio)
+    if found.R is None or found.T is None:
+        return row
+    values = measure(instance, found.R, found.T).tolist()
+    pose = {"R": found.R.tolist(), "T": found.T.tolist()}
+    return row | {"by": "singular pose", "values": values, **pose}
+
+
+def _bounds(lower: float, upper: float, ratio: float) -> dict[str, Any]:
+    """Return both bounds, and room for the place of the upper one."""
+    return {
+        "lower": lower,
+        "upper": _finite(upper),
+        "ratio": _finite(ratio),
+        **dict.fromkeys(("by", "constraint", "values", "R", "T")),
+    }

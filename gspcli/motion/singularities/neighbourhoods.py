@@ -449,19 +449,27 @@ class DrivenNeighbourhood(Neighbourhood):
         box
             What `box` returns for them.
         """
-        # A radius is infinite where the box is not proved.
         proved = box.measure < 1
-        rest = np.where(proved, box.rest, 0.0)[:, None]
-        change = Enclosure(np.zeros((1, 1, 8)), rest, np.swapaxes(box.shifts, 1, 2)[:, None])
-        square = np.where(proved, box.radius, 0.0)[:, None] ** 2
+        if not proved.any():
+            return np.asarray(proved)
+        kept = (self.gains(widths, box).least > 0) | ~self.driven
+        return np.asarray(kept.all(axis=1) & proved)
+
+    def gains(self, widths: Array, box: Box) -> Enclosure:
+        """Enclose what is proportional to the gains in a proved box: numbers, shape (1, 6, 1).
+
+        The parameters are those of the first-order changes of the solution, ``box.shifts``.
+        """
+        shifts = np.swapaxes(box.shifts, 1, 2)[:, None]
+        change = Enclosure(np.zeros((1, 1, 8)), box.rest[:, None], shifts)
+        square = box.radius[:, None] ** 2
         first, second = (
             (jet.value + jet.gradient.dot(change)).widened(matrix.most * square / 2)
             for jet, matrix in zip(self._moves, self._matrices, strict=True)
         )
         one, d = np.ones_like(widths), np.asarray(widths, float)
         cosine = Enclosure.between(np.where(self._cranks, 1 - d**2 / 2, one), one)
-        gains = first * cosine + second * Enclosure(np.zeros((*d.shape, 1)), d)
-        return np.asarray(((gains.least > 0) | ~self.driven).all(axis=1) & proved)
+        return first * cosine + second * Enclosure(np.zeros((*d.shape, 1)), d)
 
 
 def _of_values(platform: MovingPlatform, drives: Drives) -> Array:

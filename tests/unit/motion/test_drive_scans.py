@@ -18,9 +18,8 @@ from gspcli.geometry.residuals import condition_numbers
 from gspcli.motion.files.pose_files import PoseFormat
 from gspcli.motion.following.moving_geometry import MovingGeometry
 from gspcli.motion.poses.inverse_kinematics import values_at
-from gspcli.motion.singularities.drive_clearances import drive_clearances, drive_weights
-from gspcli.motion.singularities.pose_scans import PoseAxis, PoseScan
-from gspcli.motion.singularities.scan_results import scan
+from gspcli.motion.singularities.clearances import drive_clearances, drive_weights
+from gspcli.motion.singularities.scans import PoseAxis, PoseScan, scan
 from tests.support.driven_machines import driven
 
 

@@ -23,12 +23,15 @@ from tests.unit.motion.paths.test_pose_ways import MACHINES, ways_of
 
 
 @pytest.mark.parametrize("name", MACHINES)
-@pytest.mark.parametrize(("size", "moved"), [(1e-2, 1), (1e-3, 1), (1e-3, 0), (1e-5, 1)])
-def test_no_near_pose_has_a_larger_condition_number(name, size, moved):
+@pytest.mark.parametrize(
+    ("size", "moved", "turned"),
+    [(1e-2, 1, 1), (1e-3, 1, 1), (1e-3, 0, 1), (1e-3, 1, 0), (1e-5, 1, 1)],
+)
+def test_no_near_pose_has_a_larger_condition_number(name, size, moved, turned):
     ways, modes = ways_of(name, limits=False)
     a = Arrangement.of(ways.instance)
     R, T = ways.poses(modes[:8])
-    shift, turn = moved * size * a.length, size
+    shift, turn = moved * size * a.length, turned * size
     count = len(T)
     bound = condition_bounds(a, R, T, np.full(count, shift), np.full(count, turn), a.length)
     draw = np.random.default_rng(5)
@@ -38,9 +41,9 @@ def test_no_near_pose_has_a_larger_condition_number(name, size, moved):
         half = np.sin(turn / 2) * axis / np.linalg.norm(axis)
         E = rotation_from_quaternion(np.array([np.cos(turn / 2), *half]))
         move = draw.normal(size=3)
-        turned = E @ R
-        place = T + (R - turned) @ a.platform_centre + shift * move / np.linalg.norm(move)
-        worst = np.maximum(worst, condition_numbers(a, turned, place))
+        there = E @ R
+        place = T + (R - there) @ a.platform_centre + shift * move / np.linalg.norm(move)
+        worst = np.maximum(worst, condition_numbers(a, there, place))
     known = np.isfinite(bound)
     assert (worst[known] <= bound[known]).all()
     if size <= 1e-5:

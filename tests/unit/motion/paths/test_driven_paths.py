@@ -14,7 +14,7 @@ from gspcli.motion.following.departures import departures
 from gspcli.motion.paths.between import PathRows
 from gspcli.motion.paths.motors import Motors
 from gspcli.motion.paths.pose_ways import PoseWays
-from gspcli.motion.singularities.drive_clearances import drive_clearances, drive_weights
+from gspcli.motion.singularities.clearances import drive_clearances, drive_weights
 from gspcli.motion.singularities.neighbourhoods import DrivenNeighbourhood
 
 #: Machines with six freedoms; delta and three-prs have three.

@@ -9,11 +9,15 @@ from gspcli.geometry.random_instances import random_instance
 from gspcli.motion import MovingPlatform, measure
 from gspcli.motion.following.branch_follower import Stop
 from gspcli.motion.singularities import clearances as module
-from gspcli.motion.singularities.clearances import clearance, clearances, range_weights
+from gspcli.motion.singularities.clearances import clearances, each_clearance, range_weights
 from gspcli.motion.singularities.neighbourhoods import SIGNS
 from gspcli.resources import data_path, instance_files
 
 TYPES = ["6PP", "6PH", "6PL", "6DLL", "PP PL LP PH HP DLL", "PL PL LP ALL ALH AHH"]
+
+
+def clearance(instance, R, T, **more):
+    return each_clearance(instance, R[None], T[None], **more)[0]
 
 
 def platform(name, seed):

@@ -10,7 +10,7 @@ import pytest
 
 from gspcli.geometry.drives import Drives
 from gspcli.motion.following.branch_follower import MovingPlatform
-from gspcli.motion.singularities.drive_clearances import drive_clearances, each_drive_clearance
+from gspcli.motion.singularities.clearances import drive_clearances, each_drive_clearance
 from gspcli.motion.singularities.neighbourhoods import Box, DrivenNeighbourhood, Norm
 from tests.support.driven_clearances import examine
 from tests.support.independent_machines import machines
@@ -99,6 +99,25 @@ def test_knees_are_kept_where_that_is_said(near) -> None:
             assert (now > 0).all()
             closest = min(closest, now.min())
     assert closest < 0.5
+
+
+def test_gains_change_to_second_order_with_the_pose(near) -> None:
+    """Where the pose moves along one line, what the gains differ from their linear part by."""
+    near, _, _ = near
+    z = near.points[0]
+    for k in np.flatnonzero(near.driven):
+        sizes, ways = np.linalg.eigh(near.first[k])
+        way, far = ways[:, np.abs(sizes).argmax()], 0.1
+        shifts = np.zeros((1, 6, 8))
+        shifts[0, k] = far * way
+        number = np.array([0.5])
+        box = Box(number, number, number, np.array([far]), shifts, np.zeros(1))
+        found = near.gains(np.zeros((1, 6)), box)
+        for u in (-1, 1):
+            x = z + u * far * way
+            off = x @ near.first[k] @ x / 2 - found.mid[0, k, 0] - u * found.lin[0, k, 0, k]
+            assert abs(off) <= found.rad[0, k] * (1 + 1e-12)
+            assert abs(off) >= 0.99 * found.rad[0, k]
 
 
 @pytest.mark.parametrize("name", MACHINES)

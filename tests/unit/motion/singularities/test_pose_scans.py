@@ -7,7 +7,7 @@ import gspcli
 from gspcli.errors import ArgumentError
 from gspcli.geometry.random_instances import random_instance
 from gspcli.motion import PoseFormat
-from gspcli.motion.singularities.pose_scans import PoseAxis, PoseScan
+from gspcli.motion.singularities.scans import PoseAxis, PoseScan
 from gspcli.motion.statics.wrenches import wrenches
 from gspcli.resources import data_path
 

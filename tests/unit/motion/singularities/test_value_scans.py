@@ -7,7 +7,7 @@ import gspcli
 from gspcli.errors import ArgumentError
 from gspcli.motion import track
 from gspcli.motion.singularities.crossings import boundaries, boundary
-from gspcli.motion.singularities.value_scans import MISSING, Axis, Scan, scan
+from gspcli.motion.singularities.scans import MISSING, Axis, Scan, scan_grid
 from gspcli.resources import data_path
 
 
@@ -18,7 +18,7 @@ def hexapod():
 
 def test_counts_are_those_of_solve_and_change_at_proved_folds(hexapod):
     axis = Axis(0, tuple(np.linspace(2.3, 2.8, 11).tolist()))
-    found = scan(hexapod, [axis])
+    found = scan_grid(hexapod, [axis])
     assert found.modes.shape == (11,)
     for value, modes in zip(axis.values, found.modes, strict=True):
         one = gspcli.solve(gspcli.set_values(hexapod, {1: value}))
@@ -45,7 +45,7 @@ def test_counts_are_those_of_solve_and_change_at_proved_folds(hexapod):
 
 def test_two_values(hexapod):
     axes = [Axis(0, (2.4, 2.5, 2.6)), Axis(3, (1.9, 2.0))]
-    found = scan(hexapod, axes)
+    found = scan_grid(hexapod, axes)
     assert found.modes.shape == found.conditions.shape == (3, 2)
     one = gspcli.set_values(hexapod, ["1=2.6", "4=2.0"])
     assert found.modes[2, 1] == gspcli.solve(one).real.sum()
@@ -55,7 +55,7 @@ def test_two_values(hexapod):
 @pytest.mark.parametrize("axes", [[], [Axis(0, (1.0, 2.0))] * 2])
 def test_mistakes_are_named(hexapod, axes):
     with pytest.raises(ArgumentError, match="axes: expected one or two different"):
-        scan(hexapod, axes)
+        scan_grid(hexapod, axes)
 
 
 def test_the_discriminant_is_followed_as_curves_with_cusps(hexapod):
@@ -63,7 +63,7 @@ def test_the_discriminant_is_followed_as_curves_with_cusps(hexapod):
         Axis(0, tuple(np.linspace(1.9, 2.5, 7).tolist())),
         Axis(3, tuple(np.linspace(1.6, 2.2, 7).tolist())),
     ]
-    found = scan(hexapod, axes)
+    found = scan_grid(hexapod, axes)
     limits = boundary(found)
     assert not limits.unexplained
     assert 1 <= len(limits.curves) <= 5
@@ -99,7 +99,7 @@ def test_the_discriminant_is_followed_as_curves_with_cusps(hexapod):
 def test_a_curve_that_the_numbers_at_the_nodes_do_not_tell_of_is_found(hexapod):
     # It enters the only cell through an edge and leaves through the same.
     axes = [Axis(0, (2.3162, 2.3562)), Axis(3, (1.6657, 1.6772))]
-    found = scan(hexapod, axes)
+    found = scan_grid(hexapod, axes)
     assert (found.modes == 0).all()
     limits = boundary(found)
     assert len(limits.curves) == 1
@@ -118,13 +118,13 @@ def test_a_curve_that_the_numbers_at_the_nodes_do_not_tell_of_is_found(hexapod):
 
 
 def test_pieces_can_be_done_apart(hexapod, monkeypatch):
-    monkeypatch.setattr("gspcli.motion.singularities.value_scans._PIECE", 4)
+    monkeypatch.setattr("gspcli.motion.singularities.scans._PIECE", 4)
     axes = [Axis(0, (2.4, 2.5, 2.6)), Axis(3, (1.9, 2.0))]
-    whole = scan(hexapod, axes, clearance=True)
+    whole = scan_grid(hexapod, axes, clearance=True)
     part = Scan.empty(hexapod, axes, clearance=True)
     assert part.pieces == 2
     assert (part.modes == MISSING).all()
-    from gspcli.motion.singularities.value_scans import scanned
+    from gspcli.motion.singularities.scans import scanned
 
     part.enter(scanned(part, 2003, 1))
     assert (part.modes.reshape(-1)[:4] == MISSING).all()
@@ -156,7 +156,7 @@ constraints:
 
 def test_all_folds_of_a_planar_platform_whose_height_is_exactly_zero():
     """The sixth and seventh lie between the same two nodes, and cancel each other."""
-    found = scan(gspcli.loads(PLANAR), [Axis(1, tuple(np.linspace(3, 10, 141).tolist()))])
+    found = scan_grid(gspcli.loads(PLANAR), [Axis(1, tuple(np.linspace(3, 10, 141).tolist()))])
     limits = boundary(found)
     assert not limits.unexplained
     values = sorted(fold.values[0] for fold in limits.crossings)
@@ -185,7 +185,7 @@ def test_where_symmetries_let_several_modes_meet_their_numbers_are_told(
     name, axis, numbers, poses, folds
 ):
     instance = gspcli.example(name)
-    limits = boundary(scan(instance, [axis]))
+    limits = boundary(scan_grid(instance, [axis]))
     assert not limits.unexplained
     assert [(one.before, one.after) for one in limits.meetings] == numbers
     assert [pose[:2] for one in limits.meetings for pose in one.poses] == poses
