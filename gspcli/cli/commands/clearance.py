@@ -112,8 +112,7 @@ def command(
         mode = mode or HOME
     if points is not None and of != "pose":
         raise click.UsageError("--points needs --of pose")
-    from gspcli.motion.singularities.clearances import clearance
-    from gspcli.motion.singularities.clearances import range_weights
+    from gspcli.motion.singularities.clearances import clearance, range_weights
 
     instance = load_instance(spec, changes)
     chosen = None if points is None else _points(points)

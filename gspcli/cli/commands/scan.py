@@ -55,8 +55,7 @@ if TYPE_CHECKING:
     from gspcli.geometry.frames import PoseFrame
     from gspcli.motion import PoseFormat
     from gspcli.motion.singularities.crossings import Meeting
-    from gspcli.motion.singularities.scans import PoseScan
-    from gspcli.motion.singularities.scans import ScanResult
+    from gspcli.motion.singularities.scans import PoseScan, ScanResult
 
 FIELDS = Fields("scan")
 
@@ -152,8 +151,7 @@ def command(
         return 0
     _refuse_coordinates(texts, conventions)
     from gspcli.motion.singularities.crossings import Boundary
-    from gspcli.motion.singularities.scans import as_read, check_values, corrected
-    from gspcli.motion.singularities.scans import MISSING, Scan
+    from gspcli.motion.singularities.scans import MISSING, Scan, as_read, check_values, corrected
 
     asked = Scan.empty(instance, _axes(instance, texts))
     found = Scan.empty(*corrected(asked), clearance=quantity == "clearance")

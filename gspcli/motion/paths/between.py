@@ -32,8 +32,12 @@ from gspcli.motion.paths.drive_travels import drive_travels
 from gspcli.motion.paths.motors import Motors
 from gspcli.motion.paths.pose_ways import PoseWays
 from gspcli.motion.paths.value_ways import ValueWays
-from gspcli.motion.singularities.clearances import clearances, range_weights
-from gspcli.motion.singularities.clearances import drive_clearances, drive_weights
+from gspcli.motion.singularities.clearances import (
+    clearances,
+    drive_clearances,
+    drive_weights,
+    range_weights,
+)
 from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
