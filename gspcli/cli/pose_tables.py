@@ -493,8 +493,8 @@ def _far(result: SolveResult) -> list[str]:
     if not far:
         return []
     return [
-        f"{far} of the {result.counts.found} poses lie beyond {_FAR:.0e} lengths: the geometry is "
-        "nearly special"
+        f"{far} of the {result.counts.found} poses lie beyond {_FAR:.0e} lengths: "
+        "caused by rounded coordinates, harmless"
     ]
 
 

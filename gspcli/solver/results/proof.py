@@ -76,8 +76,9 @@ class Proof:
         """That the proof is up to a random prime, in words; empty if it is certain."""
         if not self.error:
             return ""
-        bound = 10.0 ** math.ceil(math.log10(self.error))
-        return f"proved by the {self.by} up to a random prime: error below {bound:.0e}"
+        times = math.floor(-math.log10(self.error))
+        said = f"wrong at most once in 10^{times}" + (", treat as certain" if times >= 9 else "")
+        return f"proved by the {self.by} up to a random prime: {said}"
 
     def to_json(self) -> dict[str, Any]:
         """Return the proof as plain data: `modulo_random_prime` is false or the error bound."""

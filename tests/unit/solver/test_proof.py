@@ -30,10 +30,19 @@ def test_the_bound_of_a_random_prime_is_told(error: float) -> None:
     assert proof.words == "proved up to a random prime"
 
 
-@pytest.mark.parametrize(("error", "bound"), [(1.23e-12, "1e-11"), (9.9e-11, "1e-10")])
+@pytest.mark.parametrize(
+    ("error", "bound"),
+    [
+        (1.23e-12, "10^11, treat as certain"),
+        (9.9e-11, "10^10, treat as certain"),
+        (1e-3, "10^3"),
+    ],
+)
 def test_the_bound_that_is_printed_is_not_less_than_the_error(error: float, bound: str) -> None:
     said = Proof(CountKind.GEOMETRY, error).reservation
-    assert said == f"proved by the geometry count up to a random prime: error below {bound}"
+    assert said == (
+        f"proved by the geometry count up to a random prime: wrong at most once in {bound}"
+    )
 
 
 def test_a_probability_of_at_most_one_proves_nothing() -> None:
