@@ -6,7 +6,6 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, overload
 
 from gspcli.catalogue.bounds import BOUND_MEANINGS, Bound, type_bounds
-from gspcli.catalogue.coincidence import count_coincident
 from gspcli.catalogue.counts import best_real, generic_counts, real_counts, spelled
 from gspcli.catalogue.kinds import Kind
 from gspcli.catalogue.types import GspType, PlatformClass, all_types
@@ -65,6 +64,12 @@ def _names(kinds: Iterable[Kind]) -> str:
     return " ".join(kind.short for kind in kinds)
 
 
+def _shared_patterns(gsp_type: GspType) -> int:
+    from gspcli.catalogue.coincidence import count_coincident
+
+    return count_coincident(gsp_type)
+
+
 #: The facts about a type, in the order of the CSV.
 COLUMNS: tuple[TypeColumn, ...] = (
     TypeColumn("number", "no.", lambda t: t.number),
@@ -83,7 +88,7 @@ COLUMNS: tuple[TypeColumn, ...] = (
         numeric=False,
         default=False,
     ),
-    TypeColumn("patterns", "shared patterns", count_coincident, default=False),
+    TypeColumn("patterns", "shared patterns", _shared_patterns, default=False),
 )
 DEFAULT_COLUMNS: tuple[TypeColumn, ...] = tuple(c for c in COLUMNS if c.default)
 COLUMNS_BY_KEY: dict[str, TypeColumn] = {column.key: column for column in COLUMNS}

@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import io
 import json
-import math
 import re
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -16,7 +15,7 @@ from typing import Any
 
 import click
 
-from gspcli.cli.result import Field, Result
+from gspcli.cli.result import DIGITS, Field, Result, column_texts
 from gspcli.cli.streams import (
     check_writable,
     coloured,
@@ -29,102 +28,6 @@ from gspcli.cli.streams import (
 from gspcli.errors import GspError
 from gspcli.records import dataclass
 from gspcli.wording import listed, named
-
-#: Digits of a number in a table for people, unless the column or the width says otherwise.
-DIGITS = 6
-
-
-#: Numbers of a column have the same number of decimals if the largest lies between these; others
-#: need exponents.
-_SMALLEST, _LARGEST = 1e-3, 1e5
-#: Decimals that an aligned column has at least at full width.
-_FEWEST_DECIMALS = 2
-#: Components of a vector below this part of its size are rounding errors.
-_NOTHING = 1e-9
-#: Numbers of a column below this part of its size are rounding errors.
-_ROUNDING = 1e-12
-
-
-def cell_text(value: object, digits: int = DIGITS) -> str:
-    """Return a value as people read it in a table.
-
-    Parameters
-    ----------
-    value
-        A number, a text, a list of them, or None for nothing.
-    digits
-        Significant digits of numbers that are not whole.
-    """
-    if value is None:
-        return ""
-    if isinstance(value, bool):
-        return "yes" if value else "no"
-    if isinstance(value, float):
-        # Zero has one sign.
-        return f"{value + 0.0:.{digits}g}"
-    if isinstance(value, complex):
-        return f"{value.real:.{digits}g}{value.imag:+.{digits}g}i"
-    if isinstance(value, (list, tuple)):
-        return " ".join(cell_text(item, digits) for item in value)
-    return printable(str(value).replace("\n", " "))
-
-
-def vector_text(numbers: Sequence[float], digits: int = DIGITS, *, size: float = 1.0) -> str:
-    """Return components as people read them, one after the other.
-
-    Parameters
-    ----------
-    numbers, digits
-        The components, and their significant digits.
-    size
-        A typical component. A component below `_NOTHING` times it is a rounding error, and shown as
-        zero.
-    """
-    shown = (x if abs(x) > _NOTHING * size else 0.0 for x in numbers)
-    return ", ".join(f"{x:.{digits}g}" for x in shown)
-
-
-def column_texts(table: Result, column: Field, digits: int = DIGITS) -> list[str]:
-    """Return the cells of a column as text, numbers with this many digits."""
-    values = [_cleared(row.get(column.key), column.size) for row in table.rows]
-    decimals = column.decimals
-    if decimals is None and column.aligned:
-        decimals = _decimals([v for v in values if isinstance(v, float)], digits)
-    if decimals is None:
-        return [cell_text(value, digits) for value in values]
-    return [_fixed(value, decimals, digits) for value in values]
-
-
-def _cleared(value: object, size: float) -> object:
-    """Return zero for a float that is a rounding error of numbers of a size, else the value."""
-    return 0.0 if isinstance(value, float) and abs(value) < _ROUNDING * size else value
-
-
-def _fixed(value: object, decimals: int, digits: int) -> str:
-    """Return a number with this many decimals, any other value unchanged."""
-    if isinstance(value, float) and math.isfinite(value):
-        return _without_negative_zero(f"{value:.{decimals}f}")
-    if isinstance(value, complex):
-        real = _without_negative_zero(f"{value.real:.{decimals}f}")
-        return f"{real}{value.imag:+.{decimals}f}i"
-    return cell_text(value, digits)
-
-
-def _decimals(values: Sequence[float], digits: int) -> int | None:
-    """Return how many decimals give the largest number this many digits; None if none does."""
-    # Rounded, so that 0.9999999999 and 1 have the same decimals.
-    largest = float(f"{max(map(abs, values), default=0.0):.{digits}g}")
-    if largest == 0:
-        return 0
-    if not _SMALLEST <= largest < _LARGEST:
-        return None
-    fewest = max(_FEWEST_DECIMALS - (DIGITS - digits), 0)
-    return max(digits - 1 - math.floor(math.log10(largest)), fewest)
-
-
-def _without_negative_zero(text: str) -> str:
-    return text.removeprefix("-") if not text.strip("-0.") else text
-
 
 #: Blanks between two columns.
 GAP = 2
@@ -460,109 +363,6 @@ def _markdown_line(cells: Sequence[str]) -> str:
     return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |\n"
 
 
-_HEAD = "% needs \\usepackage{booktabs}\n"
-_NUMBER = re.compile(r"-?\d+(\.\d+)?(?:e([+-]\d+))?")
-_ESCAPES = str.maketrans(
-    {
-        "&": r"\&",
-        "%": r"\%",
-        "#": r"\#",
-        "_": r"\_",
-        "$": r"\$",
-        "{": r"\{",
-        "}": r"\}",
-        "^": r"\textasciicircum{}",
-        "~": r"\textasciitilde{}",
-        "\\": r"\textbackslash{}",
-        "|": r"\textbar{}",
-        "<": r"\textless{}",
-        ">": r"\textgreater{}",
-        "·": r"$\cdot$",
-        "×": r"$\times$",
-        "±": r"$\pm$",
-        "−": r"$-$",
-        "≤": r"$\le$",
-        "≥": r"$\ge$",
-        "≠": r"$\ne$",
-        "∠": r"$\angle$",
-        "→": r"$\to$",
-        "∞": r"$\infty$",
-        "─": "--",
-        "°": r"$^\circ$",
-        "²": r"\textsuperscript{2}",
-        "³": r"\textsuperscript{3}",
-        "ᵀ": r"\textsuperscript{T}",
-        "ρ": r"$\rho$",
-        "σ": r"$\sigma$",
-        "τ": r"$\tau$",
-        "α": r"$\alpha$",
-        "θ": r"$\theta$",
-        "φ": r"$\varphi$",
-        "Σ": r"$\Sigma$",
-        "Δ": r"$\Delta$",
-        "…": r"\dots{}",
-        "“": "``",
-        "”": "''",
-    }
-)
-_ROOT = re.compile(r"√(\d+|)")
-
-
-def latex(tables: Sequence[Result]) -> str:
-    """Return tables as ``tabular`` environments; titles, summaries and notes are comments."""
-    return _HEAD + "\n".join(filter(None, map(_latex, tables)))
-
-
-def _latex(table: Result) -> str:
-    comments = "".join(
-        f"% {line}\n"
-        for text in filter(None, [table.title, *table.summary, *table.notes])
-        for line in printable(text).split("\n")
-    )
-    if not table.columns:
-        return comments
-    layout = "".join("r" if column.align == "right" else "l" for column in table.columns)
-    text = comments + rf"\begin{{tabular}}{{{layout}}}" + "\n\\toprule\n"
-    text += _latex_line([_escaped(column.heading) for column in table.columns]) + "\\midrule\n"
-    cells = [_cells(table, column) for column in table.columns]
-    text += "".join(map(_latex_line, zip(*cells, strict=True)))
-    return text + "\\bottomrule\n\\end{tabular}\n"
-
-
-def _latex_line(cells: Sequence[str]) -> str:
-    line = " & ".join(cells) + " \\\\\n"
-    # After the end of a row a bracket or a star would be an argument of it.
-    return "{}" + line if line.startswith(("[", "*")) else line
-
-
-def _cells(table: Result, column: Field) -> list[str]:
-    values = (row.get(column.key) for row in table.rows)
-    return [
-        _number(text) if isinstance(value, (int, float)) else _escaped(text)
-        for value, text in zip(values, column_texts(table, column), strict=True)
-    ]
-
-
-def _number(text: str) -> str:
-    """Return a number as mathematics, ``1e-05`` as a power of ten."""
-    match = _NUMBER.fullmatch(text)
-    if match is None:
-        return _escaped(text)
-    mantissa = text.partition("e")[0]
-    power = rf" \times 10^{{{int(match[2])}}}" if match[2] else ""
-    return f"${mantissa}{power}$" if power or mantissa.startswith("-") else mantissa
-
-
-def _escaped(text: str) -> str:
-    # The translation would escape what it has made of a root.
-    parts = _ROOT.split(text)
-    pieces = [parts[0].translate(_ESCAPES)]
-    for radicand, rest in zip(parts[1::2], parts[2::2], strict=True):
-        root = rf"$\sqrt{{{radicand}}}$" if radicand else r"$\surd$"
-        pieces.append(root + rest.translate(_ESCAPES))
-    return "".join(pieces)
-
-
 #: What is written as `repr` has it, and never needs quotation marks; floats with all their digits.
 _NUMBERS = {float, int}
 #: What the writer itself writes as `_cell` does.
@@ -699,6 +499,8 @@ def emit(
     elif output.format == "markdown":
         write(output, markdown(tables))
     elif output.format == "latex":
+        from gspcli.cli.latex import latex
+
         write(output, latex(tables))
     else:
         if output.path is None and sys.stdout.isatty():

@@ -6,8 +6,9 @@ import math
 
 import pytest
 
-from gspcli.cli.render import _lines, cell_text, column_texts, folded, lay_out, printable
-from gspcli.cli.result import Field, Result
+from gspcli.cli.render import _lines, folded, lay_out
+from gspcli.cli.result import Field, Result, cell_text, column_texts
+from gspcli.cli.streams import printable
 
 
 def _drawn(table: Result, width: int) -> list[str]:

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from gspcli.cli.render import cell_text
+from gspcli.cli.result import cell_text
 from gspcli.cli.streams import _COUNTERPARTS, manner
 from gspcli.wording import MOST_LINES, brief, named, shown
 

@@ -31,7 +31,7 @@ from gspcli.cli.pose_options import (
     pose_options,
     pose_value_option,
 )
-from gspcli.cli.render import Output, emit, vector_text
+from gspcli.cli.render import Output, emit
 from gspcli.cli.requirements import (
     judged,
     refuse,
@@ -40,7 +40,7 @@ from gspcli.cli.requirements import (
     verdict_entries,
     verdict_lines,
 )
-from gspcli.cli.result import Field, Fields, Result
+from gspcli.cli.result import Field, Fields, Result, vector_text
 from gspcli.errors import GspError
 
 if TYPE_CHECKING:

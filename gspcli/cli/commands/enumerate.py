@@ -10,12 +10,6 @@ import click
 
 from gspcli.catalogue import listing
 from gspcli.catalogue.bounds import ONE_ORIENTATION, type_bounds
-from gspcli.catalogue.coincidence import (
-    coincident_types,
-    count_coincident,
-    count_up_to_swap,
-    over_constraint,
-)
 from gspcli.catalogue.kinds import DLL
 from gspcli.catalogue.names import parse_class, parse_kind_set, parse_type
 from gspcli.catalogue.types import CLASSES, GspType, PlatformClass
@@ -241,6 +235,7 @@ def _formula(platform_class: PlatformClass) -> str:
 
 def _sharing(selected: listing.TypeList) -> Result:
     """Count the patterns of shared primitives by class."""
+    from gspcli.catalogue.coincidence import count_coincident, count_up_to_swap
 
     def row(name: str, members: list[GspType]) -> dict[str, Any]:
         return {
@@ -265,6 +260,8 @@ def _sharing(selected: listing.TypeList) -> Result:
 
 def _patterns(gsp_type: GspType, limit: int | None) -> Result:
     """List the patterns of shared primitives of one type."""
+    from gspcli.catalogue.coincidence import coincident_types, count_coincident, over_constraint
+
     rows = []
     for pattern in islice(coincident_types(gsp_type), limit):
         excess = over_constraint(pattern.bonds)

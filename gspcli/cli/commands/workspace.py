@@ -36,8 +36,8 @@ from gspcli.cli.pose_options import (
     pose_value_option,
     span_of,
 )
-from gspcli.cli.render import Output, emit, vector_text, write
-from gspcli.cli.result import Field, Fields, Result
+from gspcli.cli.render import Output, emit, write
+from gspcli.cli.result import Field, Fields, Result, vector_text
 from gspcli.cli.streams import progress, say
 from gspcli.errors import GspError, IncompleteError
 from gspcli.geometry.drive_numbers import driven_points, is_driven, shares_drives
