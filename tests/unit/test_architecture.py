@@ -38,6 +38,7 @@ LAYERS = {
     "defaults": 0,
     "resources": 0.5,
     "workers": 0.5,
+    "journal": 0.6,
     "errors": 0.2,
     "progress": 0,
     "records": 0,
