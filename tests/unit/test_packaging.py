@@ -11,6 +11,7 @@ import re
 import subprocess
 import sys
 import tomllib
+import zipfile
 from pathlib import Path
 
 import gspcli._kernel
@@ -50,6 +51,10 @@ def test_an_installed_wheel_is_complete(tmp_path: Path) -> None:
     }
     subprocess.run([*build, str(ROOT)], check=True, env=environment)
     (wheel,) = wheels.iterdir()
+    data = [x for x in zipfile.ZipFile(wheel).namelist() if x.startswith("gspcli/data/")]
+    made_of = [x for x in data if x.endswith("manifest.json")]
+    assert made_of == ["gspcli/data/start-systems/manifest.json"]
+    assert not any("trajectories" in x for x in data)
     subprocess.run([*pip, "install", "--no-deps", "--target", str(home), str(wheel)], check=True)
     # -S leaves the editable installation out; the dependencies are put back by hand.
     dependencies = [path for path in sys.path if path.endswith("site-packages")]
