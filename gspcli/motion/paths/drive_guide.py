@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.coordinates import choose
+from gspcli.geometry.enclosures import OUT
 from gspcli.motion.following.branch_follower import FollowOptions
 from gspcli.motion.following.branch_runs import Run
 from gspcli.motion.following.limit_events import limit_events
@@ -31,7 +32,6 @@ Array = NDArray[np.float64]
 
 #: How often steps between rows are halved at most for knees to be proved.
 _HALVINGS = 5
-_OUTWARD = 1 + 2.0**-40
 
 
 class DriveGuide:
@@ -137,7 +137,7 @@ class DriveGuide:
         drives = self.motors.drives
         q = numbers * drives.units
         near = DrivenNeighbourhood(drives, R, T, q[0])
-        widths = near.widths(np.abs(q[1] - q[0])[drives.index] * _OUTWARD)[None]
+        widths = near.widths(np.abs(q[1] - q[0])[drives.index] * OUT)[None]
         if near.keeps_knees(widths, near.box(widths))[0]:
             return 1
         if not halvings:

@@ -14,6 +14,7 @@ from enum import Enum
 import numpy as np
 from numpy.typing import NDArray
 
+from gspcli.geometry.enclosures import OUT
 from gspcli.motion.paths.value_ways import ValueWays
 from gspcli.motion.singularities.neighbourhoods import Neighbourhood
 
@@ -21,7 +22,6 @@ Array = NDArray[np.float64]
 
 #: The most boxes that are tested, and how many at a time.
 _MOST, _PIECE = 4000, 256
-_OUTWARD = 1 + 2.0**-40
 
 
 class Sheet(Enum):
@@ -61,7 +61,7 @@ def whole_sheet(ways: ValueWays, values: Array, point: Array) -> Sheet:
         if boxes > _MOST:
             return Sheet.OPEN
         near = Neighbourhood(ways.platform, p, ways.platform.internal(c))
-        box = near.box(ways.platform.internal(h) * _OUTWARD)
+        box = near.box(ways.platform.internal(h) * OUT)
         open_ = ~(box.measure < 1)
         if not open_.any():
             continue

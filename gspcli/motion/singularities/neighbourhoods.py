@@ -94,6 +94,12 @@ class Box:
     shifts: Array
     rest: Array
 
+    @property
+    def change(self) -> Enclosure:
+        """The change of z: its parameters are the changes of the values, in widths, (n, 1, 8)."""
+        shifts = np.swapaxes(self.shifts, 1, 2)[:, None]
+        return Enclosure(np.zeros((len(shifts), 1, 8)), self.rest[:, None], shifts)
+
 
 def equations(
     platform: MovingPlatform, x: Any, c: Enclosure, jet: Any = Jet
@@ -460,8 +466,7 @@ class DrivenNeighbourhood(Neighbourhood):
 
         The parameters are those of the first-order changes of the solution, ``box.shifts``.
         """
-        shifts = np.swapaxes(box.shifts, 1, 2)[:, None]
-        change = Enclosure(np.zeros((1, 1, 8)), box.rest[:, None], shifts)
+        change = box.change
         square = box.radius[:, None] ** 2
         first, second = (
             (jet.value + jet.gradient.dot(change)).widened(matrix.most * square / 2)

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from gspcli.certification.equations.local_frames import LocalFrames
 from gspcli.errors import ArgumentError
+from gspcli.geometry.enclosures import ROUND, Enclosure, Jet, Matrix
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.quaternions import (
     ROTATION_FORMS,
@@ -25,9 +26,6 @@ from gspcli.motion.statics.wrenches import Wrenches
 from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
-
-#: Errors of the coordinates of moved points, by the length of the platform.
-_ROUNDED = 2.0**-46
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,7 +132,7 @@ def _driven_bounds(statics: DrivenStatics, limits: Array, off: Array) -> tuple[A
     given, drives = statics.given, statics.drives
     ways = np.where(drives.driven, drives.arms * off[drives.index], 0.0)
     # Moved points are rounded.
-    ways += np.where(drives.driven, _ROUNDED * given.arrangement.length, 0.0)
+    ways += np.where(drives.driven, 4 * ROUND * given.arrangement.length, 0.0)
     n = len(given.T)
     found = np.empty((n, 6)), np.empty(n), np.empty(n)
     places, index = np.unique(statics.q, axis=0, return_inverse=True)
@@ -165,16 +163,18 @@ def _bounds(instance: Instance, given: Wrenches, limits: Array) -> tuple[Array, 
     # The vector part of e conj(e0) / |e0| is |e| n sin(angle / 2), and zero at e0.
     units = np.eye(4)[None]
     turning = quaternion_product(units, conjugate(e / size[:, None])[:, None])[..., 1:]
-    moved = np.einsum("nki,nij->nkj", box.shifts[..., :4], turning)
-    parts = np.abs(moved).sum(axis=1) + box.rest[:, None]
-    whole = _worst(moved) + box.rest
+    rows = np.concatenate((np.swapaxes(turning, 1, 2), np.zeros((len(e), 3, 4))), axis=2)
+    change = box.change
+    moved = change.under(rows[:, None])
+    lin, rest = moved.lin[:, 0], moved.rad[:, 0]
+    parts, whole = np.abs(lin).sum(axis=2) + rest[:, None], _worst(lin) + rest
     with np.errstate(invalid="ignore"):
         half = np.arcsin(np.minimum(whole / least, 1.0))
         turn = 2 * half
         # The ratio of the angle to twice the sine of its half.
         more = np.where(half > 0, half / np.maximum(np.sin(half), 1e-300), 1.0)
         turns = 2 * parts / least[:, None] * more[:, None]
-    shift, shifts = _shifts(platform, given, points, box.shifts, box.rest, box.radius, least)
+    shift, shifts = _shifts(platform, given, points, change, box.radius, least)
     every = np.concatenate((turns, shifts), axis=1)
     return tuple(  # type: ignore[return-value]
         np.where(np.isfinite(bound), bound * (1 + 1e-9) + 1e-15, np.inf)
@@ -182,9 +182,9 @@ def _bounds(instance: Instance, given: Wrenches, limits: Array) -> tuple[Array, 
     )
 
 
-def _worst(columns: Array) -> Array:
-    """Return the largest norm of a sum of vectors with any signs, ``(n, 6, m) -> (n,)``."""
-    worst: Array = np.linalg.norm(np.einsum("nkj,sk->nsj", columns, SIGNS), axis=2).max(axis=1)
+def _worst(lin: Array) -> Array:
+    """Return the largest norm of linear functions on a cube, at a corner, ``(n, m, 6) -> (n,)``."""
+    worst: Array = np.linalg.norm(np.einsum("njk,sk->nsj", lin, SIGNS), axis=2).max(axis=1)
     return worst
 
 
@@ -192,8 +192,7 @@ def _shifts(
     platform: MovingPlatform,
     given: Wrenches,
     points: Array,
-    moves: Array,
-    rest: Array,
+    change: Enclosure,
     radius: Array,
     least: Array,
 ) -> tuple[Array, Array]:
@@ -211,12 +210,11 @@ def _shifts(
     hessians[..., :4, 4:] = TRANSLATION_FORMS
     hessians[..., 4:, :4] = np.swapaxes(TRANSLATION_FORMS, -1, -2)
     hessians[..., :4, :4] -= 2 * position[..., None, None] * np.eye(4)
-    gradients = np.einsum("nikl,nl->nik", hessians, points)
-    norms = np.linalg.norm(hessians, axis=(2, 3))
-    moved = np.einsum("nkj,nij->nki", moves, gradients)
-    slopes = np.linalg.norm(gradients, axis=2)
-    rough = slopes * rest[:, None] + norms * (radius**2)[:, None] / 2 + 2.0**-45 * norms
+    matrix = Matrix.exact(hessians, ROUND * np.linalg.norm(hessians, axis=(2, 3)))
+    jet = Jet.quadric(matrix, Enclosure(points[:, None]))
+    moved = (jet.value + jet.gradient.dot(change)).widened(matrix.most * radius[:, None] ** 2 / 2)
+    lin, rest = moved.lin[..., 0, :], np.abs(moved.mid[..., 0]) + moved.rad
     with np.errstate(invalid="ignore"):
-        each = (np.abs(moved).sum(axis=1) + rough) / (least**2)[:, None]
-        whole = (_worst(moved) + np.linalg.norm(rough, axis=1)) / least**2
+        each = (np.abs(lin).sum(axis=2) + rest) / (least**2)[:, None]
+        whole = (_worst(lin) + np.linalg.norm(rest, axis=1)) / least**2
     return whole * scale, each * scale
