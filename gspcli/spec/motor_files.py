@@ -180,15 +180,13 @@ class _Drawing:
         pair, plus = (((k + 1) // 2) % 3, k % 2 == 0)
         middle, sign = Fraction(120 * pair), 1 if plus else -1
         base, platform = self.given["base"], self.given["platform"]
-        a, b = (
-            Fraction(parse_number(self.given[f"{key}-angle"]).value).limit_denominator(10**12)
-            for key in ("base", "platform")
-        )
+        a, b = self.given["base-angle"], self.given["platform-angle"]
         if self.shared:
-            beside = f"{platform}*sind({_text(b)})"
+            half = _sum(Fraction(0), 1, b)
+            beside = f"{platform}*sind({half})"
             at, joint = (
                 [f"{r}*{f}d({_text(middle)})" for f in ("cos", "sin")]
-                for r in (base, f"{platform}*cosd({_text(b)})")
+                for r in (base, f"{platform}*cosd({half})")
             )
             across = [f"{beside}*{f}d({_text((middle + 90 * sign) % 360)})" for f in ("cos", "sin")]
             centre, place = (
@@ -196,8 +194,8 @@ class _Drawing:
                 for part in (at, joint)
             )
         else:
-            centre = _circle(base, middle + sign * a)
-            place = _circle(platform, middle + sign * (60 - b))
+            centre = _circle(base, _sum(middle, sign, a))
+            place = _circle(platform, _sum(middle + sign * 60, -sign, b))
         return {
             "centre": f"{centre[0]}, {centre[1]}",
             "place": f"{place[0]}, {place[1]}",
@@ -255,9 +253,8 @@ class _Drawing:
     def _turn(self, leg: Mapping[str, str]) -> str:
         """Return the direction of an arm in plan as the text of degrees."""
         sign = 1 if leg["sense"] == "+" else -1
-        angle = Fraction(parse_number(self.given["axis-angle"]).value).limit_denominator(10**12)
         quarter = 90 if self.given["horns"] == "out" else -90
-        return _text((Fraction(leg["middle"]) + sign * (angle + quarter)) % 360)
+        return _sum(Fraction(leg["middle"]) + sign * quarter, sign, self.given["axis-angle"])
 
     def lines(self) -> list[str]:
         """Return the sections of the file."""
@@ -284,7 +281,7 @@ class _Drawing:
             )
             return f"{point}, slide: {{direction: [{rail}]{span}}}"
         turn, horn = self._turn(leg), self.given["horn"]
-        axis = _text((Fraction(turn) - 90) % 360)
+        axis = _sum(Fraction(-90), 1, turn)
         level = f"{horn}*cosd({self.rise!r})" if self.rise else horn
         up = f"{horn}*sind({self.rise!r})" if self.rise else "0"
         x, y = leg["centre"].split(", ")
@@ -308,9 +305,17 @@ class _Drawing:
         return f", range: [{low}, {high}]"
 
 
-def _circle(radius: str, angle: Fraction) -> list[str]:
+def _circle(radius: str, angle: str) -> list[str]:
     """Return the expressions of a point of a circle."""
-    return [f"{radius}*{name}d({_text(angle % 360)})" for name in ("cos", "sin")]
+    return [f"{radius}*{name}d({angle})" for name in ("cos", "sin")]
+
+
+def _sum(turned: Fraction, sign: int, angle: str) -> str:
+    """Return the exact sum of two angles in degrees, the second with a sign, as a text."""
+    exact = parse_number(angle).fraction
+    if exact is None:
+        return f"{_text(turned % 360)} {'+' if sign > 0 else '-'} ({angle})"
+    return _text((turned + sign * exact) % 360)
 
 
 def _text(number: Fraction) -> str:
