@@ -196,13 +196,7 @@ _FILE_HELP = "Write to FILE, replacing it"
 
 
 def file_option(suffix: str) -> Callable[[Function], Function]:
-    """Return ``-o`` of a command that writes one format; the command gets ``output: Output``.
-
-    Parameters
-    ----------
-    suffix
-        The format.
-    """
+    """Return ``-o`` of a command that writes one format; the command gets ``output: Output``."""
 
     def resolve(context: click.Context, parameter: click.Parameter, value: str | None) -> None:
         del parameter
@@ -228,17 +222,7 @@ def file_option(suffix: str) -> Callable[[Function], Function]:
 def output_options(
     formats: Sequence[str] = FORMATS, default: str = "table", parts: Sequence[str] = ()
 ) -> Callable[[Function], Function]:
-    """Return a decorator that adds ``--format`` and ``-o``; the command gets ``output: Output``.
-
-    Parameters
-    ----------
-    formats
-        What the command can write.
-    default
-        The format without ``--format`` and ``-o``.
-    parts
-        Names of its tables if there are several: ``--part`` chooses one.
-    """
+    """Return a decorator that adds ``--format`` and ``-o``; the command gets ``output: Output``."""
 
     def decorate(function: Function) -> Function:
         def resolve(context: click.Context, _: click.Parameter, value: str | None) -> str | None:
@@ -343,13 +327,7 @@ class Positive(Finite):
 
 
 def seed_option(more: str = "") -> Callable[[Function], Function]:
-    """Return the option `--seed`; the command gets ``seed: int``.
-
-    Parameters
-    ----------
-    more
-        What its help says besides.
-    """
+    """Return the option `--seed`; the command gets ``seed: int``."""
     return click.option(
         "--seed",
         type=Seed(),
@@ -363,15 +341,7 @@ def seed_option(more: str = "") -> Callable[[Function], Function]:
 def decimals_option(
     default: int | None, least: int, most: int, more: str
 ) -> Callable[[Function], Function]:
-    """Return the option `--decimals`; the command gets ``decimals: int`` or None.
-
-    Parameters
-    ----------
-    default, least, most
-        How many without the option, and how few and many there may be.
-    more
-        What its help says besides.
-    """
+    """Return the option `--decimals`; the command gets ``decimals: int`` or None."""
     return click.option(
         "--decimals",
         type=Whole(least, most),
@@ -416,13 +386,7 @@ class Changes:
         return bool(self.values or self.differences)
 
     def of(self, instance: Instance) -> Instance:
-        """Return the instance with these changes.
-
-        Raises
-        ------
-        SpecError
-            With all mistakes in the texts.
-        """
+        """Return the instance with these changes."""
         if not self.given:
             return instance
         from gspcli.spec import set_values
@@ -460,13 +424,7 @@ def is_file(word: str) -> bool:
 
 
 def spec_source(word: str) -> str | Path:
-    """Return where a SPEC is: a path, ``-`` for standard input, a shipped file for ``@NAME``.
-
-    Raises
-    ------
-    GspError
-        If there is no such shipped file.
-    """
+    """Return where a SPEC is: a path, ``-`` for standard input, a shipped file for ``@NAME``."""
     if word.startswith(_SHIPPED):
         return shipped_file(word[1:])
     if word != "-" and (meant := _meant(word)):
@@ -499,11 +457,6 @@ def load_instance(word: str, changes: Changes | None = None) -> Instance:
 
     Standard error names probable mistakes (radians in a file of degrees, lengths out of all
     proportion), since the answer would be about another platform.
-
-    Raises
-    ------
-    SpecError
-        With all mistakes of the file, or of the values.
     """
     from gspcli.spec import read
 
@@ -515,13 +468,7 @@ def load_instance(word: str, changes: Changes | None = None) -> Instance:
 
 
 def refuse_to_replace(word: str) -> None:
-    """Raise if a command would write the file that it reads.
-
-    Raises
-    ------
-    GspError
-        Before anything is written.
-    """
+    """Raise if a command would write the file that it reads."""
     context = click.get_current_context(silent=True)
     output = None if context is None else context.params.get("output")
     if not isinstance(output, Output) or output.path is None or output.force or word == "-":
@@ -540,11 +487,6 @@ def read_type(words: Sequence[str]) -> GspType:
     """Return a type, for commands whose answer does not depend on the kinds of the angles.
 
     Of a family it is the first type: all its angles are ALL.
-
-    Raises
-    ------
-    TypeNameError
-        If the words denote neither a type nor a family.
     """
     named = parse_name(words)
     return named.types[0] if isinstance(named, Family) else named
@@ -555,11 +497,6 @@ def read_names(words: Sequence[str]) -> list[GspType | Family]:
 
     All words together may be one name (``3D3A PL PL LP``), or each word is a name (``17 6PP
     platform.yaml``).
-
-    Raises
-    ------
-    TypeNameError
-        If they do neither.
     """
     if any(map(is_file, words)):
         return [load_instance(word).type if is_file(word) else parse_name(word) for word in words]
@@ -628,13 +565,7 @@ def worker_options(function: Function) -> Function:
 
 
 def standard_deviations(texts: Sequence[str]) -> dict[str, float]:
-    """Return the standard deviations of ``--sigma WHAT=NUMBER`` by the names of what is measured.
-
-    Raises
-    ------
-    SpecError
-        With all mistakes.
-    """
+    """Return standard deviations, of ``--sigma WHAT=NUMBER``, by what is measured."""
     from gspcli.motion.files.number_tables import wrong_number
 
     found: dict[str, float] = {}

@@ -62,20 +62,7 @@ class PoseConventions:
         return [name for name, value in given if value]
 
     def form(self, instance: Instance | None, columns: ColumnOptions | None = None) -> PoseFormat:
-        """Return the form of poses by the options and the instance.
-
-        Parameters
-        ----------
-        instance
-            The platform: its units, frames and home; None where there is none yet.
-        columns
-            The options about the columns of a file.
-
-        Raises
-        ------
-        GspError
-            If an option is wrong, or no home is stated and that is zero.
-        """
+        """Return the form of poses by the options and the instance."""
         from gspcli.motion import PoseFormat
         from gspcli.motion.files.pose_files import pivot_from_text
 
@@ -100,13 +87,7 @@ class PoseConventions:
         )
 
     def frame(self, instance: Instance) -> PoseFrame:
-        """Return the frame in which poses are printed; quicker than `form`, which has it, too.
-
-        Raises
-        ------
-        GspError
-            If the instance states no home and that is zero.
-        """
+        """Return the frame in which poses are printed; quicker than `form`, which has it, too."""
         from gspcli.geometry.frames import PoseFrame
 
         try:
@@ -279,18 +260,7 @@ class GivenPose:
         return self.text == f"{_FILE}-"
 
     def read(self, form: PoseFormat) -> tuple[Array, Array]:
-        """Return the pose, R (3, 3) and T (3,).
-
-        Parameters
-        ----------
-        form
-            How the numbers of a pose are meant: order of axes, pivot, units.
-
-        Raises
-        ------
-        GspError
-            If it is not one pose.
-        """
+        """Return the pose, R (3, 3) and T (3,)."""
         from gspcli.motion import read_pose
 
         if self.text.startswith(_FILE):
@@ -343,17 +313,7 @@ class PoseType(click.ParamType):  # type: ignore[type-arg]
 
 
 def pose_option(option: str, sentence: str, more: str) -> Callable[[Function], Function]:
-    """Return an option that takes a POSE.
-
-    Parameters
-    ----------
-    option
-        ``--pose`` or ``--near``.
-    sentence
-        The meaning of the option, the same in all commands.
-    more
-        What this command uses it for.
-    """
+    """Return an option that takes a POSE."""
     return click.option(
         option, type=PoseType(), metavar="POSE", help=f"{sentence}: {more} ({POSE_HELP})."
     )
@@ -399,17 +359,7 @@ def mode_option(what: str) -> Callable[[Function], Function]:
 
 
 def chosen(mode: Mode | None, home: HomeMode | None, count: int) -> int:
-    """Return the number of the mode asked for. If none is, it is home, and stderr says so.
-
-    Parameters
-    ----------
-    mode
-        As the option is given.
-    home
-        The home mode, if there is one.
-    count
-        How many real poses there are.
-    """
+    """Return the number of the mode asked for. If none is, it is home, and stderr says so."""
     from gspcli.motion.poses.chosen_mode import chosen_mode
 
     number = mode if isinstance(mode, int) else None
@@ -430,13 +380,7 @@ _AXIS = re.compile(r"([^=]+)=([^:]+):([^:]+):(\d{1,9})")
 
 
 def axes_of(texts: Sequence[str], names: Sequence[str]) -> list[tuple[str, tuple[float, ...]]]:
-    """Return the name and the nodes of each axis of `--vary`.
-
-    Raises
-    ------
-    GspError
-        If a text is none, or there are too many nodes.
-    """
+    """Return the name and the nodes of each axis of `--vary`."""
     axes = [_axis(text, names) for text in texts]
     total = math.prod(len(nodes) for _, nodes in axes)
     if total > _MOST_NODES:
@@ -464,13 +408,7 @@ def _axis(text: str, names: Sequence[str]) -> tuple[str, tuple[float, ...]]:
 
 
 def span_of(option: str, text: str) -> tuple[str, float, float, int | None]:
-    """Return the parameter of a pose that an option names, its interval, and how many values.
-
-    Raises
-    ------
-    GspError
-        If the text is none.
-    """
+    """Return the parameter of a pose that an option names, its interval, and how many values."""
     from gspcli.motion.files.number_tables import wrong_number
 
     match = _SPAN.fullmatch(text.replace(" ", ""))
@@ -496,15 +434,7 @@ def mode_number(instance: Instance, mode: Mode | None) -> int:
 
 
 def real_poses(instance: Instance) -> tuple[Array, Array]:
-    """Return the real poses in the order of `gsp solve`, shapes (n, 3, 3) and (n, 3); at least one.
-
-    Raises
-    ------
-    GspError
-        If there is none.
-    NotFiniteError, IncompleteError
-        If the poses are infinitely many, or could not all be found, so that they have no numbers.
-    """
+    """Return the real poses, at least one, as `gsp solve`: shapes (n, 3, 3) and (n, 3)."""
     from gspcli.solver import solve
 
     with working("solving"):
@@ -614,23 +544,7 @@ def asked_poses(
     near: GivenPose | None,
     form: PoseFormat,
 ) -> AskedPoses:
-    """Return the poses of a file, the one that is given, or the real ones of the instance.
-
-    Parameters
-    ----------
-    instance
-        The platform.
-    rows
-        A file of poses, as `read_poses` takes it, or of values: then modes are followed along them.
-    mode
-        Only this mode, by its number of the instance; also along a file of values.
-    pose
-        This pose instead.
-    near
-        Only the mode nearest to this pose at the first row of a file of values.
-    form
-        How the numbers of a pose are meant: order of axes, pivot, units.
-    """
+    """Return the poses of a file, the one that is given, or the real ones of the instance."""
     if rows is not None:
         return _of_file(instance, rows, mode, near, form)
     if pose is not None:

@@ -329,15 +329,7 @@ _FAR = 1e5
 
 
 def summary(result: SolveResult, *, contradicting: Sequence[int] = ()) -> list[str]:
-    """Return the result in a sentence: the real poses, what is proved, whether these are all.
-
-    Parameters
-    ----------
-    result
-        The poses.
-    contradicting
-        Numbers from 1 of constraints that contradict each other, where there is no real pose.
-    """
+    """Return the result in a sentence: the real poses, what is proved, whether these are all."""
     lines = [f"{_real_words(result)}; {_completeness(result)}"]
     if fixed(result):
         one = result.counts.real == 1

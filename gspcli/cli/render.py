@@ -15,7 +15,7 @@ from typing import Any
 
 import click
 
-from gspcli.cli.result import DIGITS, Field, Result, column_texts
+from gspcli.cli.result import DIGITS, Field, Result, cell_of, column_texts
 from gspcli.cli.streams import (
     check_writable,
     coloured,
@@ -63,10 +63,6 @@ def lay_out(table: Result, width: int | None = None) -> Grid | None:
     Tried in this order: all columns; headings, then prose, folded at blanks; without the columns
     with the largest `minor`; prose as narrow as its words; fewer digits. Columns whose `minor` is
     negative are omitted only if they do not fit with four digits either.
-
-    Returns
-    -------
-    The grid; None if the table must be shown as records, a line for each cell.
     """
     measured = _Measured(table, DIGITS)
     if width is None:
@@ -116,17 +112,7 @@ class _Measured:
     def attempts(
         self, width: int, important: Sequence[int], *, every: bool
     ) -> Iterator[dict[int, int]]:
-        """Yield widths of columns by their positions, the best first; not all of them fit.
-
-        Parameters
-        ----------
-        width
-            The width of the terminal.
-        important
-            Columns that stay as essential ones do.
-        every
-            Whether columns are left out one after the other, or all that may be at once.
-        """
+        """Yield widths of columns by their positions, the best first; not all of them fit."""
         columns = self.table.columns
         comfortable = {
             k: max(narrowest, min(self.folded[k], _COMFORTABLE))
@@ -375,7 +361,7 @@ def csv_text(table: Result) -> str:
     writer = csv.writer(buffer, lineterminator="\n")
     keys = [column.key for column in table.columns]
     writer.writerow(keys)
-    columns = [[row.get(key) for row in table.rows] for key in keys]
+    columns = [[cell_of(row, column) for row in table.rows] for column in table.columns]
     if all(_NUMBERS.issuperset(map(type, column)) for column in columns):
         # Long tables are of numbers alone; joined, they take two thirds of the writer's time.
         texts = [map(repr, column) for column in columns]
@@ -407,7 +393,9 @@ def json_text(
     ascii_only: bool = False,
 ) -> str:
     """Return a document as JSON; without one the rows of the tables, with the name of a schema."""
-    if document is None:
+    if document is None and tables[0].schema:
+        document = tables[0].document()
+    elif document is None:
         rows = {
             table.part or "rows": [_json_row(table, row) for row in table.rows] for table in tables
         }
@@ -441,13 +429,7 @@ class Output:
     force: bool = False
 
     def beside(self, path: Path) -> Output:
-        """Return the place of a file that `-o` does not name: one that exists is not replaced.
-
-        Raises
-        ------
-        GspError
-            If there is such a file that gsp has not written, without `--force`.
-        """
+        """Return the place of a file that `-o` does not name: one that exists is not replaced."""
         check_writable(path)
         if path != self.path and not self.force and path.is_file() and not _is_ours(path):
             raise GspError(f"{named(path)}: it is beside the file of -o: --force replaces it")
@@ -468,21 +450,7 @@ def emit(
     schema: str = "",
     texts: Mapping[str, str] | None = None,
 ) -> None:
-    """Write a result to the place and in the format asked for.
-
-    Parameters
-    ----------
-    output
-        From `output_options`.
-    tables
-        What to show in the formats made of tables.
-    document
-        The JSON document; when None, the rows of the tables, each table under its part's name.
-    schema
-        What the schema of that document is called, as ``enumerate`` for ``gsp.enumerate/1``.
-    texts
-        Ready text for formats in which the command has no tables.
-    """
+    """Write a result to the place and in the format asked for."""
     tables = [tables] if isinstance(tables, Result) else list(tables)
     if output.part is not None:
         tables = [*_of_part(tables, output.part)]

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from gspcli.cli.result import Field
+from gspcli.cli.result import Field, Fields, Result
 from gspcli.errors import CheckFailed, GspError
 from gspcli.wording import listed
 
@@ -21,6 +22,8 @@ if TYPE_CHECKING:
     from gspcli.motion.files.requirements import QuantityParts, Requirement, RequirementVerdict
 
     Array = NDArray[np.float64]
+
+FIELDS = Fields("measure")
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -329,3 +332,50 @@ def refuse(verdicts: Sequence[RequirementVerdict]) -> None:
     """Raise `CheckFailed` if a requirement is not met."""
     if failed := [str(one.requirement) for one in verdicts if not one.met]:
         raise CheckFailed(f"not met: {listed(failed, 'and')}")
+
+
+def settled(
+    result: Result,
+    requirements: Sequence[Requirement],
+    R: Array,
+    T: Array,
+    places: Sequence[Mapping[str, Any]],
+) -> tuple[Result, Callable[[], None]]:
+    """Add to a result gaps, what is required and the verdicts; return also what raises if not met.
+
+    Parameters
+    ----------
+    result
+        Of n poses of its instance.
+    requirements
+        What is required.
+    R, T
+        The poses, shapes (n, 3, 3) and (n, 3).
+    places
+        The names of the rows, as data: ``row`` and ``t``.
+    """
+    instance = result.instance
+    assert instance is not None
+    rows = [dict(row) for row in result.rows]
+    columns, known = [*result.columns], {}
+    if instance.shapes is not None:
+        from gspcli.motion.collisions.leg_gaps import gaps
+        from gspcli.motion.files.requirements import QuantityParts
+
+        found = gaps(instance, R, T)
+        for row, said in zip(rows, found.to_json(), strict=True):
+            row |= said
+        columns += FIELDS.of("gap gap_between")
+        known = {"gap": QuantityParts(found.values, found.pairs)}
+    verdicts, more = judged(instance, requirements, R, T, rows, known)
+    shown = {column.key for column in columns}
+    columns += [column for column in more if column.key not in shown]
+    lines = verdict_lines(
+        verdicts, lambda k: f"in row {places[k]['row']} (t = {places[k]['t']:.6g})"
+    )
+    head = {**result.head}
+    if verdicts:
+        head["requirements"] = verdict_entries(verdicts, places.__getitem__)
+    summary = [*result.summary, *lines]
+    made = replace(result, columns=columns, rows=rows, summary=summary, head=head)
+    return made, lambda: refuse(verdicts)

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import field, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from gspcli.cli.streams import printable
 from gspcli.records import dataclass
+
+if TYPE_CHECKING:
+    from gspcli.geometry.instance import Instance
 
 _FOLDER = Path(__file__).parent / "fields"
 _TYPES = {"whole": "integer", "text": "string", "list": "array"}
@@ -53,6 +56,8 @@ class Field:
         Where it is in JSON, such as ``poses[].t``; empty for a column only.
     is_column
         Whether it is a column of tables and CSV.
+    within
+        In JSON the numbers of one list stand in it together, under this key.
     """
 
     key: str
@@ -68,6 +73,7 @@ class Field:
     type: str = "text"
     path: str = ""
     is_column: bool = True
+    within: str = ""
 
     @property
     def heading(self) -> str:
@@ -169,6 +175,7 @@ def _field(line: str) -> Field:
         type=kind,
         path="" if "table" in words else path,
         is_column=is_row or "table" in words,
+        within=words.get("in", ""),
     )
 
 
@@ -191,6 +198,8 @@ class Result:
         error.
     part
         What `--part` calls the table, where a command shows several.
+    instance, schema, name, head
+        For JSON: the platform, the name of the form, the key of the rows, and other keys.
     """
 
     columns: Sequence[Field]
@@ -199,6 +208,25 @@ class Result:
     notes: Sequence[str] = ()
     summary: Sequence[str] = ()
     part: str = ""
+    instance: Instance | None = None
+    schema: str = ""
+    name: str = "rows"
+    head: Mapping[str, Any] = field(default_factory=dict)
+
+    def document(self) -> dict[str, Any]:
+        """Return the result for JSON: the platform, its rows, and what else is in `head`."""
+        within = {one.key: one.within for one in self.columns if one.within}
+        rows = []
+        for row in self.rows:
+            entry: dict[str, Any] = {}
+            for key, value in row.items():
+                if key in within:
+                    entry.setdefault(within[key], []).append(value)
+                else:
+                    entry[key] = value
+            rows.append(entry)
+        platform = {} if self.instance is None else self.instance.to_json()
+        return {"schema": f"gsp.{self.schema}/1", **platform, self.name: rows, **self.head}
 
     def converted(self, convert: Callable[[str], str]) -> Result:
         """Return the result with all its texts converted; what columns are called in CSV stays."""
@@ -289,9 +317,15 @@ def vector_text(numbers: Sequence[float], digits: int = DIGITS, *, size: float =
     return ", ".join(f"{x:.{digits}g}" for x in shown)
 
 
+def cell_of(row: Mapping[str, Any], column: Field) -> Any:
+    """Return the value of a cell; a list of texts as one text between commas, where it may fold."""
+    value = row.get(column.key)
+    return ", ".join(value) if column.fold == ", " and isinstance(value, (list, tuple)) else value
+
+
 def column_texts(table: Result, column: Field, digits: int = DIGITS) -> list[str]:
     """Return the cells of a column as text, numbers with this many digits."""
-    values = [_cleared(row.get(column.key), column.size) for row in table.rows]
+    values = [_cleared(cell_of(row, column), column.size) for row in table.rows]
     decimals = column.decimals
     if decimals is None and column.aligned:
         decimals = _decimals([v for v in values if isinstance(v, float)], digits)

@@ -171,13 +171,7 @@ def _written_out(match: re.Match[str]) -> str:
 
 
 def say(message: str) -> None:
-    """Tell the user something on standard error, if it can be written to.
-
-    Parameters
-    ----------
-    message
-        One or more lines; characters that control a terminal are escaped.
-    """
+    """Tell the user something on standard error, if it can be written to."""
     rest = message.removeprefix(_LABEL)
     label = message[: len(message) - len(rest)]
     try:
@@ -241,13 +235,7 @@ _KEPT = 32
 
 
 def check_writable(path: Path) -> None:
-    """Raise before the work, not after it, if no file can be written to a place.
-
-    Raises
-    ------
-    GspError
-        If the file is a folder, or cannot be made in its folder.
-    """
+    """Raise before the work, not after it, if no file can be written to a place."""
     with _told(path):
         # A name that is too long raises in the first call.
         folder = path.resolve().parent
@@ -282,13 +270,7 @@ def _is_special(path: Path) -> bool:
 
 
 def write_whole(path: Path, content: str | bytes) -> None:
-    """Write a file so that it is never seen half-written; write to a device or a pipe directly.
-
-    Raises
-    ------
-    GspError
-        If the file cannot be written.
-    """
+    """Write a file so that it is never seen half-written; write to a device or a pipe directly."""
     data = content.encode(errors="backslashreplace") if isinstance(content, str) else content
     with _told(path):
         if _is_special(path):

@@ -140,14 +140,6 @@ def test_arms_are_compared_where_their_diameter_is_stated(gsp, armed, tmp_path):
     assert gsp(*words, f"gap>={gap + 0.001}").code == 1
 
 
-def test_gaps_of_arms_are_not_known_where_other_points_move(gsp, armed, tmp_path):
-    values = tmp_path / "values.csv"
-    values.write_text("base.B1.z,crank.B2\n0,0\n0.0001,0.1\n", encoding="utf-8")
-    run = gsp("track", armed, values, "--require", "gap>=0.001")
-    assert run.code == 2
-    assert run.err == ("error: --require gap: not known of arms while coordinates of points move\n")
-
-
 def test_documents_of_workspaces_say_which_gap_was_asked_for(gsp, thick):
     for over in ((), ("--over", "z", "--within", "z=0:100")):
         for asked, said in (((), None), (("--leg-gap", "5"), 5.0)):

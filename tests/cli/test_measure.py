@@ -264,7 +264,7 @@ def test_the_nearest_poses_are_a_file_that_track_proves(gsp, tmp_path):
 def test_the_nearest_pose_needs_no_requirements(gsp):
     run = gsp("measure", "@rubin-m2", "--pose", "0,0,0,1,0,0,0", "--nearest", "--drives")
     assert run.code == 2
-    assert "leave out other options" in run.err
+    assert "give either --drives or --nearest" in run.err
 
 
 def test_a_pose_in_a_file_without_a_heading(gsp, tmp_path, monkeypatch):

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from gspcli.cli.options import Command, load_instance, output_options
+from gspcli.cli.options import Command, exclusive, load_instance, output_options
 from gspcli.cli.pose_options import (
     ColumnOptions,
     GivenPose,
@@ -21,14 +21,7 @@ from gspcli.cli.pose_options import (
     warn_of_range,
 )
 from gspcli.cli.render import Output, emit
-from gspcli.cli.requirements import (
-    judged,
-    refuse,
-    require_option,
-    required,
-    verdict_entries,
-    verdict_lines,
-)
+from gspcli.cli.requirements import require_option, required, settled
 from gspcli.cli.result import Field, Fields, Result
 from gspcli.cli.streams import say
 from gspcli.errors import GspError, IncompleteError
@@ -44,15 +37,17 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
     from gspcli.geometry.drives import Drives
     from gspcli.motion import PoseFormat
-    from gspcli.motion.files.requirements import QuantityParts, Requirement
-    from gspcli.motion.paths.nearest_poses import NearestPose
 
 FIELDS = Fields("measure")
+#: A message names at most this many poses that are out of reach.
+_TOLD = 3
+_POSE = ("x", "y", "z", "qw", "qx", "qy", "qz")
 
 
 @click.command(cls=Command)
 @click.argument("spec", metavar="SPEC")
 @click.argument("poses", metavar="[POSES]", required=False)
+@exclusive("--drives", "--cranks", "--nearest")
 @pose_value_option("instead of POSES")
 @click.option(
     "--drives",
@@ -134,9 +129,14 @@ def command(
       gsp measure machine.yaml --pose 0,0,200,1,0,0,0 --nearest
       gsp measure thick.yaml poses.csv --require "gap>=2"
     """
-    _check_options(spec, poses, pose, (drives, cranks, nearest), require)
+    if (poses is None) == (pose is None):
+        raise click.UsageError("give either POSES or --pose")
+    if spec == poses == "-":
+        raise click.UsageError("SPEC and POSES cannot both be standard input")
+    if (cranks or nearest) and require is not None:
+        which = "--cranks" if cranks else "--nearest"
+        raise click.UsageError(f"--require needs the values or --drives, not {which}")
     from gspcli.motion import PoseTable, read_poses
-    from gspcli.motion.poses.measured_values import measure
 
     instance = load_instance(spec)
     requirements = required(require)
@@ -148,35 +148,29 @@ def command(
     else:
         R, T = pose.read(form)
         table = PoseTable(None, R[None], T[None])
-    if cranks or drives:
-        if cranks:
-            emit_cranks(instance, table, output)
-        else:
-            emit_drives(instance, table, requirements, output)
-        return
+    t = list(range(1, len(table.R) + 1)) if table.t is None else table.t.tolist()
     if nearest:
-        emit_nearest(instance, table, form, output)
-        return
-    values = measure(instance, table.R, table.T)
-    _say_other_values(text, name, form, instance, values)
-    rows = _rows(instance, table, values.tolist())
-    gaps, known = add_gaps(instance, table.R, table.T, rows)
-    verdicts, more = judged(instance, requirements, table.R, table.T, rows, known)
-    more = [*gaps, *more]
-    times = times_of(table)
-    document = None
-    if output.format == "json":
-        document = values.to_json(times)
-        for pose_, row in zip(document["poses"], rows, strict=True):
-            pose_ |= {column.key: row[column.key] for column in more}
-        if verdicts:
-            document["requirements"] = verdict_entries(
-                verdicts, lambda k: {"row": k + 1, "t": times[k]}
-            )
-    lines = verdict_lines(verdicts, lambda k: f"in row {k + 1} (t = {times[k]:.6g})")
-    emit(output, _table(instance, rows, more, lines), document=document)
-    warn_of_range(instance, times, values)
-    refuse(verdicts)
+        result = _nearest(instance, table, t, form)
+    elif drives or cranks:
+        result = _motors(instance, table, t, cranks=cranks)
+    else:
+        values, result = _values(instance, table, t)
+        _say_other_values(text, name, form, instance, values)
+    refuse_unmet = None
+    if not (cranks or nearest):
+        places = [{"row": k, "t": time} for k, time in enumerate(t, 1)]
+        result, refuse_unmet = settled(result, requirements, table.R, table.T, places)
+    emit(output, result)
+    if not (drives or cranks or nearest):
+        warn_of_range(instance, t, values)
+    if refuse_unmet is not None:
+        refuse_unmet()
+    stays = [row["t"] for row in result.rows if row.get("way", True) is None]
+    if stays:
+        raise IncompleteError(
+            f"no way is proved to {counted(len(stays), 'row')}, first t = {stays[0]:.10g}: the "
+            "platform stays where it is"
+        )
 
 
 def _say_other_values(
@@ -195,161 +189,88 @@ def _say_other_values(
         say(f"warning: {table.mistakes[0]}{more}: not used, the values are measured")
 
 
-def _check_options(
-    spec: str,
-    poses: str | None,
-    pose: GivenPose | None,
-    kinds: tuple[bool, bool, bool],
-    require: str | None,
-) -> None:
-    """Raise if the options contradict each other; `kinds` are --drives, --cranks and --nearest."""
-    if (poses is None) == (pose is None):
-        raise click.UsageError("give either POSES or --pose")
-    if spec == poses == "-":
-        raise click.UsageError("SPEC and POSES cannot both be standard input")
-    drives, cranks, nearest = kinds
-    if cranks and require is not None:
-        raise click.UsageError("--require needs the values or --drives, not --cranks")
-    if nearest and (cranks or drives or require is not None):
-        raise click.UsageError(
-            "--nearest gives the values of poses within the limits: leave out other options"
-        )
-
-
-def _rows(instance: Instance, table: PoseTable, values: list[list[float]]) -> list[dict[str, Any]]:
-    """Return a row for each pose."""
-    sided = [k for k, row in enumerate(instance.constraints, 1) if row.kind.has_sides]
-    rows = []
-    for t, row in zip(times_of(table), values, strict=True):
-        named = {str(k): value for k, value in enumerate(row, 1)}
-        sides = {str(k): "negative" if row[k - 1] < 0 else "positive" for k in sided}
-        rows.append({"t": t, **named, "sides": sides})
-    return rows
-
-
-def _sizes(instance: Instance) -> list[float]:
-    """Return typical sizes of the values: lengths of the platform, and a radian."""
+def _values(instance: Instance, table: PoseTable, t: list[float]) -> tuple[Array, Result]:
+    """Return the values of the constraints."""
     from gspcli.geometry.arrangement import Arrangement
+    from gspcli.motion.poses.measured_values import measure
 
-    length, angle = Arrangement.of(instance).length, 1 / instance.units.angle.in_radians
-    return [length if row.kind.is_distance else angle for row in instance.constraints]
-
-
-def _table(
-    instance: Instance, rows: list[dict[str, Any]], more: list[Field], summary: list[str]
-) -> Result:
-    kinds = [constraint.kind.name for constraint in instance.constraints]
+    units, values = instance.units, measure(instance, table.R, table.T)
+    length, angle = Arrangement.of(instance).length, 1 / units.angle.in_radians
     columns = FIELDS.of("t")
-    columns += [
-        Field(str(k), f"{k} {name}", align="right", essential=True, aligned=True, size=size)
-        for k, (name, size) in enumerate(zip(kinds, _sizes(instance), strict=True), 1)
-    ]
-    columns += more
-    units = instance.units
-    title = instance.title
+    for k, constraint in enumerate(instance.constraints, 1):
+        size = length if constraint.kind.is_distance else angle
+        title = f"{k} {constraint.kind.name}"
+        columns.append(
+            FIELDS["1…6"].but(key=str(k), title=title, within="values", size=size, essential=True)
+        )
+    sided = [str(k) for k, row in enumerate(instance.constraints, 1) if row.kind.has_sides]
+    rows: list[dict[str, Any]] = []
+    for time, numbers in zip(t, values.tolist(), strict=True):
+        row = {"t": time, **{str(k): x for k, x in enumerate(numbers, 1)}}
+        rows.append(row | {"sides": {k: "negative" if row[k] < 0 else "positive" for k in sided}})
     note = f"distances in {units.length}, angles in {units.angle.value}"
-    if any(row["sides"] for row in rows):
+    if sided:
         note += "; DPH and DHP signed, positive where the normal points"
-    return Result(columns, rows, title=title, notes=[note], summary=summary)
+    return values, _result(instance, columns, rows, [note])
 
 
-#: A message names at most this many poses that are out of reach.
-_TOLD = 3
+def _result(
+    instance: Instance,
+    columns: list[Field],
+    rows: list[dict[str, Any]],
+    notes: list[str],
+    summary: Sequence[str] = (),
+    **head: Any,
+) -> Result:
+    title = instance.title
+    return Result(columns, rows, title, notes, summary, "", instance, "measure", "poses", head)
 
 
-def times_of(table: PoseTable) -> list[float]:
-    """Return t of the poses, which are counted from 1 if the file has none."""
-    times: list[float] = list(range(1, len(table.R) + 1)) if table.t is None else table.t.tolist()
-    return times
-
-
-def emit_cranks(instance: Instance, table: PoseTable, output: Output) -> None:
-    """Write the angles of the cranks at poses."""
+def _motors(instance: Instance, table: PoseTable, t: list[float], *, cranks: bool) -> Result:
+    """Return the numbers of the motors and their transmissions, or the angles of the cranks."""
     from gspcli.motion import crank_angles, drive_values
 
-    cranks, _ = crank_angles(instance, table.R, table.T)
+    turned = [one.name for one in crank_angles(instance, table.R, table.T)[0]] if cranks else []
     drives, q = drive_values(instance, table.R, table.T)
-    _refuse_unreached(drives, q, table)
-    names = [one.name for one in cranks]
-    angles = drives.readings(q)[:, [drives.names.index(name) for name in names]].tolist()
-    times = times_of(table)
-    document = {
-        "schema": "gsp.measure/1",
-        **instance.to_json(),
-        "cranks": names,
-        "poses": [{"t": t, "angles": row} for t, row in zip(times, angles, strict=True)],
-    }
-    rows = _drive_rows(times, names, angles)
-    note = f"angles in {instance.units.angle.value}, from where the points are stated"
-    emit(output, _drive_table(instance, rows, names, [], [note], []), document=document)
-
-
-def emit_drives(
-    instance: Instance, table: PoseTable, requirements: Sequence[Requirement], output: Output
-) -> None:
-    """Write the numbers of all drives at poses, and their transmissions."""
-    from gspcli.motion import drive_values
-
-    drives, q = drive_values(instance, table.R, table.T)
-    _refuse_unreached(drives, q, table)
-    readings, times = drives.readings(q).tolist(), times_of(table)
-    rows = _drive_rows(times, drives.names, readings)
-    shown = []
-    if drives.driven.any():
-        share = drives.transmission(drives.gains(table.R, table.T, q))[:, drives.driven]
-        for row, least in zip(rows, share.min(axis=1).tolist(), strict=True):
-            row["transmission"] = least
-        shown = FIELDS.of("transmission")
-    gaps, known = add_gaps(instance, table.R, table.T, rows)
-    verdicts, more = judged(instance, requirements, table.R, table.T, rows, known)
-    more = [*gaps, *more]
-    more = [column for column in more if column.key != "transmission"]
-    document = None
-    if output.format == "json":
-        document = {
-            "schema": "gsp.measure/1",
-            **instance.to_json(),
-            "drives": list(drives.names),
-            "poses": [
-                {
-                    "t": t,
-                    "numbers": numbers,
-                    **{k: row[k] for k in row if k not in ("t", *drives.names)},
-                }
-                for t, numbers, row in zip(times, readings, rows, strict=True)
-            ],
-        }
-        if verdicts:
-            document["requirements"] = verdict_entries(
-                verdicts, lambda k: {"row": k + 1, "t": times[k]}
-            )
+    _refuse_unreached(drives, q, table, t)
+    names = turned or list(drives.names)
+    columns = FIELDS.of("t")
+    columns += [
+        FIELDS["crank.*"].but(key=name, within="angles" if cranks else "numbers") for name in names
+    ]
+    rows: list[dict[str, Any]] = []
+    for time, numbers in zip(t, drives.readings(q).tolist(), strict=True):
+        row = dict(zip(drives.names, numbers, strict=True))
+        rows.append({"t": time, **{name: row[name] for name in names}})
     units = instance.units
-    notes = [f"lengths in {units.length}, angles in {units.angle.value}; cranks and slides from "]
-    notes[0] += "where their points are stated"
-    if shown:
+    if cranks:
+        note = f"angles in {units.angle.value}, from where the points are stated"
+        return _result(instance, columns, rows, [note], cranks=names)
+    notes = [
+        f"lengths in {units.length}, angles in {units.angle.value}; cranks and slides from where "
+        "their points are stated"
+    ]
+    if drives.driven.any():
+        columns.append(FIELDS["transmission"])
         notes.append(
             "transmission: the least part of a motor's motion along its rod, 0 at a dead point"
         )
-    lines = verdict_lines(verdicts, lambda k: f"in row {k + 1} (t = {times[k]:.6g})")
-    made = _drive_table(instance, rows, list(drives.names), [*shown, *more], notes, lines)
-    emit(output, made, document=document)
-    refuse(verdicts)
+        share = drives.transmission(drives.gains(table.R, table.T, q))[:, drives.driven]
+        for row, least in zip(rows, share.min(axis=1).tolist(), strict=True):
+            row["transmission"] = least
+    return _result(instance, columns, rows, notes, drives=names)
 
 
-def _refuse_unreached(drives: Drives, q: Array, table: PoseTable) -> None:
+def _refuse_unreached(drives: Drives, q: Array, table: PoseTable, t: list[float]) -> None:
     """Raise if a rod does not reach a pose, or the rods of a carriage ask for two places."""
     import numpy as np
 
-    missing = np.argwhere(np.isnan(q)).tolist()
-    if not missing:
-        return
-    times = times_of(table)
-    wanted = drives.wanted(table.R, table.T)
     lines = []
-    for row, k in missing:
+    wanted = drives.wanted(table.R, table.T)
+    for row, k in np.argwhere(np.isnan(q)).tolist():
         users, name = drives.users(k), drives.names[k]
         numbers = wanted[row, users] / drives.units[k]
-        where = f"the pose at t = {times[row]:.10g}"
+        where = f"the pose at t = {t[row]:.10g}"
         if np.isnan(numbers).any():
             rod = "leg" if len(users) == 1 else f"rod {users[int(np.isnan(numbers).argmax())] + 1}"
             lines.append(f"the {rod} of {name} does not reach {where}")
@@ -357,119 +278,40 @@ def _refuse_unreached(drives: Drives, q: Array, table: PoseTable) -> None:
             rods = " and ".join(str(one + 1) for one in users)
             asked = " and ".join(f"{x:.6g}" for x in numbers)
             lines.append(f"rods {rods} ask for {asked} of {name} at {where}")
-    more = [f"and at {len(lines) - _TOLD} more places"] if len(lines) > _TOLD + 1 else []
-    raise GspError("\n".join(lines[:_TOLD] + more if more else lines))
+    if len(lines) > _TOLD + 1:
+        lines[_TOLD:] = [f"and at {len(lines) - _TOLD} more places"]
+    if lines:
+        raise GspError("\n".join(lines))
 
 
-def _drive_rows(
-    times: Sequence[float], names: Sequence[str], numbers: Sequence[Sequence[float]]
-) -> list[dict[str, Any]]:
-    return [
-        {"t": t, **dict(zip(names, row, strict=True))}
-        for t, row in zip(times, numbers, strict=True)
-    ]
-
-
-def _drive_table(
-    instance: Instance,
-    rows: list[dict[str, Any]],
-    names: Sequence[str],
-    more: Sequence[Field],
-    notes: list[str],
-    summary: list[str],
-) -> Result:
-    columns = [
-        Field(key, align="right", essential=True, aligned=key != "t") for key in ("t", *names)
-    ]
-    title = ": ".join(part for part in (instance.name, instance.type.id) if part)
-    return Result([*columns, *more], rows, title=title, notes=notes, summary=summary)
-
-
-def add_gaps(
-    instance: Instance, R: Array, T: Array, rows: Sequence[dict[str, Any]]
-) -> tuple[list[Field], dict[str, Array | QuantityParts]]:
-    """Add to rows the least gap of each pose, and what it is between; nothing without shapes."""
-    if instance.shapes is None:
-        return [], {}
-    from gspcli.motion.collisions.leg_gaps import gaps
-    from gspcli.motion.files.requirements import QuantityParts
-
-    found = gaps(instance, R, T)
-    for row, said in zip(rows, found.to_json(), strict=True):
-        row |= said
-    columns = FIELDS.of("gap gap_between")
-    return columns, {"gap": QuantityParts(found.values, found.pairs)}
-
-
-_POSE = ("x", "y", "z", "qw", "qx", "qy", "qz")
-
-
-def emit_nearest(instance: Instance, table: PoseTable, form: PoseFormat, output: Output) -> None:
-    """Write the nearest pose to each pose of a table, from home and then from row to row."""
+def _nearest(instance: Instance, table: PoseTable, t: list[float], form: PoseFormat) -> Result:
+    """Return the nearest pose to each pose of a table, from home and then from row to row."""
+    from gspcli.geometry.drive_numbers import is_driven
+    from gspcli.geometry.drives import Drives
+    from gspcli.geometry.quaternions import quaternion_from_rotation
     from gspcli.motion.paths.nearest_poses import NearestPoses
 
     _, R, T = one_mode(instance, None)
-    nearest = NearestPoses(instance, R[0], T[0], pivot=_pivot(form))
-    found = list(nearest.along(table.R, table.T))
-    times = times_of(table)
-    columns = _columns(instance)
-    rows = [_row(t, one, form, list(columns)) for t, one in zip(times, found, strict=True)]
-    document = {"schema": "gsp.measure/1", **instance.to_json(), "poses": rows}
-    emit(output, _nearest_table(instance, rows, form, columns), document=document)
-    stays = [t for t, one in zip(times, found, strict=True) if not one.way]
-    if stays:
-        message = f"no way is proved to {counted(len(stays), 'row')}, first t = {stays[0]:.10g}"
-        raise IncompleteError(f"{message}: the platform stays where it is")
-
-
-def _pivot(form: PoseFormat) -> list[float] | None:
-    """Return the point whose position the table gives, in the platform's frame; None: origin."""
-    tool = form.frame.tool.shifted(form.pivot)
-    return None if tool.T is None else tool.T.tolist()
-
-
-def _columns(instance: Instance) -> dict[str, str]:
-    """Return the keys and headings of what the motors are at."""
-    from gspcli.geometry.drive_numbers import is_driven
-
+    tool = form.frame.tool.shifted(form.pivot).T
+    pivot = None if tool is None else tool.tolist()
+    names = {str(k): f"{k} {row.kind.name}" for k, row in enumerate(instance.constraints, 1)}
     if is_driven(instance):
-        from gspcli.geometry.drives import Drives
-
-        return {name: name for name in Drives.of(instance).names}
-    return {str(k): f"{k} {row.kind.name}" for k, row in enumerate(instance.constraints, 1)}
-
-
-def _row(t: float, one: NearestPose, form: PoseFormat, names: list[str]) -> dict[str, Any]:
-    from gspcli.geometry.quaternions import quaternion_from_rotation
-
-    R, T = form.frame.from_platform(one.R, one.T)
-    numbers = (*T.tolist(), *quaternion_from_rotation(R).tolist())
-    return {
-        "t": t,
-        **dict(zip(names, one.values.tolist(), strict=True)),
-        **dict(zip(_POSE, numbers, strict=True)),
-        "shift": one.shift,
-        "turn": one.turn,
-        "limits": list(one.limits),
-        "way": one.way or None,
-    }
-
-
-def _nearest_table(
-    instance: Instance, rows: list[dict[str, Any]], form: PoseFormat, names: dict[str, str]
-) -> Result:
-    units = instance.units
+        names = {name: name for name in Drives.of(instance).names}
+    rows: list[dict[str, Any]] = []
+    found = NearestPoses(instance, R[0], T[0], pivot=pivot).along(table.R, table.T)
+    for time, one in zip(t, found, strict=True):
+        R, T = form.frame.from_platform(one.R, one.T)
+        numbers = [*one.values.tolist(), *T.tolist(), *quaternion_from_rotation(R).tolist()]
+        row = {"t": time, **dict(zip((*names, *_POSE), numbers, strict=True))}
+        limits, way = [*one.limits], one.way or None
+        rows.append(row | {"shift": one.shift, "turn": one.turn, "limits": limits, "way": way})
     columns = [
-        FIELDS["t"],
-        *(
-            Field(key, heading, align="right", minor=1, aligned=True)
-            for key, heading in names.items()
-        ),
-        *(Field(key, align="right", essential=True, aligned=True) for key in _POSE),
-        FIELDS["shift"].but(title=f"shift [{units.length}]"),
-        FIELDS["turn"].but(title=f"turn [{units.angle.value}]"),
-        FIELDS["limits"],
-        FIELDS["way"],
+        *FIELDS.of("t"),
+        *(FIELDS["1…6"].but(key=key, title=said, minor=1) for key, said in names.items()),
+        *FIELDS.of(" ".join(_POSE)),
+        FIELDS["shift"].but(title=f"shift [{instance.units.length}]"),
+        FIELDS["turn"].but(title=f"turn [{instance.units.angle.value}]"),
+        *FIELDS.of("limits way"),
     ]
     moved = sum(bool(row["limits"]) for row in rows)
     summary = f"{counted(moved, 'pose')} of {len(rows)} moved to the nearest one within the limits"
@@ -477,5 +319,4 @@ def _nearest_table(
         "way: values, drives or poses change linearly from the row before, proved",
         *frame_note(form.frame),
     ]
-    rows = [{**row, "limits": ", ".join(row["limits"])} for row in rows]
-    return Result(columns, rows, title=instance.title, notes=notes, summary=[summary])
+    return _result(instance, columns, rows, notes, [summary])
