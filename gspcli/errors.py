@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from typing import Any
 
 from gspcli.records import dataclass
@@ -67,16 +66,6 @@ class SpecError(GspError):
     def __init__(self, mistakes: list[Mistake]) -> None:
         self.mistakes = tuple(mistakes)
         super().__init__(brief("\n".join(map(str, mistakes)), "mistake"))
-
-    @property
-    def problems(self) -> tuple[Mistake, ...]:
-        """The mistakes, by the name that they had in version 1.0 (deprecated)."""
-        warnings.warn(
-            "`problems` of a SpecError is deprecated: use `mistakes`",
-            DeprecationWarning,
-            stacklevel=2,
-        )
-        return self.mistakes
 
     def __reduce__(self) -> tuple[Any, ...]:
         # The text of an exception is not what it is made from.

@@ -8,7 +8,7 @@ from typing import Any
 from gspcli.calibration.conventions import Turns
 from gspcli.calibration.results import Calibration
 from gspcli.geometry.instance import Instance
-from gspcli.records import dataclass
+from gspcli.records import EqualByContent, dataclass
 from gspcli.wording import listed
 
 #: This many of the conventions that fit as well are named in sentences.
@@ -16,7 +16,7 @@ _SHOWN = 2
 
 
 @dataclass(frozen=True, eq=False)
-class Identification:
+class Identification(EqualByContent):
     """A machine that was found from its log.
 
     Attributes

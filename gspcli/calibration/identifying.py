@@ -36,7 +36,7 @@ from gspcli.geometry.home_pose import HomePose
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.primitives import Point
 from gspcli.geometry.quaternions import apply, quaternion_from_rotation
-from gspcli.spec.document import LARGEST_TABLE, content_of
+from gspcli.spec.document import text_of_table
 from gspcli.wording import counted, listed
 
 Array = NDArray[np.float64]
@@ -95,7 +95,7 @@ def identify(
     SpecError
         With all mistakes of the file.
     """
-    text = content_of(path, LARGEST_TABLE).decode("utf-8-sig")
+    text = text_of_table(path, str(path))
     options = Options(("offsets",) if offsets else (), robust=robust)
     log = read_log(text, str(path), ignore)
     return identify_log(log, euler, np.array(pivot, float), sigma or {}, options)

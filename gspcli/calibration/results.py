@@ -17,7 +17,7 @@ from gspcli.calibration.options import Options, prior_of
 from gspcli.calibration.parameters import Model
 from gspcli.calibration.unknowns import Unknowns
 from gspcli.geometry.instance import Instance
-from gspcli.records import dataclass
+from gspcli.records import EqualByContent, dataclass
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -26,7 +26,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class Calibration:
+class Calibration(EqualByContent):
     """The numbers of a platform that were found from measurements.
 
     Attributes

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, overload
 from gspcli.catalogue.bounds import BOUND_MEANINGS, Bound, type_bounds
 from gspcli.catalogue.counts import best_real, generic_counts, real_counts, spelled
 from gspcli.catalogue.kinds import Kind
+from gspcli.catalogue.names import parse_kind_set
 from gspcli.catalogue.types import GspType, PlatformClass, all_types
 from gspcli.errors import GspError
 from gspcli.records import dataclass
@@ -144,9 +145,9 @@ class TypeList(Sequence[GspType]):
         self,
         *,
         classes: Iterable[PlatformClass] = (),
-        only: frozenset[Kind] | None = None,
-        having: Iterable[frozenset[Kind]] = (),
-        without: frozenset[Kind] = frozenset(),
+        only: str | frozenset[Kind] | None = None,
+        having: Iterable[str | frozenset[Kind]] = (),
+        without: str | frozenset[Kind] = frozenset(),
         at_most: Mapping[str, int] | None = None,
     ) -> TypeList:
         """Return the types that satisfy every condition, in the same order.
@@ -160,7 +161,8 @@ class TypeList(Sequence[GspType]):
         having
             Keep types that have, for each of these sets, a constraint of one of its kinds.
         without
-            Drop types with a constraint of one of these kinds.
+            Drop types with a constraint of one of these kinds. Kinds may be a text, as
+            `parse_kind_set` reads it: "PP".
         at_most
             For each numeric column a ceiling; types without a value are dropped.
 
@@ -170,7 +172,8 @@ class TypeList(Sequence[GspType]):
             If a ceiling is set for a column that is unknown or not numeric.
         """
         chosen = set(classes)
-        needed = list(having)
+        allowed = None if only is None else _kinds(only)
+        needed, dropped = [_kinds(one) for one in having], _kinds(without)
         ceilings = []
         for key, ceiling in (at_most or {}).items():
             limited = column(key)
@@ -183,9 +186,9 @@ class TypeList(Sequence[GspType]):
             kinds = set(gsp_type.kinds)
             if chosen and gsp_type.platform_class not in chosen:
                 return False
-            if only is not None and not kinds <= only:
+            if allowed is not None and not kinds <= allowed:
                 return False
-            if kinds & without or not all(kinds & wanted for wanted in needed):
+            if kinds & dropped or not all(kinds & wanted for wanted in needed):
                 return False
             values = ((read(gsp_type), ceiling) for read, ceiling in ceilings)
             return all(isinstance(value, int) and value <= top for value, top in values)
@@ -228,3 +231,7 @@ class TypeList(Sequence[GspType]):
         }
         frame = pd.DataFrame(data)
         return frame.set_index("number") if "number" in data else frame
+
+
+def _kinds(given: str | frozenset[Kind]) -> frozenset[Kind]:
+    return parse_kind_set(given) if isinstance(given, str) else frozenset(given)

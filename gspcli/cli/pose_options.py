@@ -15,7 +15,7 @@ from gspcli.cli.options import Whole
 from gspcli.cli.streams import say, working
 from gspcli.errors import ArgumentError, GspError, IncompleteError, NotFiniteError
 from gspcli.records import dataclass
-from gspcli.wording import listed, named, shortened, shown
+from gspcli.wording import listed, shortened, shown
 
 if TYPE_CHECKING:
     import numpy as np
@@ -198,18 +198,11 @@ def column_options(function: Function) -> Function:
 def text_of(path: str) -> tuple[str, str]:
     """Return the content of a file or, for -, of standard input, and its name."""
     from gspcli.cli.options import refuse_to_replace
-    from gspcli.spec.document import LARGEST_TABLE, content_of
+    from gspcli.spec.document import text_of_table
 
     refuse_to_replace(path)
     name = "standard input" if path == "-" else path
-    try:
-        return content_of(path, LARGEST_TABLE).decode("utf-8-sig"), name
-    except UnicodeDecodeError as error:
-        raise GspError(f"{name}: found {error.reason}, expected text in UTF-8") from error
-    except (OSError, ValueError) as error:
-        raise GspError(
-            f"{named(name)}: cannot be read: {getattr(error, 'strerror', None) or error}"
-        ) from error
+    return text_of_table(path, name), name
 
 
 def warn_of_range(instance: Instance, t: Sequence[float], values: Array) -> None:

@@ -18,11 +18,12 @@ from gspcli.geometry.lengths import METRES
 from gspcli.geometry.printed_numbers import printed_condition, printed_conditions
 from gspcli.motion.files.requirements import QuantityParts
 from gspcli.motion.poses.cranks import drive_values
+from gspcli.motion.poses.inverse_kinematics import checked_poses
 from gspcli.motion.statics.accuracy import Accuracy, accuracy
 from gspcli.motion.statics.driven_statics import DrivenStatics
 from gspcli.motion.statics.geometry_errors import GeometryAccuracy, geometry_accuracy
 from gspcli.motion.statics.wrenches import Wrenches, wrenches
-from gspcli.records import dataclass
+from gspcli.records import EqualByContent, dataclass
 from gspcli.wording import counted
 
 if TYPE_CHECKING:
@@ -46,7 +47,7 @@ _LONG = {
 
 
 @dataclass(frozen=True, eq=False)
-class Analysis:
+class Analysis(EqualByContent):
     """All that is known of n poses; None is what was not asked for.
 
     Attributes
@@ -244,8 +245,8 @@ def finite(value: Any) -> float | None:
 
 def analyze(
     instance: Instance,
-    R: ArrayLike,
-    T: ArrayLike,
+    R: Any,
+    T: ArrayLike | None = None,
     *,
     load: ArrayLike | None = None,
     at: ArrayLike | None = None,
@@ -289,7 +290,7 @@ def analyze(
     ArgumentError
         Naming what is wrong.
     """
-    R, T = np.asarray(R, float), np.asarray(T, float)
+    R, T = checked_poses(R, T)
     R, T = R.reshape(-1, 3, 3), T.reshape(-1, 3)
     motors, q = _places(instance, R, T, drives)
     given = wrenches(instance, R, T, point=point, length=length, drives=motors, q=q)

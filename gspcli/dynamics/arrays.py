@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gspcli.errors import ArgumentError
+from gspcli.geometry.checking import real_array
 from gspcli.motion.poses.inverse_kinematics import checked_poses
 
 Array = NDArray[np.float64]
@@ -44,7 +45,7 @@ def checked_array(given: ArrayLike, shape: tuple[int, ...], name: str) -> Array:
     ArgumentError
         If it cannot be, or has numbers that are not finite.
     """
-    array = np.asarray(given, float)
+    array = real_array(given, name)
     try:
         whole = np.broadcast_to(array, shape).copy()
     except ValueError:

@@ -22,7 +22,7 @@ from gspcli.geometry.instance import Instance
 from gspcli.geometry.lengths import METRES
 from gspcli.geometry.quaternions import apply
 from gspcli.motion import measure
-from gspcli.records import dataclass
+from gspcli.records import EqualByContent, dataclass
 from gspcli.ties import first_largest
 
 if TYPE_CHECKING:
@@ -47,7 +47,7 @@ class WorstForce(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class DriveForces:
+class DriveForces(EqualByContent):
     """Forces of the drives at n poses. All arrays are read-only.
 
     Attributes

@@ -20,7 +20,7 @@ from gspcli.dynamics.moved_points import MovedPoints, given_numbers
 from gspcli.dynamics.moving_bodies import MovingBodies, equation_of_motion
 from gspcli.errors import ArgumentError
 from gspcli.geometry.instance import Instance
-from gspcli.records import dataclass
+from gspcli.records import EqualByContent, dataclass
 from gspcli.ties import ALIKE, definite_vectors, first_largest
 
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ _CHUNK = 200
 
 
 @dataclass(frozen=True, eq=False)
-class NaturalModes:
+class NaturalModes(EqualByContent):
     """The natural modes at n poses, the slowest first. All arrays are read-only.
 
     There are six, or as many as there are drives if several rods share a drive.

@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
 from gspcli.catalogue.kinds import DPP
 from gspcli.catalogue.types import CONSTRAINTS, MAX_ANGLES
 from gspcli.errors import ArgumentError
@@ -25,6 +30,28 @@ def expected(instance: Instance) -> Instance:
         message = f"found a {type(instance).__name__}, expected an Instance: load reads one"
         raise ArgumentError(message, "instance")
     return instance
+
+
+def real_array(given: Any, name: str) -> NDArray[np.float64]:
+    """Return numbers as an array of doubles; complex ones must be real.
+
+    Raises
+    ------
+    ArgumentError
+        If they are no real numbers.
+    """
+    try:
+        array = np.asarray(given)
+        if array.dtype.kind == "c" and not array.imag.any():
+            array = array.real
+        if array.dtype.kind in "cUS":
+            raise TypeError
+        return array.astype(float)
+    except (TypeError, ValueError):
+        what = f"a {type(given).__name__}"
+        if isinstance(given, np.ndarray) and given.dtype.kind == "c":
+            what = "complex numbers"
+        raise ArgumentError(f"found {what}, expected an array of real numbers", name) from None
 
 
 def checked(instance: Instance) -> Instance:

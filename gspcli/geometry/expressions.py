@@ -58,6 +58,8 @@ _TANGENTS: dict[Fraction, int] = {Fraction(0): 0, Fraction(1, 4): 1, Fraction(3,
 _MAY_BE_ZERO = ("+", "-", "sin", "cos")
 _AT_ZERO: dict[str, int] = {"sin": 0, "tan": 0, "asin": 0, "atan": 0, "cos": 1}
 _HALF = Fraction(1, 2)
+#: What spreadsheets make of some numbers; as a difference it would be read silently.
+_DATE = re.compile(r"(19|20)\d\d-(0[1-9]|1[0-2])-([0-2]\d|3[01])")
 _HINTS = {
     "−": "write the minus sign as -",
     "–": "write the minus sign as -",
@@ -94,6 +96,10 @@ def parsed(text: str, node: Callable[..., Tree]) -> Tree:
     if len(text) > MAX_LENGTH:
         message = f"found {len(text)} characters, expected a number of at most {MAX_LENGTH}"
         raise ValueError(message)
+    if _DATE.fullmatch(text):
+        raise ValueError(
+            f"found the date {shown(text)}, expected a number: write a difference with blanks"
+        )
     number = _Parser(text, node).number()
     size = abs(number.value)
     if number.fraction == 0 or (SMALLEST <= size <= LARGEST and sign_of(number)):

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.quaternions import vector_from_rotation
-from gspcli.records import dataclass
+from gspcli.records import EqualByContent, dataclass
 
 Array = NDArray[np.float64]
 
@@ -27,7 +27,7 @@ _FAR = 0.1
 
 
 @dataclass(frozen=True, eq=False)
-class HomeMode:
+class HomeMode(EqualByContent):
     """The real pose that is meant where a command needs one.
 
     Attributes

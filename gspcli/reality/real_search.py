@@ -23,7 +23,7 @@ from gspcli.reality.witness_proofs import (
     platform_of,
     real_instance,
 )
-from gspcli.records import dataclass
+from gspcli.records import EqualByContent, dataclass
 from gspcli.spec import dumps
 from gspcli.workers import HERE, Workers
 
@@ -116,7 +116,7 @@ class RealSearch:
             If not all of its real poses can be certified.
         """
         if state.platform is None:
-            message = "no platform was solved in the time given: use a greater --time"
+            message = "no platform was solved in the time given: give more"
             raise IncompleteError(message)
         wanted = self.each * state.real
         found = real_instance(state.platform, wanted, units=self.units, length=self.length)
@@ -129,7 +129,7 @@ class RealSearch:
 
 
 @dataclass(frozen=True, eq=False)
-class RealSearchResult:
+class RealSearchResult(EqualByContent):
     """A platform with many real poses.
 
     Attributes
@@ -196,6 +196,8 @@ def maximize_real(
     IncompleteError
         If no platform was solved in the time given.
     """
+    if not seconds > 0:
+        raise ArgumentError(f"found {seconds}, expected more than 0", "seconds")
     named = any_type(given) if isinstance(given, str) else given
     search = RealSearch.of(named, real, seconds, seed)
     state = State(search.subject, seed)

@@ -11,7 +11,7 @@ from gspcli.defaults import SEED
 from gspcli.errors import ArgumentError
 from gspcli.reality.real_distribution import Sample, Tally
 from gspcli.reality.real_distribution import sample as parts
-from gspcli.records import dataclass
+from gspcli.records import EqualByContent, dataclass
 from gspcli.wording import counted
 from gspcli.workers import HERE, Workers
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class SampleResult:
+class SampleResult(EqualByContent):
     """The real solutions of random platforms.
 
     Attributes
@@ -94,9 +94,8 @@ def sample(
     TypeNameError
         If a text is the name of no type.
     """
-    if count < 1:
-        message = f"found {count}, expected at least 1"
-        raise ArgumentError(message, "count")
+    if isinstance(count, bool) or not isinstance(count, int) or count < 1:
+        raise ArgumentError(f"found {count!r}, expected a number of at least 1", "count")
     wanted, tally = Sample(any_type(gsp_type), count, seed, one_sided), Tally()
     for part in parts(wanted, workers):
         tally.add(part)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.geometry.quaternions import quaternion_from_rotation
-from gspcli.records import dataclass
+from gspcli.records import EqualByContent, dataclass
 from gspcli.wording import counted, listed
 
 if TYPE_CHECKING:
@@ -101,7 +101,7 @@ class Without:
 
 
 @dataclass(frozen=True, eq=False)
-class PoseFit:
+class PoseFit(EqualByContent):
     """The poses that fit six values and further readings.
 
     Attributes

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from gspcli.errors import ArgumentError
 from gspcli.geometry.instance import Instance
-from gspcli.records import dataclass
+from gspcli.records import EqualByContent, dataclass
 from gspcli.sensing.sensor_kinds import SensorReading, parse_reading
 from gspcli.solver import SolveResult
 from gspcli.wording import listed
@@ -26,7 +26,7 @@ FITS = 3.0
 
 
 @dataclass(frozen=True, eq=False)
-class ReadingFit:
+class ReadingFit(EqualByContent):
     """The differences of readings from the expected ones at the m real modes of a platform.
 
     Attributes

@@ -27,7 +27,7 @@ from gspcli.geometry.instance import Instance
 from gspcli.geometry.quaternions import apply, vector_from_rotation
 from gspcli.geometry.readings import readings_of, values_of
 from gspcli.geometry.value_rows import problems_of, value_rows
-from gspcli.records import dataclass
+from gspcli.records import EqualByContent, dataclass
 from gspcli.sensing.sensor_kinds import KINDS, Sensor, body_normal, candidates, parse_sensor
 from gspcli.solver import SolveResult, solve, solve_batch
 from gspcli.solver.arguments import whole
@@ -254,7 +254,7 @@ def _of_pairs(apart: Array) -> Array:
 
 
 @dataclass(frozen=True, eq=False)
-class SensorResult:
+class SensorResult(EqualByContent):
     """How well one additional sensor distinguishes the real modes of a platform.
 
     Attributes

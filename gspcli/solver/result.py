@@ -25,7 +25,7 @@ from gspcli.geometry.residuals import (
     proved_residuals,
     residuals,
 )
-from gspcli.records import dataclass
+from gspcli.records import EqualByContent, dataclass
 from gspcli.solver.results.pose_set import PoseSet
 from gspcli.solver.results.proof import CountKind, Proof
 from gspcli.solver.results.solution import Counts, Solution
@@ -38,7 +38,7 @@ SCHEMA = "gsp.solve/1"
 
 
 @dataclass(frozen=True, eq=False)
-class SolveResult:
+class SolveResult(EqualByContent):
     """All poses of an instance.
 
     The order of the poses does not depend on how they were found (`stable_order`); the first
@@ -248,6 +248,16 @@ class SolveResult:
         values = self.arrangement.values * np.where(self.sides[real] < 0, -1.0, 1.0)
         found = left_limits(self.instance, values, self.R[real].real, self.T[real].real)
         return dict(zip(real.tolist(), found, strict=True))
+
+    @property
+    def real_R(self) -> NDArray[np.float64]:
+        """The rotations of the real poses, real, shape (n, 3, 3)."""
+        return self.R[self.real].real
+
+    @property
+    def real_T(self) -> NDArray[np.float64]:
+        """The translations of the real poses, real, shape (n, 3)."""
+        return self.T[self.real].real
 
     @property
     def real_solutions(self) -> tuple[Solution, ...]:

@@ -10,7 +10,7 @@ from gspcli.catalogue.bounds import type_bounds
 from gspcli.catalogue.coincidence import canonical_bonds
 from gspcli.errors import Mistake, SpecError
 from gspcli.geometry.instance import Instance
-from gspcli.records import dataclass
+from gspcli.records import EqualByContent, dataclass
 from gspcli.spec.meaning import bonds, sharing
 from gspcli.spec.reading import read
 from gspcli.wording import counted
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class CheckedFile:
+class CheckedFile(EqualByContent):
     """The check of one file.
 
     Attributes
@@ -53,7 +53,7 @@ class CheckedFile:
 
 
 @dataclass(frozen=True, eq=False)
-class CheckResult:
+class CheckResult(EqualByContent):
     """The checks of several files.
 
     Attributes

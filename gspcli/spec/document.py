@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from gspcli.errors import Location, Mistake, SpecError
+from gspcli.wording import named
 
 MAX_BYTES = 100_000
 MAX_DEPTH = 12
@@ -56,6 +57,10 @@ def locate(value: Located, location: Location, path: str) -> Located:
     return value
 
 
+#: What to do with files in other encodings.
+_SAVE = "save it as UTF-8, in Excel as 'CSV UTF-8'"
+
+
 def decode(content: bytes, file: str) -> str:
     """Return the text of a file.
 
@@ -67,12 +72,29 @@ def decode(content: bytes, file: str) -> str:
     if len(content) > MAX_BYTES:
         message = f"found {len(content)} bytes, expected an instance file of at most {MAX_BYTES}"
         raise SpecError([Mistake(Location(file, 1, 1), "", message)])
+    return utf8(content, file)
+
+
+def utf8(content: bytes, file: str) -> str:
+    """Return the text of a file in UTF-8.
+
+    Raises
+    ------
+    SpecError
+        With the place of what is not UTF-8, and what to do.
+    """
+    if content.startswith((b"\xff\xfe", b"\xfe\xff")):
+        message = f"found text in UTF-16, expected UTF-8: {_SAVE}"
+        raise SpecError([Mistake(Location(file, 1, 1), "", message)])
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = content.count(b"\n", 0, error.start) + 1
         column = error.start - content.rfind(b"\n", 0, error.start)
-        message = f"found the byte 0x{content[error.start]:02x}, expected text in UTF-8"
+        byte = content[error.start : error.start + 1]
+        said = byte.decode("cp1252", "replace")
+        said = f" ({said} in Windows-1252)" if said.isprintable() and said != "\ufffd" else ""
+        message = f"found the byte 0x{byte.hex()}{said}, expected text in UTF-8: {_SAVE}"
         raise SpecError([Mistake(Location(file, line, column), "", message)]) from error
 
 
@@ -104,3 +126,20 @@ def content_of(source: str | Path, largest: int) -> bytes:
         message = f"it has more than {largest >> 20} MB"
         raise ValueError(message)
     return content
+
+
+def text_of_table(path: str | Path, name: str) -> str:
+    """Return the text of a table, or for ``-`` that of standard input.
+
+    Raises
+    ------
+    SpecError
+        If it cannot be read, is too large or not UTF-8.
+    """
+    try:
+        content = content_of(path, LARGEST_TABLE)
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        message = f"{named(name)}: cannot be read: {reason}"
+        raise SpecError([Mistake(None, "", message)]) from error
+    return utf8(content, name)

@@ -311,6 +311,8 @@ class Section(Form):
                 near = nearest(key, [name for name in known if name not in section])
                 misspelt.add(near)
                 hint = f": did you mean {near}?" if near else ""
+                if key.isdecimal():
+                    hint = ": write decimals with a point"
                 say(key, f"found the unknown key {shown(key)}, expected {listed(known)}{hint}")
         unnamed = [
             name

@@ -157,8 +157,8 @@ def _offsets(instance: Instance) -> Iterator[tuple[float, str]]:
 
 def _bodies(instance: Instance) -> Iterator[tuple[str, dict[str, Geometry]]]:
     rows = instance.constraints
-    yield "platform", {row.platform_name: row.platform for row in rows}
-    yield "base", {row.base_name: row.base for row in rows}
+    yield "platform", {row.platform_name or f"{k}": row.platform for k, row in enumerate(rows, 1)}
+    yield "base", {row.base_name or f"{k}": row.base for k, row in enumerate(rows, 1)}
 
 
 def _apart(a: Geometry, b: Geometry) -> float:

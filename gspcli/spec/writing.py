@@ -12,6 +12,7 @@ from gspcli.geometry.checking import expected
 from gspcli.geometry.instance import Constraint, Instance, Side
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Crank, Geometry, Line, Plane, Point, Slide
+from gspcli.wording import named
 
 if TYPE_CHECKING:
     from gspcli.geometry.home_pose import HomePose
@@ -30,10 +31,16 @@ def dump(instance: Instance, file: str | Path | TextIO) -> None:
     ------
     ArgumentError
         If it is neither.
+    GspError
+        If the file cannot be written.
     """
     text = dumps(instance)
     if isinstance(file, str | Path):
-        Path(file).write_text(text, encoding="utf-8")
+        try:
+            Path(file).write_text(text, encoding="utf-8")
+        except OSError as error:
+            reason = error.strerror or str(error)
+            raise GspError(f"{named(str(file))}: cannot be written: {reason}") from error
         return
     if not hasattr(file, "write"):
         message = f"found a {type(file).__name__}, expected a path or an open file"

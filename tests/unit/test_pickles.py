@@ -27,8 +27,6 @@ def test_an_error_is_the_same_after_it(kind):
         places = [Mistake(Location("f.yaml", k, 2), "units", f"found {k}") for k in range(7)]
         error = SpecError([*places, Mistake(None, "", "nothing")])
         assert copied(error).mistakes == error.mistakes
-        with pytest.warns(DeprecationWarning, match="use `mistakes`"):
-            assert error.problems == error.mistakes
     elif issubclass(kind, ArgumentError) and kind is not ArgumentError:
         # A mistake of a row: the row, and what was found.
         error = kind(3, "found 1")
@@ -130,3 +128,21 @@ def test_a_path_and_a_frame_are_taken(tmp_path, hexapod):
     given = gspcli.hexapod(base, platform, [1, 2, 3, 4, 5, 6])
     frames = [pd.DataFrame(rows, columns=list("xyz")) for rows in (base, platform)]
     assert gspcli.hexapod(*frames, pd.Series([1, 2, 3, 4, 5, 6])) == given
+
+
+def test_results_are_equal_after_pickling():
+    instance = gspcli.example("nano-hexapod")
+    result = gspcli.solve(instance)
+    home = result.home
+    for one in (
+        result,
+        result.solutions[0],
+        home,
+        gspcli.analyze(instance, home),
+        gspcli.clearance(instance, home.R, home.T),
+        gspcli.freedoms(instance, home.R, home.T),
+    ):
+        again = pickle.loads(pickle.dumps(one))
+        assert again == one
+        assert hash(again) == hash(one)
+    assert result != gspcli.solve(gspcli.set_values(instance, {1: "0.001"}, delta=True))

@@ -18,7 +18,7 @@ from gspcli.geometry.instance import Instance
 from gspcli.geometry.printed_numbers import printed_conditions
 from gspcli.geometry.quaternions import quaternion_from_rotation
 from gspcli.geometry.residuals import condition_numbers
-from gspcli.records import dataclass
+from gspcli.records import EqualByContent, dataclass
 from gspcli.wording import counted
 
 if TYPE_CHECKING:
@@ -92,7 +92,7 @@ class Event:
 
 
 @dataclass(frozen=True, eq=False)
-class Track:
+class Track(EqualByContent):
     """Assembly modes along a trajectory.
 
     Attributes

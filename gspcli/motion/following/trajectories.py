@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from gspcli.defaults import SEED
 from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.checking import real_array
 from gspcli.geometry.coordinates import choose, drive_corrections
 from gspcli.geometry.home_mode import distances
 from gspcli.geometry.instance import Instance
@@ -149,7 +150,7 @@ def track_from(
 
 
 def _checked(given: ArrayLike, name: str, shape: tuple[int | None, ...]) -> Array:
-    array = np.asarray(given, float)
+    array = real_array(given, name)
     fits = array.ndim == len(shape) and all(
         n in (None, m) for n, m in zip(shape, array.shape, strict=True)
     )

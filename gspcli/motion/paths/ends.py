@@ -7,16 +7,17 @@ from numpy.typing import ArrayLike, NDArray
 
 from gspcli.errors import ArgumentError, IncompleteError, NotFiniteError
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.home_mode import home_mode
+from gspcli.geometry.home_mode import HomeMode, home_mode
 from gspcli.geometry.instance import Instance
 from gspcli.motion.poses.chosen_mode import chosen_mode
-from gspcli.motion.poses.inverse_kinematics import checked_poses, values_at
+from gspcli.motion.poses.inverse_kinematics import checked_poses, pose_parts, values_at
 from gspcli.records import dataclass
 from gspcli.solver import SolveResult, solve
+from gspcli.solver.results.solution import Solution
 
 Array = NDArray[np.float64]
-#: A mode by its number, ``home``, or a pose (R, T).
-End = int | str | tuple[ArrayLike, ArrayLike]
+#: A mode by its number, ``home``, or a pose: (R, T), or a mode of a result.
+End = int | str | tuple[ArrayLike, ArrayLike] | HomeMode | Solution
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,7 +90,7 @@ class Modes:
         Parameters
         ----------
         given
-            A number, ``home``, or a pose (R, T).
+            A number, ``home``, or a pose: (R, T), or a mode of a result.
         name
             Of the argument, for messages and for the name of a pose.
         """
@@ -102,7 +103,7 @@ class Modes:
             T = np.array([one.T for one in modes]).reshape(-1, 3)
             number = None if isinstance(given, str) else int(given)
             return modes[chosen_mode(number, home_mode(self.instance, R, T), len(modes)) - 1]
-        R, T = checked_poses(*given)
+        R, T = checked_poses(*pose_parts(given, name))
         if R.ndim != 2:
             message = f"found {R.shape[:-2]} poses, expected one"
             raise ArgumentError(message, name)

@@ -15,7 +15,7 @@ from gspcli.geometry.instance import Instance
 from gspcli.geometry.printed_numbers import printed_conditions
 from gspcli.geometry.quaternions import quaternion_from_rotation
 from gspcli.geometry.readings import readings_of
-from gspcli.records import dataclass
+from gspcli.records import EqualByContent, dataclass
 from gspcli.wording import counted
 
 if TYPE_CHECKING:
@@ -74,7 +74,7 @@ class PathPart:
 
 
 @dataclass(frozen=True, eq=False)
-class PlannedPath:
+class PlannedPath(EqualByContent):
     """The answer of `gspcli.path`.
 
     Attributes

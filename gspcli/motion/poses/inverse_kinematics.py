@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gspcli.catalogue.kinds import DLL
 from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.checking import real_array
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.measurement import jacobian, measured
 from gspcli.geometry.readings import readings_of
@@ -22,7 +25,7 @@ _ROTATION = 4e-3
 _MEETING = 1e-12
 
 
-def measure(instance: Instance, R: ArrayLike, T: ArrayLike) -> Array:
+def measure(instance: Instance, R: Any, T: ArrayLike | None = None) -> Array:
     """Return the values of all constraints at poses, in the units of the instance.
 
     The values of the instance itself are not used. Distances to planes (DPH and DHP) are signed:
@@ -34,7 +37,8 @@ def measure(instance: Instance, R: ArrayLike, T: ArrayLike) -> Array:
     instance
         The geometry and units.
     R
-        Rotations, shape (..., 3, 3), ``x_base = R x_platform + T``.
+        Rotations, shape (..., 3, 3), ``x_base = R x_platform + T``, or a `Rotation` of SciPy.
+        Without T a pose: a pair (R, T), or a mode of a result.
     T
         Translations, shape (..., 3), in length units.
 
@@ -51,7 +55,7 @@ def measure(instance: Instance, R: ArrayLike, T: ArrayLike) -> Array:
     return readings_of(instance, values_at(instance, R, T))
 
 
-def values_at(instance: Instance, R: ArrayLike, T: ArrayLike) -> Array:
+def values_at(instance: Instance, R: Any, T: ArrayLike | None = None) -> Array:
     """Return the distances and angles at poses; as `measure`, but without offsets."""
     R, T = checked_poses(R, T)
     arrangement = Arrangement.of(instance)
@@ -96,21 +100,52 @@ def _between_lines(arrangement: Arrangement) -> NDArray[np.bool_]:
     return np.array([kind is DLL for kind in arrangement.kinds])
 
 
-def checked_poses(R: ArrayLike, T: ArrayLike) -> tuple[Array, Array]:
+def pose_parts(pose: Any, name: str) -> tuple[Any, Any]:
+    """Return R and T of a pose: of a pair, or of what has both, such as a mode of a result.
+
+    Raises
+    ------
+    ArgumentError
+        If it is neither; `name` is that of the argument.
+    """
+    if hasattr(pose, "R") and hasattr(pose, "T") and not isinstance(pose, np.ndarray):
+        return pose.R, pose.T
+    if isinstance(pose, tuple | list) and len(pose) == 2:
+        return pose[0], pose[1]
+    message = f"found a {type(pose).__name__}, expected a pose: (R, T), or a mode of a result"
+    raise ArgumentError(message, name)
+
+
+def checked_poses(R: Any, T: Any = None) -> tuple[Array, Array]:
     """Return poses as arrays of shapes (..., 3, 3) and (..., 3).
+
+    Parameters
+    ----------
+    R
+        Rotations, as arrays or as a `Rotation` of SciPy. Without T a pose: a pair (R, T), or what
+        has both, such as a mode of `SolveResult`.
+    T
+        Translations. One rotation may stand for many translations, and one translation for many
+        rotations.
 
     Raises
     ------
     ArgumentError
         If they have other shapes or numbers that are not finite, or R is no rotation.
     """
-    R, T = np.asarray(R, float), np.asarray(T, float)
-    if R.shape[-2:] != (3, 3) or T.shape[-1:] != (3,) or R.shape[:-2] != T.shape[:-1]:
-        message = (
+    if T is None:
+        R, T = pose_parts(R, "R")
+    R, T = real_array(R.as_matrix() if hasattr(R, "as_matrix") else R, "R"), real_array(T, "T")
+    try:
+        if R.shape[-2:] != (3, 3) or T.shape[-1:] != (3,):
+            raise ValueError
+        leading = np.broadcast_shapes(R.shape[:-2], T.shape[:-1])
+    except ValueError:
+        raise ArgumentError(
             f"R has shape {R.shape} and T {T.shape}, expected (..., 3, 3) and (..., 3) with the "
             "same leading axes"
-        )
-        raise ArgumentError(message)
+        ) from None
+    R, T = np.broadcast_to(R, (*leading, 3, 3)).copy(), np.broadcast_to(T, (*leading, 3)).copy()
     for name, part in (("R", R), ("T", T)):
         if not np.isfinite(part).all():
             index = tuple(np.argwhere(~np.isfinite(part))[0].tolist())

@@ -70,7 +70,7 @@ class MeasuredValues(np.ndarray[Any, np.dtype[np.float64]]):
         return {"schema": "gsp.measure/1", **self.instance.to_json(), "poses": poses}
 
 
-def measure(instance: Instance, R: ArrayLike, T: ArrayLike) -> MeasuredValues:
+def measure(instance: Instance, R: Any, T: ArrayLike | None = None) -> MeasuredValues:
     """Return the values of all constraints at poses, in the units of the instance.
 
     As `gspcli.motion.measure`, with the platform as an attribute. Distances to planes (DPH and DHP)
@@ -81,7 +81,8 @@ def measure(instance: Instance, R: ArrayLike, T: ArrayLike) -> MeasuredValues:
     instance
         The geometry and units; its own values are not used.
     R, T
-        The poses, shapes (..., 3, 3) and (..., 3): ``x_base = R x_platform + T``.
+        The poses, shapes (..., 3, 3) and (..., 3): ``x_base = R x_platform + T``. R may be a
+        `Rotation` of SciPy, and without T a pose: a pair (R, T), or a mode of a result.
 
     Raises
     ------

@@ -38,11 +38,11 @@ from gspcli.motion.following.row_instances import over_rows
 from gspcli.motion.following.tracks import Event
 from gspcli.motion.following.trajectories import track_from
 from gspcli.motion.poses.cranks import drive_values
-from gspcli.motion.poses.inverse_kinematics import measure, value_slopes, values_at
+from gspcli.motion.poses.inverse_kinematics import checked_poses, measure, value_slopes, values_at
 from gspcli.motion.singularities.neighbourhoods import DrivenNeighbourhood, Neighbourhood
 from gspcli.motion.singularities.pose_clearances import PoseClearance, pose_clearance
 from gspcli.progress import Progress, silent
-from gspcli.records import dataclass
+from gspcli.records import EqualByContent, dataclass
 from gspcli.ties import definite_signs, definite_vectors, first_smallest
 from gspcli.wording import counted
 
@@ -620,7 +620,7 @@ def _turned(omega: Array) -> Array:
 
 
 @dataclass(frozen=True, eq=False)
-class Clearances:
+class Clearances(EqualByContent):
     """Proved bounds of the clearances of n poses.
 
     Attributes
@@ -689,8 +689,8 @@ class Clearances:
 
 def clearance(
     instance: Instance,
-    R: ArrayLike,
-    T: ArrayLike,
+    R: Any,
+    T: ArrayLike | None = None,
     *,
     of: str | None = None,
     points: ArrayLike | None = None,
@@ -729,7 +729,8 @@ def clearance(
     if points is not None and of != "pose":
         message = "points count for the clearance of a pose only"
         raise ArgumentError(message, "points")
-    R, T = np.reshape(np.asarray(R, float), (-1, 3, 3)), np.reshape(np.asarray(T, float), (-1, 3))
+    R, T = checked_poses(R, T)
+    R, T = R.reshape(-1, 3, 3), T.reshape(-1, 3)
     driven = is_driven(instance)
     if of == "pose" and driven:
         message = (

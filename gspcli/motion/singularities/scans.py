@@ -40,7 +40,7 @@ from gspcli.motion.singularities.clearances import (
     range_weights,
 )
 from gspcli.motion.singularities.pose_clearances import pose_clearances
-from gspcli.records import dataclass
+from gspcli.records import EqualByContent, dataclass
 from gspcli.solver import solve, solve_batch
 from gspcli.wording import counted, listed, shown
 from gspcli.workers import HERE, Workers
@@ -403,7 +403,7 @@ POSE = ("Tx", "Ty", "Tz", "qw", "qx", "qy", "qz")
 
 
 @dataclass(frozen=True, eq=False)
-class ScanResult:
+class ScanResult(EqualByContent):
     """The result of a scan of values.
 
     Attributes

@@ -22,7 +22,7 @@ from gspcli.geometry.measurement import jacobian, measured
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.quaternions import rotation_from_quaternion
 from gspcli.motion.poses.inverse_kinematics import checked_poses
-from gspcli.records import dataclass
+from gspcli.records import EqualByContent, dataclass
 from gspcli.wording import counted, listed
 
 Array = NDArray[np.float64]
@@ -95,7 +95,7 @@ class AbsentConstraint:
 
 
 @dataclass(frozen=True, eq=False)
-class Freedoms:
+class Freedoms(EqualByContent):
     """The freedoms of a platform that its constraints do not remove.
 
     Attributes

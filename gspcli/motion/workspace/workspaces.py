@@ -14,7 +14,7 @@ from gspcli.geometry.euler import euler_from_rotation
 from gspcli.geometry.instance import Instance
 from gspcli.motion.workspace.box_sets import Levels
 from gspcli.motion.workspace.pose_boxes import PARAMETERS, Keys, PoseBoxes, places
-from gspcli.records import dataclass
+from gspcli.records import EqualByContent, dataclass
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -28,7 +28,7 @@ _SAME = 1e-7
 
 
 @dataclass(frozen=True, eq=False)
-class Workspace:
+class Workspace(EqualByContent):
     """The poses that keep all limits, enclosed between two sets of boxes.
 
     It is proved that every pose of an inner box keeps the limits, and that every pose outside the

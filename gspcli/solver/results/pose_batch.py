@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.residuals import condition_numbers, proved_residuals, residuals
-from gspcli.records import dataclass
+from gspcli.records import EqualByContent, dataclass
 from gspcli.solver.results.pose_set import PoseSet
 
 Array = NDArray[np.float64]
@@ -22,7 +22,7 @@ _BLOCK = 4096
 
 
 @dataclass(frozen=True, eq=False)
-class PoseBatch:
+class PoseBatch(EqualByContent):
     """All poses for each of b sets of values; rows are filled up to the longest with NaN.
 
     Attributes

@@ -13,7 +13,7 @@ from gspcli.continuation.paths import PathAccount
 from gspcli.geometry.local_motions import Motion
 from gspcli.geometry.pose_order import stable_order
 from gspcli.geometry.quaternions import quaternion_from_rotation
-from gspcli.records import dataclass
+from gspcli.records import EqualByContent, dataclass
 from gspcli.solver.results.proof import Proof
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ _NO_POSES = ("at_infinity", "on_curves", "spurious", "lost")
 
 
 @dataclass(frozen=True, eq=False)
-class PoseSet:
+class PoseSet(EqualByContent):
     """Poses, in the frames of the arrangement.
 
     Attributes

@@ -10,7 +10,7 @@ import numpy as np
 from gspcli.geometry.limits import LeftLimit
 from gspcli.geometry.printed_numbers import printed_condition, printed_residual
 from gspcli.geometry.quaternions import Field
-from gspcli.records import dataclass
+from gspcli.records import EqualByContent, dataclass
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class Counts:
 
 
 @dataclass(frozen=True, eq=False)
-class Solution:
+class Solution(EqualByContent):
     """One pose.
 
     Attributes

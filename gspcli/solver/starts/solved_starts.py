@@ -84,8 +84,8 @@ class SolvedStarts:
         self._lock = Lock()
 
     def __repr__(self) -> str:
-        kept = ", ".join(f"{len(entries)} {sort.value}" for sort, entries in self._kept.items())
-        return f"<SolvedStarts: {kept}>"
+        # It is a default that `help` shows: how many are kept changes (`sizes`).
+        return "<SolvedStarts>"
 
     @property
     def sizes(self) -> dict[Sort, int]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -9,8 +10,9 @@ import pytest
 
 from gspcli.cli.commands.solve import _complain
 from gspcli.errors import IncompleteError
+from gspcli.geometry.building import hexapod
 from gspcli.resources import instance_files
-from gspcli.spec import read_text
+from gspcli.spec import out_of_proportion, read_text
 
 HEXAPOD = instance_files()["dietmaier"].read_text(encoding="utf-8")
 
@@ -81,3 +83,16 @@ def test_solving_says_so_on_stderr(gsp, tmp_path: Path) -> None:
     path = tmp_path / "spec.yaml"
     path.write_text(HEXAPOD.replace(_first_point(), "point: [cos(60), 0.2, 0.1]"))
     assert "warning: " in gsp("measure", path, "--pose", "0,0,0,1,0,0,0").err
+
+
+def test_primitives_without_a_name_are_different_ones() -> None:
+    """They were one primitive, so that no length between them was seen."""
+    platform = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0], [2, 0, 1], [3e9, 0, 0]]
+    base = [[k, k * k, -1] for k in range(6)]
+    made = hexapod(base, platform, range(1, 7))
+    bare = replace(
+        made,
+        constraints=tuple(replace(r, platform_name="", base_name="") for r in made.constraints),
+    )
+    assert "lengths differ by a factor of" in out_of_proportion(made)
+    assert "lengths differ by a factor of" in out_of_proportion(bare)

@@ -5,6 +5,7 @@ import pytest
 
 from gspcli.errors import GspError
 from gspcli.geometry.drives import Drives
+from gspcli.solver import solve
 from gspcli.spec import read_text
 from gspcli.spec.motor_files import motor_file
 
@@ -93,3 +94,16 @@ def test_rods_of_a_pair_of_a_delta_are_parallel_and_share_a_carriage():
 def test_mistakes_of_a_drawing(sort, words, message):
     with pytest.raises(GspError, match=message):
         motor_file(sort, words.split())
+
+
+def test_angles_of_a_drawing_are_exact():
+    """The file had the fraction 11111000000000000001/…, and the machine was not symmetric."""
+    text = motor_file("rotary", ["base=80,11.111", "platform=55,10", "horn=24", "rod=130"])
+    assert "80*cosd(11.111)" in text
+    assert "80*cosd(108.889)" in text
+    result = solve(read_text(text).instance)
+    assert result.verdict == "complete"
+    words = ["base=80,5*sqrt(2)", "platform=55,10", "horn=24", "rod=130", "axis-angle=sqrt(3)"]
+    text = motor_file("rotary", words)
+    assert "cosd(120 - (5*sqrt(2)))" in text
+    assert "cosd(30 - (sqrt(3)))" in text

@@ -134,8 +134,15 @@ def test_what_is_no_instance_at_all(text, mistake):
 @pytest.mark.parametrize(
     ("content", "mistake"),
     [
-        (b"name: \xe4", ":1:7: found the byte 0xe4, expected text in UTF-8"),
-        (GOOD.encode("utf-16"), ":1:1: found the byte 0xff, expected text in UTF-8"),
+        (
+            b"name: \xe4",
+            ":1:7: found the byte 0xe4 (ä in Windows-1252), expected text in UTF-8: save it as "
+            "UTF-8, in Excel as 'CSV UTF-8'",
+        ),
+        (
+            GOOD.encode("utf-16"),
+            ":1:1: found text in UTF-16, expected UTF-8: save it as UTF-8, in Excel as 'CSV UTF-8'",
+        ),
         (b"a:\n " + bytes(200), ":2:2: found the character U+0000, expected printable text"),
         (b" " * 100_001, ":1:1: found 100001 bytes, expected an instance file of at most 100000"),
     ],
