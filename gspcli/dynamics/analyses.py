@@ -17,7 +17,7 @@ from gspcli.geometry.instance import Instance
 from gspcli.geometry.lengths import METRES
 from gspcli.geometry.printed_numbers import printed_condition, printed_conditions
 from gspcli.motion.files.requirements import QuantityParts
-from gspcli.motion.poses.cranks import drive_values
+from gspcli.motion.poses.cranks import drive_values, refusals
 from gspcli.motion.poses.inverse_kinematics import checked_poses
 from gspcli.motion.statics.accuracy import Accuracy, accuracy
 from gspcli.motion.statics.driven_statics import DrivenStatics
@@ -324,10 +324,9 @@ def _places(
         return None, None
     if given is None:
         drives, q = drive_values(instance, R, T, along=False)
-        if np.isnan(q).any():
-            row, k = np.argwhere(np.isnan(q))[0].tolist()
-            message = f"pose {row + 1} of {len(T)} is out of reach"
-            raise ArgumentError(message, drives.names[k])
+        if missing := refusals(drives, R, T, q):
+            row = min(missing)
+            raise ArgumentError(missing[row], f"pose {row + 1} of {len(T)}")
         return drives, q
     drives = Drives.of(instance)
     q = drives.from_readings(np.asarray(given, float))

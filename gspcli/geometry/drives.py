@@ -132,6 +132,18 @@ class Drives:
         return np.array([sort != "value" for sort in self.sorts])
 
     @cached_property
+    def stays(self) -> NDArray[np.bool_]:
+        """Which values stay as they are stated, shape (6,).
+
+        Beside cranks and slides a value without a range has no motor, nor has one with a range of
+        one number.
+        """
+        if not self.driven.any():
+            return self.driven.copy()
+        low, high = self.low[self.index], self.high[self.index]
+        return np.asarray(~self.driven & (~np.isfinite(high - low) | (low == high)))
+
+    @cached_property
     def _arrangement(self) -> Arrangement:
         return Arrangement.of(self.instance)
 
@@ -400,8 +412,19 @@ class Drives:
             knees = self.home_knees
         if knees is None:
             knees = _first_knees(both, self.driven)
-        found: Array = np.where(knees > 0, both[..., 0], both[..., 1])
-        return found
+        return self._kept(np.where(knees > 0, both[..., 0], both[..., 1]))
+
+    def _kept(self, wanted: Array) -> Array:
+        """Return what constraints ask for, NaN for values that must stay and do not."""
+        if not self.stays.any():
+            return wanted
+        a = self._arrangement
+        stated = np.where(a.sides < 0, -a.targets, a.targets)
+        other = np.where(a.sided & (a.sides == 0), -stated, stated)
+        off = np.minimum(np.abs(wanted - stated), np.abs(wanted - other))
+        size = np.full(len(stated), a.length)
+        size[a.angles] = 1.0
+        return np.where(self.stays & (off > _SAME * size), np.nan, wanted)
 
     def inverse(self, R: ArrayLike, T: ArrayLike, knees: NDArray[np.int64] | None = None) -> Array:
         """Return the numbers of the drives at poses (inverse kinematics), shape (..., m).
@@ -417,8 +440,8 @@ class Drives:
         Returns
         -------
         Array
-            NaN where a rod does not reach, and where constraints with one drive ask for different
-            numbers: `wanted` has them.
+            NaN where a rod does not reach, where constraints with one drive ask for different
+            numbers (`wanted` has them), and for values that must stay and do not.
         """
         return self._shared(self.wanted(R, T, knees))
 
@@ -426,7 +449,7 @@ class Drives:
         """Return at each pose the numbers nearer to zero, on any knee, shape (..., m)."""
         both = self.roots(R, T)
         first = np.abs(both[..., 0]) <= np.abs(both[..., 1])
-        return self._shared(np.where(first, both[..., 0], both[..., 1]))
+        return self._shared(self._kept(np.where(first, both[..., 0], both[..., 1])))
 
     def _shared(self, wanted: Array) -> Array:
         """Return what all constraints of each drive ask for, NaN where they differ, (..., m)."""

@@ -117,8 +117,8 @@ def test_angles_of_cranks(gsp):
     angles = [float(x) for x in row.split(",")[1:]]
     assert angles == pytest.approx([angles[0]] * 6, abs=1e-6)
     run = gsp("measure", "@t-top-head", "--pose", "0,0,0.5,1,0,0,0", "--cranks")
-    assert run.code == 2
-    assert "error: the leg of crank.B1 does not reach the pose at t = 1" in run.err
+    assert run.code == 0
+    assert "1 of 1 pose cannot be taken, first at t = 1: the leg of crank.B1 does not" in run.err
 
 
 def test_numbers_of_drives(gsp, tmp_path):
@@ -157,8 +157,8 @@ def test_drives_of_shared_carriages_and_what_they_must_keep(gsp, tmp_path):
     assert "slide.B" in run.out
     assert "transmission >= 0.9: NOT met; worst 0.779" in run.out
     run = gsp("measure", path, "--pose", "10,0,-200,1,0.02,0,0", "--drives")
-    assert run.code == 2
-    assert "rods 1 and 6 ask for 3.4335 and 1.4343 of slide.B1 at the pose at t = 1" in run.err
+    assert run.code == 0
+    assert "rods 1 and 6 ask for 3.4335 and 1.4343 of slide.B1" in run.out
 
 
 def test_ranges_of_values_of_rods_are_not_those_of_the_drives(gsp):
@@ -253,18 +253,40 @@ def test_the_nearest_poses_are_a_file_that_track_proves(gsp, tmp_path):
     run = gsp("measure", *words)
     assert run.code == 0
     assert "1 pose of 2 moved to the nearest one within the limits" in run.err
-    heading, first, second = file.read_text(encoding="utf-8").splitlines()
-    assert heading == "t,1,2,3,4,5,6,x,y,z,qw,qx,qy,qz,shift,turn,limits,way"
-    assert first.endswith(",0.0,0.0,,values")
-    assert second.endswith(",values")
+    heading, first, _ = file.read_text(encoding="utf-8").splitlines()
+    assert heading == "t,1,2,3,4,5,6,x,y,z,qw,qx,qy,qz,shift,turn,limits"
+    assert first.endswith(",0.0,0.0,")
     again = gsp("track", "@workspace-study", str(file), "--require", "range")
     assert again.code == 0
 
 
 def test_the_nearest_pose_needs_no_requirements(gsp):
-    run = gsp("measure", "@rubin-m2", "--pose", "0,0,0,1,0,0,0", "--nearest", "--drives")
+    run = gsp("measure", "@rubin-m2", "--pose", "0,0,0,1,0,0,0", "--nearest", "--require", "range")
     assert run.code == 2
-    assert "give either --drives or --nearest" in run.err
+    assert "--require needs the values or --drives" in run.err
+
+
+def test_a_pose_out_of_reach_has_a_blank_row(gsp, tmp_path):
+    poses = tmp_path / "poses.csv"
+    rows = "t,x,y,z,qw,qx,qy,qz\n0,0,0,0.17,1,0,0,0\n1,0,0,0.5,1,0,0,0\n2,0,0,0.171,1,0,0,0\n"
+    poses.write_text(rows, encoding="utf-8")
+    words = "measure", "@t-top-head", str(poses), "--format", "csv"
+    run = gsp(*words, "--drives")
+    assert run.code == 0
+    head, first, blank, last = run.out.splitlines()
+    assert head.endswith(",transmission,refused")
+    assert blank.startswith("1.0,,,,,,,,the leg of crank.B1 does not reach; the leg of crank.B2")
+    assert first.endswith(",")
+    assert last.endswith(",")
+    assert "1 of 3 poses cannot be taken, first at t = 1: " in run.err
+    assert gsp(*words, "--drives", "--require", "transmission>=0").code == 1
+    run = gsp("track", "@t-top-head", str(poses))
+    assert (run.code, "the pose at t = 1: the leg of crank.B1 does not reach" in run.err) == (
+        2,
+        True,
+    )
+    run = gsp(*words, "--nearest", "--drives")
+    assert (run.code, run.out.count("reach of crank B1")) == (0, 1)
 
 
 def test_a_pose_in_a_file_without_a_heading(gsp, tmp_path, monkeypatch):

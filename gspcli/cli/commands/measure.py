@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -24,7 +25,7 @@ from gspcli.cli.render import Output, emit
 from gspcli.cli.requirements import require_option, required, settled
 from gspcli.cli.result import Field, Fields, Result
 from gspcli.cli.streams import say
-from gspcli.errors import GspError, IncompleteError
+from gspcli.errors import CheckFailed, IncompleteError
 from gspcli.wording import counted
 
 if TYPE_CHECKING:
@@ -35,19 +36,19 @@ if TYPE_CHECKING:
     from gspcli.motion import PoseTable
 
     Array = NDArray[np.float64]
-    from gspcli.geometry.drives import Drives
     from gspcli.motion import PoseFormat
 
 FIELDS = Fields("measure")
-#: A message names at most this many poses that are out of reach.
-_TOLD = 3
+#: What stands for the limits of a nearest pose where none is found.
+_NOT_FOUND = "none found"
 _POSE = ("x", "y", "z", "qw", "qx", "qy", "qz")
 
 
 @click.command(cls=Command)
 @click.argument("spec", metavar="SPEC")
 @click.argument("poses", metavar="[POSES]", required=False)
-@exclusive("--drives", "--cranks", "--nearest")
+@exclusive("--drives", "--cranks")
+@exclusive("--cranks", "--nearest")
 @pose_value_option("instead of POSES")
 @click.option(
     "--drives",
@@ -106,10 +107,12 @@ def command(
 
     --nearest gives the nearest pose that was found within all ranges and cones, with its values
     and the limits that it meets. For a machine with cranks or slides it gives the places of the
-    motors. The platform goes there from home, then from row to row. The pose is proved to keep
-    the limits, and so is a straight way to it, without a singular pose. If no such way leads to
-    the nearest pose, the platform goes as far as one does: limits has "no way farther".
+    motors. The platform is at home first, then where the row before is.
     The distance adds the squares of the shift and of the turn times the platform's size.
+
+    A pose that the machine cannot take has a blank row, and the column refused says why: a rod
+    does not reach it, two rods ask for different places of one carriage, or a value that no motor
+    changes would not be the stated one.
 
     --require names the worst row of each requirement, and the exit code is 1 unless all rows keep
     all of them. For range and cone the number is a share: 1 is the end of a range or the edge of a
@@ -158,19 +161,40 @@ def command(
         _say_other_values(text, name, form, instance, values)
     refuse_unmet = None
     if not (cranks or nearest):
-        places = [{"row": k, "t": time} for k, time in enumerate(t, 1)]
-        result, refuse_unmet = settled(result, requirements, table.R, table.T, places)
+        # Poses that are refused have no other numbers.
+        reached = [k for k, row in enumerate(result.rows) if not row.get("refused")]
+        places = [{"row": k + 1, "t": t[k]} for k in reached]
+        part = replace(result, rows=[result.rows[k] for k in reached])
+        part, refuse_unmet = settled(part, requirements, table.R[reached], table.T[reached], places)
+        blank = dict.fromkeys(column.key for column in part.columns)
+        rows = [blank | dict(row) for row in result.rows]
+        for k, row in zip(reached, part.rows, strict=True):
+            rows[k] = dict(row)
+        result = replace(part, rows=rows)
     emit(output, result)
     if not (drives or cranks or nearest):
         warn_of_range(instance, t, values)
     if refuse_unmet is not None:
         refuse_unmet()
-    stays = [row["t"] for row in result.rows if row.get("way", True) is None]
-    if stays:
+    _say_refused(result.rows, required=bool(requirements))
+    missing = [row["t"] for row in result.rows if row.get("limits") == [_NOT_FOUND]]
+    if missing:
         raise IncompleteError(
-            f"no way is proved to {counted(len(stays), 'row')}, first t = {stays[0]:.10g}: the "
+            f"no pose is found for {counted(len(missing), 'row')}, first t = {missing[0]:.10g}: the "
             "platform stays where it is"
         )
+
+
+def _say_refused(rows: Sequence[Mapping[str, Any]], *, required: bool) -> None:
+    """Say on standard error how many poses are refused; raise if something is required."""
+    refused = [row for row in rows if row.get("refused")]
+    if not refused:
+        return
+    message = f"{len(refused)} of {counted(len(rows), 'pose')} cannot be taken, first at "
+    message += f"t = {refused[0]['t']:.10g}: {refused[0]['refused']}"
+    if required:
+        raise CheckFailed(message)
+    say(message)
 
 
 def _say_other_values(
@@ -229,10 +253,11 @@ def _result(
 def _motors(instance: Instance, table: PoseTable, t: list[float], *, cranks: bool) -> Result:
     """Return the numbers of the motors and their transmissions, or the angles of the cranks."""
     from gspcli.motion import crank_angles, drive_values
+    from gspcli.motion.poses.cranks import refusals
 
     turned = [one.name for one in crank_angles(instance, table.R, table.T)[0]] if cranks else []
     drives, q = drive_values(instance, table.R, table.T)
-    _refuse_unreached(drives, q, table, t)
+    refused = refusals(drives, table.R, table.T, q)
     names = turned or list(drives.names)
     columns = FIELDS.of("t")
     columns += [
@@ -242,10 +267,15 @@ def _motors(instance: Instance, table: PoseTable, t: list[float], *, cranks: boo
     for time, numbers in zip(t, drives.readings(q).tolist(), strict=True):
         row = dict(zip(drives.names, numbers, strict=True))
         rows.append({"t": time, **{name: row[name] for name in names}})
+    for k, one in enumerate(rows if refused else []):
+        one["refused"] = refused.get(k)
+        if k in refused:
+            one |= dict.fromkeys(names)
+    more = FIELDS.of("refused") if refused else []
     units = instance.units
     if cranks:
         note = f"angles in {units.angle.value}, from where the points are stated"
-        return _result(instance, columns, rows, [note], cranks=names)
+        return _result(instance, [*columns, *more], rows, [note], cranks=names)
     notes = [
         f"lengths in {units.length}, angles in {units.angle.value}; cranks and slides from where "
         "their points are stated"
@@ -256,32 +286,9 @@ def _motors(instance: Instance, table: PoseTable, t: list[float], *, cranks: boo
             "transmission: the least part of a motor's motion along its rod, 0 at a dead point"
         )
         share = drives.transmission(drives.gains(table.R, table.T, q))[:, drives.driven]
-        for row, least in zip(rows, share.min(axis=1).tolist(), strict=True):
-            row["transmission"] = least
-    return _result(instance, columns, rows, notes, drives=names)
-
-
-def _refuse_unreached(drives: Drives, q: Array, table: PoseTable, t: list[float]) -> None:
-    """Raise if a rod does not reach a pose, or the rods of a carriage ask for two places."""
-    import numpy as np
-
-    lines = []
-    wanted = drives.wanted(table.R, table.T)
-    for row, k in np.argwhere(np.isnan(q)).tolist():
-        users, name = drives.users(k), drives.names[k]
-        numbers = wanted[row, users] / drives.units[k]
-        where = f"the pose at t = {t[row]:.10g}"
-        if np.isnan(numbers).any():
-            rod = "leg" if len(users) == 1 else f"rod {users[int(np.isnan(numbers).argmax())] + 1}"
-            lines.append(f"the {rod} of {name} does not reach {where}")
-        else:
-            rods = " and ".join(str(one + 1) for one in users)
-            asked = " and ".join(f"{x:.6g}" for x in numbers)
-            lines.append(f"rods {rods} ask for {asked} of {name} at {where}")
-    if len(lines) > _TOLD + 1:
-        lines[_TOLD:] = [f"and at {len(lines) - _TOLD} more places"]
-    if lines:
-        raise GspError("\n".join(lines))
+        for k, least in enumerate(share.min(axis=1).tolist()):
+            rows[k]["transmission"] = None if k in refused else least
+    return _result(instance, [*columns, *more], rows, notes, drives=names)
 
 
 def _nearest(instance: Instance, table: PoseTable, t: list[float], form: PoseFormat) -> Result:
@@ -303,20 +310,15 @@ def _nearest(instance: Instance, table: PoseTable, t: list[float], form: PoseFor
         R, T = form.frame.from_platform(one.R, one.T)
         numbers = [*one.values.tolist(), *T.tolist(), *quaternion_from_rotation(R).tolist()]
         row = {"t": time, **dict(zip((*names, *_POSE), numbers, strict=True))}
-        limits, way = [*one.limits], one.way or None
-        rows.append(row | {"shift": one.shift, "turn": one.turn, "limits": limits, "way": way})
+        rows.append(row | {"shift": one.shift, "turn": one.turn, "limits": [*one.limits]})
     columns = [
         *FIELDS.of("t"),
         *(FIELDS["1…6"].but(key=key, title=said, minor=1) for key, said in names.items()),
         *FIELDS.of(" ".join(_POSE)),
         FIELDS["shift"].but(title=f"shift [{instance.units.length}]"),
         FIELDS["turn"].but(title=f"turn [{instance.units.angle.value}]"),
-        *FIELDS.of("limits way"),
+        FIELDS["limits"],
     ]
     moved = sum(bool(row["limits"]) for row in rows)
     summary = f"{counted(moved, 'pose')} of {len(rows)} moved to the nearest one within the limits"
-    notes = [
-        "way: values, drives or poses change linearly from the row before, proved",
-        *frame_note(form.frame),
-    ]
-    return _result(instance, columns, rows, notes, [summary])
+    return _result(instance, columns, rows, [*frame_note(form.frame)], [summary])

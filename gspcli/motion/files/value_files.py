@@ -25,7 +25,7 @@ from gspcli.geometry.ranges import value_range, wrong_value
 from gspcli.geometry.readings import readings_of, values_of
 from gspcli.motion.files.number_tables import NumberTable
 from gspcli.motion.files.pose_files import PoseFormat, names_poses, poses_in
-from gspcli.motion.poses.cranks import drive_values
+from gspcli.motion.poses.cranks import drive_values, refusals
 from gspcli.motion.poses.inverse_kinematics import measure
 from gspcli.records import dataclass
 from gspcli.wording import shortened
@@ -120,7 +120,7 @@ def read_values(
         t = None if poses is None else poses.t
         values = np.zeros((len(table), len(numbers)))
         if poses is not None and not table.mistakes:
-            values, coordinates = _of_poses(instance, poses.R, poses.T)
+            values, coordinates = _of_poses(instance, poses.R, poses.T, t)
             of_file = poses.R, poses.T
             compare_values(table, instance, values)
             _compare_drives(table, instance, moving, coordinates)
@@ -198,23 +198,24 @@ def _compare_drives(
             table.note_cell(row, name, message)
 
 
-def _of_poses(instance: Instance, R: Array, T: Array) -> tuple[Array, dict[str, Array]]:
+def _of_poses(
+    instance: Instance, R: Array, T: Array, t: Array | None
+) -> tuple[Array, dict[str, Array]]:
     """Return values and the readings of cranks and slides at poses.
 
     Raises
     ------
     ArgumentError
-        If a crank or slide does not reach a pose.
+        If the machine cannot take a pose.
     """
     values = measure(instance, R, T)
     if not is_driven(instance):
         return values, {}
     drives, q = drive_values(instance, R, T)
-    missing = np.argwhere(np.isnan(q))
-    if len(missing):
-        row, k = missing[0].tolist()
-        message = f"pose {row + 1} of {len(T)} is out of reach"
-        raise ArgumentError(message, drives.names[k])
+    if missing := refusals(drives, R, T, q):
+        row = min(missing)
+        where = f"pose {row + 1} of {len(T)}" if t is None else f"the pose at t = {t[row]:.10g}"
+        raise ArgumentError(missing[row], where)
     values[:, drives.driven] = nominal_values(instance)[drives.driven]
     readings = drives.readings(q)
     moved = np.flatnonzero(drives.moved).tolist()

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.drives import Drives
 from gspcli.geometry.instance import Instance, Side
 from gspcli.geometry.limits import joint_cones
 from gspcli.motion.following.platform_numbers import PlatformNumbers, motor_of
@@ -70,9 +71,12 @@ def limit_numbers(
     """
     low, high = np.full(6, -NEVER), np.full(6, NEVER)
     radian = instance.units.angle.in_radians
+    stays = Drives.of(instance).stays
     for k, (row, kind) in enumerate(zip(instance.constraints, numbers.kinds, strict=True)):
         motor = motor_of(row)
         limits = row.limits if motor is None else motor.limits
+        if stays[k]:
+            limits = row.value, row.value
         if limits is None:
             continue
         unit = radian if kind.endswith("CRANK") or kind[0] == "A" else 1 / numbers.reach

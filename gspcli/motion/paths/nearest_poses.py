@@ -1,19 +1,14 @@
 """The nearest pose within the limits: where to go if the given pose is out of reach.
 
-`LimitSearch` finds it from several poses. That is a search: it does not exclude nearer poses.
-
-The answer is proved: the pose keeps all ranges and cones and is not singular. A straight way from
-the pose where the platform is leads to it, within the limits and without a singular pose. Cranks
-and slides keep their knees, and reach their rods all the way. Rods that share a drive are parallel
-at one orientation, which stays.
+`LimitSearch` finds it from several poses. That is a search: it does not exclude nearer poses, and
+whether a way leads there is not its question (`gsp path`). Cranks and slides keep their knees.
+Rods that share a drive are parallel at one orientation, which stays.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from copy import copy
-from dataclasses import replace
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -31,20 +26,14 @@ from gspcli.geometry.quaternions import (
 )
 from gspcli.geometry.readings import readings_of
 from gspcli.motion.following.limit_search import LimitSearch
-from gspcli.motion.paths.drive_guide import DriveGuide
-from gspcli.motion.paths.ends import PathEnd
 from gspcli.motion.paths.motors import Motors
-from gspcli.motion.paths.pose_ways import PoseWays
-from gspcli.motion.paths.value_ways import ValueWays
 from gspcli.motion.poses.inverse_kinematics import checked_poses, values_at
 from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
 
-#: What is among the limits of a pose if no straight way is proved to the nearest one found.
-FARTHER = "no way farther"
-#: Where no straight way is proved, the goal moves to the given pose in this many steps.
-_GOALS = 8
+#: What stands for the limits if no pose within them is found: then the platform stays.
+NOT_FOUND = "none found"
 #: Poses that are found are rounded to this many decimals of the quaternion and of the length.
 _DECIMALS = 8
 #: Poses that are so near are the same, relative to the length.
@@ -66,12 +55,8 @@ class NearestPose:
         The distance of the platform's point from the given place, and the angle between the
         rotations in the unit of the instance.
     limits
-        The limits that the pose meets, in words; none if it is the given pose. ``no way farther``
-        is among them if no straight way is proved to the nearest pose that was found. The platform
-        then goes as far as one is proved, in eighths of the way to the given pose.
-    way
-        The straight way to it that is proved: ``values``, ``drives`` or ``poses``. Empty if none
-        is: then the platform stays where it is, and `R` and `T` are that pose.
+        The limits that the pose meets, in words; none if it is the given pose. ``none found`` if
+        the search has found no pose: then it is the one where the platform is.
     """
 
     R: Array
@@ -80,7 +65,6 @@ class NearestPose:
     shift: float
     turn: float
     limits: tuple[str, ...]
-    way: str
 
     def to_json(self) -> dict[str, Any]:
         """Return it as plain data."""
@@ -91,7 +75,6 @@ class NearestPose:
             "shift": self.shift,
             "turn": self.turn,
             "limits": list(self.limits),
-            "way": self.way or None,
         }
 
 
@@ -110,7 +93,7 @@ class NearestPoses:
     Raises
     ------
     ArgumentError
-        If the pose is not proved to be regular and within the limits.
+        If the pose is singular, or not within the limits.
 
     Examples
     --------
@@ -119,8 +102,8 @@ class NearestPoses:
     >>> home = gspcli.solve(platform).home
     >>> nearest = gspcli.NearestPoses(platform, home.R.real, home.T.real)
     >>> found = nearest.of(home.R.real, home.T.real + [0, 0, 500])
-    >>> found.way, found.limits[0]
-    ('values', 'range of 1')
+    >>> found.limits[0]
+    'range of 1'
     """
 
     def __init__(
@@ -137,12 +120,11 @@ class NearestPoses:
         self._search = LimitSearch(instance, self.R, self.T, self.pivot, still=self._still)
         drives = Drives.of(instance)
         #: Which values have a range of one number, and so stay: shape (6,).
-        self._fixed = (drives.low == drives.high)[drives.index]
+        self._fixed = (drives.low == drives.high)[drives.index] | drives.stays
         #: Poses are rounded unless doubles near to a pose are not near enough.
         self._rounds = not (self._fixed.any() or self._still)
-        if not self.way(self.R, self.T):
-            message = "the pose is not proved to be regular and within all ranges and cones"
-            raise ArgumentError(message, "R, T")
+        if not self._search.begins:
+            raise ArgumentError("the pose is singular, or not within all ranges and cones", "R, T")
 
     @property
     def length(self) -> float:
@@ -157,20 +139,8 @@ class NearestPoses:
         """
         return self._search.slack(R, T)
 
-    @cached_property
-    def _ways(self) -> ValueWays:
-        return ValueWays(self.instance, np.sign(values_at(self.instance, self.R, self.T)))
-
-    @cached_property
-    def _pose_ways(self) -> PoseWays:
-        return PoseWays(self.instance, pivot=self.pivot, motors=self._motors)
-
-    @cached_property
-    def _parameters(self) -> Array:
-        return self._pose_ways.parameters(self.R, self.T)
-
     def of(self, R: ArrayLike, T: ArrayLike) -> NearestPose:
-        """Return the nearest pose within the limits to which a way is proved.
+        """Return the nearest pose within the limits that is found.
 
         Parameters
         ----------
@@ -181,15 +151,11 @@ class NearestPoses:
         if goal[1].shape != (3,):
             message = f"found the shape {goal[1].shape}, expected one pose: (3,)"
             raise ArgumentError(message, "T")
-        found = sorted(self._candidates(*goal), key=lambda one: one[0])
-        for _, pose in found:
-            if way := self.way(*pose):
-                return self._answer(pose, goal, way)
-        for pose in reversed(self._by_small_steps(*goal)):
-            if way := self.way(*pose, drives=False):
-                found_there = self._answer(pose, goal, way)
-                return replace(found_there, limits=(*found_there.limits, FARTHER))
-        return replace(self._answer((self.R, self.T), goal, ""), limits=(FARTHER,))
+        found = self._candidates(*goal)
+        if not found:
+            return self._answer((self.R, self.T), goal, (NOT_FOUND,))
+        _, pose = min(found, key=lambda one: one[0])
+        return self._answer(pose, goal, None if pose[1] is goal[1] else self._search.met(*pose))
 
     def along(self, R: ArrayLike, T: ArrayLike) -> Iterator[NearestPose]:
         """Yield the nearest pose to each of n given poses, each sought from the one before.
@@ -206,10 +172,9 @@ class NearestPoses:
             here = here._moved(found)
 
     def _moved(self, to: NearestPose) -> NearestPoses:
-        """Return the same where the platform is at another pose, which is proved."""
+        """Return the same where the platform is at another pose."""
         moved = copy(self)
         moved.R, moved.T = to.R, to.T
-        moved.__dict__["_parameters"] = self._pose_ways.parameters(to.R, to.T)
         return moved
 
     def _candidates(self, R: Array, T: Array) -> list[tuple[float, tuple[Array, Array]]]:
@@ -234,85 +199,20 @@ class NearestPoses:
             return self.R, T
         return _rounded(R, T, self.length) if self._rounds else (R, T)
 
-    def _by_small_steps(self, R: Array, T: Array) -> list[tuple[Array, Array]]:
-        """Return the poses that follow a goal on the straight way to the given pose."""
-        poses: list[tuple[Array, Array]] = []
-        turn, pose = vector_from_rotation(R @ self.R.T), (self.R, self.T)
-        for k in range(1, _GOALS + 1):
-            part = k / _GOALS
-            goal = rotation_from_vector(part * turn) @ self.R, self.T + part * (T - self.T)
-            found = self._search.seek(goal, pose)
-            if found is not None:
-                pose = found.R, found.T
-                poses.append(self._as_printed(*pose))
-        return poses
-
-    def way(self, R: Array, T: Array, *, drives: bool = True) -> str:
-        """Return the straight way from the platform's pose that is proved; empty if none is.
-
-        With fixed values poses are no doubles: the pose of the values is meant.
-
-        Parameters
-        ----------
-        R, T
-            The pose, shapes (3, 3) and (3,).
-        drives
-            Whether straight ways of cranks and slides are tried, too: some tenths of a second.
-        """
-        begin, ways = self._parameters, self._pose_ways
-        end = ways.nearest(begin, ways.parameters(R, T))
-        fixed = bool(self._fixed.any())
-        if not fixed and ways.at(end).sign == 0:
-            return ""
-        # With cones or motors the proof of straight values takes 20 times as long as that of poses.
-        last = self._motors is not None or bool(self._ways.cones)
-        if not last and self._follows_values(R, T):
-            return "values"
-        if not fixed and ways.prove(begin, end).sign:
-            return "poses"
-        if self._motors is not None:
-            found = drives and not self._still and self._follows_drives(R, T)
-            return "drives" if found else ""
-        return "values" if last and self._follows_values(R, T) else ""
-
-    def _follows_values(self, R: Array, T: Array) -> bool:
-        """Return whether a straight way of values is proved."""
-        followed = self._ways
-        rotations, places = np.stack((self.R, R)), np.stack((self.T, T))
-        values = values_at(self.instance, rotations, places)
-        values = np.where(self._fixed, followed.low, values)
-        if not followed.kept(values).all():
-            return False
-        points = followed.points(rotations, places)
-        found = followed.follow(values[None], np.zeros(1, np.int64), points[:1])
-        arrived = bool(found.there[0]) and bool(followed.same(found.points[0, -1], points[1]))
-        return arrived and followed.cones_kept(values, found.points[0])
-
-    def _follows_drives(self, R: Array, T: Array) -> bool:
-        """Return whether a straight way of cranks, slides and driven values is proved."""
-        assert self._motors is not None
-        drives = self._motors.drives
-        start, goal = (PathEnd("", np.zeros(6), *one) for one in ((self.R, self.T), (R, T)))
-        guide = DriveGuide(self._motors, self._pose_ways, start, goal)
-        corners = guide.corners
-        locked = drives.low == drives.high
-        corners[:, locked] = (drives.low / drives.units)[locked]
-        if (corners[0] == corners[1]).all():
-            return self._search.begins
-        return guide.trace(corners, np.ones(1, np.int64)) is not None
-
     def _answer(
-        self, pose: tuple[Array, Array], goal: tuple[Array, Array], way: str
+        self,
+        pose: tuple[Array, Array],
+        goal: tuple[Array, Array],
+        limits: tuple[str, ...] | None,
     ) -> NearestPose:
+        """Return a pose, by how far it is from the given one; that itself if it meets no limits."""
         R, T = pose
-        moved = T is not goal[1]
-        shift = (
-            np.linalg.norm(T + R @ self.pivot - goal[1] - goal[0] @ self.pivot) if moved else 0.0
-        )
-        turn = np.linalg.norm(vector_from_rotation(R @ goal[0].T)) if moved else 0.0
-        radian = self.instance.units.angle.in_radians
-        met = self._search.met(R, T) if moved else ()
-        return NearestPose(R, T, self._readings(R, T), float(shift), float(turn / radian), met, way)
+        shift = turn = 0.0
+        if limits is not None:
+            shift = float(np.linalg.norm(T + R @ self.pivot - goal[1] - goal[0] @ self.pivot))
+            turn = float(np.linalg.norm(vector_from_rotation(R @ goal[0].T)))
+        turn /= self.instance.units.angle.in_radians
+        return NearestPose(R, T, self._readings(R, T), shift, turn, limits or ())
 
     def _readings(self, R: Array, T: Array) -> Array:
         """Return the readings of the values, or of all drives, at a pose."""

@@ -193,11 +193,7 @@ class Planner:
     def stays(self) -> bool:
         """Whether some value that no crank or slide moves must stay: random poses change it."""
         assert self.motors is not None
-        driven = self.motors.drives.driven
-        return any(
-            not driven[k] and row.limits is not None and row.limits[0].value == row.limits[1].value
-            for k, row in enumerate(self.instance.constraints)
-        )
+        return bool(self.motors.drives.stays.any())
 
     def _not_found(self, start: PathEnd, goal: PathEnd) -> PlannedPath:
         reason = "no path was found in the time given, and none is proved to be impossible"

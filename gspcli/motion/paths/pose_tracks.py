@@ -17,6 +17,7 @@ from gspcli.motion.following.limit_event import LimitEvent
 from gspcli.motion.following.tracks import Event, Track
 from gspcli.motion.paths.motors import Motors
 from gspcli.motion.paths.pose_ways import PoseWays, WayProof
+from gspcli.motion.poses.cranks import refusals
 from gspcli.motion.poses.inverse_kinematics import values_at
 from gspcli.records import dataclass
 
@@ -133,17 +134,15 @@ def _moving(motors: Motors | None, R: Array, T: Array, t: Array) -> dict[str, An
     Raises
     ------
     ArgumentError
-        If a motor does not reach a row.
+        If the machine cannot take a row.
     """
     if motors is None:
         return {}
     drives = motors.drives
     q = motors.numbers(R, T)
-    missing = np.argwhere(np.isnan(q))
-    if len(missing):
-        row, k = missing[0].tolist()
-        message = f"the pose at t = {t[row]:.10g} is out of reach"
-        raise ArgumentError(message, drives.names[k])
+    if missing := refusals(drives, R, T, q):
+        row = min(missing)
+        raise ArgumentError(missing[row], f"the pose at t = {t[row]:.10g}")
     moved = np.flatnonzero(drives.moved).tolist()
     chosen = choose(motors.instance, [drives.names[k] for k in moved])
     return {"coordinates": chosen, "places": (q / drives.units)[:, moved]}

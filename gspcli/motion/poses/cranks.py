@@ -10,7 +10,7 @@ from gspcli.errors import ArgumentError
 from gspcli.geometry.coordinates import Coordinate, coordinates
 from gspcli.geometry.drives import Drives
 from gspcli.geometry.instance import Instance
-from gspcli.motion.poses.inverse_kinematics import checked_poses
+from gspcli.motion.poses.inverse_kinematics import checked_poses, values_at
 
 Array = NDArray[np.float64]
 
@@ -59,6 +59,34 @@ def drive_values(
                 known = np.isfinite(q[:, k])
                 q[known, k] = np.unwrap(q[known, k])
     return drives, q
+
+
+def refusals(drives: Drives, R: Array, T: Array, q: Array) -> dict[int, str]:
+    """Return why a machine cannot take poses, by their rows.
+
+    Parameters
+    ----------
+    drives, R, T, q
+        The drives, poses of shapes (n, 3, 3) and (n, 3), and the numbers there, shape (n, m).
+    """
+    found: dict[int, str] = {}
+    wanted = drives.wanted(R, T)
+    there = values_at(drives.instance, R, T)
+    for row, k in np.argwhere(np.isnan(q)).tolist():
+        users, name = drives.users(k), drives.names[k]
+        numbers = wanted[row, users] / drives.units[k]
+        if drives.stays[users[0]]:
+            stated = drives.instance.constraints[users[0]].value.value
+            reason = f"value {name} is {there[row, users[0]]:.6g} and stays at {stated:.6g}"
+        elif np.isnan(numbers).any():
+            rod = "leg" if len(users) == 1 else f"rod {users[int(np.isnan(numbers).argmax())] + 1}"
+            reason = f"the {rod} of {name} does not reach"
+        else:
+            rods = " and ".join(str(one + 1) for one in users)
+            asked = " and ".join(f"{x:.6g}" for x in numbers)
+            reason = f"rods {rods} ask for {asked} of {name}"
+        found[row] = f"{found[row]}; {reason}" if row in found else reason
+    return found
 
 
 def crank_angles(

@@ -142,7 +142,7 @@ def test_a_way_beyond_the_reach_of_the_rods_ends():
     """A row that is not reached is refused; of two that are the way between them may not be."""
     instance, R0, T0, size = thick("reachy-mini-head")
     T = T0 + size * np.array([[0, 0, 0], [0, 0, 10]])
-    with pytest.raises(ArgumentError, match=r"crank.B1: the pose at t = 1 is out of reach"):
+    with pytest.raises(ArgumentError, match=r"at t = 1: the leg of crank.B1 does not reach"):
         tracked(instance, np.stack([R0, R0]), T)
     delta = gspcli.example("delta")
     T = np.array([[-890.0, 811.0, -732.0], [585.0, -1107.0, -112.0]])

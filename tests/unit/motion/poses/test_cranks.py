@@ -4,11 +4,15 @@ import numpy as np
 import pytest
 
 import gspcli
-from gspcli.errors import GspError
+from gspcli.errors import ArgumentError, GspError
 from gspcli.geometry.coordinates import moved
-from gspcli.geometry.quaternions import rotation_from_vector
+from gspcli.geometry.quaternions import rotation_from_quaternion, rotation_from_vector
 from gspcli.motion import crank_angles, measure, track
+from gspcli.motion.paths.nearest_poses import NearestPoses
+from gspcli.motion.poses.cranks import drive_values, refusals
+from gspcli.motion.poses.inverse_kinematics import values_at
 from gspcli.resources import data_path
+from gspcli.spec import loads
 
 
 @pytest.fixture(scope="module")
@@ -68,3 +72,47 @@ def test_without_cranks_there_is_nothing_to_turn():
     hexapod = gspcli.load(data_path("examples", "platform-6-6.yaml"))
     with pytest.raises(GspError, match="no point has a crank"):
         crank_angles(hexapod, np.eye(3)[None], np.zeros((1, 3)))
+
+
+def _tripod():
+    """Three cranks; points of the platform stay in planes through the middle of the base."""
+    lines = ["gsp: 1", "units: {length: in, angle: deg}", "platform:"]
+    base, rows = ["base:"], ["constraints:"]
+    for k, a in enumerate((-90, 30, 150), 1):
+        lines.append(f"  P{k}: {{point: [3.125*cosd({a}), 3.125*sind({a}), 0]}}")
+        far, up = "(2+1.75*cosd(20.634494627))", "1.75*sind(20.634494627)"
+        base.append(
+            f"  B{k}: {{point: [{far}*cosd({a}), {far}*sind({a}), {up}], crank: {{centre: "
+            f"[2*cosd({a}), 2*sind({a}), 0], axis: [sind({a}), -cosd({a}), 0], range: [-60, 60]}}}}"
+        )
+        base.append(f"  H{k}: {{plane: {{point: [0, 0, 0], normal: [-sind({a}), cosd({a}), 0]}}}}")
+        rows.append(f"  - {{distance: [P{k}, B{k}], value: 3.669291339}}")
+        rows.append(f"  - {{distance: [P{k}, H{k}], value: 0}}")
+    home = "home: {position: [0, 0, 4.25]}"
+    return loads("\n".join([*lines, *base, *rows, home]) + "\n")
+
+
+def test_values_that_no_motor_changes_must_hold():
+    """Tilted as it stands the machine cannot be; a little to the side it can."""
+    instance = _tripod()
+    q = np.array([0.9939567578492872, 0.0981833530726402, 0.0490916765363201, 0.0])
+    R = rotation_from_quaternion(q)
+    drives, found = drive_values(instance, R[None], np.array([[0, 0, 4.25]]))
+    assert np.isnan(found[0]).tolist() == [False, True] * 3
+    assert refusals(drives, R[None], np.array([[0, 0, 4.25]]), found) == {
+        0: "value 2 is -0.0301249 and stays at 0; value 4 is -0.00450425 and stays at 0; "
+        "value 6 is 0.0346292 and stays at 0"
+    }
+    # The distances are linear in the place.
+    off = values_at(instance, R[None], np.array([[0, 0, 4.25]]))[0, 1::2]
+    normals = np.array([row.base.unit for row in instance.constraints[1::2]])
+    shift = np.linalg.lstsq(normals, -off, rcond=None)[0]
+    T = np.array([0, 0, 4.25]) + shift
+    assert pytest.approx([0.030125, 0.022594, 4.25], abs=1e-6) == T
+    _, found = drive_values(instance, R[None], T[None])
+    assert np.degrees(found[0, ::2]) == pytest.approx([-19.3377, 1.1980, 20.8214], abs=1e-4)
+    nearest = NearestPoses(instance, np.eye(3), np.array([0, 0, 4.25])).of(R, [0, 0, 4.25])
+    assert nearest.shift > 0.01
+    assert np.abs(values_at(instance, nearest.R[None], nearest.T[None])[0, 1::2]).max() < 1e-9
+    with pytest.raises(ArgumentError, match=r"pose 1 of 1: value 2 is -0.0301249 and stays at 0"):
+        gspcli.analyze(instance, R, np.array([0, 0, 4.25]))

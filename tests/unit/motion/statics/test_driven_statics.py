@@ -173,7 +173,7 @@ def test_at_a_dead_point_a_platform_is_as_stiff_as_its_rods():
 
 def test_poses_out_of_reach_are_named():
     instance = rotary()
-    with pytest.raises(ArgumentError, match=r"^crank.B1: pose 2 of 2 is out of reach"):
+    with pytest.raises(ArgumentError, match=r"^pose 2 of 2: the leg of crank.B1 does not reach"):
         analyze(instance, [np.eye(3)] * 2, [instance.home.T, [0, 0, 500]])
 
 
