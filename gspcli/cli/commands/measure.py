@@ -180,8 +180,8 @@ def command(
     missing = [row["t"] for row in result.rows if row.get("limits") == [_NOT_FOUND]]
     if missing:
         raise IncompleteError(
-            f"no pose is found for {counted(len(missing), 'row')}, first t = {missing[0]:.10g}: the "
-            "platform stays where it is"
+            f"no pose is found for {counted(len(missing), 'row')}, first t = {missing[0]:.10g}: "
+            "the platform stays where it is"
         )
 
 
