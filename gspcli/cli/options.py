@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
+from click.core import ParameterSource
 
 from gspcli.catalogue.names import parse_name
 from gspcli.catalogue.types import Family, GspType
@@ -113,16 +114,20 @@ class Command(click.Command):
 
     def invoke(self, ctx: click.Context) -> Any:
         """Run the command, unless options that exclude each other are given."""
-        given = {
-            parameter.opts[-1] if isinstance(parameter, click.Option) else str(parameter.metavar)
-            for parameter in self.params
-            if ctx.get_parameter_source(str(parameter.name))
-            is click.core.ParameterSource.COMMANDLINE
-        }
+        given, streams = set(), []
+        for parameter in self.params:
+            name = parameter.opts[-1]
+            if isinstance(parameter, click.Argument):
+                name = str(parameter.metavar or parameter.name).strip("[].")
+                streams += [name] if ctx.params.get(str(parameter.name)) == "-" else []
+            if ctx.get_parameter_source(str(parameter.name)) is ParameterSource.COMMANDLINE:
+                given.add(name)
         for names in getattr(self.callback, "exclusive", ()):
-            both = [name for name in names if name in given or f"[{name}]" in given]
+            both = [name for name in names if name in given]
             if len(both) > 1:
                 raise click.UsageError(f"give either {' or '.join(both)}", ctx)
+        if len(streams) > 1:
+            raise click.UsageError(f"{' and '.join(streams)} cannot both be standard input", ctx)
         return super().invoke(ctx)
 
 
@@ -547,6 +552,7 @@ def jobs_option(function: Function) -> Function:
 def worker_options(function: Function) -> Function:
     """Add `--jobs` and `--scheduler`; the command gets ``workers: Workers``."""
 
+    @exclusive("--jobs", "--scheduler")
     @_jobs
     @click.option(
         "--scheduler",
@@ -557,8 +563,6 @@ def worker_options(function: Function) -> Function:
     def command(*, jobs: int | None, scheduler: str | None, **others: Any) -> Any:
         from gspcli.workers import Workers
 
-        if jobs is not None and scheduler is not None:
-            raise click.UsageError("--jobs and --scheduler exclude each other")
         return function(workers=Workers(_cores(jobs), scheduler), **others)
 
     return command  # type: ignore[return-value]

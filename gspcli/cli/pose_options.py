@@ -509,26 +509,6 @@ class AskedPoses:
             raise IncompleteError("\n".join(self.lost))
 
 
-def check_sources(
-    spec: str,
-    rows: str | None,
-    mode: Mode | None,
-    pose: GivenPose | None,
-    near: GivenPose | None,
-) -> None:
-    """Raise if poses were asked for in more than one way."""
-    given = {"--mode": mode, "--pose": pose, "--near": near}
-    names = [name for name, option in given.items() if option is not None]
-    if len(names) > 1:
-        raise click.UsageError(f"give either {' or '.join(names)}")
-    if near is not None and rows is None:
-        raise click.UsageError("--near says which mode to follow: give it with ROWS")
-    if rows is not None and pose is not None:
-        raise click.UsageError("give either ROWS or --pose")
-    if spec == rows == "-":
-        raise click.UsageError("SPEC and ROWS cannot both be standard input")
-
-
 def asked_poses(
     instance: Instance,
     rows: str | None,

@@ -88,13 +88,6 @@ def test_sides_that_are_left_open_are_shown_as_signs(gsp, spec):
     assert shown == {"+-+", "+--"}
 
 
-def test_the_old_option_for_unproved_poses_changes_nothing(gsp, spec):
-    path = spec()
-    run = gsp("solve", path, "--no-certify")
-    assert run.err == "--no-certify is ignored: every pose is proved\n"
-    assert run.out == gsp("solve", path).out
-
-
 def test_csv_has_full_precision(gsp):
     run = gsp("solve", EXAMPLE, "--format", "csv")
     rows = list(csv.DictReader(io.StringIO(run.out)))

@@ -13,6 +13,7 @@ from gspcli.cli.options import (
     Changes,
     Command,
     Positive,
+    exclusive,
     load_instance,
     output_options,
     value_options,
@@ -24,7 +25,6 @@ from gspcli.cli.pose_options import (
     Mode,
     PoseConventions,
     asked_poses,
-    check_sources,
     column_options,
     mode_option,
     near_option,
@@ -58,6 +58,8 @@ _ZERO = 1e-12
 
 
 @click.command(cls=Command)
+@exclusive("--mode", "--pose", "--near")
+@exclusive("ROWS", "--pose")
 @click.argument("spec", metavar="SPEC")
 @click.argument("rows", metavar="[ROWS]", required=False)
 @mode_option("only this one, in detail; also along a file of values.")
@@ -157,7 +159,8 @@ def command(
       gsp analyze platform.yaml --pose 0,0,1.5,1,0,0,0 --stiffness 2e6
       gsp analyze platform.yaml path.csv --load 0,0,-9 --require "force<=20"
     """
-    check_sources(spec, rows, mode, pose, near)
+    if near is not None and rows is None:
+        raise click.UsageError("--near says which mode to follow: give it with ROWS")
     if output.part is not None and rows is None and pose is None:
         # Parts are of one pose.
         mode = mode or HOME

@@ -244,8 +244,6 @@ def _check_usage(
         message = "give SPEC and DATA, or --from LOG without a file to start from"
     elif data is None and plan is None:
         message = "give DATA, or --plan N for which poses to measure"
-    elif spec == data == "-":
-        message = "SPEC and DATA cannot both be standard input"
     if not message and mode is not None and plan is None:
         message = "--mode says about which pose to plan: give it with --plan"
     elif not message and require is not None and plan is None:

@@ -89,8 +89,6 @@ def command(
       gsp certify platform.yaml poses.csv --max-deviation 1e-3
       gsp certify platform.yaml poses.json --digits 50 --format json
     """
-    if spec == result == "-":
-        raise click.UsageError("SPEC and RESULT cannot both be standard input")
     from gspcli.export.answers import read_answer, read_candidates
     from gspcli.geometry.frames import PoseFrame
     from gspcli.solver import certify

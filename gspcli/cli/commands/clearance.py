@@ -6,7 +6,14 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from gspcli.cli.options import Changes, Command, load_instance, output_options, value_options
+from gspcli.cli.options import (
+    Changes,
+    Command,
+    exclusive,
+    load_instance,
+    output_options,
+    value_options,
+)
 from gspcli.cli.pose_options import (
     HOME,
     ColumnOptions,
@@ -14,7 +21,6 @@ from gspcli.cli.pose_options import (
     Mode,
     PoseConventions,
     asked_poses,
-    check_sources,
     column_options,
     mode_option,
     near_option,
@@ -33,6 +39,10 @@ FIELDS = Fields("clearance")
 
 
 @click.command(cls=Command)
+@exclusive("--mode", "--pose", "--near")
+@exclusive("ROWS", "--pose")
+@exclusive("--all-modes", "--mode")
+@exclusive("--all-modes", "--pose")
 @click.argument("spec", metavar="SPEC")
 @click.argument("rows", metavar="[ROWS]", required=False)
 @mode_option("only this one; also along a file of values.  [default: home]")
@@ -105,9 +115,8 @@ def command(
       gsp clearance platform.yaml path.csv -o clearances.csv
       gsp clearance platform.yaml --pose 0,0,1.5,1,0,0,0 --format json
     """
-    check_sources(spec, rows, mode, pose, near)
-    if all_modes and (mode is not None or pose is not None):
-        raise click.UsageError("give either --all-modes or one of --mode and --pose")
+    if near is not None and rows is None:
+        raise click.UsageError("--near says which mode to follow: give it with ROWS")
     if rows is None and pose is None and not all_modes:
         mode = mode or HOME
     if points is not None and of != "pose":

@@ -9,14 +9,20 @@ from typing import TYPE_CHECKING, Any
 import click
 import numpy as np
 
-from gspcli.cli.options import Changes, Command, load_instance, output_options, value_options
+from gspcli.cli.options import (
+    Changes,
+    Command,
+    exclusive,
+    load_instance,
+    output_options,
+    value_options,
+)
 from gspcli.cli.pose_options import (
     ColumnOptions,
     GivenPose,
     Mode,
     PoseConventions,
     asked_poses,
-    check_sources,
     column_options,
     mode_number,
     mode_option,
@@ -67,6 +73,8 @@ _MOST_NAMED = 5
 
 
 @click.command(cls=Command)
+@exclusive("--mode", "--pose", "--near")
+@exclusive("ROWS", "--pose")
 @click.argument("spec", metavar="SPEC")
 @click.argument("rows", metavar="[ROWS]", required=False)
 @mode_option("only this one; also along a file of values.  [default: home, all without ROWS]")
@@ -136,7 +144,8 @@ def command(
     """
     if stiffness is not None and not modal:
         raise click.UsageError("--stiffness is for --modes only")
-    check_sources(spec, rows, mode, pose, near)
+    if near is not None and rows is None:
+        raise click.UsageError("--near says which mode to follow: give it with ROWS")
     instance = load_instance(spec, changes)
     form = conventions.form(instance, columns)
     requirements = required(require)
@@ -274,7 +283,7 @@ class AskedMotion:
         The numbers of the modes that the poses are; empty for other poses.
     drives
         Readings of the drives, shape (n, m), of a platform with cranks or slides whose rows say
-        where they are; None for the knees of home.
+        where they are; None for the working modes of home.
     """
 
     R: Array

@@ -134,8 +134,6 @@ def command(
     """
     if (poses is None) == (pose is None):
         raise click.UsageError("give either POSES or --pose")
-    if spec == poses == "-":
-        raise click.UsageError("SPEC and POSES cannot both be standard input")
     if (cranks or nearest) and require is not None:
         which = "--cranks" if cranks else "--nearest"
         raise click.UsageError(f"--require needs the values or --drives, not {which}")

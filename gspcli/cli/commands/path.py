@@ -169,7 +169,7 @@ def command(
     it keeps the ranges and cones that SPEC states. The path has straight parts: on each the six
     values change linearly, or position and angles do. CSV has a row for each step, with values and
     pose; `gsp track` takes the file, and `gsp view --track` plays it. In a machine with cranks or
-    slides the drives change linearly, and keep their ranges and knees.
+    slides the drives change linearly, and keep their ranges and working modes.
 
     First both straight ways are tried. If none is proved, a map of random values or poses is made,
     and the path found on it is made shorter. The same seed gives the same path.

@@ -140,7 +140,8 @@ def _table(wanted: Sample, tally: Tally, *, bars: bool) -> Result:
     mean = "" if tally.mean is None else f", {tally.mean:.4g} real on average"
     return Result(
         columns=[
-            *FIELDS.of("real platforms share bar" if bars else "real platforms share"),
+            *FIELDS.of("real platforms share"),
+            *([FIELDS["bar"].but(title=" ")] if bars else []),
         ],
         rows=rows,
         title=f"{wanted.gsp_type.id}: {_subject(wanted)}",

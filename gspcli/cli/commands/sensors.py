@@ -125,8 +125,6 @@ def command(
     about_rows = [*(["--relative"] if relative else ()), *conventions.options, *columns.options]
     if rows is None and about_rows:
         raise click.UsageError(f"{listed(about_rows, 'and')}: needs ROWS")
-    if spec == rows == "-":
-        raise click.UsageError("SPEC and ROWS cannot both be standard input")
     from gspcli.sensing import sensors
 
     instance = load_instance(spec, changes)

@@ -522,11 +522,6 @@ def check_options(*, fitting: bool, **given: object) -> None:
 @value_options
 @click.option("--all", "everything", is_flag=True, help="Also show poses that are not real.")
 @click.option(
-    "--no-certify",
-    is_flag=True,
-    help="Do not prove what is found. Ignored and deprecated: every pose is proved.",
-)
-@click.option(
     "--prove/--no-prove",
     default=None,
     help="--prove counts the poses of a special platform exactly, for any time, and tries to make "
@@ -578,7 +573,6 @@ def command(
     by_line: bool,
     changes: Changes,
     everything: bool,
-    no_certify: bool,
     prove: bool | None,
     seed: int,
     jobs: int,
@@ -647,7 +641,7 @@ def command(
     from gspcli.solver.results.columns import rotation_columns
 
     columns = rotation_columns(rotation)
-    _check_usage(rotation, everything=everything, no_certify=no_certify)
+    _check_usage(rotation, everything=everything)
     if are_many(specs, lines=by_line) or output.format == LINES:
         _refuse_alone(conventions, near=near, reading=readings, fit=fitting, legend=legend)
         documented = output.format == LINES
@@ -783,14 +777,12 @@ def _sorted(result: SolveResult, shown: Shown, R: Any, T: Any) -> Shown:
     )
 
 
-def _check_usage(rotation: str, *, everything: bool, no_certify: bool) -> None:
+def _check_usage(rotation: str, *, everything: bool) -> None:
     """Raise if rotations that are not real are shown and cannot be written so."""
     from gspcli.geometry.euler import MAKERS
 
     if rotation.strip().lower() in MAKERS:
         order_named("--rotation", rotation)
-    if no_certify:
-        click.echo("--no-certify is ignored: every pose is proved", err=True)
     if everything and rotation not in ("quaternion", "matrix"):
         raise click.UsageError(
             f"--rotation {rotation} cannot write poses that are not real: leave out --all"

@@ -14,6 +14,7 @@ from gspcli.cli.options import (
     Changes,
     Command,
     Whole,
+    exclusive,
     jobs_option,
     load_instance,
     output_options,
@@ -75,6 +76,7 @@ FIELDS = Fields("track")
 
 
 @click.command(cls=Command)
+@exclusive("--mode", "--near")
 @click.argument("spec", metavar="SPEC")
 @click.argument("values", metavar="VALUES")
 @mode_option("only this one is followed.")
@@ -121,9 +123,6 @@ FIELDS = Fields("track")
     help="Add how far the pose may move, for any values, with proof that its screws stay "
     "independent (gsp clearance --of pose).",
 )
-@click.option(
-    "--no-certify", is_flag=True, help="Do not prove what is found: that no branch is changed."
-)
 @require_option("range, cone, clearance>=0.5, condition<=50")
 @pose_options
 @column_options
@@ -143,7 +142,6 @@ def command(
     allow_loss: bool,
     clear: bool,
     pose_clear: bool,
-    no_certify: bool,
     require: str | None,
     conventions: PoseConventions,
     columns: ColumnOptions,
@@ -176,8 +174,7 @@ def command(
     numbers.
 
     Events also tell where values leave their ranges, and legs the cones of their joints (`range`,
-    `cone` in SPEC). They are proved for all poses between rows; with --no-certify cones are checked
-    at the rows only.
+    `cone` in SPEC). They are proved for all poses between rows.
 
     --require names the worst row of each requirement, and the exit code is 1 unless all rows keep
     all of them. Ranges, cones, condition, clearance, gap and transmission must hold between the
@@ -202,7 +199,6 @@ def command(
       gsp track platform.yaml values.csv --steps 20 --format csv |
         gsp view platform.yaml --track -
     """
-    _check(mode, near, spec, values)
     from gspcli.motion import read_values
 
     instance = load_instance(spec, changes)
@@ -210,7 +206,7 @@ def command(
     form = conventions.form(instance, columns)
     table = read_values(*text_of(values), instance, form, delta=relative)
     if along == "poses":
-        _check_poses(table, mode, near, all_modes or everything or no_certify)
+        _check_poses(table, mode, near, all_modes or everything)
         done = along_poses(instance, table, form, conventions, steps)
     else:
         table = table.subdivided(steps)
@@ -223,7 +219,6 @@ def command(
             modes=None if mode is None else [mode_number(instance, mode)],
             near=start,
             everything=everything,
-            certify=not no_certify,
             jobs=jobs,
         )
     result, limits, left = done.track, done.limits, done.left
@@ -249,19 +244,11 @@ def _check_poses(
         message = "--along poses is about a file of poses: found values"
     elif mode is not None or near is not None or others:
         message = (
-            "--along poses follows the poses of the file: leave out --mode, --near, --all-modes, "
-            "--complete and --no-certify"
+            "--along poses follows the poses of the file: leave out --mode, --near, --all-modes "
+            "and --complete"
         )
     if message:
         raise click.UsageError(message)
-
-
-def _check(mode: Mode | None, near: GivenPose | None, spec: str, values: str) -> None:
-    """Raise for arguments that cannot be combined."""
-    if mode is not None and near is not None:
-        raise click.UsageError("give either --mode or --near")
-    if spec == values == "-":
-        raise click.UsageError("SPEC and VALUES cannot both be standard input")
 
 
 def _tell(result: Track, limits: list[LimitEvent], output: Output) -> None:
@@ -455,7 +442,6 @@ def along_values(
     modes: Sequence[int] | None,
     near: tuple[Array, Array] | None,
     everything: bool,
-    certify: bool,
     jobs: int,
 ) -> FollowedTrack:
     """Follow modes while the values change linearly; arguments as for `gspcli.track`."""
@@ -471,7 +457,6 @@ def along_values(
             modes=modes,
             near=near,
             everything=everything,
-            certify=certify,
             jobs=jobs,
         )
     if not everything and not len(result.modes):

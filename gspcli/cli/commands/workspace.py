@@ -19,6 +19,7 @@ from gspcli.cli.options import (
     Command,
     Finite,
     Whole,
+    exclusive,
     jobs_option,
     load_instance,
     output_options,
@@ -63,6 +64,7 @@ _MOST_SHOWN = 2_000_000
 
 
 @click.command(cls=Command)
+@exclusive("--mode", "--pose")
 @click.argument("spec", metavar="SPEC")
 @mode_option("where to begin.  [default: home]")
 @pose_value_option("home, instead of a mode of SPEC")
@@ -171,7 +173,6 @@ def command(
       gsp workspace platform.yaml --over x,z -o section.svg
       gsp workspace thick.yaml --over x,z --leg-gap 2
     """
-    _one_home(mode, pose)
     free = _free(over, orientation, position)
     _check(free, intervals, held, listed, output)
     instance = load_instance(spec, changes)
@@ -230,11 +231,6 @@ def _knees(instance: Instance, moving: Instance, home: Home) -> ArrayLike | None
     if instance.home is not None:
         return knees_of(instance)
     return knees_of(moving, home.R, home.T)
-
-
-def _one_home(mode: object, pose: object) -> None:
-    if mode is not None and pose is not None:
-        raise click.UsageError("give either --mode or --pose")
 
 
 def _keeps_limits(
