@@ -8,14 +8,14 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from gspcli.calibration.causes import likely_cause
 from gspcli.calibration.fitting import HUBER, Fit, fit
+from gspcli.calibration.identifiable import Unknowns, advice, identifiable
+from gspcli.calibration.judging import likely_cause
 from gspcli.calibration.measurements import Measurements, Noise, constant_rods, value_rows
 from gspcli.calibration.options import Options, chosen_model, noise_of, prior_of
 from gspcli.calibration.parameters import Model
 from gspcli.calibration.results import Calibration
 from gspcli.calibration.starts import started
-from gspcli.calibration.unknowns import Unknowns, advice, unknowns
 from gspcli.catalogue.kinds import DLL
 from gspcli.errors import ArgumentError, IncompleteError
 from gspcli.geometry.checking import checked
@@ -155,9 +155,9 @@ def calibrate_rows(
     start = model.anchored(R, T), R, T
     huber = HUBER if options.robust else None
     found, scatter = _fitted(start, seen, noise, huber, prior, stated=bool(sigma))
-    unknown = unknowns(found, seen)
+    unknown = identifiable(found, seen)
     if unknown.missing and not options.hold_unknown:
-        raise IncompleteError(_refusal(instance, unknown, found, seen))
+        raise IncompleteError(_refusal(instance, unknown, found, seen, prior))
     worst = _without_worst(found, seen, noise, huber, prior / scatter)
     return Calibration(instance, found, seen, noise, scatter, unknown, options, worst, home)
 
@@ -248,7 +248,9 @@ def _check_told(seen: Measurements, noise: Noise) -> None:
         raise IncompleteError(message)
 
 
-def _refusal(instance: Instance, unknown: Unknowns, found: Fit, seen: Measurements) -> str:
+def _refusal(
+    instance: Instance, unknown: Unknowns, found: Fit, seen: Measurements, prior: float
+) -> str:
     """Return which numbers the data do not determine, and what to measure."""
     wanted = int(found.model.free.sum()) - unknown.frames
     told = wanted - unknown.missing
@@ -261,11 +263,11 @@ def _refusal(instance: Instance, unknown: Unknowns, found: Fit, seen: Measuremen
     stated = Model.of(instance, drives=seen.drives is not None)
     cause = None
     if not found.model.with_frames:
-        cause = likely_cause(stated, seen, instance.units.length)
+        cause = likely_cause(stated, seen, prior, instance.units.length)
     if cause is not None:
         lines.append(cause)
     else:
-        advised = advice(instance, found, seen)
+        advised = advice(found, seen)
         lines.append(f"{advised}; or hold the others as stated (--hold-unknown)")
     return "\n".join(lines)
 

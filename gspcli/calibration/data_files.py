@@ -112,6 +112,7 @@ def read_measurements(
         tilts,
         drives,
         tuple(lines),
+        form.euler if form.euler and form.in_radians != 1 else "",
     )  # fmt: skip
 
 

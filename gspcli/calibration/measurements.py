@@ -106,6 +106,8 @@ class Measurements:
         None if there are none.
     lines
         Where each row stands, for people: its t or its number, shape (n,).
+    euler
+        The order of the axes of rx, ry, rz in degrees, if rotations were stated by them.
     rods
         Which values are those of rods without readings, which are constants of the machine and
         have no noise but that of the drives that move them, shape (6,); see `constant_rods`.
@@ -122,6 +124,7 @@ class Measurements:
     inclinations: Array = field(default_factory=lambda: np.zeros((0, 2)))
     drives: Array | None = None
     lines: tuple[str, ...] = ()
+    euler: str = ""
     rods: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(6, bool))
     sorts: tuple[bool, bool] | None = None
 
@@ -146,7 +149,7 @@ class Measurements:
                 sliced = isinstance(rows, slice)
                 part = part[rows] if sliced else tuple(np.array(part, object)[rows].tolist())
             elif (
-                one.name not in ("pivot", "targets", "rods", "sorts")
+                one.name not in ("pivot", "targets", "rods", "sorts", "euler")
                 and part is not None
                 and len(part)
             ):

@@ -8,14 +8,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.calibration.causes import likely_cause
-from gspcli.calibration.doubts import doubts
 from gspcli.calibration.fitting import Fit
+from gspcli.calibration.identifiable import Unknowns
+from gspcli.calibration.judging import doubts, likely_cause
 from gspcli.calibration.measurements import Measurements, Noise
 from gspcli.calibration.numbers import FileNumbers, calibrated, file_numbers
 from gspcli.calibration.options import Options, prior_of
 from gspcli.calibration.parameters import Model
-from gspcli.calibration.unknowns import Unknowns
 from gspcli.geometry.instance import Instance
 from gspcli.records import EqualByContent, dataclass
 
@@ -99,14 +98,13 @@ class Calibration(EqualByContent):
     def doubts(self) -> tuple[str, ...]:
         """Why the data do not fit the machine, in sentences; empty if they do."""
         return doubts(
-            self.stated,
             self.fit,
             self._found,
             self._stated,
             self.noise,
             self.scatter,
             prior_of(self.options, self.fit.model),
-            robust=self.options.robust,
+            self.stated.units.length,
         )
 
     @cached_property
@@ -115,7 +113,8 @@ class Calibration(EqualByContent):
         if not self.doubts or self.fit.model.with_frames:
             return None
         model = Model.of(self.stated, drives=self.seen.drives is not None)
-        return likely_cause(model, self.seen, self.stated.units.length)
+        prior = prior_of(self.options, model)
+        return likely_cause(model, self.seen, prior, self.stated.units.length)
 
     @cached_property
     def names(self) -> tuple[str, ...]:

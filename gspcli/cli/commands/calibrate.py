@@ -375,7 +375,7 @@ def calibration_table(result: Calibration, remarks: Sequence[str] | None = None)
 
 def _summary(result: Calibration) -> list[str]:
     """Return the result in sentences."""
-    from gspcli.calibration.doubts import quantile
+    from gspcli.calibration.judging import quantile
 
     chi, freedom = result.chi_squared, result.freedom
     lines = [f"the data do not fit: {doubt}" for doubt in result.doubts]

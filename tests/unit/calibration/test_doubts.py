@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from measured_machines import SIGMA, noisy, nominal, reachable, readings, real
+from measured_machines import SIGMA, noisy, nominal, reachable, readings, real, rotary
 
 import gspcli
+from gspcli.calibration.judging import RULES
 from gspcli.errors import IncompleteError
+from gspcli.geometry.euler import euler_from_rotation
 from gspcli.geometry.quaternions import (
     apply,
     quaternion_from_rotation,
@@ -54,6 +56,38 @@ def test_mistakes_of_files_are_recognized(wrong, cause):
     assert cause in str(found.cause)
     assert repr(found).endswith(", doubted>")
     assert found.to_json()["cause"] == found.cause
+
+
+def test_angles_in_radians_read_as_degrees(gsp, tmp_path):
+    """Positions too large by 100 explain such a file less badly than nothing."""
+    instance, _, angles, R, T = rotary(np.random.default_rng(10), 40)
+    turns = euler_from_rotation("ZYX", R)
+    spec = tmp_path / "machine.yaml"
+    gspcli.dump(instance, spec)
+    names = [f"crank.B{k}" for k in range(1, 7)]
+    causes = []
+    for unit in (180 / np.pi, 1.0):
+        rows = np.hstack((T, turns * unit, np.rad2deg(angles)))
+        lines = [",".join(["x,y,z,rx,ry,rz", *names])]
+        lines += [",".join(map(repr, row)) for row in rows.tolist()]
+        data = tmp_path / "data.csv"
+        data.write_text("\n".join(lines) + "\n", encoding="utf-8")
+        sigma = ("--sigma", "crank=0.1", "--sigma", "position=0.01", "--sigma", "rotation=0.1")
+        run = gsp("calibrate", spec, data, "--euler", "ZYX", *sigma, "--prior", "5")
+        causes.append("probably rx, ry, rz are radians, not degrees" in run.out + run.err)
+    assert causes == [False, True]
+
+
+def test_there_are_ten_rules_and_no_cause_otherwise():
+    """Numbers at random are those of no mistake."""
+    assert len(RULES) == 10
+    rng = np.random.default_rng(1)
+    values, R, T = noisy(real(), *reachable(12, rng), rng)
+    found = gspcli.calibrate(
+        nominal(), rng.uniform(700, 1000, values.shape), R, T, sigma=SIGMA, hold_unknown=True
+    )
+    assert found.doubts
+    assert found.cause is None
 
 
 def test_what_the_data_do_not_tell_may_be_a_mistake_of_them():

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from gspcli.calibration.exact_ranks import exact_rank
 from measured_machines import HOME, SIGMA, noisy, nominal, reachable, real, seen_of
 
 import gspcli
 from gspcli.calibration.candidate_poses import CRANK_TURN, Places, candidates
-from gspcli.calibration.exact_ranks import exact_rank
 from gspcli.calibration.options import PRIOR, noise_of
 from gspcli.calibration.parameters import Model
 from gspcli.calibration.planning import d_optimal, exchanged, planned, pose_errors, told_by
