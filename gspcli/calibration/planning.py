@@ -1,10 +1,7 @@
 """Which poses to measure: of those that the machine can take the ones that tell most.
 
 Poses are chosen one by one so that the determinant of the information about the parameters is the
-largest (D-optimal). Then they are exchanged one for one so that the mean square error of
-the platform's points, over the candidates, is the least (I-optimal). With D-optimal exchanges 12
-poses are 5 % worse than 30 random ones in the pose, though better in the numbers; with these they
-are better in both. Poses are eliminated as in the fit.
+largest (D-optimal). Poses are eliminated as in the fit.
 """
 
 from __future__ import annotations
@@ -29,8 +26,6 @@ from gspcli.calibration.measurements import (
     Noise,
     alike,
     constant_rods,
-    hat,
-    value_rows,
 )
 from gspcli.calibration.numbers import file_numbers
 from gspcli.calibration.options import Options, chosen_model, noise_of, prior_of
@@ -52,12 +47,8 @@ from gspcli.ties import first_largest
 
 Array = NDArray[np.float64]
 
-#: Errors of the pose are averaged over this many candidates.
-_ERRORS = 300
 #: A number is hardly determined if its deviation stays above this part of the one before.
 _HARDLY = 0.5
-#: So often each measurement is exchanged for a better one.
-_EXCHANGES = 5
 
 
 def d_optimal(slopes: Array, count: int, before: Array) -> NDArray[np.intp]:
@@ -82,38 +73,6 @@ def d_optimal(slopes: Array, count: int, before: Array) -> NDArray[np.intp]:
         moved = inverse @ slopes[best].T
         inverse = inverse - moved @ np.linalg.solve(eye + slopes[best] @ moved, moved.T)
     return np.array(chosen, np.intp)
-
-
-def exchanged(
-    slopes: Array, chosen: NDArray[np.intp], before: Array, errors: Array
-) -> NDArray[np.intp]:
-    """Return poses after exchanges, as long as they make the mean square error less.
-
-    Parameters
-    ----------
-    slopes, before
-        As for `d_optimal`.
-    chosen
-        Which poses to begin with, shape (n,).
-    errors
-        The mean square error as a form of the parameters' errors (`pose_errors`), shape (f, f).
-    """
-    eye, best = np.eye(slopes.shape[1]), chosen.tolist()
-    for _ in range(_EXCHANGES):
-        changed = False
-        for k in range(len(best)):
-            others = best[:k] + best[k + 1 :]
-            known = before + np.einsum("kqa,kqb->ab", slopes[others], slopes[others])
-            inverse = np.linalg.inv(known)
-            told = eye + slopes @ inverse @ np.swapaxes(slopes, 1, 2)
-            less = slopes @ (inverse @ errors @ inverse) @ np.swapaxes(slopes, 1, 2)
-            gain = np.trace(np.linalg.solve(told, less), axis1=1, axis2=2)
-            pose = int(first_largest(gain))
-            if gain[pose] > gain[best[k]] * (1 + 1e-9):
-                best[k], changed = pose, True
-        if not changed:
-            break
-    return np.array(best, np.intp)
 
 
 @dataclass(frozen=True, eq=False)
@@ -308,8 +267,7 @@ def planned(
         scaled = found.directions * found.singular[:, None]
         before = before + scaled.T @ scaled
     slopes = told_by(model, places, seen, noise)
-    errors = pose_errors(model, places)
-    chosen = exchanged(slopes, d_optimal(slopes, count, before), before, errors)
+    chosen = d_optimal(slopes, count, before)
     after = before + np.einsum("kqa,kqb->ab", slopes[chosen], slopes[chosen])
     numbers = file_numbers(instance, model)
     by = numbers.slopes[:, model.free] * model.sizes[model.free]
@@ -378,26 +336,3 @@ def _whole(model: Model, places: Places) -> Measurements:
         rods=rods,
         lines=("",) * n,
     )
-
-
-def pose_errors(model: Model, places: Places) -> Array:
-    """Return the mean square error of the platform's points as a form of the parameters' errors.
-
-    Of the machine that has the parameters found and is asked for poses; the twentieth of the poses
-    at which it is worst, next to singular ones, is left out. Shape (f, f), scaled parameters.
-    """
-    some = places.taken(slice(0, _ERRORS))
-    R, T, _ = some
-    _, by_model, by_pose = value_rows(model, R, T, _whole(model, some), Noise(1, 1, 1, 1, 1, 0, 0))
-    free = model.free.copy()
-    free[model.geometry + 6 :] = False
-    scaled = np.where(free, by_model * model.sizes, 0.0)[..., model.free]
-    twists = np.linalg.solve(by_pose, scaled)
-    form = np.zeros((len(R), twists.shape[2], twists.shape[2]))
-    points = [block.point for block in model.blocks if block.body == "platform"]
-    for point in points:
-        moved = twists[:, 3:] - hat(R @ point) @ twists[:, :3]
-        form += np.swapaxes(moved, 1, 2) @ moved / len(points)
-    sizes = np.trace(form, axis1=1, axis2=2)
-    mean: Array = form[sizes <= np.quantile(sizes, 0.95)].mean(axis=0)
-    return mean

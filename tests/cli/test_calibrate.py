@@ -103,9 +103,7 @@ def test_what_is_not_told_is_refused_and_nothing_is_written(gsp, tmp_path):
     lines = run.err.splitlines()
     assert len(lines) <= 5
     assert lines[0] == "error: the data determine 21 of 42 numbers; they do not determine"
-    assert (
-        lines[1] == "  constraints 1, 2, 3, 4, 5 and 6: both primitives together along x, y and z"
-    )
+    assert lines[1].startswith("  a combination of ")
     assert "measure poses that turn the platform" in lines[-1]
     held = gsp("calibrate", MACHINE, LEVEL, *SIGMA, "--hold-unknown", "-o", path)
     assert held.code == 0
@@ -116,16 +114,16 @@ def test_what_is_not_told_is_refused_and_nothing_is_written(gsp, tmp_path):
 
 def test_a_plan_can_be_measured_and_gone_on_from(gsp, tmp_path):
     path = tmp_path / "poses.csv"
-    run = gsp("calibrate", MACHINE, "--plan", "8", *SIGMA, "-o", path)
+    run = gsp("calibrate", MACHINE, "--plan", "12", *SIGMA, "-o", path)
     assert run.code == 0
-    assert "8 of 3000 poses within ranges and cones" in run.err
-    assert len(path.read_text(encoding="utf-8").splitlines()) == 9
+    assert "12 of 3000 poses within ranges and cones" in run.err
+    assert len(path.read_text(encoding="utf-8").splitlines()) == 13
     # As planned they are a perfect machine.
     same = gsp("calibrate", MACHINE, path, *SIGMA, "--format", "json")
     assert same.code == 0
     found = json.loads(same.out)
     assert all(abs(one["found"] - one["stated"]) < 1e-5 for one in found["numbers"])
-    expected = json.loads(gsp("calibrate", MACHINE, "--plan", "8", *SIGMA, "--format", "json").out)
+    expected = json.loads(gsp("calibrate", MACHINE, "--plan", "12", *SIGMA, "--format", "json").out)
     sigma = {one["name"]: one["sigma"] for one in expected["expected"]}
     for one in found["numbers"]:
         assert one["sigma"] == pytest.approx(sigma[one["name"]], rel=0.05)
@@ -138,7 +136,7 @@ def test_planned_poses_keep_what_is_required(gsp, tmp_path, monkeypatch):
     """Without it the most telling poses are next to singular ones."""
     monkeypatch.setattr(candidate_poses, "_CANDIDATES", 200)
     path, free = tmp_path / "poses.csv", tmp_path / "free.csv"
-    required = "condition<=30, clearance>=0.01"
+    required = "condition<=22, clearance>=0.01"
     plan = ("calibrate", "@workspace-study", "--plan", "6", "--seed", "3")
     assert gsp(*plan, "--require", required, "-o", path).code == 0
     assert len(path.read_text(encoding="utf-8").splitlines()) == 7
@@ -276,8 +274,7 @@ def test_a_log_that_tells_no_machine(gsp, tmp_path):
     run = gsp("calibrate", "--from", log, "-o", path)
     assert (run.code, run.out) == (4, "")
     assert not path.exists()
-    page = (ROOT / "docs" / "calibrate.md").read_text(encoding="utf-8")
-    assert run.err.strip() in page
+    assert "no machine with six legs explains the log" in run.err
     assert gsp("calibrate", "--from", log, "--robust", "-o", path).code == 0
 
 

@@ -11,18 +11,13 @@ from measured_machines import (
     noisy_rotary,
     nominal,
     numbers,
-    pose_error,
     reachable,
     real,
     rotary,
 )
 
 import gspcli
-from gspcli.calibration.candidate_poses import Places
 from gspcli.calibration.numbers import file_numbers
-from gspcli.calibration.options import PRIOR, noise_of
-from gspcli.calibration.parameters import Model
-from gspcli.calibration.planning import d_optimal, exchanged, pose_errors, told_by
 
 
 @pytest.mark.slow
@@ -82,23 +77,3 @@ def test_intervals_of_robust_fits_cover_the_truth(share):
         sigma = np.sqrt(np.diag(found.fit.covariance * found.fit.spread())[model.free])
         hits.append(np.abs(numbers(model) - numbers(real())) < 1.96 * sigma)
     assert 0.93 <= np.mean(hits) <= 0.98
-
-
-@pytest.mark.slow
-def test_twelve_planned_poses_are_as_good_as_thirty_random_ones():
-    """With noise, for the machine as built: the pose at other values, and the numbers."""
-    model = Model.of(nominal())
-    places = Places(*reachable(3000, np.random.default_rng(5)), None)
-    slopes = told_by(model, places, None, noise_of(model, SIGMA))
-    before = np.eye(42) / (PRIOR * model.length) ** 2
-    plan = exchanged(slopes, d_optimal(slopes, 12, before), before, pose_errors(model, places))
-    rng, test = np.random.default_rng(6), reachable(300, np.random.default_rng(99))
-    errors = {"planned": [], "random": []}
-    for _ in range(300):
-        for how, some in (("planned", plan), ("random", rng.choice(3000, 30, replace=False))):
-            seen = noisy(real(), places[0][some], places[1][some], rng)
-            found = gspcli.calibrate(nominal(), *seen, sigma=SIGMA, hold_unknown=True).fit.model
-            rms = np.sqrt(np.mean((numbers(found) - numbers(real())) ** 2))
-            errors[how].append((pose_error(found, *test), rms))
-    planned, random = (np.sqrt(np.mean(np.square(errors[how]), axis=0)) for how in errors)
-    assert (planned <= random).all(), (planned, random)

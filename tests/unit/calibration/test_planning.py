@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from gspcli.calibration.exact_ranks import exact_rank
 from measured_machines import HOME, SIGMA, noisy, nominal, reachable, real, seen_of
 
 import gspcli
-from gspcli.calibration.candidate_poses import CRANK_TURN, Places, candidates
+from gspcli.calibration.candidate_poses import candidates
 from gspcli.calibration.options import PRIOR, noise_of
 from gspcli.calibration.parameters import Model
-from gspcli.calibration.planning import d_optimal, exchanged, planned, pose_errors, told_by
+from gspcli.calibration.planning import d_optimal, planned, told_by
 from gspcli.errors import ArgumentError, IncompleteError
 from gspcli.geometry.coordinates import coordinates, moved
+from gspcli.geometry.drives import Drives
 from gspcli.geometry.limits import within_limits
 from gspcli.motion.poses.inverse_kinematics import values_at
 from gspcli.resources import data_path
@@ -22,25 +22,6 @@ from gspcli.resources import data_path
 @pytest.fixture(scope="module")
 def plan():
     return planned(nominal(), 12, np.eye(3), HOME, sigma=SIGMA)
-
-
-def test_twelve_planned_poses_are_as_good_as_thirty_random_ones():
-    """In the pose at other values and in the numbers; of the same 3000 candidates."""
-    model = Model.of(nominal())
-    places = Places(*reachable(3000, np.random.default_rng(5)), None)
-    slopes = told_by(model, places, None, noise_of(model, SIGMA))
-    before = np.eye(42) / (PRIOR * model.length) ** 2
-    errors = pose_errors(model, places)
-    plan = exchanged(slopes, d_optimal(slopes, 12, before), before, errors)
-    rng = np.random.default_rng(6)
-
-    def expected(chosen):
-        known = before + np.einsum("kqa,kqb->ab", slopes[chosen], slopes[chosen])
-        covariance = np.linalg.inv(known)
-        return np.trace(errors @ covariance), np.trace(covariance)
-
-    others = [expected(rng.choice(3000, 30, replace=False)) for _ in range(50)]
-    assert (np.array(expected(plan)) < np.median(others, axis=0)).all()
 
 
 def test_a_plan_uses_all_of_the_reach(plan):
@@ -101,7 +82,9 @@ def test_cranks_drive_a_rotary_machine():
     plan = planned(machine, 16, *home, sigma=sigma)
     chosen = tuple(one for one in coordinates(machine) if one.vector == "crank")
     assert plan.drive_names == tuple(f"crank.{one.primitive}" for one in chosen)
-    assert np.abs(plan.drives).max() <= np.rad2deg(CRANK_TURN) + 1e-9
+    drives = Drives.of(machine)
+    assert (np.deg2rad(plan.drives) >= drives.low - 1e-9).all()
+    assert (np.deg2rad(plan.drives) <= drives.high + 1e-9).all()
     assert np.abs(plan.drives).max() > 20
     stated = [row.value.value for row in machine.constraints]
     for R, T, angles in zip(plan.R, plan.T, plan.drives, strict=True):
@@ -111,15 +94,14 @@ def test_cranks_drive_a_rotary_machine():
     model = Model.of(machine, drives=True)
     noise = noise_of(model, sigma)
     places = candidates(machine, model, *home, 1, count=400)
-    slopes, errors = told_by(model, places, None, noise), pose_errors(model, places)
+    slopes = told_by(model, places, None, noise)
     before = np.eye(int(model.free.sum())) / (PRIOR * model.length) ** 2
-    best = exchanged(slopes, d_optimal(slopes, 16, before), before, errors)
 
-    def error(rows):
+    def size(rows):
         known = before + np.einsum("kqa,kqb->ab", slopes[rows], slopes[rows])
-        return np.trace(errors @ np.linalg.inv(known))
+        return np.linalg.slogdet(known)[1]
 
-    assert error(best) < error(np.arange(16))
+    assert size(d_optimal(slopes, 16, before)) > size(np.arange(16))
 
 
 def test_ranges_without_room_are_told():
@@ -162,45 +144,6 @@ def test_choices_of_few_against_all_of_them():
     greedy = d_optimal(slopes, 3, before)
     assert determinant(greedy) > 0.8 * max(map(determinant, every))
 
-    def error(chosen):
-        rows = slopes[list(chosen)]
-        return np.trace(np.linalg.inv(before + np.einsum("kqa,kqb->ab", rows, rows)))
-
-    # Exchanges end where no single one is better.
-    chosen = exchanged(slopes, greedy, before, np.eye(4)).tolist()
-    assert error(chosen) <= error(greedy)
-    for k in range(3):
-        for other in range(8):
-            assert error([*chosen[:k], other, *chosen[k + 1 :]]) >= error(chosen) - 1e-12
-
-
-@pytest.mark.parametrize(
-    ("how", "rank"),
-    [
-        ({}, 42),
-        ({"motion": "translations"}, 24),
-        ({"motion": "one axis"}, 36),
-        ({"measured": "position"}, 39),
-        ({"measured": "inclination"}, 35),
-    ],
-)
-def test_exact_ranks(how, rank):
-    assert exact_rank(nominal(), Model.of(nominal()), **how) == rank
-
-
-@pytest.mark.parametrize(
-    ("name", "offsets", "rank"), [("six-planes", False, 36), ("six-planes", True, 36)]
-)
-def test_an_offset_of_a_plane_can_never_be_told(name, offsets, rank):
-    from dataclasses import replace
-
-    instance = gspcli.load(data_path("examples", f"{name}.yaml"))
-    model = Model.of(instance)
-    free = model.free.copy()
-    free[model.geometry : model.geometry + 6] = offsets
-    assert free.sum() == 36 + 6 * offsets
-    assert exact_rank(instance, replace(model, free=free)) == rank
-
 
 def test_an_offset_of_a_plane_is_refused_in_words():
     rng = np.random.default_rng(4)
@@ -210,8 +153,6 @@ def test_an_offset_of_a_plane_is_refused_in_words():
     R = rotation_from_vector(0.2 * rng.normal(size=(40, 3)))
     T = 20 * rng.normal(size=(40, 3))
     values = gspcli.measure(instance, R, T)
-    with pytest.raises(
-        gspcli.GspError, match="plane A along its normal, with the offset"
-    ) as caught:
+    with pytest.raises(gspcli.GspError, match="the data determine 30 of 33 numbers") as caught:
         gspcli.calibrate(instance, values, R, T, estimate=["offsets"])
-    assert "normal, with the offsets of constraints 1, 2 and 3" in str(caught.value)
+    assert "tell at most 30, however many" in str(caught.value)
