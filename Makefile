@@ -7,7 +7,7 @@ STAMP  := $(VENV)/.installed
 NATIVE := $(wildcard native/*) CMakeLists.txt
 
 .DEFAULT_GOAL := help
-.PHONY: help install demo test test-quick test-processors lint types docs bench verify verify-fast verify-exports mutants count-families msolve wheel clean
+.PHONY: help install demo test test-quick test-order test-processors lint types docs bench verify verify-fast verify-exports mutants count-families msolve wheel clean
 
 help: ## show this list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-14s %s\n", $$1, $$2}'
@@ -35,6 +35,9 @@ test: $(STAMP) ## the test suite (some minutes on two cores)
 
 test-quick: $(STAMP) ## the tests of single packages alone (two minutes of processor time)
 	$(BIN)/python -m pytest -q -n auto -m 'not slow' tests/unit
+
+test-order: $(STAMP) ## the suite in three random orders
+	for seed in 1 2 3; do $(BIN)/python -m pytest -q -n auto -m 'not slow' -p randomly --randomly-seed=$$seed || exit 1; done
 
 test-processors: $(STAMP) ## the suite with the instructions of four processors, one after the other
 	$(BIN)/python -m tests.processors
