@@ -1,28 +1,40 @@
+"""Many sets of values of one platform."""
+
 from __future__ import annotations
 
 from dataclasses import replace
+from fractions import Fraction
+from functools import cache
+from itertools import islice
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from matching import pose_set_distance
 
+from benchmarks.cases import random_instances
 from gspcli import hexapod
 from gspcli.catalogue.names import parse_type
 from gspcli.continuation.paths import Basis
+from gspcli.continuation.tracked_paths import TrackedPaths
 from gspcli.errors import ArgumentError, GspError
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.instance import AngleUnit
+from gspcli.geometry.instance import AngleUnit, Instance
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.random_instances import random_instance
 from gspcli.geometry.residuals import condition_numbers, residuals
+from gspcli.resources import data_path, instance_files
 from gspcli.solver import solve, solve_batch, solve_values
 from gspcli.solver.all_poses import all_poses, first_poses
 from gspcli.solver.problem import Problem
 from gspcli.solver.results import pose_batch as batch_module
 from gspcli.solver.results.proof import CountKind
 from gspcli.solver.starts.solved_starts import SolvedStarts
+from gspcli.solver.starts.start import start_among
+from gspcli.solver.strategies import elimination, row_groups
+from gspcli.solver.strategies.closed_form import closed_form
 from gspcli.solver.strategies.row_groups import groups_of
+from gspcli.spec import load
 from tests.support.oracle.poses_by_paths import solve_by_tracking
 
 
@@ -384,3 +396,186 @@ def test_the_old_argument_for_unproved_poses_changes_nothing():
         ]
     assert [warning.filename for warning in seen] == [__file__] * 3
     assert all(one.certified.all() for one in found)
+
+
+# Sets of values of other sizes among those of a batch: each is solved as if it were alone.
+
+
+SETS = 10
+
+
+@cache
+def case(name: str = "DPP DPP DPP DPP DPP DPP"):
+    """Return an instance, and sets of values."""
+    instance, _ = random_instance(parse_type(name), np.random.default_rng(51), one_sided=True)
+    own = np.array([row.value.value for row in instance.constraints])
+    return instance, own * (1 + 0.05 * np.random.default_rng(52).normal(size=(SETS, 6)))
+
+
+def given(instance: Instance, row: np.ndarray) -> Instance:
+    return instance.with_values({i: Number.of(x) for i, x in enumerate(row.tolist())})
+
+
+def times(instance: Instance, row: np.ndarray, factor: float) -> np.ndarray:
+    distances = [constraint.kind.is_distance for constraint in instance.constraints]
+    return np.where(distances, row * factor, row)
+
+
+@pytest.mark.parametrize("factor", [1e6, 1e8, 1e-6, 1e-8])
+def test_a_set_of_another_size_does_not_disturb_the_others(factor):
+    instance, rows = case()
+    mixed = rows.copy()
+    mixed[4] = times(instance, mixed[4], factor)
+    mixed[7] = np.inf
+    batch = solve_batch(instance, mixed)
+    assert batch.proved.tolist() == [k != 7 for k in range(SETS)]
+    assert (batch.number[batch.proved] == 40).all()
+    # Paths from the common start lead to all others.
+    assert set(batch.others) <= {4, 7}
+    single = solve(given(instance, mixed[4]))
+    assert single.poses.proof is not None
+    n, length = batch.number[4], single.arrangement.length
+    assert batch.real[4].sum() == single.counts.real
+    size = max(1.0, np.abs(single.R).max())
+    found = batch.R[4, :n] / size, batch.T[4, :n] / size
+    assert pose_set_distance(found, (single.R / size, single.T / size), length) < 1e-9
+
+
+@pytest.mark.parametrize("name", ["DPP DPP DPP DPP DPP DPP", "DPP DPP DPP DPH DHP ALL"])
+def test_sets_of_several_sizes_have_a_start_each(name, monkeypatch):
+    instance, rows = case(name)
+    factors = np.tile([1.0, 20.0], SETS // 2)
+    mixed = np.array([times(instance, *each) for each in zip(rows, factors, strict=True)])
+    sizes = []
+
+    def counting(arrangement, group, *rest):
+        sizes.append(len(group))
+        return start_among(arrangement, group, *rest)
+
+    monkeypatch.setattr(row_groups, "start_among", counting)
+    batch = solve_batch(instance, mixed)
+    assert sorted(sizes) == [SETS // 2] * 2
+    assert batch.proved.all()
+    assert not batch.others
+    for factor in (1.0, 20.0):
+        chosen = factors == factor
+        alone = solve_batch(instance, mixed[chosen])
+        np.testing.assert_array_equal(batch.R[chosen], alone.R)
+        np.testing.assert_array_equal(batch.real[chosen], alone.real)
+
+
+def test_a_start_that_proves_something_else_leaves_its_sets_to_others(monkeypatch):
+    instance, rows = case()
+    mixed = np.concatenate((rows[:5], 20 * rows[5:]))
+    known = row_groups.start_among
+
+    def unproved(arrangement, group, *rest):
+        geometry = known(arrangement, group, *rest)
+        if np.abs(group).max() > 10:
+            object.__setattr__(geometry, "proof", None)
+        return geometry
+
+    monkeypatch.setattr(row_groups, "start_among", unproved)
+    batch = solve_batch(instance, mixed)
+    assert sorted(batch.others) == [5, 6, 7, 8, 9]
+    assert batch.proved.all()
+
+
+def watched(monkeypatch):
+    """Return a list to which the digits of all paths with more than double precision are added."""
+    track, digits = TrackedPaths.track, []
+
+    def counting(*given, **options):
+        digits.append(options["digits"])
+        return track(*given, **options)
+
+    monkeypatch.setattr(TrackedPaths, "track", counting)
+    return digits
+
+
+def test_poses_nearly_at_infinity_are_not_followed_with_the_most_digits(monkeypatch):
+    instance, rows = case()
+    digits = watched(monkeypatch)
+    result = solve(given(instance, rows[0] * 1e8))
+    assert (result.account.verdict, result.account.found) == ("complete", 40)
+    assert result.poses.certified.all()
+    assert 64 not in digits
+
+
+def test_more_steps_find_what_stopped_paths_lead_to(monkeypatch):
+    instance, rows = case()
+    monkeypatch.setattr(elimination, "_MOST", 0)
+    result = solve(given(instance, rows[2] * 1e6))
+    assert (result.account.verdict, result.account.lost) == ("complete", 0)
+    assert result.poses.proof is not None
+
+
+def test_tripods_have_a_common_start():
+    """Planes at distance zero have one side, and those at another distance both."""
+    instance = load(instance_files()["three-rps"])
+    own = np.array([row.value.value for row in instance.constraints])
+    rows = np.tile(own, (12, 1))
+    rows[:, :3] *= np.random.default_rng(2).uniform(0.95, 1.05, (12, 3))
+    rows[4:8, 3] = 0.05
+    rows[8:, 3:] = 0.03
+    groups = row_groups.groups_of(Problem(instance), rows, all_poses)
+    counts = {tuple(members): group.known_geometry_count for members, group in groups}
+    assert [count and count.solutions for count in counts.values()] == [16, 32, 128]
+    batch = solve_batch(instance, rows)
+    assert batch.complete.all()
+    for k in (1, 5, 9):
+        alone = solve(given(instance, rows[k]))
+        assert (batch.number[k], batch.real[k].sum()) == (alone.counts.found, alone.counts.real)
+
+
+# The closed form of one platform at once: as the one of many sets of values finds them.
+
+
+TYPES = (
+    "DPL DPL DLP 3ALL",
+    "DLL DLP DPP 3ALL",
+    "DPH DPL DPP ALL ALH AHH",
+    "DPP DPP DPP 3AHH",
+)
+
+
+def refused(*_):
+    message = "no paths are to be needed"
+    raise AssertionError(message)
+
+
+def exactly(values):
+    return {i: Number.of(Fraction(x)) for i, x in enumerate(values.tolist())}
+
+
+@pytest.mark.parametrize("type_text", TYPES)
+def test_poses_accounts_and_proofs_are_those_of_many_sets_of_values(type_text, monkeypatch):
+    monkeypatch.setattr(Problem, "tracked", property(refused))
+    for given in islice(random_instances(type_text, 5), 4):
+        values = np.array([row.value.value for row in given.constraints])
+        instance = given.with_values(exactly(values))
+        one = solve(instance).poses
+        (many,) = solve_values(instance, values[None])
+        many = many.in_order(Arrangement.of(instance).length)
+        assert (one.account, one.proof) == (many.account, many.proof)
+        assert len(one.R) == instance.expected
+        for name in ("quaternions", "R", "T", "real", "signs"):
+            np.testing.assert_array_equal(getattr(one, name), getattr(many, name))
+
+
+def test_what_is_special_goes_the_careful_way():
+    example = load(str(data_path("examples", "example-6.8.yaml")))
+    special = example.with_values({5: Number.of("sqrt(52)")})  # cylinders touch
+    assert list(closed_form(Problem(special))) == []
+    found = solve(special)
+    assert found.verdict == "complete"
+    assert (found.multiplicity > 1).any()
+
+
+def test_both_sides_of_planes_are_found_at_once(monkeypatch):
+    monkeypatch.setattr(Problem, "tracked", property(refused))
+    two_sided = next(random_instances("DPH DPL DPP 3ALL", 5, one_sided=False))
+    found = solve(two_sided)
+    assert found.verdict == "complete"
+    assert found.proof.by is CountKind.TYPE
+    assert found.certified.all()

@@ -1,3 +1,5 @@
+"""Results: what they say, and how."""
+
 from __future__ import annotations
 
 import json
@@ -8,10 +10,13 @@ import pytest
 
 from gspcli.catalogue.types import type_by_number
 from gspcli.defaults import SEED
+from gspcli.errors import GspError
 from gspcli.geometry.quaternions import quaternion_from_rotation
 from gspcli.geometry.random_instances import random_instance
-from gspcli.resources import data_path
+from gspcli.resources import data_path, instance_files
 from gspcli.solver import solve
+from gspcli.solver.results.columns import COLUMNS, ROTATIONS, rotation_columns
+from gspcli.solver.results.proof import CountKind, Grade, Proof
 from gspcli.spec import load
 
 
@@ -126,3 +131,71 @@ def test_a_result_is_one_line_and_prints_as_a_table():
     assert table[-1] == line
     assert len({len(row) for row in table[1:-1]}) == 1
     assert repr(result.solutions[0]).startswith("<Solution: real, certified, residual ")
+
+
+# Every column is said once, and the frame and the CSV have the same ones.
+
+
+def test_the_frame_has_the_columns_in_their_order() -> None:
+    result = solve(load(instance_files()["six-planes"]))
+    frame = result.to_frame(everything=True)
+    assert list(frame.columns) == [column.key for column in COLUMNS]
+    for column in COLUMNS:
+        assert len(column.read(result)) == len(result.R)
+
+
+def test_angles_of_poses_that_are_not_real_are_no_numbers() -> None:
+    result = solve(load(instance_files()["six-planes"]))
+    for form in ("rotvec", "zxy"):
+        for column in rotation_columns(form):
+            np.testing.assert_array_equal(np.isfinite(column.read(result)), result.real)
+
+
+@pytest.mark.parametrize("form", ["", "XYX", "xYz", "euler"])
+def test_unknown_forms_are_told_the_known_ones(form: str) -> None:
+    with pytest.raises(GspError, match="or one of " + ", ".join(ROTATIONS)):
+        rotation_columns(form)
+
+
+def test_a_count_for_every_prime_is_a_proof() -> None:
+    assert Proof.modulo(CountKind.EXACT, 0.0) == Proof(CountKind.EXACT)
+    assert Proof(CountKind.EXACT).to_json() == {
+        "by": "exact count",
+        "grade": "certain",
+        "modulo_random_prime": False,
+    }
+    assert Proof(CountKind.TYPE).grade is Grade.CERTAIN
+    assert Proof(CountKind.TYPE).words == "proved"
+    assert not Proof(CountKind.TYPE).reservation
+
+
+@pytest.mark.parametrize("error", [1e-15, 0.3])
+def test_the_bound_of_a_random_prime_is_told(error: float) -> None:
+    proof = Proof.modulo(CountKind.GEOMETRY, error)
+    assert proof is not None
+    assert proof.to_json() == {
+        "by": "geometry count",
+        "grade": "up to a random prime",
+        "modulo_random_prime": error,
+    }
+    assert proof.grade is Grade.PRIME
+    assert proof.words == "proved up to a random prime"
+
+
+@pytest.mark.parametrize(
+    ("error", "bound"),
+    [
+        (1.23e-12, "10^11, treat as certain"),
+        (9.9e-11, "10^10, treat as certain"),
+        (1e-3, "10^3"),
+    ],
+)
+def test_the_bound_that_is_printed_is_not_less_than_the_error(error: float, bound: str) -> None:
+    said = Proof(CountKind.GEOMETRY, error).reservation
+    assert said == (
+        f"proved by the geometry count up to a random prime: wrong at most once in {bound}"
+    )
+
+
+def test_a_probability_of_at_most_one_proves_nothing() -> None:
+    assert Proof.modulo(CountKind.EXACT, 1.0) is None

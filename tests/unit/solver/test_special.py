@@ -1,0 +1,1147 @@
+"""Platforms in special positions: their poses, counts and verdicts."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import replace
+from decimal import Decimal
+from fractions import Fraction
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+import sympy as sp
+from flint import acb, arb, ctx
+from positions import ORIGIN, P, X, Y, Z, angles, at, cylinders, solved, spheres
+
+from gspcli.catalogue.kinds import DLP, DPL
+from gspcli.catalogue.names import parse_type
+from gspcli.certification import Outcome, certify, refine
+from gspcli.certification import certify as certify_alone
+from gspcli.certification.counting import ExactCount, exact_count, with_points_for_lines
+from gspcli.certification.equations.ball_system import BallSystem
+from gspcli.certification.poses import special_family
+from gspcli.certification.poses.locator import Located
+from gspcli.certification.poses.points_off_lines import points_off_lines
+from gspcli.certification.poses.small_bodies import small_bodies
+from gspcli.certification.poses.special_family import FamilyPaths, SpecialFamily
+from gspcli.certification.poses.turned_directions import turned_directions
+from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side, Units
+from gspcli.geometry.measurement import measured
+from gspcli.geometry.numbers import Number
+from gspcli.geometry.primitives import Line, Plane, Point, Vector, vector
+from gspcli.geometry.random_instances import random_instance
+from gspcli.geometry.residuals import relative_residuals, residuals
+from gspcli.motion.following.trajectories import track
+from gspcli.motion.singularities.clearances import clearances
+from gspcli.solver import SolveResult, solve
+from gspcli.solver import certify as certify_poses
+from gspcli.solver.ledger import Ledger
+from gspcli.solver.problem import Problem
+from gspcli.solver.results.pose_set import PoseSet
+from gspcli.solver.side_poses import SidePoses
+from gspcli.solver.special.infinite_sets import poses_of_repeated
+from gspcli.solver.starts.solved_starts import SolvedStarts
+from gspcli.solver.strategies import elimination, further, more_digits, special_families
+from gspcli.solver.strategies.more_digits import with_64_digits
+from gspcli.spec import loads
+from tests.support.posts import PLATE_ON_POSTS
+
+# Platforms in special position: multiple poses, poses at infinity, and motions.
+
+
+def test_example_6_8_has_64_real_poses():
+    result = solved(*cylinders(6, 4, 5), *angles(60))
+    assert result.expected == result.counts.found == result.counts.real == 64
+    # Table 2 of the paper, with x and y as in equation (17).
+    np.testing.assert_allclose(
+        np.unique(np.round(np.abs(result.T.real), 9), axis=0),
+        [[3 * np.sqrt(6) / 2, 3 * np.sqrt(10) / 2, np.sqrt(10) / 2]],
+        atol=1e-9,
+    )
+
+
+def test_no_real_pose_is_an_answer():
+    result = solved(*cylinders(6, 1, 1), *angles(60))
+    assert result.verdict == "complete"
+    assert result.counts.found == 64
+    assert result.counts.real == 0
+
+
+def test_right_angles():
+    assert solved(*cylinders(6, 4, 5), *angles(90)).counts.found == 64
+
+
+def test_equal_directions_are_an_eightfold_rotation():
+    result = solved(*cylinders(6, 4, 5), *angles(0))
+    assert result.counts.found == result.counts.real == result.counts.singular == 8
+    assert result.multiplicity.tolist() == [8] * 8
+    np.testing.assert_allclose(result.R, np.tile(np.eye(3), (8, 1, 1)), atol=1e-9)
+
+
+def test_tangent_spheres_are_double_poses():
+    result = solved(*spheres((at(0, 0, 0), 1), (at(2, 0, 0), 1), (at(1, 1, 0), 1)), *angles(60))
+    assert result.expected == 16
+    assert result.multiplicity.tolist() == [2] * 8
+    assert result.verdict == "complete"
+    np.testing.assert_allclose(result.T, np.tile([1, 0, 0], (8, 1)), atol=1e-9)
+
+
+def test_almost_tangent_spheres_are_two_poses():
+    """Radii that overlap by 1e-9 leave two poses 1e-4 apart, not one."""
+    result = solved(
+        *spheres((at(0, 0, 0), 1), (at(2, 0, 0), "1.00000001"), (at(1, 1, 0), 1)), *angles(60)
+    )
+    assert result.counts.found == 16
+    assert result.counts.singular == 0
+
+
+@pytest.mark.parametrize(
+    ("centres", "radii"),
+    [
+        (((0, 0, 0), (0, 0, 0), (2, 0, 0)), (2, 3, 2)),
+        (((0, 0, 0), (2, 0, 0), (4, 0, 0)), (2, 2, 2)),
+    ],
+    ids=["concentric", "collinear centres"],
+)
+def test_spheres_that_meet_only_at_infinity(centres, radii):
+    result = solved(
+        *spheres(*((at(*c), r) for c, r in zip(centres, radii, strict=True))), *angles(60)
+    )
+    assert result.verdict == "complete"
+    assert result.counts.found == 0
+    assert result.account.at_infinity == 16
+
+
+def test_equal_spheres_are_infinite():
+    result = solved(
+        *spheres((at(1, 0, 0), 2), (at(1, 0, 0), 2)),
+        ("DPH", P, Plane(ORIGIN, Z), 1, Side.POSITIVE),
+        *angles(60),
+    )
+    assert result.verdict == "infinite"
+    assert result.motions[0].dimension == 1
+
+
+def test_coaxial_cylinders_are_infinite_or_empty():
+    def pair(radius):
+        return solved(
+            ("DPL", P, Line(ORIGIN, Z), 2),
+            ("DPL", P, Line(vector(0, 0, 3), vector(0, 0, -4)), radius),
+            ("DPP", P, at(2, 0, 0), 2),
+            *angles(60),
+        )
+
+    assert pair(1).verdict == "complete"
+    assert pair(1).account.at_infinity == 64
+    assert pair(2).verdict == "infinite"
+
+
+def test_parallel_cylinders_lose_half_of_the_poses():
+    result = solved(
+        ("DPL", P, Line(ORIGIN, Z), 2),
+        ("DPL", P, Line(vector(1, 0, 3), Z), 2),
+        ("DPP", P, at(1, 1, 0), 2),
+        *angles(60),
+    )
+    assert (result.counts.found, result.account.at_infinity) == (32, 32)
+
+
+def test_parallel_planes_are_infinite_or_empty():
+    def pair(height):
+        return solved(
+            ("DPH", P, Plane(ORIGIN, Z), 2, Side.POSITIVE),
+            ("DPH", P, Plane(vector(0, 0, height), Z), 2, Side.NEGATIVE),
+            ("DPH", P, Plane(ORIGIN, X), 2, Side.POSITIVE),
+            *angles(60),
+        )
+
+    assert pair(1).account.at_infinity == 8
+    assert pair(4).verdict == "infinite"
+    assert pair(4).motions[0].dimension == 1
+
+
+def test_planes_through_one_direction():
+    result = solved(
+        ("DPH", P, Plane(ORIGIN, Z), 1, Side.POSITIVE),
+        ("DPH", P, Plane(ORIGIN, X), 1, Side.POSITIVE),
+        ("DPH", P, Plane(ORIGIN, vector(1, 0, 1)), 2, Side.POSITIVE),
+        *angles(60),
+    )
+    assert result.verdict == "complete"
+    assert result.account.at_infinity == 8
+
+
+def test_a_distance_of_zero_to_a_plane_has_one_side():
+    rows = [("DPH", P, Plane(ORIGIN, d), 0) for d in (X, Y, Z)]
+    result = solved(*rows, *angles(60))
+    assert result.expected == result.counts.found == result.counts.real == 8
+
+
+def test_dependent_angles_let_the_platform_turn():
+    equal = [("ALL", Line(ORIGIN, Z), Line(ORIGIN, Z), 60)] * 2
+    result = solved(*cylinders(6, 4, 5), *equal, ("ALL", Line(ORIGIN, X), Line(ORIGIN, Y), 60))
+    assert result.verdict == "infinite"
+    motion = result.motions[0]
+    assert motion.real
+    assert motion.dimension == 1
+    assert residuals(result.arrangement, motion.R, motion.T).max() < 1e-9
+    assert np.abs(motion.R[-1] - motion.R[0]).max() > 0.3
+
+
+def test_three_angles_with_one_line_of_the_base():
+    """The direction of the base line in the platform is fixed; turning about it is free."""
+    base = Line(ORIGIN, Z)
+    rows = [("ALL", Line(ORIGIN, d), base, value) for d, value in ((X, 60), (Y, 60), (Z, 45))]
+    result = solved(*cylinders(6, 4, 5), *rows)
+    assert result.verdict == "infinite"
+    assert result.motions[0].real
+
+
+def test_contradictory_angles_have_no_pose():
+    for second, third in ((50, 60), (60, 50)):
+        rows = [("ALL", Line(ORIGIN, Z), Line(ORIGIN, Z), value) for value in (60, second)]
+        result = solved(
+            *cylinders(6, 4, 5), *rows, ("ALL", Line(ORIGIN, X), Line(ORIGIN, Y), third)
+        )
+        if second != 60:
+            assert result.verdict == "complete"
+            assert result.counts.found == 0
+
+
+def test_two_angles_with_one_line_of_the_base_lose_half_of_the_rotations():
+    rows = [("ALL", Line(ORIGIN, d), Line(ORIGIN, Z), value) for d, value in ((X, 60), (Y, 50))]
+    result = solved(*cylinders(6, 4, 5), *rows, ("ALL", Line(ORIGIN, Z), Line(ORIGIN, X), 60))
+    assert (result.counts.found, result.account.at_infinity) == (32, 32)
+
+
+def test_parallel_lines_keep_their_distance_on_a_cylinder():
+    result = solved(
+        ("DLL", Line(vector(1, 0, 0), Z), Line(ORIGIN, Z), 1),
+        ("DPH", P, Plane(ORIGIN, X), "0.5"),
+        ("DPH", P, Plane(ORIGIN, Z), 2),
+        ("ALL", Line(ORIGIN, Z), Line(ORIGIN, Z), 0),
+        ("ALL", Line(ORIGIN, Y), Line(ORIGIN, Y), 50),
+        ("ALL", Line(ORIGIN, Y), Line(ORIGIN, X), 40),
+    )
+    # The lines are parallel at every pose: what is counted is the distance of a point from a line.
+    assert result.verdict == "complete"
+    assert result.proof is not None
+    assert result.counts.real > 0
+    assert result.residuals[result.real].max() < 1e-10
+    assert (result.multiplicity > 1).all()
+
+
+def test_motions_through_infinite_sets_satisfy_the_constraints():
+    result = solved(
+        ("DPL", P, Line(ORIGIN, Z), 2),
+        ("DPL", P, Line(vector(4, 0, 0), Z), 2),
+        ("DPL", P, Line(vector(2, 2, 0), Z), 2),
+        *angles(60),
+    )
+    assert result.verdict == "infinite"
+    motion = result.motions[0]
+    np.testing.assert_allclose(motion.T[:, :2], np.tile([2, 0], (len(motion.T), 1)), atol=1e-9)
+
+
+def test_motion_with_lines_kept_parallel():
+    """Three angles of zero with one direction: the platform turns about that direction."""
+    up = Line(ORIGIN, Z)
+    down = Line(ORIGIN, vector(0, 0, -1))
+    result = solved(
+        ("DPH", P, Plane(ORIGIN, X), 1),
+        ("DPH", P, Plane(ORIGIN, Y), 1),
+        ("DPH", P, Plane(ORIGIN, Z), 1),
+        ("ALL", up, up, 0),
+        ("ALL", up, down, 180),
+        ("ALL", down, down, 0),
+    )
+    assert result.verdict == "infinite"
+    motion = result.motions[0]
+    assert motion.real
+    np.testing.assert_allclose(motion.R[:, 2], np.tile([0, 0, 1], (len(motion.R), 1)), atol=1e-9)
+
+
+def test_a_line_that_coincides_with_another():
+    """Distance and angle zero: the position along the line is left to the other distances."""
+    result = solved(
+        ("DLL", Line(ORIGIN, Z), Line(ORIGIN, Z), 0),
+        ("DPH", P, Plane(ORIGIN, Z), 2, Side.POSITIVE),
+        ("DPP", P, at(0, 0, 5), 3),
+        ("ALL", Line(ORIGIN, Z), Line(ORIGIN, Z), 0),
+        ("ALL", Line(ORIGIN, Y), Line(ORIGIN, Y), 50),
+        ("ALL", Line(ORIGIN, X), Line(ORIGIN, Z), 90),
+    )
+    # Curves of complex solutions, with real poses on them that cannot move.
+    assert result.verdict == "infinite"
+    real = result.poses.lone.T
+    assert len(real) > 0
+    np.testing.assert_allclose(real, np.tile([0, 0, 2], (len(real), 1)), atol=1e-9)
+
+
+@pytest.mark.parametrize("kind", ["DPP", "DPL", "DLP", "DPH", "DHP", "DLL"])
+def test_distances_of_zero_are_reported_without_a_warning(kind):
+    """Their measures have no derivative. Warnings are errors in these tests."""
+    shapes = {"P": at(1, 0, 1), "L": Line(vector(1, 0, 1), Y), "H": Plane(vector(1, 0, 1), X)}
+    result = solved(
+        (kind, shapes[kind[1]], {**shapes, "L": Line(ORIGIN, Z)}[kind[2]], 0),
+        ("DPP", at(0, 1, 0), at(0, 2, 1), 2),
+        ("DPL", at(0, 0, 1), Line(vector(1, 0, 1), vector(0, 1, 1)), 2),
+        *angles(60),
+    )
+    assert result.verdict == "complete"
+    document = result.to_json(everything=True)
+    assert len(document["solutions"]) == result.counts.found > result.expected / 2
+
+
+def test_nearly_equal_spheres_in_more_than_enough_places_still_add_up():
+    # Nearly congruent bodies: at some rotations two spheres and a plane are not made out.
+    first, second = (
+        (3060.000000119, -180.000000216, 4249.999999762),
+        (3059.999999193, -179.999999694, 4249.999999953),
+    )
+    third = (-6180.000000623, 8400.00000013, 9670.000000456)
+    minus = [tuple(-x for x in point) for point in (first, second)]
+    result = solved(
+        ("DPP", at(*first), at(*minus[0]), 15094.570666745),
+        ("DPP", at(*second), at(*minus[1]), 15094.570666715),
+        (
+            "DPH",
+            at(*third),
+            Plane(vector(6179.999999934, -8400.000000182, -9669.999999036), vector(-7, -6, 6)),
+            9024.54545548,
+            Side.NEGATIVE,
+        ),
+        ("ALL", Line(ORIGIN, vector(-7, -6, -6)), Line(ORIGIN, vector(6, 9, -2)), 155.796652974),
+        ("ALL", Line(ORIGIN, vector(-6, 9, 2)), Line(ORIGIN, vector(42, -108, 27)), 90),
+        ("ALL", Line(ORIGIN, vector(-6, 2, -9)), Line(ORIGIN, vector(-11, -10, 2)), 55.539341925),
+    )
+    assert (result.verdict, result.counts.found) == ("complete", 16)
+
+
+# Directions nearly parallel, points nearly on a line, small bodies: far poses are found.
+
+
+def _nearly_parallel(eps: Fraction = Fraction(1, 10**20), sign: int = 1) -> Instance:
+    """Return a platform two of whose base lines are parallel up to eps."""
+    instance, _ = random_instance(parse_type("DPL DPL DPP DPP DPP DPP"), np.random.default_rng(1))
+    rows = sorted(instance.constraints, key=lambda row: not isinstance(row.base, Line))
+    first, second = rows[:2]
+    assert isinstance(first.base, Line)
+    near = [sign * _fraction(number) for number in first.base.vector]
+    turned = [x + eps * k for x, k in zip(near, (1, -2, 3), strict=True)]
+    line = Line(second.base.position, [Number.of(x) for x in turned])
+    rows[1] = Constraint(second.kind, second.platform, line, second.value, second.side)
+    return Instance(tuple(rows), instance.units)
+
+
+def _members(family: SpecialFamily | None) -> tuple[Instance, Instance]:
+    """Return a platform from its family, and one with differences 1e17 times as large."""
+    assert family is not None
+    assert 1e-22 < family.size < 1e-19
+    with ctx.workprec(600):
+        return family.instance_at(arb(1)), family.instance_at(arb(10) ** 17)
+
+
+def _fraction(number: Number) -> Fraction:
+    assert number.fraction is not None
+    return number.fraction
+
+
+@pytest.mark.parametrize("power", [14, 20])
+def test_poses_far_away_are_found_and_proved(power: int) -> None:
+    result = solve(_nearly_parallel(Fraction(1, 10**power)), starts=SolvedStarts())
+    assert (result.verdict, result.counts.certified) == ("complete", 160)
+    assert result.proof is not None
+    assert result.proof.by.name == "TYPE"
+    # Those of parallel lines are 128; the others go to infinity with the angle.
+    far = np.abs(result.T).max(axis=1) > 1 / np.float64(f"1e-{power}") ** 0.9
+    assert far.sum() >= 16
+
+
+def test_they_are_found_from_the_other_side(monkeypatch: pytest.MonkeyPatch) -> None:
+    """With s < 0 at the beginning."""
+    monkeypatch.setattr(special_families, "_APART", (-3e-3,))
+    result = solve(_nearly_parallel(), starts=SolvedStarts())
+    assert (result.verdict, result.counts.certified) == ("complete", 160)
+
+
+def test_without_them_poses_are_missing_and_that_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(special_families, "_APART", ())
+    monkeypatch.setattr(elimination, "_MOST", 0)
+    monkeypatch.setattr(more_digits, "_MOST_ATTEMPTS", 1)
+    result = solve(_nearly_parallel(), starts=SolvedStarts())
+    assert result.verdict == "incomplete"
+    # Those of parallel lines are 128; others are found from points in complex planes.
+    assert 128 <= result.counts.certified < 160
+
+
+def test_equations_of_few_places_are_kept(monkeypatch: pytest.MonkeyPatch) -> None:
+    made: list[FamilyPaths] = []
+
+    class Paths(FamilyPaths):
+        def __init__(self, *args: Any) -> None:
+            super().__init__(*args)
+            made.append(self)
+
+    known = solve(_nearly_parallel(), starts=SolvedStarts())
+    monkeypatch.setattr(special_family, "_KEPT", 3)
+    monkeypatch.setattr(special_families, "FamilyPaths", Paths)
+    other = solve(_nearly_parallel(), starts=SolvedStarts())
+    np.testing.assert_array_equal(known.T, other.T)
+    assert [len(paths._systems) for paths in made] == [3] * len(made)
+    assert made
+
+
+def test_differences_are_multiplied_and_nothing_else_changes() -> None:
+    instance = _nearly_parallel(sign=-1)
+    same, apart = _members(turned_directions(instance))
+    for row, other, given in zip(
+        same.constraints, apart.constraints, instance.constraints, strict=True
+    ):
+        assert (row.kind, row.value, row.platform) == (given.kind, given.value, given.platform)
+        assert other.base.position == given.base.position
+    first, second = (row.base.unit for row in apart.constraints[:2])
+    difference = np.abs(first + second).max()
+    assert 1e-4 < difference < 1e-2
+    # To within the digits of the angle, as a direction of the same orientation.
+    exact, given = (
+        [_fraction(number) for number in platform.constraints[1].base.vector]
+        for platform in (same, instance)
+    )
+    k = max(range(3), key=lambda i: abs(given[i]))
+    scale = exact[k] / given[k]
+    assert scale > 0
+    assert all(abs(x - scale * y) < Fraction(1, 10**100) for x, y in zip(exact, given, strict=True))
+
+
+@pytest.mark.parametrize("eps", [Fraction(0), Fraction(1, 10**3)])
+def test_directions_that_are_parallel_or_not_nearly_so_are_not_turned(eps: Fraction) -> None:
+    assert turned_directions(_nearly_parallel(eps)) is None
+
+
+def _four_on_a_line(eps: Fraction, *, on_platform: bool = True) -> Instance:
+    """Return a platform of which four points are on a line up to eps, at equal heights at home."""
+    places = [(Fraction(k), Fraction(2 * k), Fraction(-k)) for k in (0, 1, -2, 3)]
+    x, y, z = places[3]
+    points = [Point(tuple(map(Number.of, place))) for place in (*places[:3], (x + eps, y, z - eps))]
+    line = Line([Number.of(k) for k in (5, 1, 2)], [Number.of(k) for k in (2, -1, 2)])
+    kind = DPL if on_platform else DLP
+    rows = [
+        Constraint(kind, *((point, line) if on_platform else (line, point)), Number.of(4 + k))
+        for k, point in enumerate(points)
+    ]
+    others = random_instance(parse_type("DPP DPP DPP DPP DPP DPP"), np.random.default_rng(1))
+    return Instance((*others[0].constraints[:2], *rows), others[0].units)
+
+
+@pytest.mark.parametrize("on_platform", [True, False])
+def test_points_are_moved_off_their_line_and_nothing_else_changes(on_platform: bool) -> None:
+    body = "platform" if on_platform else "base"
+    instance = _four_on_a_line(Fraction(1, 10**20), on_platform=on_platform)
+    same, apart = _members(points_off_lines(instance))
+    for row, other, given in zip(
+        same.constraints, apart.constraints, instance.constraints, strict=True
+    ):
+        for one in (row, other):
+            assert (one.kind, one.value, one.side) == (given.kind, given.value, given.side)
+            unmoved = "base" if on_platform else "platform"
+            assert getattr(one, unmoved) == getattr(given, unmoved)
+        exact, stated = (
+            [_fraction(number) for number in getattr(one, body).position] for one in (row, given)
+        )
+        assert all(abs(x - y) < Fraction(1, 10**100) for x, y in zip(exact, stated, strict=True))
+    moved = np.array([getattr(row, body).position for row in apart.constraints[2:]], float)
+    along = moved[3] - moved[2]
+    off = np.linalg.norm(np.cross(moved - moved[2], along), axis=1) / np.linalg.norm(along)
+    assert 1e-4 < off.max() < 1e-2
+
+
+@pytest.mark.parametrize("eps", [Fraction(0), Fraction(1, 10**2)])
+def test_points_that_are_on_a_line_or_not_nearly_so_are_not_moved(eps: Fraction) -> None:
+    assert points_off_lines(_four_on_a_line(eps)) is None
+
+
+def test_three_points_on_a_line_are_not_moved() -> None:
+    """Their distances from another line are independent."""
+    rows = list(_four_on_a_line(Fraction(1, 10**20)).constraints)
+    rows[2] = rows[0]
+    assert points_off_lines(Instance(tuple(rows), Units("m", AngleUnit.DEGREE))) is None
+
+
+def test_equations_of_a_family_are_those_of_its_platforms_also_where_s_is_complex() -> None:
+    family = turned_directions(_nearly_parallel(Fraction(1, 10**14), sign=-1))
+    assert family is not None
+    point, sides = [acb(k + 1, -k) for k in range(8)], (0,) * 6
+    with ctx.workprec(400):
+        s = arb(10) ** 10
+        at_s, of_platform, above, below = (
+            BallSystem(platform, 400, given).at(point, sides)[0].entries()
+            for platform, given in (
+                (family.instance, family.at(s)),
+                (family.instance_at(s), None),
+                (family.instance, family.at(acb(s, 10**7))),
+                (family.instance, family.at(acb(s, -(10**7)))),
+            )
+        )
+        for one, other, up, down in zip(at_s, of_platform, above, below, strict=True):
+            assert abs(one - other) < 1e-90
+            # Analytic in s: differences are of first order, those of the mean of second order.
+            assert abs((up + down) / 2 - one) <= 1e-3 * abs(up - down) + 1e-90
+        assert any(abs(up - down) > 1e-6 for up, down in zip(above, below, strict=True))
+
+
+def _small_body(power: int, body: str = "platform", types: str = "DPL DPP DPP DPP DPP DPP") -> Any:
+    """Return a platform one body of which is a part 10^-power of its size."""
+    instance, _ = random_instance(parse_type(types), np.random.default_rng(1))
+    unit = Fraction(1, 10**power)
+    rows = []
+    for row in instance.constraints:
+        part = getattr(row, body)
+        place = tuple(Number.of(1 + unit * _fraction(x)) for x in part.position)
+        rows.append(replace(row, **{body: replace(part, position=place)}))
+    return Instance(tuple(rows), instance.units)
+
+
+@pytest.mark.parametrize("body", ["platform", "base"])
+def test_a_small_body_is_made_larger_and_nothing_else_changes(body: str) -> None:
+    instance = _small_body(20, body)
+    family = small_bodies(instance)
+    assert family is not None
+    assert 1e-21 < family.size < 1e-19
+    with ctx.workprec(600):
+        same, larger = family.instance_at(arb(1)), family.instance_at(arb(10) ** 17)
+    other = "base" if body == "platform" else "platform"
+    for row, one, big in zip(
+        instance.constraints, same.constraints, larger.constraints, strict=True
+    ):
+        assert getattr(big, other) == getattr(row, other) == getattr(one, other)
+        assert (big.kind, big.value, big.side) == (row.kind, row.value, row.side)
+        assert getattr(getattr(big, body), "vector", ()) == getattr(
+            getattr(row, body), "vector", ()
+        )
+        exact, stated = ([_fraction(x) for x in getattr(p, body).position] for p in (one, row))
+        assert all(abs(x - y) < Fraction(1, 10**100) for x, y in zip(exact, stated, strict=True))
+    places = np.array([getattr(row, body).position for row in larger.constraints], float)
+    assert 1e-4 < np.ptp(places, axis=0).max() < 1e-2
+
+
+@pytest.mark.parametrize("power", [0, 6, 80])
+def test_a_body_that_is_not_small_or_a_point_stays(power: int) -> None:
+    assert small_bodies(_small_body(power)) is None
+
+
+def test_poses_of_a_small_body_are_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Also where the platform has too many poses for elimination."""
+    sizes = []
+
+    class Paths(FamilyPaths):
+        def __init__(self, family: SpecialFamily, *rest: Any) -> None:
+            super().__init__(family, *rest)
+            sizes.append(family.size)
+
+    monkeypatch.setattr(special_families, "FamilyPaths", Paths)
+    monkeypatch.setattr(elimination, "_MOST", 0)
+    result = solve(_small_body(12), starts=SolvedStarts())
+    assert (result.verdict, result.counts.certified) == ("complete", 80)
+    assert np.abs(result.R).max(axis=(1, 2)).min() > 1e9
+    assert all(1e-13 < size < 1e-11 for size in sizes)
+    assert len(sizes) == 1
+
+
+def test_eigenvectors_find_what_no_path_reaches(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where nothing is counted but the geometry: an angle of many decimals."""
+
+    def nothing(side: SidePoses) -> Iterator[None]:
+        yield
+
+    instance = _small_body(12, types="DPH DPP DPP DPP DPP ALL")
+    (k,) = (k for k, row in enumerate(instance.constraints) if not row.kind.is_distance)
+    instance = replace(instance, units=Units("m", AngleUnit.DEGREE))
+    instance = instance.with_values({k: Number.of("71.25000000000001")})
+    ways = (nothing if way is with_64_digits else way for way in further.FURTHER)
+    monkeypatch.setattr(further, "FURTHER", tuple(ways))
+    monkeypatch.setattr(special_families, "_LARGER", ())
+    monkeypatch.setattr(elimination, "is_eliminable", lambda side: False)
+    result = solve(instance, starts=SolvedStarts())
+    assert (result.verdict, result.counts.certified) == ("complete", result.expected)
+    assert result.exact_count is None
+
+
+def _three_rods(power: int, *, same_axis: bool = False) -> Instance:
+    """Return a platform with three base lines that are parallel, or the same, up to 10^-power."""
+    types = parse_type("DPL DPL DPL DPP DPP DPP")
+    instance, _ = random_instance(types, np.random.default_rng(1))
+    eps, rows = Fraction(1, 10**power), list(instance.constraints)
+    for k, row in enumerate(rows):
+        if isinstance(row.base, Line):
+            vector = (1 + k * eps, 2 - eps, 2 + k**2 * eps)
+            place = row.base.position
+            if same_axis:
+                place = vector_of(1 + k**i * eps for i in range(3))
+            rows[k] = replace(row, base=Line(place, vector_of(vector)))
+    return Instance(tuple(rows), instance.units)
+
+
+def vector_of(numbers: Iterable[Fraction]) -> Vector:
+    return vector(*(Number.of(Fraction(x)) for x in numbers))
+
+
+def test_equations_of_three_parallel_rods_have_enough_bits() -> None:
+    """Their matrices lose more bits than N has zeros: with five for each of eps paths are lost."""
+    problem = Problem(_three_rods(30))
+    family = turned_directions(problem.instance)
+    assert family is not None
+    paths = FamilyPaths(family, problem.locator, problem.sides[0], 1e-3)
+    begin = problem.like(paths.instance)
+    ends = list(special_families._ends(begin, 0))
+    located = [paths.locate(begin.locator, *end) for end in ends[:24]]
+    assert all(isinstance(end, Located) for end in located)
+
+
+def test_lines_that_are_nearly_the_same_are_moved_apart_too() -> None:
+    """If they were only turned, they would meet in a point at the beginning."""
+    family = turned_directions(_three_rods(20, same_axis=True))
+    assert family is not None
+    with ctx.workprec(600):
+        larger = family.instance_at(arb(10) ** 17)
+    lines = [row.base for row in larger.constraints if isinstance(row.base, Line)]
+    assert len(lines) == 3
+    first = np.array(lines[0].position, float)
+    across = [np.cross(np.array(line.position, float) - first, lines[0].unit) for line in lines[1:]]
+    assert all(1e-4 < np.linalg.norm(x) < 1e-1 for x in across)
+    parallel = turned_directions(_three_rods(20))
+    assert parallel is not None
+    assert not any("b" in names for names in parallel.differences)
+
+
+# Lines of a DLL that are parallel at every pose: a plate on a table between round posts.
+
+
+VALUES = [0, 0, 0, 1.5, 2, 1]
+
+
+def _spec(*changes: tuple[str, str]) -> Instance:
+    text = PLATE_ON_POSTS
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new)
+    unused = {"face"} if "[face" not in text else {"F3"}
+    kept = [line for line in text.splitlines() if line.split(":")[0].strip() not in unused]
+    return loads("\n".join(kept))
+
+
+@cache
+def _planar_counts() -> tuple[int, int]:
+    """Count the poses of the plate in its plane: turned, or turned over; complex and real."""
+    c, s, x, y = sp.symbols("c s x y")
+    holes, posts, radii = [(1, 0), (-1, 1), (0, -2)], [(2, 1), (-2, 2), (1, -3)], ["3/2", 2, 1]
+    total = real = 0
+    for face in (1, -1):
+        equations = [c**2 + s**2 - 1] + [
+            (c * a - face * s * b + x - p) ** 2
+            + (s * a + face * c * b + y - q) ** 2
+            - sp.Rational(r) ** 2
+            for (a, b), (p, q), r in zip(holes, posts, radii, strict=True)
+        ]
+        last = sp.Poly(sp.groebner(equations, x, y, c, s, order="lex").exprs[-1], s)
+        total += last.degree()
+        real += last.count_roots()
+    return total, real
+
+
+def test_all_poses_are_found_and_proved() -> None:
+    result = solve(_spec())
+    assert (len(result.R), int(result.real.sum())) == _planar_counts() == (10, 2)
+    assert result.verdict == "complete"
+    assert result.proof is not None
+    assert result.exact_count == 10
+    assert result.certified.all()
+    assert result.residuals[result.real].max() < 1e-12
+
+
+@pytest.mark.parametrize(
+    ("changes", "poses", "with_multiplicity", "real"),
+    [
+        pytest.param([("[H3, P3], value: 1", "[H3, P3], value: 0")], 10, 10, 0, id="concentric"),
+        # A face on a table is a double solution of the angle's equation.
+        pytest.param(
+            [("distance: [F3, table], value: 0", "angle: [face, table], value: 180")], 4, 8, 2,
+            id="faces",
+        ),
+        # Of eight choices of sides two leave the plate parallel to the table.
+        pytest.param(
+            [(f"F{k}: {{point: [{xy}, 0]", f"F{k}: {{point: [{xy}, 1]")
+             for k, xy in ((1, "3, 0"), (2, "-1, 2"), (3, "-2, -1"))]
+            + [("table], value: 0", "table], value: 1")], 20, 20, 4, id="feet",
+        ),
+        pytest.param(
+            [("H3: {line: {point: [0, -2, 0], direction: [0, 0, 1]",
+              "H3: {line: {point: [0, -2, 0], direction: [1, 0, 1]")], 24, 24, 4, id="one skew",
+        ),
+    ],
+)  # fmt: skip
+def test_variants(
+    changes: list[tuple[str, str]], poses: int, with_multiplicity: int, real: int
+) -> None:
+    result = solve(_spec(*changes))
+    assert result.verdict == "complete"
+    assert result.proof is not None
+    assert (len(result.R), result.account.found) == (poses, with_multiplicity)
+    assert int(result.real.sum()) == real
+    assert result.residuals[result.real].max(initial=0) < 1e-9
+
+
+LONG_FOOT = [
+    ("F1: {point: [3, 0, 0]", "F1: {point: [3, 0, 1]"),
+    ("[F1, table], value: 0", "[F1, table], value: 1, side: positive"),
+]
+ONE_SKEW = ("H3: {line: {point: [0, -2, 0], direction: [0, 0, 1]",
+            "H3: {line: {point: [0, -2, 0], direction: [1, 0, 1]")  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("changes", "poses", "real"),
+    [
+        # Turned over the plate is tilted, and its lines are not parallel: there it has no pose.
+        pytest.param([], 4, 2, id="upright"),
+        # By Gröbner bases 12 upright, where two lines are parallel, and 16 turned over.
+        pytest.param([ONE_SKEW], 28, 20, id="on both faces"),
+    ],
+)
+def test_lines_parallel_at_some_poses_only(
+    changes: list[tuple[str, str]], poses: int, real: int
+) -> None:
+    result = solve(_spec(*LONG_FOOT, *changes))
+    assert result.verdict == "complete"
+    assert result.proof is not None
+    assert 0 < result.proof.error < 1e-9
+    assert result.exact_count == len(result.R) == poses
+    assert result.certified.all()
+    assert int(result.real.sum()) == real
+    assert result.residuals[result.real].max() < 1e-12
+
+
+@pytest.mark.parametrize("skew", [False, True])
+def test_motions_are_proved_where_lines_are_parallel_and_where_not(skew: bool) -> None:
+    # Four feet, so that one is too many, and two posts.
+    changes = [
+        ("H1:", "F4: {point: [5, 5, 0]}\n  H1:"),
+        ("distance: [H3, P3], value: 1", "distance: [F4, table], value: 0"),
+        ("  H3: {line: {point: [0, -2, 0], direction: [0, 0, 1]}}\n", ""),
+        ("  P3: {line: {point: [1, -3, 0], direction: [0, 0, 1]}}\n", ""),
+    ]
+    if skew:
+        changes += [
+            (f"H{k}: {{line: {{point: [{p}, 0], direction: [0, 0, 1]",
+             f"H{k}: {{line: {{point: [{p}, 0], direction: [1, {k}, 2]")
+            for k, p in ((1, "1, 0"), (2, "-1, 1"))
+        ]  # fmt: skip
+    result = solve(_spec(*changes))
+    assert result.verdict == "infinite"
+    assert result.proof is not None
+    assert 0 < result.proof.error < 1e-9
+    assert result.motions
+    assert {motion.dimension for motion in result.motions} == {1}
+
+
+@pytest.mark.parametrize("length", ["1", "sqrt(2)", "sind(41.37)", "1000000"])
+def test_both_sides_are_the_plate_on_both_faces(length: str) -> None:
+    # Of a foot on either side of the table one leaves the plate upright, and one turned over.
+    result = solve(
+        _spec(
+            ("F1: {point: [3, 0, 0]", f"F1: {{point: [3, 0, {length}]"),
+            ("[F1, table], value: 0", f"[F1, table], value: {length}, side: both"),
+        )
+    )
+    assert result.verdict == "complete"
+    assert result.proof is not None
+    assert (len(result.R), int(result.real.sum())) == _planar_counts()
+
+
+def test_one_pose_too_few_or_too_many_is_never_complete(monkeypatch: pytest.MonkeyPatch) -> None:
+    from gspcli.solver.special import by_count
+
+    count = by_count.exact_count(_spec(*LONG_FOOT))
+    assert count is not None
+    (side,) = count.sides
+    for wrong in (3, 5):
+        parts = tuple(replace(p, solutions=wrong, distinct=wrong) if p.distinct else p
+                      for p in side.parts)  # fmt: skip
+        other = replace(side, solutions=wrong, distinct=wrong, parts=parts)
+        said = replace(count, solutions=wrong, distinct=wrong, sides=(other,))
+        monkeypatch.setattr(
+            by_count, "exact_count", _told(count.primes, said, by_count.exact_count)
+        )
+        result = solve(_spec(*LONG_FOOT))
+        assert result.verdict == "incomplete"
+        assert not result.certified.any()
+        monkeypatch.undo()
+
+
+def _told(
+    primes: tuple[int, ...], said: ExactCount, count: Callable[..., ExactCount | None]
+) -> Callable[..., ExactCount | None]:
+    """Return a count that says something else of one platform."""
+
+    def told(*arguments: Any, **options: Any) -> ExactCount | None:
+        found = count(*arguments, **options)
+        return said if found is not None and found.primes == primes else found
+
+    return told
+
+
+def test_the_count_is_that_of_points_for_lines() -> None:
+    count, same = exact_count(_spec()), with_points_for_lines(_spec())
+    assert count is not None
+    assert same is not None
+    other = exact_count(same)
+    assert other is not None
+    assert (count.finite, count.solutions, count.distinct) == (True, 10, 10)
+    assert (other.solutions, other.distinct) == (10, 10)
+    assert count.sides[0].parallel == (3, 4, 5)
+    assert 0 < count.error < 1e-9
+
+
+def test_lines_that_are_not_parallel_stay_lines() -> None:
+    skew = [(f"H{k}: {{line: {{point: [{p}, 0], direction: [0, 0, 1]",
+             f"H{k}: {{line: {{point: [{p}, 0], direction: [1, {k}, 3]")
+            for k, p in ((1, "1, 0"), (2, "-1, 1"), (3, "0, -2"))]  # fmt: skip
+    assert with_points_for_lines(_spec(*skew)) is None
+
+
+def test_poses_are_certified_refined_and_refused() -> None:
+    instance = _spec()
+    result = solve(instance)
+    certificates = certify(instance, result.R, result.T)
+    assert certificates.distinct == 10
+    assert certificates.real == 2
+    assert refine(instance, certificates[0], 40).T[2].lstrip("-").strip("0.") == ""
+    wrong = result.T.copy()
+    wrong[:, 0] += 1e-3
+    assert certify(instance, result.R, wrong).certified == 0
+
+
+def test_the_plate_is_followed_on_the_table() -> None:
+    rows = np.array([VALUES, [0, 0, 0, 1.6, 2.1, 1.05]])
+    result = track(_spec(), rows)
+    assert not result.events
+    assert result.certified
+    # Points are followed, lines are what the file says.
+    assert result.instance.type == _spec().type
+    assert result.followed.type != result.instance.type
+    assert (result.conditions < 100).all()
+    end = solve(_spec(("value: 3/2", "value: 1.6"), ("value: 2}", "value: 2.1}"),
+                      ("[H3, P3], value: 1", "[H3, P3], value: 1.05")))  # fmt: skip
+    there = {tuple(row) for row in end.T[end.real].real.round(9).tolist()}
+    assert {tuple(row) for row in result.T[:, -1].round(9).tolist()} == there
+
+
+def test_no_clearance_is_claimed_where_distances_jump() -> None:
+    instance = _spec()
+    result = solve(instance)
+    R, T = result.R[result.real].real, result.T[result.real].real
+    assert clearances(instance, R, T).tolist() == [0, 0]
+
+
+# Where the lines of a DLL are parallel its equation holds at every distance: no pose.
+
+
+SPEC = """
+gsp: 1
+units: {{length: m, angle: deg}}
+platform:
+  L: {{line: {{point: [0, 0, 0], direction: [0, 0, 1]}}}}
+  P1: {{point: [0.3, 0.2, 0.1]}}
+  P2: {{point: [-0.3, 0.4, 0.5]}}
+  P3: {{point: [0.1, -0.6, 0.3]}}
+  P4: {{point: [0.5, 0.6, -0.3]}}
+base:
+  l: {{line: {{point: [0.25, 0, 0], direction: [0, 0, 1]}}}}
+  p1: {{point: [1, 0, 0]}}
+  p2: {{point: [0, 1.2, 0.1]}}
+  p3: {{point: [-0.8, 0.1, 0.4]}}
+  p4: {{point: [-0.8, -0.9, 0.4]}}
+constraints:
+  - {{distance: [L, l], value: {distance}}}
+  - {{angle: [L, l], value: {angle}}}
+  - {{distance: [P1, p1], value: sqrt(0.7*0.7 + 0.2*0.2 + 0.1*0.1)}}
+  - {{distance: [P2, p2], value: sqrt(0.3*0.3 + 0.8*0.8 + 0.4*0.4)}}
+  - {{distance: [P3, p3], value: sqrt(0.9*0.9 + 0.7*0.7 + 0.1*0.1)}}
+  - {{distance: [P4, p4], value: sqrt(1.3*1.3 + 1.5*1.5 + 0.7*0.7)}}
+"""
+
+
+def _solved(distance: str, angle: str) -> SolveResult:
+    return solve(loads(SPEC.format(distance=distance, angle=angle)))
+
+
+def _accounted(result: SolveResult) -> int:
+    return int(result.multiplicity.sum()) + result.account.expected - result.account.found
+
+
+def test_parallel_lines_at_the_distance_asked_for_are_a_pose() -> None:
+    result = _solved("0.25", "0")
+    assert result.verdict == "complete"
+    # The identity is the pose that the values were taken from; its parallel lines are right.
+    at_identity = [np.allclose(s.R, np.eye(3), atol=1e-4) for s in result.real_solutions]
+    assert sum(at_identity) == 1
+    assert result.account.spurious > 0
+    assert _accounted(result) == result.expected
+
+
+def test_parallel_lines_at_another_distance_are_none() -> None:
+    result = _solved("0.3", "0")
+    assert result.verdict == "complete"
+    # The others are complex directions whose difference is isotropic: not parallel, angle zero.
+    assert not result.real_solutions
+    assert result.account.spurious > 0
+    assert _accounted(result) == result.expected
+
+
+def test_lines_that_are_not_parallel_are_left_alone() -> None:
+    result = _solved("0.25", "20")
+    assert result.account.spurious == 0
+    assert _accounted(result) == result.expected
+
+
+def test_nearly_parallel_lines_are_a_pose() -> None:
+    """A regular end is never spurious: the lines are 1e-6 from parallel and the pose is simple."""
+    rng = np.random.default_rng(3)
+    instance, (R, T) = random_instance(parse_type("5PP DLL"), rng)
+    tilted = instance.constraints[5]
+    # The line of the platform is turned to be almost parallel to that of the base at the pose.
+    along = R.T @ (tilted.base.unit + 1e-6 * np.cross(tilted.base.unit, [1.0, 2.0, 3.0]))
+    line = Line(tilted.platform.position, vector(*map(float, along)))
+    arrangement = Arrangement.of(
+        replace(instance, constraints=(*instance.constraints[:5], replace(tilted, platform=line)))
+    )
+    values = np.abs(measured(arrangement, R, T))
+    moved = replace(
+        instance,
+        constraints=tuple(
+            replace(c, platform=line if i == 5 else c.platform, value=Number.of(float(values[i])))
+            for i, c in enumerate(instance.constraints)
+        ),
+    )
+    result = solve(moved)
+    assert result.account.spurious == 0
+    distance = min(np.abs(s.R - R).max() + np.abs(s.T - T).max() for s in result.real_solutions)
+    assert distance < 1e-6
+
+
+# Certificates where lines are parallel at some poses only: a plate on posts with a longer foot.
+
+
+POSTS = PLATE_ON_POSTS.replace("F1: {point: [3, 0, 0]}", "F1: {point: [3, 0, 1]}").replace(
+    "{distance: [F1, table], value: 0}", "{distance: [F1, table], value: 1}"
+)
+
+
+@pytest.fixture(scope="module")
+def plate() -> Instance:
+    return loads(POSTS)
+
+
+@pytest.fixture(scope="module")
+def found(plate: Instance) -> SolveResult:
+    return solve(plate)
+
+
+def test_all_poses_are_certified(plate: Instance, found: SolveResult) -> None:
+    alone = certify_alone(plate, found.R, found.T)
+    assert any(item.outcome is Outcome.NOT_ISOLATED for item in alone)
+    proved = certify_poses(plate, found.R, found.T)
+    assert proved.distinct == len(found.R)
+    assert proved.real == found.counts.real
+
+
+def test_no_other_pose_is(plate: Instance, found: SolveResult) -> None:
+    moved = certify_poses(plate, found.R, found.T + 1e-3)
+    assert moved.certified == 0
+    other = loads(POSTS.replace("value: 3/2", "value: 1.501"))
+    assert certify_poses(other, found.R, found.T).certified == 0
+
+
+def test_duplicates_are_told(plate: Instance, found: SolveResult) -> None:
+    proved = certify_poses(plate, found.R[[0, 1, 0]], found.T[[0, 1, 0]])
+    assert [item.same_as for item in proved] == [None, None, 0]
+    assert proved.distinct == 2
+
+
+def test_refined_digits_are_those_of_the_pose(plate: Instance, found: SolveResult) -> None:
+    shaken = certify_poses(plate, found.R, found.T + 1e-9)
+    assert shaken.certified == len(found.R)
+    for item in shaken:
+        # A bound: the error of the solution at 64 bits is part of it.
+        assert 1e-9 <= item.deviation * shaken.least_length * (1 + 1e-6) < 1e-7
+
+
+# Three angles that leave a rotation free: the platform moves, or nothing is left for it.
+
+
+def free_angles(name: str) -> tuple[tuple[Any, ...], ...]:
+    """Angles that leave a rotation free."""
+    x, y, z = (Line(ORIGIN, d) for d in (X, Y, Z))
+    back, diagonal = Line(ORIGIN, vector(-1, 0, 0)), Line(ORIGIN, vector(1, 1, 0))
+    rows = {
+        "one axis twice": ((x, x, 60), (x, x, 60), (z, z, 60)),
+        "one axis and its opposite": ((x, x, 60), (back, x, 120), (z, z, 60)),
+        "one axis three times": ((x, x, 60), (x, x, 60), (x, x, 60)),
+        "one line of the base": ((x, z, 60), (y, z, 60), (z, z, 45)),
+        "coplanar lines and one of the base": ((x, z, 60), (y, z, 60), (diagonal, z, 45)),
+        "right angles with one line": ((x, x, 90), (y, x, 90), (z, y, 90)),
+    }
+    return tuple(("ALL", *row) for row in rows[name])
+
+
+SURFACES = {
+    "spheres": tuple(
+        ("DPP", at(*y), at(*x), 2)
+        for y, x in (((0, 0, 0), (0, 0, 0)), ((1, 0, 0), (1, 1, 0)), ((0, 1, 0), (0, 1, 1)))
+    ),
+    "cylinders": cylinders(6, 4, 5),
+    "planes": tuple(("DPH", P, Plane(ORIGIN, d), 1) for d in (X, Y, Z)),
+}
+
+
+@pytest.mark.parametrize("surfaces", SURFACES)
+@pytest.mark.parametrize(
+    "name",
+    [
+        "one axis twice",
+        "one axis and its opposite",
+        "one axis three times",
+        "one line of the base",
+        "coplanar lines and one of the base",
+        "right angles with one line",
+    ],
+)
+def test_a_free_rotation_is_a_motion(name, surfaces):
+    result = solved(*SURFACES[surfaces], *free_angles(name))
+    assert result.verdict == "infinite"
+    # That there are infinitely many is proved by the count: of so special a set paths may be lost.
+    assert result.poses.proof is not None
+    assert result.account.lost < 8
+    motion = result.motions[0]
+    assert motion.real
+    assert residuals(result.arrangement, motion.R, motion.T).max() < 1e-9
+
+
+def test_a_free_rotation_without_any_translation_has_no_pose():
+    """Two concentric spheres: path tracking confirms what sample rotations only suggest."""
+    result = solved(
+        *spheres((at(0, 0, 0), 1), (at(0, 0, 0), 2), (at(1, 0, 0), 1)),
+        *free_angles("one axis twice"),
+    )
+    assert result.verdict == "complete"
+    assert (result.counts.found, result.account.at_infinity) == (0, 16)
+
+
+# Constraints that are the same leave motions, which are listed and proved; others do not.
+
+
+TEXT = """
+gsp: 1
+units: {{length: m, angle: deg}}
+platform: {{{ys}, Z: {{point: [1, 0.2, 0]}}}}
+base: {{{xs}, {other}}}
+constraints:
+{rows}
+  - {{distance: [Z, W], value: 2}}
+"""
+#: A file names equal points apart: a distance of two named points is there once.
+YS = ", ".join(f"Y{k}: {{point: [0.1, -0.4, 0.3]}}" for k in range(5))
+XS = ", ".join(f"X{k}: {{point: [1.2, 0.3, -0.7]}}" for k in range(5))
+OTHERS = {
+    "DPP": "W: {point: [0, 1, 2]}",
+    "DPH": "W: {plane: {point: [0, 1, 2], normal: [1, 2, 2]}}",
+    "DPL": "W: {line: {point: [0, 1, 2], direction: [1, 2, 2]}}",
+}
+
+
+def _platform(kind: str, *values: str) -> Instance:
+    rows = (f"  - {{distance: [Y{k}, X{k}], value: {value}}}" for k, value in enumerate(values))
+    return loads(TEXT.format(ys=YS, xs=XS, other=OTHERS[kind], rows="\n".join(rows)))
+
+
+@pytest.mark.parametrize("kind", OTHERS)
+def test_five_equal_constraints_leave_a_real_motion(kind: str) -> None:
+    instance = _platform(kind, *5 * ["2.25"])
+    found = solve(instance)
+    assert found.verdict == "infinite"
+    assert found.proof is not None
+    assert found.proof.error == 0
+    motion = next(motion for motion in found.motions if motion.real)
+    assert motion.dimension == 4
+    sizes = relative_residuals(Arrangement.of(instance), motion.R, motion.T)
+    assert np.abs(sizes).max() < 1e-9
+
+
+def test_other_values_between_the_same_points_are_no_motion() -> None:
+    """Five distances of the same two points of which one differs: there is no pose."""
+    assert _repeated(_platform("DPP", *4 * ["2.25"], "2.26")) is None
+
+
+def test_six_different_constraints_are_left_to_counts() -> None:
+    assert _repeated(_platform("DPP", "2.1", "2.2", "2.3", "2.4", "2.5")) is None
+
+
+def _repeated(instance: Instance) -> PoseSet | None:
+    problem = Problem(instance)
+    return poses_of_repeated(problem, Ledger(problem))
+
+
+# Nearly singular poses at T = 0, where the frames of most machines coincide: none is lost.
+
+
+#: Nearly singular at R = 1, T = 0, which certifies; 36 of the 40 poses are not real.
+_SPEC = """
+gsp: 1
+units: {length: m, angle: deg}
+platform:
+  Y1: {point: [-2, -1, -3]}
+  Y2: {point: [2, 0, 0]}
+  Y3: {point: [-2, -3, -3]}
+  Y4: {point: [-3, 0, 1]}
+  Y5: {point: [-1, 3, 3]}
+  Y6: {point: [-3, -2, 1]}
+base:
+  X1: {point: [4, 1, 0]}
+  X2: {point: [-2, -3, 0]}
+  X3: {point: [-1, -4, 0]}
+  X4: {point: [0, -1, -2]}
+  X5: {point: [0, 0, 1]}
+  X6: {point: [-3, -2.262242, 2]}
+constraints:
+  - {distance: [Y1, X1], value: 7}
+  - {distance: [Y2, X2], value: 5}
+  - {distance: [Y3, X3], value: sqrt(11)}
+  - {distance: [Y4, X4], value: sqrt(19)}
+  - {distance: [Y5, X5], value: sqrt(14)}
+  - {distance: [Y6, X6], value: sqrt(1.068770866564)}
+"""
+
+
+def test_a_nearly_singular_pose_at_the_origin_is_found() -> None:
+    result = solve(loads(_SPEC))
+    assert result.verdict == "complete"
+    assert result.counts.certified == 40
+    assert result.counts.real == 4
+    at_rest = np.abs(result.T[result.real]).max(axis=1) == 0
+    assert at_rest.sum() >= 1
+    turned = np.abs(result.R[result.real][at_rest] - np.eye(3)).max(axis=(1, 2))
+    assert turned.max() < 1e-6
+
+
+@pytest.mark.parametrize("shift", ["1e-4", "1e-6", "-3e-7", "1e-8", "1e-10"])
+def test_none_is_lost_wherever_the_last_leg_begins(shift: str) -> None:
+    """Its foot is moved, its length is still that at R = 1, T = 0: exactly, in decimals."""
+    foot = Decimal("-2.262242") + Decimal(shift)
+    square = 1 + (foot + 2) ** 2
+    spec = _SPEC.replace("-2.262242", f"{foot:f}").replace("1.068770866564", f"{square:f}")
+    result = solve(loads(spec))
+    assert (result.verdict, result.counts.certified) == ("complete", 40)
+    assert (np.abs(result.T[result.real]).max(axis=1) == 0).any()
