@@ -4,11 +4,11 @@
 // expression differs from its exact value by at most m u / (1 - m u), u = 2^-53, times the same
 // expression of the moduli of its terms (as in gspcli.certification.poses.isolation). The numbers z
 // and d of a chord are exact by definition. Entries of Hessian matrices carry 4 roundings, a
-// gradient 12, a value 21, c 9, N 5. A coefficient of a plain equation has at most 27, one of the
-// other equations 60 (c times N^2 - B^2). Splitting off the factor tau^2 - 1/4 adds 6, products
-// with Y 12. So kPlain = 64 u and kOthers = 128 u bound it all. At tau the moduli of all
-// coefficients add up to at most their expression at |z| + |d| / 2. Sums of nonnegative bounds are
-// rounded outward at the end.
+// gradient 12, a value 21, c 9, N 5. A test runs these formulas with numbers that count: a coefficient
+// of a plain equation has at most 28, a product 44, one of lines 68; with the factor tau^2 - 1/4
+// split off and products with Y it is 77. So kPlain = 64 u and kOthers = 128 u bound it all. At tau
+// the moduli of all coefficients add up to at most their expression at |z| + |d| / 2. Sums of
+// nonnegative bounds are rounded outward at the end.
 //
 // Included by each build of branch_follower.cpp.
 #pragma once

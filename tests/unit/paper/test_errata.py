@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 
 from gspcli.errors import CheckFailed
@@ -14,6 +16,15 @@ from gspcli.paper.printed import Difference
 @pytest.mark.parametrize("erratum", ERRATA, ids=lambda erratum: erratum.key)
 def test_every_erratum_is_proved(erratum: Erratum) -> None:
     assert len(prove(erratum)) > 20
+
+
+@pytest.mark.parametrize("erratum", ERRATA, ids=lambda erratum: erratum.key)
+def test_numbers_of_an_erratum_are_those_of_its_proof(erratum: Erratum) -> None:
+    """Where a number of the paper is wrong, the proof computes the right one."""
+    if erratum.sort == "wrong":
+        evidence = set(re.findall(r"\d+", prove(erratum)))
+        stated = set(re.findall(r"(?<![√\d])\d{2,}", erratum.correct))
+        assert stated <= evidence
 
 
 @pytest.mark.parametrize("number", [1, 2, 3])

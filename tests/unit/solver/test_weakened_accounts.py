@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from gspcli.catalogue.kinds import ALL, DPH, DPL, DPP
+from gspcli.catalogue.kinds import ALL, DLL, DPH, DPL, DPP
 from gspcli.continuation.ends import clusters, infinite, may_coincide
 from gspcli.geometry.instance import AngleUnit, Constraint, Side
 from gspcli.geometry.numbers import Number
@@ -20,7 +20,7 @@ from gspcli.solver.results.proof import CountKind
 from gspcli.solver.side_poses import SidePoses
 from gspcli.solver.special.by_count import _by_geometry
 from gspcli.solver.special.completion import _multiplicities
-from gspcli.solver.special.infinite_sets import _different
+from gspcli.solver.special.infinite_sets import _different, _proof
 
 
 @pytest.mark.parametrize(
@@ -131,3 +131,17 @@ def test_only_ends_of_a_range_are_several_real_constraints() -> None:
     for value, rows in (("0", 2), ("180", 2), ("90", 1), ("1e-9", 1), ("179.999", 1)):
         given = Constraint(ALL, line, line, Number.of(value))
         assert len(real_statement(given, AngleUnit.DEGREE)) == rows
+
+
+def test_infinitely_many_solutions_are_no_poses_where_lines_are_parallel() -> None:
+    """The equation of a DLL holds wherever its lines are parallel: only a part proves poses."""
+    part = SimpleNamespace(error=1e-12)
+    plain, lines = (
+        SimpleNamespace(constraints=[SimpleNamespace(kind=kind)] * 6) for kind in (DPP, DLL)
+    )
+    for parts, error in (((None, None), None), ((None, part), 1e-12)):
+        sides = [SimpleNamespace(infinite_part=one) for one in parts]
+        count = SimpleNamespace(error=1e-20, sides=sides)
+        assert _proof(plain, count).error == 1e-20
+        found = _proof(lines, count)
+        assert found is None if error is None else found.error == error

@@ -1,5 +1,7 @@
 import math
+import random
 from dataclasses import replace
+from fractions import Fraction
 
 import pytest
 from flint import fmpz
@@ -8,7 +10,7 @@ from gspcli import hexapod
 from gspcli.catalogue.recorded_varieties import varieties
 from gspcli.certification.counting import count_exactly
 from gspcli.certification.counting.coordinate_choice import choose
-from gspcli.certification.counting.equation_heights import equation_height
+from gspcli.certification.counting.equation_heights import _log_above, equation_height
 from gspcli.certification.counting.error_bounds import ErrorBounds, MinorBits
 from gspcli.certification.counting.exact_platform import evaluated, exact_constraints
 from gspcli.certification.counting.homomorphism import Homomorphism, Randomness, Requirements
@@ -114,3 +116,17 @@ def test_spurious_solutions_have_a_bound_too():
     found = bounds(lines)
     assert 0 < found.spurious(8, 60, 1) < found.spurious(8, 60, 2) <= 1
     assert found.count(6, finite=False) > found.count(6, finite=True)
+
+
+def test_logarithms_are_rounded_upwards() -> None:
+    """Also of powers of two, and of what is just above one; no farther than two bits."""
+    near = [Fraction(2**k + d, 2**j) for k in (1, 5, 40) for d in (-1, 0, 1) for j in (0, 3, 39)]
+    rng = random.Random(1)
+    for x in [
+        *near,
+        *(Fraction(rng.randrange(1, 10**9), rng.randrange(1, 10**9)) for _ in range(200)),
+    ]:
+        bits = int(_log_above(x))
+        assert 2**bits >= x
+        assert _log_above(-x) == bits
+        assert bits == 0 or x * 4 > 2**bits

@@ -1,0 +1,54 @@
+"""The constants of rounding of the kernel's loops: its own formulas count their roundings."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[4]
+
+
+def lines_of(folder: Path, name: str) -> list[str]:
+    """Return what a program prints that is compiled with sources of the kernel."""
+    for path in (ROOT / "native").iterdir():
+        shutil.copy(path, folder)
+    for path in (ROOT / "tests/support/counted").iterdir():
+        if name == "chord" or path.stem != "lanes":
+            shutil.copy(path, folder)
+    options = ["-std=c++20", "-O1", "-w", f"-I{folder}"]
+    program = folder / name
+    subprocess.run(["g++", *options, folder / f"{name}.cpp", "-o", program], check=True)
+    return subprocess.run([program], check=True, capture_output=True, text=True).stdout.splitlines()
+
+
+@pytest.fixture(scope="module")
+def counted(tmp_path_factory: pytest.TempPathFactory) -> list[str]:
+    """Return what the headers of the kernel count, with numbers that count for lanes."""
+    return lines_of(tmp_path_factory.mktemp("counted"), "chord")
+
+
+def test_no_term_goes_through_more_roundings_than_its_constant_allows(counted: list[str]) -> None:
+    """Plain equations, products, and lines: values, parts times Y, and gradients times Y."""
+    plain, others = (float(x) for x in counted[3].split()[1:])
+    assert (plain, others) == (64, 128)
+    for line, most in zip(counted[:3], (plain, others, others), strict=True):
+        value, parts, gradient = map(int, line.split()[1:])
+        # A gradient of degree four has four times the constant.
+        assert 15 < value < parts < most
+        assert 15 < gradient < most
+
+
+def test_values_of_angles_are_within_the_bound_about_their_parabola(counted: list[str]) -> None:
+    worst = float(counted[4].split()[1])
+    assert 0.1 < worst <= 1
+
+
+def test_sizes_of_numbers_are_those_before_terms_cancel(tmp_path: Path) -> None:
+    """Errors are parts of the terms, however small their sum is."""
+    found = [tuple(map(float, line.split())) for line in lines_of(tmp_path, "open")]
+    assert [size for _, size in found] == [6, 6, 12, 16, 3, 12, 12, 18]
+    assert found[0][0] == 2.0**-59
+    assert [value for value, _ in found[5:]] == [0, 0, 0]
