@@ -18,7 +18,7 @@ def lines_of(folder: Path, name: str) -> list[str]:
     for path in (ROOT / "tests/support/counted").iterdir():
         if name == "chord" or path.stem != "lanes":
             shutil.copy(path, folder)
-    options = ["-std=c++20", "-O1", "-w", f"-I{folder}"]
+    options = ["-std=c++20", "-O1", "-w", f"-I{folder}", f"-I{ROOT / 'native'}"]
     program = folder / name
     subprocess.run(["g++", *options, folder / f"{name}.cpp", "-o", program], check=True)
     return subprocess.run([program], check=True, capture_output=True, text=True).stdout.splitlines()
@@ -52,3 +52,10 @@ def test_sizes_of_numbers_are_those_before_terms_cancel(tmp_path: Path) -> None:
     assert [size for _, size in found] == [6, 6, 12, 16, 3, 12, 12, 18]
     assert found[0][0] == 2.0**-59
     assert [value for value, _ in found[5:]] == [0, 0, 0]
+
+
+def test_derivatives_by_twists_are_within_the_bounds_of_the_controller(tmp_path: Path) -> None:
+    """Of points, and of those that lines and planes of the platform see; the bounds are sharp."""
+    for line in lines_of(tmp_path, "jets"):
+        for worst in map(float, line.split()):
+            assert 0.7 < worst <= 1 + 1e-12
