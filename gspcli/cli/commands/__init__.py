@@ -47,7 +47,7 @@ BY_HEADING: dict[str, dict[str, str]] = {
         "frequencies.",
         "clearance": "Bound how far values, or the pose, may change before a mode meets a "
         "singularity.",
-        "scan": "Count the real assembly modes where one or two values or motors vary.",
+        "scan": "Count the real assembly modes where one or two values or drives vary.",
         "workspace": "Show what a platform can reach: travel of each axis, positions, "
         "orientations.",
         "calibrate": "Find the true numbers of a platform from measured values and poses.",

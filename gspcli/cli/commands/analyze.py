@@ -258,7 +258,7 @@ def _geometry(text: str | None) -> list[float] | None:
     return numbers
 
 
-_TRANSMISSION = "transmission: the part of a motor's motion along its rod, 0 at a dead point"
+_TRANSMISSION = "transmission: the part of a drive's motion along its rod, 0 at a dead point"
 _TWIST = ("rx", "ry", "rz", "x", "y", "z")
 _WRENCH = ("mx", "my", "mz", "fx", "fy", "fz")
 

@@ -53,7 +53,7 @@ _POSE = ("x", "y", "z", "qw", "qx", "qy", "qz")
 @click.option(
     "--drives",
     is_flag=True,
-    help="The numbers of the motors: angles of cranks, places of slides, other values.",
+    help="The numbers of the drives: angles of cranks, places of slides, other values.",
 )
 @click.option(
     "--cranks",
@@ -95,11 +95,11 @@ def command(
     Yaw, Time. Decimals may have a comma if columns are separated by semicolons. An unknown
     column is a mistake; --ignore leaves it out.
 
-    --drives gives the places of the motors instead: the angle of each crank and the place of each
-    slide, from where its point is stated. A constraint without a motor has its value. The rods keep
+    --drives gives the places of the drives instead: the angle of each crank and the place of each
+    slide, from where its point is stated. A constraint without either has its value. The rods keep
     the lengths of SPEC. If two angles or places reach the pose, the one on the side of home is
     taken; without a home, the one that is nearer to zero at the first pose. The column transmission
-    is the least part of a motor's motion that acts along its rod. `gsp track` takes these columns.
+    is the least part of a drive's motion that acts along its rod. `gsp track` takes these columns.
     --cranks gives the cranks only.
 
     If SPEC states shapes of its legs, each row has the least gap between two of them, or
@@ -107,7 +107,7 @@ def command(
 
     --nearest gives the nearest pose that was found within all ranges and cones, with its values
     and the limits that it meets. For a machine with cranks or slides it gives the places of the
-    motors. The platform is at home first, then where the row before is.
+    drives. The platform is at home first, then where the row before is.
     The distance adds the squares of the shift and of the turn times the platform's size.
 
     A pose that the machine cannot take has a blank row, and the column refused says why: a rod
@@ -249,7 +249,7 @@ def _result(
 
 
 def _motors(instance: Instance, table: PoseTable, t: list[float], *, cranks: bool) -> Result:
-    """Return the numbers of the motors and their transmissions, or the angles of the cranks."""
+    """Return the numbers of the drives and their transmissions, or the angles of the cranks."""
     from gspcli.motion import crank_angles, drive_values
     from gspcli.motion.poses.cranks import refusals
 
@@ -281,7 +281,7 @@ def _motors(instance: Instance, table: PoseTable, t: list[float], *, cranks: boo
     if drives.driven.any():
         columns.append(FIELDS["transmission"])
         notes.append(
-            "transmission: the least part of a motor's motion along its rod, 0 at a dead point"
+            "transmission: the least part of a drive's motion along its rod, 0 at a dead point"
         )
         share = drives.transmission(drives.gains(table.R, table.T, q))[:, drives.driven]
         for k, least in enumerate(share.min(axis=1).tolist()):

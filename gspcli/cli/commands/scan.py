@@ -1,4 +1,4 @@
-"""`gsp scan`: how many assembly modes there are where values or motors vary."""
+"""`gsp scan`: how many assembly modes there are where values or drives vary."""
 
 from __future__ import annotations
 
@@ -106,7 +106,7 @@ def command(
     workers: Workers,
     output: Output,
 ) -> int:
-    """Count the real assembly modes where one or two values or motors vary.
+    """Count the real assembly modes where one or two values or drives vary.
 
     All poses are found at every node of the grid. The column modes has the number of real ones,
     condition the smallest condition number of one.
@@ -117,13 +117,13 @@ def command(
     that leave the number unchanged are found from complex solutions, without proof that none is
     missed.
     Where symmetries let several modes meet at once, there is no simple fold: it is said how many
-    meet, and between which values; the numbers on both sides are proved. Over two values or motors
+    meet, and between which values; the numbers on both sides are proved. Over two values or drives
     the folds are points of a curve (the discriminant), which pictures show with its cusps. Between
     the proved points the curve is followed numerically, without proof.
 
-    For a machine with arms or rails the readings of its motors vary (crank.B1, slide.B1). At each
-    node the joints are moved there, and the other motors stay where they are stated. The
-    clearance is that of the motors, as in `gsp clearance`.
+    For a machine with arms or rails the readings of its drives vary (crank.B1, slide.B1). At each
+    node the joints are moved there, and the other drives stay where they are stated. The
+    clearance is that of the drives, as in `gsp clearance`.
 
     Over poses (--pose) nothing is solved. Each node has the determinant of the Jacobian matrix
     (free of units, as in `gsp analyze`), its sign and the condition number. --folds gives the poses

@@ -101,7 +101,7 @@ def command(
     FILE has poses as `gsp measure` takes them, in CSV. Columns mode, condition and clearance are
     read if they exist. Rows without a pose are skipped.
 
-    With --live the page has sliders for the six values, or for the motors of cranks and slides, and
+    With --live the page has sliders for the six values, or for cranks and slides, and
     for the pose. It finds all poses again at each move, and proves each. Beside it is a map of the
     number of real poses.
 
