@@ -1,4 +1,4 @@
-"""The constants of rounding of the kernel's loops: its own formulas count their roundings."""
+"""Bounds of the kernel and of the controller: their own sources, counted and sampled."""
 
 from __future__ import annotations
 
@@ -59,3 +59,12 @@ def test_derivatives_by_twists_are_within_the_bounds_of_the_controller(tmp_path:
     for line in lines_of(tmp_path, "jets"):
         for worst in map(float, line.split()):
             assert 0.7 < worst <= 1 + 1e-12
+
+
+def test_points_of_motors_move_within_the_bound_in_a_box_of_poses(tmp_path: Path) -> None:
+    """Also those of the platform, which turn with it: to second order, and no less."""
+    for line in lines_of(tmp_path, "swing"):
+        slide, of_platform, worst = line.split()
+        assert float(worst) <= 1 + 1e-9
+        # The point of a slide of the base moves on a straight line.
+        assert float(worst) > 0.5 or (slide, of_platform) == ("1", "0")
