@@ -38,3 +38,22 @@ SHOWN int skew(const double* numbers, const double* rotation, double deviation) 
   for (int k = 0; k < 9; ++k) R[k] = {rotation[k], 0.0};
   return proofs.are_skew(R, deviation);
 }
+
+// In the place of the proofs of poses far away: each errs by one in units of its own equations.
+namespace gsp {
+void decide_far_portable(const FarGeometry& geometry, const FarValues&, double*, const Poses& out) {
+  for (int k = 0; k < geometry.count; ++k) out.deviation[k] = 1.0;
+}
+}  // namespace gsp
+
+// The error of a pose far away in units of the other equations.
+SHOWN double far_deviation(double far_scale, double scale) {
+  const double nothing[1] = {0.0}, zeros[64] = {};
+  gsp::live::Numbers read(nothing);
+  gsp::live::FarPart part(read);
+  part.count_ = 1;
+  part.real_ = {1}, part.paired_ = {0};
+  part.values_ = part.powers_ = zeros;
+  part.scale_ = far_scale;
+  return part.beside(gsp::live::Found(0), zeros, 1.0, scale).deviation[0];
+}

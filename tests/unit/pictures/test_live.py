@@ -476,7 +476,7 @@ def library(tmp_path_factory: pytest.TempPathFactory) -> ctypes.CDLL:
     options += ["-fvisibility-inlines-hidden", "-Wl,--gc-sections", f"-I{MODULE}"]
     subprocess.run(["g++", *options, *sources, "-o", path], check=True)
     found = ctypes.CDLL(str(path))
-    found.clearance.restype = ctypes.c_double
+    found.clearance.restype = found.far_deviation.restype = ctypes.c_double
     return found
 
 
@@ -505,6 +505,14 @@ def test_clearances_are_those_of_the_package(library: ctypes.CDLL, kinds: str) -
         # A radius is sought up to a percent.
         assert found == pytest.approx(wanted, rel=0.011)
     assert clear
+
+
+@pytest.mark.parametrize(("far", "scale", "error"), [(4, 1, 4), (1, 1, 1), (1, 4, 1), (8, 4, 2)])
+def test_errors_of_poses_far_away_are_in_the_unit_of_the_others(
+    library: ctypes.CDLL, far: float, scale: float, error: float
+) -> None:
+    """Of translations; those of rotations have no unit and stay."""
+    assert library.far_deviation(ctypes.c_double(far), ctypes.c_double(scale)) == error
 
 
 def test_poses_are_different_only_beyond_both_bounds(library: ctypes.CDLL) -> None:
