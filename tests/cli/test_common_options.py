@@ -25,7 +25,6 @@ from gspcli.geometry.home_pose import Frame, Frames, HomePose
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.quaternions import quaternion_from_rotation, rotation_from_quaternion
-from gspcli.geometry.readings import readings_of
 from gspcli.motion.poses.mode_filters import ModeFilter, heights, parse_conditions
 from gspcli.resources import data_path
 from gspcli.solver import solve
@@ -905,25 +904,17 @@ def test_ranges_are_required_of_values(gsp, tmp_path, rows, arguments, most):
 
 
 @pytest.mark.parametrize("ranged", [True, False])
-@pytest.mark.parametrize("arguments", [{}, {"random": 12}, {"within": {1: (0.47, 0.5)}}])
-def test_sensors_see_the_same_modes(ranged, arguments):
+def test_sensors_see_the_same_modes(ranged):
     found = []
     for instance in (by_readings(), corrected()):
         if not ranged:
             rows = tuple(replace(row, limits=None) for row in instance.constraints)
             instance = replace(instance, constraints=rows)
-        given = dict(arguments)
-        if "within" in given:
-            ends = np.tile([[0.0] * 6], (2, 1))
-            ends[:, 0] = given["within"][1]
-            given["within"] = {1: tuple(readings_of(instance, ends)[:, 0].tolist())}
-        found.append(gspcli.sensors(instance, sensors=["leg P1 B2", "inclinometer"], **given))
+        found.append(gspcli.sensors(instance, sensors=["leg P1 B2", "inclinometer"]))
     one, other = found
-    assert one.drawn == other.drawn
     assert one.separations.modes.tolist() == other.separations.modes.tolist()
     assert other.separations.modes.max() > 1
     assert one.separations.least == pytest.approx(other.separations.least, rel=1e-6, abs=1e-6)
-    assert np.abs(one.values - other.values).max() > 0.03
 
 
 def test_sensors_at_rows_of_readings():

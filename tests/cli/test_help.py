@@ -149,8 +149,6 @@ def _completed(line: str) -> list[str]:
         ("gsp solve x.yaml -o p", ["<file>"]),
         ("gsp example fix", ["fixture-3-2-1"]),
         ("gsp bound --part b", ["bounds"]),
-        ("gsp atlas ver", ["verify"]),
-        ("gsp atlas build --folder d", ["<dir>"]),
     ],
 )
 def test_completions(line: str, expected: list[str]) -> None:

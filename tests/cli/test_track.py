@@ -495,7 +495,6 @@ def test_poses_relative_to_home(gsp, tmp_path):
         ("1,2\n424,424\n", (), "--along poses is about a file of poses: found values"),
         (TRACK_SAFETY_POSES, ("--mode", "16"), "leave out --mode, --near, --all-modes"),
         (TRACK_SAFETY_POSES, ("--complete",), "leave out --mode, --near, --all-modes"),
-        (TRACK_SAFETY_POSES, ("--no-certify",), "leave out --mode, --near, --all-modes"),
     ],
 )
 def test_what_does_not_go_with_straight_ways(gsp, tmp_path, text, words, message):
