@@ -7,8 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.motion.files.column_units import FileUnits
-from gspcli.motion.files.headings import order_of
+from gspcli.motion.files.headings import FileUnits, order_of
 from gspcli.motion.files.number_tables import NumberTable
 from gspcli.motion.files.pose_files import (
     ANGLES,

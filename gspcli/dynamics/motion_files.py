@@ -16,7 +16,7 @@ from gspcli.geometry.instance import Instance
 from gspcli.geometry.readings import factors
 from gspcli.motion import PoseFormat, read_poses, read_values
 from gspcli.motion.files.number_tables import NumberTable
-from gspcli.motion.files.pose_files import names_poses, poses_in
+from gspcli.motion.files.pose_files import measured_columns, names_poses, poses_in
 from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
@@ -119,7 +119,7 @@ def _both(
 
 
 def _pose_rows(table: NumberTable, instance: Instance, form: PoseFormat) -> PoseRows:
-    poses = poses_in(table, form)
+    poses = poses_in(table, form, measured_columns(table))
     velocity, acceleration = _both(table, VELOCITY, ACCELERATION)
     if poses is not None and poses.t is not None:
         for row in np.flatnonzero(np.diff(poses.t) <= 0):

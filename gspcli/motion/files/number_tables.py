@@ -11,9 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.errors import Location, Mistake, SpecError
-from gspcli.motion.files.column_units import FileUnits
-from gspcli.motion.files.headings import headings, hints
-from gspcli.motion.files.known_columns import BESIDE, left_out, unknown
+from gspcli.motion.files.headings import BESIDE, FileUnits, headings, hints, left_out, unknown
 from gspcli.records import dataclass
 from gspcli.wording import listed, shown, suggestion
 
@@ -58,7 +56,7 @@ class NumberTable:
     units
         The units to which numbers are converted.
     ignore
-        Columns that are left out (`gspcli.motion.files.known_columns`).
+        Columns that are left out (`gspcli.motion.files.headings`).
     columns
         The names of the columns, instead of the heading, if there is one; ``-`` and empty names
         leave a column out.

@@ -20,8 +20,7 @@ from gspcli.geometry.euler import euler_from_rotation, rotation_from_euler
 from gspcli.geometry.evaluation import LARGEST
 from gspcli.geometry.frames import IDENTITY, PoseFrame
 from gspcli.geometry.quaternions import quaternion_from_rotation, rotation_from_quaternion
-from gspcli.motion.files.column_units import FileUnits
-from gspcli.motion.files.headings import order_of
+from gspcli.motion.files.headings import FileUnits, order_of
 from gspcli.motion.files.number_tables import NumberTable, check, wrong_number
 from gspcli.records import dataclass
 from gspcli.wording import shown
@@ -36,6 +35,7 @@ ANGLES = ("rx", "ry", "rz")
 ENTRIES = tuple(f"r{i}{j}" for i in "123" for j in "123")
 #: All columns of a pose.
 COLUMNS = (*POSITION, *TRANSLATION, *QUATERNION, *ANGLES, *ENTRIES)
+_DRIVE = re.compile(r"(crank|slide)\..+", re.IGNORECASE)
 #: Largest difference of the entries of R from those of a rotation, since they are often rounded to
 #: three decimals. The nearest rotation is taken.
 _ROUNDED = 1e-3
@@ -63,7 +63,7 @@ class PoseFormat:
         The name of the unit of lengths; empty if it does not matter.
     ignore
         Columns that are left out; ``*`` in a name stands for any text
-        (`gspcli.motion.files.known_columns`).
+        (`gspcli.motion.files.headings`).
     frame
         The frame in which poses are expressed.
     columns
@@ -141,11 +141,15 @@ def read_poses(text: str, name: str, form: PoseFormat) -> PoseTable:
     if text.lstrip()[:1] in ("{", "["):
         return _read_json(text, name, form)
     table = NumberTable(text, name, form.units, form.ignore, form.columns)
-    # Values are what poses measure: a plan of `gsp calibrate` has both.
-    poses = poses_in(table, form, "123456")
+    poses = poses_in(table, form, measured_columns(table))
     table.check()
     assert poses is not None
     return poses
+
+
+def measured_columns(table: NumberTable) -> set[str]:
+    """Return the columns of values and drives, which tables of paths have beside their poses."""
+    return {*"123456", *(name for name in table.heading if _DRIVE.fullmatch(name))}
 
 
 def has_poses(text: str, name: str, form: PoseFormat) -> bool:
