@@ -8,8 +8,8 @@ namespace {
 
 // A feature that is smaller than this part of a quadric is a rounding error, and set to zero: the
 // path must stay in the linear space of quadrics that contains both ends. For numbers in doubles,
-// and with 64 digits.
-constexpr double kNoise = 1e-15, kDeepNoise = 1e-60;
+// and with 32 digits.
+constexpr double kNoise = 1e-15, kDeepNoise = 1e-30;
 
 constexpr int kParts = 1 + kMore;
 
@@ -46,7 +46,7 @@ Sum operator*(double x, Sum a) {
   return a;
 }
 
-// A complex number in 64 digits.
+// A complex number in 32 digits.
 struct Wide {
   Sum re, im;
   Complex operator[](int k) const { return {re.part[k], im.part[k]}; }
@@ -104,7 +104,7 @@ unsigned clean(const std::complex<double>* q, std::complex<double>* out) {
   return groups(out);
 }
 
-// The same in 64 digits.
+// The same in 32 digits.
 unsigned clean(const Wide* q, Wide* out) {
   to_features(q, out);
   std::complex<double> high[kFeatures];

@@ -1,5 +1,5 @@
 // Complex arithmetic on vectors of real numbers, one path in each lane: sums of GSP_PARTS doubles,
-// one, two or four.
+// one or two.
 //
 // Included by each build of tracker.cpp and of intersection.cpp: all in an anonymous namespace, so
 // that the linker cannot merge functions that were compiled for different processors.
@@ -57,20 +57,14 @@ INLINE D fused(const D& a, const D& b, const D& c) {
 
 #if GSP_PARTS == 2
 #include "double_double.hpp"
-#elif GSP_PARTS == 4
-#include "quad_double.hpp"
 #endif
 
 namespace gsp {
 namespace {
 
-#if GSP_PARTS == 4
-typedef QuadDouble V;
-constexpr double kEpsilon = 1e-60;  // of rounding in the equations
-INLINE V splat(double x) { return V(D{} + x); }
-#elif GSP_PARTS == 2
+#if GSP_PARTS == 2
 typedef DoubleDouble V;
-constexpr double kEpsilon = 1e-31;
+constexpr double kEpsilon = 1e-31;  // of rounding in the equations
 INLINE V splat(double x) { return V(D{} + x); }
 #else
 typedef D V;

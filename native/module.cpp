@@ -50,7 +50,6 @@ struct Build {
   const char* name;
   Track* track;
   Track* track_double_double;
-  Track* track_quad_double;
   Track* track_short;
   TrackReal* track_real;
   Intersect* intersect;
@@ -62,17 +61,17 @@ struct Build {
 };
 
 constexpr Build kPortable{
-    "portable",     track_portable,     track_portable_double_double, track_portable_quad_double,
+    "portable",     track_portable,     track_portable_double_double,
     track_portable_short, track_portable_real, intersect_portable, count_portable,
     follow_portable, decide_portable,
     {decide_far_portable, follow_far_portable}, track_values_portable};
 #if defined(GSP_X86)
 constexpr Build kAvx2{
-    "avx2",           track_avx2, track_avx2_double_double, track_avx2_quad_double, track_avx2_short,
+    "avx2",           track_avx2, track_avx2_double_double, track_avx2_short,
     track_avx2_real, intersect_avx2,   count_avx2, follow_avx2, decide_avx2,
     {decide_far_avx2, follow_far_avx2}, track_values_avx2};
 constexpr Build kAvx512{
-    "avx512",           track_avx512, track_avx512_double_double, track_avx512_quad_double,
+    "avx512",           track_avx512, track_avx512_double_double,
     track_avx512_short, track_avx512_real, intersect_avx512, count_avx512,      follow_avx512,
     decide_avx512, {decide_far_avx512, follow_far_avx512}, track_values_avx512};
 
@@ -132,20 +131,17 @@ nb::tuple track(nb::ndarray<const bool, nb::ndim<1>, nb::c_contig, nb::device::c
               more_h.shape(0) == more_parts && more_h.shape(1) == kEquations &&
               more_h.shape(2) == kCoefficients && more_tau.shape(0) == more_parts &&
               more_tau.shape(1) == kEquations,
-          "what more digits add to one target must have shapes (3, 6, 27), (3, 6, 27), (3, 6)");
+          "what more digits add to one target must have shapes (1, 6, 27), (1, 6, 27), (1, 6)");
   require(low_points.shape(1) == kMore && low_points.shape(2) == kVariables &&
               (low_points.shape(0) == 0 || low_points.shape(0) == paths),
-          "what is added to points must have shape (paths, 3, 8), or be of no paths");
+          "what is added to points must have shape (paths, 1, 8), or be of no paths");
   require(left.shape(0) == 0 || left.shape(0) == paths,
           "what is left of the way must have shape (paths,), or be of no paths");
-  require(digits == 16 || digits == 32 || digits == 64, "digits must be 16, 32 or 64");
+  require(digits == 16 || digits == 32, "digits must be 16 or 32");
   const bool extended = digits > 16;
   require(points.shape(1) == kVariables, "points must have shape (paths, 8)");
   const Build chosen = build_named(build);
-  Track* const run = digits == 32   ? chosen.track_double_double
-                     : digits == 64 ? chosen.track_quad_double
-                     : short_series ? chosen.track_short
-                                    : chosen.track;
+  Track* const run = extended ? chosen.track_double_double : short_series ? chosen.track_short : chosen.track;
   const Options options{predictor_tolerance, contraction, arrival, radius_fraction,
                         min_step,            waypoint,    nearest, max_steps,
                         late_steps};
@@ -215,9 +211,9 @@ nb::tuple track(nb::ndarray<const bool, nb::ndim<1>, nb::c_contig, nb::device::c
     };
     share(jobs, pieces, work);
   }
-  const std::size_t eight = kVariables, three = kMore;
+  const std::size_t eight = kVariables, one = kMore;
   return nb::make_tuple(owned(std::move(point), {targets, paths, eight}),
-                        owned(std::move(low), {extended ? targets : 0, paths, three, eight}),
+                        owned(std::move(low), {extended ? targets : 0, paths, one, eight}),
                         owned(std::move(remaining), {targets, paths}),
                         owned(std::move(status), {targets, paths}),
                         owned(std::move(steps), {targets, paths}),

@@ -4,9 +4,6 @@
 // least-norm solutions of J dz = b are orthogonal to z: the row conj(z).dz = 0 of a moving patch is
 // satisfied without being stated.
 //
-// With 64 digits lengths are measured in units of e and of f at the point:
-// poses far away are near each other in C^8, where e nearly vanishes, but not in these.
-//
 // Included by tracker.cpp in each of its builds: all in an anonymous namespace, so that the linker
 // cannot merge functions that were compiled for different processors.
 #pragma once
@@ -22,8 +19,6 @@ constexpr int kRows = kEquations + 1;
 #define GSP_ORDER 7
 #endif
 constexpr int kOrder = GSP_ORDER;  // of the Taylor series
-// Where e or f is zero it has no unit of its own.
-constexpr double kLeastSquare = 1e-280;
 
 // The numbers of one step in all lanes.
 struct Workspace {
@@ -36,41 +31,14 @@ struct Workspace {
   Hessian hessian[kQuadrics];  // at t, where `go` went
   C tau[kEquations];
   V value[kEquations];    // imaginary parts of quadrics that are real but for a multiple of N
-  D unit[2];              // of e and of f
   // Series of the factors and of N, for products.
   C g[kEquations][kOrder + 1], h[kEquations][kOrder + 1], n[kOrder + 1];
 };
-
-constexpr bool kUnits = GSP_PARTS > 2;
 
 // s += i a b
 INLINE void add_times_i(C& s, const V& a, const C& b) {
   s.re -= a * b.im;
   s.im += a * b.re;
-}
-
-INLINE void set_units(Workspace& w, const C* z) {
-  if constexpr (kUnits) {
-    for (int l = 0; l < W; ++l) {
-      double size[2] = {0.0, 0.0};
-      for (int i = 0; i < N; ++i) {
-        const Complex x = lane(z[i], l);
-        size[i / 4] += x.re * x.re + x.im * x.im;
-      }
-      for (int k = 0; k < 2; ++k)
-        w.unit[k][l] = size[k] > kLeastSquare ? __builtin_sqrt(size[k]) : 1.0;
-    }
-  }
-}
-
-// Coordinate i of a vector in its unit; the vector's length.
-INLINE C in_units(const Workspace& w, const C& x, int i) {
-  return kUnits ? by(1.0 / w.unit[i / 4], x) : x;
-}
-INLINE V norm(const Workspace& w, const C* x) {
-  C scaled[N];
-  for (int i = 0; i < N; ++i) scaled[i] = in_units(w, x[i], i);
-  return norm(scaled);
 }
 
 INLINE C study(const C* z) {
@@ -97,7 +65,6 @@ INLINE C product_of(const C& g, const C& h) { return kReal ? g * g + h * h : g *
 
 // Values and Jacobian matrix at z.
 void linearize(const Equations& H, Workspace& w, const C* z) {
-  set_units(w, z);
   C n{};
   for (int j = 0; j < 4; ++j) add_product(n, z[j], z[j]);
   w.n[0] = n;
@@ -137,13 +104,8 @@ void linearize(const Equations& H, Workspace& w, const C* z) {
   }
 }
 
-// J = L R, columns of J in their units; the rows of J become those of R.
-void factorize(Workspace& w) {
-  if constexpr (kUnits)
-    for (int i = 0; i < kRows; ++i)
-      for (int j = 0; j < N; ++j) w.row[i][j] = by(w.unit[j / 4], w.row[i][j]);
-  factorize<kRows>(w.row, w.lower, w.inverse);
-}
+// J = L R; the rows of J become those of R.
+void factorize(Workspace& w) { factorize<kRows>(w.row, w.lower, w.inverse); }
 
 // b becomes L^-1 b.
 void substitute(const Workspace& w, C* b) {
@@ -154,15 +116,14 @@ void substitute(const Workspace& w, C* b) {
   }
 }
 
-// The solution of J x = b of the least norm in the units; b is used up.
+// The solution of J x = b of the least norm; b is used up.
 void solve(const Workspace& w, C* b, C* x) {
   substitute(w, b);
   for (int j = 0; j < kRows; ++j) b[j] = w.inverse[j] * b[j];
   for (int k = 0; k < N; ++k) {
     Sum sum{};
     for (int j = 0; j < kRows; ++j) sum.add(w.row[j][k], b[j]);
-    const C s = sum.conjugate_total();
-    x[k] = kUnits ? by(w.unit[k / 4], s) : s;
+    x[k] = sum.conjugate_total();
   }
 }
 

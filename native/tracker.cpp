@@ -101,7 +101,7 @@ void refine(const Equations& H, Workspace& w, int count, const int* index, const
     normalize(moved);
     const Mask settled = last < kSettled;
     for (int i = 0; i < N; ++i) z[i] = select(settled, z[i], moved[i]);
-    last = select(settled, last, norm(w, dz));
+    last = select(settled, last, norm(dz));
     going = false;
     for (int l = 0; l < W; ++l) going |= !(lane(last, l) < kSettled);
   }
@@ -223,7 +223,7 @@ class Tracker {
     solve(w, w.f, second);
     for (int i = 0; i < N; ++i) z[i] = z[i] - second[i];
     normalize(z);
-    n1 = norm(w, first), n2 = norm(w, second);
+    n1 = norm(first), n2 = norm(second);
     noise = rounding(w);
   }
 
@@ -249,9 +249,8 @@ class Tracker {
       for (int i = 0; i < N; ++i) s.series[k][i] = select(accepted, series[k][i], s.series[k][i]);
     C product{};
     for (int i = 0; i < N; ++i)
-      add_conjugate_product(product, in_units(w, series[kOrder - 1][i], i),
-                            in_units(w, series[kOrder][i], i));
-    s.expand({norm(w, series[kOrder]), norm(w, series[kOrder - 1]), norm(w, series[kOrder - 2]),
+      add_conjugate_product(product, series[kOrder - 1][i], series[kOrder][i]);
+    s.expand({norm(series[kOrder]), norm(series[kOrder - 1]), norm(series[kOrder - 2]),
               product},
              accepted);
   }

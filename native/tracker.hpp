@@ -23,7 +23,7 @@ struct Complex {
   double re, im;
 };
 
-constexpr int kMore = 3;  // doubles that are added to one for 64 digits
+constexpr int kMore = 1;  // doubles that are added to one for 32 digits
 
 // A quadric whose coefficients run along the straight line start + t change. The change is known
 // to as many digits as the tracker computes with: `more` is what doubles cannot tell of it.
@@ -92,9 +92,8 @@ struct Results {
 using Track = void(const Homotopy&, const Options&, int paths, const Complex* points,
                    const Complex* low, const double* left, const Results&);
 Track track_portable, track_avx2, track_avx512;
-// The same in 32 and in 64 digits.
+// The same in 32 digits.
 Track track_portable_double_double, track_avx2_double_double, track_avx512_double_double;
-Track track_portable_quad_double, track_avx2_quad_double, track_avx512_quad_double;
 
 // The same in double precision with series of fewer terms, for paths that are short.
 Track track_portable_short, track_avx2_short, track_avx512_short;

@@ -147,12 +147,12 @@ class Coefficients(NamedTuple):
 
 
 class FineCoefficients(NamedTuple):
-    """Coefficients of one system in 64 digits, as unevaluated sums of doubles."""
+    """Coefficients of one system in 32 digits, as unevaluated sums of two doubles."""
 
     high: Coefficients
     """The numbers in doubles, leading axis (1,)."""
     more: Coefficients
-    """What is to be added to them, leading axis (3,)."""
+    """What is to be added to them, leading axis (1,)."""
 
     @classmethod
     def of(cls, numbers: Coefficients) -> FineCoefficients:
@@ -165,12 +165,12 @@ class FineCoefficients(NamedTuple):
         return self.high.take(0).towards(start, distance)
 
 
-_PARTS = slice(0, 1), slice(1, 4)
+_PARTS = slice(0, 1), slice(1, 2)
 
 
 def _split(numbers: NDArray[Any]) -> ComplexArray:
-    """Return four doubles whose sum is nearest to each number, leading axis (4,)."""
-    parts = np.zeros((4, *numbers.shape), np.complex128)
+    """Return two doubles whose sum is nearest to each number, leading axis (2,)."""
+    parts = np.zeros((2, *numbers.shape), np.complex128)
     # Most coefficients are zero.
     places = np.nonzero(numbers != 0)
     rest = numbers[places]

@@ -1,8 +1,8 @@
-"""The paths to one system, tracked with 16, 32 or 64 digits."""
+"""The paths to one system, tracked with 16 or 32 digits."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import fields, replace
 from itertools import groupby, islice
 
@@ -28,9 +28,7 @@ from gspcli.continuation.tracker import PathResults, PathStatus, track
 from gspcli.continuation.tracker_options import (
     CAREFUL,
     DEEP,
-    DEEPEST,
     DEFAULT,
-    EXTENDED,
     TrackerOptions,
 )
 from gspcli.defaults import SEED
@@ -38,8 +36,8 @@ from gspcli.records import dataclass
 
 #: Newton's method has converged if its last correction is at most this part of e.
 _CONVERGES = 1e-3
-#: Distances from the target below which doubles, and 32 digits, may not distinguish paths.
-_NEAR, _NEARBY = 1e-3, 1e-8
+#: Distances from the target below which doubles may not distinguish paths.
+_NEAR = 1e-3
 #: Steps from near the target within which most paths arrive that do not end at infinity.
 _FEW_STEPS = 12
 _BATCH = 256
@@ -55,7 +53,7 @@ class PathEnds:
     points
         Study points in the coordinates of the target, of any norm, shape (k, 8).
     low
-        The digits beyond doubles: three more doubles to add, shape (k, 3, 8); (k, 0, 8) if there
+        The digits beyond doubles: one more double to add, shape (k, 1, 8); (k, 0, 8) if there
         are none.
     simple
         Which are clearly simple solutions of the system in doubles, shape (k,).
@@ -80,17 +78,6 @@ class PathEnds:
             self.converged[index],
             self.digits,
         )
-
-
-def joined_ends(parts: Sequence[PathEnds]) -> PathEnds:
-    """Return the ends of several parts with equal numbers of digits as one."""
-    return PathEnds(
-        np.concatenate([part.points for part in parts]),
-        np.concatenate([part.low for part in parts]),
-        np.concatenate([part.simple for part in parts]),
-        np.concatenate([part.converged for part in parts]),
-        parts[0].digits,
-    )
 
 
 class TrackedPaths:
@@ -170,9 +157,7 @@ class TrackedPaths:
         index: NDArray[np.intp],
         target: FineCoefficients,
         *,
-        digits: int,
         attempt: int = 0,
-        steps: int | None = None,
     ) -> Iterator[tuple[NDArray[np.intp], PathEnds]]:
         """Track some paths with more digits up to the target, from where fewer digits may fail.
 
@@ -182,12 +167,8 @@ class TrackedPaths:
             Which paths, shape (k,).
         target
             The equations (`balanced`).
-        digits
-            32 or 64.
         attempt
             Another number gives other paths from the same start points.
-        steps
-            The most steps with 64 digits, if not those of `DEEPEST`.
 
         Yields
         ------
@@ -196,18 +177,7 @@ class TrackedPaths:
         """
         origin = random_start(self._start, self.seed, attempt)
         points, left = self._near(origin, target, index)
-        if digits == DEEP.digits:
-            yield from self._in_parts(origin, target, points, None, left, DEEP)
-            return
-        nearby = System(origin.structure, target.nearby(origin.coefficients, _NEARBY))
-        # The rest of the shorter way.
-        rest = (left - _NEARBY) / (1 - _NEARBY)
-        there = track(origin, nearby, points, left=rest, options=EXTENDED, jobs=self._jobs)
-        # The way begins there, so that its last part is not too short for the exponents of series.
-        options = DEEPEST if steps is None else replace(DEEPEST, max_steps=steps)
-        yield from self._in_parts(
-            nearby, target, there.points[0], there.low[0], np.ones(len(points)), options
-        )
+        yield from self._in_parts(origin, target, points, None, left, DEEP)
 
     def _in_parts(
         self,

@@ -38,7 +38,7 @@ class PathResults:
     points: ComplexArray
     """Study points of norm 1, shape (B, P, 8)."""
     low: ComplexArray
-    """What more digits add to the points: three doubles each, shape (B, P, 3, 8); (0, P, 3, 8) if
+    """What more digits add to the points: a double each, shape (B, P, 1, 8); (0, P, 1, 8) if
     16 were computed."""
     left: FloatArray
     """How much of the way from t = 0 to 1 was left at the points: 1 - t, shape (B, P)."""
@@ -86,10 +86,10 @@ def track(
     points
         Solutions of the start system, shape (P, 8), nonzero.
     more
-        Three doubles to add to each number of a single target, for more than 16 digits; leading
-        axis (3,).
+        A double to add to each number of a single target, for more than 16 digits; leading axis
+        (1,).
     low
-        Three doubles to add to each coordinate of the points, shape (P, 3, 8).
+        A double to add to each coordinate of the points, shape (P, 1, 8).
     left
         The rest of the way, 1 - t, at the points, shape (P,): they are solutions at t. It is 1 by
         default. If it is 0, Newton's method improves the point.
@@ -108,7 +108,7 @@ def track(
     if isinstance(targets, System):
         targets = Coefficients.stacked([targets])
     further = targets.take(slice(0)) if more is None else more
-    rest = np.zeros((0, 3, points.shape[1]), complex) if low is None else low
+    rest = np.zeros((0, 1, points.shape[1]), complex) if low is None else low
     given = (*start.coefficients, *targets, *further, points, rest)
     begun = np.zeros(0) if left is None else np.ascontiguousarray(left, dtype=np.float64)
     arrays = [np.ascontiguousarray(x, dtype=np.complex128) for x in given]

@@ -37,8 +37,8 @@ class TrackerOptions:
     late_steps: int = 60
     """Steps beyond the waypoint after which a path needs the endgame."""
     digits: int = 16
-    """Digits to compute with: 16, or 32 or 64, about 20 and 160 times slower. Start systems and
-    start points stay doubles, taken as exact; of a target 64 digits may be given."""
+    """Digits to compute with: 16, or 32, about 20 times slower. Start systems and start points stay
+    doubles, taken as exact; of a target 32 digits may be given."""
     short_series: bool = False
     """Whether the Taylor series have few terms (with 16 digits): quicker where steps are few."""
 
@@ -66,18 +66,6 @@ SHORT = replace(DEFAULT, predictor_tolerance=3e-3, contraction=0.1, short_series
 EXTENDED = replace(CAREFUL, digits=32)
 #: With 32 digits, as near to the target as they allow, for ends that are proved with more digits.
 DEEP = replace(EXTENDED, arrival=1e-12, waypoint=0.0, nearest=1e-28, min_step=1e-30, max_steps=150)
-#: `DEEP` with 64 digits.
-DEEPEST = replace(
-    DEFAULT,
-    contraction=0.02,
-    digits=64,
-    arrival=1e-20,
-    waypoint=0.0,
-    nearest=1e-50,
-    min_step=1e-56,
-    max_steps=200,
-)
-
 # Equations that are solved for some unknowns first (`reduced_homotopy`); lost paths are detected.
 
 #: From a stored start system, or from the start of a geometry to others with complex values.

@@ -20,13 +20,9 @@ NEARLY_PARALLEL_SINE = 1e-2
 #: doubles lose half as many digits as it has zeros.
 NEARLY_PARALLEL_SINE_SQUARE = 1e-8
 #: Angles in radians between which directions of a body are turned apart to find poses far away.
-#: Above the second, paths with 64 digits are quicker; below the first, bounds are no floats.
+#: Above the second, paths with 32 digits find them; below the first, bounds are no floats.
 TURNED_APART_RADIANS = (1e-62, 1e-4)
 #: Distances of points from a line, as parts of the distance of two points on it, from which they
-#: are moved off to find poses far away. Above the second, paths with 64 digits are quicker; below
+#: are moved off to find poses far away. Above the second, paths with 32 digits find them; below
 #: the first, bounds are no floats.
 OFF_LINES = (1e-62, 1e-4)
-#: Sizes of a body, as parts of the largest length of a platform, from which it is made larger to
-#: find poses far away. Above the second, paths with 64 digits find them; below the first, bounds
-#: are no floats.
-SMALL_BODIES = (1e-62, 1e-7)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from functools import cached_property
 
 import numpy as np
@@ -55,18 +54,15 @@ class SidePoses:
         Which of the ends of the first strategy that came last have led to poses of their own; of
         no ends at all if the kernel could prove nothing.
     unresolved
-        The paths that have led to no pose with 32 digits, or have not arrived with 64.
-    left
-        The ends of those with 64 digits.
+        The paths that have led to no pose with 32 digits.
     eliminated
         How many eliminations have been done.
-    most
-        How many poses there are with multiplicity, if that is known.
+    wanted
+        How many simple poses there can be.
     all_simple
         Whether all poses are known to be simple ones.
-    begun, running
-        How many of the further strategies have ended, and the one that has begun
-        (`gspcli.solver.strategies.further.go_on`).
+    tried
+        How many of the further strategies have ended (`gspcli.solver.strategies.further`).
     """
 
     def __init__(self, problem: Problem, k: int) -> None:
@@ -77,17 +73,20 @@ class SidePoses:
         self.infinite: list[Isolation] = []
         self.reached: Bits = np.zeros(0, np.bool_)
         self.unresolved: Index = np.arange(0)
-        self.left: PathEnds | None = None
         self.eliminated = 0
-        self.most: int | None = None
+        self.wanted = problem.expected // len(problem.choices)
         self.all_simple = False
-        self.begun = 0
-        self.running: Iterator[None] | None = None
+        self.tried = 0
 
     @property
     def paths(self) -> TrackedPaths:
         """The paths."""
         return self.problem.tracked[self.k]
+
+    @property
+    def is_complete(self) -> bool:
+        """Whether as many poses are proved as there can be."""
+        return len(self.found) >= min(self.wanted, self.paths.count - len(self.infinite))
 
     @cached_property
     def target(self) -> FineCoefficients:

@@ -1,7 +1,9 @@
 """Poses far away because a body is nearly special, by continuation in what it lacks.
 
-If lines or planes of one body are parallel up to eps, or points on a line, there are poses eps^-2
-lengths away, with N of size eps^4, near each other. Paths with 64 digits from a start in general
+Directions of a body are nearly parallel, lines nearly the same, or points nearly on a line: of
+points on a line the distances from another line are square roots of a polynomial of degree two in
+the place on the line, so that three of them determine all others. If that holds up to eps, there
+are poses eps^-2 lengths away, with N of size eps^4, near each other. Paths from a start in general
 position do not reach them. Multiply the small differences by s: the Study points are then power
 series in s. They are followed from differences of 1e-3 to s = 1, along polynomials through the last
 points, with as many bits as N needs. On the way s is complex, so that no poses meet: each pose of
@@ -13,22 +15,27 @@ from __future__ import annotations
 from collections.abc import Container, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
-from math import exp, log, log2, pi, tanh
+from itertools import combinations
+from math import exp, inf, log, log2, pi, tanh
 from typing import Any
 
 import numpy as np
 from flint import acb, acb_mat, arb, ctx
 
+from gspcli.catalogue.kinds import DLP, DPL
 from gspcli.certification.equations.ball_system import BallSystem
 from gspcli.certification.equations.local_frames import length_scale
 from gspcli.certification.equations.statement import Statement, statements
-from gspcli.certification.numbers.balls import Ball, largest
+from gspcli.certification.numbers.balls import Ball, dot, largest, norm
 from gspcli.certification.poses.locator import AtInfinity, Complex, Located, Locator
 from gspcli.geometry.instance import Constraint, Instance
 from gspcli.geometry.numbers import Number
-from gspcli.geometry.primitives import Geometry, Point, Vector
+from gspcli.geometry.primitives import Geometry, Line, Point, Vector
+from gspcli.geometry.tolerances import OFF_LINES, TURNED_APART_RADIANS
 from gspcli.records import dataclass
 
+#: Of three points on a line the distances from another line are independent.
+_FEWEST = 4
 #: Bits in which differences are computed; bits of the equations for each bit of s eps (N is of size
 #: eps^4, and with three directions the Jacobian matrix loses twice as many); additional
 #: bits.
@@ -262,3 +269,117 @@ def _extrapolated(places: Sequence[acb], points: Sequence[Numbers], s: acb) -> N
 def _part(step: Sequence[acb], point: Sequence[acb]) -> float:
     """Return the size of a step as a part of that of a point."""
     return float((largest(step) / largest(point)).mid())
+
+
+def points_off_lines(instance: Instance) -> SpecialFamily | None:
+    """Return a platform among those with its points moved off their line.
+
+    The result is None if no points of a body are nearly on a line.
+    """
+    differences: list[dict[str, list[arb]]] = [{} for _ in instance.constraints]
+    size = 0.0
+    with ctx.workprec(DIFFERENCE_BITS):
+        given = list(enumerate(statements(instance)))
+        for kind, name in ((DPL, "a"), (DLP, "b")):
+            points = {k: getattr(row, name) for k, row in given if row.kind is kind}
+            for k, (off, far) in _off_line(points).items():
+                differences[k][name] = off
+                size = max(size, far)
+    return SpecialFamily(instance, tuple(differences), size) if size else None
+
+
+def _off_line(points: Mapping[int, Sequence[arb]]) -> Mapping[int, tuple[list[arb], float]]:
+    """Return points less their feet on the line of two points, and their sizes, by index.
+
+    It is the line with the most others near it, of two points far from each other.
+    """
+    found: dict[int, tuple[list[arb], float]] = {}
+    best = (_FEWEST - 1, inf)
+    for a, b in combinations(points.values(), 2):
+        along = [x - y for x, y in zip(b, a, strict=True)]
+        if norm(along).contains(0):
+            continue
+        near = {k: off for k, point in points.items() if (off := _off(point, a, along))}
+        number = (len(near), float(norm(along).mid()))
+        if number > best:
+            best, found = number, near
+    least, _ = OFF_LINES
+    return {k: (off, size) for k, (off, size) in found.items() if size > least}
+
+
+def _off(
+    point: Sequence[arb], a: Sequence[arb], along: Sequence[arb]
+) -> tuple[list[arb], float] | None:
+    """Return a point less its foot on the line through a along a vector, if it is near."""
+    place = [x - y for x, y in zip(point, a, strict=True)]
+    part = dot(place, along) / dot(along, along)
+    off = [x - part * y for x, y in zip(place, along, strict=True)]
+    size = float((norm(off) / norm(along)).mid())
+    _, most = OFF_LINES
+    return (off, size) if size < most else None
+
+
+def turned_directions(instance: Instance) -> SpecialFamily | None:
+    """Return a platform among those with its nearly parallel directions turned apart.
+
+    The result is None if no directions of a body are nearly parallel.
+    """
+    differences: list[dict[str, list[arb]]] = [{} for _ in instance.constraints]
+    size = 0.0
+    with ctx.workprec(DIFFERENCE_BITS):
+        given = statements(instance)
+        for vector, point, body in (("u", "a", "platform"), ("v", "b", "base")):
+            directions = [getattr(row, vector) for row in given]
+            for k in range(len(given)):
+                found = _turned(directions, k)
+                if found is None:
+                    continue
+                other, differences[k][vector], angle = found
+                size = max(size, angle)
+                if all(_is_line(instance.constraints[i], body) for i in (other, k)):
+                    offset, far = _offset(
+                        getattr(given[k], point), getattr(given[other], point), directions[other]
+                    )
+                    if 0 < far < TURNED_APART_RADIANS[1]:
+                        differences[k][point] = offset
+                        size = max(size, far)
+    return SpecialFamily(instance, tuple(differences), size) if size else None
+
+
+def _turned(directions: Sequence[Sequence[arb]], k: int) -> tuple[int, list[arb], float] | None:
+    """Return the first direction that one is nearly parallel to, the difference and the angle."""
+    for i, other in enumerate(directions[:k]):
+        if other and directions[k] and (turn := _turn(other, directions[k])):
+            return i, *turn
+    return None
+
+
+def _is_line(row: Constraint, body: str) -> bool:
+    """Whether the place of a direction matters, across it."""
+    return row.kind.is_distance and isinstance(getattr(row, body), Line)
+
+
+def _offset(
+    point: Sequence[arb], other: Sequence[arb], along: Sequence[arb]
+) -> tuple[list[arb], float]:
+    """Return a point less its foot on a line, and its distance in units of the scale."""
+    place = [x - y for x, y in zip(point, other, strict=True)]
+    part = dot(place, along) / dot(along, along)
+    offset = [x - part * y for x, y in zip(place, along, strict=True)]
+    if all(x.contains(0) for x in offset):
+        return offset, 0.0
+    return offset, float(norm(offset).mid())
+
+
+def _turn(other: Sequence[arb], direction: Sequence[arb]) -> tuple[list[arb], float] | None:
+    """Return the difference of two directions of the same length, and their angle."""
+    length = norm(direction)
+    factor = length / norm(other)
+    if dot(other, direction) < 0:
+        factor = -factor
+    difference = [x - factor * y for x, y in zip(direction, other, strict=True)]
+    if all(x.contains(0) for x in difference):
+        return None
+    angle = float((norm(difference) / length).mid())
+    least, most = TURNED_APART_RADIANS
+    return (difference, angle) if least < angle < most else None

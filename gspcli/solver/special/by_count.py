@@ -78,30 +78,27 @@ def _by_geometry_or_type(problem: Problem, ledger: Ledger) -> PoseSet | None:
     counted = problem.geometry_count
     if counted is not None and (poses := ledger.complete) is not None:
         return poses
-    from gspcli.solver.strategies.elimination import FEW_PATHS, early_elimination
+    from gspcli.solver.strategies.further import FEW_PATHS, early_elimination, search
 
     is_small = problem.expected <= FEW_PATHS
     if counted is not None and counted.solutions and (counted.has_lone_lines or is_small):
-        from gspcli.solver.strategies.further import go_on_until
-
         # Almost all sets of values have as many poses as the geometry: a count of the platform
         # itself takes a tenth of the time of a first solution (`tools.verify.realistic`).
         most = counted.solutions // len(ledger.sides)
         for side in ledger.sides:
             side.all_simple = counted.distinct == counted.solutions
-            go_on_until(side, early_elimination, most)
+            search(side, most, early_elimination)
         return ledger.complete
     return _with_32_digits(ledger)
 
 
 def _with_32_digits(ledger: Ledger) -> PoseSet | None:
     """Follow wrong paths with 32 digits, unless a count is quicker; None if poses are missing."""
-    from gspcli.solver.strategies.further import go_on_until
-    from gspcli.solver.strategies.more_digits import with_32_digits
+    from gspcli.solver.strategies.further import search, with_32_digits
 
     if not any(_too_many_unresolved(side) for side in ledger.sides):
         for side in ledger.sides:
-            go_on_until(side, with_32_digits)
+            search(side, side.paths.count, with_32_digits)
     return ledger.complete
 
 
@@ -159,14 +156,26 @@ def _uncounted(problem: Problem, ledger: Ledger) -> PoseSet:
     if count is not None and count.solutions and count.has_lone_lines:
         # All choices of sides are alike.
         most = count.solutions // len(sides)
-    from gspcli.solver.strategies.further import go_on_until
-    from gspcli.solver.strategies.more_digits import along_other_paths
-
     for side in sides:
-        go_on_until(side, along_other_paths, most)
+        _search_uncounted(side, side.paths.count if most is None else most)
     poses = joined([side.poses(most) for side in sides])
     proof = None if most is None else _by_geometry(poses, count)
     return _proved(poses, None) if proof is None else replace(poses, proof=proof)
+
+
+def _search_uncounted(side: SidePoses, wanted: int) -> None:
+    """Go on with the further strategies where no count says how many of the paths lead to poses."""
+    from gspcli.solver.strategies.further import by_elimination, early_elimination, search
+
+    def are_few_missing() -> bool:
+        return (wanted - len(side.found)) * FEW <= side.paths.count
+
+    search(side, wanted, early_elimination)
+    # Eigenvectors are the last way to many poses that no path leads to.
+    if side.all_simple or are_few_missing():
+        search(side, wanted, by_elimination)
+    if are_few_missing():
+        search(side, wanted)
 
 
 def _by_geometry(poses: PoseSet, count: ExactCount | None) -> Proof | None:

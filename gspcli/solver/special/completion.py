@@ -22,7 +22,6 @@ from gspcli.certification.poses.multiple import MultiplePose, multiple_poses
 from gspcli.certification.poses.parallel_poses import where_parallel
 from gspcli.continuation.endpoints import COUNTED
 from gspcli.continuation.paths import Basis, PathAccount
-from gspcli.continuation.tracked_paths import PathEnds
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.quaternions import canonical_sign
 from gspcli.solver.results.pose_set import PoseSet, joined
@@ -43,53 +42,25 @@ def complete(side: SidePoses, solutions: int, distinct: int, spurious: int | Non
         How many solutions are none, besides; None if that is not known.
     """
     # Imported where it is needed: for most platforms the first strategies are enough.
-    from gspcli.solver.strategies.further import go_on, is_exhausted
+    from gspcli.solver.strategies.further import search
 
     multiple: list[MultiplePose] = []
-    candidates = _Candidates(side)
-    side.most, side.all_simple = solutions, solutions == distinct
-    while len(side.found) + len(multiple) < distinct:
-        if solutions > distinct:
-            multiple = [pose for pose in candidates.poses() if pose.is_pose or spurious is None]
-            if len(side.found) + len(multiple) >= distinct:
-                break
-        if is_exhausted(side):
-            break
-        go_on(side)
+    if solutions > distinct and len(side.found) < distinct:
+        multiple = [pose for pose in _multiple(side) if pose.is_pose or spurious is None]
+    side.all_simple = solutions == distinct
+    search(side, distinct - len(multiple))
     numbers = _multiplicities(side.found, multiple, solutions, distinct)
     known = list(zip(multiple, numbers, strict=True)) if numbers else []
     return _pose_set(side.found, known, side.paths.count, solutions, spurious or 0)
 
 
-class _Candidates:
-    """The multiple poses at the ends of the endgame, or of paths with 64 digits without a pose.
-
-    Parameters
-    ----------
-    side
-        The poses for a choice of sides.
-    """
-
-    def __init__(self, side: SidePoses) -> None:
-        self._side = side
-        self._tried: PathEnds | None = None
-        self._poses: list[MultiplePose] | None = None
-
-    def poses(self) -> list[MultiplePose]:
-        """Return the multiple poses that can be found by now."""
-        side, left = self._side, self._side.left
-        if self._poses is None or left is not self._tried:
-            self._tried = left
-            if left is None:
-                ends = side.paths.solutions(COUNTED)
-                chosen = ends.multiplicity > 1
-                points, paths = ends.points[chosen], ends.multiplicity[chosen].tolist()
-                low = np.zeros((len(points), 0, 8), complex)
-            else:
-                points, low, paths = left.points, left.low, [1] * len(left.points)
-            found = multiple_poses(side.locator, points, low, paths, side.sides)
-            self._poses = list(found)
-        return self._poses
+def _multiple(side: SidePoses) -> list[MultiplePose]:
+    """Return the multiple poses at the ends of the endgame."""
+    ends = side.paths.solutions(COUNTED)
+    chosen = ends.multiplicity > 1
+    points, paths = ends.points[chosen], ends.multiplicity[chosen].tolist()
+    low = np.zeros((len(points), 0, 8), complex)
+    return list(multiple_poses(side.locator, points, low, paths, side.sides))
 
 
 def _multiplicities(

@@ -1,37 +1,200 @@
-"""What is done about poses that the first strategies leave open, in the order of the cost."""
+"""What is done about poses that the first strategies leave open, in the order of the cost.
+
+Each strategy adds poses to those of one choice of sides, and ends as soon as these are all.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
-from gspcli.solver.side_poses import FEW, SidePoses
-from gspcli.solver.strategies.elimination import by_elimination, early_elimination
-from gspcli.solver.strategies.known_poses import from_known_poses
-from gspcli.solver.strategies.more_digits import (
-    along_other_paths,
-    with_32_digits,
-    with_64_digits,
-    with_more_steps,
-)
-from gspcli.solver.strategies.special_families import (
-    from_larger_bodies,
-    from_points_off_lines,
-    from_turned_directions,
-)
+import numpy as np
 
-FURTHER: tuple[Callable[[SidePoses], Iterator[None]], ...] = (
-    # Poses far away of a platform of the same geometry.
-    from_known_poses,
+from gspcli.certification.counting import ApproximatePose, poses_by_elimination
+from gspcli.certification.poses.conjugate_points import conjugate_sources
+from gspcli.certification.poses.special_family import (
+    FamilyPaths,
+    SpecialFamily,
+    points_off_lines,
+    turned_directions,
+)
+from gspcli.continuation.quadrics import ComplexArray
+from gspcli.solver.problem import Problem
+from gspcli.solver.results.pose_set import are_far
+from gspcli.solver.side_poses import FEW, Index, SidePoses
+
+#: A platform that is special up to less than one in this many has poses where N is below 1e-32.
+_DECIMALS = 10**9
+#: Differences of directions, or of points from a line, from which poses are followed, negative for
+#: the other side: poses are found there with 32 digits.
+_APART = (1e-3, -3e-3)
+#: Bits in which all poses are computed by elimination: 512 do not suffice 1e33 lengths away, where
+#: machines in floating point have poses. The most paths for which that is done (some seconds).
+_BITS = (704, 1408, 2048)
+_MOST = 200
+#: The first elimination takes as long as this many paths with more digits, or as this part of the
+#: cube of all paths. Where there are no more paths than that, it takes half as long as with 32
+#: digits.
+FEW_PATHS, _OF_CUBE = 8, 1 / 8000
+#: Sets of random paths that are tried, and at most if each of them leads to more poses.
+_ATTEMPTS, _MOST_ATTEMPTS = 3, 8
+
+
+def with_32_digits(side: SidePoses) -> None:
+    """Follow with 32 digits the paths whose ends in double precision are not proved.
+
+    That some of these ends are simple beyond doubt, and could be proved in balls, gains nothing:
+    on 238 special platforms it added no pose.
+    """
+    count = side.paths.count
+    reached = side.reached if len(side.reached) == count else np.zeros(count, np.bool_)
+    side.unresolved = np.flatnonzero(~reached)
+    if _is_eliminable(side) and (_is_small(side) or _has_many_decimals(side)):
+        # If the platform is special, it is so up to less than 32 digits show. Then paths would take
+        # a quarter of the time of a first solution and find no pose.
+        return
+    side.unresolved = _followed(side, side.unresolved, 0)
+
+
+def _has_many_decimals(side: SidePoses) -> bool:
+    """Whether coordinates are written with more decimals than paths with 32 digits tell."""
+    for primitive in side.problem.instance.primitives:
+        for number in (*primitive.position, *getattr(primitive, "vector", ())):
+            if (known := number.fraction) is not None and known.denominator > _DECIMALS:
+                return True
+    return False
+
+
+def _followed(side: SidePoses, index: Index, attempt: int) -> Index:
+    """Add the poses at the ends of some paths, with 32 digits; return which led to none."""
+    new = np.zeros(len(index), np.bool_)
+    for which, ends in side.paths.track(index, side.target, attempt=attempt):
+        new[which[ends.converged]] = side.add(ends.take(ends.converged))
+        if side.is_complete:
+            return index[~new]
+    side.found.add_close_conjugates()
+    # Two paths to one pose: one of them has jumped.
+    return index[~new]
+
+
+def from_special_families(side: SidePoses) -> None:
+    """Add the poses to which those of a platform that is less special lead."""
+    for family_of in (turned_directions, points_off_lines):
+        family = family_of(side.problem.instance) if len(side.unresolved) else None
+        if family is None:
+            continue
+        for apart in _APART:
+            _follow_family(side, family, apart)
+            if side.is_complete:
+                return
+
+
+def _follow_family(side: SidePoses, family: SpecialFamily, apart: float) -> None:
+    """Add the poses to which those with such differences lead."""
+    paths = FamilyPaths(family, side.locator, side.sides, apart)
+    begin = side.problem.like(paths.instance)
+    for point, low in _ends(begin, side.k):
+        side.found.add([paths.locate(begin.locator, point, low)])
+        side.found.add_conjugates()
+        if side.is_complete:
+            return
+    side.found.add_close_conjugates()
+
+
+def _ends(problem: Problem, k: int) -> Iterator[tuple[ComplexArray, ComplexArray]]:
+    """Yield ends of paths with 32 digits: of each pair of conjugates one first, the farthest."""
+    paths = problem.tracked[k]
+    first = paths.first()
+    others = paths.track(np.flatnonzero(~first.simple), problem.target(k))
+    parts = [first.take(first.simple), *(ends.take(ends.converged) for _, ends in others)]
+    points = np.concatenate([ends.points for ends in parts])
+    low = [more for ends in parts for more in ends.low]
+    norm = np.abs((points[:, :4] ** 2).sum(axis=1)) / np.abs(points).max(axis=1) ** 2
+    is_second = conjugate_sources(points) != np.arange(len(points))
+    for i in np.lexsort((norm, is_second)).tolist():
+        yield points[i], low[i]
+
+
+def _can_eliminate(side: SidePoses) -> bool:
+    """Whether elimination finds all poses in some seconds."""
+    return side.all_simple and side.paths.count <= _MOST
+
+
+def _is_eliminable(side: SidePoses) -> bool:
+    """Whether it is quicker to eliminate than to follow the paths without a pose."""
+    if _is_small(side):
+        return _can_eliminate(side)
+    cube = _OF_CUBE * side.paths.count**3
+    # Where nothing is found at all, paths with more digits hardly find more.
+    many = len(side.unresolved) > (max(FEW_PATHS, cube) if len(side.found) else FEW_PATHS)
+    return _can_eliminate(side) and many
+
+
+def _is_small(side: SidePoses) -> bool:
+    """Whether it is quicker to eliminate than to follow paths with 32 digits."""
+    return 2 * len(side.unresolved) > side.paths.count <= FEW_PATHS
+
+
+def early_elimination(side: SidePoses) -> None:
+    """Eliminate where counts say that poses are simple, and many paths lead to none."""
+    if _is_eliminable(side):
+        side.eliminated = 1
+        _eliminate(side, _BITS[0])
+
+
+def by_elimination(side: SidePoses) -> None:
+    """Eliminate with more and more bits."""
+    for bits in _BITS[side.eliminated :] if side.paths.count <= _MOST else ():
+        _eliminate(side, bits)
+        if side.is_complete:
+            return
+
+
+def _eliminate(side: SidePoses, bits: int) -> None:
+    """Add the poses that eigenvectors give: first those that doubles tell from all others."""
+    problem, found, open_ = side.problem, side.found, []
+    instance = problem.instance.on_sides(problem.choices[side.k].tolist())
+    near = int((~are_far(found.R, found.T, problem.arrangement.length)).sum())
+    for pose in poses_by_elimination(instance, bits, near=near, seed=problem.seed):
+        R = np.array([[complex(x) for x in row] for row in pose.R])
+        T = np.array([complex(x) for x in pose.T])
+        if found.is_near(R, T):
+            open_.append(pose)
+            continue
+        _add(side, pose, bits)
+        if side.is_complete:
+            return
+    found.add_close_conjugates()
+    for pose in open_ if not side.is_complete else ():
+        _add(side, pose, bits)
+    found.add_close_conjugates()
+
+
+def _add(side: SidePoses, pose: ApproximatePose, bits: int) -> None:
+    """Add the pose near an approximation, and its conjugate."""
+    start = side.locator.point_of_pose(pose.R, pose.T, bits)
+    side.found.add([side.locator.locate_exactly(start, side.sides, bits // 2)])
+    side.found.add_conjugates()
+
+
+def along_other_paths(side: SidePoses) -> None:
+    """Follow all paths in other random ways, as long as that leads to more poses."""
+    missing, count = side.wanted - len(side.found), side.paths.count
+    if not _can_eliminate(side) and len(side.unresolved) >= missing > count / FEW:
+        # The paths to them have not arrived, and none has jumped.
+        return
+    for attempt in range(1, _MOST_ATTEMPTS):
+        before = len(side.found)
+        _followed(side, np.arange(count), attempt)
+        if side.is_complete or (attempt + 1 >= _ATTEMPTS and len(side.found) == before):
+            return
+
+
+FURTHER: tuple[Callable[[SidePoses], None], ...] = (
     with_32_digits,
     # Poses far away because directions are nearly parallel, or points nearly on a line.
-    from_turned_directions,
-    from_points_off_lines,
-    # Poses far away because a body is small.
-    from_larger_bodies,
+    from_special_families,
     # Eigenvectors, where most paths lead to no pose.
     early_elimination,
-    with_64_digits,
-    with_more_steps,
     # Eigenvectors with more and more bits.
     by_elimination,
     # Some paths have jumped.
@@ -39,42 +202,26 @@ FURTHER: tuple[Callable[[SidePoses], Iterator[None]], ...] = (
 )
 
 
-def is_exhausted(side: SidePoses) -> bool:
-    """Return whether all further strategies have been tried."""
-    return side.begun == len(FURTHER)
-
-
-def go_on(side: SidePoses) -> None:
-    """Do the next part of the further strategies, up to where the poses may be all."""
-    if side.running is None:
-        side.running = FURTHER[side.begun](side)
-    if next(side.running, side) is side:
-        side.begun, side.running = side.begun + 1, None
-
-
-def go_on_until(
-    side: SidePoses, last: Callable[[SidePoses], Iterator[None]], most: int | None = None
+def search(
+    side: SidePoses, wanted: int, last: Callable[[SidePoses], None] = along_other_paths
 ) -> None:
-    """Go on as long as poses are missing.
+    """Go on with the further strategies until as many poses are proved as wanted.
 
     Parameters
     ----------
     side
         The poses for a choice of sides.
+    wanted
+        How many simple poses there can be.
     last
-        The last of the further strategies that may be used.
-    most
-        How many poses there can be, if that is known.
+        The last of the strategies that may be used.
     """
-    paths, end = side.paths.count, FURTHER.index(last) + 1
-    side.most = most
-    while side.begun < end:
-        found = len(side.found)
-        missing = min(paths - found - len(side.infinite), (most or paths) - found)
-        if missing <= 0:
+    side.wanted = wanted
+    for strategy in FURTHER[side.tried : FURTHER.index(last) + 1]:
+        if side.is_complete:
             break
-        # Eigenvectors are the last way to many poses that no path leads to.
-        tried = by_elimination if side.all_simple else with_more_steps
-        if side.begun > FURTHER.index(tried) and missing * FEW > paths:
+        strategy(side)
+        if side.is_complete:
+            # Another count may say that there are more.
             break
-        go_on(side)
+        side.tried += 1

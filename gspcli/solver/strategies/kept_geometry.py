@@ -43,7 +43,7 @@ _SQUARE = 0.5
 _SPREAD = 0.5
 #: Bodies with a smaller part of their largest extent across a plane are nearly planar.
 _FLAT = 1e-3
-#: To poses not farther away than this many lengths paths lead, and 64 digits round them.
+#: To poses not farther away than this many lengths paths lead.
 _REACHED = 200
 #: This many random starts are tried near far poses: from some, paths are lost or jump.
 _ATTEMPTS = 6
@@ -172,7 +172,7 @@ def _starts(
         if moved is not None:
             yield replace(found, far=moved)
     # Poses a hundred lengths away may have equations that are too nearly dependent for local
-    # coordinates; with 64 digits they are proved at the ends of paths.
+    # coordinates; they are proved at the ends of paths.
     found = _about(problem, known.arrangement, known.poses, problem.seed)
     if found is not None:
         yield found

@@ -94,8 +94,8 @@ def test_a_geometry_without_poses_for_most_values_proves_nothing(
 ) -> None:
     platform = load(EXAMPLES / "similar-hexagons.yaml")
     assert count_geometry(platform).solutions == 0
-    monkeypatch.setattr("gspcli.solver.strategies.more_digits._MOST_ATTEMPTS", 0)
-    monkeypatch.setattr("gspcli.solver.strategies.elimination._MOST", 0)
+    monkeypatch.setattr("gspcli.solver.strategies.further._MOST_ATTEMPTS", 0)
+    monkeypatch.setattr("gspcli.solver.strategies.further._MOST", 0)
     monkeypatch.setattr("gspcli.solver.special.by_count.exact_count", lambda *_, **__: None)
     assert solve(platform).verdict == "incomplete"
 

@@ -26,7 +26,7 @@ from gspcli.solver.problem import Problem
 from gspcli.solver.results.pose_set import are_far
 from gspcli.solver.side_poses import SidePoses
 from gspcli.solver.starts.solved_starts import SolvedStarts
-from gspcli.solver.strategies import complex_planes, elimination
+from gspcli.solver.strategies import complex_planes, further
 from gspcli.solver.strategies.complex_planes import far_in_planes
 from gspcli.solver.study_systems import coefficients_at
 
@@ -74,7 +74,7 @@ UP, IN, ACROSS = (0, 0, 1), (1, 0, 0), (-0.28, 0.96, 0)
 )
 def test_poses_far_away_need_neither_more_paths_nor_elimination(kinds, axes, digits, monkeypatch):
     monkeypatch.setattr(TrackedPaths, "track", None)
-    monkeypatch.setattr(elimination, "poses_by_elimination", None)
+    monkeypatch.setattr(further, "poses_by_elimination", None)
     found = solve(guided(kinds, axes, digits), starts=SolvedStarts())
     assert found.verdict == "complete"
     assert found.proof is not None
@@ -86,7 +86,7 @@ def test_nearly_double_poses_far_away_are_found_from_ends_of_lost_paths(digits, 
     """Between nearly regular hexagons poses far away are pairs of which e hardly differs."""
     instance = guided((DPL, DPL), (IN, UP), digits, REGULAR)
     monkeypatch.setattr(TrackedPaths, "track", None)
-    monkeypatch.setattr(elimination, "poses_by_elimination", None)
+    monkeypatch.setattr(further, "poses_by_elimination", None)
     found = solve(instance, starts=SolvedStarts())
     assert found.verdict == "complete"
     assert found.proof is not None

@@ -21,7 +21,7 @@ from gspcli.solver.results.proof import CountKind
 from gspcli.solver.special import by_count
 from gspcli.solver.starts.solved_starts import STARTS, SolvedStarts, Sort
 from gspcli.solver.starts.start import Start, StartMethod, solved_start
-from gspcli.solver.strategies import elimination
+from gspcli.solver.strategies import further
 from gspcli.solver.strategies.kept_geometry import kept_start
 from gspcli.spec import load
 from tests.support.matching import pose_set_distance
@@ -391,7 +391,7 @@ def test_poses_far_away_of_lines_are_found_from_those_for_other_values(monkeypat
     machine = next(machines(147, rows=1, begin=146))
     starts = SolvedStarts()
     assert solve(machine.instance, starts=starts).verdict == "complete"
-    monkeypatch.setattr(elimination, "poses_by_elimination", None)
+    monkeypatch.setattr(further, "poses_by_elimination", None)
     values = {i: Number.of(repr(x)) for i, x in enumerate(machine.rows[0].tolist())}
     other = machine.instance.with_values(values)
     found = solve(other, starts=starts)

@@ -16,7 +16,6 @@ from benchmarks.cases import random_instances
 from gspcli import hexapod
 from gspcli.catalogue.names import parse_type
 from gspcli.continuation.paths import Basis
-from gspcli.continuation.tracked_paths import TrackedPaths
 from gspcli.errors import ArgumentError, GspError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import AngleUnit, Instance
@@ -31,7 +30,7 @@ from gspcli.solver.results import pose_batch as batch_module
 from gspcli.solver.results.proof import CountKind
 from gspcli.solver.starts.solved_starts import SolvedStarts
 from gspcli.solver.starts.start import start_among
-from gspcli.solver.strategies import elimination, row_groups
+from gspcli.solver.strategies import row_groups
 from gspcli.solver.strategies.closed_form import closed_form
 from gspcli.solver.strategies.row_groups import groups_of
 from gspcli.spec import load
@@ -479,35 +478,6 @@ def test_a_start_that_proves_something_else_leaves_its_sets_to_others(monkeypatc
     batch = solve_batch(instance, mixed)
     assert sorted(batch.others) == [5, 6, 7, 8, 9]
     assert batch.proved.all()
-
-
-def watched(monkeypatch):
-    """Return a list to which the digits of all paths with more than double precision are added."""
-    track, digits = TrackedPaths.track, []
-
-    def counting(*given, **options):
-        digits.append(options["digits"])
-        return track(*given, **options)
-
-    monkeypatch.setattr(TrackedPaths, "track", counting)
-    return digits
-
-
-def test_poses_nearly_at_infinity_are_not_followed_with_the_most_digits(monkeypatch):
-    instance, rows = case()
-    digits = watched(monkeypatch)
-    result = solve(given(instance, rows[0] * 1e8))
-    assert (result.account.verdict, result.account.found) == ("complete", 40)
-    assert result.poses.certified.all()
-    assert 64 not in digits
-
-
-def test_more_steps_find_what_stopped_paths_lead_to(monkeypatch):
-    instance, rows = case()
-    monkeypatch.setattr(elimination, "_MOST", 0)
-    result = solve(given(instance, rows[2] * 1e6))
-    assert (result.account.verdict, result.account.lost) == ("complete", 0)
-    assert result.poses.proof is not None
 
 
 def test_tripods_have_a_common_start():

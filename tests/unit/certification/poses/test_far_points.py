@@ -20,7 +20,7 @@ from gspcli.solver.problem import Problem
 from gspcli.solver.results.pose_set import are_far
 from gspcli.solver.side_poses import SidePoses
 from gspcli.solver.starts.solved_starts import SolvedStarts
-from gspcli.solver.strategies import elimination
+from gspcli.solver.strategies import further
 
 
 def hexagons(digits=None, *, height=0.0):
@@ -53,7 +53,7 @@ def test_poses_far_away_need_neither_more_paths_nor_elimination(digits, monkeypa
     for part in ("quaternions", "R", "T", "real"):
         np.testing.assert_array_equal(getattr(known, part), getattr(other, part))
     monkeypatch.setattr(TrackedPaths, "track", None)
-    monkeypatch.setattr(elimination, "poses_by_elimination", None)
+    monkeypatch.setattr(further, "poses_by_elimination", None)
     assert solve(instance, starts=SolvedStarts()).counts == known.counts
 
 
