@@ -83,7 +83,8 @@ _ZERO = 1e-12
 @click.option(
     "--load",
     metavar="FX,FY,FZ[,MX,MY,MZ][@X,Y,Z]",
-    help="A force and moment on the platform, in the axes of the base, at a point of the base.",
+    help="A force and moment on the platform, in the axes of the base, at a point of the base.  "
+    "[default: the mean of the platform's points]",
 )
 @click.option(
     "--stiffness",
@@ -319,7 +320,10 @@ def _explained(row: dict[str, Any], given: Wrenches) -> list[str]:
         "constraint by a unit force at the point"
     ]
     if "force" in row or "moment" in row:
-        notes.append("largest force, moment: in a constraint under the load, and in which")
+        notes.append(
+            "largest force, moment: in a constraint under the load, and in which; without @ the "
+            "load acts at the mean of the platform's points"
+        )
     if "transmission" in row:
         notes.append(_TRANSMISSION)
     if "torque" in row:

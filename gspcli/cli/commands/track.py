@@ -182,7 +182,8 @@ def command(
 
     --along poses changes x, y, z and the angles linearly between the rows of a file of poses,
     as a controller with six axes does. The angles are rx, ry, rz in the order of --euler, ZYX
-    by default, each the shorter way round. It is proved that no pose on the way is singular, and
+    by default. Of the two triples that each rotation has, and of their whole turns, those are
+    taken that are nearest to the row before. It is proved that no pose on the way is singular, and
     that no crank or slide passes a dead point.
 
     The exit code is 4 if a mode ends before the last row, unless --allow-loss is given. It is

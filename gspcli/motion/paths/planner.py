@@ -302,6 +302,7 @@ class Planner:
                 yield guide, corners
             else:
                 self._refuse(found, guide)
+                yield None
 
     def _near_values(self, ways: ValueWays, start: PathEnd, goal: PathEnd) -> Search:
         """Search on a map of values; straight ways of poses lead along the way that it has."""
@@ -357,6 +358,7 @@ class Planner:
                 found.refuse_on_way(
                     0, 1, lambda one: guide.trace(one, np.array([PROVED_ROWS])) is not None
                 )
+                yield None
 
 
 def _polygon(guide: PoseGuide, places: Array) -> Array | None:

@@ -24,6 +24,8 @@ Array = NDArray[np.float64]
 
 #: Random tries, at first and with each of the other powers of the condition number.
 _TRIES, _MORE, _POWERS = 400, 300, (0.5, 0.25)
+#: Random tries where each proof has clearances or gaps, which take long.
+_SLOW_TRIES = 40
 #: A path that is this many times as long as the straight way is long.
 LONG = 3.0
 _ROWS = np.array([PROVED_ROWS])
@@ -46,8 +48,9 @@ def smoothed(instance: Instance, guide: Guide, corners: Array, seed: int) -> Arr
         Of the tries.
     """
     draw = np.random.default_rng(seed)
-    corners = _cheaper(instance, guide, corners, draw, 1.0, _TRIES)
-    for power in _POWERS:
+    slow = bool(guide.clear) or guide.gap is not None
+    corners = _cheaper(instance, guide, corners, draw, 1.0, _SLOW_TRIES if slow else _TRIES)
+    for power in () if slow else _POWERS:
         if len(corners) == 2 or stretch(instance, guide, corners) <= LONG:
             break
         corners = _cheaper(instance, guide, corners, draw, power, _MORE)

@@ -164,9 +164,10 @@ class Workspace(EqualByContent):
         Parameters
         ----------
         points
-            Values of the free parameters, in the units of the instance, shape (n, d).
+            Values of the free parameters, in the units of the instance, shape (n, d). Angles may be
+            any that give the rotation, the middle one beyond a right angle, too.
         """
-        given = np.asarray(points, float) * self.units
+        given = self._as_bounded(np.asarray(points, float) * self.units)
         low, high = self.bounds.T
         found = np.full(len(given), -1, np.int8)
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -185,6 +186,25 @@ class Workspace(EqualByContent):
                     key |= place[:, d].astype(np.uint64) << np.uint64(d * int(bits))
                 found[within & np.isin(key, keys[levels == level])] = sign
         return found
+
+    def _as_bounded(self, given: Array) -> Array:
+        """Return the same poses with angles by whole turns near the middle of their bounds.
+
+        Each rotation has two triples of angles; that with the middle angle within a right angle.
+        """
+        given = given.copy()
+        turns = [k for k, name in enumerate(self.free) if name.startswith("r")]
+        centre = self.bounds.mean(axis=1)
+        if len(turns) == 3:
+            middle = self.free.index(self.boxes.middle)
+            beyond = np.cos(given[:, middle]) < 0
+            other = given.copy()
+            other[:, turns] += np.pi
+            other[:, middle] = np.pi - given[:, middle]
+            given = np.where(beyond[:, None], other, given)
+        whole = 2 * np.pi * np.round((given - centre)[:, turns] / (2 * np.pi))
+        given[:, turns] -= whole
+        return given
 
     def judged_poses(self, R: ArrayLike, T: ArrayLike) -> NDArray[np.int8]:
         """Return the place of poses as `judged_at`; -1 if a parameter that is not free differs.

@@ -16,6 +16,8 @@ from gspcli.motion import mode_groups
 from gspcli.motion.following.departures import departures
 from gspcli.motion.following.limit_events import limit_events
 from gspcli.motion.following.trajectories import track_from
+from gspcli.motion.paths import planner
+from gspcli.motion.paths.guides import ValueGuide
 
 
 def checked(found):
@@ -209,3 +211,20 @@ def test_a_path_of_poses_within_ranges_is_found_along_one_of_values():
     assert (found.verdict, found.along) == ("proved", "poses")
     assert within_limits(study, found.values, found.R, found.T).all()
     assert found.length < 3 * found.straight_length
+
+
+def test_the_time_is_looked_at_after_each_path_that_is_tried(monkeypatch):
+    """Paths that do not keep a clearance are refused one by one, and each takes long."""
+    study = gspcli.example("workspace-study")
+    looked, tried = [], []
+    monkeypatch.setattr(planner.time, "monotonic", lambda: looked.append(1) or len(looked))
+    trace = ValueGuide.trace
+
+    def counted(guide, corners, rows):
+        tried.append(len(corners) > 2)
+        return trace(guide, corners, rows)
+
+    monkeypatch.setattr(ValueGuide, "trace", counted)
+    found = gspcli.path(study, "home", 3, clear=0.02, time=8, along="values")
+    assert found.verdict == "not found"
+    assert 0 < sum(tried) <= len(looked) <= 11

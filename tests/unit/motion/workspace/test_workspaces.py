@@ -287,3 +287,31 @@ def test_without_limits_or_bounds():
     rows = [gspcli.distance(row.platform, row.base, row.value) for row in free.constraints]
     with pytest.raises(ArgumentError, match="no constraint has a range and no joint a cone"):
         workspace(gspcli.instance(rows), *HOME)
+
+
+def test_a_rotation_is_judged_alike_by_all_its_angles():
+    """With the middle angle beyond a right angle, and by whole turns."""
+    angles = ("rx", "ry", "rz")
+    instance = one_leg((1, 3), base=(0, 0, -2), platform_cone=gspcli.Cone([1, 2, 2], 60))
+    found = workspace(instance, *HOME, free=angles, tolerance=0.5)
+    low, high = (found.bounds / found.units[:, None]).T
+    points = np.random.default_rng(3).uniform(low, high, (2000, 3))
+    verdicts = found.judged_at(points)
+    assert {-1, 1} <= set(verdicts.tolist())
+    half = math.pi / found.units
+    other = points + half
+    other[:, 1] = half[1] - points[:, 1]
+    assert (found.judged_at(other) == verdicts).all()
+    assert (found.judged_at(points + 2 * half * [1, 0, -1]) == verdicts).all()
+
+
+def test_a_pose_of_six_numbers_is_judged_alike_by_all_its_angles():
+    leg = one_leg((1, 2), base=(1, -2, 0.5))
+    found = workspace(leg, *HOME, free=PARAMETERS, tolerance=0.95, most_boxes=400_000)
+    low, high = (found.bounds / found.units[:, None]).T
+    points = np.random.default_rng(4).uniform(low, high, (500, 6))
+    other = points.copy()
+    other[:, 3:] += 180
+    other[:, 4] = 180 - points[:, 4]
+    assert {-1, 1} <= set(found.judged_at(points).tolist())
+    assert (found.judged_at(other) == found.judged_at(points)).all()
