@@ -52,7 +52,10 @@ def _made(y, b, T, ends):
     for k, (own, base) in enumerate(ends):
         length = float(np.linalg.norm(y[k] + T - b[k]))
         names = {"platform_name": f"P{k + 1}", "base_name": f"B{k + 1}"}
-        rows.append(Constraint(DPP, own, base, Number.of(length), **names))
+        plain = all(end.crank is None and end.slide is None for end in (own, base))
+        # A value without a crank or slide has a motor only if it has a range.
+        reach = (Number.of(length / 2), Number.of(2 * length)) if plain else None
+        rows.append(Constraint(DPP, own, base, Number.of(length), limits=reach, **names))
     units = Units("m", AngleUnit.DEGREE)
     return Instance(tuple(rows), units, home=HomePose(T.tolist(), [1, 0, 0, 0]))
 

@@ -12,6 +12,7 @@ from gspcli.dynamics import inverse_dynamics, natural_modes
 from gspcli.dynamics.arrays import RowError
 from gspcli.geometry.drives import Drives
 from gspcli.geometry.masses import Carriage
+from gspcli.geometry.numbers import Number
 from tests.support.driven_machines import (
     MADE_UP,
     SHIPPED,
@@ -168,8 +169,11 @@ def test_a_crank_in_line_with_its_rod_is_at_a_dead_point():
     instance = weighed(driven("reachy-mini-head"), np.random.default_rng(1))
     drives = Drives.of(instance)
     first, *others = instance.constraints
+    # Legs have motors if they have ranges.
+    reach = (Number.of(0), Number.of(10))
     legs = [
-        replace(row, base=gspcli.Point(m)) for row, m in zip(others, drives.middle[1:], strict=True)
+        replace(row, base=gspcli.Point(m), limits=reach)
+        for row, m in zip(others, drives.middle[1:], strict=True)
     ]
     bare = replace(instance.dynamics, legs=(), arms=(), carriages=(), drives=gspcli.Drives())
     alone = replace(instance, constraints=(first, *legs), dynamics=bare, home=None)

@@ -57,7 +57,10 @@ def mixed():
             Point(p, **(drive if on_platform else {})),
             Point(b, **({} if on_platform else drive)),
         )
-        rows.append(rod(*ends, k))
+        row = rod(*ends, k)
+        # A value without a crank or slide has a motor only if it has a range.
+        reach = None if sort else (Number.of(0.1), Number.of(2))
+        rows.append(replace(row, limits=reach))
     return Instance(tuple(rows), UNITS, home=HOME)
 
 
