@@ -1,4 +1,4 @@
-"""Every table of poses or values that a command writes is read by every command that reads tables."""
+"""One random trajectory written in many ways is one to `gsp measure` and `gsp track`."""
 
 import pytest
 
