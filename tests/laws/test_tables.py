@@ -1,4 +1,4 @@
-"""One random trajectory written in many ways is one to `gsp measure` and `gsp track`."""
+"""Every table of poses or values that a command writes is read by all that read tables."""
 
 import pytest
 
