@@ -152,11 +152,13 @@ def test_forces_of_a_rotary_machine_are_those_of_rods(gsp, tmp_path):
     assert "crank.B6 [N m]" in run.out
 
 
-def test_values_beside_poses_are_an_error(gsp, spec, rows):
-    path = rows("x,y,z,qw,qx,qy,qz,1,2\n0,0,190,1,0,0,0,100,100\n")
-    run = gsp("dynamics", spec, path)
-    assert (run.code, run.out) == (2, "")
-    assert "rows.csv:1:" in run.err
+def test_values_beside_poses_are_those_that_gsp_measure_writes(gsp, spec, rows):
+    path = rows("x,y,z,qw,qx,qy,qz\n0,0,190,1,0,0,0\n")
+    alone = gsp("dynamics", spec, path)
+    measured = gsp("measure", spec, path, "--format", "csv").out.splitlines()
+    heading, row = (line.partition(",")[2] for line in measured)
+    both = rows(f"x,y,z,qw,qx,qy,qz,{heading}\n0,0,190,1,0,0,0,{row}\n")
+    assert gsp("dynamics", spec, both).out == alone.out
 
 
 def test_singular_rows_are_named(gsp, spec, rows):
