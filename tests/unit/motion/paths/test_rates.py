@@ -17,7 +17,7 @@ from gspcli.motion.poses.inverse_kinematics import values_at
 PIVOT = np.array([0.1, 0.2, -0.05])
 NAMES = [
     *("workspace-study", "six-planes", "figure-2", "fixture-3-2-1", "surfaces-scc"),
-    *("example-6.8", "hexaglide", "t-top-head", "three-prs"),
+    *("example-6.8", "hexaglide", "t-top-head", "reachy-mini-head"),
 ]
 
 
