@@ -518,6 +518,10 @@ def _largest(good: Callable[[float], bool], most: float) -> float:
     return low
 
 
+#: How often the part of a way on which a gain changes its sign is halved.
+_CROSSING_HALVINGS = 40
+
+
 class _Corners:
     """A pose followed to the corners of the box of its drives.
 
@@ -568,10 +572,11 @@ class _Corners:
                 changed = (np.sign(drives.gains(R, T, q)) != gains) & drives.driven
             moved = some[good]
             if (crossed := good & changed.any(axis=1)).any():
-                nearest = int(np.where(crossed, size, np.inf).argmin())
-                if size[nearest] < dead:
-                    dead = float(size[nearest])
-                    drive = int(drives.index[int(changed[nearest].argmax())])
+                size_, nearest = self._crossing(
+                    some[crossed], size[crossed], changed[crossed], gains
+                )
+                if size_ < dead:
+                    dead, drive = size_, nearest
             self.R[moved], self.T[moved], self.far[moved] = R[good], T[good], size[good]
             self.step[some] *= np.where(good, _GROWTH, 0.5)
             ended = self.step < _LEAST * self.far
@@ -583,6 +588,25 @@ class _Corners:
             return DriveClearance(lower, knees, np.inf, dead, drive, None, None, None)
         q = self.q + upper * self.ways[at]
         return DriveClearance(lower, knees, upper, dead, drive, q, self.R[at], self.T[at])
+
+    def _crossing(
+        self, some: NDArray[np.intp], high: Array, changed: NDArray[np.bool_], gains: Array
+    ) -> tuple[float, int]:
+        """Return the least size at which a gain changes its sign on some ways, and its drive."""
+        drives = self.drives
+        low, high = self.far[some].copy(), high.copy()
+        which = changed.argmax(axis=1)
+        for _ in range(_CROSSING_HALVINGS):
+            middle = (low + high) / 2
+            R, T, _ = self._newton(some, middle)
+            q = self.q + middle[:, None] * self.ways[some]
+            with np.errstate(all="ignore"):
+                changed = (np.sign(drives.gains(R, T, q)) != gains) & drives.driven
+            beyond = changed.any(axis=1)
+            which = np.where(beyond, changed.argmax(axis=1), which)
+            low, high = np.where(beyond, low, middle), np.where(beyond, middle, high)
+        k = int(high.argmin())
+        return float(high[k]), int(drives.index[which[k]])
 
     def _newton(
         self, some: NDArray[np.intp], size: Array

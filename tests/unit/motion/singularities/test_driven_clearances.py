@@ -5,15 +5,66 @@ Bounds are compared with the equations of the machine with its motors elsewhere.
 
 from __future__ import annotations
 
+from itertools import product
+
 import numpy as np
 import pytest
 
 from gspcli.geometry.drives import Drives
+from gspcli.geometry.measurement import measured
+from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.motion.following.branch_follower import MovingPlatform
-from gspcli.motion.singularities.clearances import drive_clearances, each_drive_clearance
+from gspcli.motion.singularities.clearances import (
+    drive_clearances,
+    drive_weights,
+    each_drive_clearance,
+)
 from gspcli.motion.singularities.neighbourhoods import Box, DrivenNeighbourhood, Norm
+from gspcli.spec import loads
 from tests.support.driven_clearances import examine
 from tests.support.independent_machines import machines
+
+#: A dead point is near home.
+MIXED = """\
+gsp: 1
+name: mixed
+units: {length: mm, angle: deg}
+platform:
+  P1: {point: [42.576062, -30.249146, 16.091117],
+     crank: {centre: [63.602222, -46.986798, 0.607175], axis: [0.184, 0.139, -0.178],
+      range: [-66.17, 56.69], offset: 2.126, scale: 0.0181}}
+  P2: {point: [38.811105, 25.276231, 1.223771],
+     slide: {direction: [0.951, 0.094, 0.153],
+      range: [-58.8, 25.4], offset: 1.839, scale: -0.0358}}
+  P3: {point: [12.128141, 76.800788, 0.338227]}
+  P4: {point: [-66.937986, 1.833038, 1.139919],
+     crank: {centre: [-68.10899, 28.844384, 0.803946], axis: [-1.487, -0.603, -0.165],
+      range: [-68.89, 68.86]}}
+  P5: {point: [-69.538327, -31.466816, -0.959097]}
+  P6: {point: [30.52, -52.038, -7.317]}
+base:
+  B1: {point: [81.578478, -28.693209, 0.186669]}
+  B2: {point: [78.401216, 28.689324, -1.618209]}
+  B3: {point: [-32.142931, 71.127587, 0.693238],
+     slide: {direction: [-0.66, 0.386, 0.327],
+      range: [-57.7, 32.3]}}
+  B4: {point: [-66.568881, 56.85693, 3.016455]}
+  B5: {point: [-67.634617, -38.332776, -6.090122],
+     crank: {centre: [-64.698303, -55.349713, -1.453277], axis: [-0.96, -0.077, -0.185],
+      range: [-58.98, 64.85], offset: -2.77, scale: -0.0638}}
+  B6: {point: [-14.167377, -86.044877, 3.019187]}
+home: {position: [5.359109, 5.07488, 165.684429],
+  quaternion: [0.9999727911105257, -0.0015999564657768414, 0.0030999156524426303,
+  -0.006499823142218418]}
+constraints:
+  - {distance: [P1, B1], value: 184.59558960451068}
+  - {distance: [P2, B2], value: 171.59050799750227}
+  - {distance: [P3, B3], value: 172.9223693878272}
+  - {distance: [P4, B4], value: 171.46530533429623}
+  - {distance: [P5, B5], value: 171.85493853084944}
+  - {distance: [P6, B6], value: 161.78877605547288,
+     range: [128.99, 194.58], offset: 2.228, scale: 0.0215}
+"""
 
 MACHINES = ("reachy 60", "paradex", "6-PUS", "mixed")
 
@@ -137,3 +188,37 @@ def test_what_is_not_reached_has_no_clearance() -> None:
     assert (lower[1], knees[1]) == (0, 0)
     far = each_drive_clearance(machine.instance, R, T)[1]
     assert (far.lower, far.upper, far.ratio) == (0.0, np.inf, np.inf)
+
+
+def _gains_at(drives, R, T, q, to):
+    """Return the signs of the gains where all drives have moved straight, by small steps."""
+    for part in np.linspace(0, 1, 61)[1:]:
+        here = q + part * to
+        arrangement = drives.arrangement(here)
+        wanted = np.where(drives.driven, drives.rods, here[drives.index])
+        for _ in range(6):
+            twist = np.linalg.solve(
+                drives.jacobian(R, T, here), wanted - measured(arrangement, R, T)
+            )
+            R, T = rotation_from_vector(twist[:3]) @ R, T + twist[3:]
+    return np.sign(drives.gains(R, T, here))
+
+
+def test_the_dead_point_is_the_nearest_on_the_lines_to_the_corners() -> None:
+    instance = loads(MIXED)
+    home = instance.home
+    R, T = home.R(np.pi / 180), home.T
+    drives, units = Drives.of(instance), drive_weights(instance)[0]
+    found = each_drive_clearance(instance, R[None], T[None])[0]
+    assert found.dead_point == pytest.approx(0.04324, abs=1e-5)
+    assert drives.names[found.drive] == "slide.P2"
+    q = drives.inverse(R, T)
+    before = np.sign(drives.gains(R, T, q))
+    nearer = []
+    for signs in product((1.0, -1.0), repeat=6):
+        size = 0.999 * found.dead_point
+        assert (_gains_at(drives, R, T, q, size * np.array(signs) * units) == before).all()
+        beyond = _gains_at(drives, R, T, q, 1.002 * found.dead_point * np.array(signs) * units)
+        if (beyond != before).any():
+            nearer.append(signs)
+    assert nearer == [(-1.0, 1.0, 1.0, -1.0, 1.0, 1.0)]
