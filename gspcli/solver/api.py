@@ -16,7 +16,7 @@ from gspcli.geometry.instance import Instance
 from gspcli.geometry.readings import values_of
 from gspcli.geometry.value_rows import value_rows
 from gspcli.solver.all_poses import all_poses
-from gspcli.solver.arguments import warn_of_certify, whole
+from gspcli.solver.arguments import whole
 from gspcli.solver.many_poses import batch_of, many_poses
 from gspcli.solver.problem import Problem
 from gspcli.solver.result import SolveResult
@@ -34,7 +34,6 @@ def solve(
     *,
     seed: int = SEED,
     jobs: int = 1,
-    certify: bool | None = None,
     prove: bool | None = None,
     starts: SolvedStarts = STARTS,
 ) -> SolveResult:
@@ -54,13 +53,11 @@ def solve(
         Source of random choices. Another seed gives the same poses in the same order.
     jobs
         Threads for path tracking. The answer does not depend on them.
-    certify
-        Ignored, with a DeprecationWarning: every pose is proved.
     prove
         Whether to count the poses of a special platform however long it takes (True), not at
         all (False), or if it takes no longer than `PATIENCE` (None). Without a count only
-        as many certified poses as the type has prove that there are no others. If True, a proof
-        up to a random prime is made certain where that succeeds, in some seconds.
+        as many certified poses as the type has prove that there are no others. If True, a
+        second random prime confirms a count.
     starts
         What is kept of solved platforms: nothing but time depends on it. By default that of the
         process.
@@ -79,7 +76,6 @@ def solve(
     >>> found.real_solutions[0].R.shape
     (3, 3)
     """
-    warn_of_certify(certify)
     checked(instance)
     seed, jobs = whole(seed, "seed", least=0), whole(jobs, "jobs", least=1)
     problem = Problem(instance, seed=seed, jobs=jobs, prove=prove, starts=starts)
@@ -94,9 +90,9 @@ def solve(
 def _ordered(problem: Problem) -> PoseSet:
     poses = all_poses(problem)
     if problem.limit is None:
-        from gspcli.solver.special.by_count import made_certain
+        from gspcli.solver.special.by_count import confirmed
 
-        poses = made_certain(problem, poses)
+        poses = confirmed(problem, poses)
     return poses.in_order(problem.arrangement.length)
 
 
@@ -106,7 +102,6 @@ def solve_values(
     *,
     seed: int = SEED,
     jobs: int = 1,
-    certify: bool | None = None,
     starts: SolvedStarts = STARTS,
 ) -> Iterator[PoseSet]:
     """Yield all poses of an instance for each of many sets of values, in order.
@@ -123,8 +118,6 @@ def solve_values(
         added to them. Doubles are meant exactly, as fractions.
     seed, jobs, starts
         As for `solve`.
-    certify
-        Ignored, as by `solve`.
 
     Raises
     ------
@@ -132,7 +125,6 @@ def solve_values(
         If an argument is of another sort or shape. A set of values that is wrong (not a number,
         a negative distance) only spoils its own `PoseSet`, whose `problem` says so.
     """
-    warn_of_certify(certify)
     answers = many_poses(instance, values, seed=seed, jobs=jobs, starts=starts)
     return chain.from_iterable(each.poses() for each in answers)
 
@@ -143,7 +135,6 @@ def solve_batch(
     *,
     seed: int = SEED,
     jobs: int = 1,
-    certify: bool | None = None,
     starts: SolvedStarts = STARTS,
     progress: Iterable[object] = (),
 ) -> PoseBatch:
@@ -153,7 +144,7 @@ def solve_batch(
 
     Parameters
     ----------
-    instance, values, seed, jobs, certify, starts
+    instance, values, seed, jobs, starts
         As for `solve_values`.
     progress
         Consumed one item a set of values.
@@ -163,7 +154,6 @@ def solve_batch(
     ArgumentError
         As for `solve_values`.
     """
-    warn_of_certify(certify)
     answers, steps = [], iter(progress)
     for each in many_poses(instance, values, seed=seed, jobs=jobs, starts=starts):
         answers.append(each)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import operator
-import warnings
 from typing import Any
 
 from gspcli.errors import ArgumentError
@@ -26,10 +25,3 @@ def whole(value: Any, where: str, *, least: int) -> int:
         message = f"found {shortened(repr(value))}, expected a whole number of at least {least}"
         raise ArgumentError(message, where)
     return number
-
-
-def warn_of_certify(certify: bool | None) -> None:
-    """Warn a caller's caller that an argument is ignored, if it is given."""
-    if certify is not None:
-        message = "certify is ignored: every pose is proved"
-        warnings.warn(message, DeprecationWarning, stacklevel=3)

@@ -524,8 +524,8 @@ def check_options(*, fitting: bool, **given: object) -> None:
 @click.option(
     "--prove/--no-prove",
     default=None,
-    help="--prove counts the poses of a special platform exactly, for any time, and tries to make "
-    "a proof up to a random prime certain. --no-prove never counts. By default poses are counted "
+    help="--prove counts the poses of a special platform exactly, for any time, "
+    "modulo two random primes. --no-prove never counts. By default poses are counted "
     "if that takes a few seconds at most.",
 )
 @seed_option("; the answer does not depend on it")

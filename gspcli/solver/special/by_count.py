@@ -11,12 +11,11 @@ from gspcli.certification.counting import (
     exact_count,
     geometry_count,
 )
-from gspcli.certification.counting.certain_bounds import certain_bound
 from gspcli.geometry.instance import Instance
 from gspcli.solver.ledger import Ledger
 from gspcli.solver.problem import Problem
 from gspcli.solver.results.pose_set import PoseSet, joined
-from gspcli.solver.results.proof import CountKind, Grade, Proof
+from gspcli.solver.results.proof import CountKind, Proof
 from gspcli.solver.side_poses import FEW, SidePoses
 from gspcli.solver.special.completion import (
     complete,
@@ -195,21 +194,24 @@ def _proved(poses: PoseSet, count: ExactCount | None) -> PoseSet:
     return replace(poses, proof=proof, exact_count=count.solutions if count else None)
 
 
-def made_certain(problem: Problem, poses: PoseSet) -> PoseSet:
-    """Return poses with a certain proof, if a platform cannot have more than are certified.
+def confirmed(problem: Problem, poses: PoseSet) -> PoseSet:
+    """Return poses with a proof that a second prime confirms, so that both would have to be bad.
 
     Parameters
     ----------
     problem, poses
-        The platform, and all its poses.
+        The platform, and all its poses. If the second count is another one, they have no proof.
     """
     proof = poses.proof
-    if proof is None or proof.grade is Grade.CERTAIN or poses.account.verdict != "complete":
+    if proof is None or not proof.error or poses.account.verdict != "complete":
         return poses
-    if not poses.certified.all() or (poses.multiplicity > 1).any():
+    counted = exact_count if proof.by is CountKind.EXACT else geometry_count
+    count = counted(problem.instance, seed=problem.seed + 1, limit=None)
+    if count is None:
         return poses
-    # More sides than one share the poses: the bound of each is as low as it gets.
-    enough = len(poses.R) if len(problem.choices) == 1 else 0
-    if certain_bound(problem.instance, enough) != len(poses.R):
-        return poses
-    return replace(poses, proof=Proof(CountKind.EXACT))
+    if proof.by is CountKind.GEOMETRY:
+        other = _by_geometry(poses, count)
+    else:
+        other = _proved(poses, count).proof if count.solutions == poses.exact_count else None
+    both = None if other is None else Proof(proof.by, proof.error * other.error)
+    return replace(poses, proof=both)

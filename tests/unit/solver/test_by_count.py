@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -24,6 +25,7 @@ from gspcli.solver.ledger import Ledger
 from gspcli.solver.problem import Problem
 from gspcli.solver.results.proof import CountKind
 from gspcli.solver.special import by_count
+from gspcli.solver.starts.solved_starts import SolvedStarts
 
 ORIGIN, X, Y, Z = (vector(*v) for v in ((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)))
 P = Point(ORIGIN)
@@ -150,3 +152,23 @@ def test_many_paths_astray_are_not_followed_before_a_count(monkeypatch: pytest.M
     ledger = Ledger(problem)
     assert by_count._by_geometry_or_type(problem, ledger) is None
     assert not len(ledger)
+
+
+def test_a_second_prime_confirms_a_count() -> None:
+    platform = load(EXAMPLES / "congruent-platform.yaml")
+    one, both = solve(platform, starts=SolvedStarts()), solve(platform, prove=True)
+    assert one.proof is not None
+    assert both.proof is not None
+    assert 0 < both.proof.error < one.proof.error**1.5
+    assert both.proof.by is one.proof.by
+
+
+def test_a_second_prime_that_counts_otherwise_is_no_proof(monkeypatch: pytest.MonkeyPatch) -> None:
+    platform = load(EXAMPLES / "congruent-platform.yaml")
+    problem = Problem(platform, prove=True)
+    poses = solve(platform).poses
+    count = count_geometry(platform)
+    fewer = replace(count, solutions=count.solutions - 8)
+    monkeypatch.setattr(by_count, "geometry_count", lambda *_, **__: fewer)
+    monkeypatch.setattr(by_count, "exact_count", lambda *_, **__: fewer)
+    assert by_count.confirmed(problem, poses).proof is None

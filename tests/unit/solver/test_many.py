@@ -384,19 +384,6 @@ def test_an_angle_of_half_a_turn_in_radians_may_be_rounded_up() -> None:
     assert found.problem is None
 
 
-def test_the_old_argument_for_unproved_poses_changes_nothing():
-    legs = instance_of("6PP")
-    values = np.array([[row.value.value for row in legs.constraints]])
-    with pytest.warns(DeprecationWarning, match="certify is ignored") as seen:
-        found = [
-            solve(legs, certify=False),
-            *solve_values(legs, values, certify=False),
-            solve_batch(legs, values, certify=False),
-        ]
-    assert [warning.filename for warning in seen] == [__file__] * 3
-    assert all(one.certified.all() for one in found)
-
-
 # Sets of values of other sizes among those of a batch: each is solved as if it were alone.
 
 
