@@ -313,6 +313,26 @@ class Controller:
         self, pose: NDArray[np.float64]
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
     def jacobian(self) -> NDArray[np.float64] | None: ...
+    def follow_rows(
+        self,
+        values: NDArray[np.float64],
+        pose: NDArray[np.float64],
+        near: float,
+        shortest: float,
+        tries: int,
+        keep: bool,
+    ) -> tuple[
+        int,
+        NDArray[np.float64],
+        NDArray[np.float64],
+        float,
+        float,
+        float,
+        int,
+        int,
+        float,
+        NDArray[np.float64],
+    ]: ...
     def report(self) -> tuple[float, float, float, int, int]: ...
     def position(self) -> NDArray[np.float64]: ...
     def rotation(self) -> NDArray[np.float64]: ...

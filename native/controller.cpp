@@ -21,6 +21,7 @@
 #define HAS_BASE_SLIDE 1
 #define HAS_PLATFORM_SLIDE 1
 #define HAS_CONES 1
+#define HAS_PIECES 1
 
 namespace gsp {
 namespace {
@@ -136,6 +137,61 @@ int Controller::slack(const double* pose, double* room, double* rows) const {
     for (int j = 0; j < 3; ++j) rows[6 * i + j] *= parts.numbers.reach;
   }
   return count;
+}
+
+namespace {
+int keep(void* where, const piece* p) {
+  std::vector<double>& out = static_cast<FollowedRows*>(where)->pieces;
+  const double row = static_cast<double>(static_cast<FollowedRows*>(where)->reached);
+  for (const double x : {row, p->begin, p->end, p->from}) out.push_back(x);
+  out.insert(out.end(), p->at.q, p->at.q + 4);
+  out.insert(out.end(), p->at.T, p->at.T + 3);
+  out.insert(out.end(), p->d, p->d + 6);
+  for (const double x : {p->radius, p->error, p->alone}) out.push_back(x);
+  return 1;
+}
+}  // namespace
+
+FollowedRows Controller::follow_rows(const double* values, std::size_t rows, const double* pose,
+                                     const FollowLimits& limits) const {
+  const geometry* g = &parts_->numbers;
+  FollowedRows out;
+  platform_pose p = given(pose);
+  walk w{};
+  double c[6], next[6], inverse[6][6];
+  if (!load(g, &p, &w.at.f)) return out;
+  std::copy(values, values + 6, c);
+  std::copy(values, values + 6, next);
+  if (limits.near == 0.0) {  // the pose that Newton's method finds
+    (void)orient(g, &w.at.f, 0.0, c, next);
+    set(g, c, &w.at.at);
+    evaluate(g, &w.at);
+    if (!(linearize(&w.at, inverse) < 0.5) || !converge(g, inverse, &w.at)) return out;
+  }
+  if (limits.keep) w.keep = keep, w.kept = &out;
+  w.error = limits.near / g->reach, w.step = 1.0, w.shortest = limits.shortest;
+  const auto store = [&] {
+    unload(g, &w.at.f, &p);
+    out.poses.insert(out.poses.end(), p.position, p.position + 3);
+    out.poses.insert(out.poses.end(), p.rotation, p.rotation + 4);
+  };
+  store();
+  for (out.reached = 0; out.reached + 1 < static_cast<long>(rows); ++out.reached) {
+    std::copy(values + 6 * out.reached, values + 6 * out.reached + 6, c);
+    std::copy(values + 6 * out.reached + 6, values + 6 * out.reached + 12, next);
+    w.done = 0.0, w.step = std::min(w.step, 1.0), w.tries = 0, w.most_tries = limits.tries;
+    if (!orient(g, &w.at.f, w.error, c, next)) break;
+    const int status = chase(g, c, next, &w);
+    out.tries += w.tries;
+    if (status || !keeps_sides(g, &w.at.f, w.error, c, next)) break;
+    store();
+  }
+  if (out.reached + 1 == static_cast<long>(rows)) w.done = 0.0;
+  unload(g, &w.at.f, &p);
+  std::copy(p.position, p.position + 3, out.last);
+  std::copy(p.rotation, p.rotation + 4, out.last + 3);
+  out.fraction = w.done, out.error = w.error * g->reach, out.alone = w.alone * g->reach, out.steps = w.steps, out.worst = w.worst;
+  return out;
 }
 
 const double* Controller::position() const { return parts_->state.pose.position; }

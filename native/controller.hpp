@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <vector>
 
 namespace gsp {
 
@@ -10,6 +11,27 @@ namespace gsp {
 struct StepReport {
   double fraction, sigma, alone;
   int steps, tries;
+};
+
+// How a mode is followed: how far its pose may be from the start (0: the one that Newton's method
+// finds), the shortest part of a line between rows, the most tries for a line, whether to keep pieces.
+struct FollowLimits {
+  double near, shortest;
+  int tries;
+  bool keep;
+};
+
+// A mode followed along rows: the last row reached, from 0 (-1: no pose at the first one), and the part
+// of the line to the next one; poses at the rows and the last pose, a bound of its error, and a distance
+// within which there is no other pose.
+struct FollowedRows {
+  // Of a piece: row, begin, end, from; rotation and place of the frame; d, radius, error, alone.
+  static constexpr std::size_t kPiece = 20;
+  long reached = -1;
+  double fraction = 0.0, error = 0.0, alone = 0.0, worst = 0.0;
+  long steps = 0, tries = 0;
+  double last[7] = {};
+  std::vector<double> poses, pieces;
 };
 
 // A platform with the state of its controller.
@@ -36,6 +58,9 @@ class Controller {
   double seek(const double* goal, double* pose) const;
   // How far a pose is within the limits, and the derivatives by twists of PLATFORM_MIDDLE; lengths.
   int slack(const double* pose, double* room, double* rows) const;
+  // Follows a mode along rows of the numbers of equations: the units are not applied.
+  FollowedRows follow_rows(const double* values, std::size_t rows, const double* pose,
+                           const FollowLimits& limits) const;
   int jacobian(double* J) const;      // of the values by a twist, 6 x 6
 
   const double* position() const;

@@ -71,6 +71,22 @@ nb::object jacobian(const Controller& self) {
   return nb::cast(owned(std::move(data), {6, 6}));
 }
 
+nb::tuple follow_rows(const Controller& self, const Array<double, 2>& values, const Doubles& pose,
+                      double near, double shortest, int tries, bool keep) {
+  require(values.shape(0) > 0 && values.shape(1) == 6, "values must have shape (r, 6)");
+  require(pose.shape(0) == 7, "pose must have shape (7,)");
+  const FollowedRows found =
+      self.follow_rows(values.data(), values.shape(0), pose.data(), {near, shortest, tries, keep});
+  const auto table = [](const std::vector<double>& from, std::size_t width) {
+    auto data = std::make_unique<double[]>(from.size());
+    std::copy(from.begin(), from.end(), data.get());
+    return owned(std::move(data), {from.size() / width, width});
+  };
+  return nb::make_tuple(found.reached, table(found.poses, 7), copied(found.last, 7), found.fraction,
+                        found.error, found.alone, found.steps, found.tries, found.worst,
+                        table(found.pieces, FollowedRows::kPiece));
+}
+
 nb::tuple report(const Controller& self) {
   const StepReport r = self.report();
   return nb::make_tuple(r.fraction, r.sigma, r.alone, r.steps, r.tries);
@@ -88,6 +104,8 @@ void bind_controller(nb::module_& m) {
       .def("seek", &seek, "goal"_a, "start"_a)
       .def("slack", &slack, "pose"_a)
       .def("jacobian", &jacobian)
+      .def("follow_rows", &follow_rows, "values"_a, "pose"_a, "near"_a, "shortest"_a, "tries"_a,
+           "keep"_a)
       .def("report", &report)
       .def("position", [](const Controller& self) { return copied(self.position(), 3); })
       .def("rotation", [](const Controller& self) { return copied(self.rotation(), 4); })

@@ -23,7 +23,7 @@ CONSTANT = re.compile(
 #: Of each file: how many, and why.
 LISTED = {
     # Numbers of more than 53 bits, and what is sampled against balls of arb.
-    "certification/branches/arcs.py": (3, "widths of Krawczyk's test, in balls"),
+    "certification/branches/arcs.py": (6, "widths of Krawczyk's test, in balls"),
     "certification/branches/folds.py": (3, "widths of Krawczyk's test, in balls"),
     "certification/numbers/correct_rounding.py": (1, "half of the last place, less 2^-55"),
     "certification/numbers/doubled.py": (1, "sums of two doubles"),
@@ -37,13 +37,9 @@ LISTED = {
     "certification/poses/multiple.py": (3, "digits that are asked for: no bound"),
     # Constants of loops with lanes in the kernel: its roundings are counted.
     "certification/branches/parametric_quadrics.py": (2, "entries of Hessian matrices"),
-    "certification/branches/taylor.py": (3, "the equations of the kernel along chords"),
     "certification/equations/local_frames.py": (1, "a part of a scale: no bound"),
-    "motion/following/branch_steps.py": (2, "steps of the follower"),
-    "motion/following/chord_equations.py": (1, "the equations of the kernel along chords"),
-    "motion/following/chords.py": (3, "the equations of the kernel along chords"),
-    "motion/following/cone_limits.py": (3, "the equations of the kernel along chords"),
-    "motion/following/part_models.py": (2, "the equations of the kernel along chords"),
+    "motion/following/cone_limits.py": (2, "heights along chords"),
+    "motion/following/followed_rows.py": (2, "frames of the step, and its shortest part"),
     "motion/following/platform_numbers.py": (2, "numbers of the controller in C"),
     # Not proofs.
     "geometry/limits.py": (2, "readings at the end of a range"),

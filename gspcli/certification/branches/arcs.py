@@ -18,16 +18,20 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+import flint
 import numpy as np
 from flint import arb, arb_mat
 from numpy.typing import NDArray
 
 from gspcli.certification.branches.fold_system import CurveSystem
+from gspcli.certification.branches.taylor import MovingSystem
 from gspcli.certification.numbers.balls import float_above, floats_above
 from gspcli.certification.numbers.rounding import OUTWARD
 
 Array = NDArray[np.float64]
 
+#: Of ball arithmetic, in bits.
+PRECISION = 160
 #: z and t.
 _UNKNOWNS = 9
 #: The gauge of a fixed time.
@@ -36,6 +40,8 @@ _NOW = [*[arb(0)] * (_UNKNOWNS - 1), arb(1)]
 _WIDENINGS = 8
 #: A box has at least this width.
 _LEAST = 2.0**-90
+#: A box that is to contain another one is wider than this.
+_WIDE = 2.0**-80
 #: Newton's method: the most steps, and the size of the last one.
 _STEPS, _CONVERGED = 12, 2.0**-70
 #: Iterations of the power method for the weights.
@@ -234,6 +240,44 @@ def at_time(equations: CurveSystem, guess: Sequence[arb]) -> list[arb] | None:
     return [*(a + arb(0, w) for a, w in zip(x[:-1], arc.widths, strict=False)), x[-1]]
 
 
+def near_point(
+    equations: CurveSystem, point: Array, part: float, radius: float
+) -> tuple[list[arb], bool]:
+    """Return nine balls that contain a pose, and whether they have exactly one solution.
+
+    Parameters
+    ----------
+    equations
+        Of the curve.
+    point
+        A Study point, shape (8,).
+    part
+        The time.
+    radius
+        Within this distance from the point, of norm one, there is exactly one pose: the one in
+        question. Zero if only its place is known: it is the pose that Newton's method finds.
+    """
+    y = [arb(value) for value in point.tolist()]
+    scale = _dot(equations.patch, y)
+    # From one patch to another distances grow at most fourfold.
+    guess = [*(a / scale for a in y), arb(part)]
+    exact = at_time(equations, guess)
+    if exact and all((a - b).abs_upper() < radius / 16 for a, b in zip(exact, guess, strict=True)):
+        return exact, True
+    guess[:8] = [a + arb(0, 4 * radius) for a in guess[:8]]
+    x = corrected(equations, guess, _NOW)
+    v = None if x is None else tangent(equations, x, _NOW)
+    if x is not None and v is not None:
+        arc = Arc(equations, x, v, _NOW)
+        wanted = [a.abs_upper() + _WIDE for a in arc.place(guess)[1]]
+        # The only solution in a box with the pose is the pose, also in a narrower box.
+        if arc.holds(arb(_LEAST), wanted) and arc.contains(guess):
+            exact = at_time(equations, x)
+            if exact is not None and arc.contains(exact):
+                return exact, True
+    return guess, False
+
+
 def towards(equations: CurveSystem, pose: Sequence[arb], latest: arb) -> Iterator[list[arb]]:
     """Yield points of the curve after a pose; t is proved to increase from the pose to each.
 
@@ -251,6 +295,68 @@ def towards(equations: CurveSystem, pose: Sequence[arb], latest: arb) -> Iterato
     list
         Nine balls that contain a point of the curve.
     """
+    for _, end in _arcs(equations, pose, latest):
+        yield end
+
+
+def continued(
+    equations: CurveSystem, pose: Sequence[arb], goal: float
+) -> tuple[list[arb], int] | None:
+    """Follow the curve from a pose while t increases, to a time or until arcs become too short.
+
+    Returns
+    -------
+    tuple
+        Nine balls with exactly one solution, the last one of the curve at an exact time, and the
+        number of arcs; None if there is no such point after the pose.
+    """
+    last = None
+    for count, (arc, end) in enumerate(_arcs(equations, pose, arb(goal)), 1):
+        time = min(goal, float((end[-1] - end[-1].rad()).mid()) - 2.0**-52)
+        found = at_time(equations, [*end[:-1], arb(time)])
+        if found is not None and arc.contains(found) and found[-1] > pose[-1]:
+            last = found, count
+    return last
+
+
+def follow_closely(
+    system: MovingSystem, rows: tuple[Array, Array], point: Array, part: float, radius: float
+) -> tuple[Array, float, float, int] | None:
+    """Follow a mode in arcs, as far as possible towards the next row.
+
+    Parameters
+    ----------
+    system, rows
+        As for `CurveSystem`.
+    point, part
+        A Study point of norm one, shape (8,), and the part of the step between the rows.
+    radius
+        A bound of its distance from the pose.
+
+    Returns
+    -------
+    tuple
+        The same three later on the curve, and the number of arcs; None if no arc is proved.
+    """
+    if not radius < 1:
+        return None
+    with flint.ctx.workprec(PRECISION):
+        equations = CurveSystem(system, rows, point)
+        pose, exact = near_point(equations, point, part, radius)
+        found = continued(equations, pose, 1.0) if exact else None
+        if found is None:
+            return None
+        x, count = found
+        z = np.array([float(a) for a in x[:8]])
+        size = float(np.linalg.norm(z))
+        apart = sum(float_above((a - b).abs_upper()) for a, b in zip(x, z.tolist(), strict=False))
+        return z / size, float(x[8]), (apart / size + 2.0**-50) * OUTWARD, count
+
+
+def _arcs(
+    equations: CurveSystem, pose: Sequence[arb], latest: arb
+) -> Iterator[tuple[Arc, list[arb]]]:
+    """Yield arcs of the curve after a pose, and a point near the end of each; see `towards`."""
     known, length = list(pose), arb(1) / 16
     v = tangent(equations, [value.mid() for value in pose], _NOW)
     x = None if v is None else corrected(equations, pose, v)
@@ -270,7 +376,7 @@ def towards(equations: CurveSystem, pose: Sequence[arb], latest: arb) -> Iterato
                 length, longer = length / 2, arb(1)
             if length < _SHORTEST:
                 return
-        yield end
+        yield arc, end
         known, x, length = end, [value.mid() for value in end], length * longer
         v = tangent(equations, x, v)
 

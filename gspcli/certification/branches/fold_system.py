@@ -21,7 +21,7 @@ from flint import arb, arb_mat, arb_series
 from numpy.typing import NDArray
 
 from gspcli.certification.branches.parametric_quadrics import Shape
-from gspcli.certification.branches.taylor import Element, MovingSystem
+from gspcli.certification.branches.taylor import Element, MovingSystem, coefficient
 from gspcli.certification.equations import study
 from gspcli.records import dataclass
 
@@ -65,17 +65,17 @@ class CurveSystem:
 
     def _hessian(self, form: dict[int, arb]) -> arb_mat:
         entries = [arb(0)] * 64
-        for index, coefficient in form.items():
+        for index, number in form.items():
             for k, factor in enumerate(self.terms[index]):
                 if factor:
-                    entries[k] += factor * coefficient
+                    entries[k] += factor * number
         return arb_mat(8, 8, entries)
 
     def _hessians(self, k: int, j: int, form: dict[int, Element], count: int) -> list[arb_mat]:
         """Return the coefficients of powers of t of a Hessian matrix: one if it is constant."""
         if any(isinstance(x, arb_series) for x in form.values()):
             return [
-                self._hessian({i: _part(x, power) for i, x in form.items()})
+                self._hessian({i: coefficient(x, power) for i, x in form.items()})
                 for power in range(count)
             ]
         if (k, j) not in self._still:
@@ -108,7 +108,7 @@ class CurveSystem:
                 for j in (0, 1)
             )
             assert a is not None
-            number = line.number([_part(c, power) for power in range(order + 2)])
+            number = line.number([coefficient(c, power) for power in range(order + 2)])
             found.append(_equation(shape, n, a, b, number))
         patch = [_dot(self.patch, x[:8]) - 1, _dot(self.patch, v[:8])]
         nothing = [arb(0)] * 9
@@ -274,13 +274,6 @@ def toeplitz(coefficients: Sequence[arb]) -> arb_mat:
     return arb_mat(
         [[coefficients[j - i] if j >= i else arb(0) for j in range(count)] for i in range(count)]
     )
-
-
-def _part(x: Element, order: int) -> arb:
-    """Return a coefficient of a power series, or of a number."""
-    if isinstance(x, arb_series):
-        return x[order]
-    return x if order == 0 else arb(0)
 
 
 def _dot(a: Sequence[arb], b: Sequence[arb]) -> arb:

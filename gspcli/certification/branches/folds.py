@@ -24,7 +24,7 @@ import numpy as np
 from flint import arb, arb_mat
 from numpy.typing import NDArray
 
-from gspcli.certification.branches.arcs import Arc, at_time, towards
+from gspcli.certification.branches.arcs import PRECISION, Arc, near_point, towards
 from gspcli.certification.branches.fold_system import UNKNOWNS, FoldSystem, unit
 from gspcli.certification.branches.taylor import MovingSystem
 from gspcli.certification.numbers.balls import float_above, float_ends
@@ -32,7 +32,6 @@ from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
 
-_PRECISION = 160
 _STEPS = 12
 #: Newton's method has converged if a step is below this.
 _CONVERGED = 2.0**-100
@@ -86,8 +85,8 @@ class Fold:
             For each pose -1 or 1 for its branch, if it is proved that the mode of the pose reaches
             the fold without a singularity before; else 0.
         """
-        with flint.ctx.workprec(_PRECISION):
-            return [_side(self, point, arb(part), arb(radius)) for point in points]
+        with flint.ctx.workprec(PRECISION):
+            return [_side(self, point, part, radius) for point in points]
 
 
 def prove_fold(
@@ -108,7 +107,7 @@ def prove_fold(
         A Study point near the fold, in units of `length_scale`, and the approximate direction of
         the branch there, shape (8,).
     """
-    with flint.ctx.workprec(_PRECISION):
+    with flint.ctx.workprec(PRECISION):
         equations = FoldSystem(system, rows, point)
         x = [*map(arb, point.tolist()), *map(arb, direction.tolist()), arb(part)]
         scale = sum((a * b for a, b in zip(equations.patch, x[:8], strict=True)), arb(0))
@@ -153,20 +152,13 @@ def _krawczyk(system: FoldSystem, x: list[arb]) -> Fold | None:
     return Fold(low, high, middle[:8], middle[8:16], bends, system, tuple(box))
 
 
-def _side(fold: Fold, point: Array, part: arb, radius: arb) -> int:
+def _side(fold: Fold, point: Array, part: float, radius: float) -> int:
     """Return the branch of a fold with a pose, or 0; see `Fold.sides`."""
     equations = fold.equations
     y = [arb(value) for value in point.tolist()]
-    scale = _dot(equations.patch, y)
-    if not scale.abs_lower() > 0.5:
+    if not (radius < 1 and _dot(equations.patch, y).abs_lower() > 0.5):
         return 0
-    guess = [*(a / scale for a in y), part]
-    exact = at_time(equations, guess)
-    # From one patch to another distances grow at most quad_double.
-    if exact and all((a - b).abs_upper() < radius / 16 for a, b in zip(exact, guess, strict=True)):
-        pose = exact
-    else:
-        pose = [*(a + arb(0, 4 * radius) for a in guess[:-1]), part]
+    pose, _ = near_point(equations, point, part, radius)
     turn = _Turn(fold, pose)
     side = turn.side(pose)
     if side == 0 and turn.proved_nearer():

@@ -1,10 +1,8 @@
-"""Equations of an instance whose values and drives move: Taylor polynomials with bounds.
+"""Equations of an instance whose values and drives move, as power series.
 
 Between two rows every number of a trajectory is a linear function of s, from 0 to 1: values,
 angles of cranks and places of slides. The coefficients of the quadrics
-are then analytic functions of s. On a part of the way, with tau from -1/2 to 1/2, each is a
-polynomial in tau plus a remainder. Lagrange's form bounds the remainder: it is the next coefficient
-of the power series, computed with a ball for s that contains the whole part.
+are then analytic functions of s.
 """
 
 from __future__ import annotations
@@ -27,91 +25,15 @@ from gspcli.certification.branches.parametric_quadrics import (
 from gspcli.certification.equations import study
 from gspcli.certification.equations.local_frames import length_scale
 from gspcli.certification.numbers.balls import ball, cross, dot, norm
-from gspcli.certification.numbers.rounding import OUTWARD, TINY
 from gspcli.geometry.coordinates import Body, Coordinate
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance
 from gspcli.geometry.primitives import Crank, Line, Plane, Point, Slide
-from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
 
-#: Degree of the polynomials.
-DEGREE = 6
 _PRECISION = 128
 #: A ball, or a power series with balls for coefficients.
 Element = Any
-
-
-@dataclass(frozen=True, eq=False)
-class MovingQuadrics:
-    """The equations on a part of the way between two rows.
-
-    They are ``A = 0``, ``N A = B^2`` and ``A^2 = c (N^2 - B^2)``. In the first two forms A contains
-    the term -c N, unlike in `parametric_quadrics`, and c is zero.
-
-    Attributes
-    ----------
-    quadrics
-        Hessian matrices of A and B: coefficients of powers of tau, shape (6, 2, d, 8, 8).
-    errors
-        Bounds of the spectral norms of the remainders, shape (6, 2).
-    factors
-        c as a polynomial, shape (6, d).
-    factor_errors
-        Bounds of the remainders of c, shape (6,).
-    end
-        The quadrics, shape (6, 2, 8, 8), and c, shape (6,), at tau = 1/2, with all terms.
-    """
-
-    quadrics: Array
-    errors: Array
-    factors: Array
-    factor_errors: Array
-    end: tuple[Array, Array]
-
-    def restricted(self, begin: float, end: float, degree: int) -> MovingQuadrics:
-        """Return the equations on a shorter part, with polynomials of lower degree.
-
-        Parameters
-        ----------
-        begin, end
-            The part, between -1/2 and 1/2.
-        degree
-            The degree; higher terms count as error.
-        """
-        count = self.quadrics.shape[2]
-        powers = _shift((begin + end) / 2, end - begin, count)
-        quadrics = np.einsum("jd,kqdxy->kqjxy", powers, self.quadrics)
-        factors = self.factors @ powers.T
-        halves = 0.5 ** np.arange(count)
-        sizes = np.sqrt((quadrics**2).sum(axis=(3, 4)))
-        # Rounding: sums of at most seven terms, each with a few products.
-        most = (np.abs(powers).T * np.sqrt((self.quadrics**2).sum(axis=(3, 4)))[..., None]).sum(
-            axis=(2, 3)
-        )
-        rest = sizes[..., degree + 1 :] @ halves[degree + 1 :]
-        factor_rest = np.abs(factors[:, degree + 1 :]) @ halves[degree + 1 :]
-        factor_most = (np.abs(powers).T * np.abs(self.factors)[..., None]).sum(axis=(1, 2))
-        at_end = np.einsum("kqdxy,d->kqxy", quadrics, halves), factors @ halves
-        return MovingQuadrics(
-            quadrics[:, :, : degree + 1],
-            (self.errors + rest + 2.0**-48 * most) * OUTWARD,
-            factors[:, : degree + 1],
-            (self.factor_errors + factor_rest + 2.0**-48 * factor_most) * OUTWARD,
-            at_end,
-        )
-
-
-def _shift(middle: float, width: float, count: int) -> Array:
-    """Return the matrix that turns coefficients in tau into those in (tau - middle) / width."""
-    matrix = np.zeros((count, count))
-    for d in range(count):
-        term = 1.0
-        for j in range(d, -1, -1):
-            # term = binomial(d, j) middle^(d - j)
-            matrix[j, d] = term * width**j
-            term *= middle * j / (d - j + 1)
-    return matrix
 
 
 class MovingSystem:
@@ -200,86 +122,76 @@ class MovingSystem:
         given = [ball(number) for number in geometry.vector]
         return position, [entry / norm(given) for entry in given]
 
-    def _with_arm(
-        self, body: Body, name: str, point: Any, axis: list[Element], moving: dict[Any, Element]
-    ) -> list[Element]:
-        """Return a vector of a joint after its arm has turned; unchanged unless a crank moves."""
-        if not isinstance(point, Point) or point.crank is None:
-            return axis
-        owner = point.partner or name
-        for one, angle in moving.items():
-            if (one.body, one.primitive, one.vector) == (body, owner, "crank"):
-                centre = [ball(x) for x in point.crank.centre]
-                ends = [c + x for c, x in zip(centre, axis, strict=True)]
-                turned = _turned(ends, point.crank, angle * self._unit)
-                return [x - c for x, c in zip(turned, centre, strict=True)]
-        return axis
+    def at(self, rows: tuple[Array, Array], part: float) -> tuple[Array, Array]:
+        """Return the equations at a part of the way between two rows, rounded to doubles.
 
-    def on_part(self, rows: tuple[Array, Array], begin: float, end: float) -> MovingQuadrics:
-        """Return the equations on a part of the way between two rows.
-
-        Parameters
-        ----------
-        rows
-            As for `equations`.
-        begin, end
-            From 0 to 1.
+        Returns
+        -------
+        tuple
+            Hessian matrices of A and B, (1, 6, 2, 8, 8), and c, (1, 6). A contains the term -c N,
+            and c is zero then, but for ``A^2 = c (N^2 - B^2)``.
         """
+        numbers = np.zeros((len(self.shapes), 2, study.COUNT))
+        factors = np.zeros((1, len(self.shapes)))
         with flint.ctx.workprec(_PRECISION):
-            width = arb(end) - arb(begin)
-            middle = (arb(begin) + arb(end)) / 2
-            polynomials = self.equations(rows, middle, width, DEGREE)
-            whole = middle + arb(0, 0.5) * width
-            remainders = self.equations(rows, whole, width, DEGREE + 1)
-            return self._collected(polynomials, remainders)
-
-    def _collected(self, polynomials: list[Any], remainders: list[Any]) -> MovingQuadrics:
-        count = len(polynomials)
-        nearest = np.zeros((count, 2, study.COUNT, DEGREE + 1))
-        errors = np.zeros((count, 2, study.COUNT))
-        factors, factor_errors = np.zeros((count, DEGREE + 1)), np.zeros(count)
-        pairs = zip(polynomials, remainders, strict=True)
-        for i, ((equation, c), (spread, spread_c)) in enumerate(pairs):
-            forms, spreads = [dict(form) for form in equation[3]], [dict(f) for f in spread[3]]
-            if equation[0] is Shape.LINES:
-                factors[i], factor_errors[i] = _rounded(c, spread_c)
-            else:
-                forms[0][study.NORM] = forms[0].get(study.NORM, arb(0)) - c
-                spreads[0][study.NORM] = spreads[0].get(study.NORM, arb(0)) - spread_c
-            for j, (form, other) in enumerate(zip(forms, spreads, strict=True)):
-                for k, coefficient in form.items():
-                    nearest[i, j, k], errors[i, j, k] = _rounded(coefficient, other[k])
-        terms = study.form_hessians().reshape(study.COUNT, -1)
-        sizes = np.sqrt((terms**2).sum(axis=1))
-        quadrics = np.moveaxis(nearest, 3, 2) @ terms
-        moduli = np.sqrt(
-            ((np.abs(np.moveaxis(nearest, 3, 2)) @ np.abs(terms)) ** 2).sum(axis=3)
-        ).sum(axis=2)
-        quadrics = quadrics.reshape(count, 2, DEGREE + 1, 8, 8)
-        halves = 0.5 ** np.arange(DEGREE + 1)
-        return MovingQuadrics(
-            quadrics,
-            (errors @ sizes + 2.0**-50 * moduli) * OUTWARD,
-            factors,
-            factor_errors * OUTWARD,
-            (np.einsum("kqdxy,d->kqxy", quadrics, halves), factors @ halves),
-        )
+            found = self.equations(rows, arb(part), arb(0), 0)
+            for i, ((shape, _, _, forms), c) in enumerate(found):
+                for j, form in enumerate(forms):
+                    for k, number in form.items():
+                        numbers[i, j, k] = float(coefficient(number, 0))
+                if shape is Shape.LINES:
+                    factors[0, i] = float(coefficient(c, 0))
+                else:
+                    numbers[i, 0, study.NORM] -= float(coefficient(c, 0))
+        return np.einsum("kqf,fij->kqij", numbers, study.form_hessians())[None], factors
 
 
-def _rounded(series: Element, spread: Element) -> tuple[Array, float]:
-    """Return coefficients of a series in doubles, and a bound of the remainder."""
-    nearest = np.zeros(DEGREE + 1)
-    if not isinstance(series, arb_series):
-        nearest[0] = value = float(series)
-        return nearest, float((series - value).abs_upper()) * OUTWARD + TINY
-    error = 0.0
-    for d in range(DEGREE + 1):
-        coefficient = series[d]
-        nearest[d] = value = float(coefficient)
-        error += 0.5**d * (float((coefficient - value).abs_upper()) * OUTWARD + TINY)
-    if isinstance(spread, arb_series):
-        error += 0.5 ** (DEGREE + 1) * float(spread[DEGREE + 1].abs_upper()) * OUTWARD
-    return nearest, error
+def equations_at(
+    shapes: NDArray[np.int32], quadrics: Array, factors: Array, points: Any
+) -> tuple[Any, Any]:
+    """Return the Study condition and the six equations, (n, 7), and derivatives, (n, 7, 8).
+
+    Parameters
+    ----------
+    shapes
+        Of the equations, shape (6,).
+    quadrics
+        Hessian matrices of A and B, shape (n, 6, 2, 8, 8).
+    factors
+        c, shape (n, 6).
+    points
+        Study points, real or complex, shape (n, 8).
+    """
+    gradients = np.einsum("nkqxy,ny->nkqx", quadrics, points)
+    (a, b) = np.moveaxis(np.einsum("nkqx,nx->nkq", gradients, points) / 2, 2, 0)
+    ga, gb = gradients[:, :, 0], gradients[:, :, 1]
+    e = np.concatenate((points[:, :4], np.zeros_like(points[:, :4])), axis=1)
+    n, gn = np.sum(e * e, axis=1)[:, None], 2 * e[:, None]
+    values = np.select(
+        [shapes == Shape.PLAIN, shapes == Shape.PRODUCT],
+        [a, n * a - b**2],
+        a**2 - factors * (n**2 - b**2),
+    )
+    a, b, n, c = a[..., None], b[..., None], n[..., None], factors[..., None]
+    form = shapes[:, None]
+    rows = np.select(
+        [form == Shape.PLAIN, form == Shape.PRODUCT],
+        [ga, n * ga + a * gn - 2 * b * gb],
+        2 * a * ga - 2 * c * (n * gn - b * gb),
+    )
+    study = np.roll(points, 4, axis=1)
+    condition = np.sum(points[:, :4] * points[:, 4:], axis=1)
+    return (
+        np.concatenate((condition[:, None], values), axis=1),
+        np.concatenate((study[:, None], rows), axis=1),
+    )
+
+
+def coefficient(x: Element, power: int) -> arb:
+    """Return a coefficient of a power series, or of a number."""
+    if isinstance(x, arb_series):
+        return x[power]
+    return x if power == 0 else arb(0)
 
 
 def _turned(point: list[Element], crank: Crank, angle: Element) -> list[Element]:

@@ -705,7 +705,7 @@ static double slanting(const knot *start, const knot *end, const double *d, cons
 }
 
 typedef struct {
-  double measure, error, alone; /* measure below one: proved */
+  double measure, error, alone, radius; /* measure below one: proved; radius: of the poses about the chord */
 } proof;
 
 /* A part of the line that is to be proved: its ends and its middle. */
@@ -745,7 +745,8 @@ static proof prove(const geometry *g, const segment *p, int central, double (*in
   bounds b;
   part tubular;
   proof result;
-  double bend[6], waste[6], size = length6(p->d) * OUTWARD + 0x1p-45, shake, tube, q, beta, kappa, end;
+  double bend[6], waste[6], size = length6(p->d) * OUTWARD + 0x1p-45, shake, tube, q, beta, kappa, end,
+         root;
   int k;
   tube = 0.5 * size + TUBE;
   tubular.from = &p->start->at, tubular.to = &p->end->at;
@@ -771,6 +772,9 @@ static proof prove(const geometry *g, const segment *p, int central, double (*in
   result.alone = (1.0 - q) / kappa;
   if (!(result.alone < tube)) result.alone = tube;
   result.error = 2.0 * end / (1.0 - q) * OUTWARD;
+  root = 2.0 * kappa * beta / ((1.0 - q) * (1.0 - q)) * OUTWARD; /* below one if it is proved */
+  root = root < 1.0 ? sqrt(1.0 - root) : 0.0;
+  result.radius = 2.0 * beta / ((1.0 - q) * (1.0 + root)) * OUTWARD;
   if (!(q < 1.0 && size < LONGEST + 0.25 && 2.0 * beta / (1.0 - q) < tube))
     result.measure = larger(result.measure, 2.0);
   return result;
@@ -779,7 +783,7 @@ static proof prove(const geometry *g, const segment *p, int central, double (*in
 /* The proof about the start or, if that is not enough, about the middle. */
 static proof attempt(const geometry *g, segment *p, double (*inverse)[6], double defect) {
   double fresh[6][6];
-  proof found = {8.0, 0.0, 0.0};
+  proof found = {8.0, 0.0, 0.0, 0.0};
   if (!span(g, p)) return found;
   if (!p->central) {
     found = prove(g, p, 0, inverse, defect);
@@ -910,86 +914,132 @@ static int side(const geometry *g, const frame *f, const double *c) {
   return invert(n.J, inverse);
 }
 
-static int follow(const geometry *g, const double *values, platform_state *state,
-                  platform_report *report) {
-  knot at, next;
-  segment whole;
-  double first[6], last[6], to[6], inverse[6][6];
-  double done = 0.0, step = 1.0, defect, error = state->error / g->reach, alone = 0.0, sigma = 0.0;
-  int k, status, tries = 0, steps = 0;
-  if (report) report->fraction = report->sigma = report->alone = 0.0, report->steps = report->tries = 0;
-  status = in_units(g, values, last);
-  if (!load(g, &state->pose, &at.f) || !(error >= 0.0)) status = PLATFORM_NOT_FINITE;
-  for (k = 0; k < 6; ++k) {
-    first[k] = (state->values[k] + g->offset[k]) * g->unit[k];
-    if (!(first[k] - first[k] == 0.0)) status = PLATFORM_NOT_FINITE;
-  }
-  if (status) return status;
-  error += rounded(g, &at.f);
-#if HAS_DLL
-  if (!orient(g, &at.f, error, first, last)) return PLATFORM_SINGULAR;
+/* A proved part of a line of values: its poses are within `radius` of exp(w) R, T + t in the chart of a
+ * frame, x = (w, t) = (s - from) d, s from 0 to 1. */
+typedef struct {
+  frame at;
+  double d[6], from; /* 0, or 1/2 if the chart is about the middle */
+  double begin, end; /* parts of the line */
+  double radius, error, alone;
+} piece;
+
+/* Where following a line is, and its limits. */
+typedef struct {
+  knot at;
+  double error, alone, sigma; /* of `at`; an error below zero: any pose that is near */
+  double done, step;          /* parts of the line */
+  double worst;
+  int tries, steps;
+  int most_tries;
+  double shortest;
+#if HAS_PIECES
+  int (*keep)(void *, const piece *);
+  void *kept;
 #endif
-  set(g, first, &at.at);
-  evaluate(g, &at);
-  whole.start = &at, whole.end = &next, whole.central = 0;
-  status = PLATFORM_TRIES_SPENT;
-  defect = linearize(&at, inverse);
-  if (report) sigma = least(g, &at.f, first, inverse, defect);
-  while (tries < PLATFORM_TRIES) {
-    double rest = 1.0 - done, measure = 8.0;
+} walk;
+
+/* Follows the line of values from first to last, from where a walk is. */
+static int chase(const geometry *g, const double *first, const double *last, walk *w) {
+  knot next;
+  segment whole;
+  double to[6], inverse[6][6], defect;
+  int k;
+  set(g, first, &w->at.at);
+  evaluate(g, &w->at);
+  whole.start = &w->at, whole.end = &next, whole.central = 0;
+  defect = linearize(&w->at, inverse);
+  w->sigma = least(g, &w->at.f, first, inverse, defect);
+  w->done = 0.0;
+  while (w->tries < w->most_tries) {
+    double rest = 1.0 - w->done, measure = 8.0, step = w->step;
     proof found;
     int good;
-    if (!(defect < 0.5) || step < SHORTEST) {
-      status = PLATFORM_SINGULAR;
-      break;
-    }
-    ++tries;
+    if (!(defect < 0.5) || step < w->shortest) return PLATFORM_SINGULAR;
+    ++w->tries;
     if (step > 0.75 * rest) step = step < rest ? 0.5 * rest : rest;
     for (k = 0; k < 6; ++k)
-      to[k] = step == rest ? last[k] : first[k] + (done + step) * (last[k] - first[k]);
-    next.f = at.f;
+      to[k] = step == rest ? last[k] : first[k] + (w->done + step) * (last[k] - first[k]);
+    next.f = w->at.f;
     set(g, to, &next.at);
     good = converge(g, inverse, &next);
     if (good) {
       found = attempt(g, &whole, inverse, defect);
       measure = found.measure;
-      good = measure < 1.0 && 2.0 * error + 0x1p-44 < found.alone;
+      good = measure < 1.0 && 2.0 * w->error + 0x1p-44 < found.alone;
     }
     if (!good) {
-      step *= measure > 1.0 && measure < 4.0 ? 0.8 / measure : 0.3;
+      w->step = step * (measure > 1.0 && measure < 4.0 ? 0.8 / measure : 0.3);
       continue;
     }
-    ++steps;
-    at.f = next.f;
-    error = found.error;
-    alone = found.alone;
-    if (step == rest) {
-      status = PLATFORM_PROVED;
-      done = 1.0;
-      break;
+    ++w->steps;
+    w->worst = larger(w->worst, measure);
+#if HAS_PIECES
+    if (w->keep) {
+      piece one;
+      one.at = whole.central ? whole.middle.f : w->at.f;
+      for (k = 0; k < 6; ++k) one.d[k] = whole.d[k];
+      one.from = whole.central ? 0.5 : 0.0;
+      one.begin = w->done;
+      one.end = step == rest ? 1.0 : w->done + step;
+      one.radius = found.radius;
+      one.error = found.error;
+      one.alone = found.alone;
+      if (!w->keep(w->kept, &one)) return PLATFORM_TRIES_SPENT;
     }
-    at = next;
-    done += step;
-    step *= measure < 0.4 ? 2.0 : 0.8 / measure;
-    if (!whole.central) evaluate(g, &at);
-    defect = linearize(&at, inverse);
-    if (report) sigma = least(g, &at.f, to, inverse, defect);
+#endif
+    w->error = found.error;
+    w->alone = found.alone;
+    w->step = step * (measure < 0.4 ? 2.0 : 0.8 / measure);
+    if (step == rest) {
+      w->at.f = next.f;
+      w->done = 1.0;
+      return PLATFORM_PROVED;
+    }
+    w->at = next;
+    w->done += step;
+    if (!whole.central) evaluate(g, &w->at);
+    defect = linearize(&w->at, inverse);
+    w->sigma = least(g, &w->at.f, to, inverse, defect);
   }
-  error += rounded(g, &at.f);
+  return PLATFORM_TRIES_SPENT;
+}
+
+static int follow(const geometry *g, const double *values, platform_state *state,
+                  platform_report *report) {
+  walk w = {0};
+  double first[6], last[6], error = state->error / g->reach;
+  int k, status;
+  if (report) report->fraction = report->sigma = report->alone = 0.0, report->steps = report->tries = 0;
+  status = in_units(g, values, last);
+  if (!load(g, &state->pose, &w.at.f) || !(error >= 0.0)) status = PLATFORM_NOT_FINITE;
+  for (k = 0; k < 6; ++k) {
+    first[k] = (state->values[k] + g->offset[k]) * g->unit[k];
+    if (!(first[k] - first[k] == 0.0)) status = PLATFORM_NOT_FINITE;
+  }
+  if (status) return status;
+  w.error = error + rounded(g, &w.at.f);
 #if HAS_DLL
-  if (status == PLATFORM_PROVED && !keeps_sides(g, &at.f, error, first, last)) status = PLATFORM_SINGULAR;
+  if (!orient(g, &w.at.f, w.error, first, last)) return PLATFORM_SINGULAR;
+#endif
+  w.step = 1.0;
+  w.most_tries = PLATFORM_TRIES;
+  w.shortest = SHORTEST;
+  status = chase(g, first, last, &w);
+  w.error += rounded(g, &w.at.f);
+#if HAS_DLL
+  if (status == PLATFORM_PROVED && !keeps_sides(g, &w.at.f, w.error, first, last)) status = PLATFORM_SINGULAR;
 #endif
   if (status == PLATFORM_PROVED) {
-    unload(g, &at.f, &state->pose);
+    unload(g, &w.at.f, &state->pose);
     for (k = 0; k < 6; ++k) state->values[k] = values[k];
-    state->error = g->reach * error;
+    state->error = g->reach * w.error;
   }
   if (report) {
-    report->fraction = done;
-    report->alone = alone * g->reach;
-    report->steps = steps;
-    report->tries = tries;
-    report->sigma = sigma;
+    report->fraction = w.done;
+    report->alone = w.alone * g->reach;
+    report->steps = w.steps;
+    report->tries = w.tries;
+    report->sigma = w.sigma;
   }
   return status;
 }
@@ -1165,7 +1215,7 @@ static int begin_near(const geometry *g, const platform_pose *pose, double *valu
   double c[6], inverse[6][6], defect;
   knot at;
   segment still;
-  proof found = {8.0, 0.0, 0.0};
+  proof found = {8.0, 0.0, 0.0, 0.0};
   int k, status = measure(g, pose, values);
   if (status || !load(g, pose, &at.f)) return status;
 #if HAS_DLL

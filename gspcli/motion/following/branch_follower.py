@@ -78,15 +78,15 @@ class Branches:
     reached, fraction
         The last row reached (from 0), and the part of the step to the next one that was followed
         beyond it, shape (n,).
-    last, previous
-        The last point and one before it, shape (n, 8).
+    last
+        The last point, shape (n, 8).
     segments, tries
         The numbers of segments that were proved and that were tried, shape (n,).
     worst
         The largest measure of a proof (it is below one), shape (n,).
-    near, alone
-        A bound of the distance of ``last`` from the proved pose, and a distance within which there
-        is no other pose, in units of Study points of norm one, shape (n,).
+    near
+        A bound of the distance of ``last`` from the proved pose, in units of Study points of norm
+        one, shape (n,).
     """
 
     points: Array
@@ -94,12 +94,26 @@ class Branches:
     reached: NDArray[np.int32]
     fraction: Array
     last: Array
-    previous: Array
     segments: Index
     tries: Index
     worst: Array
     near: Array
-    alone: Array
+
+    @classmethod
+    def not_started(cls, start: Array, rows: int) -> Branches:
+        """Return branches at the first row, before any step."""
+        count = len(start)
+        return cls(
+            points=np.full((count, rows, 8), np.nan),
+            stop=np.full(count, Stop.START, np.int32),
+            reached=np.full(count, -1, np.int32),
+            fraction=np.zeros(count),
+            last=start.copy(),
+            segments=np.zeros(count, np.int64),
+            tries=np.zeros(count, np.int64),
+            worst=np.zeros(count),
+            near=np.zeros(count),
+        )
 
 
 class StudyUnits:
@@ -255,26 +269,25 @@ class MovingPlatform(StudyUnits):
         """
         equations, options = self.equations, options or FollowOptions()
         low, high = self._bounds(values)
-        return Branches(
-            *_kernel.follow(
-                equations.shapes,
-                equations.laws,
-                equations.signs,
-                np.maximum(np.abs(low), np.abs(high)),
-                equations.spectral_between(low, high),
-                equations.hessians,
-                equations.spectral,
-                equations.moduli,
-                np.ascontiguousarray(values),
-                np.ascontiguousarray(trajectory, np.int64),
-                np.ascontiguousarray(start),
-                np.zeros(len(start)) if near is None else near,
-                certify=options.certify,
-                most_halvings=options.most_halvings,
-                jobs=helpful(options.jobs, len(start)),
-                build=options.build,
-            )
+        points, stop, reached, part, last, _, segments, tries, worst, close, _ = _kernel.follow(
+            equations.shapes,
+            equations.laws,
+            equations.signs,
+            np.maximum(np.abs(low), np.abs(high)),
+            equations.spectral_between(low, high),
+            equations.hessians,
+            equations.spectral,
+            equations.moduli,
+            np.ascontiguousarray(values),
+            np.ascontiguousarray(trajectory, np.int64),
+            np.ascontiguousarray(start),
+            np.zeros(len(start)) if near is None else near,
+            certify=options.certify,
+            most_halvings=options.most_halvings,
+            jobs=helpful(options.jobs, len(start)),
+            build=options.build,
         )
+        return Branches(points, stop, reached, part, last, segments, tries, worst, close)
 
     def _bounds(self, values: Array) -> tuple[Array, Array]:
         """Return bounds of c over all trajectories, shapes (6,); the trivial ones for angles."""

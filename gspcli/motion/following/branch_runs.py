@@ -6,12 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import DLL
+from gspcli.certification.branches.arcs import follow_closely
 from gspcli.certification.branches.folds import Fold, prove_fold
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.tolerances import NEARLY_PARALLEL_SINE
 from gspcli.motion.following.branch_follower import Branches, FollowOptions, MovingPlatform, Stop
-from gspcli.motion.following.branch_steps import follow_closely
 from gspcli.motion.following.moving_geometry import MovingGeometry
 from gspcli.motion.following.tracks import Event, Track
 from gspcli.records import dataclass
@@ -103,7 +103,7 @@ class Run:
             seen = self._seen(row, *self.platform.poses(branches.last[k]))
             if closely or not self.options.certify or (fold is None and seen is not None):
                 return None
-            self._follow_closely(branches, k, towards=fold)
+            self._follow_closely(branches, k)
             closely = branches.reached[k] == row
         return None
 
@@ -117,36 +117,30 @@ class Run:
                     folds[k] = row, fold
                     break
 
-    def _follow_closely(self, branches: Branches, k: int, towards: Fold | None) -> None:
-        """Follow a branch with residuals in balls, to the next row, and from there as usual.
-
-        A branch that approaches a fold is not stopped early.
-        """
+    def _follow_closely(self, branches: Branches, k: int) -> None:
+        """Follow a branch in arcs, to the next row if that is possible, and from there as usual."""
         platform, row = self.platform, int(branches.reached[k])
-        rows = self.values[row : row + 2]
-
-        def hopeless(point: Array) -> bool:
-            return towards is None and self._seen(row, *platform.poses(point)) is not None
-
-        near = follow_closely(platform.system, rows, branches, k, self.options, hopeless)
-        branches.segments[k] += near.segments[0]
-        branches.tries[k] += near.tries[0]
-        for name in ("fraction", "last", "previous", "near", "alone"):
-            getattr(branches, name)[k] = getattr(near, name)[0]
-        if near.stop[0] != Stop.END:
+        rows, part = (self.values[row], self.values[row + 1]), float(branches.fraction[k])
+        way = follow_closely(platform.system, rows, branches.last[k], part, float(branches.near[k]))
+        if way is None:
+            return
+        branches.last[k], branches.fraction[k], branches.near[k], count = way
+        branches.segments[k] += count
+        branches.tries[k] += count
+        if branches.fraction[k] < 1:
             return
         rest = platform.follow(
             platform.internal(self.values[row + 1 :])[None],
             np.zeros(1, np.int64),
-            near.points[:, 1],
+            branches.last[k][None],
             self.options,
-            near.near,
+            branches.near[[k]],
         )
         branches.points[k, row + 1 :] = rest.points[0]
         branches.segments[k] += rest.segments[0]
         branches.tries[k] += rest.tries[0]
         branches.reached[k] = row + 1 + max(rest.reached[0], 0)
-        for name in ("stop", "fraction", "last", "previous", "near", "alone"):
+        for name in ("stop", "fraction", "last", "near"):
             getattr(branches, name)[k] = getattr(rest, name)[0]
 
     def _fold(self, branches: Branches, k: int) -> Fold | None:
@@ -227,7 +221,9 @@ class Run:
         back = np.stack((here, self._value(row, 0.0)))[None]
         found = self.platform.follow(back, np.zeros(1, np.int64), mirrored[None], self.options)
         start = found.points[0, 0]
-        if found.stop[0] != Stop.END or np.linalg.norm(start - point) < SAME:
+        if found.stop[0] != Stop.END or (
+            np.linalg.norm(start - point) < np.linalg.norm(start - mirrored)
+        ):
             return None
         R, T = self.platform.poses(found.points[0, -1])
         return R, T

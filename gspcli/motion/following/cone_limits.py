@@ -1,53 +1,37 @@
 """The parts of a trajectory on which legs keep their cones, proved between the rows, too.
 
-A mode is followed once more, and each proved part is kept: on it the pose is within a radius of a
-chord. The quadric of a cone (`gspcli.certification.branches.moving_cones`) is a polynomial along
-the chord, plus a bounded change within the radius. If its sign is not proved, the part is halved,
-and both halves are proved again. They belong to the same branch: each shares an end with the part,
-and there is no other pose near that end.
+A mode is followed once more, and each proved segment is kept: on it the pose is within a radius of
+a chord of twists, along which the platform turns and moves at constant rates. The height of a leg
+along the axis of its cone, less the length times the cosine of the cone, is enclosed by its value
+in the middle of a part, its slope there and a bound of its second derivative. If its sign is not
+proved, the part is halved. Where the radius is too large for this, the part is followed again in
+shorter steps from its beginning, where the pose is known as well as at the end of the one before.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.certification.branches.moving_cones import MovingCones
-from gspcli.certification.branches.taylor import MovingQuadrics, MovingSystem
 from gspcli.geometry.coordinates import Coordinate
 from gspcli.geometry.instance import Instance
-from gspcli.motion.following.branch_follower import FollowOptions
-from gspcli.motion.following.branch_steps import (
-    PROVED,
-    SCALED,
-    SCALED_EXACTLY,
-    BranchSteps,
-    Segment,
-    corrected,
-    newton,
-)
-from gspcli.motion.following.chord_equations import Parts
-from gspcli.motion.following.chords import on_patch, prove
-from gspcli.motion.following.part_models import PartModels
+from gspcli.geometry.limits import JointCone, joint_cones
+from gspcli.geometry.primitives import Point
+from gspcli.geometry.quaternions import rotation_from_vector
+from gspcli.motion.following.followed_rows import ROUNDING, RowFollower, Segments
 from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
-#: Most halvings of a step between rows in the search for the place at which a cone is violated.
-_HALVINGS = 34
-#: After this many halvings residuals are computed in balls: doubles are not accurate enough.
-_IN_DOUBLES = 16
-#: How many parts are tested at a time.
-_PIECE = 256
-#: Rounding of sums of products, relative to the same expression of moduli, as in `chords`.
-_ROUNDING = 2.0**-44
+#: The shortest part of a step between rows in the search for the place at which a cone is left.
+_SHORTEST = 2.0**-36
+#: A part that is followed again is divided into so many.
+_STEPS = 8
 _OUTWARD = 1 + 2.0**-30
-#: The change of the ends of chords when they are scaled again.
-_AGAIN = 2.0**-48
-_ENDS = ("first", "last")
 
 
 @dataclass(frozen=True)
@@ -68,203 +52,247 @@ class Stretch:
     states: tuple[int, ...]
 
 
+class _Point(NamedTuple):
+    """The end of a leg in its body, as its drive moves it: derivatives by the part of the step."""
+
+    place: Array
+    rate: Array
+    bend: float
+
+
+class _Part(NamedTuple):
+    """A part of the step between two rows, on one of the segments.
+
+    At the beginning of the segment the pose is within `near` of the chord; 0 stands for the pose
+    that Newton's method finds there.
+    """
+
+    segments: Segments
+    k: int
+    begin: float
+    end: float
+    near: float
+
+
 class ConeProofs:
     """The cones of an instance along one trajectory.
 
     Parameters
     ----------
     instance
-        The platform with the cones. A value of zero is zero at all rows, as for `MovingSystem`.
+        The platform with the cones. A value of zero is zero at all rows.
     chosen
-        The coordinates that move.
+        The drives that move.
     rows
-        Values and coordinates, shape (r, 6 + coordinates); distances not negative.
+        Values and numbers of drives, shape (r, 6 + d); distances not negative.
+
+    Raises
+    ------
+    ArgumentError
+        As for `RowFollower`.
     """
 
     def __init__(self, instance: Instance, chosen: tuple[Coordinate, ...], rows: Array) -> None:
-        self.system = MovingSystem(instance, chosen)
-        self.limits = MovingCones(instance, chosen)
-        self.rows = rows
-        self._models: dict[tuple[MovingSystem, int], PartModels] = {}
+        self.instance, self.rows = instance, rows
+        self.cones = joint_cones(instance)
+        self.follower = RowFollower(instance, chosen)
 
-    def stretches(self, points: Array) -> list[list[Stretch]]:
+    def stretches(self, R: Array, T: Array) -> list[list[Stretch]]:
         """Return the proved stretches of modes, in order; there may be gaps between them.
 
         Parameters
         ----------
-        points
-            Their Study points of norm one at the rows, lengths in units of the scale of the system,
-            shape (m, r, 8), NaN from where a mode has ended.
+        R, T
+            Their poses at the rows, shapes (m, r, 3, 3) and (m, r, 3), NaN from where a mode has
+            ended.
         """
-        found: list[list[Stretch]] = [[] for _ in points]
-        ends = np.isfinite(points[:, :, 0]).sum(axis=1)
-        begun = np.zeros(len(points), np.int64)
-        while True:
-            # Most begin at the first row; after a failed proof the next one begins at the row after
-            # it.
-            row = int(
-                begun[begun < np.minimum(ends, len(self.rows) - 1)].min(initial=len(self.rows))
-            )
-            here = np.flatnonzero((begun == row) & (ends > row))
-            if row + 1 >= len(self.rows) or not len(here):
-                return found
-            kept: list[Segment] = []
-            follower = BranchSteps(self.system, self.rows[None, row:], FollowOptions(), kept=kept)
-            branches = follower.run(np.zeros(len(here), np.int64), points[here, row])
-            for one, stretch in self._judged(row, kept):
-                found[here[one]].append(stretch)
-            begun[here] += np.maximum(branches.reached, 0) + 1
+        return [self._of_mode(*mode) for mode in zip(R, T, strict=True)]
 
-    def _judged(self, row: int, segments: list[Segment]) -> list[tuple[int, Stretch]]:
-        """Return branches and states on some segments, counted from a row, by time."""
-        self._models.clear()
-        found: list[tuple[int, Stretch]] = []
-        queue = segments[::-1]
+    def _of_mode(self, R: Array, T: Array) -> list[Stretch]:
+        found: list[Stretch] = []
+        row, end = 0, int(np.isfinite(T[:, 0]).sum())
+        # After a failed proof the next one begins at the row after it.
+        while row < min(end, len(self.rows) - 1):
+            mode = self.follower.follow(self.rows[row:], R[row], T[row], keep=True)
+            for k in range(len(mode.segments.row)):
+                found += self._judged(row, mode.segments, k)
+            row += max(mode.reached, 0) + 1
+        return found
+
+    def _judged(self, first: int, segments: Segments, k: int) -> list[Stretch]:
+        """Return the states on a segment, by time; its rows are counted from one of them."""
+        row = first + int(segments.row[k])
+        near = float(segments.error[k - 1]) + ROUNDING if k else 0.0
+        queue = [_Part(segments, k, float(segments.begin[k]), float(segments.end[k]), near)]
+        found = []
         while queue:
-            now = [queue.pop() for _ in range(min(_PIECE, len(queue)))]
-            states, hopeless = self._states(row, now)
-            again = [
-                k
-                for k, one in enumerate(now)
-                if not (states[k].all() or hopeless[k]) and one.level < _HALVINGS
-            ]
-            halves: dict[int, list[Segment]] = {}
-            for exact in (False, True):
-                chosen = [k for k in again if (now[k].level >= _IN_DOUBLES) == exact]
-                pairs = self._halved(row, [now[k] for k in chosen], exact=exact)
-                halves |= {k: pair for k, pair in zip(chosen, pairs, strict=True) if pair}
-            for k, one in enumerate(now):
-                if k in halves:
-                    queue += halves[k]
-                    continue
-                size = 2.0**-one.level
-                begin = row + one.row + one.part * size
-                stretch = Stretch(begin, begin + size, tuple(states[k].tolist()))
-                found.append((one.branch, stretch))
-        return sorted(found, key=lambda pair: pair[1].begin)
+            part = queue.pop()
+            states, change, lost, least = self._states(row, part)
+            open_ = states == 0
+            if part.end - part.begin > _SHORTEST and (open_ & (change > least / 4)).any():
+                finer = []
+                if (open_ & (lost > change)).any():
+                    finer = self._again(row, part)
+                middle = (part.begin + part.end) / 2
+                halves = [part._replace(end=middle), part._replace(begin=middle)]
+                queue += (finer or halves)[::-1]
+                continue
+            begin, end = row + part.begin, row + part.end
+            found.append(Stretch(begin, end, tuple(states.tolist())))
+        return found
 
-    def _model(self, system: MovingSystem, row: int, one: Segment) -> PartModels:
-        """Return the equations between the rows of a segment."""
-        key = system, one.row
-        if key not in self._models:
-            rows = self.rows[row + one.row : row + one.row + 2]
-            self._models[key] = PartModels(system, (rows[0], rows[1]))
-        return self._models[key]
+    def _again(self, row: int, part: _Part) -> list[_Part]:
+        """Return a part in shorter segments; nothing if these are not nearer to their poses."""
+        segments, k, f = part.segments, part.k, self.follower
+        begin, end = float(segments.begin[k]), float(segments.end[k])
+        R, T = self._chord(part, begin)
+        place = T * f.reach + f.origin - R @ f.middle
+        share = (begin + (end - begin) * np.arange(_STEPS + 1) / _STEPS)[:, None]
+        rows = self.rows[row] + (self.rows[row + 1] - self.rows[row]) * share
+        rows[:, :6][:, f.driven] = self.rows[row, :6][f.driven]
+        mode = f.follow(rows, R, place, part.near * f.reach, keep=True)
+        finer = mode.segments
+        if mode.reached < _STEPS or not (finer.radius < 0.5 * segments.radius[k]).all():
+            return []
+        low, high = (
+            begin + (end - begin) * (finer.row + x) / _STEPS for x in (finer.begin, finer.end)
+        )
+        # The ends of neighbours agree, and those of the whole segment stay.
+        low[1:] = high[:-1]
+        low[0], high[-1] = begin, end
+        finer = replace(finer, begin=low, end=high)
+        near = np.concatenate(([part.near], finer.error[:-1] + ROUNDING))
+        return [
+            _Part(
+                finer,
+                j,
+                max(part.begin, float(low[j])),
+                min(part.end, float(high[j])),
+                float(near[j]),
+            )
+            for j in range(len(low))
+            if low[j] < part.end and high[j] > part.begin
+        ]
 
-    def _piece(self, system: MovingSystem, row: int, one: Segment) -> MovingQuadrics | None:
-        """Return the equations on a segment, or None if it is too long for them."""
-        return self._model(system, row, one).piece(one.part, one.level)
+    @staticmethod
+    def _chord(part: _Part, at: float) -> tuple[Array, Array]:
+        segments, k = part.segments, part.k
+        s = (at - segments.begin[k]) / (segments.end[k] - segments.begin[k])
+        R, T = segments.chord(np.array([k]), np.array([s]))
+        return R[0], T[0]
 
-    def _states(self, row: int, segments: list[Segment]) -> tuple[Index, NDArray[np.bool_]]:
-        """Return the states of the cones, (n, cones), and whether halving is useless, (n,)."""
-        states = np.zeros((len(segments), len(self.limits.cones)), np.int64)
-        hopeless = np.zeros(len(segments), bool)
-        pieces = [self._piece(self.limits, row, one) for one in segments]
-        known = [k for k, piece in enumerate(pieces) if piece is not None]
-        if not known:
-            return states, hopeless
-        parts = Parts.of(self.limits.shapes, [piece for piece in pieces if piece is not None])
-        middle, change, wide, least = _enclosed(parts, [segments[k] for k in known])
-        states[known] = np.where(middle > wide, 1, np.where(middle < -wide, -1, 0))
-        # The uncertainty of the pose does not decrease any more.
-        hopeless[known] = ((states[known] != 0) | (change < least)).all(axis=1)
-        return states, hopeless
+    def _states(self, row: int, part: _Part) -> tuple[NDArray[np.int64], Array, Array, Array]:
+        """Return the states of the cones on a part, (n,).
 
-    def _halved(self, row: int, segments: list[Segment], *, exact: bool) -> list[list[Segment]]:
-        """Return two halves of each segment, or None if they are not proved.
+        Also bounds of how much the quantities change along the chord, of what the radius about it
+        adds, and of the part of the latter that shorter steps do not reduce.
+        """
+        segments, k, begin, end, _ = part
+        s, half = (begin + end) / 2, (end - begin) / 2
+        R, T = self._chord(part, s)
+        d = segments.d[k] / (segments.end[k] - segments.begin[k])
+        first, last = self.follower.in_units(self.rows[row : row + 2])
+        numbers = first + s * (last - first), last - first
+        found = [
+            self._enclosed(joint, (R, T), d, numbers, half, segments, k) for joint in self.cones
+        ]
+        middle, change, lost, least = np.array(found).reshape(-1, 4).T
+        wide = (change + lost) * _OUTWARD
+        states = np.where(middle > wide, 1, np.where(middle < -wide, -1, 0))
+        return states, change, lost, least
+
+    def _enclosed(
+        self,
+        joint: JointCone,
+        pose: tuple[Array, Array],
+        d: Array,
+        numbers: tuple[Array, Array],
+        half: float,
+        segments: Segments,
+        k: int,
+    ) -> tuple[float, float, float, float]:
+        """Return the quantity of a cone in the middle, its change, and what radius and error add.
 
         Parameters
         ----------
-        row
-            The row from which the rows of the segments are counted.
-        segments
-            The segments.
-        exact
-            Whether residuals are computed in balls.
+        joint
+            The cone.
+        pose, d
+            The chord in the middle of the part, and its twist by the part of the step.
+        numbers
+            The numbers of the equations there, and their rates, shapes (6,).
+        half
+            Half of the length of the part.
+        segments, k
+            The segment.
         """
-        found: list[list[Segment]] = [[] for _ in segments]
-        halves = [
-            [replace(one, part=2 * one.part + k, level=one.level + 1) for one in segments]
-            for k in (0, 1)
-        ]
-        pieces = [[self._piece(self.system, row, one) for one in half] for half in halves]
-        good = [k for k in range(len(segments)) if all(half[k] is not None for half in pieces)]
-        if not good:
-            return found
-        parts = [[piece for k in good if (piece := half[k]) is not None] for half in pieces]
-        chords = [
-            [
-                self._model(self.system, row, half[k]).exact(half[k].part, half[k].level)
-                for k in good
-            ]
-            if exact
-            else None
-            for half in halves
-        ]
-        first, last = (np.stack([getattr(segments[k], key) for k in good]) for key in _ENDS)
-        middle, converged = newton(self.system.shapes, parts[0], (first + last) / 2)
-        if chords[0] is not None:
-            middle = corrected(self.system.shapes, parts[0], chords[0], middle)
-        for which, ends in enumerate(((first, middle), (middle, last))):
-            shapes = self.system.shapes
-            proofs = prove(Parts.of(shapes, parts[which]), *ends, chords[which])
-            for j, k in enumerate(good):
-                one = replace(
-                    halves[which][k],
-                    first=ends[0][j],
-                    last=ends[1][j],
-                    end=proofs.end[j],
-                    radius=proofs.radius[j],
-                    alone=proofs.uniqueness[j],
-                )
-                if converged[j] and proofs.measure[j] < PROVED and _joined(one, segments[k], exact):
-                    found[k].append(one)
-        return [pair if len(pair) == 2 else [] for pair in found]
+        (R, T), w, leg = pose, d[:3], joint.constraint
+        spin, on_base = float(np.linalg.norm(w)), joint.body == "base"
+        y, x = (self._placed(body, leg, numbers) for body in ("platform", "base"))
+        arm, size = R @ y.place, float(self.follower.numbers.norm_y[leg])
+        r = arm + T - x.place
+        v = np.cross(w, arm) + R @ y.rate + d[3:] - x.rate
+        bend = spin**2 * size + 2 * spin * float(np.linalg.norm(y.rate)) + y.bend + x.bend
+        axis, turned = self._axis(joint, numbers)
+        swing = float(np.linalg.norm(turned))
+        if on_base:
+            axis_rate = np.cross(turned, axis)
+        else:
+            axis, turned = R @ axis, R @ turned
+            axis_rate = np.cross(w + turned, axis)
+            swing += spin
+        sign = 1.0 if on_base else -1.0
+        cosine = np.cos(joint.cone.half_angle.value * self.instance.units.angle.in_radians)
+        driven = self.follower.driven[leg]
+        rod = self.rows[0, leg] / self.follower.reach
+        length, grows = (rod, 0.0) if driven else (numbers[0][leg], numbers[1][leg])
+        middle = sign * r @ axis - cosine * length
+        slope = sign * (v @ axis + r @ axis_rate) - cosine * grows
+        fast = float(np.linalg.norm(v)) + half * bend
+        far = float(np.linalg.norm(r)) + half * fast
+        bend += 2 * fast * swing + far * swing**2
+        change = half * abs(slope) + half**2 / 2 * bend
+
+        def added(radius: float) -> float:
+            moved = radius * (1 + size)
+            turns = 0.0 if on_base else radius * (far + moved)
+            return (moved + turns + ROUNDING * (1 + far + size)) * _OUTWARD
+
+        lost, least = added(float(segments.radius[k])), added(float(segments.error[k]))
+        return float(middle), float(change), lost, least
+
+    def _placed(self, body: str, leg: int, numbers: tuple[Array, Array]) -> _Point:
+        """Return the end of a leg in a body."""
+        n = self.follower.numbers
+        place, kind = (n.Y if body == "platform" else n.X)[leg], n.kinds[leg]
+        if not (self.follower.driven[leg] and kind.startswith(body.upper())):
+            return _Point(place, np.zeros(3), 0.0)
+        c, rate = numbers[0][leg], numbers[1][leg]
+        A, B = n.A[leg], n.B[leg]
+        if kind.endswith("SLIDE"):
+            return _Point(place + B * c, B * rate, 0.0)
+        cosine, sine = np.cos(c), np.sin(c)
+        along = (B * cosine - A * sine) * rate
+        return _Point(place + A * cosine + B * sine, along, float(n.crank[leg]) * rate**2)
+
+    def _axis(self, joint: JointCone, numbers: tuple[Array, Array]) -> tuple[Array, Array]:
+        """Return the axis of a cone in its body, which turns with an arm, and how fast it does."""
+        leg = joint.constraint
+        axis = np.asarray(joint.cone.unit)
+        row = self.follower.instance.constraints[leg]
+        end = row.base if joint.body == "base" else row.platform
+        if not (self.follower.driven[leg] and isinstance(end, Point) and end.crank is not None):
+            return axis, np.zeros(3)
+        crank = np.asarray(end.crank.unit)
+        turned = rotation_from_vector(crank * numbers[0][leg]) @ axis
+        return turned, crank * numbers[1][leg]
 
 
-def _joined(one: Segment, other: Segment, exact: bool) -> bool:
-    """Whether two segments have the same pose at their common end."""
-    scaled = SCALED_EXACTLY if exact else SCALED
-    return 4 * one.end + scaled < other.alone or 4 * other.end + scaled < one.alone
-
-
-def _enclosed(parts: Parts, segments: list[Segment]) -> tuple[Array, Array, Array, Array]:
-    """Enclose quadrics on segments.
-
-    Returns
-    -------
-    middle
-        Their values in the middle of the chord, shape (n, k).
-    change
-        Bounds of their change along it.
-    wide
-        Bounds of their difference from the middle on the branch.
-    least
-        The part of this bound that halving does not reduce.
-    """
-    first, last = (np.stack([getattr(one, key) for one in segments]) for key in _ENDS)
-    _, z, d = on_patch(first, last)
-    quadrics, errors = parts.quadrics[:, :, 0], parts.errors[:, :, 0]
-    by_z, by_d = (np.einsum("nkpxy,ny->nkpx", quadrics, w) for w in (z, d))
-    count, k, degree, _ = by_z.shape
-    gradient = np.zeros((count, k, degree + 1, 8))
-    gradient[:, :, :-1] = by_z
-    gradient[:, :, 1:] += by_d
-    value = np.zeros((count, k, degree + 2))
-    value[..., :-1] = np.einsum("nkpx,nx->nkp", gradient, z) / 2
-    value[..., 1:] += np.einsum("nkpx,nx->nkp", gradient, d) / 2
-    change = np.abs(value[..., 1:]) @ 0.5 ** np.arange(1, degree + 2)
-    sizes = np.linalg.norm(quadrics, axis=(3, 4)) @ 0.5 ** np.arange(degree) + errors
-    slope = np.linalg.norm(gradient, axis=3) @ 0.5 ** np.arange(degree + 1)
-    near, end = (np.array([getattr(one, key) for one in segments]) for key in ("radius", "end"))
-    length = (np.linalg.norm(z, axis=1) + np.linalg.norm(d, axis=1) / 2)[:, None]
-
-    def left_out(radius: Array) -> Array:
-        r = radius[:, None] + _AGAIN
-        tube = (slope + errors * length) * r + sizes * r**2 / 2
-        lost = (errors + _ROUNDING * sizes) * (length + r) ** 2
-        bound: Array = (tube + lost) * _OUTWARD
-        return bound
-
-    wide = (change + left_out(near)) * _OUTWARD
-    return value[..., 0], change, wide, left_out(end)
+def covered(stretches: Sequence[Stretch], rows: int) -> bool:
+    """Whether all cones are proved to be kept along all of some rows."""
+    end = 0.0
+    for stretch in stretches:
+        if stretch.begin > end or min(stretch.states) < 1:
+            return False
+        end = stretch.end
+    return end >= rows - 1

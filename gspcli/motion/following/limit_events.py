@@ -8,12 +8,12 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.certification.equations.local_frames import LocalFrames
+from gspcli.errors import ArgumentError
 from gspcli.geometry.instance import Instance, Side
 from gspcli.geometry.limits import joint_cones, out_of_cone, out_of_range
-from gspcli.motion.following.branch_follower import StudyUnits
 from gspcli.motion.following.cone_limits import ConeProofs, Stretch
 from gspcli.motion.following.drive_events import drive_events
+from gspcli.motion.following.followed_rows import RowFollower
 from gspcli.motion.following.limit_event import LimitEvent
 from gspcli.motion.following.tracks import Track
 
@@ -73,7 +73,18 @@ def _pieces(instance: Instance, k: int, t: Array, values: Array) -> tuple[Array,
 def cones_proved(track: Track) -> bool:
     """Whether all statements about cones are proved, also between rows."""
     legs = [joint.constraint for joint in joint_cones(track.instance)]
-    return track.certified and len(track.t) > 1 and bool((track.values[:, legs] >= 0).all())
+    if not track.certified or len(track.t) < 2 or not (track.values[:, legs] >= 0).all():
+        return False
+    try:
+        follower = RowFollower(track.followed, track.coordinates)
+    except ArgumentError:
+        return False
+    return follower.knows(_rows(track))
+
+
+def _rows(track: Track) -> Array:
+    """Return values and numbers of drives at the rows, shape (r, 6 + d)."""
+    return np.column_stack((track.values, track.places)) if track.coordinates else track.values
 
 
 def _cones(track: Track) -> list[LimitEvent]:
@@ -84,17 +95,15 @@ def _cones(track: Track) -> list[LimitEvent]:
 
 def _between_rows(track: Track) -> list[LimitEvent]:
     """Return the events of cones, proved between rows, too."""
-    rows = np.column_stack((track.values, track.places))
+    rows = _rows(track)
     found = []
     # Modes that begin on the way are followed back from the last row.
     born = np.isnan(track.T[:, 0, 0])
     for step in (1, -1):
         proofs = ConeProofs(track.followed, track.coordinates, rows[::step])
         modes = np.flatnonzero(born == (step < 0)).tolist()
-        points = StudyUnits(proofs.system.scale, LocalFrames.none()).points(
-            track.R[modes], track.T[modes]
-        )
-        for m, stretches in zip(modes, proofs.stretches(points[:, ::step]), strict=True):
+        every = proofs.stretches(track.R[modes, ::step], track.T[modes, ::step])
+        for m, stretches in zip(modes, every, strict=True):
             found += _events(track, m, stretches if step > 0 else _turned(stretches, len(rows)))
     return found
 

@@ -14,18 +14,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.certification.branches.taylor import MovingSystem
-from gspcli.certification.equations.local_frames import LocalFrames
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.drives import Drives
 from gspcli.geometry.instance import Instance
-from gspcli.geometry.quaternions import apply, quaternion_product
+from gspcli.geometry.quaternions import apply
 from gspcli.geometry.residuals import condition_numbers
 from gspcli.motion.collisions.compared import ComparedShapes
 from gspcli.motion.collisions.driven_moves import slips_near
-from gspcli.motion.following.branch_follower import FollowOptions, StudyUnits
-from gspcli.motion.following.branch_steps import BranchSteps, Segment
-from gspcli.motion.following.chords import on_patch
+from gspcli.motion.following.followed_rows import RowFollower, Segments
 from gspcli.motion.following.moving_geometry import MovingGeometry
 from gspcli.motion.paths.condition_bounds import condition_bounds
 from gspcli.motion.paths.drive_travels import drive_travels
@@ -141,17 +137,19 @@ class PathRows:
         """Return what changes linearly between rows of values or drives, shape (r, 6 or m)."""
         return self.values if self.numbers is None else self.numbers
 
-    def followed(self) -> tuple[MovingSystem, Array] | None:
+    def followed(self) -> tuple[RowFollower, Array] | None:
         """Return what moves linearly between the rows, and its numbers there, shape (r, k)."""
         if self.motors is None:
             assert isinstance(self.ways, ValueWays)
-            return self.ways.system, self.values
-        if self.geometry is None or self.numbers is None:
+            return self.ways.follower, self.values
+        if self.geometry is None or self.numbers is None or self.geometry.rows is None:
             return None
-        drives = self.motors.drives
-        return self.geometry.system, np.column_stack(
-            (self.values, (self.numbers / drives.units)[:, drives.moved])
-        )
+        drives, follower = self.motors.drives, self.geometry.rows
+        values = self.values.copy()
+        # Rods that drives move have the stated lengths.
+        rods = np.array([row.value.value for row in self.geometry.instance.constraints])
+        values[:, follower.driven] = rods[follower.driven]
+        return follower, np.column_stack((values, (self.numbers / drives.units)[:, drives.moved]))
 
 
 class Near(NamedTuple):
@@ -348,53 +346,37 @@ class ValueParts:
     ) -> None:
         followed = rows.followed()
         assert followed is not None
-        system, numbers = followed
-        self._units = StudyUnits(system.scale, LocalFrames.none())
-        self._centre, self._scale = centre, system.scale
+        follower, numbers = followed
         share = (np.arange(steps + 1) / steps)[:, None]
-        first, last = numbers[ways, None], numbers[ways + 1, None]
-        values = first + (last - first) * share
-        values[:, -1:] = last
-        kept: list[Segment] = []
-        follower = BranchSteps(system, values, FollowOptions(), kept=kept)
-        follower.run(np.arange(len(ways)), self._units.points(rows.R[ways], rows.T[ways]))
-        self.way = ways[[one.branch for one in kept]] if kept else np.zeros(0, np.int64)
+        modes = []
+        for k in ways.tolist():
+            values = numbers[k] + (numbers[k + 1] - numbers[k]) * share
+            values[-1] = numbers[k + 1]
+            modes.append(follower.follow(values, rows.R[k], rows.T[k], keep=True))
+        self._segments = found = Segments.joined([mode.segments for mode in modes])
+        self.way = np.repeat(ways, [len(mode.segments.row) for mode in modes])
         #: The ways that are proved from end to end.
-        self.whole = ways[_covered(kept, len(ways), steps)]
-        ends = [np.array([getattr(one, key) for one in kept]) for key in ("first", "last")]
-        _, self._z, self._d = on_patch(*(one.reshape(-1, 8) for one in ends))
-        self._radius = np.array([one.radius for one in kept])
-        # Where the parts are on their ways, from 0 to 1.
-        self._width = np.array([2.0**-one.level / steps for one in kept])
-        self._begin = np.array([(one.row + one.part * 2.0**-one.level) / steps for one in kept])
-        self._rows = rows
+        self.whole = ways[[mode.reached == steps for mode in modes]]
+        # Where the segments are on their ways, from 0 to 1.
+        self._begin = (found.row + found.begin) / steps
+        self._width = (found.end - found.begin) / steps
+        self._follower, self._rows, self._centre = follower, rows, centre
 
     def near(self, part: Index, place: Array, half: float) -> Near:
         """Return the poses in the middle of pieces, and how near the others are.
 
-        With e and f of a Study point, the platform's centre c is at ``(2 f + e c) / e`` times the
-        scale. In a frame with its origin there, at b in the middle of the piece, that is
-        ``(2 f + e c - b e) / e``. The numerator is linear in the Study point. In the middle it is
-        ``2 (e . f) / |e|^2`` times e, for a chord leaves the Study quadric.
+        Rotations exp(w) R differ by an angle of |w - w'| at most.
         """
-        d = self._d[part]
-        x = self._z[part] + place[:, None] * d
-        R, T = self._units.poses(x)
-        c = np.broadcast_to(self._centre / self._scale, T.shape)
-        b = (T + apply(R, np.broadcast_to(self._centre, T.shape))) / self._scale
-        c, b = (np.concatenate((np.zeros((len(T), 1)), one), axis=1) for one in (c, b))
-        radius = self._radius[part] + _ROUNDING * np.linalg.norm(x, axis=1)
-        moving = 2 * d[:, 4:] + quaternion_product(d[:, :4], c) - quaternion_product(b, d[:, :4])
-        arms = 2 + np.linalg.norm(c, axis=1) + np.linalg.norm(b, axis=1)
-        n = np.linalg.norm(x[:, :4], axis=1)
-        moved = np.linalg.norm(moving, axis=1) * half + (radius + _ROUNDING) * arms
-        moved += 2 * np.abs(np.einsum("ni,ni->n", x[:, :4], x[:, 4:])) / n
-        turned = np.linalg.norm(d[:, :4], axis=1) * half + radius
-        good = turned < n
-        with np.errstate(all="ignore"):
-            turns = 2 * np.arcsin(np.where(good, turned / n, 1.0)) * _OUTWARD
-            shifts = moved / (n - turned) * self._scale * _OUTWARD
-        shifts, turns = np.where(good, shifts, np.inf), np.where(good, turns, np.inf)
+        segments, follower = self._segments, self._follower
+        R, T = segments.chord(part, 0.5 + place)
+        middle = np.broadcast_to(follower.middle, T.shape)
+        T = T * follower.reach + follower.origin - apply(R, middle)
+        d, radius = segments.d[part], segments.radius[part] + 2 * _ROUNDING
+        turns = (np.linalg.norm(d[:, :3], axis=1) * half + radius) * _OUTWARD
+        moved = (np.linalg.norm(d[:, 3:], axis=1) * half + radius) * _OUTWARD
+        away = float(np.linalg.norm(self._centre - follower.middle))
+        size = float(np.linalg.norm(follower.origin) + np.linalg.norm(follower.middle))
+        shifts = (moved * follower.reach + turns * away + _ROUNDING * size) * _OUTWARD
         rows, way, width = self._rows, self.way[part], self._width[part]
         # Values and drives move linearly on the whole way.
         numbers = rows.moving_numbers
@@ -408,16 +390,6 @@ class ValueParts:
         q = numbers[way] + change * share[:, None]
         slips = np.where(drives.driven, drives.arms * sweep[:, drives.index], 0.0)
         return Near(R, T, shifts, turns, lambda: sweep, q, slips)
-
-
-def _covered(kept: list[Segment], ways: int, steps: int) -> NDArray[np.bool_]:
-    """Return which ways are covered by proved parts, without a gap between them."""
-    ends = np.zeros(ways)
-    for one in sorted(kept, key=lambda one: one.row + one.part * 2.0**-one.level):
-        size = 2.0**-one.level
-        if one.row + one.part * size <= ends[one.branch]:
-            ends[one.branch] = max(ends[one.branch], one.row + (one.part + 1) * size)
-    return np.asarray(ends == steps)
 
 
 def _least(

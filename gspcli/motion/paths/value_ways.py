@@ -16,19 +16,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import DHP, DLL, DPH
-from gspcli.certification.branches.taylor import MovingSystem
-from gspcli.certification.equations.local_frames import LocalFrames
 from gspcli.geometry.instance import Instance, Side
 from gspcli.geometry.limits import joint_cones
 from gspcli.motion.following.branch_follower import (
     FollowOptions,
     MovingPlatform,
     Stop,
-    StudyUnits,
     apart,
 )
 from gspcli.motion.following.branch_runs import SAME
-from gspcli.motion.following.cone_limits import ConeProofs
+from gspcli.motion.following.cone_limits import ConeProofs, covered
+from gspcli.motion.following.followed_rows import RowFollower
 from gspcli.motion.poses.inverse_kinematics import values_at
 
 Array = NDArray[np.float64]
@@ -69,9 +67,9 @@ class ValueWays:
         self._lines = np.array([row.kind is DLL for row in instance.constraints])
 
     @cached_property
-    def system(self) -> MovingSystem:
-        """The equations with which the parts of ways are proved, in the frames of the instance."""
-        return MovingSystem(self.platform.instance, ())
+    def follower(self) -> RowFollower:
+        """The step with which the segments of ways are proved."""
+        return RowFollower(self.platform.instance, ())
 
     @property
     def ranged(self) -> bool:
@@ -130,15 +128,7 @@ class ValueWays:
         if not self.cones:
             return True
         proofs = ConeProofs(self.platform.instance, (), values)
-        # The proofs have frames of their own.
-        R, T = self.poses(points[None])
-        own = StudyUnits(proofs.system.scale, LocalFrames.none()).points(R, T)
-        end = 0.0
-        for stretch in proofs.stretches(own)[0]:
-            if stretch.begin > end or min(stretch.states) < 1:
-                return False
-            end = stretch.end
-        return end >= len(values) - 1
+        return covered(proofs.stretches(*self.poses(points[None]))[0], len(values))
 
     @staticmethod
     def same(a: Array, b: Array) -> NDArray[np.bool_]:

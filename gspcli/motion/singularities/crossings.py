@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from gspcli.certification.branches.fold_system import rounded_along
 from gspcli.certification.branches.folds import prove_fold
-from gspcli.certification.branches.taylor import MovingSystem
+from gspcli.certification.branches.taylor import MovingSystem, equations_at
 from gspcli.defaults import SEED
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.enclosures import Enclosure, Matrix
@@ -20,7 +20,6 @@ from gspcli.geometry.quaternions import Field
 from gspcli.geometry.residuals import condition_numbers
 from gspcli.motion.following.branch_follower import MovingPlatform
 from gspcli.motion.following.branch_runs import NEARLY_SINGULAR
-from gspcli.motion.following.chord_equations import equations_at
 from gspcli.motion.following.moving_geometry import MovingGeometry
 from gspcli.motion.following.tracks import Event
 from gspcli.motion.singularities.neighbourhoods import STUDY, equations
@@ -733,19 +732,13 @@ def _becoming_real(
     tuple
         About f, a real Study point there and the direction of the branches.
     """
-    here, ahead = (system.on_part((row, goal), at, at) for at in (0.0, _NEXT))
+    here, ahead = (system.at((row, goal), part) for part in (0.0, _NEXT))
     # In the phase and on the patch in which the real part is the largest.
     points = points * np.exp(-0.5j * np.angle(np.sum(points**2, axis=1)))[:, None]
     patch = points.real / np.sum(points.real**2, axis=1)[:, None]
     points = points / np.sum(patch * points, axis=1)[:, None]
-    _, jacobian = equations_at(
-        system.shapes, here.quadrics[None, :, :, 0], here.factors[None, :, 0], points
-    )
-    change = [
-        equations_at(system.shapes, one.quadrics[None, :, :, 0], one.factors[None, :, 0], points)[0]
-        for one in (here, ahead)
-    ]
-    moving = (change[1] - change[0]) / _NEXT
+    values, jacobian = equations_at(system.shapes, *here, points)
+    moving = (equations_at(system.shapes, *ahead, points)[0] - values) / _NEXT
     matrix = np.concatenate((jacobian, patch[:, None]), axis=1)
     right = np.concatenate((-moving, np.zeros((len(points), 1))), axis=1)
     for z, rows, b in zip(points, matrix, right, strict=True):

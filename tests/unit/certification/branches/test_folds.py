@@ -5,7 +5,6 @@ import pytest
 
 import gspcli
 from gspcli.catalogue.types import type_by_number
-from gspcli.certification.branches.chord_residuals import ExactChords
 from gspcli.certification.branches.folds import prove_fold
 from gspcli.defaults import SEED
 from gspcli.geometry.quaternions import rotation_from_vector
@@ -79,18 +78,3 @@ def test_another_motion_is_on_no_side(platform, fold):
     for point in points_at(platform, part):
         other = platform.points(np.eye(3), np.ones(3))
         assert fold.sides(np.stack([other, np.roll(point, 1)]), part, 1e-9) == [0, 0]
-
-
-def test_residuals_along_a_chord_are_those_at_its_points(platform, fold):
-    rng = np.random.default_rng(0)
-    z, d = platform.points(np.eye(3), np.ones(3)), 0.1 * rng.normal(size=8)
-    values, errors = ExactChords(platform.system, (VALUES[0], VALUES[1]), 0.25, 0.5).residuals(
-        z, d, 14
-    )
-    assert (errors < 1e-15).all()
-    for tau in (-0.5, 0.0, 0.3):
-        row = VALUES[0] + (0.375 + 0.25 * tau) * (VALUES[1] - VALUES[0])
-        jacobian = platform.jacobian(z + tau * d, platform.internal(row))
-        # Forms of degree two: Euler's theorem.
-        expected = jacobian @ (z + tau * d) / 2
-        assert np.allclose(values @ tau ** np.arange(14), expected, rtol=0, atol=1e-13)

@@ -16,7 +16,6 @@ from gspcli.catalogue.names import parse_type
 from gspcli.certification.branches.arcs import Arc, at_time
 from gspcli.certification.branches.folds import Fold, _krawczyk, _Turn
 from gspcli.certification.branches.parametric_quadrics import moving_equations
-from gspcli.certification.branches.taylor import MovingSystem
 from gspcli.geometry.random_instances import random_instance
 from gspcli.motion import MovingPlatform
 from gspcli.motion.following.branch_runs import _same
@@ -216,53 +215,6 @@ def test_folds_are_the_same_if_times_and_points_are() -> None:
     assert _same(seen(0.1, 0.2, 1, 0), seen(0.2, 0.3, -2, 0))
     assert not _same(seen(0.1, 0.2, 1, 0), seen(0.21, 0.3, 1, 0))
     assert not _same(seen(0.1, 0.2, 1, 0), seen(0.1, 0.2, 1, 1e-5))
-
-
-@pytest.fixture(scope="module")
-def turning():
-    """A platform with an angle and a crossing of lines, and values far apart."""
-    kinds = parse_type("DPP DPL DPP DLL AHL ALL")
-    instance = random_instance(kinds, np.random.default_rng(3))[0]
-    values = np.array([row.value.value for row in instance.constraints])
-    return MovingSystem(instance, ()), (values, values * [1.5, 1.5, 2, 1.5, 0.3, 0.3])
-
-
-def exactly(system, rows, s):
-    """Return all coefficients of the equations at a part of the way: quadrics and c."""
-    with flint.ctx.workprec(128):
-        still = system.equations(rows, arb(s), arb(0), 0)
-        part = system.on_part(rows, s, s)
-        assert len(still) == 6
-        return part.quadrics[:, :, 0], part.factors[:, 0]
-
-
-@pytest.mark.parametrize(("begin", "end"), [(0.0, 1.0), (0.25, 0.5)])
-@pytest.mark.parametrize("degree", [6, 3, 1])
-def test_polynomials_and_their_errors_enclose_what_moves(turning, begin, end, degree) -> None:
-    system, rows = turning
-    whole = system.on_part(rows, begin, end)
-    part = whole if degree == 6 else whole.restricted(-0.5, 0.5, degree)
-    moved = 0.0
-    for tau in (-0.5, -0.3, 0.1, 0.4, 0.5):
-        powers = tau ** np.arange(degree + 1)
-        quadrics, factors = exactly(system, rows, begin + (tau + 0.5) * (end - begin))
-        off = np.einsum("kqdxy,d->kqxy", part.quadrics, powers) - quadrics
-        sizes = np.linalg.norm(off, ord=2, axis=(2, 3))
-        assert (sizes <= part.errors + 1e-15).all()
-        assert (np.abs(part.factors @ powers - factors) <= part.factor_errors + 1e-15).all()
-        moved = max(moved, sizes.max())
-    # The errors are needed.
-    assert moved > 1e-9 or end < 1
-
-
-def test_a_part_of_a_part_is_the_same(turning) -> None:
-    system, rows = turning
-    part = system.on_part(rows, 0.0, 1.0).restricted(0.0, 0.5, 2)
-    for tau in (-0.5, 0.0, 0.5):
-        powers = tau ** np.arange(3)
-        quadrics, _ = exactly(system, rows, 0.75 + tau / 2)
-        off = np.einsum("kqdxy,d->kqxy", part.quadrics, powers) - quadrics
-        assert (np.linalg.norm(off, ord=2, axis=(2, 3)) <= part.errors + 1e-15).all()
 
 
 @pytest.mark.parametrize("kinds", ["DPP DPL DPP DLL AHL ALL", "DPH DHP DPP DLP AHH ALH"])

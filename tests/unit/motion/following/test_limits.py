@@ -9,6 +9,7 @@ import pytest
 
 import gspcli
 from gspcli.catalogue.kinds import DPH
+from gspcli.geometry.coordinates import choose, moved
 from gspcli.geometry.drives import Drives
 from gspcli.geometry.instance import Side
 from gspcli.geometry.limits import joint_cones, tilts
@@ -17,6 +18,7 @@ from gspcli.geometry.primitives import Cone
 from gspcli.geometry.quaternions import quaternion_from_rotation, rotation_from_vector
 from gspcli.motion import measure, track
 from gspcli.motion.following.branch_follower import FollowOptions
+from gspcli.motion.following.cone_limits import ConeProofs, _Part
 from gspcli.motion.following.limit_events import _pieces, limit_events
 from gspcli.motion.following.limit_numbers import limit_numbers
 from gspcli.motion.following.limit_search import MARGIN, LimitSearch
@@ -233,3 +235,66 @@ def test_signed_distances_cross_ranges_on_their_side(side, changes):
             found[time], state = now, now
     assert list(found.values()) == list(changes.values())
     assert list(found) == pytest.approx(list(changes))
+
+
+@pytest.mark.parametrize("wide", [1.0, 0.25])
+@pytest.mark.parametrize("name", ["study", "arms"])
+def test_heights_of_legs_on_a_part_are_within_their_bounds(name, wide):
+    """Along cones of the base, of the platform and of arms, while the platform turns."""
+    rng = np.random.default_rng(1)
+    if name == "study":
+        machine, chosen = study(), ()
+        R, T = np.eye(3), np.array([0, 0, 60.0])
+        goal = rotation_from_vector([0.1, -0.2, 0.15]) @ R, T + np.array([10, -8, 6])
+        rows = np.stack((measure(machine, R, T), measure(machine, *goal)))
+    else:
+        head = gspcli.example("t-top-head")
+        constraints = []
+        for row in head.constraints:
+            cone = gspcli.Cone(rng.normal(size=3).tolist(), 80)
+            base = replace(row.base, cone=cone)
+            platform = replace(row.platform, cone=gspcli.Cone(rng.normal(size=3).tolist(), 70))
+            constraints.append(replace(row, base=base, platform=platform))
+        machine = replace(head, constraints=tuple(constraints))
+        chosen = choose(machine, [f"crank.B{k}" for k in range(1, 7)])
+        solved = gspcli.solve(head)
+        R, T = (x[solved.real][0].real for x in (solved.R, solved.T))
+        values = [row.value.value for row in machine.constraints]
+        rows = np.column_stack(([values, values], [np.zeros(6), 20 * rng.normal(size=6)]))
+    proofs = ConeProofs(machine, chosen, rows)
+    mode = proofs.follower.follow(rows, R, T, keep=True)
+    assert mode.reached == 1
+    segments, largest = mode.segments, 0.0
+    length = proofs.follower.reach
+    for k in range(len(segments.row)):
+        size = wide * (segments.end[k] - segments.begin[k])
+        begin = segments.begin[k]
+        part = _Part(segments, k, begin, begin + size, 0.0)
+        _, change, lost, _ = proofs._states(0, part)
+        half = np.array([_height(proofs, rows, begin + size / 2, R, T)]).ravel() / length
+        for s in (0.0, 0.3, 1.0):
+            there = np.array(_height(proofs, rows, begin + s * size, R, T)) / length
+            moved = np.abs(there - half)
+            assert (moved <= change + 2 * lost).all()
+            largest = max(largest, (moved / (change + 2 * lost)).max())
+    assert largest > 0.1
+
+
+def _height(proofs, rows, s, R, T):
+    """The heights of legs along the axes of their cones, less those at their edges."""
+    ends = np.stack((rows[0], rows[0] + s * (rows[1] - rows[0])))
+    mode = proofs.follower.follow(ends, R, T)
+    assert mode.reached == 1
+    instance = proofs.instance
+    if rows.shape[1] > 6:
+        chosen = choose(instance, [f"crank.B{k}" for k in range(1, 7)])
+        instance = moved(instance, chosen, ends[1, 6:])
+    R, T = mode.R[1], mode.T[1]
+    found = []
+    for joint in joint_cones(instance):
+        row = instance.constraints[joint.constraint]
+        leg = R @ row.platform.point + T - row.base.point
+        axis = joint.cone.unit if joint.body == "base" else -(R @ joint.cone.unit)
+        edge = np.cos(np.radians(joint.cone.half_angle.value))
+        found.append(leg @ axis - edge * np.linalg.norm(leg))
+    return found

@@ -5,11 +5,11 @@ import pytest
 
 import gspcli
 from gspcli import _kernel
+from gspcli.certification.branches import arcs
 from gspcli.errors import GspError
 from gspcli.geometry.quaternions import rotation_from_quaternion, rotation_from_vector
 from gspcli.geometry.random_instances import random_instance
 from gspcli.motion import FollowOptions, MovingPlatform, measure, track
-from gspcli.motion.following import branch_steps as stepping
 from gspcli.motion.following.branch_runs import Run
 from gspcli.motion.following.row_instances import at_values
 from gspcli.motion.singularities.clearances import clearances
@@ -193,9 +193,9 @@ def test_modes_that_end_and_others_that_are_born_on_the_way_back(hexapod):
 
 @pytest.mark.parametrize(
     ("shift", "kind", "row"),
-    [(2e-15, "fold", 0), (-1e-9, "fold", 1), (-1e-12, "fold", 1), (0, "undecided", 1)],
+    [(2e-15, "fold", 0), (-1e-9, "fold", 1), (-1e-12, "fold", 1), (0, "fold", 1)],
 )
-def test_a_fold_at_a_row_is_before_it_or_after_it_or_undecided(hexapod, shift, kind, row):
+def test_a_fold_at_a_row_is_before_it_or_after_it(hexapod, shift, kind, row):
     fold = track(hexapod, VALUES[:2], modes=[1], t=[0, 1]).events[0]
     at = VALUES[0] + (fold.low + shift) * (VALUES[1] - VALUES[0])
     (event,) = track(hexapod, np.stack([VALUES[0], at, VALUES[1]]), modes=[1]).events
@@ -236,9 +236,8 @@ def test_modes_that_pass_each_other_at_a_distance_of_1e_6_do_not_jump(hexapod):
     assert order[0] * order[1] > 0
 
 
-def test_what_takes_too_many_tries_is_undecided(hexapod, monkeypatch):
-    monkeypatch.setattr(stepping, "_TRIES", 2)
-    monkeypatch.setattr(stepping, "_MOST_TRIES", 3)
+def test_what_takes_too_many_arcs_is_undecided(hexapod, monkeypatch):
+    monkeypatch.setattr(arcs, "_MOST", 2)
     given_up = track(hexapod, near_miss(hexapod, 2.2e-13)[[0, 2]])
     assert {event.kind for event in given_up.events} == {"undecided"}
     assert np.isnan(given_up.T[:, -1]).all(axis=1).sum() == len(given_up.events) > 0

@@ -1,7 +1,6 @@
 """Gaps between the rows of proved ways: no sample is below what is proved."""
 
 from itertools import pairwise
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,7 +11,7 @@ from gspcli.geometry.home_mode import home_mode
 from gspcli.geometry.readings import without_corrections
 from gspcli.motion import measure, track
 from gspcli.motion.collisions.compared import ComparedShapes
-from gspcli.motion.paths.between import PathRows, _covered, least_gaps
+from gspcli.motion.paths.between import PathRows, least_gaps
 from gspcli.motion.paths.pose_tracks import pose_track
 from gspcli.motion.paths.pose_ways import PoseWays
 from gspcli.motion.paths.track_bounds import worst_between
@@ -131,15 +130,3 @@ def test_weaker_bounds_are_noticed(monkeypatch):
     assert (least_gaps(rows, -1e9)[1] <= least).all()
     monkeypatch.setattr(ComparedShapes, "moves", lambda self, *_: np.zeros((1, 1)))
     assert (least_gaps(rows, -1e9)[1] > least + 1e-3).any()
-
-
-@pytest.mark.parametrize("missing", [None, 0, 1, 2, 3])
-def test_a_way_of_values_is_covered_by_all_of_its_parts_only(missing):
-    """Two steps, of which the second is in three parts, in any order."""
-    places = [(1, 1, 1), (0, 0, 0), (1, 0, 2), (1, 1, 2)]
-    kept = [
-        SimpleNamespace(branch=0, row=row, part=part, level=level)
-        for k, (row, part, level) in enumerate(places)
-        if k != missing
-    ]
-    assert _covered(kept, 2, 2).tolist() == [missing is None, False]
