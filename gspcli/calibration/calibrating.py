@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from gspcli.calibration.fitting import HUBER, Fit, fit
+from gspcli.calibration.fitting import HUBER, Fit, fit, redundancies
 from gspcli.calibration.identifiable import Unknowns, advice, identifiable
 from gspcli.calibration.judging import likely_cause
 from gspcli.calibration.measurements import Measurements, Noise, constant_rods, value_rows
@@ -30,6 +30,14 @@ _SMALL = 3.0
 _FAR_OUT = 15.0
 #: The threshold of a robust fit is at least this part of the usual one, for exact data.
 _LEAST = 1e-3
+#: An outlier is this many deviations away; they are looked for in at most this many rounds.
+OUTLIER, _ROUNDS = 5.0, 30
+#: Those above this part of the farthest are left out together.
+_NEARLY = 0.5
+#: Numbers of whose errors their residuals show less than this part are not judged.
+_UNCHECKED = 1e-3
+#: Where more than this part of the rows has outliers, no more are left out: the fit is doubted.
+_TOO_MANY = 0.25
 #: In this many lines an error says what is unknown.
 _MOST_LINES = 3
 
@@ -93,7 +101,7 @@ def calibrate(
         What keeps what is stated: ``offsets``, ``platform``, ``base``, or names such as
         ``platform.P1``, ``offset.3``.
     robust
-        Whether outliers count by their modulus (a pseudo-Huber loss).
+        Whether outliers, numbers more than five deviations away, are left out.
     prior
         How well the numbers are known before, in length units; a two-hundredth of a typical length
         if None. A direction that the data determine less exactly than that counts as undetermined.
@@ -153,12 +161,15 @@ def calibrate_rows(
     _check_told(seen, noise)
     model, R, T, home = started(instance, model, seen, noise)
     start = model.anchored(R, T), R, T
-    huber = HUBER if options.robust else None
-    found, scatter = _fitted(start, seen, noise, huber, prior, stated=bool(sigma))
+    start = _with_signs(start, seen, noise, prior)
+    if options.robust:
+        found, seen, scatter = _robust(start, seen, noise, prior, stated=bool(sigma))
+    else:
+        found, scatter = _fitted(start, seen, noise, prior, stated=bool(sigma))
     unknown = identifiable(found, seen)
     if unknown.missing and not options.hold_unknown:
         raise IncompleteError(_refusal(instance, unknown, found, seen, prior))
-    worst = _without_worst(found, seen, noise, huber, prior / scatter)
+    worst = _without_worst(found, seen, noise, prior / scatter)
     return Calibration(instance, found, seen, noise, scatter, unknown, options, worst, home)
 
 
@@ -166,28 +177,58 @@ def _fitted(
     start: tuple[Model, Array, Array],
     seen: Measurements,
     noise: Noise,
-    huber: float | None,
     prior: float,
     *,
     stated: bool,
 ) -> tuple[Fit, float]:
     """Return the fit, and the factor of all deviations if they were not stated."""
-    start = _with_signs(start, seen, noise, prior)
     if stated:
-        return fit(*start, seen, noise, huber=huber, prior=prior), 1.0
+        return fit(*start, seen, noise, prior=prior), 1.0
     # How large the noise is, is known only when everything has been estimated.
-    found = fit(*start, seen, noise, huber=huber)
-    scatter = _scatter(found, huber)
-    if huber is not None:
-        # Outliers are such by the noise that there is.
-        huber *= max(scatter, _LEAST)
-        found = fit(*start, seen, noise, huber=huber)
-        scatter = _scatter(found, huber)
-    weak = found.known & (scatter > prior * found.singular)
-    if weak.any():
-        found = fit(*start, seen, noise, huber=huber, prior=prior / scatter)
-        scatter = _scatter(found, huber)
+    found = fit(*start, seen, noise)
+    scatter = _scatter(found)
+    if (found.known & (scatter > prior * found.singular)).any():
+        found = fit(*start, seen, noise, prior=prior / scatter)
+        scatter = _scatter(found)
     return found, scatter
+
+
+def _robust(
+    start: tuple[Model, Array, Array],
+    seen: Measurements,
+    noise: Noise,
+    prior: float,
+    *,
+    stated: bool,
+) -> tuple[Fit, Measurements, float]:
+    """Return the fit without outliers, what was measured without them, and the factor of noise.
+
+    Each number is judged by its residual over the deviation of that (data snooping, Baarda 1968):
+    of the rows that have some beyond `OUTLIER` the farthest numbers are left out in turn, and the
+    others are fitted by least squares, so that chi-squared and intervals are what they say. A fit
+    with the pseudo-Huber loss is the start, and shows how large the noise is if that is not stated.
+    """
+    scatter, known = 1.0, prior if stated else np.inf
+    found = fit(*start, seen, noise, huber=HUBER, prior=known)
+    if not stated:
+        scatter = max(_scatter(found, robust=True), _LEAST)
+        found = fit(*start, seen, noise, huber=HUBER * scatter)
+        scatter = max(_scatter(found, robust=True), _LEAST)
+    left, rest = np.zeros(found.residual.shape, bool), seen
+    for _ in range(_ROUNDS):
+        found, factor = _fitted((found.model, found.R, found.T), rest, noise, prior, stated=stated)
+        shown = redundancies(found, rest, noise)
+        checked_ones = shown > _UNCHECKED
+        sizes = np.abs(np.nan_to_num(found.residual))
+        sizes = np.where(checked_ones, sizes / np.sqrt(np.where(checked_ones, shown, 1.0)), 0.0)
+        largest = sizes.max(axis=1)
+        far = np.flatnonzero((largest > OUTLIER * scatter) & (largest > _NEARLY * largest.max()))
+        if not len(far) or left.any(axis=1).mean() > _TOO_MANY:
+            break
+        left = left.copy()
+        left[far, sizes[far].argmax(axis=1)] = True
+        rest = replace(seen, left_out=left)
+    return found, rest, factor
 
 
 def _with_signs(
@@ -212,19 +253,19 @@ def _with_signs(
     return first.model, first.R, first.T
 
 
-def _scatter(found: Fit, huber: float | None) -> float:
+def _scatter(found: Fit, *, robust: bool = False) -> float:
     """Return the standard deviation of the residuals; of a robust fit without outliers."""
     if found.freedom <= 0:
         return 1e-9
     left = np.abs(found.residual[np.isfinite(found.residual)])
-    if huber is not None:
+    if robust:
         left = left[left <= _FAR_OUT * np.median(left)]
     # Exact data leave nothing but rounding errors.
     return max(float(np.sqrt(np.sum(left**2) / found.freedom)), 1e-9)
 
 
 def _without_worst(
-    found: Fit, seen: Measurements, noise: Noise, huber: float | None, prior: float
+    found: Fit, seen: Measurements, noise: Noise, prior: float
 ) -> tuple[int, Fit] | None:
     """Return the row that agrees least and the fit without it, if that tells as much."""
     if len(seen) < 2 or found.freedom <= 0:
@@ -232,7 +273,7 @@ def _without_worst(
     worst = int(np.nansum(found.residual**2, axis=1).argmax())
     rest = np.arange(len(seen)) != worst
     places = found.R[rest], found.T[rest]
-    other = fit(found.model, *places, seen.taken(rest), noise, huber=huber, prior=prior)
+    other = fit(found.model, *places, seen.taken(rest), noise, prior=prior)
     if other.freedom <= 0 or int(other.known.sum()) < int(found.known.sum()):
         return None
     return worst, other

@@ -76,8 +76,6 @@ class Fit:
         Which directions were estimated, shape (f,); the others keep what is stated.
     converged
         Whether the iterations came to their end.
-    huber
-        Where residuals count less; None for squares.
     """
 
     model: Model
@@ -90,33 +88,10 @@ class Fit:
     directions: Array
     known: NDArray[np.bool_]
     converged: bool
-    huber: float | None = None
-
-    def spread(self, scatter: float = 1.0) -> float:
-        """Return by what variances of a robust fit are larger than those of its equations.
-
-        Those of an estimate with influence psi are ``E[psi^2] / E[psi']^2`` times those of least
-        squares (Huber 1964), and those of the weighted equations ``1 / E[w]`` times; means are over
-        the residuals. One for least squares.
-
-        Parameters
-        ----------
-        scatter
-            What all deviations are multiplied by.
-        """
-        if self.huber is None or self.freedom <= 0:
-            return 1.0
-        left = self.residual[np.isfinite(self.residual)]
-        weight = (1 + (left / self.huber) ** 2) ** -0.5
-        squares = float(((weight * left / scatter) ** 2).sum()) / self.freedom
-        return squares * float(weight.mean()) / float((weight**3).mean()) ** 2
 
     @cached_property
     def covariance(self) -> Array:
-        """The covariance of all parameters, shape (p, p): zero for what was not estimated.
-
-        That of the equations; `spread` is a factor of a robust fit.
-        """
+        """The covariance of all parameters, shape (p, p): zero for what was not estimated."""
         free = self.model.free
         scaled = self.directions[self.known] * self.model.sizes[free]
         found = np.zeros((len(free), len(free)))
@@ -192,7 +167,7 @@ def fit(
     spare = rows if noise.exact else np.maximum(rows - 6, 0)
     freedom = int(spare.sum()) - int(known.sum())
     left = system.residual
-    return Fit(model, R, T, left, cost, freedom, s, V, known, converged, huber)
+    return Fit(model, R, T, left, cost, freedom, s, V, known, converged)
 
 
 def _equations(
@@ -275,6 +250,26 @@ def reduced(
     return LinearEquations(
         left, right[:, 6:].reshape(-1), slopes[:, 6:].reshape(-1, J.shape[-1]), back
     )
+
+
+def redundancies(found: Fit, seen: Measurements, noise: Noise) -> Array:
+    """Return which part of an error of each number its own residual shows, shape (n, q).
+
+    The diagonal of ``1 - A (A^T A)^-1 A^T`` with the derivatives A by poses and parameters (Baarda
+    1968); zero for what was not measured.
+    """
+    r, J, P = seen.rows(found.model, found.R, found.T, noise)
+    there = np.isfinite(r)[..., None]
+    J = np.where(there, J, 0.0)[..., found.model.free]
+    V = np.eye(r.shape[1])
+    if not noise.exact:
+        Q = np.linalg.qr(np.where(there, P, 0.0) * _twist_sizes(found.model), mode="complete")[0]
+        V = Q[..., 6:] @ np.swapaxes(Q[..., 6:], 1, 2)
+    free = found.model.free
+    S = V @ J
+    shown = np.einsum("...kk->...k", np.broadcast_to(V, (len(r), *V.shape[-2:])))
+    shown = shown - np.einsum("nkf,fg,nkg->nk", S, found.covariance[np.ix_(free, free)], S)
+    return np.asarray(np.where(there[..., 0], shown, 0.0))
 
 
 def _check(wrong: NDArray[np.bool_], seen: Measurements) -> None:

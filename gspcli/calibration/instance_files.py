@@ -18,9 +18,12 @@ def calibrated_text(result: Calibration, remarks_of_log: Sequence[str] = ()) -> 
     remarks_of_log
         More comments for its head.
     """
+    fits = f"chi-squared {result.chi_squared:.4g} of"
+    if result.scatter != 1.0:
+        fits = f"deviations of {result.noise.value * result.scatter:.2g} by the scatter,"
     head = [
-        f"# calibrated by gsp calibrate from {len(result.seen)} rows: chi-squared "
-        f"{result.chi_squared:.4g} of {result.freedom} degrees of freedom",
+        f"# calibrated by gsp calibrate from {len(result.seen)} rows: {fits} {result.freedom} "
+        "degrees of freedom",
         "# after # are the standard deviations of the numbers in the line, in their order",
     ]
     if result.unknowns.missing:

@@ -32,8 +32,8 @@ Array = NDArray[np.float64]
 _SELDOM = 3.0902
 #: A number may differ from what is stated by this many times what it is known to before.
 _FAR = 3.0
-#: An outlier of a robust fit is this many deviations away, and this part of the rows may have some.
-_OUTLIER, _MANY = 5.0, 0.25
+#: This part of the rows may have outliers.
+_MANY = 0.25
 #: Data without their mistake scatter by this part of what they do with it at most, and by less than
 #: this many times what the machine is known to before.
 _LESS, _KNOWN = 1 / 3, 3.0
@@ -60,6 +60,7 @@ def doubts(
     noise: Noise,
     scatter: float,
     prior: float,
+    outliers: int,
     unit: str,
 ) -> tuple[str, ...]:
     """Return why the data do not fit the machine, in sentences; none if they do.
@@ -74,23 +75,15 @@ def doubts(
         The deviations, and what they are multiplied by; one if they were stated.
     prior
         How well the numbers are known before, a length.
+    outliers
+        How many rows have numbers that are left out.
     unit
         Of lengths.
     """
     sentences = [] if found.converged else ["the fit did not come to an end"]
-    # A pose with an outlier is drawn to it, and with it all residuals of its row.
-    square = np.nan_to_num(found.residual) ** 2
-    kept = np.ones(len(square), bool)
-    if found.huber is not None:
-        kept = square.max(axis=1, initial=0.0) <= (_OUTLIER * scatter) ** 2
-    spare = np.isfinite(found.residual).sum(axis=1) - (0 if noise.exact else 6)
-    chi = float(square[kept].sum())
-    freedom = found.freedom - int(np.maximum(spare, 0)[~kept].sum())
-    if (~kept).sum() > _MANY * len(square):
-        sentences.append(
-            f"{int((~kept).sum())} of {len(square)} rows are outliers by more than {_OUTLIER:g} "
-            "sigma"
-        )
+    chi, freedom, rows = float(np.nansum(found.residual**2)), found.freedom, len(found.residual)
+    if outliers > _MANY * rows:
+        sentences.append(f"{outliers} of {rows} rows are outliers by more than 5 sigma")
     if scatter == 1.0 and freedom > 0 and chi > (limit := quantile(freedom, _SELDOM)):
         sentences.append(
             f"chi-squared is {chi:.4g} of {freedom}: with the sigmas as stated it is above "

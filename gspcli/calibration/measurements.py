@@ -113,6 +113,8 @@ class Measurements:
         have no noise but that of the drives that move them, shape (6,); see `constant_rods`.
     sorts
         Of a part of the rows: `measured_sorts` of all; None of all.
+    left_out
+        Which residuals of `rows` do not count, shape (n, q); None if all do.
     """
 
     readings: Array
@@ -127,6 +129,7 @@ class Measurements:
     euler: str = ""
     rods: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(6, bool))
     sorts: tuple[bool, bool] | None = None
+    left_out: NDArray[np.bool_] | None = None
 
     def __len__(self) -> int:
         return len(self.readings)
@@ -189,9 +192,12 @@ class Measurements:
                 parts.append(_point_rows(model, R, T, at, seen, noise.position, moves=moves))
             if len(self.inclinations):
                 parts.append(_inclination_rows(model, R, self.inclinations, noise.inclination))
-        return WhitenedRows(
+        found = WhitenedRows(
             *(np.concatenate(arrays, axis=1) for arrays in zip(*parts, strict=True))
         )
+        if self.left_out is None:
+            return found
+        return found._replace(residual=np.where(self.left_out, np.nan, found.residual))
 
 
 def constant_rods(instance: Instance, model: Model, seen: Measurements) -> Measurements:
@@ -234,6 +240,7 @@ def alike(seen: Measurements, R: Array, T: Array, drives: Array | None) -> Measu
         inclinations=np.zeros((n if len(seen.inclinations) else 0, 2)),
         drives=drives,
         lines=("",) * n,
+        left_out=None,
     )
 
 

@@ -39,7 +39,7 @@ class Options:
         What keeps what is stated: ``offsets``, ``platform``, ``base``, ``platform.P1``,
         ``offset.3`` ….
     robust
-        Whether residuals beyond two standard deviations count by their modulus, not their square.
+        Whether outliers, numbers more than five deviations away, are left out.
     prior
         What is known before, in length units; None for a two-hundredth of a typical length.
     hold_unknown

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -104,6 +105,7 @@ class Calibration(EqualByContent):
             self.noise,
             self.scatter,
             prior_of(self.options, self.fit.model),
+            int(self.outliers.any(axis=1).sum()),
             self.stated.units.length,
         )
 
@@ -134,8 +136,7 @@ class Calibration(EqualByContent):
     @cached_property
     def covariance(self) -> Array:
         """The covariance of the numbers found, shape (m, m)."""
-        factor = self.scatter**2 * self.fit.spread(self.scatter)
-        whole = self._found.covariance(self.fit.covariance) * factor
+        whole = self._found.covariance(self.fit.covariance) * self.scatter**2
         return _fixed(whole[np.ix_(self.estimated, self.estimated)])
 
     @cached_property
@@ -174,14 +175,27 @@ class Calibration(EqualByContent):
         return self.fit.freedom
 
     @cached_property
+    def outliers(self) -> NDArray[np.bool_]:
+        """Which numbers are left out, in the columns of `residuals` and `pose_residuals`."""
+        left = self.seen.left_out
+        return np.zeros(self.fit.residual.shape, bool) if left is None else left
+
+    @cached_property
+    def _residual(self) -> Array:
+        """All residuals in standard deviations, those of outliers, too."""
+        every = replace(self.seen, left_out=None)
+        fit = self.fit
+        return every.rows(fit.model, fit.R, fit.T, self.noise).residual
+
+    @cached_property
     def residuals(self) -> Array:
         """The residual of each reading, in standard deviations, shape (n, 6); NaN for blanks."""
-        return _fixed(self.fit.residual[:, :6])
+        return _fixed(self._residual[:, :6])
 
     @cached_property
     def pose_residuals(self) -> Array:
         """The residuals of what was measured of each pose, in deviations, shape (n, k)."""
-        return _fixed(self.fit.residual[:, 6:])
+        return _fixed(self._residual[:, 6:])
 
     @cached_property
     def rows(self) -> Array:

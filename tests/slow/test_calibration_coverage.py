@@ -65,7 +65,7 @@ def test_intervals_of_a_rotary_machine_cover_the_truth():
 @pytest.mark.slow
 @pytest.mark.parametrize("share", [0.0, 0.03])
 def test_intervals_of_robust_fits_cover_the_truth(share):
-    """With and without outliers of 50 deviations, 60 repetitions: 93 to 98 %."""
+    """Legs, 30 rows, with and without outliers of 50 deviations, 60 repetitions: 93 to 97 %."""
     rng, hits = np.random.default_rng(21), []
     for _ in range(60):
         values, R, T = noisy(real(), *reachable(30, rng), rng)
@@ -73,7 +73,34 @@ def test_intervals_of_robust_fits_cover_the_truth(share):
         found = gspcli.calibrate(
             nominal(), values, R, T, sigma=SIGMA, robust=True, hold_unknown=True
         )
-        model = found.fit.model
-        sigma = np.sqrt(np.diag(found.fit.covariance * found.fit.spread())[model.free])
-        hits.append(np.abs(numbers(model) - numbers(real())) < 1.96 * sigma)
-    assert 0.93 <= np.mean(hits) <= 0.98
+        sigma = np.sqrt(np.diag(found.fit.covariance)[found.fit.model.free])
+        hits.append(np.abs(numbers(found.fit.model) - numbers(real())) < 1.96 * sigma)
+    assert 0.93 <= np.mean(hits) <= 0.97
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("share", [0.0, 0.03])
+def test_intervals_of_robust_fits_of_a_rotary_machine_cover_the_truth(share):
+    """Cranks, 30 rows, outliers of 50 deviations, 60 repetitions: 93 to 97 %."""
+    rng, hits = np.random.default_rng(22), []
+    for _ in range(60):
+        instance, truth, angles, R, T = rotary(rng, 30)
+        true = file_numbers(instance, truth)
+        cranks, turns, places = noisy_rotary(angles, R, T, rng)
+        wrong = rng.random(cranks.shape) < share
+        cranks += 50 * ROTARY_SIGMA["crank"] * rng.choice([-1, 1], cranks.shape) * wrong
+        found = gspcli.calibrate(
+            instance,
+            np.full((len(T), 6), np.nan),
+            turns,
+            places,
+            cranks=cranks,
+            sigma=ROTARY_SIGMA,
+            prior=0.1,
+            robust=True,
+            hold_unknown=True,
+        )
+        there = [true.names.index(name) for name in found.names]
+        off = np.abs(found.after - true.values[there])
+        hits.append((off < 1.96 * found.sigma)[found.sigma > 0].mean())
+    assert 0.93 <= np.mean(hits) <= 0.97

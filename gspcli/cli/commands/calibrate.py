@@ -95,7 +95,9 @@ _MOST_PLANNED = 300
     help="Where a point with columns NAME.x, NAME.y, NAME.z is in the platform's frame.",
 )
 @click.option(
-    "--robust", is_flag=True, help="Give outliers less weight: by their modulus (pseudo-Huber)."
+    "--robust",
+    is_flag=True,
+    help="Leave out numbers that are more than five deviations away, and name their rows.",
 )
 @click.option(
     "--prior",
@@ -272,9 +274,10 @@ def _show(result: Calibration, output: Output, *, accept: bool) -> None:
     if refused:
         what = [f"the data do not fit the machine: {result.doubts[0]}"]
         what += [result.cause] if result.cause else []
+        robust = "" if result.options.robust else ", or try --robust"
         what.append(
-            "look for wrong rows and columns (-o FILE.svg shows residuals), or try --robust; "
-            "--accept takes the result unchanged"
+            f"look for wrong rows and columns (-o FILE.svg shows residuals){robust}; --accept "
+            "takes the result unchanged"
         )
         raise CheckFailed("\n".join(what))
 
@@ -375,6 +378,8 @@ def calibration_table(result: Calibration, remarks: Sequence[str] | None = None)
 
 def _summary(result: Calibration) -> list[str]:
     """Return the result in sentences."""
+    import numpy as np
+
     from gspcli.calibration.judging import quantile
 
     chi, freedom = result.chi_squared, result.freedom
@@ -400,6 +405,12 @@ def _summary(result: Calibration) -> list[str]:
         lines.append(
             f"the noise is not stated: {noise} by the scatter ({freedom} degrees of freedom)"
         )
+    if result.outliers.any():
+        rows = [result.seen.lines[k] for k in np.flatnonzero(result.outliers.any(axis=1))]
+        lines.append(
+            f"{counted(int(result.outliers.sum()), 'number')} left out, more than 5 sigma away: in "
+            f"{'row' if len(rows) == 1 else 'rows'} {listed(rows, 'and')}"
+        )
     if result.unknowns.missing:
         what = counted(result.unknowns.missing, "direction")
         lines.append(
@@ -419,7 +430,8 @@ def _summary(result: Calibration) -> list[str]:
     if worst is not None:
         row, left, moved = worst
         rest = result.without_worst[1].freedom if result.without_worst else 0
-        line = f"worst row: {result.seen.lines[row]}"
+        name = result.seen.lines[row]
+        line = f"worst row: {name if name == str(row + 1) else f't = {name}'}"
         if result.scatter == 1.0:
             line += f", {result.rows[row]:.4g} of chi-squared ({left:.4g} of {rest} without it)"
         lines.append(f"{line}; left out, no number moves by more than {moved:.2g} sigma")

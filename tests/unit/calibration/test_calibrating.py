@@ -421,21 +421,28 @@ def test_nothing_measured_but_poses_or_values():
             gspcli.calibrate(nominal(), **given)
 
 
-def test_outliers_make_the_intervals_of_a_robust_fit_wider():
-    """By the variance of the influence function: a third of the deviations was missing."""
+def test_outliers_are_left_out_and_change_no_interval():
     rng = np.random.default_rng(4)
     values, R, T = noisy(real(), *reachable(40, rng), rng)
     plain = gspcli.calibrate(nominal(), values, R, T, sigma=SIGMA)
     clean = gspcli.calibrate(nominal(), values, R, T, sigma=SIGMA, robust=True)
-    values += 0.05 * rng.choice([-1, 1], values.shape) * (rng.random(values.shape) < 0.03)
+    assert not clean.outliers.any()
+    assert np.allclose(clean.after, plain.after, atol=1e-9)
+    wrong = rng.random(values.shape) < 0.03
+    values = values + 0.05 * rng.choice([-1, 1], values.shape) * wrong
     robust = gspcli.calibrate(nominal(), values, R, T, sigma=SIGMA, robust=True)
-    assert plain.fit.spread() == 1
-    assert 0.8 < clean.fit.spread() < 1.1 < 1.4 < robust.fit.spread() < 3
-    assert 0.95 < np.median(clean.sigma / plain.sigma) < 1.15
-    assert np.median(robust.sigma / plain.sigma) > 1.2
-    # Without stated deviations they are the same, up to what the scatter tells of all of them.
-    scattered = gspcli.calibrate(nominal(), values, R, T, robust=True)
-    assert 0.5 < scattered.fit.spread(scattered.scatter) < 4
+    assert (robust.outliers[:, :6] == wrong).all()
+    assert robust.doubts == ()
+    assert 1 < np.median(robust.sigma / plain.sigma) < 1.1
+    assert (np.abs(robust.residuals[wrong]) > 25).all()
+
+
+def test_the_file_states_the_scatter_where_no_deviation_was_stated():
+    rng = np.random.default_rng(4)
+    found = gspcli.calibrate(nominal(), *noisy(real(), *reachable(40, rng), rng))
+    head = calibrated_text(found).splitlines()[0]
+    assert "by the scatter" in head
+    assert "chi-squared" not in head
 
 
 def test_blocks_of_rows_give_the_same(monkeypatch):
