@@ -31,13 +31,13 @@ _FAR_OUT = 15.0
 #: The threshold of a robust fit is at least this part of the usual one, for exact data.
 _LEAST = 1e-3
 #: An outlier is this many deviations away; they are looked for in at most this many rounds.
-OUTLIER, _ROUNDS = 5.0, 30
+OUTLIER, _ROUNDS = 5.0, 100
 #: Those above this part of the farthest are left out together.
-_NEARLY = 0.5
+_NEARLY = 0.7
 #: Numbers of whose errors their residuals show less than this part are not judged.
 _UNCHECKED = 1e-3
 #: Where more than this part of the rows has outliers, no more are left out: the fit is doubted.
-_TOO_MANY = 0.25
+_TOO_MANY = 0.4
 #: In this many lines an error says what is unknown.
 _MOST_LINES = 3
 

@@ -54,6 +54,8 @@ class Turns:
         About which axis the angle of each column turns, 0 to 2 for x to z.
     heads
         The headings of these columns if they do not name axes, such as ``A``; empty otherwise.
+    unit
+        The unit of angles in the log, ``deg`` or ``rad``.
     """
 
     order: str = ""
@@ -62,6 +64,7 @@ class Turns:
     transposed: bool = False
     axes: tuple[int, int, int] = (0, 1, 2)
     heads: tuple[str, ...] = ()
+    unit: str = ""
 
     def rotations(self, log: Log, rows: NDArray[np.intp]) -> Array:
         """Return the rotations of some rows of a log, shape (n, 3, 3)."""
@@ -86,7 +89,7 @@ class Turns:
             return f"rotations from {how}"
         names = ("rx", "ry", "rz")
         wrong = [name for name, one in zip(names, self.senses, strict=True) if one < 0]
-        of = "degrees" if self.in_radians != 1 else "radians"
+        of = "degrees" if self.unit == "deg" else "radians"
         said = f"--euler {self.order}"
         said += f", {of}" if unit else ""
         if self.axes != (0, 1, 2):
@@ -110,7 +113,7 @@ def turns_of(log: Log, euler: str | None) -> Iterator[Turns]:
         yield Turns()
         yield Turns(transposed=True)
         return
-    units = (1.0,) if log.angle_known else (_DEGREE, 1.0)
+    units = (1.0,) if log.angle_unit else (_DEGREE, 1.0)
     orders: tuple[str, ...] = ORDERS
     senses = _SENSES
     if euler is not None:
@@ -121,4 +124,5 @@ def turns_of(log: Log, euler: str | None) -> Iterator[Turns]:
     for unit, axes, order, sense in product(
         units, _AXES if log.heads else _AXES[:1], orders, senses
     ):
-        yield Turns(order, sense, unit, axes=axes, heads=log.heads)
+        said = log.angle_unit or ("rad" if unit == 1 else "deg")
+        yield Turns(order, sense, unit, axes=axes, heads=log.heads, unit=said)

@@ -129,7 +129,7 @@ class Identification(EqualByContent):
                 "euler": turns.order,
                 "senses": list(turns.senses),
                 "axes": "".join("xyz"[axis] for axis in turns.axes) if turns.order else "",
-                "angle_unit": "" if not turns.order else "rad" if turns.in_radians == 1 else "deg",
+                "angle_unit": turns.unit,
                 "transposed": turns.transposed,
                 "leg_unit": self.leg_unit,
                 "position_unit": self.place_unit,

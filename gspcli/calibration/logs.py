@@ -45,8 +45,8 @@ class Log:
         Shape (n, 3, 3); None if the log has angles.
     leg_unit, place_unit
         Units that the heading names; empty if it names none.
-    angle_known
-        Whether it names that of angles: these are in radians then.
+    angle_unit
+        That of angles, ``deg`` or ``rad``, if it names it: these are read as radians then.
     order
         The order of the axes that the heading says; None if it says none.
     heads
@@ -61,7 +61,7 @@ class Log:
     rotations: Array | None
     leg_unit: str
     place_unit: str
-    angle_known: bool
+    angle_unit: str
     order: str | None
     heads: tuple[str, ...]
     lines: tuple[str, ...]
@@ -129,7 +129,7 @@ def read_log(
         rotations,
         units[0],
         units[1],
-        bool(units[2]),
+        "" if not units[2] else "rad" if units[2].lower().startswith("rad") else "deg",
         order.sequence if order else None,
         tuple(table.names[table.heading.index(one)] for one in ANGLES) if order else (),
         tuple(lines),

