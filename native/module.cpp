@@ -315,7 +315,7 @@ nb::tuple count(std::uint64_t prime, std::uint64_t seed, unsigned blocks,
 NB_MODULE(_kernel, m) {
   m.doc() = "Native code of gspcli.continuation, gspcli.geometry and gspcli.certification.";
   m.def("find_real_points", &gsp::real_points, "points"_a,
-        "Return representatives and which are real; see gspcli.geometry.conjugates.");
+        "Return representatives and which are real; see gspcli.geometry.quaternions.");
   m.def("track", &gsp::track, "products"_a, "start_g"_a, "start_h"_a, "start_tau"_a, "target_g"_a,
         "target_h"_a, "target_tau"_a, "more_g"_a, "more_h"_a, "more_tau"_a, "points"_a,
         "low_points"_a, "left"_a, nb::kw_only(), "predictor_tolerance"_a, "contraction"_a, "arrival"_a,

@@ -67,7 +67,7 @@ nb::object order(Array<bool, 1> real, Array<std::complex<double>, 2> quaternions
 
 void bind_ordering(nb::module_& m) {
   m.def("order", &order, "real"_a, "quaternions"_a, "translations"_a, nb::kw_only(), "unit"_a,
-        "Return the permutation that sorts poses; see gspcli.geometry.pose_order.");
+        "Return the permutation that sorts poses; see gspcli.geometry.quaternions.");
 }
 
 }  // namespace gsp

@@ -107,14 +107,14 @@ def checked(instance: Instance) -> Instance:
     if instance.dynamics is not None:
         _check_masses(instance)
     if instance.shapes is not None:
-        from gspcli.geometry.shape_mistakes import refuse_mistakes
+        from gspcli.geometry.shapes import refuse_mistakes
 
         refuse_mistakes(instance.shapes, rows)
     return instance
 
 
 def _check_masses(instance: Instance) -> None:
-    from gspcli.geometry.mass_mistakes import mistakes
+    from gspcli.geometry.masses import mistakes
 
     assert instance.dynamics is not None
     for place, message in mistakes(instance.dynamics, instance.constraints, instance.units.length):

@@ -17,14 +17,193 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from fractions import Fraction
-from typing import Generic, TypeVar
+from math import isqrt, lcm
+from typing import Any, Generic, NamedTuple, TypeVar
 
-from gspcli.geometry.evaluation import FUNCTIONS, LARGEST, SMALLEST, Expression
-from gspcli.geometry.separation import multiple_of_pi
-from gspcli.geometry.signs import sign_of
+from gspcli.geometry.evaluation import FLOATS, FUNCTIONS, LARGEST, SMALLEST, Expression
+from gspcli.geometry.intervals import INTERVALS, FineIntervals, Interval
 from gspcli.wording import shown, similar
+
+# The sign of an exact number, and the nearest double, where doubles do not suffice.
+#
+# ``sqrt(2) - 1.414213562373095`` is 4.9e-17, but zero in floating point; ``sqrt(2)*sqrt(2) - 2`` is
+# zero, but 4e-16 in floating point. More digits prove that a number is not zero. An algebraic
+# number is zero if its modulus is below the bound that follows.
+
+
+#: Precisions that are tried in turn, and the largest one for a proof that a number is zero.
+_BITS, _MOST_BITS = (128, 512, 2048), 2**15
+#: Relative width of an interval within which a double is known.
+_NARROW = 2.0**-40
+
+
+def sign_of(number: Expression) -> int | None:
+    """Return 1, 0 or -1, proved; None if the sign is not known.
+
+    Raises
+    ------
+    ValueError
+        If the number does not exist, such as the root of a negative one.
+    """
+    if number.fraction is not None:
+        return (number.fraction > 0) - (number.fraction < 0)
+    interval = _in_doubles(number)
+    if interval is not None and interval.without_zero:
+        return 1 if interval.low > 0 else -1
+    for low, high in _finer(number, _BITS):
+        if low > 0 or high < 0:
+            return 1 if low > 0 else -1
+    separation = separation_bits(number)
+    if separation is None or separation > _MOST_BITS:
+        return None
+    for low, high in _finer(number, (separation + _BITS[0],)):
+        if low > 0 or high < 0:
+            return 1 if low > 0 else -1
+        if max(-low, high) * 2**separation < 1:
+            return 0
+    return None
+
+
+def nearest(number: Expression) -> float:
+    """Return a double that is within a few units in the last place of a number.
+
+    Raises
+    ------
+    ZeroDivisionError, OverflowError, ValueError
+        If the number does not exist, or cannot be distinguished from one that does not.
+    """
+    interval = _in_doubles(number)
+    if interval is None or not _is_narrow(interval.low, interval.high):
+        for low, high in _finer(number, _BITS):
+            if _is_narrow(low, high):
+                return float((low + high) / 2)
+        if sign_of(number) == 0:
+            return 0.0
+    return number.evaluate(FLOATS)
+
+
+def _in_doubles(number: Expression) -> Interval | None:
+    """Return an interval in floating point; None next to the end of a domain."""
+    try:
+        return number.evaluate(INTERVALS)
+    except (ZeroDivisionError, ValueError):
+        return None
+
+
+def _finer(number: Expression, precisions: tuple[int, ...]) -> Iterator[tuple[Any, Any]]:
+    """Yield the ends of intervals with ever more digits."""
+    for bits in precisions:
+        field = FineIntervals(bits)
+        try:
+            yield field.ends(number.evaluate(field))
+        except ArithmeticError:
+            continue
+
+
+def _is_narrow(low: Any, high: Any) -> bool:
+    size = max(abs(low), abs(high))
+    return bool(math.inf > size > 0 and high - low <= _NARROW * size)
+
+
+# A lower bound of the modulus of an algebraic number that is not zero.
+#
+# The number is written as U / L with algebraic integers U and L, whose conjugates are at most u and
+# l in modulus, of a field of degree D. If U is not zero its norm is a nonzero integer, so that
+# ``|U| u^(D-1) >= 1``, and the number is at least ``1 / (u^(D-1) l)`` (C. Burnikel, S. Funke, K.
+# Mehlhorn, S. Schirra, S. Schmitt, A separation bound for real algebraic expressions, 2001). A
+# square root counts ``sqrt(U / L) = sqrt(U L) / L``; the cosine of a rational angle is half an
+# algebraic integer with conjugates of at most 2.
+
+
+class _Bounds(NamedTuple):
+    """The bounds u and l of an expression, its square roots, and the order of its root of unity."""
+
+    above: int
+    below: int
+    roots: frozenset[Expression]
+    order: int
+
+
+def separation_bits(number: Expression) -> int | None:
+    """Return b such that a number is zero or at least ``2^-b`` in modulus.
+
+    The result is None if the number is not known to be algebraic.
+    """
+    found = _bounds(number)
+    if found is None:
+        return None
+    degree = found.order << len(found.roots)
+    return found.above.bit_length() * (degree - 1) + found.below.bit_length()
+
+
+def _bounds(number: Expression) -> _Bounds | None:
+    operation, arguments = number.operation, number.arguments
+    if number.fraction is not None:
+        p, q = number.fraction.as_integer_ratio()
+        return _Bounds(abs(p), q, frozenset(), 1)
+    if operation in ("sin", "cos", "tan"):
+        return _trigonometric(operation, arguments[0])
+    if operation not in ("neg", "sqrt", "+", "-", "*", "/"):
+        return None
+    parts = [_bounds(argument) for argument in arguments]
+    if None in parts:
+        return None
+    first, second = parts[0], parts[-1]
+    assert first is not None
+    assert second is not None
+    if operation == "neg":
+        return first
+    if operation == "sqrt":
+        root = isqrt(first.above * first.below) + 1
+        return first._replace(above=root, roots=first.roots | {number})
+    both = first.roots | second.roots, lcm(first.order, second.order)
+    if operation == "*":
+        return _Bounds(first.above * second.above, first.below * second.below, *both)
+    if operation == "/":
+        return _Bounds(first.above * second.below, first.below * second.above, *both)
+    return _Bounds(
+        first.above * second.below + first.below * second.above, first.below * second.below, *both
+    )
+
+
+def _trigonometric(operation: str, angle: Expression) -> _Bounds | None:
+    halves = multiple_of_pi(angle)
+    if halves is None:
+        return None
+    # The sine is a cosine of an angle that is a quarter turn less.
+    order = lcm(2 * halves.denominator, 4)
+    # A tangent is a quotient of two such numbers.
+    size = 4 if operation == "tan" else 2
+    return _Bounds(size, size, frozenset(), order)
+
+
+def multiple_of_pi(number: Expression) -> Fraction | None:
+    """Return the rational factor if a number is written as a rational multiple of pi."""
+    operation, arguments = number.operation, number.arguments
+    if operation == "pi":
+        return Fraction(1)
+    if operation == "rational":
+        return Fraction(0) if number.fraction == 0 else None
+    if operation == "neg":
+        factor = multiple_of_pi(arguments[0])
+        return None if factor is None else -factor
+    if operation not in ("+", "-", "*", "/"):
+        return None
+    left, right = map(multiple_of_pi, arguments)
+    if operation in ("+", "-"):
+        if left is None or right is None:
+            return None
+        return left + right if operation == "+" else left - right
+    before: Fraction | None = arguments[0].fraction
+    after: Fraction | None = arguments[1].fraction
+    if left is not None and after is not None:
+        return left * after if operation == "*" else left / after
+    if right is not None and before is not None and operation == "*":
+        return before * right
+    return None
+
 
 #: A tree of some class.
 Tree = TypeVar("Tree", bound=Expression)

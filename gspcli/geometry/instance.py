@@ -13,7 +13,7 @@ from gspcli.catalogue.counts import generic_counts
 from gspcli.catalogue.kinds import Kind
 from gspcli.catalogue.types import GspType
 from gspcli.errors import ArgumentError
-from gspcli.geometry import corrections
+from gspcli.geometry import numbers
 from gspcli.geometry.numbers import Number, Real
 from gspcli.geometry.primitives import Geometry
 from gspcli.records import dataclass
@@ -109,15 +109,15 @@ class Constraint:
 
         Every reading that enters the program is converted here.
         """
-        return corrections.value_of(reading, self.scale, self.offset, self._added)
+        return numbers.value_of(reading, self.scale, self.offset, self._added)
 
     def reading_of(self, value: Number) -> Number:
         """Return the reading at which the machine has a value, exactly."""
-        return corrections.reading_of(value, self.scale, self.offset, self._added)
+        return numbers.reading_of(value, self.scale, self.offset, self._added)
 
     def raised_by(self, difference: Number) -> Number:
         """Return the value after a number is added to its reading, exactly."""
-        return self.value_of(corrections.combined(self.reading_of(self.value), "+", difference))
+        return self.value_of(numbers.combined(self.reading_of(self.value), "+", difference))
 
     @property
     def _added(self) -> str:

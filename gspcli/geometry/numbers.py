@@ -22,8 +22,7 @@ from gspcli.geometry.evaluation import (
     Field,
     rounded_ratio,
 )
-from gspcli.geometry.expressions import parsed
-from gspcli.geometry.signs import nearest
+from gspcli.geometry.expressions import nearest, parsed
 from gspcli.records import dataclass
 
 #: Types that are accepted as a number; NumPy's scalars are registered with `numbers.Real`.
@@ -122,7 +121,7 @@ class Number:
     def value(self) -> float:
         """The number rounded to a float, to a few units in its last place.
 
-        It is zero only if the number is zero, as far as `gspcli.geometry.signs` can prove.
+        It is zero only if the number is zero, as far as `gspcli.geometry.expressions` can prove.
         """
         exact = self.fraction
         if exact is not None:
@@ -202,3 +201,47 @@ def _text(number: Number, precedence: int) -> str:
         left, right = number.arguments
         text = f"{_text(left, own)} {operation} {_text(right, own + 1)}"
     return f"({text})" if own < precedence or (operation == "neg" and precedence) else text
+
+
+_INVERSE = {"+": "-", "-": "+", "*": "/", "/": "*"}
+
+
+def value_of(
+    reading: Number, scale: Number | None, offset: Number | None, added: str = "+"
+) -> Number:
+    """Return the value of a reading.
+
+    Parameters
+    ----------
+    reading
+        What a file, a table or an encoder says.
+    scale, offset
+        None stands for zero.
+    added
+        The operation that applies the offset: ``+`` or ``-``.
+    """
+    if scale is not None:
+        reading = combined(reading, "*", _factor(scale))
+    return reading if offset is None else combined(reading, added, offset)
+
+
+def reading_of(
+    value: Number, scale: Number | None, offset: Number | None, added: str = "+"
+) -> Number:
+    """Return the reading at which the machine has a value; arguments as for `value_of`."""
+    if offset is not None:
+        value = combined(value, _INVERSE[added], offset)
+    return value if scale is None else combined(value, "/", _factor(scale))
+
+
+def _factor(scale: Number) -> Number:
+    return combined(Number.of(1), "+", scale)
+
+
+def combined(number: Number, operation: str, other: Number) -> Number:
+    """Return a number after an operation; an operation and its inverse cancel exactly."""
+    if number.operation == _INVERSE[operation] and number.arguments[1] == other:
+        undone: Number = number.arguments[0]
+        return undone
+    result = Number(operation, (number, other))
+    return result if result.fraction is None else Number("rational", (result.fraction,))

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import Primitive
 from gspcli.errors import ArgumentError
-from gspcli.geometry import corrections
+from gspcli.geometry import numbers
 from gspcli.geometry.numbers import Number, Real
 from gspcli.geometry.quaternions import dot
 from gspcli.records import dataclass
@@ -158,11 +158,11 @@ class Motor:
 
     def value_of(self, reading: Number) -> Number:
         """Return the value of a reading, exactly."""
-        return corrections.value_of(reading, self.scale, self.offset)
+        return numbers.value_of(reading, self.scale, self.offset)
 
     def reading_of(self, value: Number) -> Number:
         """Return the reading at a value, exactly."""
-        return corrections.reading_of(value, self.scale, self.offset)
+        return numbers.reading_of(value, self.scale, self.offset)
 
 
 def _number(value: Real, where: str) -> Number:

@@ -8,10 +8,13 @@ complex "rotation" satisfies ``R^T R = 1`` without any conjugate.
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from gspcli import _kernel
 
 #: Real or complex floating-point numbers.
 Field = NDArray[Any]
@@ -176,3 +179,65 @@ def vector_from_rotation(R: NDArray[np.float64]) -> NDArray[np.float64]:
     # The angle over the sine of its half tends to two.
     factor = np.where(sine > 0, 2 * np.arctan2(sine, e[..., :1]) / np.where(sine > 0, sine, 1), 2)
     return np.asarray(factor * e[..., 1:])
+
+
+Complex = NDArray[np.complex128]
+
+
+def stable_order(
+    real: NDArray[np.bool_], quaternions: Complex, translations: Complex, length: float
+) -> NDArray[np.int64]:
+    """Return the permutation that puts poses in order, shape (n,).
+
+    Real poses come first. Then poses are compared by the components of the quaternion and of the
+    translation in turn, real parts before imaginary parts, rounded to nine decimals (translations
+    in powers of ten of the typical length). Poses that agree in all of these are compared with all
+    their digits.
+
+    Parameters
+    ----------
+    real
+        Which poses are real, shape (n,).
+    quaternions, translations
+        Shapes (n, 4) and (n, 3).
+    length
+        The typical length.
+    """
+    unit = 10.0 ** math.floor(math.log10(length))
+    return _kernel.order(
+        np.ascontiguousarray(real),
+        np.ascontiguousarray(quaternions),
+        np.ascontiguousarray(translations),
+        unit=unit,
+    )
+
+
+Array = NDArray[np.float64]
+
+
+def find_real_points(points: Complex) -> tuple[Complex, NDArray[np.bool_]]:
+    """Return representatives of the points of a set closed under conjugation, and which are real.
+
+    A point is real if, of all points of the set, the point itself is nearest to its conjugate.
+    This needs no threshold if the distances between points exceed their errors.
+
+    Parameters
+    ----------
+    points
+        Points of projective space, shape (k, n + 1).
+
+    Returns
+    -------
+    representatives
+        The points with norm 1; a real point has exactly real coordinates; shape (k, n + 1).
+    real
+        Shape (k,).
+    """
+    return _kernel.find_real_points(np.ascontiguousarray(points))
+
+
+def made_real(points: Complex) -> Array:
+    """Return real representatives of real points, norm 1, shape (..., n + 1)."""
+    flat = points.reshape(-1, points.shape[-1])
+    pivot = flat[np.arange(len(flat)), np.abs(flat).argmax(axis=1)]
+    return np.asarray(normalized((flat * (1 / pivot)[:, None]).real).reshape(points.shape))

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from gspcli import _kernel
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.distance_forms import measures
+from gspcli.geometry.constraint_polynomials import measures
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]

@@ -20,11 +20,10 @@ from gspcli.continuation.tracked_paths import track_all
 from gspcli.defaults import SEED
 from gspcli.errors import GspError
 from gspcli.geometry.arrangement import Arrangement, angle_of
-from gspcli.geometry.conjugates import made_real
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side, Units
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Geometry, Line, Plane, Point, Vector
-from gspcli.geometry.quaternions import pose_from_study
+from gspcli.geometry.quaternions import made_real, pose_from_study
 from gspcli.reality.platforms import Platforms
 from gspcli.reality.recognition import look_real
 from gspcli.solver.ledger import Ledger

@@ -25,8 +25,7 @@ from gspcli.geometry.drive_numbers import is_driven
 from gspcli.geometry.drives import Drives
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.quaternions import apply, vector_from_rotation
-from gspcli.geometry.readings import readings_of, values_of
-from gspcli.geometry.value_rows import problems_of, value_rows
+from gspcli.geometry.readings import problems_of, readings_of, value_rows, values_of
 from gspcli.records import EqualByContent, dataclass
 from gspcli.sensing.sensor_kinds import KINDS, Sensor, body_normal, candidates, parse_sensor
 from gspcli.solver import SolveResult, solve, solve_batch

@@ -13,8 +13,7 @@ from gspcli.defaults import MAX_PRECISION, SEED, TOLERANCE
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.checking import checked
 from gspcli.geometry.instance import Instance
-from gspcli.geometry.readings import values_of
-from gspcli.geometry.value_rows import value_rows
+from gspcli.geometry.readings import value_rows, values_of
 from gspcli.solver.all_poses import all_poses
 from gspcli.solver.arguments import whole
 from gspcli.solver.many_poses import batch_of, many_poses

@@ -12,8 +12,7 @@ from gspcli.certification.equations.local_frames import LocalFrames
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.checking import checked
 from gspcli.geometry.instance import Instance
-from gspcli.geometry.readings import values_of
-from gspcli.geometry.value_rows import problems_of, value_rows
+from gspcli.geometry.readings import problems_of, value_rows, values_of
 from gspcli.solver.all_poses import all_poses, first_poses
 from gspcli.solver.arguments import whole
 from gspcli.solver.ledger import Ledger

@@ -12,7 +12,6 @@ from gspcli.catalogue.names import parse_type
 from gspcli.catalogue.types import CONSTRAINTS, MAX_ANGLES
 from gspcli.errors import Mistake, TypeNameError
 from gspcli.geometry.checking import ONE_SIDE
-from gspcli.geometry.corrections import value_of
 from gspcli.geometry.instance import (
     AngleUnit,
     Constraint,
@@ -21,7 +20,7 @@ from gspcli.geometry.instance import (
     Units,
     as_read,
 )
-from gspcli.geometry.numbers import Number
+from gspcli.geometry.numbers import Number, value_of
 from gspcli.geometry.primitives import Cone, Crank, Geometry, Line, Plane, Point, Slide, Vector
 from gspcli.geometry.ranges import turns, wrong_half_angle, wrong_scale, wrong_value
 from gspcli.spec.document import Mapping, Scalar, Sequence, Value
@@ -213,7 +212,7 @@ class FileChecker:
                 )
                 self._note(node[Scalar("value")], message)
             return None
-        from gspcli.geometry.home_values import home_value
+        from gspcli.geometry.expressed_instances import home_value
 
         return home_value(kind, Side(model.side or "both"), platform, base, home, self.unit)
 
@@ -346,8 +345,7 @@ class FileChecker:
         stated = self.model.shapes
         if stated is None:
             return None
-        from gspcli.geometry.shape_mistakes import mistakes
-        from gspcli.geometry.shapes import Shapes
+        from gspcli.geometry.shapes import Shapes, mistakes
 
         shapes = Shapes(
             stated.diameter, stated.platform or (), stated.base or (), stated.near_joint
@@ -603,7 +601,7 @@ def _mistakes_of_masses(
     root: Mapping, dynamics: Dynamics, rows: list[Constraint], length: str
 ) -> Iterator[Mistake]:
     """Yield the mistakes in the masses of a file, each with its place."""
-    from gspcli.geometry.mass_mistakes import mistakes
+    from gspcli.geometry.masses import mistakes
 
     for place, message in mistakes(dynamics, rows, length):
         node: Any = root

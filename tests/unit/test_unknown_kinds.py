@@ -17,8 +17,7 @@ from gspcli.certification.poses.many_values import ValueProofs
 from gspcli.export.chains import chain
 from gspcli.export.polynomial_systems import study, system
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.constraint_polynomials import polynomial
-from gspcli.geometry.distance_forms import measures
+from gspcli.geometry.constraint_polynomials import measures, polynomial
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Units
 from gspcli.geometry.measurement import jacobian
 from gspcli.geometry.numbers import Number

@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 
 from gspcli.continuation.paths import PathAccount
 from gspcli.geometry.local_motions import Motion
-from gspcli.geometry.pose_order import stable_order
-from gspcli.geometry.quaternions import quaternion_from_rotation
+from gspcli.geometry.quaternions import quaternion_from_rotation, stable_order
 from gspcli.records import EqualByContent, dataclass
 from gspcli.solver.results.proof import Proof
 

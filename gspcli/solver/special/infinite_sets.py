@@ -17,12 +17,11 @@ from gspcli.continuation.paths import Basis, PathAccount
 from gspcli.continuation.solutions import SolutionCurve
 from gspcli.continuation.tracked_paths import TrackedPaths
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.conjugates import made_real
 from gspcli.geometry.instance import Constraint, Instance
 from gspcli.geometry.local_motions import Motion, local_motion
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Point
-from gspcli.geometry.quaternions import Field
+from gspcli.geometry.quaternions import Field, made_real
 from gspcli.geometry.residuals import relative_residuals
 from gspcli.solver.ledger import Ledger
 from gspcli.solver.problem import Problem

@@ -2,7 +2,7 @@
 
 A platform with a ball in a seat may have curves of complex solutions, and real poses on them that
 cannot move. Here such constraints are stated by planes and right angles instead
-(`gspcli.geometry.real_statements`), six of these are solved, and the others are checked.
+(`gspcli.geometry.local_motions`), six of these are solved, and the others are checked.
 """
 
 from __future__ import annotations
@@ -18,8 +18,7 @@ from gspcli.certification.counting import exact_count
 from gspcli.certification.poses.exclusion import excluded
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Constraint, Instance
-from gspcli.geometry.local_motions import Motion
-from gspcli.geometry.real_statements import real_statement
+from gspcli.geometry.local_motions import Motion, real_statement
 from gspcli.geometry.residuals import relative_residuals
 from gspcli.solver.results.pose_set import PoseSet
 

@@ -14,10 +14,11 @@ from gspcli.continuation.solutions import SystemSolutions
 from gspcli.continuation.systems import System
 from gspcli.continuation.tracked_paths import TrackedPaths, track_all
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.conjugates import find_real_points, made_real
 from gspcli.geometry.local_motions import Motion
 from gspcli.geometry.quaternions import (
     canonical_sign,
+    find_real_points,
+    made_real,
     quaternion_from_rotation,
     unit_quaternion,
 )

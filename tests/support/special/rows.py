@@ -19,7 +19,7 @@ from gspcli.certification.counting import exact_count
 from gspcli.defaults import SEED
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.numbers import Number
-from gspcli.geometry.value_rows import problems_of
+from gspcli.geometry.readings import problems_of
 from gspcli.solver import solve, solve_batch, solve_values
 from gspcli.solver.results.pose_batch import PoseBatch
 from gspcli.solver.results.pose_set import PoseSet

@@ -3,8 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from gspcli.geometry.conjugates import find_real_points, made_real
-from gspcli.geometry.quaternions import normalized
+from gspcli.geometry.quaternions import find_real_points, made_real, normalized
 
 
 def nearest(points: np.ndarray) -> list[bool]:

@@ -9,8 +9,7 @@ import pytest
 
 from gspcli.geometry.home_mode import home_mode
 from gspcli.geometry.home_pose import HomePose
-from gspcli.geometry.pose_order import stable_order
-from gspcli.geometry.quaternions import rotation_from_vector
+from gspcli.geometry.quaternions import rotation_from_vector, stable_order
 from gspcli.resources import instance_files
 from gspcli.solver import solve
 from gspcli.spec import load

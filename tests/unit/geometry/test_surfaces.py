@@ -12,7 +12,7 @@ from gspcli import _kernel
 from gspcli.catalogue.kinds import ALL, DISTANCE_KINDS, DLL, DLP, DPL, DPP
 from gspcli.catalogue.types import GspType
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.distance_forms import Measures, measures
+from gspcli.geometry.constraint_polynomials import Measures, measures
 from gspcli.geometry.measurement import measured
 from gspcli.geometry.quaternions import (
     dot,

@@ -11,10 +11,10 @@ import pytest
 from gspcli.catalogue.kinds import ALL, DLL, DPH, DPL, DPP
 from gspcli.continuation.ends import clusters, infinite, may_coincide
 from gspcli.geometry.instance import AngleUnit, Constraint, Side
+from gspcli.geometry.local_motions import real_statement
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Line, Plane, Point, vector
 from gspcli.geometry.quaternions import study_from_pose
-from gspcli.geometry.real_statements import real_statement
 from gspcli.solver.ledger import Ledger
 from gspcli.solver.results.proof import CountKind
 from gspcli.solver.side_poses import SidePoses
