@@ -320,7 +320,11 @@ def vector_text(numbers: Sequence[float], digits: int = DIGITS, *, size: float =
 def cell_of(row: Mapping[str, Any], column: Field) -> Any:
     """Return the value of a cell; a list of texts as one text between commas, where it may fold."""
     value = row.get(column.key)
-    return ", ".join(value) if column.fold == ", " and isinstance(value, (list, tuple)) else value
+    return (
+        ", ".join(map(str, value))
+        if column.fold == ", " and isinstance(value, (list, tuple))
+        else value
+    )
 
 
 def column_texts(table: Result, column: Field, digits: int = DIGITS) -> list[str]:

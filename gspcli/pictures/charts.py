@@ -17,8 +17,7 @@ if TYPE_CHECKING:
 
     from gspcli.calibration import Calibration
     from gspcli.motion import Workspace
-    from gspcli.motion.singularities.crossings import Boundary
-    from gspcli.motion.singularities.scans import PoseScan, Scan
+    from gspcli.motion.singularities.scans import Boundary, PoseScan, Scan
 
 
 #: Colours that people with any colour vision can distinguish (Okabe and Ito).

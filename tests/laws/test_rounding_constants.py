@@ -52,7 +52,7 @@ LISTED = {
     "geometry/expressions.py": (1, "digits that are asked for: no bound"),
     "continuation/regularity.py": (1, "steps of Newton's method"),
     "motion/following/departures.py": (1, "poses as they are typed"),
-    "motion/singularities/crossings.py": (1, "a step of differences"),
+    "motion/singularities/scans.py": (1, "a step of differences"),
     "motion/statics/wrenches.py": (1, "forces that are printed"),
     "motion/workspace/driven_boxes.py": (1, "readings at the end of a range"),
     "motion/workspace/travels.py": (1, "the smallest interval: no bound"),

@@ -18,7 +18,7 @@ from gspcli.spec import load
 from tools.recording import ROOT
 
 #: Runs that together print all keys of a command, where the examples of its help do not; POSES,
-#: TWICE, VALUES, REACH, LOOP, STATE, MASSES, PATH, FORCES, ROTARY, THICK and RAILS are files made
+#: TWICE, VALUES, REACH, LOOP, STATE, MASSES, PATH, ROTARY, THICK and RAILS are files made
 #: here.
 SAMPLES: dict[str, tuple[str, ...]] = {
     "enumerate": (
@@ -255,7 +255,7 @@ def words(name: str, sample: str, folder: Path) -> list[str]:
     if "MASSES" in sample or "ROTARY" in sample:
         page = _PAGE.read_text(encoding="utf-8")
         blocks = re.findall(r"```(?:yaml|csv)\n(.*?)```", page, re.DOTALL)
-        files = {"MASSES": "masses.yaml", "PATH": "path.csv", "FORCES": "forces.csv"}
+        files = {"MASSES": "masses.yaml", "PATH": "path.csv"}
         files["ROTARY"] = "rotary.yaml"
         for (word, file), content in zip(files.items(), blocks, strict=True):
             paths[word] = folder / file

@@ -46,16 +46,14 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from gspcli.geometry.instance import Instance
-    from gspcli.motion.singularities.crossings import Boundary
-    from gspcli.motion.singularities.scans import Axis, Scan
+    from gspcli.motion.singularities.scans import Axis, Boundary, Scan
     from gspcli.workers import Workers
 
     Array = NDArray[np.float64]
     from gspcli.cli.pose_options import GivenPose
     from gspcli.geometry.frames import PoseFrame
     from gspcli.motion import PoseFormat
-    from gspcli.motion.singularities.crossings import Meeting
-    from gspcli.motion.singularities.scans import PoseScan, ScanResult
+    from gspcli.motion.singularities.scans import Meeting, PoseScan, ScanResult
 
 FIELDS = Fields("scan")
 
@@ -150,8 +148,14 @@ def command(
         scan_poses(instance, texts, pose, conventions.form(instance), folds, shown, output)
         return 0
     _refuse_coordinates(texts, conventions)
-    from gspcli.motion.singularities.crossings import Boundary
-    from gspcli.motion.singularities.scans import MISSING, Scan, as_read, check_values, corrected
+    from gspcli.motion.singularities.scans import (
+        MISSING,
+        Boundary,
+        Scan,
+        as_read,
+        check_values,
+        corrected,
+    )
 
     asked = Scan.empty(instance, _axes(instance, texts))
     found = Scan.empty(*corrected(asked), clearance=quantity == "clearance")
@@ -258,7 +262,7 @@ def _identity(found: Scan) -> str:
 
 
 def _boundary(found: Scan) -> Boundary:
-    from gspcli.motion.singularities.crossings import boundaries
+    from gspcli.motion.singularities.scans import boundaries
 
     edges = sum(1 for _ in found.edges)
     *_, last = progress(boundaries(found), total=edges, label="edges with folds", lines=True)
@@ -311,7 +315,7 @@ def _expressed(
 ) -> list[dict[str, Any]]:
     """Return the rows of folds with their poses as they are expressed."""
     from gspcli.geometry.quaternions import quaternion_from_rotation
-    from gspcli.motion.singularities.crossings import in_order
+    from gspcli.motion.singularities.scans import in_order
 
     found = []
     crossings = in_order(result.limits.crossings)

@@ -15,8 +15,7 @@ from gspcli.geometry.drives import Drives
 from gspcli.geometry.euler import rotation_from_euler
 from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.motion import measure
-from gspcli.motion.singularities.crossings import boundary
-from gspcli.motion.singularities.scans import Axis, scan_grid
+from gspcli.motion.singularities.scans import Axis, boundary, scan_grid
 from gspcli.resources import instance_files
 from gspcli.sensing.sensor_kinds import KINDS, candidates, parse_reading, parse_sensor
 from gspcli.sensing.separations import default_sigmas

@@ -18,7 +18,7 @@ from gspcli.spec.reading import example
 from tests.support.thick_legs import poses_near
 
 #: Machines with cranks, slides, and shared carriages on base and platform.
-NAMES = ("reachy-mini-head", "modified-paradex", "three-prs", "hexaglide")
+NAMES = ("reachy-mini-head", "modified-paradex", "delta", "hexaglide")
 
 
 def at_home(name: str) -> tuple[Instance, np.ndarray, np.ndarray]:

@@ -6,8 +6,7 @@ import pytest
 import gspcli
 from gspcli.errors import ArgumentError
 from gspcli.motion import track
-from gspcli.motion.singularities.crossings import boundaries, boundary
-from gspcli.motion.singularities.scans import MISSING, Axis, Scan, scan_grid
+from gspcli.motion.singularities.scans import MISSING, Axis, Scan, boundaries, boundary, scan_grid
 from gspcli.resources import data_path
 
 
