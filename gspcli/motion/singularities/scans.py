@@ -1486,6 +1486,7 @@ class _Search:
         axis, node = edge
         ends = self._rows.read(node), self._rows.read(other)
         stopped = sorted(stopped, key=lambda one: one.part)
+        places: list[tuple[list[_Stopped], tuple[float, ...], tuple[float, ...], int, int]] = []
         while stopped:
             least = stopped[0].part
             group = [one for one in stopped if one.part - least < _AT_ONCE]
@@ -1501,12 +1502,16 @@ class _Search:
                 ]
                 counts = scan_grid(self._rows.found.instance, axes, seed=self._seed).modes.ravel()
                 if counts.min() >= 0:
+                    places.append((group, low, high, int(counts[0]), int(counts[1])))
                     break
-            else:
-                continue
-            before, after = map(int, counts)
-            meeting = Meeting(low, high, before, after, _meeting_places(group))
-            self.result.meetings.append(meeting)
+        # Where the number of modes stays, following stopped on the way to a place where it changes.
+        changes = [place for place in places if place[3] != place[4]] or places
+        for place in places:
+            if not any(place is one for one in changes):
+                part = place[0][0].part
+                min(changes, key=lambda one: abs(one[0][0].part - part))[0].extend(place[0])
+        for group, low, high, before, after in changes:
+            self.result.meetings.append(Meeting(low, high, before, after, _meeting_places(group)))
             inside = [
                 one
                 for one in self._known.get(edge, ())
@@ -1551,7 +1556,12 @@ def _meeting_places(group: Sequence[_Stopped]) -> tuple[tuple[int, int, Array, A
     """Return the poses of modes that stop at once: how many before and after, R and T."""
     left, found = list(group), []
     while left:
-        same = [one for one in left if _near(left[0], one, _TOGETHER)]
+        # Modes approach a place where they meet as the square root of the part that is left.
+        same = [
+            one
+            for one in left
+            if _near(left[0], one, _TOGETHER + 0.1 * abs(one.part - left[0].part) ** 0.5)
+        ]
         # The mode that comes nearest to the singular pose.
         best = min(same, key=lambda one: -one.part if one.forward else one.part)
         before = sum(one.forward for one in same)
