@@ -1,7 +1,8 @@
 """Why a platform has no real pose: the fewest of its constraints that contradict each other.
 
 Subsystems are solved by minimization (Levenberg and Marquardt) from many random poses: numerical
-evidence, which can miss a pose, and is called so wherever it is shown.
+evidence, which can miss a pose, and is called so wherever it is shown. A distance of points is not
+smooth where it is zero; so the shortest one is also held exactly while the others are minimized.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from gspcli.catalogue.kinds import DPP
 from gspcli.defaults import SEED
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.measurement import jacobian, measured
@@ -80,22 +82,47 @@ def _is_satisfied(platform: Arrangement, chosen: list[int], seed: int) -> bool:
     targets = part.targets * np.where(part.signs < 0, -1.0, signs)
     unsigned = np.array([kind.name in ("DPP", "DPL", "DLP") for kind in part.kinds])
     targets = np.where(unsigned, np.abs(targets), targets)
-    return bool(_least(part, R, T, targets).min() < _SOLVED)
+    if _least(part, R, T, targets).min() < _SOLVED:
+        return True
+    legs = [k for k, kind in enumerate(part.kinds) if kind is DPP]
+    if not legs:
+        return False
+    held = min(legs, key=lambda k: float(targets[0, k]))
+    T = _closed(part, held, R, rng.standard_normal((STARTS, 3)), targets)
+    return bool(_least(part, R, T, targets, held).min() < _SOLVED)
 
 
-def _least(part: Arrangement, R: Array, T: Array, targets: Array) -> Array:
-    """Return the largest deviation of the values where each start ends, shape (n,)."""
+def _closed(part: Arrangement, held: int, R: Array, directions: Array, targets: Array) -> Array:
+    """Return the translations that put a leg of its length along each direction, shape (n, 3)."""
+    units = directions / np.linalg.norm(directions, axis=1, keepdims=True)
+    return np.asarray(part.x[held] + targets[:, held, None] * units - R @ part.y[held])
+
+
+def _least(part: Arrangement, R: Array, T: Array, targets: Array, held: int | None = None) -> Array:
+    """Return the largest deviation of the values where each start ends, shape (n,).
+
+    A leg that is held keeps its length: the platform turns about its end, and it about its foot.
+    """
     damping = np.full(len(R), _FIRST_DAMPING)
     values = measured(part, R, T) - targets
     with np.errstate(all="ignore"):
         for _ in range(_STEPS):
             J = np.nan_to_num(jacobian(part, R, T), posinf=0.0, neginf=0.0)
+            if held is not None:
+                arm = R @ part.y[held]
+                leg = arm + T - part.x[held]
+                J = _by_turns(J, arm, leg)
             transposed = np.swapaxes(J, -1, -2)
             matrix = transposed @ J
             least = _LEAST_DAMPING * np.trace(matrix, axis1=1, axis2=2)
             matrix += np.maximum(damping, least)[:, None, None] * np.eye(6)
             step = -np.linalg.solve(matrix, (transposed @ values[..., None]))[..., 0]
-            moved_R, moved_T = rotation_from_vector(step[:, :3]) @ R, T + step[:, 3:]
+            moved_R = rotation_from_vector(step[:, :3]) @ R
+            if held is None:
+                moved_T = T + step[:, 3:]
+            else:
+                turned = (rotation_from_vector(step[:, 3:]) @ leg[..., None])[..., 0]
+                moved_T = part.x[held] + turned - moved_R @ part.y[held]
             moved = measured(part, moved_R, moved_T) - targets
             better = (moved**2).sum(axis=1) < (values**2).sum(axis=1)
             R = np.where(better[:, None, None], moved_R, R)
@@ -105,3 +132,13 @@ def _least(part: Arrangement, R: Array, T: Array, targets: Array) -> Array:
             if np.abs(values).max(axis=1).min() < _SOLVED:
                 break
     return np.asarray(np.abs(values).max(axis=1))
+
+
+def _by_turns(J: Array, arm: Array, leg: Array) -> Array:
+    """Return the derivatives by a turn of the platform about the leg's end and one of the leg.
+
+    Together they translate the platform by ``leg_turn x leg - platform_turn x arm``.
+    """
+    by_T = J[..., 3:]
+    by_platform = J[..., :3] - np.cross(arm[:, None, :], by_T)
+    return np.concatenate((by_platform, np.cross(leg[:, None, :], by_T)), axis=-1)

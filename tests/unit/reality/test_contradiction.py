@@ -7,12 +7,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from gspcli.catalogue.kinds import DPP
 from gspcli.catalogue.names import parse_type
 from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.measurement import measured
+from gspcli.geometry.quaternions import rotation_from_quaternion, unit_quaternion
 from gspcli.geometry.random_instances import random_instance
 from gspcli.reality.contradiction import contradiction
 from gspcli.resources import instance_files
-from gspcli.spec import load
+from gspcli.spec import load, loads
 
 
 def _arrangement(name: str, **values: float) -> Arrangement:
@@ -64,3 +67,65 @@ def test_special_geometries_have_an_answer(seed: int) -> None:
     values = np.abs(rng.standard_normal(6)) * platform.length
     special = replace(platform, y=platform.y * keep, x=platform.x * keep[::-1])
     contradiction(special.with_values(values))
+
+
+SHORT_LEG = """
+gsp: 1
+units: {length: mm, angle: deg}
+platform:
+  P1: {point: [0, 0, 0]}
+  P2: {point: [100, 0, 0]}
+  P3: {point: [0, 100, 0]}
+  P4: {point: [0, 0, 100]}
+  P5: {point: [70, 70, 30]}
+  P6: {point: [-50, 20, 80]}
+base:
+  B1: {point: [0, 0, 0]}
+  B2: {point: [140, 30, 10]}
+  B3: {point: [20, 130, -20]}
+  B4: {point: [10, -20, 150]}
+  B5: {point: [90, 80, 40]}
+  B6: {point: [-90, 40, 90]}
+constraints:
+  - {distance: [P1, B1], value: 0.01}
+  - {distance: [P2, B2], value: 156.2}
+  - {distance: [P3, B3], value: 196.5}
+  - {distance: [P4, B4], value: 87.4}
+  - {distance: [P5, B5], value: 148.7}
+  - {distance: [P6, B6], value: 43.0}
+"""
+
+
+@pytest.mark.parametrize("short", [0.0, 0.01, 0.1])
+def test_legs_that_a_pose_meets_beside_a_short_one_are_no_contradiction(short: float) -> None:
+    """Legs 1, 5 and 6 are met; with leg 4 too, some length is wrong by 7 mm or more."""
+    platform = Arrangement.of(loads(SHORT_LEG))
+    T = np.array([0.005425872439604645, -0.003954788412561141, -0.007410773029695505])
+    q = [0.7464955677635096, 0.3921478117671411, -0.30940495726750433, -0.4395827947656415]
+    found = measured(platform, rotation_from_quaternion(np.array(q)), T)
+    assert np.allclose(found[[0, 4, 5]], platform.values[[0, 4, 5]], atol=1e-9)
+    assert contradiction(platform.with_values(np.array([short, *platform.values[1:]]))) == (
+        0,
+        3,
+        4,
+        5,
+    )
+
+
+@pytest.mark.parametrize("count", [3, 4])
+@pytest.mark.parametrize("short", [0.0, 0.01])
+def test_a_short_leg_beside_long_ones_that_are_met(short: float, count: int) -> None:
+    """Of random platforms only some legs are kept, which a pose meets: nothing contradicts."""
+    for seed in range(10):
+        rng = np.random.default_rng(seed)
+        y = rng.uniform(-100, 100, (count, 3))
+        R = rotation_from_quaternion(unit_quaternion(rng.standard_normal(4)))
+        legs = (rng.uniform(0.2, 0.6, (count, 1)) * (y - y[0])) @ R.T
+        legs += 3 * rng.standard_normal((count, 3))
+        legs[0] = short * unit_quaternion(rng.standard_normal(3))
+        given = _arrangement("dietmaier")
+        keep = {name: getattr(given, name)[:count] for name in ("u", "v", "values", "sides")}
+        platform = replace(given, kinds=(DPP,) * count, y=y, x=y @ R.T - legs, **keep)
+        assert measured(platform, R, np.zeros(3))[0] == pytest.approx(short, abs=1e-12)
+        met = platform.with_values(measured(platform, R, np.zeros(3)))
+        assert contradiction(met) == ()
