@@ -4,7 +4,8 @@ The platform is a free body; each constraint is a chain of joints from the base 
 to the platform. The coordinate of the joint ``value_k`` is what constraint k measures, in metres or
 radians. A joint equality ``hold_k`` holds it: its first coefficient is the change of the value
 (``model.eq_data``), so that moving it moves the platform; without it (``data.eq_active``) the
-actuator ``drive_k`` pulls towards the same change. The text ``gsp`` is the instance itself.
+actuator ``drive_k`` pulls towards the same change, within the stated range. The text ``gsp`` is
+the instance itself.
 """
 
 from __future__ import annotations
@@ -49,6 +50,7 @@ _BELOW, _FLOOR, _FLAT, _PLATE = 0.1, 4.0, 2e-2, 0.012
 _TRIANGLE = 3
 _BASE, _PLATFORM, _CHAIN = "0.45 0.5 0.55 1", "0.2 0.45 0.8 1", "0.85 0.5 0.15 1"
 _CARRIER = "0.3 0.6 0.3 1"
+_HELD = '<!-- drive_k moves nothing while hold_k holds its joint: active="false" releases it. -->\n'
 
 
 def mjcf(
@@ -106,7 +108,7 @@ class _Model:
         known = unit in METRES
         scale = f"1 {unit} = {self.metre:g} m" if known else f"1 {unit} is taken for 1 m"
         head = f"<!-- gsp {__version__}: {self.instance.type.id}; {scale}; radians -->\n"
-        return head + ET.tostring(self.root, encoding="unicode") + "\n"
+        return head + _HELD + ET.tostring(self.root, encoding="unicode") + "\n"
 
     def _settings(self, gravity: Array, step: float) -> None:
         ET.SubElement(self.root, "compiler", angle="radian", autolimits="true")
@@ -201,7 +203,8 @@ class _Model:
                 lever = 1.0 if kind.is_distance else self.size
                 stiffness = self.masses.stiffness(k, lever=lever)
                 damping = self.masses.damping(stiffness)
-                self._drive(k + 1, f"value_{k + 1}", value, stiffness, damping)
+                span = self._change(k, value)
+                self._drive(k + 1, f"value_{k + 1}", value, span, stiffness, damping)
             elif k == carrier.constraints[0]:
                 self._carrier(carrier, platform)
 
@@ -212,15 +215,30 @@ class _Model:
             size = _numbers([0.01 * self.size])
             ET.SubElement(body, "site", name=name, pos=place, quat=turn, size=size)
 
+    def _change(self, k: int, value: float) -> tuple[float, float] | None:
+        """Return by how much a value can change within its range; None if none is stated."""
+        limits = self.instance.constraints[k].limits
+        if limits is None:
+            return None
+        in_radians = self.instance.units.angle.in_radians
+        unit = self.metre if self.kinds[k].is_distance else in_radians
+        return limits[0].value * unit - value, limits[1].value * unit - value
+
     def _drive(
-        self, number: int, joint: str, value: float, stiffness: float, damping: float
+        self,
+        number: int,
+        joint: str,
+        value: float,
+        span: tuple[float, float] | None,
+        stiffness: float,
+        damping: float,
     ) -> None:
         """Hold a joint by an equality, and add the actuator that moves it without."""
         ET.SubElement(
             self.equality, "joint", name=f"hold_{number}", joint1=joint, polycoef="0 0 0 0 0"
         )
         # The control is the change of the value: stiffness (value + control - q).
-        ET.SubElement(
+        actuator = ET.SubElement(
             self.actuator,
             "general",
             name=f"drive_{number}",
@@ -229,6 +247,9 @@ class _Model:
             biastype="affine",
             biasprm=_numbers([stiffness * value, -stiffness, -damping]),
         )
+        # MuJoCo refuses a range of one number.
+        if span is not None and span[0] < span[1]:
+            actuator.set("ctrlrange", _numbers(span))
 
     def _carrier(self, made: Carrier, platform: ET.Element) -> None:
         """Add an arm or a carriage with its drive and its rods."""
@@ -251,7 +272,8 @@ class _Model:
         else:
             stiffness = self.masses.stiffness(first, lever=made.lever)
             damping = self.masses.arm_damping(stiffness, made.lever)
-        self._drive(made.number, f"drive_{made.number}", 0.0, stiffness, damping)
+        span = made.joint.range
+        self._drive(made.number, f"drive_{made.number}", 0.0, span, stiffness, damping)
 
     def _driven_rod(self, k: int, made: Carrier, carrier: ET.Element) -> None:
         """Add the rod of a constraint (from 0) between two balls, one of which is closed."""
