@@ -45,11 +45,11 @@ def draw(chromium: Browser) -> Any:
     lines = [line for text in texts for line in text.splitlines() if not line.startswith("import")]
     script = "\n".join(lines).replace("export ", "")
     # Each in a function of its own, whatever page the browser shows.
-    call = "(() => {{ {}\nreturn JSON.stringify(strokesAt({})); }})()"
+    call = "(() => {{ {}\nreturn JSON.stringify({}); }})()"
 
-    def run(constraint: Any, pose: Any, size: float) -> Any:
-        given = ", ".join(json.dumps(x) for x in (constraint, pose, size))
-        return json.loads(chromium.run(call.format(script, given)))
+    def run(*given: Any, function: str = "strokesAt") -> Any:
+        wanted = f"{function}({', '.join(json.dumps(x) for x in given)}) ?? null"
+        return json.loads(chromium.run(call.format(script, wanted)))
 
     return run
 
@@ -58,10 +58,9 @@ CORNERS = [[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]]
 
 
 @pytest.mark.parametrize("foot", [[3, 0.5, 0], [-1.5, -3, 0], [0, 1.2, 0]])
-def test_planes_reach_to_feet_on_them(draw: Any, chromium: Browser, foot: list[float]) -> None:
+def test_planes_reach_to_feet_on_them(draw: Any, foot: list[float]) -> None:
     plane = {"primitive": "H", "outline": CORNERS, "direction": [0, 0, 1]}
-    reaching = f"reaching({json.dumps(plane)}, {foot}, 2)"
-    outline = np.array(chromium.run(reaching))
+    outline = np.array(draw(plane, foot, 2, function="reaching"))
     inside, before = np.array(foot), np.array(CORNERS)
     assert (outline.min(axis=0) <= np.minimum(inside, before.min(axis=0)) + 1e-12).all()
     assert (outline.max(axis=0) >= np.maximum(inside, before.max(axis=0)) - 1e-12).all()
@@ -71,11 +70,9 @@ def test_planes_reach_to_feet_on_them(draw: Any, chromium: Browser, foot: list[f
 
 
 @pytest.mark.parametrize("foot", [[0.9, -0.9, 0], [1, 1, 0], [9, 0, 0]])
-def test_planes_do_not_grow_without_need_or_without_end(
-    draw: Any, chromium: Browser, foot: list[float]
-) -> None:
+def test_planes_do_not_grow_without_need_or_without_end(draw: Any, foot: list[float]) -> None:
     plane = {"primitive": "H", "outline": CORNERS, "direction": [0, 0, 1]}
-    assert chromium.run(f"reaching({json.dumps(plane)}, {foot}, 2)") is None
+    assert draw(plane, foot, 2, function="reaching") is None
 
 
 def bodies(scene: Scene, instance: Instance) -> list[dict[str, Any]]:
