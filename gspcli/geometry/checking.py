@@ -114,7 +114,7 @@ def checked(instance: Instance) -> Instance:
 
 
 def _check_masses(instance: Instance) -> None:
-    from gspcli.geometry.masses import mistakes
+    from gspcli.geometry.mass_mistakes import mistakes
 
     assert instance.dynamics is not None
     for place, message in mistakes(instance.dynamics, instance.constraints, instance.units.length):

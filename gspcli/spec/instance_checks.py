@@ -601,7 +601,7 @@ def _mistakes_of_masses(
     root: Mapping, dynamics: Dynamics, rows: list[Constraint], length: str
 ) -> Iterator[Mistake]:
     """Yield the mistakes in the masses of a file, each with its place."""
-    from gspcli.geometry.masses import mistakes
+    from gspcli.geometry.mass_mistakes import mistakes
 
     for place, message in mistakes(dynamics, rows, length):
         node: Any = root
