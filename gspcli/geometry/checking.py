@@ -107,7 +107,7 @@ def checked(instance: Instance) -> Instance:
     if instance.dynamics is not None:
         _check_masses(instance)
     if instance.shapes is not None:
-        from gspcli.geometry.shapes import refuse_mistakes
+        from gspcli.geometry.shape_mistakes import refuse_mistakes
 
         refuse_mistakes(instance.shapes, rows)
     return instance

@@ -345,7 +345,8 @@ class FileChecker:
         stated = self.model.shapes
         if stated is None:
             return None
-        from gspcli.geometry.shapes import Shapes, mistakes
+        from gspcli.geometry.shape_mistakes import mistakes
+        from gspcli.geometry.shapes import Shapes
 
         shapes = Shapes(
             stated.diameter, stated.platform or (), stated.base or (), stated.near_joint

@@ -27,7 +27,7 @@ from gspcli.geometry.drive_numbers import arms_of, is_driven
 from gspcli.geometry.instance import Constraint, Instance
 from gspcli.geometry.primitives import Vector
 from gspcli.geometry.quaternions import apply
-from gspcli.geometry.shapes import refuse_mistakes
+from gspcli.geometry.shape_mistakes import refuse_mistakes
 from gspcli.motion.poses.cranks import drive_values
 
 if TYPE_CHECKING:
