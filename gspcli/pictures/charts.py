@@ -316,6 +316,10 @@ def _legend() -> list[object]:
 _DECIMALS = 4
 
 
+#: Deviations of an outlier.
+_FAR_OUT = 5.0
+
+
 def residual_chart(result: Calibration, fmt: str) -> bytes:
     """Return the residuals of readings and of poses by row, and how they are distributed.
 
@@ -356,12 +360,14 @@ def residual_chart(result: Calibration, fmt: str) -> bytes:
                     alpha=0.8,
                     label=label,
                 )
-        if result.worst is not None:
-            row = result.worst[0]
+        # The worst rows: those whose outliers are left out, or the one that adds most.
+        outliers = np.asarray(result.outliers.any(axis=1))
+        worst = [] if result.worst is None else [result.worst[0]]
+        for row in np.flatnonzero(outliers).tolist() or worst:
             every = np.concatenate((readings[row], poses[row]))
             height = float(every[int(np.nanargmax(np.abs(every)))])
             left.annotate(
-                f"row {result.seen.lines[row]}",
+                f"row {result.seen.lines[row]}" + (", left out" if outliers[row] else ""),
                 (row + 1, height),
                 textcoords="offset points",
                 xytext=(5, -3 if height > 0 else 3),
@@ -375,12 +381,13 @@ def residual_chart(result: Calibration, fmt: str) -> bytes:
         right.hist(every, steps, orientation="horizontal", color=SOFT, alpha=0.55)
         middle = np.linspace(-limit, limit, 200)
         # What removes the poses and the numbers found also takes some of the scatter.
-        spread = float(np.sqrt(np.mean(every**2))) or 1.0
+        inliers = every[np.abs(every) <= _FAR_OUT] if outliers.any() else every
+        spread = float(np.sqrt(np.mean(inliers**2))) or 1.0
         bell = np.exp(-0.5 * (middle / spread) ** 2) / (spread * np.sqrt(2 * np.pi))
         right.plot(bell * len(every) * (steps[1] - steps[0]), middle, color=PLATFORM, linewidth=1.1)
         left.set(xlabel="row", ylabel="residual / standard deviation", ylim=(-limit, limit))
         chi = f"chi-squared {result.chi_squared / result.scatter**2:.4g} of {result.freedom}"
         left.set_title(chi)
-        left.legend(loc="lower left", ncols=2, fontsize=7)
+        left.legend(loc="upper left" if outliers.any() else "lower left", ncols=2, fontsize=7)
         right.set(xlabel="how many", title="all")
         return written_drawing(figure, fmt)
