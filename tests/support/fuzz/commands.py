@@ -245,7 +245,10 @@ def prepare() -> None:
     # What a shell starts in the background ignores it, and its processes would, too.
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
         signal.signal(signal.SIGINT, signal.SIG_DFL)
-    for name in (*_LIBRARIES, *(f"gspcli.cli.{name.replace('-', '_')}" for name in COMMANDS)):
+    for name in (
+        *_LIBRARIES,
+        *(f"gspcli.cli.commands.{name.replace('-', '_')}" for name in COMMANDS),
+    ):
         importlib.import_module(name)
     for info in pkgutil.walk_packages(gspcli.__path__, "gspcli."):
         importlib.import_module(info.name)
