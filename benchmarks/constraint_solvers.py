@@ -1,4 +1,4 @@
-"""Times for authors of constraint solvers: `python -m benchmarks.constraint_solvers [--write]`.
+"""Times for authors of constraint solvers: `python -m benchmarks.constraint_solvers`.
 
 Processor times in one process, medians, the columns in turns. Beside them what a numerical solver
 does: Newton's method with NumPy from a pose next to one solution, until it stays there.
@@ -10,7 +10,6 @@ import argparse
 import sys
 import time
 from collections.abc import Callable
-from pathlib import Path
 from statistics import median
 
 import numpy as np
@@ -26,9 +25,7 @@ from gspcli.resources import data_path
 from gspcli.solver import solve, solve_batch
 from gspcli.solver.starts.solved_starts import SolvedStarts
 from gspcli.spec import load
-from tools.recording import with_section
 
-PAGE = Path(__file__).resolve().parents[1] / "docs" / "constraint-solvers.md"
 SEED = 2003
 TYPES = ("6PH", "PL PL LP 3ALL", "PP PL LP PH ALL AHH", "6PP", "5PP PL", "6PL")
 _ROUNDS = 5
@@ -124,15 +121,11 @@ After the shipped `no-real-pose` is solved, `contradiction` takes {each}.
 
 
 def main() -> int:
-    """Print the section, or write it into its page."""
-    parser = argparse.ArgumentParser(
+    """Print the times."""
+    argparse.ArgumentParser(
         prog="python -m benchmarks.constraint_solvers", description=__doc__
-    )
-    parser.add_argument("--write", action="store_true", help=f"into docs/{PAGE.name}")
-    if parser.parse_args().write:
-        PAGE.write_text(with_section(PAGE, "times", section()), encoding="utf-8")
-    else:
-        sys.stdout.write(section())
+    ).parse_args()
+    sys.stdout.write(section())
     return 0
 
 

@@ -48,7 +48,7 @@ CONDITION = 1e-11
 #: The page's bound is then a different proof; it must not exceed the distance of a singular pose.
 NEAR = 0.02
 #: Bounds by different formulas differ by less.
-ALIKE = 0.2
+ALIKE = 0.05
 APART = 1e-6
 
 
