@@ -2,7 +2,7 @@
 
     python -m benchmarks.record tests/oracles/authorities
 
-Each case gets a folder with its instance file and the raw outputs.
+Each case gets an archive with its instance file and the raw outputs.
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ from __future__ import annotations
 import sys
 import tempfile
 from pathlib import Path
+from zipfile import ZIP_DEFLATED, ZipFile, ZipInfo
 
 from benchmarks import macaulay2, msolve, phc
 from benchmarks.cases import CASES
@@ -18,7 +19,7 @@ from gspcli.spec import dumps
 
 SEED = 1
 RECORDED = ("6-6", "Dietmaier", "3PH+3HP", "3D3A PL PL LP")
-#: The names in the folders, by the names that the peers' modules give.
+#: The names in the archives, by the names that the peers' modules give.
 FILES = {
     "system": "phc.txt",
     "track.out": "macaulay2.txt",
@@ -33,9 +34,7 @@ def main(target: Path) -> None:
         if case.key not in RECORDED:
             continue
         [instance] = case.draw(SEED, 1)
-        home = target / case.key.replace(" ", "-").lower()
-        home.mkdir(parents=True, exist_ok=True)
-        (home / "instance.yaml").write_text(dumps(instance), encoding="utf-8")
+        archive = target / f"{case.key.replace(' ', '-').lower()}.zip"
         with tempfile.TemporaryDirectory() as name:
             folder = Path(name)
             answers = [
@@ -47,8 +46,10 @@ def main(target: Path) -> None:
                 if answer.trouble:
                     message = f"{case.key}: {answer.trouble}"
                     raise SystemExit(message)
-            for source, kept in FILES.items():
-                (home / kept).write_text((folder / source).read_text(), encoding="utf-8")
+            texts = {kept: (folder / source).read_text() for source, kept in FILES.items()}
+            with ZipFile(archive, "w", ZIP_DEFLATED) as written:
+                for kept, text in ({"instance.yaml": dumps(instance)} | texts).items():
+                    written.writestr(ZipInfo(kept), text, ZIP_DEFLATED)
 
 
 if __name__ == "__main__":

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
+from zipfile import ZipFile
 
 import pytest
 
@@ -13,41 +14,46 @@ from benchmarks.cases import CASES
 from benchmarks.homotopy import UNKNOWNS, Homotopy
 from benchmarks.peers import Answer, compare
 from gspcli.solver import SolveResult, solve
-from gspcli.spec import load
+from gspcli.spec import loads
 
 AUTHORITIES = Path(__file__).parent / "authorities"
-RECORDED = sorted(path.name for path in AUTHORITIES.iterdir() if path.is_dir())
+RECORDED = sorted(path.stem for path in AUTHORITIES.glob("*.zip"))
 #: Recorded answers with a fault: (lost, duplicated). PHCpack's blackbox lists one of Dietmaier's
 #: poses twice (3e-10 apart) and misses one, which msolve isolates 0.15 from all of PHCpack's.
 FAULTS = {("dietmaier", "_phc"): (1, 1)}
 
 
 @cache
+def recorded(name: str) -> dict[str, str]:
+    with ZipFile(AUTHORITIES / f"{name}.zip") as archive:
+        return {file: archive.read(file).decode() for file in archive.namelist()}
+
+
+@cache
 def ours(name: str) -> SolveResult:
-    return solve(load(str(AUTHORITIES / name / "instance.yaml")))
+    return solve(loads(recorded(name)["instance.yaml"]))
 
 
-def _phc(folder: Path) -> Answer:
-    text = (folder / "phc.txt").read_text()
+def _phc(files: dict[str, str]) -> Answer:
+    text = files["phc.txt"]
     unknowns = int(text.split()[0])
     return Answer(0.0, phc.read_solutions(text, unknowns)[:, :UNKNOWNS])
 
 
-def _macaulay2(folder: Path) -> Answer:
-    return macaulay2.read((folder / "macaulay2.txt").read_text())
+def _macaulay2(files: dict[str, str]) -> Answer:
+    return macaulay2.read(files["macaulay2.txt"])
 
 
-def _msolve(folder: Path) -> Answer:
-    log = (folder / "msolve-log.txt").read_text()
-    return msolve.read((folder / "msolve.txt").read_text(), log, 0.0)
+def _msolve(files: dict[str, str]) -> Answer:
+    return msolve.read(files["msolve.txt"], files["msolve-log.txt"], 0.0)
 
 
 @pytest.mark.parametrize("read", [_phc, _macaulay2, _msolve])
 @pytest.mark.parametrize("name", RECORDED)
 def test_recorded_answers_are_our_solutions_but_for_known_faults(
-    name: str, read: Callable[[Path], Answer]
+    name: str, read: Callable[[dict[str, str]], Answer]
 ) -> None:
-    answer, result = read(AUTHORITIES / name), ours(name)
+    answer, result = read(recorded(name)), ours(name)
     comparison = compare(answer, result)
     lost, duplicated = FAULTS.get((name, read.__name__), (0, 0))
     assert (comparison.lost, comparison.duplicated, comparison.extra) == (lost, duplicated, 0)

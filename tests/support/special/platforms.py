@@ -55,10 +55,10 @@ def recorded() -> dict[str, dict[str, str]]:
     """Return the counts by id, as text: ``finite`` is yes or no, what is not known is empty."""
     keys = ("count", "distinct", "spurious", "real")
     return {
-        entry["id"]: {"finite": "yes" if entry["finite"] else "no"}
-        | {key: str(entry.get(key, "")) for key in keys}
+        entry["id"]: {"finite": "yes" if counts["finite"] else "no"}
+        | {key: str(counts.get(key, "")) for key in keys}
         for entry in _table()
-        if "finite" in entry
+        if (counts := entry.get("counts"))
     }
 
 
