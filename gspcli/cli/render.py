@@ -19,9 +19,7 @@ from gspcli.cli.result import DIGITS, Field, Result, cell_of, column_texts
 from gspcli.cli.streams import (
     check_writable,
     coloured,
-    lacking,
     printable,
-    representable,
     say,
     write_whole,
 )
@@ -389,8 +387,6 @@ def json_text(
     tables: Sequence[Result],
     document: Any = None,
     schema: str = "",
-    *,
-    ascii_only: bool = False,
 ) -> str:
     """Return a document as JSON; without one the rows of the tables, with the name of a schema."""
     if document is None and tables[0].schema:
@@ -400,7 +396,7 @@ def json_text(
             table.part or "rows": [_json_row(table, row) for row in table.rows] for table in tables
         }
         document = {"schema": f"gsp.{schema}/1", **rows}
-    return json.dumps(document, indent=2, ensure_ascii=ascii_only) + "\n"
+    return json.dumps(document, indent=2, ensure_ascii=False) + "\n"
 
 
 def _json_row(table: Result, row: Mapping[str, Any]) -> dict[str, Any]:
@@ -454,14 +450,10 @@ def emit(
     tables = [tables] if isinstance(tables, Result) else list(tables)
     if output.part is not None:
         tables = [*_of_part(tables, output.part)]
-    limited = output.path is None and lacking(sys.stdout)
-    if limited:
-        # Before the layout, since an escaped character is longer.
-        tables = [table.converted(lambda text: representable(text, sys.stdout)) for table in tables]
     if texts and output.format in texts:
         write(output, texts[output.format])
     elif output.format == "json":
-        write(output, json_text(tables, document, schema, ascii_only=limited))
+        write(output, json_text(tables, document, schema))
     elif output.format == "csv":
         _emit_csv(output, [table for table in tables if table.columns])
     elif output.format == "markdown":
@@ -515,8 +507,5 @@ def write(output: Output, content: str | bytes) -> None:
         write_whole(output.path, content)
     elif isinstance(content, bytes):
         sys.stdout.buffer.write(content)
-    elif output.format == "html" and lacking(sys.stdout):
-        # A page states its own encoding.
-        sys.stdout.buffer.write(content.encode())
     else:
         sys.stdout.write(content)

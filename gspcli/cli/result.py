@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import field, replace
 from functools import cached_property
 from pathlib import Path
@@ -227,23 +227,6 @@ class Result:
             rows.append(entry)
         platform = {} if self.instance is None else self.instance.to_json()
         return {"schema": f"gsp.{self.schema}/1", **platform, self.name: rows, **self.head}
-
-    def converted(self, convert: Callable[[str], str]) -> Result:
-        """Return the result with all its texts converted; what columns are called in CSV stays."""
-
-        def cell(value: object) -> object:
-            if isinstance(value, (list, tuple)):
-                return [cell(part) for part in value]
-            return convert(value) if isinstance(value, str) else value
-
-        return replace(
-            self,
-            columns=[replace(one, title=convert(one.heading)) for one in self.columns],
-            rows=[{key: cell(value) for key, value in row.items()} for row in self.rows],
-            title=convert(self.title),
-            notes=list(map(convert, self.notes)),
-            summary=list(map(convert, self.summary)),
-        )
 
 
 def pose_columns(keys: Sequence[str], length: float) -> list[Field]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import codecs
 import errno
 import io
 import os
@@ -11,57 +10,37 @@ import sys
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from threading import Event, Lock, Thread, Timer
+from threading import Event, Thread
 from time import monotonic
-from typing import IO, TYPE_CHECKING, Any, TextIO, TypeVar
+from typing import IO, Any, TextIO, TypeVar
 
 import click
 
 from gspcli.errors import GspError
 from gspcli.wording import named
 
-if TYPE_CHECKING:
-    from rich.progress import Progress
-
-#: The handler of characters that an encoding lacks, and ASCII with another name: click takes a
-#: stream in plain ASCII for a mistake, and writes UTF-8 there.
-HANDLER, _ASCII = "gspcli", "gspcli-ascii"
-_COUNTERPARTS = {
-    "─": "-", "−": "-", "–": "-", "—": "--", "·": "*", "×": "x", "±": "+-", "…": "...",
-    "≤": "<=", "≥": ">=", "≠": "!=", "→": "->", "∞": "inf", "∠": "angle ", "√": "sqrt", "½": "1/2",
-    "°": " deg", "µ": "u", "ä": "ae", "ö": "oe", "ü": "ue", "ß": "ss", "“": '"', "”": '"',
-    "α": "alpha", "θ": "theta", "λ": "lambda", "π": "pi", "ρ": "rho", "σ": "sigma", "τ": "tau",
-    "φ": "phi", "Δ": "Delta", "Σ": "sum ",
-}  # fmt: skip
 _LABEL = "error: "
 #: These errors without a file name are those of standard output: closed, on a full disk, too long.
 _OF_OUTPUT = (errno.EBADF, errno.ENOSPC, errno.EFBIG, errno.EDQUOT, errno.EIO)
-_RAISED = "⁰¹²³⁴⁵⁶⁷⁸⁹⁺⁻ᵀ"
-_LOWERED = str.maketrans(_RAISED, "0123456789+-T")
-_PIECE = re.compile(rf"√(\d+)|([{_RAISED}]+)|(.)", re.DOTALL)
 
 
 def open_streams() -> None:
     """Make the standard streams of this process such that all text can be written to them.
 
-    A closed one is replaced by a file that cannot be read or written, standard error by one that
-    discards everything. So no other file gets its number. Standard output is written whole, or an
-    error is raised. Without a buffer (PYTHONUNBUFFERED) Python would not notice that a full disk or
-    a pipe has taken only a part.
+    It is UTF-8 everywhere; in names of files, what is not is escaped. A closed stream is replaced
+    by a file that cannot be read or written, standard error by one that discards everything. So no
+    other file gets its number. Standard output is written whole, or an error is raised. Without a
+    buffer (PYTHONUNBUFFERED) Python would not notice that a full disk or a pipe has taken only a
+    part.
     """
     for number, name in enumerate(("stdin", "stdout", "stderr")):
         if getattr(sys, name) is None:
             setattr(sys, name, _instead(number))
     whole = io.BufferedWriter(_Whole(sys.stdout.fileno()))
     sys.stdout = io.TextIOWrapper(
-        whole,
-        sys.stdout.encoding,
-        sys.stdout.errors,
-        line_buffering=sys.stdout.isatty(),
+        whole, "utf-8", "backslashreplace", line_buffering=sys.stdout.isatty()
     )
-    for stream in (sys.stdout, sys.stderr):
-        settings = manner(stream.encoding)
-        stream.reconfigure(**settings)  # type: ignore[union-attr]
+    sys.stderr.reconfigure(encoding="utf-8", errors="backslashreplace")  # type: ignore[union-attr]
 
 
 class _Whole(io.RawIOBase):
@@ -89,15 +68,6 @@ class _Whole(io.RawIOBase):
                 select.select([], [self._number], [])
 
 
-def manner(encoding: str) -> dict[str, str]:
-    """Return the encoding of a stream, and how errors of encoding are handled."""
-    codecs.register_error(HANDLER, _in_ascii)
-    if codecs.lookup(encoding).name == "ascii":
-        codecs.register(_found)
-        encoding = _ASCII
-    return {"encoding": encoding, "errors": HANDLER}
-
-
 def _instead(number: int) -> TextIO:
     """Return the replacement of a closed stream; only standard error accepts text."""
     opened = os.open(os.devnull, os.O_RDONLY if number == 1 else os.O_WRONLY)
@@ -105,52 +75,6 @@ def _instead(number: int) -> TextIO:
         os.dup2(opened, number)
         os.close(opened)
     return open(number, "r" if number == 0 else "w", encoding="utf-8", closefd=False)
-
-
-def _found(name: str) -> codecs.CodecInfo | None:
-    """Return the codec of a name, in which punctuation is an underscore."""
-    if name != _ASCII.replace("-", "_"):
-        return None
-    plain = codecs.lookup("ascii")
-    return codecs.CodecInfo(
-        plain.encode,
-        plain.decode,
-        incrementalencoder=plain.incrementalencoder,
-        incrementaldecoder=plain.incrementaldecoder,
-        name=_ASCII,
-    )
-
-
-def _in_ascii(error: UnicodeError) -> tuple[str, int]:
-    """Return what is written for the characters that an encoding lacks, and where to go on."""
-    if not isinstance(error, UnicodeEncodeError):
-        raise error
-    text, position = "", error.start
-    while position < error.end:
-        match = _PIECE.match(error.object, position)
-        assert match is not None
-        root, raised, character = match.groups()
-        if root:
-            text += f"sqrt({root})"
-        elif raised:
-            text += "^" + raised.translate(_LOWERED)
-        else:
-            escaped = character.encode("ascii", "backslashreplace").decode("ascii")
-            text += _COUNTERPARTS.get(character, escaped)
-        position = match.end()
-    return text, position
-
-
-def lacking(stream: TextIO) -> bool:
-    """Return whether there are characters that a stream cannot take."""
-    return not (stream.encoding or "utf-8").lower().replace("-", "").startswith("utf")
-
-
-def representable(text: str, stream: TextIO) -> str:
-    """Return a text as it will be on a stream, which has to be known to lay it out."""
-    if text.isascii() or not lacking(stream):
-        return text
-    return text.encode(stream.encoding, HANDLER).decode(stream.encoding)
 
 
 #: Characters that control a terminal: control characters, changes of direction.
@@ -297,6 +221,7 @@ Item = TypeVar("Item")
 _PATIENCE_SECONDS = 1.0
 #: Off a terminal long work says every so many seconds how far it is.
 _LINE_SECONDS = 10.0
+_REFRESH_SECONDS = 0.1
 
 
 def progress(
@@ -306,89 +231,48 @@ def progress(
 
     Off a terminal nothing is shown or, with `lines`, how far the work is every ten seconds.
     """
-    if not lines and not sys.stderr.isatty():
-        yield from items
-        return
-    bar = _LateBar(label, total) if sys.stderr.isatty() else _Lines(label, total)
-    try:
+    with working(label, total, lines=lines) as report:
         for item in items:
             yield item
-            bar.advance()
-    finally:
-        bar.stop()
+            report.done += 1
 
 
-@contextmanager
-def working(label: str) -> Iterator[None]:
-    """Show, after a second, that work of unknown length goes on."""
-    bar = _LateBar(label, None) if sys.stderr.isatty() else None
-    try:
-        yield
-    finally:
-        if bar is not None:
-            bar.stop()
+class working:
+    """Show, after a second, that work goes on, and how many items of it are `done`."""
 
+    def __init__(self, label: str, total: int | None = None, *, lines: bool = False) -> None:
+        self._label, self._total, self.done = label, total, 0
+        self._ended = Event()
+        shown = self._bar if sys.stderr.isatty() else self._lines if lines else None
+        self._thread = None if shown is None else Thread(target=shown, daemon=True)
 
-class _Lines:
-    """A line on standard error every ten seconds."""
-
-    def __init__(self, label: str, total: int | None) -> None:
-        self._label, self._total = label, total
-        self._done = 0
-        self._begun = monotonic()
-        self._stopped = Event()
-        thread = Thread(target=self._run, daemon=True)
-        # A system that refuses threads gets no lines.
+    def __enter__(self) -> working:
+        # A system that refuses threads gets no report.
         with suppress(RuntimeError):
-            thread.start()
+            if self._thread is not None:
+                self._thread.start()
+        return self
 
-    def _run(self) -> None:
-        while not self._stopped.wait(_LINE_SECONDS):
-            of = "" if self._total is None else f": {self._done} of {self._total}"
-            say(f"{self._label}{of} ({monotonic() - self._begun:.0f} s)")
-
-    def advance(self) -> None:
-        self._done += 1
-
-    def stop(self) -> None:
-        self._stopped.set()
-
-
-class _LateBar:
-    """A bar that appears after a second, and is not even loaded before."""
-
-    def __init__(self, label: str, total: int | None) -> None:
-        self._label, self._total = label, total
-        self._done = 0
-        self._bars: Progress | None = None
-        self._stopped = False
-        self._lock = Lock()
-        self._timer = Timer(_PATIENCE_SECONDS, self._appear)
-        self._timer.daemon = True
-        # A system that refuses threads gets no bar.
+    def __exit__(self, *_: object) -> None:
+        self._ended.set()
         with suppress(RuntimeError):
-            self._timer.start()
+            if self._thread is not None:
+                self._thread.join()
 
-    def _appear(self) -> None:
+    def _lines(self) -> None:
+        begun = monotonic()
+        while not self._ended.wait(_LINE_SECONDS):
+            of = "" if self._total is None else f": {self.done} of {self._total}"
+            say(f"{self._label}{of} ({monotonic() - begun:.0f} s)")
+
+    def _bar(self) -> None:
+        """Show a bar, whose program is not even loaded before."""
+        if self._ended.wait(_PATIENCE_SECONDS):
+            return
         from rich.console import Console
         from rich.progress import Progress
 
-        with self._lock:
-            if self._stopped:
-                return
-            self._bars = Progress(console=Console(stderr=True), transient=True)
-            self._bars.add_task(self._label, total=self._total, completed=self._done)
-            self._bars.start()
-
-    def advance(self) -> None:
-        with self._lock:
-            self._done += 1
-            if self._bars is not None:
-                self._bars.advance(self._bars.task_ids[0])
-
-    def stop(self) -> None:
-        self._timer.cancel()
-        with self._lock:
-            self._stopped = True
-            if self._bars is not None:
-                self._bars.stop()
+        with Progress(console=Console(stderr=True), transient=True) as bars:
+            task = bars.add_task(self._label, total=self._total)
+            while not self._ended.wait(_REFRESH_SECONDS):
+                bars.update(task, completed=self.done)

@@ -2,8 +2,8 @@
 
 - `options`: any command with options and arguments that may be anything (`hostile`);
 - `inputs`: instance, pose, value, state and work files that were spoilt;
-- `streams`: the same commands, with standard output in ASCII, cp1252 or UTF-8, full, closed or
-  abandoned after some bytes, and a disk that is full for files, too;
+- `streams`: the same commands, with standard output full, closed or abandoned after some bytes, and
+  a disk that is full for files, too;
 - `processes`: processes of their own, with closed and full streams, encodings by environment, and
   SIGINT, SIGTERM or SIGHUP after up to a second.
 
@@ -37,7 +37,6 @@ from unittest import mock
 import gspcli
 from gspcli.cli.commands import COMMANDS
 from gspcli.cli.main import run
-from gspcli.cli.streams import manner
 from gspcli.errors import INTERRUPTED
 from tests.support.fuzz import hostile as hostile_commands
 from tests.support.fuzz.hostile import Hostile
@@ -93,14 +92,12 @@ def _alarm(seconds: float) -> Iterator[None]:
         signal.signal(signal.SIGALRM, before)
 
 
-def within(hostile: Hostile, folder: Path, out: io.IOBase, encoding: str) -> Told:
+def within(hostile: Hostile, folder: Path, out: io.IOBase) -> Told:
     """Run a command within this process, in a folder."""
     hostile_commands.write_files(hostile, folder)
     err = io.BytesIO()
-    how = manner(encoding)
     streams = [
-        io.TextIOWrapper(io.BufferedWriter(raw), how["encoding"], how["errors"])
-        for raw in (out, err)
+        io.TextIOWrapper(io.BufferedWriter(raw), "utf-8", "backslashreplace") for raw in (out, err)
     ]
     stdin = io.TextIOWrapper(io.BytesIO(hostile.stdin))
     before = sys.stdin, Path.cwd()
@@ -129,7 +126,7 @@ def within(hostile: Hostile, folder: Path, out: io.IOBase, encoding: str) -> Tol
     foreign += [f"Warning: {one.message}" for one in caught]
     with contextlib.suppress(OSError, ValueError):
         streams[1].flush()
-    told = err.getvalue().decode(encoding)
+    told = err.getvalue().decode()
     for stream in streams:
         with contextlib.suppress(OSError, ValueError):
             stream.detach()
@@ -145,13 +142,11 @@ def attack_within(kind: str, rng: random.Random, folder: Path) -> tuple[Hostile,
     else:
         hostile = rng.choice((hostile_commands.options, hostile_commands.inputs))(rng)
     out: io.IOBase = io.BytesIO()
-    encoding = "utf-8"
     if kind == "streams":
-        encoding = rng.choice(("ascii", "cp1252", "utf-8"))
         numbers = errno.ENOSPC, errno.EPIPE, errno.EBADF, errno.EIO
         full = _Full(rng.choice((0, 0, 100, 5000)), rng.choice(numbers))
         out = rng.choice((out, full))
-    return hostile, within(hostile, folder, out, encoding)
+    return hostile, within(hostile, folder, out)
 
 
 _STREAMS = ("", ">/dev/full", "2>/dev/full", ">&-", "2>&-", ">&- 2>&-", "<&- >&- 2>&-", "<&-")
