@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-import functools
 import inspect
 import math
 import os
 import re
 import sys
 from collections.abc import Callable, Sequence
+from functools import cached_property
 from pathlib import Path
+from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
@@ -26,7 +27,10 @@ from gspcli.resources import instance_files, shipped_file
 from gspcli.wording import brief, named, nearest, shortened, shown
 
 if TYPE_CHECKING:
+    from gspcli.cli.pose_options import PoseConventions
     from gspcli.geometry.instance import Instance
+    from gspcli.motion import PoseFormat
+    from gspcli.workers import Workers
 
 FORMATS = ("table", "csv", "json", "markdown", "latex")
 #: Formats of pictures on paper.
@@ -66,8 +70,49 @@ _GROUPS = {
 _FIRST_LINES = 12
 
 
+class Options(SimpleNamespace):
+    """What the command line says: each option and argument of a command by its name.
+
+    Commands take it as one object, `o`, and pass it on.
+    """
+
+    @cached_property
+    def instance(self) -> Instance:
+        """The platform of SPEC, with the values of ``--set`` and ``--delta``."""
+        return load_instance(self.spec, self.changes)
+
+    @property
+    def changes(self) -> Changes:
+        """The changes that `value_options` are about."""
+        return Changes(vars(self).get("settings", ()), vars(self).get("differences", ()))
+
+    @property
+    def conventions(self) -> PoseConventions:
+        """How poses are expressed, by `pose_options` and `column_options`."""
+        from gspcli.cli.pose_options import PoseConventions
+
+        known = vars(self)
+        names = ("euler", "pivot", "relative_to", "ignore", "column_names")
+        return PoseConventions(**{name: known[name] for name in names if name in known})
+
+    @cached_property
+    def form(self) -> PoseFormat:
+        """The form of poses by the options and the platform of SPEC."""
+        return self.conventions.form(self.instance)
+
+    @property
+    def workers(self) -> Workers:
+        """Where the work is done, by `worker_options`."""
+        from gspcli.workers import Workers
+
+        return Workers(self.jobs, self.scheduler)
+
+
 class Command(click.Command):
-    """A command whose help has examples first, then options in groups, then the text."""
+    """A command whose help has examples first, then options in groups, then the text.
+
+    Its function gets one argument: `Options`.
+    """
 
     def format_help(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """Write the help."""
@@ -114,6 +159,7 @@ class Command(click.Command):
 
     def invoke(self, ctx: click.Context) -> Any:
         """Run the command, unless options that exclude each other are given."""
+        assert self.callback is not None
         given, streams = set(), []
         for parameter in self.params:
             name = parameter.opts[-1]
@@ -128,7 +174,18 @@ class Command(click.Command):
                 raise click.UsageError(f"give either {' or '.join(both)}", ctx)
         if len(streams) > 1:
             raise click.UsageError(f"{' and '.join(streams)} cannot both be standard input", ctx)
-        return super().invoke(ctx)
+        return ctx.invoke(self.callback, Options(**ctx.params))
+
+
+def together(*options: Callable[[Function], Function]) -> Callable[[Function], Function]:
+    """Return a decorator that adds several options in this order."""
+
+    def decorate(function: Function) -> Function:
+        for option in reversed(options):
+            function = option(function)
+        return function
+
+    return decorate
 
 
 def exclusive(*names: str) -> Callable[[Function], Function]:
@@ -399,28 +456,23 @@ class Changes:
         return set_values(set_values(instance, self.values), self.differences, delta=True)
 
 
-def value_options(function: Function) -> Function:
-    """Add the two options; the command gets ``changes: Changes``."""
-
-    @click.option(
+#: `--set` and `--delta`; the command gets them as `Options.changes`.
+value_options = together(
+    click.option(
         "--set",
         "settings",
         metavar="I=V",
         multiple=True,
         help="Give constraint I (from 1) the value V; may be repeated.",
-    )
-    @click.option(
+    ),
+    click.option(
         "--delta",
         "differences",
         metavar="I=V",
         multiple=True,
         help="Add V to the value of constraint I; may be repeated.",
-    )
-    @functools.wraps(function)
-    def command(*, settings: tuple[str, ...], differences: tuple[str, ...], **others: Any) -> Any:
-        return function(changes=Changes(settings, differences), **others)
-
-    return command  # type: ignore[return-value]
+    ),
+)
 
 
 def is_file(word: str) -> bool:
@@ -517,10 +569,12 @@ def read_names(words: Sequence[str]) -> list[GspType | Family]:
         raise
 
 
-_jobs = click.option(
+#: `--jobs`; the command gets ``jobs: int``.
+jobs_option = click.option(
     "--jobs",
     type=Whole(1, MOST_JOBS),
     metavar="N",
+    callback=lambda _, __, jobs: jobs or os.cpu_count() or 1,
     help="How many cores work at once; the answer does not depend on it.  [default: all]",
 )
 
@@ -533,39 +587,16 @@ resume_option = click.option(
 )
 
 
-def _cores(jobs: int | None) -> int:
-    """Return the number of cores to use."""
-    return jobs or os.cpu_count() or 1
-
-
-def jobs_option(function: Function) -> Function:
-    """Add `--jobs`; the command gets ``jobs: int``."""
-
-    @_jobs
-    @functools.wraps(function)
-    def command(*, jobs: int | None, **others: Any) -> Any:
-        return function(jobs=_cores(jobs), **others)
-
-    return command  # type: ignore[return-value]
-
-
-def worker_options(function: Function) -> Function:
-    """Add `--jobs` and `--scheduler`; the command gets ``workers: Workers``."""
-
-    @exclusive("--jobs", "--scheduler")
-    @_jobs
-    @click.option(
+#: `--jobs` and `--scheduler`; the command gets them as `Options.workers`.
+worker_options = together(
+    exclusive("--jobs", "--scheduler"),
+    jobs_option,
+    click.option(
         "--scheduler",
         metavar="ADDRESS",
         help="Use the workers of this Dask scheduler (pip install 'gspcli[cluster]').",
-    )
-    @functools.wraps(function)
-    def command(*, jobs: int | None, scheduler: str | None, **others: Any) -> Any:
-        from gspcli.workers import Workers
-
-        return function(workers=Workers(_cores(jobs), scheduler), **others)
-
-    return command  # type: ignore[return-value]
+    ),
+)
 
 
 def standard_deviations(texts: Sequence[str]) -> dict[str, float]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 import math
 import re
 from collections.abc import Callable, Sequence
@@ -11,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias, TypeVar
 
 import click
 
-from gspcli.cli.options import Whole
+from gspcli.cli.options import Whole, together
 from gspcli.cli.streams import say, working
 from gspcli.errors import ArgumentError, GspError, IncompleteError, NotFiniteError
 from gspcli.records import dataclass
@@ -49,29 +48,40 @@ class PoseConventions:
         The point whose position is expressed, as text.
     relative_to
         ``home``, or None.
+    ignore
+        Columns of a file that are left out.
+    column_names
+        The names of the columns where the file has no heading.
     """
 
     euler: str | None = None
     pivot: str | None = None
     relative_to: str | None = None
+    ignore: tuple[str, ...] = ()
+    column_names: tuple[str, ...] = ()
 
     @property
     def options(self) -> list[str]:
         """The options that are given."""
-        given = (("--euler", self.euler), ("--pivot", self.pivot), (RELATIVE, self.relative_to))
-        return [name for name, value in given if value]
+        given = {
+            "--euler": self.euler,
+            "--pivot": self.pivot,
+            RELATIVE: self.relative_to,
+            "--ignore": self.ignore,
+            "--columns": self.column_names,
+        }
+        return [name for name, value in given.items() if value]
 
-    def form(self, instance: Instance | None, columns: ColumnOptions | None = None) -> PoseFormat:
+    def form(self, instance: Instance | None) -> PoseFormat:
         """Return the form of poses by the options and the instance."""
         from gspcli.motion import PoseFormat
         from gspcli.motion.files.pose_files import pivot_from_text
 
-        columns = columns or ColumnOptions()
         form = PoseFormat(
             None if self.euler is None else order_named("--euler", self.euler),
             (0.0, 0.0, 0.0) if self.pivot is None else pivot_from_text(self.pivot),
-            ignore=columns.ignore,
-            columns=columns.names,
+            ignore=self.ignore,
+            columns=self.column_names,
             note=say,
         )
         if instance is None:
@@ -114,85 +124,54 @@ def frame_note(frame: PoseFrame) -> list[str]:
     return [] if frame.is_identity else [f"x y z and the rotation: {frame.words}"]
 
 
-def pose_options(function: Function) -> Function:
-    """Add ``--euler``, ``--pivot``, ``--relative-to``; the command gets `PoseConventions`."""
-
-    @click.option(
+#: `--euler`, `--pivot` and `--relative-to`; the command gets them as `Options.conventions`.
+pose_options = together(
+    click.option(
         "--euler",
         metavar="AXES",
         help="Order of the axes of rx, ry, rz: capitals turn with the platform (ZYX), small "
         "letters about the axes of the base (xyz); or PI, LinuxCNC, Symetrie.",
-    )
-    @click.option(
+    ),
+    click.option(
         "--pivot",
         metavar="X,Y,Z",
         help="The point of the platform whose position is x, y, z: its coordinates in the frame of "
         "the platform, or of the tool that SPEC states.",
-    )
-    @click.option(
+    ),
+    click.option(
         RELATIVE,
         "relative_to",
         type=click.Choice([HOME]),
         help="Poses are relative to the home of SPEC: zero is home.",
-    )
-    @functools.wraps(function)
-    def command(
-        *, euler: str | None, pivot: str | None, relative_to: str | None, **others: Any
-    ) -> Any:
-        return function(conventions=PoseConventions(euler, pivot, relative_to), **others)
-
-    return command  # type: ignore[return-value]
+    ),
+)
 
 
-@dataclass(frozen=True)
-class ColumnOptions:
-    """The options about the columns of a file.
-
-    Attributes
-    ----------
-    ignore
-        Those that are left out.
-    names
-        Their names where the file has no heading.
-    """
-
-    ignore: tuple[str, ...] = ()
-    names: tuple[str, ...] = ()
-
-    @property
-    def options(self) -> list[str]:
-        """The options that are given."""
-        given = (("--ignore", self.ignore), ("--columns", self.names))
-        return [name for name, value in given if value]
+def _names(_: click.Context, __: click.Parameter, texts: Any) -> tuple[str, ...]:
+    """Return names between commas, of an option that may be repeated, or not."""
+    texts = [texts] if isinstance(texts, str) else texts or ()
+    return tuple(name.strip() for text in texts for name in text.split(","))
 
 
-def column_options(function: Function) -> Function:
-    """Add ``--ignore`` and ``--columns``; the command gets ``columns: ColumnOptions``."""
-
-    def names(_: click.Context, __: click.Parameter, texts: tuple[str, ...]) -> tuple[str, ...]:
-        return tuple(name.strip() for text in texts for name in text.split(","))
-
-    @click.option(
+#: `--ignore` and `--columns`; the command gets them as `Options.conventions`.
+column_options = together(
+    click.option(
         "--ignore",
         metavar="COLUMN",
         multiple=True,
-        callback=names,
+        callback=_names,
         help="Leave out a column of the file, by its heading (* stands for any text); may be "
         "repeated, or several between commas.",
-    )
-    @click.option(
+    ),
+    click.option(
         "--columns",
-        "text",
+        "column_names",
         metavar="NAMES",
+        callback=_names,
         help="The names of the columns of a file without a heading, between commas; - leaves a "
         "column out.",
-    )
-    @functools.wraps(function)
-    def command(*, ignore: tuple[str, ...], text: str | None, **others: Any) -> Any:
-        listed = () if text is None else tuple(name.strip() for name in text.split(","))
-        return function(columns=ColumnOptions(ignore, listed), **others)
-
-    return command  # type: ignore[return-value]
+    ),
+)
 
 
 def text_of(path: str) -> tuple[str, str]:

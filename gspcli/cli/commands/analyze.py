@@ -10,20 +10,15 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from gspcli.cli.options import (
-    Changes,
     Command,
+    Options,
     Positive,
     exclusive,
-    load_instance,
     output_options,
     value_options,
 )
 from gspcli.cli.pose_options import (
     HOME,
-    ColumnOptions,
-    GivenPose,
-    Mode,
-    PoseConventions,
     asked_poses,
     column_options,
     mode_option,
@@ -31,7 +26,7 @@ from gspcli.cli.pose_options import (
     pose_options,
     pose_value_option,
 )
-from gspcli.cli.render import Output, emit
+from gspcli.cli.render import emit
 from gspcli.cli.requirements import (
     judged,
     refuse,
@@ -104,24 +99,7 @@ _ZERO = 1e-12
 @output_options(
     parts=("wrenches", "drives", "jacobian", "inverse", "stiffness", "errors", "geometry")
 )
-def command(
-    spec: str,
-    changes: Changes,
-    rows: str | None,
-    mode: Mode | None,
-    pose: GivenPose | None,
-    near: GivenPose | None,
-    conventions: PoseConventions,
-    columns: ColumnOptions,
-    point: str | None,
-    length: float | None,
-    load: str | None,
-    stiffness: str | None,
-    tolerance: str | None,
-    geometry_tolerance: str | None,
-    require: str | None,
-    output: Output,
-) -> None:
+def command(o: Options) -> None:
     """Analyze assembly modes: screws, Jacobian matrix, forces, stiffness and accuracy.
 
     Without options there is one line for each real pose of SPEC. ROWS gives one line for each
@@ -160,22 +138,22 @@ def command(
       gsp analyze platform.yaml --pose 0,0,1.5,1,0,0,0 --stiffness 2e6
       gsp analyze platform.yaml path.csv --load 0,0,-9 --require "force<=20"
     """
-    if near is not None and rows is None:
+    if o.near is not None and o.rows is None:
         raise click.UsageError("--near says which mode to follow: give it with ROWS")
-    if output.part is not None and rows is None and pose is None:
+    if o.output.part is not None and o.rows is None and o.pose is None:
         # Parts are of one pose.
-        mode = mode or HOME
-    instance = load_instance(spec, changes)
-    requirements = required(require)
-    asked = asked_poses(instance, rows, mode, pose, near, conventions.form(instance, columns))
+        o.mode = o.mode or HOME
+    instance = o.instance
+    requirements = required(o.require)
+    asked = asked_poses(instance, o.rows, o.mode, o.pose, o.near, o.form)
     analysis = _analysis(
-        instance, asked, load, stiffness, tolerance, geometry_tolerance, point, length
+        instance, asked, o.load, o.stiffness, o.tolerance, o.geometry_tolerance, o.point, o.length
     )
     given = analysis.given
     names = [asked.named(k) for k in range(len(asked.T))]
-    detailed = rows is None and (mode is not None or pose is not None)
+    detailed = o.rows is None and (o.mode is not None or o.pose is not None)
     document = None
-    if output.format == "json":
+    if o.output.format == "json":
         document = analysis.to_json(names)
         entries = document["poses"]
     else:
@@ -189,13 +167,13 @@ def command(
     tables = details(entries[0], given) if detailed else [overview(entries, given, more)]
     if statics is not None and detailed:
         tables.insert(1, drives_table(entries[0], statics.drives))
-    if output.format in _READABLE:
+    if o.output.format in _READABLE:
         tables = [replace(table, rows=[_tidy(row) for row in table.rows]) for table in tables]
     if verdicts:
         tables[0] = replace(tables[0], summary=verdict_lines(verdicts, asked.place))
     if document is not None and verdicts:
         document["requirements"] = verdict_entries(verdicts, asked.named)
-    emit(output, tables, document=document)
+    emit(o.output, tables, document=document)
     refuse(verdicts)
     asked.check()
 

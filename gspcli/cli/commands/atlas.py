@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import click
 
-from gspcli.cli.options import Command, output_options
-from gspcli.cli.render import Output, emit
+from gspcli.cli.options import Command, Options, output_options
+from gspcli.cli.render import emit
 from gspcli.cli.result import Field, Fields, Result
 
 FIELDS = Fields("atlas summary")
@@ -24,7 +24,7 @@ def command() -> None:
 
 @command.command(cls=Command)
 @output_options(parts=("counts", "bounds"))
-def summary(output: Output) -> None:
+def summary(o: Options) -> None:
     """Summarize the generic counts by class, and how sharp the bounds are.
 
     \b
@@ -44,7 +44,7 @@ def summary(output: Output) -> None:
     ]
     defect, without_one = trace_extremes()
     emit(
-        output,
+        o.output,
         [
             Result(
                 columns=[

@@ -14,8 +14,8 @@ from gspcli.catalogue.known_facts import KnownBounds
 from gspcli.catalogue.known_facts import bound as known
 from gspcli.catalogue.recorded_varieties import coordinates_label
 from gspcli.catalogue.types import GspType
-from gspcli.cli.options import Command, output_options, read_names
-from gspcli.cli.render import Output, emit
+from gspcli.cli.options import Command, Options, output_options, read_names
+from gspcli.cli.render import emit
 from gspcli.cli.result import Field, Fields, Result
 
 FIELDS = Fields("bound")
@@ -27,7 +27,7 @@ _GENERIC = ("generic_one_sided", "generic_two_sided")
 @click.command(cls=Command)
 @click.argument("names", nargs=-1, required=True, metavar="TYPE...")
 @output_options(parts=("constraints", "bounds"))
-def command(names: tuple[str, ...], output: Output) -> None:
+def command(o: Options) -> None:
     """Bound the number of solutions of a type, by constraint and by theorem.
 
     TYPE is six kinds in any order, a number of the catalogue, a family with its angles left
@@ -42,14 +42,14 @@ def command(names: tuple[str, ...], output: Output) -> None:
       gsp bound DPH DPH DPH DPH DPH ALL
       gsp bound 1 17 3850 platform.yaml --format csv
     """
-    subjects = [known(subject) for subject in read_names(names)]
+    subjects = [known(subject) for subject in read_names(o.names)]
     documents = [subject.to_json() for subject in subjects]
-    one_line_each = output.format in ("csv", "markdown", "latex") and len(subjects) > 1
-    if one_line_each or (output.format == "csv" and output.part is None):
+    one_line_each = o.output.format in ("csv", "markdown", "latex") and len(subjects) > 1
+    if one_line_each or (o.output.format == "csv" and o.output.part is None):
         tables = [_summary(subjects)]
     else:
         tables = [table for subject in subjects for table in _tables(subject)]
-    emit(output, tables, document=documents[0] if len(documents) == 1 else documents)
+    emit(o.output, tables, document=documents[0] if len(documents) == 1 else documents)
 
 
 def _degrees(degrees: Degrees) -> str:

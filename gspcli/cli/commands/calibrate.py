@@ -12,17 +12,15 @@ from gspcli.cli.options import (
     DRAWINGS,
     FORMATS,
     Command,
+    Options,
     Positive,
     Whole,
-    load_instance,
     output_options,
     seed_option,
     standard_deviations,
 )
 from gspcli.cli.pose_options import (
-    ColumnOptions,
     Mode,
-    PoseConventions,
     column_options,
     frame_note,
     mode_option,
@@ -40,7 +38,8 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from gspcli.calibration import Calibration, Options
+    from gspcli.calibration import Calibration
+    from gspcli.calibration import Options as FitOptions
     from gspcli.calibration.measurements import Measurements
     from gspcli.geometry.frames import PoseFrame
     from gspcli.geometry.instance import Instance
@@ -127,26 +126,7 @@ _MOST_PLANNED = 300
 @pose_options
 @column_options
 @output_options(formats=(*FORMATS, "yaml", *DRAWINGS))
-def command(
-    spec: str | None,
-    data: str | None,
-    log: str | None,
-    sigmas: tuple[str, ...],
-    estimate: tuple[str, ...],
-    hold: tuple[str, ...],
-    targets: tuple[str, ...],
-    robust: bool,
-    prior: float | None,
-    hold_unknown: bool,
-    accept: bool,
-    plan: int | None,
-    mode: Mode | None,
-    require: str | None,
-    seed: int,
-    conventions: PoseConventions,
-    columns: ColumnOptions,
-    output: Output,
-) -> None:
+def command(o: Options) -> None:
     """Find the true numbers of a platform from measured values and poses.
 
     The coordinates of all points, lines and planes and the offsets of the values are found by
@@ -200,31 +180,32 @@ def command(
       gsp calibrate machine.yaml measured.csv --plan 6
       gsp calibrate --from controller-log.csv -o machine.yaml
     """
-    _check_usage(spec, data, log, plan, mode, require, targets, output)
-    from gspcli.calibration import Options, calibrate_rows
+    _check_usage(o.spec, o.data, o.log, o.plan, o.mode, o.require, o.targets, o.output)
+    from gspcli.calibration import Options as FitOptions
+    from gspcli.calibration import calibrate_rows
     from gspcli.calibration.data_files import read_measurements, targets_of
 
     noise, options = (
-        standard_deviations(sigmas),
-        Options(estimate, hold, robust, prior, hold_unknown),
+        standard_deviations(o.sigmas),
+        FitOptions(o.estimate, o.hold, o.robust, o.prior, o.hold_unknown),
     )
-    if log is not None:
-        identified(log, conventions.form(None, columns), noise, options, output, accept=accept)
+    if o.log is not None:
+        identified(o.log, o.conventions.form(None), noise, options, o.output, accept=o.accept)
         return
-    assert spec is not None
-    instance = load_instance(spec)
-    form = conventions.form(instance, columns)
-    places, seen = targets_of(targets), None
-    if data is not None:
-        seen = read_measurements(*text_of(data), instance, form, places)
-    if plan is not None:
-        wanted = required(require)
-        _plan(instance, seen, noise, options, plan, mode, wanted, seed, form.frame, output)
+    assert o.spec is not None
+    instance = o.instance
+    form = o.form
+    places, seen = targets_of(o.targets), None
+    if o.data is not None:
+        seen = read_measurements(*text_of(o.data), instance, form, places)
+    if o.plan is not None:
+        wanted = required(o.require)
+        _plan(instance, seen, noise, options, o.plan, o.mode, wanted, o.seed, form.frame, o.output)
         return
     assert seen is not None
     with working("fitting"):
         result = calibrate_rows(instance, seen, noise, options)
-    _show(result, output, accept=accept)
+    _show(result, o.output, accept=o.accept)
 
 
 def _check_usage(
@@ -286,7 +267,7 @@ def _plan(
     instance: Instance,
     seen: Measurements | None,
     noise: dict[str, float],
-    options: Options,
+    options: FitOptions,
     count: int,
     mode: Mode | None,
     requirements: list[Requirement],
@@ -506,7 +487,7 @@ def identified(
     path: str,
     form: PoseFormat,
     noise: dict[str, float],
-    options: Options,
+    options: FitOptions,
     output: Output,
     *,
     accept: bool,

@@ -9,16 +9,15 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from gspcli.cli.options import (
-    Changes,
     Command,
+    Options,
     Positive,
-    load_instance,
     output_options,
     value_options,
 )
 from gspcli.cli.pose_options import text_of
 from gspcli.cli.pose_tables import DECIMALS, digit_cells, digit_table, digits_option, refined
-from gspcli.cli.render import Output, emit
+from gspcli.cli.render import emit
 from gspcli.cli.result import Field, Fields, Result
 from gspcli.cli.streams import working
 from gspcli.defaults import MAX_PRECISION, TOLERANCE
@@ -58,15 +57,7 @@ _COLUMNS = FIELDS.of(
 )
 @digits_option
 @output_options(formats=("table", "csv", "json", "markdown"))
-def command(
-    spec: str,
-    result: str,
-    changes: Changes,
-    max_deviation: float,
-    max_precision: int,
-    digits: int | None,
-    output: Output,
-) -> None:
+def command(o: Options) -> None:
     """Prove that the poses in RESULT solve the platform in SPEC, without trusting them.
 
     For each pose it is proved that a solution is within --max-deviation, and that it is the only
@@ -93,8 +84,8 @@ def command(
     from gspcli.geometry.frames import PoseFrame
     from gspcli.solver import certify
 
-    instance = load_instance(spec, changes)
-    text, name = text_of(result)
+    instance = o.instance
+    text, name = text_of(o.result)
     given = read_answer(text, name) or read_candidates(text, name, PoseFrame.of(instance))
     solutions = []
     with working("certifying"):
@@ -103,8 +94,8 @@ def command(
             given.R,
             given.T,
             sides=given.claimed_sides,
-            tolerance=max_deviation,
-            max_precision=max_precision,
+            tolerance=o.max_deviation,
+            max_precision=o.max_precision,
         )
         claims = zip(given.claimed_real, given.claimed_sides.tolist(), strict=True)
         document = proved.to_json()
@@ -114,14 +105,14 @@ def command(
                 "claimed_real": real,
                 "claimed_sides": _by_number([_SIDES.get(sign) for sign in said]),
             }
-            if digits is not None and item.certified:
-                entry["refined"] = refined(instance, item, digits)
+            if o.digits is not None and item.certified:
+                entry["refined"] = refined(instance, item, o.digits)
             solutions.append(entry)
-    head = {"schema": "gsp.certify/1", **instance.to_json(), "tolerance": max_deviation}
+    head = {"schema": "gsp.certify/1", **instance.to_json(), "tolerance": o.max_deviation}
     document = {**head, **document, "solutions": solutions}
     nearness = _nearness(proved, instance.units.length)
-    tables = _tables(solutions, document["counts"], nearness, output.format)
-    emit(output, tables, document=document)
+    tables = _tables(solutions, document["counts"], nearness, o.output.format)
+    emit(o.output, tables, document=document)
     _conclude(solutions, proved)
 
 

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from gspcli.cli.options import Command, output_options, spec_source
-from gspcli.cli.render import Output, emit, write
+from gspcli.cli.options import Command, Options, output_options, spec_source
+from gspcli.cli.render import emit, write
 from gspcli.cli.result import Fields, Result
 from gspcli.errors import SpecError
 from gspcli.resources import data_path
@@ -29,7 +29,7 @@ _COLUMNS = FIELDS.of("file valid class number type expected bound warnings share
     help="Print the JSON Schema of instance files instead, for an editor.",
 )
 @output_options()
-def command(specs: tuple[str, ...], schema: bool, output: Output) -> None:
+def command(o: Options) -> None:
     """Check instance files and say which platforms they describe.
 
     Every mistake in every file is reported with its line and column. Warnings name what is allowed
@@ -47,22 +47,22 @@ def command(specs: tuple[str, ...], schema: bool, output: Output) -> None:
       gsp new 6PP | gsp check -
       gsp check --schema
     """
-    if schema == bool(specs):
+    if o.schema == bool(o.specs):
         raise click.UsageError("give SPEC, or --schema without one")
-    if schema:
+    if o.schema:
         from gspcli.spec.form_of_instance import FILE_NAME
 
-        write(output, data_path(FILE_NAME).read_text(encoding="utf-8"))
+        write(o.output, data_path(FILE_NAME).read_text(encoding="utf-8"))
         return
     from gspcli.spec.checks import check
 
-    found = check(*map(spec_source, specs), names=specs)
+    found = check(*map(spec_source, o.specs), names=o.specs)
     notes = [f"warning: {warning}" for one in found.files for warning in one.warnings]
     if len(found.mistakes) > MOST_LINES:
         # The error has the first ones only.
         notes += [f"mistake: {mistake}" for mistake in found.mistakes]
     rows = [_row(one) for one in found.files]
-    emit(output, Result(_COLUMNS, rows, notes=notes), document=found.to_json())
+    emit(o.output, Result(_COLUMNS, rows, notes=notes), document=found.to_json())
     if not found.valid:
         raise SpecError(found.mistakes)
 

@@ -7,19 +7,14 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from gspcli.cli.options import (
-    Changes,
     Command,
+    Options,
     exclusive,
-    load_instance,
     output_options,
     value_options,
 )
 from gspcli.cli.pose_options import (
     HOME,
-    ColumnOptions,
-    GivenPose,
-    Mode,
-    PoseConventions,
     asked_poses,
     column_options,
     mode_option,
@@ -27,7 +22,7 @@ from gspcli.cli.pose_options import (
     pose_options,
     pose_value_option,
 )
-from gspcli.cli.render import Output, emit
+from gspcli.cli.render import emit
 from gspcli.cli.result import Field, Fields, Result
 from gspcli.cli.streams import progress
 from gspcli.errors import GspError
@@ -65,21 +60,7 @@ FIELDS = Fields("clearance")
 )
 @click.option("--refine", is_flag=True, help="Better bounds: a few seconds for each mode.")
 @output_options()
-def command(
-    spec: str,
-    changes: Changes,
-    rows: str | None,
-    mode: Mode | None,
-    all_modes: bool,
-    pose: GivenPose | None,
-    near: GivenPose | None,
-    conventions: PoseConventions,
-    columns: ColumnOptions,
-    of: str | None,
-    points: str | None,
-    refine: bool,
-    output: Output,
-) -> None:
+def command(o: Options) -> None:
     """Bound how far values, or the pose, may change before a mode meets a singularity.
 
     A clearance of r means: if every value changes by at most r times its weight, all at once and in
@@ -115,26 +96,26 @@ def command(
       gsp clearance platform.yaml path.csv -o clearances.csv
       gsp clearance platform.yaml --pose 0,0,1.5,1,0,0,0 --format json
     """
-    if near is not None and rows is None:
+    if o.near is not None and o.rows is None:
         raise click.UsageError("--near says which mode to follow: give it with ROWS")
-    if rows is None and pose is None and not all_modes:
-        mode = mode or HOME
-    if points is not None and of != "pose":
+    if o.rows is None and o.pose is None and not o.all_modes:
+        o.mode = o.mode or HOME
+    if o.points is not None and o.of != "pose":
         raise click.UsageError("--points needs --of pose")
     from gspcli.motion.singularities.clearances import clearance, range_weights
 
-    instance = load_instance(spec, changes)
-    chosen = None if points is None else _points(points)
-    asked = asked_poses(instance, rows, mode, pose, near, conventions.form(instance, columns))
+    instance = o.instance
+    chosen = None if o.points is None else _points(o.points)
+    asked = asked_poses(instance, o.rows, o.mode, o.pose, o.near, o.form)
     found = clearance(
-        instance, asked.R, asked.T, of=of, points=chosen, refine=refine, progress=progress
+        instance, asked.R, asked.T, of=o.of, points=chosen, refine=o.refine, progress=progress
     )
     document = found.to_json([asked.named(k) for k in range(len(asked.T))])
     if found.of == "drives":
-        emit(output, _drive_table(instance, document["modes"]), document=document)
+        emit(o.output, _drive_table(instance, document["modes"]), document=document)
     else:
         unit = _unit(instance, found.of, ranged=range_weights(instance) is not None)
-        emit(output, _table(instance, document["modes"], found.of, unit), document=document)
+        emit(o.output, _table(instance, document["modes"], found.of, unit), document=document)
     asked.check()
 
 

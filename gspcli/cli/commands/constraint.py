@@ -12,8 +12,8 @@ from gspcli.catalogue.kinds import KINDS
 from gspcli.catalogue.names import parse_kinds
 from gspcli.catalogue.realization import realization
 from gspcli.catalogue.recorded_varieties import LAZARD, MOURRAIN, coordinates_label, varieties
-from gspcli.cli.options import Command, output_options
-from gspcli.cli.render import Output, emit
+from gspcli.cli.options import Command, Options, output_options
+from gspcli.cli.render import emit
 from gspcli.cli.result import Field, Fields, Result
 from gspcli.cli.streams import say
 from gspcli.wording import listed
@@ -41,7 +41,7 @@ _ALL_COLUMNS = FIELDS.of(
 @click.command(cls=Command)
 @click.argument("kind", required=False)
 @output_options()
-def command(kind: str | None, output: Output) -> None:
+def command(o: Options) -> None:
     """Show the ten kinds of constraint, or all that is known of one.
 
     The degrees under Lazard and Mourrain are those of Proposition 4.1, read off the equations as
@@ -55,15 +55,15 @@ def command(kind: str | None, output: Output) -> None:
       gsp constraint PH --format json
       gsp constraint --format latex -o constraints.tex
     """
-    if kind is None:
+    if o.kind is None:
         shown = [constraint_facts(each) for each in KINDS]
         tables = [_overview(shown)]
     else:
-        shown = [constraint_facts(each) for each in parse_kinds(kind)]
+        shown = [constraint_facts(each) for each in parse_kinds(o.kind)]
         if len(shown) > 1:
             names = listed([f"{facts.kind}" for facts in shown], "and")
-            say(f"{kind.upper()} is a distance and an angle: here are both, {names}")
-        if output.format == "csv":
+            say(f"{o.kind.upper()} is a distance and an angle: here are both, {names}")
+        if o.output.format == "csv":
             tables = [_equation_list(shown)]
         else:
             tables = [table for facts in shown for table in _page(facts)]
@@ -71,8 +71,8 @@ def command(kind: str | None, output: Output) -> None:
         "schema": "gsp.constraint/1",
         "constraints": [_document(facts) for facts in shown],
     }
-    latex = _latex_overview(shown) if kind is None else "\n".join(map(_latex_page, shown))
-    emit(output, tables, document=document, texts={"latex": latex})
+    latex = _latex_overview(shown) if o.kind is None else "\n".join(map(_latex_page, shown))
+    emit(o.output, tables, document=document, texts={"latex": latex})
 
 
 def _row(facts: ConstraintFacts) -> dict[str, Any]:

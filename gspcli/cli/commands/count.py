@@ -10,6 +10,7 @@ import click
 from gspcli.cli.options import (
     Changes,
     Command,
+    Options,
     Positive,
     load_instance,
     output_options,
@@ -63,15 +64,7 @@ _LEGEND = (
 )
 @seed_option(": the prime, and random platforms")
 @output_options()
-def command(
-    specs: tuple[str, ...],
-    changes: Changes,
-    type_name: str | None,
-    geometries: str,
-    effort: float,
-    seed: int,
-    output: Output,
-) -> None:
+def command(o: Options) -> None:
     """Count the complex solutions of a platform exactly, without finding them.
 
     SPEC is an instance file, - for standard input, or @NAME of an example (`gsp example`); its
@@ -95,14 +88,14 @@ def command(
       gsp count --type 6PP --geometry planar,hexagons,3-3
       gsp count --type "6D PP PP PH PH PH PL" --geometry generic,planar
     """
-    if (type_name is None) == (not specs):
+    if (o.type_name is None) == (not o.specs):
         raise click.UsageError("give either SPEC or --type")
-    if type_name is not None:
-        if changes != Changes():
+    if o.type_name is not None:
+        if o.changes != Changes():
             raise click.UsageError("--set and --delta change the values of SPEC: --type has none")
-        _count_geometries(read_type([type_name]), geometries, effort, seed, output)
+        _count_geometries(read_type([o.type_name]), o.geometries, o.effort, o.seed, o.output)
     else:
-        _count_specs(specs, changes, effort, seed, output)
+        _count_specs(o.specs, o.changes, o.effort, o.seed, o.output)
 
 
 def _count_specs(

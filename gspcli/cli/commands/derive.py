@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from gspcli.cli.options import Command, output_options
-from gspcli.cli.render import Output, emit
+from gspcli.cli.options import Command, Options, output_options
+from gspcli.cli.render import emit
 from gspcli.cli.result import Fields, Result
 from gspcli.cli.streams import progress, working
 
@@ -22,7 +22,7 @@ FIELDS = Fields("derive")
 @click.argument("case", required=False)
 @click.option("--expand", is_flag=True, help="Write every coefficient in the parameters alone.")
 @output_options(formats=("text", "latex", "json"), default="text")
-def command(case: str | None, expand: bool, output: Output) -> None:
+def command(o: Options) -> None:
     """Derive the triangular set of a CASE of the paper's Section 6; list the cases without one.
 
     CASE is an intersection of three surfaces (P plane, S sphere, C cylinder), as PSC; AAA for three
@@ -41,21 +41,21 @@ def command(case: str | None, expand: bool, output: Output) -> None:
     from gspcli.symbolic.closed_forms import CASES
     from gspcli.symbolic.derivation import derive
 
-    if case is None:
+    if o.case is None:
         names = progress(CASES, total=len(CASES), label="deriving")
-        emit(output, _listing([derive(name).triangular for name in names]), schema="derive-cases")
+        emit(o.output, _listing([derive(name).triangular for name in names]), schema="derive-cases")
         return
     with working("deriving"):
-        found = derive(case, expand=expand)
-    if output.format == "json":
-        emit(output, (), document=found.to_json())
+        found = derive(o.case, expand=o.expand)
+    if o.output.format == "json":
+        emit(o.output, (), document=found.to_json())
     else:
-        text = found.to_latex() if output.format == "latex" else str(found)
-        if output.format != "latex" and output.path is None and sys.stdout.isatty():
+        text = found.to_latex() if o.output.format == "latex" else str(found)
+        if o.output.format != "latex" and o.output.path is None and sys.stdout.isatty():
             from gspcli.cli.render import folded_lines
 
             text = folded_lines(text)
-        emit(output, (), texts={output.format: text})
+        emit(o.output, (), texts={o.output.format: text})
 
 
 def _listing(sets: list[TriangularSet]) -> Result:

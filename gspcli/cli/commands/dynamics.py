@@ -10,18 +10,15 @@ import click
 import numpy as np
 
 from gspcli.cli.options import (
-    Changes,
     Command,
+    Options,
     exclusive,
-    load_instance,
     output_options,
     value_options,
 )
 from gspcli.cli.pose_options import (
-    ColumnOptions,
     GivenPose,
     Mode,
-    PoseConventions,
     asked_poses,
     column_options,
     mode_number,
@@ -92,20 +89,7 @@ _MOST_NAMED = 5
 )
 @require_option("force<=200, range, condition<=50")
 @output_options()
-def command(
-    spec: str,
-    changes: Changes,
-    rows: str | None,
-    mode: Mode | None,
-    pose: GivenPose | None,
-    near: GivenPose | None,
-    conventions: PoseConventions,
-    columns: ColumnOptions,
-    modal: bool,
-    stiffness: str | None,
-    require: str | None,
-    output: Output,
-) -> None:
+def command(o: Options) -> None:
     """Compute forces of the drives along a motion, and natural frequencies.
 
     Each row has the forces of the six drives in N (moments in N m for angles), and the power of
@@ -142,18 +126,18 @@ def command(
       gsp dynamics platform.yaml path.csv --require "force<=200, power<=50"
       gsp dynamics platform.yaml --mode home --modes --stiffness 2e6
     """
-    if stiffness is not None and not modal:
+    if o.stiffness is not None and not o.modal:
         raise click.UsageError("--stiffness is for --modes only")
-    if near is not None and rows is None:
+    if o.near is not None and o.rows is None:
         raise click.UsageError("--near says which mode to follow: give it with ROWS")
-    instance = load_instance(spec, changes)
-    form = conventions.form(instance, columns)
-    requirements = required(require)
-    asked = asked_rows(instance, rows, mode, pose, near, form)
-    if modal:
-        _modes(instance, asked, stiffness, requirements, output)
+    instance = o.instance
+    form = o.form
+    requirements = required(o.require)
+    asked = asked_rows(instance, o.rows, o.mode, o.pose, o.near, form)
+    if o.modal:
+        _modes(instance, asked, o.stiffness, requirements, o.output)
     else:
-        _forces(instance, asked, requirements, output)
+        _forces(instance, asked, requirements, o.output)
 
 
 def _forces(

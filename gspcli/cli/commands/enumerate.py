@@ -13,8 +13,8 @@ from gspcli.catalogue.bounds import ONE_ORIENTATION, type_bounds
 from gspcli.catalogue.kinds import DLL
 from gspcli.catalogue.names import parse_class, parse_kind_set, parse_type
 from gspcli.catalogue.types import CLASSES, GspType, PlatformClass
-from gspcli.cli.options import Command, Whole, output_options
-from gspcli.cli.render import Output, emit
+from gspcli.cli.options import Command, Options, Whole, output_options
+from gspcli.cli.render import emit
 from gspcli.cli.result import Field, Fields, Result
 
 FIELDS = Fields("enumerate")
@@ -93,19 +93,7 @@ def _ceilings(function: Callable[..., Any]) -> Callable[..., Any]:
     help="Count the ways to share primitives among constraints, by class; of one TYPE, list them.",
 )
 @output_options()
-def command(
-    classes: tuple[str, ...],
-    only: str | None,
-    having: str | None,
-    without: str | None,
-    sort: str | None,
-    columns: str | None,
-    first: int | None,
-    by_class: bool,
-    coincident: str | None,
-    output: Output,
-    **ceilings: int | None,
-) -> None:
+def command(o: Options) -> None:
     """List the 3850 types of generalized Stewart platform.
 
     KINDS are names such as PL or DPL, A for all angles, D for all distances; LL means both DLL and
@@ -121,23 +109,27 @@ def command(
       gsp enumerate --format csv -o types.csv
       gsp enumerate --coincident "3DLL 3ALL"
     """
-    selected = _select(classes, only, having, without, ceilings)
-    if coincident is not None:
-        if coincident:
-            emit(output, _patterns(parse_type(coincident), first), schema="enumerate-patterns")
+    selected = _select(o)
+    if o.coincident is not None:
+        if o.coincident:
+            emit(
+                o.output, _patterns(parse_type(o.coincident), o.first), schema="enumerate-patterns"
+            )
         else:
-            emit(output, _sharing(selected), schema="enumerate-sharing")
+            emit(o.output, _sharing(selected), schema="enumerate-sharing")
         return
-    if sort:
-        selected = selected.sorted_by(*_words(sort))
-    if first is not None:
-        selected = selected[:first]
-    if by_class:
-        emit(output, _counts(selected), schema="enumerate-count")
+    if o.sort:
+        selected = selected.sorted_by(*_words(o.sort))
+    if o.first is not None:
+        selected = selected[: o.first]
+    if o.by_class:
+        emit(o.output, _counts(selected), schema="enumerate-count")
         return
-    shown = [listing.column(key) for key in _words(columns)] if columns else listing.DEFAULT_COLUMNS
+    shown = (
+        [listing.column(key) for key in _words(o.columns)] if o.columns else listing.DEFAULT_COLUMNS
+    )
     emit(
-        output,
+        o.output,
         Result(
             columns=[
                 Field(
@@ -174,23 +166,16 @@ def _words(text: str) -> list[str]:
     return text.replace(",", " ").split()
 
 
-def _select(
-    classes: tuple[str, ...],
-    only: str | None,
-    having: str | None,
-    without: str | None,
-    ceilings: dict[str, int | None],
-) -> listing.TypeList:
-    wanted = having.replace(",", " ").split() if having else []
+def _select(o: Options) -> listing.TypeList:
     return listing.TypeList().where(
-        classes=[parse_class(name) for text in classes for name in _words(text)],
-        only=parse_kind_set(only) if only is not None else None,
-        having=[parse_kind_set(word) for word in wanted],
-        without=parse_kind_set(without) if without else frozenset(),
+        classes=[parse_class(name) for text in o.classes for name in _words(text)],
+        only=parse_kind_set(o.only) if o.only is not None else None,
+        having=[parse_kind_set(word) for word in _words(o.having or "")],
+        without=parse_kind_set(o.without) if o.without else frozenset(),
         at_most={
             key.removeprefix("max_"): ceiling
-            for key, ceiling in ceilings.items()
-            if ceiling is not None
+            for key, ceiling in vars(o).items()
+            if key.startswith("max_") and ceiling is not None
         },
     )
 

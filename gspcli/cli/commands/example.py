@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from gspcli.cli.options import FORMATS, Command, output_options
-from gspcli.cli.render import Output, emit
+from gspcli.cli.options import FORMATS, Command, Options, output_options
+from gspcli.cli.render import emit
 from gspcli.cli.result import Fields, Result
 from gspcli.resources import data_json, instance_files, shipped_file
 
@@ -30,7 +30,7 @@ _LEGEND = (
 @click.command(cls=Command)
 @click.argument("name", required=False)
 @output_options(formats=(*FORMATS, _FILE))
-def command(name: str | None, output: Output) -> None:
+def command(o: Options) -> None:
     """List the instance files that come with gsp, or print one.
 
     The examples are the paper's and special positions; the platforms are real machines with
@@ -45,19 +45,19 @@ def command(name: str | None, output: Output) -> None:
       gsp example rubin-m2 -o mine.yaml
       gsp solve @sdss-primary
     """
-    if name is not None:
+    if o.name is not None:
         from gspcli.spec.form_of_instance import beside_schema
 
-        text = beside_schema(shipped_file(name.removeprefix("@")).read_text(encoding="utf-8"))
-        emit(output, [], texts={output.format: text})
+        text = beside_schema(shipped_file(o.name.removeprefix("@")).read_text(encoding="utf-8"))
+        emit(o.output, [], texts={o.output.format: text})
         return
-    if output.format == _FILE:
+    if o.output.format == _FILE:
         raise click.UsageError("the list has no YAML form: give a NAME, or another format")
     rows = [_row(name, path) for name, path in instance_files().items()]
     keys = [column.key for column in _COLUMNS]
     entries = [{key: row[key] for key in keys} for row in rows]
     emit(
-        output,
+        o.output,
         Result(_COLUMNS, rows, notes=[_LEGEND]),
         document={"schema": "gsp.example/1", "files": entries},
     )

@@ -8,15 +8,14 @@ from pathlib import Path
 import click
 
 from gspcli.cli.options import (
-    Changes,
     Command,
     Finite,
+    Options,
     Whole,
     file_option,
-    load_instance,
     value_options,
 )
-from gspcli.cli.pose_options import Mode, mode_option
+from gspcli.cli.pose_options import mode_option
 from gspcli.cli.render import Output, write
 from gspcli.cli.streams import say, working
 from gspcli.errors import GspError
@@ -78,18 +77,7 @@ _SYSTEMS = {name: form for name, form in FORMATS.items() if isinstance(form, Sys
     help="For c: by which part of its range a value may leave it, as with readings at a stop.",
 )
 @file_option("export")
-def command(
-    spec: str,
-    target: str,
-    changes: Changes,
-    mode: Mode | None,
-    coordinates: str,
-    significant_digits: int,
-    prefix: str | None,
-    tries: int,
-    margin: float,
-    output: Output,
-) -> None:
+def command(o: Options) -> None:
     """Write a platform as a file for another program.
 
     {poses}
@@ -113,29 +101,29 @@ def command(
       gsp export @dietmaier --to msolve -o d.ms && msolve -f d.ms -o d.out
       gsp certify @dietmaier d.out
     """
-    instance = load_instance(spec, changes)
-    form = FORMATS[target]
+    instance = o.instance
+    form = FORMATS[o.target]
     pair = None if isinstance(form, SystemFormat) or len(form.suffixes) < 2 else form.suffixes
-    source = None if pair is None else _source(output, *pair)
+    source = None if pair is None else _source(o.output, *pair)
     places = {}
     if source is not None:
-        places = {suffix: output.beside(source.with_suffix(suffix)) for suffix in pair or ()}
+        places = {suffix: o.output.beside(source.with_suffix(suffix)) for suffix in pair or ()}
     with working("exporting"):
         found = exported(
             instance,
-            target,
-            mode=mode if isinstance(mode, int) else None,
-            coordinates=coordinates,
-            digits=significant_digits,
+            o.target,
+            mode=o.mode if isinstance(o.mode, int) else None,
+            coordinates=o.coordinates,
+            digits=o.significant_digits,
             name="" if source is None else source.stem,
-            prefix=prefix,
-            tries=tries,
-            margin=margin,
+            prefix=o.prefix,
+            tries=o.tries,
+            margin=o.margin,
         )
     for note in found.notes:
         say(note)
     for suffix, text in found.files.items():
-        write(places.get(suffix, output), text)
+        write(places.get(suffix, o.output), text)
 
 
 def _irrational() -> str:

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from gspcli.cli.options import Command, output_options, refuse_to_replace, spec_source
-from gspcli.cli.pose_options import GivenPose, PoseConventions, pose_options, pose_value_option
-from gspcli.cli.render import Output, emit
+from gspcli.cli.options import Command, Options, output_options, refuse_to_replace, spec_source
+from gspcli.cli.pose_options import pose_options, pose_value_option
+from gspcli.cli.render import emit
 from gspcli.cli.result import Fields, Result
 from gspcli.errors import GspError
 
@@ -32,13 +32,7 @@ _OFF = 1e-6
     "--all", "everything", is_flag=True, help="Show every constraint that could be added."
 )
 @output_options()
-def command(
-    spec: str,
-    pose: GivenPose | None,
-    conventions: PoseConventions,
-    everything: bool,
-    output: Output,
-) -> None:
+def command(o: Options) -> None:
     """Say which freedoms any number of constraints leave, and which are redundant.
 
     SPEC is an instance file with any number of constraints, fewer or more than six. Each freedom at
@@ -59,23 +53,23 @@ def command(
     from gspcli.motion.statics.freedoms import freedoms
     from gspcli.spec import read
 
-    refuse_to_replace(spec)
-    instance = read(spec_source(spec), name=spec, any_number=True).instance
-    if pose is not None:
-        R, T = pose.read(conventions.form(instance))
+    refuse_to_replace(o.spec)
+    instance = read(spec_source(o.spec), name=o.spec, any_number=True).instance
+    if o.pose is not None:
+        R, T = o.pose.read(o.conventions.form(instance))
         instance = _moved(instance, R, T)
-    elif conventions.options:
+    elif o.conventions.options:
         raise click.UsageError(
-            f"{conventions.options[0]} says how --pose is read: give --pose, too"
+            f"{o.conventions.options[0]} says how --pose is read: give --pose, too"
         )
     else:
         R, T = _home(instance)
     found = freedoms(instance, R, T)
     document = {"schema": "gsp.freedoms/1", **found.to_json()}
     emit(
-        output,
-        _tables(found, everything=everything, readable=output.format not in ("csv", "json")),
-        document=document if output.format == "json" else None,
+        o.output,
+        _tables(found, everything=o.everything, readable=o.output.format not in ("csv", "json")),
+        document=document if o.output.format == "json" else None,
     )
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from gspcli.cli.options import Command, Finite, Whole, file_option, refuse_to_replace
+from gspcli.cli.options import Command, Finite, Options, Whole, file_option, refuse_to_replace
 from gspcli.cli.render import Output, write
 from gspcli.cli.streams import say
 from gspcli.defaults import IMPORTED_DIGITS, MEETING_SHARE
@@ -37,14 +37,7 @@ from gspcli.wording import named
     "size.",
 )
 @file_option("yaml")
-def command(
-    file: Path,
-    base: str | None,
-    platform: str | None,
-    meet: float,
-    digits: int,
-    output: Output,
-) -> None:
+def command(o: Options) -> None:
     """Read a machine from the file of another program and write its instance file.
 
     {formats}
@@ -62,13 +55,13 @@ def command(
     """
     from gspcli.machines.api import import_machine
 
-    refuse_to_replace(str(file))
-    _spare(output)
-    found = import_machine(file, base=base, platform=platform, meet=meet, digits=digits)
-    say(f"{file}: {found.described}")
+    refuse_to_replace(str(o.file))
+    _spare(o.output)
+    found = import_machine(o.file, base=o.base, platform=o.platform, meet=o.meet, digits=o.digits)
+    say(f"{o.file}: {found.described}")
     for line in (*found.chains, *found.notes):
         say(line)
-    write(output, found.text)
+    write(o.output, found.text)
 
 
 def _spare(output: Output) -> None:

@@ -11,6 +11,7 @@ from click.core import ParameterSource
 
 from gspcli.cli.options import (
     Command,
+    Options,
     Positive,
     Whole,
     file_option,
@@ -57,17 +58,7 @@ if TYPE_CHECKING:
 @worker_options
 @resume_option
 @file_option("yaml")
-def command(
-    names: tuple[str, ...],
-    show: bool,
-    real: int | None,
-    seconds: float,
-    most: int | None,
-    seed: int,
-    workers: Workers,
-    resume: Path | None,
-    output: Output,
-) -> int:
+def command(o: Options) -> int:
     """Search for a platform with as many real poses as possible.
 
     The search begins with random platforms of TYPE, or with the instance file SPEC. It moves
@@ -88,38 +79,40 @@ def command(
     """
     from gspcli.spec import dumps
 
-    if resume is not None:
-        check_writable(resume)
-    given = load_instance(names[0]) if len(names) == 1 and is_file(names[0]) else None
-    gsp_type = read_type(names) if given is None else given.type
-    if show:
-        _show_known(gsp_type, real, output)
+    if o.resume is not None:
+        check_writable(o.resume)
+    given = load_instance(o.names[0]) if len(o.names) == 1 and is_file(o.names[0]) else None
+    gsp_type = read_type(o.names) if given is None else given.type
+    if o.show:
+        _show_known(gsp_type, o.real, o.output)
         return 0
 
-    if real == 0:
+    if o.real == 0:
         raise click.UsageError("--real 0 is for --show: a search is for at least one real pose")
     from gspcli.journal import held
     from gspcli.reality.real_search import RealSearch
     from gspcli.reality.state import State, read_state
 
-    search = RealSearch.of(gsp_type if given is None else given, real, seconds, seed)
+    search = RealSearch.of(gsp_type if given is None else given, o.real, o.seconds, o.seed)
     subject = search.subject
     interrupted = False
-    with nullcontext() if resume is None else held(resume):
-        state = State(subject, seed) if resume is None else read_state(resume, subject, seed)
+    with nullcontext() if o.resume is None else held(o.resume):
+        state = (
+            State(subject, o.seed) if o.resume is None else read_state(o.resume, subject, o.seed)
+        )
         try:
-            state = _searched(search, state, most, workers, resume)
+            state = _searched(search, state, o.most, o.workers, o.resume)
         except _Interrupted as interruption:
             state, interrupted = interruption.state, True
     if state.platform is None and interrupted:
         say("interrupted before the end of an attempt")
         return INTERRUPTED
     found = search.result(state)
-    write(output, dumps(found.instance))
+    write(o.output, dumps(found.instance))
     say(f"{found.real} real poses, certified")
-    if not interrupted and real is not None and found.real < real:
+    if not interrupted and o.real is not None and found.real < o.real:
         raise CheckFailed(
-            f"{real} real poses were asked for, {found.real} were found: give it more time"
+            f"{o.real} real poses were asked for, {found.real} were found: give it more time"
         )
     return INTERRUPTED if interrupted else 0
 

@@ -8,11 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from gspcli.cli.options import Command, exclusive, load_instance, output_options
+from gspcli.cli.options import Command, Options, exclusive, output_options
 from gspcli.cli.pose_options import (
-    ColumnOptions,
-    GivenPose,
-    PoseConventions,
     column_options,
     frame_note,
     one_mode,
@@ -21,7 +18,7 @@ from gspcli.cli.pose_options import (
     text_of,
     warn_of_range,
 )
-from gspcli.cli.render import Output, emit
+from gspcli.cli.render import emit
 from gspcli.cli.requirements import require_option, required, settled
 from gspcli.cli.result import Field, Fields, Result
 from gspcli.cli.streams import say
@@ -69,18 +66,7 @@ _POSE = ("x", "y", "z", "qw", "qx", "qy", "qz")
 @column_options
 @require_option("range, cone, clearance>=0.5, condition<=50")
 @output_options()
-def command(
-    spec: str,
-    poses: str | None,
-    pose: GivenPose | None,
-    drives: bool,
-    cranks: bool,
-    nearest: bool,
-    conventions: PoseConventions,
-    columns: ColumnOptions,
-    require: str | None,
-    output: Output,
-) -> None:
+def command(o: Options) -> None:
     """Measure the values of constraints at given poses (inverse kinematics).
 
     Each pose gives one row: the distances and angles of SPEC, in its units and order. Distances
@@ -132,33 +118,33 @@ def command(
       gsp measure machine.yaml --pose 0,0,200,1,0,0,0 --nearest
       gsp measure thick.yaml poses.csv --require "gap>=2"
     """
-    if (poses is None) == (pose is None):
+    if (o.poses is None) == (o.pose is None):
         raise click.UsageError("give either POSES or --pose")
-    if (cranks or nearest) and require is not None:
-        which = "--cranks" if cranks else "--nearest"
+    if (o.cranks or o.nearest) and o.require is not None:
+        which = "--cranks" if o.cranks else "--nearest"
         raise click.UsageError(f"--require needs the values or --drives, not {which}")
     from gspcli.motion import PoseTable, read_poses
 
-    instance = load_instance(spec)
-    requirements = required(require)
-    form = conventions.form(instance, columns)
+    instance = o.instance
+    requirements = required(o.require)
+    form = o.form
     text = name = ""
-    if pose is None:
-        text, name = text_of(str(poses))
+    if o.pose is None:
+        text, name = text_of(str(o.poses))
         table = read_poses(text, name, form)
     else:
-        R, T = pose.read(form)
+        R, T = o.pose.read(form)
         table = PoseTable(None, R[None], T[None])
     t = list(range(1, len(table.R) + 1)) if table.t is None else table.t.tolist()
-    if nearest:
+    if o.nearest:
         result = _nearest(instance, table, t, form)
-    elif drives or cranks:
-        result = _motors(instance, table, t, cranks=cranks)
+    elif o.drives or o.cranks:
+        result = _motors(instance, table, t, cranks=o.cranks)
     else:
         values, result = _values(instance, table, t)
         _say_other_values(text, name, form, instance, values)
     refuse_unmet = None
-    if not (cranks or nearest):
+    if not (o.cranks or o.nearest):
         # Poses that are refused have no other numbers.
         reached = [k for k, row in enumerate(result.rows) if not row.get("refused")]
         places = [{"row": k + 1, "t": t[k]} for k in reached]
@@ -169,8 +155,8 @@ def command(
         for k, row in zip(reached, part.rows, strict=True):
             rows[k] = dict(row)
         result = replace(part, rows=rows)
-    emit(output, result)
-    if not (drives or cranks or nearest):
+    emit(o.output, result)
+    if not (o.drives or o.cranks or o.nearest):
         warn_of_range(instance, t, values)
     if refuse_unmet is not None:
         refuse_unmet()

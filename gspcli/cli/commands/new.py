@@ -6,7 +6,14 @@ from typing import TYPE_CHECKING
 
 import click
 
-from gspcli.cli.options import Command, decimals_option, file_option, one_sided_option, seed_option
+from gspcli.cli.options import (
+    Command,
+    Options,
+    decimals_option,
+    file_option,
+    one_sided_option,
+    seed_option,
+)
 from gspcli.cli.render import Output, write
 from gspcli.wording import listed
 
@@ -48,17 +55,7 @@ _TEMPLATE_HEAD = """\
 @click.option("--planar", is_flag=True, help="Put the points of each body in one plane.")
 @one_sided_option
 @file_option("yaml")
-def command(
-    type_words: tuple[str, ...],
-    rotary: bool,
-    linear: bool,
-    template: bool,
-    seed: int,
-    decimals: int,
-    planar: bool,
-    one_sided: bool,
-    output: Output,
-) -> None:
+def command(o: Options) -> None:
     """Write a random instance of a type, or a machine from its drawing, as YAML.
 
     TYPE is a name in any spelling, a number from 1 to 3850, or a pattern of shared primitives as
@@ -85,24 +82,28 @@ def command(
       gsp new --rotary base=80,12 platform=55,10 horn=24 rod=130
       gsp new --linear base=200,0 platform=50,30 rod=250 rails=3
     """
-    if rotary or linear:
+    if o.rotary or o.linear:
         _write_machine(
-            "rotary" if rotary else "linear", rotary and linear, type_words, output, template
+            "rotary" if o.rotary else "linear",
+            o.rotary and o.linear,
+            o.type_words,
+            o.output,
+            o.template,
         )
         return
     from gspcli.geometry.random_instances import new
     from gspcli.spec import dumps
     from gspcli.spec.form_of_instance import EDITOR_LINE
 
-    text = " ".join(type_words)
-    instance = new(text, decimals=decimals, planar=planar, one_sided=one_sided, seed=seed)
+    text = " ".join(o.type_words)
+    instance = new(text, decimals=o.decimals, planar=o.planar, one_sided=o.one_sided, seed=o.seed)
     gsp_type = instance.type
     head = f"# {gsp_type.id} (type {gsp_type.number}, {gsp_type.platform_class})\n"
     text = dumps(instance)
-    if template:
+    if o.template:
         head = EDITOR_LINE + head + _TEMPLATE_HEAD
         text = _commented(text, instance)
-    write(output, head + text)
+    write(o.output, head + text)
 
 
 def _write_machine(

@@ -7,11 +7,10 @@ from typing import TYPE_CHECKING
 import click
 
 from gspcli.cli.options import (
-    Changes,
     Command,
     Finite,
+    Options,
     Positive,
-    load_instance,
     output_options,
     seed_option,
     value_options,
@@ -19,11 +18,10 @@ from gspcli.cli.options import (
 from gspcli.cli.pose_options import (
     HOME,
     GivenPose,
-    PoseConventions,
     frame_note,
     pose_options,
 )
-from gspcli.cli.render import Output, emit
+from gspcli.cli.render import emit
 from gspcli.cli.result import Field, Fields, Result, pose_columns
 from gspcli.cli.streams import working
 from gspcli.defaults import PATH_SECONDS
@@ -147,22 +145,7 @@ class _LimitType(click.ParamType):  # type: ignore[type-arg]
 @value_options
 @pose_options
 @output_options()
-def command(
-    spec: str,
-    start: int | str | GivenPose | None,
-    goal: int | str | GivenPose | None,
-    everything: bool,
-    along: str | None,
-    clear: float,
-    gap: float | None,
-    seconds: float,
-    speed: dict[str, float] | None,
-    acceleration: dict[str, float] | None,
-    seed: int,
-    changes: Changes,
-    conventions: PoseConventions,
-    output: Output,
-) -> None:
+def command(o: Options) -> None:
     """Plan a path from one pose to another that is proved safe on the whole way.
 
     Two facts are proved for every pose of the path, also between its rows: it is not singular, and
@@ -195,27 +178,27 @@ def command(
       gsp path thick.yaml --from home --to 10,0,420,1,0,0,0 --leg-gap 5
       gsp path @rubin-camera --all
     """
-    _check(start, goal, everything, spec)
-    _check_speed(speed, acceleration, everything)
+    _check(o.start, o.goal, o.everything, o.spec)
+    _check_speed(o.speed, o.acceleration, o.everything)
     from gspcli.motion.paths.api import mode_groups, path
 
-    instance = load_instance(spec, changes)
-    form = conventions.form(instance)
-    if everything:
+    instance = o.instance
+    form = o.form
+    if o.everything:
         with working("joining modes"):
-            groups = mode_groups(instance, along=along, time=seconds, seed=seed)
-        emit(output, groups_table(groups), document=groups.to_json())
+            groups = mode_groups(instance, along=o.along, time=o.seconds, seed=o.seed)
+        emit(o.output, groups_table(groups), document=groups.to_json())
         _refuse_undecided(groups)
         return
-    first, last = _end(start, form), _end(goal, form)
+    first, last = _end(o.start, form), _end(o.goal, form)
     with working("planning"):
         found = path(
-            instance, first, last, along=along, clear=clear, gap=gap, time=seconds, seed=seed,
-            pivot=_pivot(form), sequence=form.euler or "ZYX",
-            speed=speed, acceleration=acceleration,
+            instance, first, last, along=o.along, clear=o.clear, gap=o.gap, time=o.seconds,
+            seed=o.seed, pivot=_pivot(form), sequence=form.euler or "ZYX",
+            speed=o.speed, acceleration=o.acceleration,
         )  # fmt: skip
-    if found.verdict == "proved" or output.format == "json":
-        emit(output, path_table(found, form.frame), document=found.to_json(form.frame))
+    if found.verdict == "proved" or o.output.format == "json":
+        emit(o.output, path_table(found, form.frame), document=found.to_json(form.frame))
     _refuse(found)
 
 

@@ -26,8 +26,16 @@ from gspcli.catalogue.realization import (
     outside,
 )
 from gspcli.catalogue.types import CONSTRAINTS, GspType
-from gspcli.cli.options import DRAWINGS, FORMATS, Command, is_file, load_instance, output_options
-from gspcli.cli.render import Output, emit, write
+from gspcli.cli.options import (
+    DRAWINGS,
+    FORMATS,
+    Command,
+    Options,
+    is_file,
+    load_instance,
+    output_options,
+)
+from gspcli.cli.render import emit, write
 from gspcli.cli.result import Fields, Result
 from gspcli.cli.streams import working
 from gspcli.errors import GspError, TypeNameError
@@ -54,7 +62,7 @@ _COLUMNS = FIELDS.of(
     "joints at the base (Figure 8).",
 )
 @output_options(formats=(*FORMATS, *DRAWINGS))
-def command(names: tuple[str, ...], chosen: str, output: Output) -> None:
+def command(o: Options) -> None:
     """Show a mechanism that realizes a platform: a chain of joints for each constraint.
 
     A TYPE has distinct primitives; a PATTERN names those that constraints share
@@ -75,28 +83,31 @@ def command(names: tuple[str, ...], chosen: str, output: Output) -> None:
       gsp realize "L1-l3 L1^l3 L2-l4 L2^l4 L1^l4 L2-l3"
       gsp realize platform.yaml --realization outside -o mechanism.svg
     """
-    if output.format in DRAWINGS and (kinds := _kinds(names)):
+    if o.output.format in DRAWINGS and (kinds := _kinds(o.names)):
         from gspcli.pictures.mechanisms import chain_drawing
 
-        headed = [(kind.name, REALIZATIONS[chosen](kind)) for kind in kinds]
-        write(output, chain_drawing(headed, output.format))
+        headed = [(kind.name, REALIZATIONS[o.chosen](kind)) for kind in kinds]
+        write(o.output, chain_drawing(headed, o.output.format))
         return
-    title, gsp_type, connections = _platform(names)
-    built = mechanism(connections, REALIZATIONS[chosen])
-    if output.format in DRAWINGS:
-        whole = len(names) == 1 and is_file(names[0])
-        fmt = output.format
-        write(output, _platform_drawn(names[0], built, fmt) if whole else _chains_drawn(built, fmt))
+    title, gsp_type, connections = _platform(o.names)
+    built = mechanism(connections, REALIZATIONS[o.chosen])
+    if o.output.format in DRAWINGS:
+        whole = len(o.names) == 1 and is_file(o.names[0])
+        fmt = o.output.format
+        write(
+            o.output,
+            _platform_drawn(o.names[0], built, fmt) if whole else _chains_drawn(built, fmt),
+        )
         return
     dependent = over_constraint(connections)
     notes = [built.sum_shown]
     notes += [f"{s.name}: {s.joints} (chains {_numbers(s.chains)})" for s in built.shared]
     if dependent:
         notes.append(f"the platform is never fixed: {dependent.reason}")
-    notes += _driven_joints(names)
+    notes += _driven_joints(o.names)
     rows = [{"number": n, **_row(mounted)} for n, mounted in enumerate(built.chains, start=1)]
     emit(
-        output,
+        o.output,
         Result(_COLUMNS, rows, title=title, notes=notes),
         document={
             "schema": "gsp.realize/1",

@@ -12,6 +12,7 @@ from gspcli.cli.options import (
     DRAWINGS,
     FORMATS,
     Command,
+    Options,
     Whole,
     one_sided_option,
     output_options,
@@ -19,14 +20,13 @@ from gspcli.cli.options import (
     seed_option,
     worker_options,
 )
-from gspcli.cli.render import Output, emit, write
+from gspcli.cli.render import emit, write
 from gspcli.cli.result import Fields, Result
 from gspcli.cli.streams import say, write_whole
 from gspcli.errors import INTERRUPTED, GspError
 
 if TYPE_CHECKING:
     from gspcli.reality.real_distribution import Sample, Tally
-    from gspcli.workers import Workers
 
 FIELDS = Fields("sample")
 
@@ -57,15 +57,7 @@ _ALL_DIGITS = 17
 )
 @worker_options
 @output_options((*FORMATS, *DRAWINGS))
-def command(
-    names: tuple[str, ...],
-    count: int,
-    seed: int,
-    one_sided: bool,
-    folder: Path | None,
-    workers: Workers,
-    output: Output,
-) -> int:
+def command(o: Options) -> int:
     """Count the real solutions of random platforms of a type.
 
     Points are uniform in a cube, directions and a hidden pose are uniform. The values are those
@@ -83,26 +75,26 @@ def command(
     from gspcli.reality.real_distribution import Sample, Tally, sample
     from gspcli.reality.sample_results import SampleResult
 
-    if folder is not None:
-        _make(folder)
-    wanted = Sample(read_type(names), count, seed, one_sided)
+    if o.folder is not None:
+        _make(o.folder)
+    wanted = Sample(read_type(o.names), o.count, o.seed, o.one_sided)
     total = Tally()
     interrupted = False
     try:
         for part in progress(
-            sample(wanted, workers), total=len(wanted.pieces), label="solving platforms"
+            sample(wanted, o.workers), total=len(wanted.pieces), label="solving platforms"
         ):
             total.add(part)
     except KeyboardInterrupt:
         interrupted = True
-        say(f"interrupted after {total.platforms} of {count} platforms")
-    if folder is not None:
-        _save(folder, wanted, total)
-    if output.format in DRAWINGS:
-        write(output, histogram(wanted, total, output.format))
+        say(f"interrupted after {total.platforms} of {o.count} platforms")
+    if o.folder is not None:
+        _save(o.folder, wanted, total)
+    if o.output.format in DRAWINGS:
+        write(o.output, histogram(wanted, total, o.output.format))
     else:
-        table = _table(wanted, total, bars=output.format == "table")
-        emit(output, table, document=SampleResult(wanted, total).to_json())
+        table = _table(wanted, total, bars=o.output.format == "table")
+        emit(o.output, table, document=SampleResult(wanted, total).to_json())
     return INTERRUPTED if interrupted else 0
 
 

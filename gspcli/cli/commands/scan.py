@@ -17,9 +17,8 @@ from gspcli import __version__
 from gspcli.cli.options import (
     DRAWINGS,
     FORMATS,
-    Changes,
     Command,
-    load_instance,
+    Options,
     output_options,
     resume_option,
     value_options,
@@ -92,18 +91,7 @@ _NUMBERS = tuple("123456")
 @resume_option
 @worker_options
 @output_options(formats=(*FORMATS, *DRAWINGS))
-def command(
-    spec: str,
-    texts: tuple[str, ...],
-    pose: GivenPose | None,
-    changes: Changes,
-    conventions: PoseConventions,
-    folds: bool,
-    quantity: str,
-    resume: Path | None,
-    workers: Workers,
-    output: Output,
-) -> int:
+def command(o: Options) -> int:
     """Count the real assembly modes where one or two values or drives vary.
 
     All poses are found at every node of the grid. The column modes has the number of real ones,
@@ -141,13 +129,13 @@ def command(
       gsp scan platform.yaml --vary x=-9:9:60 --vary y=-9:9:60 \\
         --pose 0,0,7,1,0,0,0 -o singular.svg
     """
-    instance = load_instance(spec, changes)
-    frame = conventions.frame(instance)
-    if pose is not None:
-        shown = "determinant" if quantity == QUANTITIES[0] else quantity
-        scan_poses(instance, texts, pose, conventions.form(instance), folds, shown, output)
+    instance = o.instance
+    frame = o.conventions.frame(instance)
+    if o.pose is not None:
+        shown = "determinant" if o.quantity == QUANTITIES[0] else o.quantity
+        scan_poses(instance, o.texts, o.pose, o.form, o.folds, shown, o.output)
         return 0
-    _refuse_coordinates(texts, conventions)
+    _refuse_coordinates(o.texts, o.conventions)
     from gspcli.motion.singularities.scans import (
         MISSING,
         Boundary,
@@ -157,32 +145,32 @@ def command(
         corrected,
     )
 
-    asked = Scan.empty(instance, _axes(instance, texts))
-    found = Scan.empty(*corrected(asked), clearance=quantity == "clearance")
+    asked = Scan.empty(instance, _axes(instance, o.texts))
+    found = Scan.empty(*corrected(asked), clearance=o.quantity == "clearance")
     check_values(found, "--vary")
     total = math.prod(len(axis.values) for axis in asked.axes)
     limits = Boundary()
     interrupted = False
     try:
-        _fill(found, workers, resume)
-        if folds:
+        _fill(found, o.workers, o.resume)
+        if o.folds:
             limits = _boundary(found)
     except KeyboardInterrupt:
         interrupted = True
         say(f"interrupted after {(found.modes != MISSING).sum()} of {total} nodes")
-    if interrupted and output.path is not None:
-        say(f"{output.path}: not written; --resume keeps what is done for the next run")
+    if interrupted and o.output.path is not None:
+        say(f"{o.output.path}: not written; --resume keeps what is done for the next run")
         return INTERRUPTED
-    result = as_read(asked, found, limits, folds=folds)
+    result = as_read(asked, found, limits, folds=o.folds)
     found, limits = result.found, result.limits
-    if output.format in DRAWINGS:
+    if o.output.format in DRAWINGS:
         from gspcli.pictures.charts import mode_map
 
-        write(output, mode_map(found, limits, quantity, output.format))
+        write(o.output, mode_map(found, limits, o.quantity, o.output.format))
     else:
         emit(
-            output,
-            scan_table(result, output.format, frame),
+            o.output,
+            scan_table(result, o.output.format, frame),
             document=result.to_json(),
         )
     if interrupted:

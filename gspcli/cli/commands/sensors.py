@@ -7,23 +7,20 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from gspcli.cli.options import (
-    Changes,
     Command,
+    Options,
     Positive,
     jobs_option,
-    load_instance,
     output_options,
     seed_option,
     value_options,
 )
 from gspcli.cli.pose_options import (
-    ColumnOptions,
-    PoseConventions,
     column_options,
     pose_options,
     text_of,
 )
-from gspcli.cli.render import Output, emit
+from gspcli.cli.render import emit
 from gspcli.cli.result import Field, Fields, Result
 from gspcli.cli.streams import working
 from gspcli.errors import GspError, IncompleteError
@@ -81,22 +78,7 @@ _KINDS = ("leg", "joint", "inclinometer", "distance", "angle")
 @seed_option(": of --random")
 @jobs_option
 @output_options()
-def command(
-    spec: str,
-    rows: str | None,
-    changes: Changes,
-    relative: bool,
-    conventions: PoseConventions,
-    columns: ColumnOptions,
-    names: tuple[str, ...],
-    deviations: tuple[str, ...],
-    need: float,
-    known_side: bool,
-    everything: bool,
-    seed: int,
-    jobs: int,
-    output: Output,
-) -> None:
+def command(o: Options) -> None:
     """Say which one more sensor tells the assembly modes of a platform apart.
 
     All real modes are found, and the reading of each sensor at each of them. Sensors are one more
@@ -122,28 +104,28 @@ def command(
       gsp sensors platform.yaml --sigma inclinometer=0.02
       gsp sensors platform.yaml --sensor "leg P1 B3" --sensor inclinometer
     """
-    about_rows = [*(["--relative"] if relative else ()), *conventions.options, *columns.options]
-    if rows is None and about_rows:
+    about_rows = [*(["--relative"] if o.relative else ()), *o.conventions.options]
+    if o.rows is None and about_rows:
         raise click.UsageError(f"{listed(about_rows, 'and')}: needs ROWS")
     from gspcli.sensing import sensors
 
-    instance = load_instance(spec, changes)
-    chosen = _chosen(names, instance)
-    table = _rows(rows, instance, conventions.form(instance, columns), delta=relative)
+    instance = o.instance
+    chosen = _chosen(o.names, instance)
+    table = _rows(o.rows, instance, o.form, delta=o.relative)
     with working("solving"):
         result = sensors(
             instance,
             None if table is None else table.values,
             coordinates=None if table is None else table.coordinates,
-            seed=seed,
+            seed=o.seed,
             sensors=chosen,
-            sigma=dict(map(_deviation, deviations)),
-            need=need,
-            known_side=known_side,
-            jobs=jobs,
+            sigma=dict(map(_deviation, o.deviations)),
+            need=o.need,
+            known_side=o.known_side,
+            jobs=o.jobs,
         )
-    shown = sensor_table(result, output.format, everything=everything or bool(names))
-    emit(output, shown, document=result.to_json())
+    shown = sensor_table(result, o.output.format, everything=o.everything or bool(o.names))
+    emit(o.output, shown, document=result.to_json())
     if missing := int((~result.separations.complete).sum()):
         sets = len(result.separations.modes)
         raise IncompleteError(f"at {counted(missing, 'set')} of {sets} not all poses are known")

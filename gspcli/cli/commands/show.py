@@ -10,8 +10,8 @@ from gspcli.catalogue.names import Alias, find_alias, parse_type
 from gspcli.catalogue.realization import Mechanism, mechanism_of_type, realization
 from gspcli.catalogue.types import GspType
 from gspcli.cli.commands.bound import bound_table, constraint_table
-from gspcli.cli.options import Command, is_file, load_instance, output_options
-from gspcli.cli.render import Output, emit
+from gspcli.cli.options import Command, Options, is_file, load_instance, output_options
+from gspcli.cli.render import emit
 from gspcli.cli.result import Fields, Result
 
 FIELDS = Fields("show")
@@ -20,7 +20,7 @@ FIELDS = Fields("show")
 @click.command(cls=Command)
 @click.argument("names", nargs=-1, required=True, metavar="TYPE")
 @output_options(parts=("constraints", "meanings", "bounds", "chains"))
-def command(names: tuple[str, ...], output: Output) -> None:
+def command(o: Options) -> None:
     """Show on one page all that is known of a type.
 
     The page lists the constraints with their degrees and meaning, the bounds with their reasons,
@@ -35,12 +35,12 @@ def command(names: tuple[str, ...], output: Output) -> None:
       gsp show 3-3
       gsp show PL PL LP ALL ALH AHH
     """
-    single = len(names) == 1 and is_file(names[0])
-    gsp_type = load_instance(names[0]).type if single else parse_type(names)
+    single = len(o.names) == 1 and is_file(o.names[0])
+    gsp_type = load_instance(o.names[0]).type if single else parse_type(o.names)
     known, built = show(gsp_type), mechanism_of_type(gsp_type)
-    alias = find_alias(" ".join(names))
+    alias = find_alias(" ".join(o.names))
     emit(
-        output,
+        o.output,
         [
             constraint_table(gsp_type.kinds, _title(gsp_type)),
             _meanings(gsp_type),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 import json
 import sys
 from collections.abc import Callable, Iterator, Sequence
@@ -17,6 +16,7 @@ from gspcli.cli.options import (
     FORMATS,
     Changes,
     Command,
+    Options,
     decimals_option,
     jobs_option,
     load_instance,
@@ -24,6 +24,7 @@ from gspcli.cli.options import (
     seed_option,
     spec_source,
     standard_deviations,
+    together,
     value_options,
 )
 from gspcli.cli.pose_options import (
@@ -109,29 +110,24 @@ class FilterOptions:
         return replace(result, left_out=out), left
 
 
-def filter_options(function: Function) -> Function:
-    """Add ``--where``, ``--within-limits`` and ``--above``; the command gets `FilterOptions`."""
-
-    @click.option(
+#: `--where`, `--within-limits` and `--above`.
+filter_options = together(
+    click.option(
         "--where",
         metavar="CONDITION",
         multiple=True,
         help="List only real poses with this, such as 'z>0, rx<=45': x, y, z, and rx, ry, rz in "
         "the order of --euler or ZYX; may be repeated.",
-    )
-    @click.option(
+    ),
+    click.option(
         "--within-limits", is_flag=True, help="List only real poses within all ranges and cones."
-    )
-    @click.option(
+    ),
+    click.option(
         "--above",
         is_flag=True,
         help="List only real poses with the platform above its base: on the side of home, or of z.",
-    )
-    @functools.wraps(function)
-    def command(*, where: tuple[str, ...], within_limits: bool, above: bool, **others: Any) -> Any:
-        return function(filters=FilterOptions(_parsed(where), within_limits, above), **others)
-
-    return command  # type: ignore[return-value]
+    ),
+)
 
 
 def _parsed(texts: tuple[str, ...]) -> tuple[Condition, ...]:
@@ -568,26 +564,7 @@ def check_options(*, fitting: bool, **given: object) -> None:
 @click.option("--legend", is_flag=True, help="Explain the columns.")
 @digits_option
 @output_options(formats=(*FORMATS, LINES))
-def command(
-    specs: tuple[str, ...],
-    by_line: bool,
-    changes: Changes,
-    everything: bool,
-    prove: bool | None,
-    seed: int,
-    jobs: int,
-    rotation: str,
-    decimals: int | None,
-    near: GivenPose | None,
-    conventions: PoseConventions,
-    filters: FilterOptions,
-    readings: tuple[str, ...],
-    fitting: bool,
-    sigmas: tuple[str, ...],
-    legend: bool,
-    digits: int | None,
-    output: Output,
-) -> int:
+def command(o: Options) -> int:
     """Find every pose of a platform and account for every path.
 
     SPEC is an instance file, - for standard input, or @NAME of an example (`gsp example`). The
@@ -640,33 +617,38 @@ def command(
     from gspcli.solver import solve
     from gspcli.solver.results.columns import rotation_columns
 
-    columns = rotation_columns(rotation)
-    _check_usage(rotation, everything=everything)
-    if are_many(specs, lines=by_line) or output.format == LINES:
-        _refuse_alone(conventions, near=near, reading=readings, fit=fitting, legend=legend)
-        documented = output.format == LINES
-        how = _How(seed, prove, everything, digits, conventions, filters, documented)
-        return solve_many(specs, partial(_solved, how), changes, jobs, output, lines=by_line)
-    instance = load_instance(specs[0], changes)
-    given = given_readings(readings, instance, repeated=fitting)
-    frame = conventions.frame(instance)
-    if fitting or sigmas:
-        others = {"all": everything, "near": near, "digits": digits, "legend": legend}
-        check_options(**others, **filters.options, prove=prove is not None, fitting=fitting)
-        return show_fit(instance, given, sigmas, columns, decimals, frame, output)
-    goal = _goal(near, conventions, instance, filtered=bool(filters.where))
+    columns = rotation_columns(o.rotation)
+    filters = FilterOptions(_parsed(o.where), o.within_limits, o.above)
+    _check_usage(o.rotation, everything=o.everything)
+    if are_many(o.specs, lines=o.by_line) or o.output.format == LINES:
+        _refuse_alone(
+            o.conventions, near=o.near, reading=o.readings, fit=o.fitting, legend=o.legend
+        )
+        documented = o.output.format == LINES
+        how = _How(o.seed, o.prove, o.everything, o.digits, o.conventions, filters, documented)
+        return solve_many(
+            o.specs, partial(_solved, how), o.changes, o.jobs, o.output, lines=o.by_line
+        )
+    instance = load_instance(o.specs[0], o.changes)
+    given = given_readings(o.readings, instance, repeated=o.fitting)
+    frame = o.conventions.frame(instance)
+    if o.fitting or o.sigmas:
+        others = {"all": o.everything, "near": o.near, "digits": o.digits, "legend": o.legend}
+        check_options(**others, **filters.options, prove=o.prove is not None, fitting=o.fitting)
+        return show_fit(instance, given, o.sigmas, columns, o.decimals, frame, o.output)
+    goal = _goal(o.near, o.conventions, instance, filtered=bool(filters.where))
     with working("solving"):
-        result = solve(instance, seed=seed, jobs=jobs, prove=prove)
-        result, left = filters.applied(result, conventions)
-        chosen = _indices(result, everything=everything)
-        shown = Shown(chosen, columns, decimals, frame=frame, left=left)
+        result = solve(instance, seed=o.seed, jobs=o.jobs, prove=o.prove)
+        result, left = filters.applied(result, o.conventions)
+        chosen = _indices(result, everything=o.everything)
+        shown = Shown(chosen, columns, o.decimals, frame=frame, left=left)
         if goal is not None:
             shown = _sorted(result, shown, *goal)
         if (fit := fitted(result, given)) is not None:
             shown = replace(shown, fits=fit.rows())
-        proved = _refined(result, shown, digits) if digits is not None else []
-    _show(result, shown, proved, fit, output, everything=everything, legend=legend)
-    if result.home is not None and result.home.doubt and not changes.given:
+        proved = _refined(result, shown, o.digits) if o.digits is not None else []
+    _show(result, shown, proved, fit, o.output, everything=o.everything, legend=o.legend)
+    if result.home is not None and result.home.doubt and not o.changes.given:
         say(f"warning: {result.home.doubt}")
     return _complained(result, fit)
 

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from gspcli.cli.options import Command, output_options
-from gspcli.cli.render import Output, emit
+from gspcli.cli.options import Command, Options, output_options
+from gspcli.cli.render import emit
 from gspcli.cli.result import Field, Fields, Result
 from gspcli.cli.streams import progress, working
 from gspcli.errors import CheckFailed
@@ -36,7 +36,7 @@ _HEADINGS = {"n1": "N1", "surfaces": "case", "distances": "three distance constr
     "wrongly.",
 )
 @output_options(parts=("table-1", "table-2", "table-3", "errata"))
-def command(which: str, check: bool, output: Output) -> None:
+def command(o: Options) -> None:
     """Recompute Tables 1, 2 and 3 of the paper and compare them with the print.
 
     Tables 1 and 2 are exact: radicals, not decimals. A star marks an entry that the paper prints
@@ -53,21 +53,21 @@ def command(which: str, check: bool, output: Output) -> None:
     from gspcli.paper.comparison import table
     from gspcli.paper.errata import ERRATA, erratum_of, prove
 
-    numbers = _TABLES if which == "all" else (int(which),) if which.isdigit() else ()
+    numbers = _TABLES if o.which == "all" else (int(o.which),) if o.which.isdigit() else ()
     with working("computing"):
         comparisons = [table(number) for number in numbers]
     named = {erratum_of(d) for comparison in comparisons for d in comparison.differences}
-    errata = [e for e in ERRATA if e.key in named or not which.isdigit()]
+    errata = [e for e in ERRATA if e.key in named or not o.which.isdigit()]
     evidence = {}
-    if check:
+    if o.check:
         proofs = progress(errata, total=len(errata), label="proving errata")
         evidence = {erratum.key: prove(erratum) for erratum in proofs}
-    confirmed = _confirm() if check and 3 in numbers else None
-    plain = output.format == "csv"
+    confirmed = _confirm() if o.check and 3 in numbers else None
+    plain = o.output.format == "csv"
     # A row of a CSV names its errata. They are a separate table if nothing else is shown.
-    listed = errata and (not plain or not comparisons or output.part == "errata")
+    listed = errata and (not plain or not comparisons or o.output.part == "errata")
     emit(
-        output,
+        o.output,
         [
             *(_table(comparison, plain=plain) for comparison in comparisons),
             *([_errata(errata, evidence, confirmed)] if listed else []),
@@ -80,7 +80,7 @@ def command(which: str, check: bool, output: Output) -> None:
         },
     )
     unexplained = [str(d) for comparison in comparisons for d in comparison.unexplained]
-    if check and unexplained:
+    if o.check and unexplained:
         lines = "\n".join(unexplained)
         raise CheckFailed(f"printed differently, and no proved erratum accounts for it:\n{lines}")
 

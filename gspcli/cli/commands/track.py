@@ -11,17 +11,15 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from gspcli.cli.options import (
-    Changes,
     Command,
+    Options,
     Whole,
     exclusive,
     jobs_option,
-    load_instance,
     output_options,
     value_options,
 )
 from gspcli.cli.pose_options import (
-    ColumnOptions,
     GivenPose,
     Mode,
     PoseConventions,
@@ -128,26 +126,7 @@ FIELDS = Fields("track")
 @column_options
 @jobs_option
 @output_options()
-def command(
-    spec: str,
-    values: str,
-    mode: Mode | None,
-    near: GivenPose | None,
-    changes: Changes,
-    steps: int,
-    along: str,
-    relative: bool,
-    all_modes: bool,
-    everything: bool,
-    allow_loss: bool,
-    clear: bool,
-    pose_clear: bool,
-    require: str | None,
-    conventions: PoseConventions,
-    columns: ColumnOptions,
-    jobs: int,
-    output: Output,
-) -> None:
+def command(o: Options) -> None:
     """Follow assembly modes while the values change, and prove that none jumps.
 
     Each row of the output is one mode at one row of VALUES: position and unit quaternion of the
@@ -202,37 +181,39 @@ def command(
     """
     from gspcli.motion import read_values
 
-    instance = load_instance(spec, changes)
-    requirements = required(require)
-    form = conventions.form(instance, columns)
-    table = read_values(*text_of(values), instance, form, delta=relative)
-    if along == "poses":
-        _check_poses(table, mode, near, all_modes or everything)
-        done = along_poses(instance, table, form, conventions, steps)
+    instance = o.instance
+    requirements = required(o.require)
+    form = o.form
+    table = read_values(*text_of(o.values), instance, form, delta=o.relative)
+    if o.along == "poses":
+        _check_poses(table, o.mode, o.near, o.all_modes or o.everything)
+        done = along_poses(instance, table, form, o.conventions, o.steps)
     else:
-        table = table.subdivided(steps)
-        start = table.start if near is None else near.read(form)
-        if near is None and (mode is not None or all_modes or everything):
+        table = table.subdivided(o.steps)
+        start = table.start if o.near is None else o.near.read(form)
+        if o.near is None and (o.mode is not None or o.all_modes or o.everything):
             start = None
         done = along_values(
             instance,
             table,
-            modes=None if mode is None else [mode_number(instance, mode)],
+            modes=None if o.mode is None else [mode_number(instance, o.mode)],
             near=start,
-            everything=everything,
-            jobs=jobs,
+            everything=o.everything,
+            jobs=o.jobs,
         )
     result, limits, left = done.track, done.limits, done.left
     with working("looking for singularities"):
-        more = _clearances(result, requirements, clear=clear, pose_clear=pose_clear)
+        more = _clearances(result, requirements, clear=o.clear, pose_clear=o.pose_clear)
     rows = result.rows(more, form.frame)
     verdicts, added = judged_track(done, requirements, rows)
-    shown = track_table(result, rows, limits, added, track_lines(verdicts, rows, steps), form.frame)
-    said = {"limits": [*map(plain_limit, limits)], **track_entries(verdicts, rows, steps)}
+    shown = track_table(
+        result, rows, limits, added, track_lines(verdicts, rows, o.steps), form.frame
+    )
+    said = {"limits": [*map(plain_limit, limits)], **track_entries(verdicts, rows, o.steps)}
     said["departures"] = [one.to_json(form.in_radians) for one in left]
-    emit(output, shown, document=result.to_json(rows, form.frame) | said)
-    _tell(result, limits, output)
-    _refuse_losses(result, left, allowed=allow_loss)
+    emit(o.output, shown, document=result.to_json(rows, form.frame) | said)
+    _tell(result, limits, o.output)
+    _refuse_losses(result, left, allowed=o.allow_loss)
     refuse(verdicts)
 
 

@@ -12,23 +12,20 @@ import click
 
 from gspcli.cli.options import (
     DRAWINGS,
-    Changes,
     Command,
-    load_instance,
+    Options,
     output_options,
     value_options,
 )
 from gspcli.cli.pose_options import (
-    ColumnOptions,
     Mode,
-    PoseConventions,
     chosen,
     column_options,
     mode_option,
     pose_options,
     text_of,
 )
-from gspcli.cli.render import Output, write
+from gspcli.cli.render import write
 from gspcli.cli.streams import check_writable, say, working
 from gspcli.errors import GspError
 from gspcli.wording import shown
@@ -75,20 +72,7 @@ _PAGE = "html"
 )
 @click.option("--no-names", is_flag=True, help="Omit names and numbers in the picture.")
 @output_options(formats=(_PAGE, *DRAWINGS), default=_PAGE)
-def command(
-    spec: str,
-    changes: Changes,
-    mode: Mode | None,
-    track: str | None,
-    conventions: PoseConventions,
-    columns: ColumnOptions,
-    live: bool,
-    opened: bool,
-    all_modes: bool,
-    seen_from: str | None,
-    no_names: bool,
-    output: Output,
-) -> None:
+def command(o: Options) -> None:
     """Show a platform, all its assembly modes and how it moves.
 
     SPEC is an instance file, - for standard input, or @NAME of an example (`gsp example`). The page
@@ -114,44 +98,44 @@ def command(
       gsp track platform.yaml moves.csv --format csv |
         gsp view platform.yaml --track -
     """
-    if spec == track == "-":
+    if o.spec == o.track == "-":
         raise click.UsageError("SPEC and --track cannot both be standard input")
-    if live and (track is not None or output.format != _PAGE):
+    if o.live and (o.track is not None or o.output.format != _PAGE):
         raise click.UsageError(f"--live makes a page ({_PAGE}) of a platform, without --track")
     from gspcli.cli.pose_tables import summary
     from gspcli.pictures.tracks import read_tracks
     from gspcli.pictures.whole_views import viewed
     from gspcli.solver import solve
 
-    view = _view(seen_from)
-    instance = load_instance(spec, changes)
-    form = conventions.form(instance, columns)
-    tracks = read_tracks(*text_of(track), form) if track is not None else []
-    if output.path is None and (opened or sys.stdout.isatty()):
-        path = Path(f"{_stem(spec)}.{output.format}")
+    view = _view(o.seen_from)
+    instance = o.instance
+    form = o.form
+    tracks = read_tracks(*text_of(o.track), form) if o.track is not None else []
+    if o.output.path is None and (o.opened or sys.stdout.isatty()):
+        path = Path(f"{_stem(o.spec)}.{o.output.format}")
         check_writable(path)
-        output = replace(output, path=path)
+        o.output = replace(o.output, path=path)
     with working("solving"):
         result = solve(instance)
-    paged = output.format == _PAGE
+    paged = o.output.format == _PAGE
     with working("preparing the picture"):
         scene, content = viewed(
             result,
-            output.format,
-            _start(result.drawn, mode) if paged or not all_modes else 0,
-            all_modes=all_modes,
+            o.output.format,
+            _start(result.drawn, o.mode) if paged or not o.all_modes else 0,
+            all_modes=o.all_modes,
             view=view,
-            names=not no_names,
-            live=live,
+            names=not o.no_names,
+            live=o.live,
             tracks=tracks,
             summary=" ".join(f"{line}." for line in summary(result)) if paged else "",
             frame=form.frame,
         )
-    write(output, content)
-    if output.path is not None:
-        _say(output.path, scene, len(content))
-        if opened:
-            click.launch(output.path.resolve().as_uri())
+    write(o.output, content)
+    if o.output.path is not None:
+        _say(o.output.path, scene, len(content))
+        if o.opened:
+            click.launch(o.output.path.resolve().as_uri())
 
 
 def _view(text: str | None) -> View | None:

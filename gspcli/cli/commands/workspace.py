@@ -15,13 +15,12 @@ import click
 from gspcli.cli.options import (
     DRAWINGS,
     FORMATS,
-    Changes,
     Command,
     Finite,
+    Options,
     Whole,
     exclusive,
     jobs_option,
-    load_instance,
     output_options,
     value_options,
 )
@@ -122,25 +121,7 @@ _MOST_SHOWN = 2_000_000
 @pose_options
 @jobs_option
 @output_options(formats=(*FORMATS, *DRAWINGS))
-def command(
-    spec: str,
-    changes: Changes,
-    mode: Mode | None,
-    pose: GivenPose | None,
-    orientation: str | None,
-    position: str | None,
-    over: str | None,
-    intervals: tuple[str, ...],
-    held: tuple[str, ...],
-    connected: bool | None,
-    leg_gap: float | None,
-    gap: float | None,
-    most_boxes: int,
-    listed: bool,
-    conventions: PoseConventions,
-    jobs: int,
-    output: Output,
-) -> None:
+def command(o: Options) -> None:
     """Show what a platform can reach: travel of each axis, positions, orientations.
 
     A pose can be reached if each value is in its range, and each leg in the cones that SPEC
@@ -173,34 +154,36 @@ def command(
       gsp workspace platform.yaml --over x,z -o section.svg
       gsp workspace thick.yaml --over x,z --leg-gap 2
     """
-    free = _free(over, orientation, position)
-    _check(free, intervals, held, listed, output)
-    instance = load_instance(spec, changes)
-    form = conventions.form(instance)
-    only = instance.home is not None if connected is None else connected
+    free = _free(o.over, o.orientation, o.position)
+    _check(free, o.intervals, o.held, o.listed, o.output)
+    instance = o.instance
+    form = o.form
+    only = instance.home is not None if o.connected is None else o.connected
     home = home_pose(
-        instance, form, mode=mode, pose=pose, orientation=orientation, position=position,
-        needed=is_driven(instance) or free is None or only or orientation is None
+        instance, form, mode=o.mode, pose=o.pose, orientation=o.orientation, position=o.position,
+        needed=is_driven(instance) or free is None or only or o.orientation is None
         or set(free) != set("xyz"),
     )  # fmt: skip
     sequence = form.euler or "ZYX"
-    moving = _moving(instance, conventions, form)
+    moving = _moving(instance, o.conventions, form)
     knees = _knees(instance, moving, home)
     if free is None:
-        show_travels(moving, home, sequence, held, output, connected=only, knees=knees, gap=leg_gap)
+        show_travels(
+            moving, home, sequence, o.held, o.output, connected=only, knees=knees, gap=o.leg_gap
+        )
         return
-    only = only and (connected is not None or _keeps_limits(moving, home, knees, leg_gap))
-    wanted = gap or _default_gap(free, listed, output)
+    only = only and (o.connected is not None or _keeps_limits(moving, home, knees, o.leg_gap))
+    wanted = o.gap or _default_gap(free, o.listed, o.output)
     from gspcli.motion.workspace.box_division import workspace
 
     with _interruptible() as interrupted:
         found = workspace(
             moving, home.R, home.T, free=free, pivot=home.pivot, sequence=sequence,
-            within=dict(map(_interval, intervals)), connected=only, knees=knees, gap=leg_gap,
-            tolerance=wanted, most_boxes=most_boxes, jobs=jobs, stop=interrupted,
+            within=dict(map(_interval, o.intervals)), connected=only, knees=knees, gap=o.leg_gap,
+            tolerance=wanted, most_boxes=o.most_boxes, jobs=o.jobs, stop=interrupted,
             progress=partial(progress, lines=True),
         )  # fmt: skip
-    _show(found, home, instance, listed, output)
+    _show(found, home, instance, o.listed, o.output)
     if interrupted():
         raise KeyboardInterrupt
     _refuse_wide_bounds(found, wanted)
