@@ -33,8 +33,7 @@ from gspcli.geometry.limits import (
 )
 from gspcli.geometry.measurement import jacobian, measured
 from gspcli.geometry.quaternions import apply, rotation_from_vector
-from gspcli.motion.poses.cranks import drive_values
-from gspcli.motion.poses.inverse_kinematics import values_at
+from gspcli.motion.poses.inverse_kinematics import drive_values, values_at
 from gspcli.motion.workspace.travels import travels
 
 Array = NDArray[np.float64]

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from gspcli.calibration.blocks import Block, Body, blocks_of
 from gspcli.catalogue.kinds import Kind
 from gspcli.geometry.arrangement import Arrangement, Bodies
-from gspcli.geometry.drive_numbers import drive_numbers
+from gspcli.geometry.drives import drive_numbers
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.geometry.readings import factors, offsets

@@ -34,8 +34,7 @@ from gspcli.calibration.starts import started
 from gspcli.defaults import SEED
 from gspcli.errors import IncompleteError
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.drive_numbers import is_driven
-from gspcli.geometry.drives import Drives
+from gspcli.geometry.drives import Drives, is_driven
 from gspcli.geometry.frames import IDENTITY, PoseFrame
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.limits import has_limits

@@ -189,7 +189,7 @@ def warn_of_range(instance: Instance, t: Sequence[float], values: Array) -> None
 
     The rods of cranks and slides are left out: their lengths do not change.
     """
-    from gspcli.geometry.drive_numbers import driven_points
+    from gspcli.geometry.drives import driven_points
     from gspcli.geometry.readings import values_of
     from gspcli.motion import out_of_range
 
@@ -332,7 +332,7 @@ def mode_option(what: str) -> Callable[[Function], Function]:
 
 def chosen(mode: Mode | None, home: HomeMode | None, count: int) -> int:
     """Return the number of the mode asked for. If none is, it is home, and stderr says so."""
-    from gspcli.motion.poses.chosen_mode import chosen_mode
+    from gspcli.motion.poses.mode_filters import chosen_mode
 
     number = mode if isinstance(mode, int) else None
     found = chosen_mode(number, home, count)
@@ -470,7 +470,7 @@ class AskedPoses:
 
         None without cranks and slides, and for poses that are no modes.
         """
-        from gspcli.geometry.drive_numbers import is_driven
+        from gspcli.geometry.drives import is_driven
 
         if not is_driven(instance) or None in self.modes:
             return None

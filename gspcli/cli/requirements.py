@@ -106,7 +106,7 @@ def _measured(
         from gspcli.geometry.residuals import condition_numbers
 
         return printed_conditions(condition_numbers(_arrangement(instance, R, T), R, T))
-    from gspcli.geometry.drive_numbers import is_driven
+    from gspcli.geometry.drives import is_driven
 
     if name == "clearance" and is_driven(instance):
         from gspcli.motion.singularities.clearances import drive_clearances
@@ -146,11 +146,11 @@ def gaps_of(instance: Instance, R: Array, T: Array, q: Array | None = None) -> Q
 def _arrangement(instance: Instance, R: Array, T: Array) -> Arrangement:
     """Return the platform at poses, with the points that its drives move there."""
     from gspcli.geometry.arrangement import Arrangement
-    from gspcli.geometry.drive_numbers import is_driven
+    from gspcli.geometry.drives import is_driven
 
     if not is_driven(instance):
         return Arrangement.of(instance)
-    from gspcli.motion.poses.cranks import drive_values
+    from gspcli.motion.poses.inverse_kinematics import drive_values
 
     drives, q = drive_values(instance, R, T)
     return drives.arrangement(q)
@@ -181,13 +181,13 @@ def limits_of(
     GspError
         If the instance states no such limit.
     """
-    from gspcli.geometry.drive_numbers import is_driven
+    from gspcli.geometry.drives import is_driven
     from gspcli.geometry.limits import cone_shares, joint_cones, range_shares
     from gspcli.motion.files.requirements import QuantityParts
 
     drives, q = (None, None) if at is None else at
     if at is None and is_driven(instance):
-        from gspcli.motion.poses.cranks import drive_values
+        from gspcli.motion.poses.inverse_kinematics import drive_values
 
         drives, q = drive_values(instance, R, T)
     if name == "cone":
@@ -359,7 +359,7 @@ def settled(
     rows = [dict(row) for row in result.rows]
     columns, known = [*result.columns], {}
     if instance.shapes is not None:
-        from gspcli.motion.collisions.leg_gaps import gaps
+        from gspcli.motion.collisions.compared import gaps
         from gspcli.motion.files.requirements import QuantityParts
 
         found = gaps(instance, R, T)

@@ -11,18 +11,14 @@ from numpy.typing import ArrayLike, NDArray
 from gspcli.dynamics.arrays import make_read_only
 from gspcli.dynamics.drive_forces import inverse_dynamics
 from gspcli.errors import ArgumentError
-from gspcli.geometry.drive_numbers import is_driven
-from gspcli.geometry.drives import Drives
+from gspcli.geometry.drives import Drives, is_driven
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.lengths import METRES
 from gspcli.geometry.printed_numbers import printed_condition, printed_conditions
 from gspcli.motion.files.requirements import QuantityParts
-from gspcli.motion.poses.cranks import drive_values, refusals
-from gspcli.motion.poses.inverse_kinematics import checked_poses
-from gspcli.motion.statics.accuracy import Accuracy, accuracy
-from gspcli.motion.statics.driven_statics import DrivenStatics
-from gspcli.motion.statics.geometry_errors import GeometryAccuracy, geometry_accuracy
-from gspcli.motion.statics.wrenches import Wrenches, wrenches
+from gspcli.motion.poses.inverse_kinematics import checked_poses, drive_values, refusals
+from gspcli.motion.statics.accuracy import Accuracy, GeometryAccuracy, accuracy, geometry_accuracy
+from gspcli.motion.statics.wrenches import DrivenStatics, Wrenches, wrenches
 from gspcli.records import EqualByContent, dataclass
 from gspcli.wording import counted
 

@@ -16,8 +16,7 @@ from gspcli.dynamics.moving_bodies import MovingBodies
 from gspcli.dynamics.shared_drives import check_shared
 from gspcli.dynamics.trajectories import PoseRates, at_rest, spline_motion
 from gspcli.errors import ArgumentError
-from gspcli.geometry.drive_numbers import is_driven
-from gspcli.geometry.drives import Drives
+from gspcli.geometry.drives import Drives, is_driven
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.lengths import METRES
 from gspcli.geometry.quaternions import apply

@@ -15,8 +15,7 @@ from numpy.typing import NDArray
 from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, DPP, Kind, Law
 from gspcli.errors import ArgumentError
 from gspcli.export.simulated_masses import Inertial, SimulatedMasses
-from gspcli.geometry.drive_numbers import is_driven
-from gspcli.geometry.drives import Drives
+from gspcli.geometry.drives import Drives, is_driven
 from gspcli.geometry.instance import Instance
 from gspcli.records import dataclass
 

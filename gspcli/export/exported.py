@@ -112,7 +112,7 @@ def _pose(
     instance: Instance, mode: int | None, *, needed: bool
 ) -> tuple[Solution | None, tuple[str, ...]]:
     """Return the real pose that is asked for, by default home, and a note about it."""
-    from gspcli.motion.poses.chosen_mode import chosen_mode
+    from gspcli.motion.poses.mode_filters import chosen_mode
     from gspcli.solver import solve
 
     result = solve(instance).drawn

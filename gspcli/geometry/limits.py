@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from gspcli.catalogue.kinds import DPP
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.drive_numbers import is_driven
+from gspcli.geometry.drives import is_driven
 from gspcli.geometry.instance import Constraint, Instance, Side
 from gspcli.geometry.primitives import Cone, Point
 from gspcli.geometry.quaternions import apply

@@ -8,7 +8,7 @@ from typing import TypeAlias
 import numpy as np
 
 from gspcli.catalogue.kinds import DPP
-from gspcli.geometry.drive_numbers import driven_points
+from gspcli.geometry.drives import driven_points
 from gspcli.geometry.instance import Constraint
 from gspcli.geometry.lengths import METRES
 from gspcli.geometry.masses import (

@@ -6,11 +6,10 @@ from typing import TYPE_CHECKING, Any
 from gspcli.geometry.limits import out_of_range
 from gspcli.motion.files.pose_files import PoseFormat, PoseTable, read_pose, read_poses
 from gspcli.motion.files.value_files import ValueTable, read_values
-from gspcli.motion.poses.cranks import crank_angles, drive_values
-from gspcli.motion.poses.inverse_kinematics import measure
+from gspcli.motion.poses.inverse_kinematics import crank_angles, drive_values, measure
 
 if TYPE_CHECKING:
-    from gspcli.motion.collisions.leg_gaps import Gaps, gaps
+    from gspcli.motion.collisions.compared import Gaps, gaps
     from gspcli.motion.following.branch_follower import FollowOptions, MovingPlatform
     from gspcli.motion.following.departures import Departure, departures
     from gspcli.motion.following.follower import Follower, FollowerReport, FollowerStatus
@@ -31,7 +30,7 @@ _HOMES = {
     "Follower": "following.follower",
     "FollowerReport": "following.follower",
     "FollowerStatus": "following.follower",
-    "Gaps": "collisions.leg_gaps",
+    "Gaps": "collisions.compared",
     "ModeGroups": "paths.mode_groups",
     "MovingPlatform": "following.branch_follower",
     "PlannedPath": "paths.planned_paths",
@@ -39,7 +38,7 @@ _HOMES = {
     "Travel": "workspace.travels",
     "Workspace": "workspace.workspaces",
     "departures": "following.departures",
-    "gaps": "collisions.leg_gaps",
+    "gaps": "collisions.compared",
     "mode_groups": "paths.api",
     "path": "paths.api",
     "track": "following.trajectories",

@@ -37,8 +37,7 @@ from gspcli.continuation.tracker_options import (
 from gspcli.defaults import COUNT_LIMIT, SEED, TOLERANCE
 from gspcli.errors import ArgumentError, GspError
 from gspcli.geometry.coordinates import BODIES
-from gspcli.geometry.drive_numbers import driven_points, is_driven
-from gspcli.geometry.drives import Drives
+from gspcli.geometry.drives import Drives, driven_points, is_driven
 from gspcli.geometry.frames import IDENTITY, PoseFrame
 from gspcli.geometry.instance import AngleUnit, Instance
 from gspcli.geometry.limits import joint_cones
@@ -64,7 +63,7 @@ from gspcli.solver.study_systems import coefficients_of
 if TYPE_CHECKING:
     from gspcli.certification.counting import ExactCount
     from gspcli.certification.poses.many_values import ValueProofs
-    from gspcli.geometry.drive_numbers import Driven
+    from gspcli.geometry.drives import Driven
     from gspcli.geometry.primitives import Vector
     from gspcli.solver.result import SolveResult
 

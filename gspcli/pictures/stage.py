@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 from gspcli.catalogue.kinds import DPP, Kind, Primitive
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.coordinates import BODIES, choose, moved
-from gspcli.geometry.drive_numbers import arms_of, is_driven
-from gspcli.geometry.drives import Drives
+from gspcli.geometry.drives import Drives, arms_of, is_driven
 from gspcli.geometry.instance import Constraint, Instance
 from gspcli.geometry.measurement import measured
 from gspcli.geometry.primitives import Geometry, Point

@@ -12,7 +12,7 @@ from gspcli.geometry.frames import IDENTITY, PoseFrame
 from gspcli.geometry.home_mode import distances
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.quaternions import quaternion_from_rotation
-from gspcli.motion.poses.chosen_mode import chosen_mode
+from gspcli.motion.poses.mode_filters import chosen_mode
 from gspcli.pictures.line_drawings import drawing
 from gspcli.pictures.page import number, page
 from gspcli.pictures.projection import View

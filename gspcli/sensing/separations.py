@@ -21,8 +21,7 @@ from gspcli.defaults import SEED
 from gspcli.errors import ArgumentError, IncompleteError, NotFiniteError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.checking import checked
-from gspcli.geometry.drive_numbers import is_driven
-from gspcli.geometry.drives import Drives
+from gspcli.geometry.drives import Drives, is_driven
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.quaternions import apply, vector_from_rotation
 from gspcli.geometry.readings import problems_of, readings_of, value_rows, values_of

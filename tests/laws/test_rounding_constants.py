@@ -54,7 +54,6 @@ LISTED = {
     "motion/following/departures.py": (1, "poses as they are typed"),
     "motion/singularities/scans.py": (1, "a step of differences"),
     "motion/statics/wrenches.py": (1, "forces that are printed"),
-    "motion/workspace/driven_boxes.py": (1, "readings at the end of a range"),
     "motion/workspace/travels.py": (1, "the smallest interval: no bound"),
     "motion/workspace/workspaces.py": (1, "volumes that are printed"),
     # What the constants of the type are used for elsewhere.
@@ -65,10 +64,9 @@ LISTED = {
     "motion/singularities/pose_clearances.py": (1, "the theorem of Perron and Frobenius"),
     "motion/statics/accuracy.py": (1, "entries of a quadric"),
     # To be converted.
-    "motion/collisions/compared.py": (2, "sums of moduli"),
-    "motion/collisions/driven_moves.py": (2, "sums of moduli"),
+    "motion/collisions/compared.py": (4, "sums of moduli"),
     "motion/paths/between.py": (2, "half widths of boxes"),
-    "motion/workspace/pose_boxes.py": (2, "half widths of boxes"),
+    "motion/workspace/pose_boxes.py": (3, "half widths of boxes, readings at the end of a range"),
 }
 
 

@@ -22,8 +22,7 @@ import gspcli
 from gspcli.defaults import SEED
 from gspcli.errors import ArgumentError, GspError
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.drive_numbers import is_driven
-from gspcli.geometry.drives import Drives
+from gspcli.geometry.drives import Drives, is_driven
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.residuals import condition_numbers
 from gspcli.motion.singularities.pose_clearances import (

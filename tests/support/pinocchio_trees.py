@@ -11,8 +11,7 @@ import numpy as np
 
 from gspcli.export.chains import chain
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.drive_numbers import is_driven
-from gspcli.geometry.drives import Drives
+from gspcli.geometry.drives import Drives, is_driven
 from gspcli.geometry.lengths import METRES
 
 

@@ -239,8 +239,7 @@ def _modes(
     output: Output,
 ) -> None:
     from gspcli.dynamics import natural_modes
-    from gspcli.geometry.drive_numbers import is_driven
-    from gspcli.geometry.drives import Drives
+    from gspcli.geometry.drives import Drives, is_driven
     from gspcli.motion.files.number_tables import numbers_of
 
     count = len(Drives.of(instance).names) if is_driven(instance) else 6

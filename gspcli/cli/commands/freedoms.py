@@ -80,11 +80,11 @@ def _moved(instance: Instance, R: Any, T: Any) -> Instance:
     """
     import numpy as np
 
-    from gspcli.geometry.drive_numbers import is_driven
+    from gspcli.geometry.drives import is_driven
 
     if len(instance.constraints) != 6 or not is_driven(instance):
         return instance
-    from gspcli.motion.poses.cranks import drive_values
+    from gspcli.motion.poses.inverse_kinematics import drive_values
 
     drives, q = drive_values(instance, R[None], T[None], along=False)
     return drives.instance_at(q[0]) if np.isfinite(q).all() else instance

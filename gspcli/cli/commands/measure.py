@@ -237,7 +237,7 @@ def _result(
 def _motors(instance: Instance, table: PoseTable, t: list[float], *, cranks: bool) -> Result:
     """Return the numbers of the drives and their transmissions, or the angles of the cranks."""
     from gspcli.motion import crank_angles, drive_values
-    from gspcli.motion.poses.cranks import refusals
+    from gspcli.motion.poses.inverse_kinematics import refusals
 
     turned = [one.name for one in crank_angles(instance, table.R, table.T)[0]] if cranks else []
     drives, q = drive_values(instance, table.R, table.T)
@@ -277,8 +277,7 @@ def _motors(instance: Instance, table: PoseTable, t: list[float], *, cranks: boo
 
 def _nearest(instance: Instance, table: PoseTable, t: list[float], form: PoseFormat) -> Result:
     """Return the nearest pose to each pose of a table, from home and then from row to row."""
-    from gspcli.geometry.drive_numbers import is_driven
-    from gspcli.geometry.drives import Drives
+    from gspcli.geometry.drives import Drives, is_driven
     from gspcli.geometry.quaternions import quaternion_from_rotation
     from gspcli.motion.paths.nearest_poses import NearestPoses
 

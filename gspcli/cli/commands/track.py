@@ -527,7 +527,7 @@ def _at_all_rows(result: Track, requirement: Requirement) -> Array | QuantityPar
     """Return a quantity of each pose, in the order of the rows; the geometry may move."""
     import numpy as np
 
-    from gspcli.geometry.drive_numbers import is_driven
+    from gspcli.geometry.drives import is_driven
     from gspcli.motion.files.requirements import QuantityParts
 
     name = requirement.quantity

@@ -40,7 +40,7 @@ from gspcli.cli.render import Output, emit, write
 from gspcli.cli.result import Field, Fields, Result, vector_text
 from gspcli.cli.streams import progress, say
 from gspcli.errors import GspError, IncompleteError
-from gspcli.geometry.drive_numbers import driven_points, is_driven, shares_drives
+from gspcli.geometry.drives import driven_points, is_driven, shares_drives
 from gspcli.geometry.frames import IDENTITY, PoseFrame
 from gspcli.records import dataclass
 from gspcli.wording import listed, shown
@@ -209,7 +209,7 @@ def _knees(instance: Instance, moving: Instance, home: Home) -> ArrayLike | None
     """Return the knees of cranks and slides: of the stated home, or of the one asked for."""
     if not is_driven(instance):
         return None
-    from gspcli.motion.workspace.driven_boxes import knees_of
+    from gspcli.motion.workspace.pose_boxes import knees_of
 
     if instance.home is not None:
         return knees_of(instance)

@@ -14,24 +14,29 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from gspcli import _kernel
 from gspcli.catalogue.kinds import DPP
 from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.drive_numbers import arms_of, is_driven
+from gspcli.geometry.drives import Drives, arms_of, is_driven
 from gspcli.geometry.instance import Constraint, Instance
 from gspcli.geometry.primitives import Vector
 from gspcli.geometry.quaternions import apply
 from gspcli.geometry.shape_mistakes import refuse_mistakes
-from gspcli.motion.poses.cranks import drive_values
+from gspcli.motion.poses.inverse_kinematics import checked_poses, drive_values
+from gspcli.records import dataclass
+from gspcli.ties import first_smallest
 
 if TYPE_CHECKING:
+    import pandas as pd
+
     from gspcli.geometry.drives import Drives
+
 
 Array = NDArray[np.float64]
 
@@ -288,8 +293,6 @@ class ComparedShapes:
         slips: Array | None,
     ) -> tuple[Array, Array, Array]:
         """Return the joints at numbers of drives, and how far the drives move them, (2, n, 6)."""
-        from gspcli.motion.collisions.driven_moves import slips_near
-
         drives, placed = self._drives, self._drives.arrangement(driven[2])
         if slips is None:
             slips = slips_near(drives, *driven, shifts, turns, centre)
@@ -321,7 +324,7 @@ class ComparedShapes:
             are such drives.
         slips
             How far drives move their points in their bodies, shape (n, 6); if None, the bound of
-            `driven_moves`.
+            `slips_near`.
 
         Notes
         -----
@@ -411,3 +414,173 @@ def _shared(first: Constraint, second: Constraint) -> str:
         if (len(names) == 1 and "" not in names) or one.position == other.position:
             return body
     return ""
+
+
+#: Changes of drives that are tried, as multiples of the change for linear lengths.
+_TRIED = (1.05, 1.3, 2.0, 4.0)
+_FARTHER = 1 + 2.0**-30
+#: Rounding errors of lengths, relative to the largest coordinate.
+_LENGTH_ROUNDING = 2.0**-44
+
+
+def point_moves(drives: Drives, R: Array, T: Array, q: Array, moves: Array) -> Array:
+    """Return bounds of how far driven points move in their bodies, shape (n, 6).
+
+    Parameters
+    ----------
+    drives
+        The drives of a platform.
+    R, T
+        Poses, shapes (n, 3, 3) and (n, 3).
+    q
+        The numbers of the drives at the poses, shape (n, m).
+    moves
+        How far the other end of each rod moves, in the frame of the body of the driven point, shape
+        (n, 6).
+
+    Returns
+    -------
+    Array
+        Zero where no crank or slide moves the point, infinite where nothing is proved.
+
+    Notes
+    -----
+    At a pose the number q of a drive is where the distance of the two ends of the rod is the length
+    l of the rod, on the knee of home. Let one end of the rod move by at most d. Suppose that the
+    distance is below ``l - d`` at one of ``q - e`` and ``q + e``, and above ``l + d`` at the other.
+    Then the new number is between both: the distance passes l there, in the direction of the knee.
+    For a crank and for a slide there is only one such number for each direction.
+    """
+    gains = drives.gains(R, T, q)
+    size = np.abs(T).max(axis=1) + max(np.abs(drives.rods[drives.driven]).max(), 1e-300)
+    size += np.abs(drives.points(q)).max(axis=(1, 2))
+    room = moves * _FARTHER + _LENGTH_ROUNDING * size[:, None]
+    found = np.where(drives.driven, np.inf, 0.0) * np.ones_like(moves)
+    with np.errstate(all="ignore"):
+        linear = room / np.abs(gains)
+        for factor in _TRIED:
+            for k in np.flatnonzero(drives.driven).tolist():
+                change = np.zeros_like(q)
+                change[:, drives.index[k]] = factor * linear[:, k]
+                low, high = (
+                    np.linalg.norm(drives.ends(R, T, q + sign * change)[2][:, k], axis=-1)
+                    - drives.rods[k]
+                    for sign in (-1, 1)
+                )
+                # If the platform does not move, the derivative of the length of the rod is minus
+                # the gain.
+                knee = -np.sign(gains[:, k])
+                fits = (knee * low < -room[:, k]) & (knee * high > room[:, k])
+                # The two numbers of a crank differ by less than a turn.
+                if drives.sorts[drives.index[k]] == "crank":
+                    fits &= factor * linear[:, k] < np.pi / 2
+                far = drives.arms[k] * factor * linear[:, k] * _FARTHER
+                found[:, k] = np.where(fits, np.minimum(found[:, k], far), found[:, k])
+    return np.asarray(found)
+
+
+def slips_near(
+    drives: Drives, R: Array, T: Array, q: Array, shifts: Array, turns: Array, centre: Array
+) -> Array:
+    """Return bounds of how far driven points move near poses, shape (n, 6); see `point_moves`.
+
+    Parameters
+    ----------
+    drives
+        The drives of a platform.
+    R, T, q
+        Poses and the numbers of the drives there, shapes (n, 3, 3), (n, 3) and (n, m).
+    shifts, turns
+        The largest distance that a point of the platform moves, and the largest angle, in radians,
+        by which the platform rotates; shapes (n,).
+    centre
+        This point of the platform, in its frame, shape (3,).
+    """
+    placed = drives.arrangement(q)
+    places = T + apply(R, np.broadcast_to(centre, T.shape))
+    own = np.linalg.norm(placed.y - centre, axis=-1)
+    away = np.linalg.norm(places[:, None] - placed.x, axis=-1)
+    # In the frame of the body of the driven point the other body moves.
+    arms = np.where(drives.on_platform, away, own)
+    return point_moves(drives, R, T, q, shifts[:, None] + turns[:, None] * arms)
+
+
+@dataclass(frozen=True, eq=False)
+class Gaps:
+    """The gaps of p pairs of legs and bodies at n poses.
+
+    Attributes
+    ----------
+    pairs
+        Names of the p pairs, such as ``legs 2 and 5`` or ``leg 3 and the base``. A leg has the
+        number of its constraint.
+    values
+        The gaps, shape (n, p), in the unit of length; negative where the shapes overlap.
+    """
+
+    pairs: tuple[str, ...]
+    values: Array
+
+    def __repr__(self) -> str:
+        least = f", at least {self.least.min():.6g}" if len(self.values) else ""
+        return f"<Gaps of {len(self.pairs)} pairs at {len(self.values)} poses{least}>"
+
+    @property
+    def least(self) -> Array:
+        """The least gap at each pose, shape (n,)."""
+        return np.asarray(self.values.min(axis=1))
+
+    @property
+    def nearest(self) -> list[str]:
+        """The pair with the least gap at each pose, the first one of equal ones.
+
+        Empty where a rod does not reach the pose, so that the gap is not known.
+        """
+        known = np.asarray(~np.isnan(self.values).any(axis=1))
+        return [
+            self.pairs[int(first_smallest(row))] if there else ""
+            for row, there in zip(self.values, known.tolist(), strict=True)
+        ]
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return a row for each pose, a column for each pair (pandas is imported now)."""
+        import pandas as pd
+
+        return pd.DataFrame(self.values, columns=[*self.pairs])
+
+    def to_json(self) -> list[dict[str, Any]]:
+        """Return the least gap of each pose and its pair, as plain data."""
+        return [
+            {"gap": gap if pair else None, "gap_between": pair or None}
+            for gap, pair in zip(self.least.tolist(), self.nearest, strict=True)
+        ]
+
+
+def gaps(instance: Instance, R: ArrayLike, T: ArrayLike) -> Gaps:
+    """Return the gaps between legs and bodies at poses.
+
+    Parameters
+    ----------
+    instance
+        The platform, with the shapes of its legs (`gspcli.Shapes`).
+    R, T
+        Poses, shapes (n, 3, 3) and (n, 3), or one pose.
+
+    Raises
+    ------
+    ArgumentError
+        If the platform states no shapes, or if the poses have the wrong shapes.
+
+    Examples
+    --------
+    >>> import dataclasses
+    >>> import gspcli
+    >>> import numpy as np
+    >>> platform = gspcli.example("workspace-study")
+    >>> platform = dataclasses.replace(platform, shapes=gspcli.Shapes(diameters=20))
+    >>> gspcli.motion.gaps(platform, np.eye(3), [0, 0, 400]).to_json()
+    [{'gap': 23.41204442, 'gap_between': 'legs 1 and 6'}]
+    """
+    R, T = checked_poses(R, T)
+    compared = ComparedShapes(instance)
+    return Gaps(compared.names, compared.gaps(R.reshape(-1, 3, 3), T.reshape(-1, 3)))

@@ -18,15 +18,14 @@ from gspcli.geometry.coordinates import (
     drive_corrections,
 )
 from gspcli.geometry.coordinates import coordinates as all_coordinates
-from gspcli.geometry.drive_numbers import is_driven
+from gspcli.geometry.drives import is_driven
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.ranges import value_range, wrong_value
 from gspcli.geometry.readings import readings_of, values_of
 from gspcli.motion.files.number_tables import NumberTable
 from gspcli.motion.files.pose_files import PoseFormat, names_poses, poses_in
-from gspcli.motion.poses.cranks import drive_values, refusals
-from gspcli.motion.poses.inverse_kinematics import measure
+from gspcli.motion.poses.inverse_kinematics import drive_values, measure, refusals
 from gspcli.records import dataclass
 from gspcli.wording import shortened
 

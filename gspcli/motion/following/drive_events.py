@@ -7,8 +7,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.geometry.drive_numbers import is_driven
-from gspcli.geometry.drives import Drives
+from gspcli.geometry.drives import Drives, is_driven
 from gspcli.geometry.limits import out_of_motor_range
 from gspcli.motion.following.limit_event import LimitEvent
 from gspcli.motion.following.tracks import Track

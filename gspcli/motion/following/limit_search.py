@@ -17,8 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from gspcli import _kernel
 from gspcli.errors import ArgumentError
-from gspcli.geometry.drive_numbers import is_driven
-from gspcli.geometry.drives import Drives
+from gspcli.geometry.drives import Drives, is_driven
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.limits import joint_cones
 from gspcli.geometry.quaternions import quaternion_from_rotation, rotation_from_quaternion

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import DPP, Primitive
 from gspcli.errors import ArgumentError
-from gspcli.geometry.drive_numbers import driven_points
+from gspcli.geometry.drives import driven_points
 from gspcli.geometry.instance import Constraint, Instance, Side
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Crank, Geometry, Line, Point, Slide

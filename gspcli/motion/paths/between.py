@@ -19,8 +19,7 @@ from gspcli.geometry.drives import Drives
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.quaternions import apply
 from gspcli.geometry.residuals import condition_numbers
-from gspcli.motion.collisions.compared import ComparedShapes
-from gspcli.motion.collisions.driven_moves import slips_near
+from gspcli.motion.collisions.compared import ComparedShapes, slips_near
 from gspcli.motion.following.followed_rows import RowFollower, Segments
 from gspcli.motion.following.moving_geometry import MovingGeometry
 from gspcli.motion.paths.condition_bounds import condition_bounds

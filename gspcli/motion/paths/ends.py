@@ -9,8 +9,8 @@ from gspcli.errors import ArgumentError, IncompleteError, NotFiniteError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.home_mode import HomeMode, home_mode
 from gspcli.geometry.instance import Instance
-from gspcli.motion.poses.chosen_mode import chosen_mode
 from gspcli.motion.poses.inverse_kinematics import checked_poses, pose_parts, values_at
+from gspcli.motion.poses.mode_filters import chosen_mode
 from gspcli.records import dataclass
 from gspcli.solver import SolveResult, solve
 from gspcli.solver.results.solution import Solution

@@ -6,12 +6,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.drive_numbers import is_driven, shares_drives
-from gspcli.geometry.drives import Drives
+from gspcli.geometry.drives import Drives, is_driven, shares_drives
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.limits import out_of_cone, out_of_motor_range, out_of_range
 from gspcli.motion.poses.inverse_kinematics import values_at
-from gspcli.motion.workspace.driven_boxes import knees_of
+from gspcli.motion.workspace.pose_boxes import knees_of
 
 Array = NDArray[np.float64]
 

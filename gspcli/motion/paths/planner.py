@@ -23,7 +23,7 @@ from numpy.typing import ArrayLike, NDArray
 from gspcli.defaults import PATH_SECONDS, SEED
 from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.drive_numbers import is_driven
+from gspcli.geometry.drives import is_driven
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.limits import has_limits
 from gspcli.geometry.readings import without_corrections

@@ -17,8 +17,7 @@ from gspcli.motion.following.limit_event import LimitEvent
 from gspcli.motion.following.tracks import Event, Track
 from gspcli.motion.paths.motors import Motors
 from gspcli.motion.paths.pose_ways import PoseWays, WayProof
-from gspcli.motion.poses.cranks import refusals
-from gspcli.motion.poses.inverse_kinematics import values_at
+from gspcli.motion.poses.inverse_kinematics import refusals, values_at
 from gspcli.records import dataclass
 
 Array = NDArray[np.float64]

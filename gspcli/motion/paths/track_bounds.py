@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.geometry.coordinates import coordinates, moved
-from gspcli.geometry.drive_numbers import arms_of
-from gspcli.geometry.drives import Drives
+from gspcli.geometry.drives import Drives, arms_of
 from gspcli.geometry.frames import PoseFrame
 from gspcli.geometry.readings import without_corrections
 from gspcli.motion.following.drive_events import drive_rows

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.errors import ArgumentError
+from gspcli.errors import ArgumentError, GspError
 from gspcli.geometry.euler import euler_from_rotation
 from gspcli.geometry.frames import IDENTITY, PoseFrame
 from gspcli.geometry.limits import restricts
@@ -23,7 +23,9 @@ from gspcli.records import dataclass
 from gspcli.wording import counted, listed, shown
 
 if TYPE_CHECKING:
+    from gspcli.geometry.home_mode import HomeMode
     from gspcli.solver.results.columns import PosesOfColumns
+
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -217,3 +219,31 @@ def left_out_json(left: Mapping[str, list[int]]) -> dict[str, Any]:
     modes = sorted(number for those in left.values() for number in those)
     reasons = [{"reason": reason, "modes": those} for reason, those in left.items()]
     return {"modes": modes, "reasons": reasons}
+
+
+def chosen_mode(mode: int | None, home: HomeMode | None, count: int) -> int:
+    """Return the number of the real pose that is asked for.
+
+    Parameters
+    ----------
+    mode
+        Its number, from 1; None for home.
+    home
+        The home mode, if there is one.
+    count
+        How many real poses there are.
+
+    Raises
+    ------
+    GspError
+        If there is no such pose.
+    """
+    if home is None:
+        message = "the platform has no real pose for its values (gsp solve says why)"
+        raise GspError(message)
+    if mode is None:
+        return home.number
+    if not 1 <= mode <= count:
+        message = f"found mode {mode}, expected one of the {counted(count, 'real pose')}"
+        raise GspError(message)
+    return mode

@@ -26,8 +26,7 @@ from gspcli.certification.poses.parallel_poses import nearly_parallel
 from gspcli.defaults import SEED
 from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.drive_numbers import is_driven
-from gspcli.geometry.drives import Drives
+from gspcli.geometry.drives import Drives, is_driven
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.measurement import measured
 from gspcli.geometry.quaternions import rotation_from_quaternion
@@ -37,8 +36,13 @@ from gspcli.motion.following.branch_follower import MovingPlatform, Stop, apart
 from gspcli.motion.following.row_instances import over_rows
 from gspcli.motion.following.tracks import Event
 from gspcli.motion.following.trajectories import track_from
-from gspcli.motion.poses.cranks import drive_values
-from gspcli.motion.poses.inverse_kinematics import checked_poses, measure, value_slopes, values_at
+from gspcli.motion.poses.inverse_kinematics import (
+    checked_poses,
+    drive_values,
+    measure,
+    value_slopes,
+    values_at,
+)
 from gspcli.motion.singularities.neighbourhoods import DrivenNeighbourhood, Neighbourhood
 from gspcli.motion.singularities.pose_clearances import PoseClearance, pose_clearance
 from gspcli.progress import Progress, silent

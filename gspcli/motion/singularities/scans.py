@@ -18,8 +18,7 @@ from gspcli.defaults import SEED
 from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.coordinates import choose, drive_corrections
-from gspcli.geometry.drive_numbers import is_driven
-from gspcli.geometry.drives import Drives
+from gspcli.geometry.drives import Drives, is_driven
 from gspcli.geometry.enclosures import Enclosure, Matrix
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.measurement import jacobian
@@ -37,7 +36,7 @@ from gspcli.motion.following.moving_geometry import MovingGeometry
 from gspcli.motion.following.row_instances import at_values
 from gspcli.motion.following.tracks import Event, Track
 from gspcli.motion.following.trajectories import track
-from gspcli.motion.poses.cranks import drive_values
+from gspcli.motion.poses.inverse_kinematics import drive_values
 from gspcli.motion.singularities.clearances import (
     clearances,
     drive_clearances,

@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gspcli import _kernel
 from gspcli.errors import ArgumentError
-from gspcli.geometry.drive_numbers import is_driven
+from gspcli.geometry.drives import Drives, driven_points, is_driven
 from gspcli.geometry.euler import check_sequence, rotation_from_euler
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.limits import joint_cones
 from gspcli.geometry.quaternions import apply, quaternion_from_rotation, rotation_from_quaternion
 from gspcli.motion.collisions.compared import ComparedShapes
-from gspcli.motion.workspace.driven_boxes import DrivenBoxes, knees_of
 
 Array = NDArray[np.float64]
 Keys = NDArray[np.uint64]
@@ -334,3 +333,201 @@ def places(keys: Keys, dimensions: int) -> NDArray[np.int64]:
     mask = np.uint64(2**bits - 1)
     columns = [(keys >> np.uint64(d * bits)) & mask for d in range(dimensions)]
     return np.stack(columns, axis=-1).astype(np.int64)
+
+
+#: A number is outside its range if it exceeds the range by more than this part of it.
+_RANGE_ROUNDING = 1e-12
+#: Rods with one drive must need the same place of it, up to this part of the size.
+_SAME = 1e-9
+_ADVICE = (
+    "\nwrite a machine of parallel rods as three distances (DPP) and three angles that stay "
+    "constant"
+)
+
+
+class DrivenBoxes:
+    """The cranks and slides of a platform, on given knees.
+
+    Parameters
+    ----------
+    instance
+        The platform.
+    quaternion, pivot
+        As for `gspcli.certification.numbers.limit_balls.limit_balls`.
+    knees
+        The signs of the gains, shape (6,).
+    """
+
+    def __init__(
+        self, instance: Instance, quaternion: Array, pivot: Array, knees: NDArray[np.int64]
+    ) -> None:
+        # Ball arithmetic takes long to import; it is needed for proofs of boxes only.
+        from gspcli.certification.numbers.limit_balls import drive_balls
+
+        self.drives = drives = Drives.of(instance)
+        self.rows: list[int] = np.flatnonzero(drives.driven).tolist()
+        self.balls = drive_balls(instance, quaternion.tolist(), pivot.tolist(), knees.tolist())
+
+    @property
+    def ranged(self) -> list[int]:
+        """The constraints whose motor has a range."""
+        index, low = self.drives.index, self.drives.low
+        return [k for k in self.rows if np.isfinite(low[index[k]])]
+
+    def name(self, constraint: int) -> str:
+        """Return what moves a point of a constraint, such as ``crank B2``."""
+        return _drive_name(self.drives, constraint)
+
+    def point(self, constraint: int) -> str:
+        """Return the name of the point that is moved."""
+        (one,) = driven_points(self.drives.instance.constraints[constraint])
+        return one.name or str(constraint + 1)
+
+    def places(self, constraint: int, y: Array, x: Array) -> list[tuple[Array, Array, Array]]:
+        """Return the points of platform and base that a rod joins, and a margin, shapes (3,).
+
+        The point that the motor moves is between two returned places, or within the margin of one.
+        The other point is that of the kernel.
+        """
+        assert self.balls is not None
+        k = self.rows.index(constraint)
+        middle, across, beside, _, first, last = self.balls.vectors[k, ..., 0]
+        slide, on_platform = self.balls.sorts[k].tolist()
+        none = np.zeros(3)
+        found: list[tuple[Array, Array]]
+        if not slide:
+            margin = np.hypot(across, beside)
+            found = [(middle, np.full(3, np.linalg.norm(across)) if on_platform else margin)]
+        elif constraint in self.ranged:
+            found = [(first, none), (last, none)]
+        else:
+            free = np.full(3, np.inf) if on_platform else np.where(across != 0, np.inf, 0.0)
+            found = [(middle, free)]
+        return [
+            (point, x, margin) if on_platform else (y, point, margin) for point, margin in found
+        ]
+
+    def refuse_shared(self, R: Array, free: Sequence[str]) -> None:
+        """Raise unless rods that share a drive need the same place of it at all poses that vary.
+
+        Parameters
+        ----------
+        R
+            The orientation, shape (3, 3).
+        free
+            The parameters that vary.
+        """
+        drives, instance = self.drives, self.drives.instance
+        turning = any(name.startswith("r") for name in free)
+        for drive in range(drives.count):
+            first, *others = drives.users(drive)
+            for k in others:
+                rows = instance.constraints[first], instance.constraints[k]
+                text = f"rods {first + 1} and {k + 1} share {self.name(k)}"
+                if turning:
+                    message = (
+                        f"{text}: what such a machine reaches when it turns is not computed, "
+                        "only its positions (x, y, z)"
+                    )
+                    raise ArgumentError(message + _ADVICE)
+                y, x = (
+                    a - b
+                    for a, b in (
+                        (rows[0].platform.point, rows[1].platform.point),
+                        (rows[0].base.point, rows[1].base.point),
+                    )
+                )
+                off = np.linalg.norm(R @ y - x) + abs(rows[0].value.value - rows[1].value.value)
+                # The difference of points on one arm turns with it.
+                own = y if drives.on_platform[k] else x
+                if drives.sorts[drive] == "crank":
+                    axis = np.cross(drives.across[k], drives.beside[k])
+                    off += np.linalg.norm(np.cross(own, axis / np.linalg.norm(axis)))
+                if off > _SAME * np.linalg.norm(np.concatenate((rows[0].platform.point, x, y))):
+                    message = (
+                        f"{text} and are not parallel at this orientation: what such a machine "
+                        "reaches is computed only where they are"
+                    )
+                    raise ArgumentError(message + _ADVICE)
+
+
+def knees_of(
+    instance: Instance, R: Array | None = None, T: Array | None = None
+) -> NDArray[np.int64]:
+    """Return the knees of the stated home, or without one those of a pose, shape (6,).
+
+    Raises
+    ------
+    ArgumentError
+        If a drive does not reach the pose, or reaches it at two numbers equally near to the stated
+        point.
+    """
+    drives = Drives.of(instance)
+    stated = drives.home_knees
+    if stated is not None:
+        return stated
+    assert R is not None
+    assert T is not None
+    return drives.knees(R, np.asarray(T, float), "home")
+
+
+def drive_violations(drives: Drives, knees: NDArray[np.int64], R: Array, T: Array) -> Iterator[str]:
+    """Yield the drives that do not reach a pose, or are out of range there, in words."""
+    wanted = drives.wanted(R, T, knees)
+    for k in np.flatnonzero(drives.driven).tolist():
+        drive = drives.index[k]
+        q, low, high = (float(x) for x in (wanted[k], drives.low[drive], drives.high[drive]))
+        if np.isnan(q):
+            yield f"rod {k + 1} does not reach {_drive_name(drives, k)}"
+        elif np.isfinite(low):
+            room = _RANGE_ROUNDING * max(abs(low), abs(high))
+            if not low - room <= q <= high + room:
+                here, first, last = (
+                    float(drives.readings(np.full(drives.count, x))[drive]) for x in (q, low, high)
+                )
+                yield (
+                    f"{_drive_name(drives, k)} at {here:.6g} is outside its range from "
+                    f"{first:.10g} to {last:.10g}"
+                )
+
+
+def _drive_name(drives: Drives, constraint: int) -> str:
+    name: str = drives.names[drives.index[constraint]]
+    return name.replace(".", " ")
+
+
+Levels = NDArray[np.int32]
+#: Boxes of one level.
+Layer: TypeAlias = "tuple[Keys, Conditions, int]"
+
+
+class BoxSet(NamedTuple):
+    """Boxes by their keys in the grid of their level, with the conditions of each."""
+
+    keys: Keys
+    conditions: Conditions
+    levels: Levels
+
+    @classmethod
+    def of(cls, layers: Sequence[Layer]) -> BoxSet:
+        """Return the boxes of all layers."""
+        return cls(
+            np.concatenate([np.zeros(0, np.uint64), *(keys for keys, _, _ in layers)]),
+            np.concatenate([np.zeros(0, np.uint32), *(left for _, left, _ in layers)]),
+            np.repeat(
+                np.array([level for _, _, level in layers], np.int32),
+                [len(keys) for keys, _, _ in layers],
+            ),
+        )
+
+    def chosen(self, which: NDArray[np.bool_]) -> BoxSet:
+        """Return some of the boxes."""
+        return BoxSet(self.keys[which], self.conditions[which], self.levels[which])
+
+    def and_also(self, other: BoxSet) -> BoxSet:
+        """Return the boxes of both layers, one after the other."""
+        return BoxSet(
+            np.concatenate((self.keys, other.keys)),
+            np.concatenate((self.conditions, other.conditions)),
+            np.concatenate((self.levels, other.levels)),
+        )

@@ -9,16 +9,21 @@ from numpy.typing import ArrayLike, NDArray
 
 from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.drive_numbers import driven_points, is_driven
-from gspcli.geometry.drives import Drives
+from gspcli.geometry.drives import Drives, driven_points, is_driven
 from gspcli.geometry.euler import rotation_from_euler
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.limits import joint_cones, out_of_cone, out_of_range, tilts
 from gspcli.geometry.readings import readings_of
 from gspcli.motion.collisions.compared import ComparedShapes
 from gspcli.motion.poses.inverse_kinematics import values_at
-from gspcli.motion.workspace.driven_boxes import drive_violations, knees_of
-from gspcli.motion.workspace.pose_boxes import NEGATIVE, PARAMETERS, REGULAR, PoseBoxes
+from gspcli.motion.workspace.pose_boxes import (
+    NEGATIVE,
+    PARAMETERS,
+    REGULAR,
+    PoseBoxes,
+    drive_violations,
+    knees_of,
+)
 from gspcli.records import dataclass
 from gspcli.ties import first_smallest
 from gspcli.wording import listed

@@ -12,8 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.euler import euler_from_rotation
 from gspcli.geometry.instance import Instance
-from gspcli.motion.workspace.box_sets import Levels
-from gspcli.motion.workspace.pose_boxes import PARAMETERS, Keys, PoseBoxes, places
+from gspcli.motion.workspace.pose_boxes import PARAMETERS, Keys, Levels, PoseBoxes, places
 from gspcli.records import EqualByContent, dataclass
 
 if TYPE_CHECKING:

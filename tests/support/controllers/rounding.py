@@ -14,7 +14,7 @@ from flint import arb
 from numpy.typing import NDArray
 
 from gspcli.certification.numbers.balls import ball, cross, dot
-from gspcli.geometry.drive_numbers import driven_points
+from gspcli.geometry.drives import driven_points
 from gspcli.geometry.instance import AngleUnit, Instance
 from gspcli.motion.following.platform_numbers import PlatformNumbers
 

@@ -10,8 +10,7 @@ import pytest
 from gspcli.catalogue.kinds import DPH, DPP, KINDS_BY_NAME
 from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.drive_numbers import is_driven
-from gspcli.geometry.drives import Drives
+from gspcli.geometry.drives import Drives, is_driven
 from gspcli.geometry.euler import rotation_from_euler
 from gspcli.geometry.home_pose import HomePose
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Units

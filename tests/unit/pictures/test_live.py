@@ -24,8 +24,7 @@ from gspcli.certification.numbers.rounding import COMPLEX, ISOLATED, REAL, ROUND
 from gspcli.certification.numbers.sines import SINE_ERROR, SineNumbers
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.coordinates import choose, moved
-from gspcli.geometry.drive_numbers import driven_points
-from gspcli.geometry.drives import Drives
+from gspcli.geometry.drives import Drives, driven_points
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Crank, as_array

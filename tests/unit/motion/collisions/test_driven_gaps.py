@@ -18,7 +18,7 @@ from gspcli.motion.paths.ends import PathEnd
 from gspcli.motion.paths.motors import Motors
 from gspcli.motion.paths.pose_ways import PoseWays
 from gspcli.motion.workspace.box_division import workspace
-from gspcli.motion.workspace.driven_boxes import knees_of
+from gspcli.motion.workspace.pose_boxes import knees_of
 from gspcli.solver import solve
 from gspcli.spec.reading import example
 

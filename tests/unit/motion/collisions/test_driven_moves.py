@@ -10,9 +10,8 @@ import pytest
 from gspcli.geometry.drives import Drives
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.shapes import Shapes
-from gspcli.motion.collisions.compared import ComparedShapes
-from gspcli.motion.collisions.driven_moves import point_moves, slips_near
-from gspcli.motion.poses.cranks import drive_values
+from gspcli.motion.collisions.compared import ComparedShapes, point_moves, slips_near
+from gspcli.motion.poses.inverse_kinematics import drive_values
 from gspcli.solver import solve
 from gspcli.spec.reading import example
 from tests.support.thick_legs import poses_near

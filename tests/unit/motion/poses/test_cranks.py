@@ -9,8 +9,7 @@ from gspcli.geometry.coordinates import moved
 from gspcli.geometry.quaternions import rotation_from_quaternion, rotation_from_vector
 from gspcli.motion import crank_angles, measure, track
 from gspcli.motion.paths.nearest_poses import NearestPoses
-from gspcli.motion.poses.cranks import drive_values, refusals
-from gspcli.motion.poses.inverse_kinematics import values_at
+from gspcli.motion.poses.inverse_kinematics import drive_values, refusals, values_at
 from gspcli.resources import data_path
 from gspcli.spec import loads
 

@@ -9,7 +9,7 @@ import gspcli
 from gspcli.errors import ArgumentError
 from gspcli.geometry.random_instances import random_instance
 from gspcli.motion import measure
-from gspcli.motion.statics.geometry_errors import geometry_accuracy, geometry_slopes
+from gspcli.motion.statics.accuracy import geometry_accuracy, geometry_slopes
 from gspcli.motion.statics.wrenches import wrenches
 from gspcli.resources import data_path
 
