@@ -83,8 +83,8 @@ if TYPE_CHECKING:
     from gspcli.paper.comparison import table as table
     from gspcli.pictures.page import notebook_view as notebook_view
     from gspcli.pictures.whole_views import view as view
+    from gspcli.reality.real_distribution import sample as sample
     from gspcli.reality.real_search import maximize_real as maximize_real
-    from gspcli.reality.sample_results import sample as sample
     from gspcli.sensing import fit_poses as fit_poses
     from gspcli.sensing import fit_readings as fit_readings
     from gspcli.sensing import sensors as sensors
@@ -177,7 +177,7 @@ _HOMES = {
     "parse_type": "gspcli.catalogue.names",
     "path": "gspcli.motion.paths.api",
     "read": "gspcli.spec",
-    "sample": "gspcli.reality.sample_results",
+    "sample": "gspcli.reality.real_distribution",
     "scan": "gspcli.motion.singularities.scans",
     "sensors": "gspcli.sensing",
     "set_values": "gspcli.spec",

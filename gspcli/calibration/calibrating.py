@@ -2,25 +2,454 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gspcli.calibration.fitting import HUBER, Fit, fit, redundancies
-from gspcli.calibration.identifiable import Unknowns, advice, identifiable
-from gspcli.calibration.judging import likely_cause
-from gspcli.calibration.measurements import Measurements, Noise, constant_rods, value_rows
-from gspcli.calibration.options import Options, chosen_model, noise_of, prior_of
-from gspcli.calibration.parameters import Model
-from gspcli.calibration.results import Calibration
+from gspcli.calibration.judging import Unknowns, advice, doubts, identifiable, likely_cause
+from gspcli.calibration.measurements import (
+    Measurements,
+    Noise,
+    check_points,
+    constant_rods,
+    value_rows,
+)
+from gspcli.calibration.model import CORRECTIONS, FileNumbers, Model, calibrated, file_numbers
 from gspcli.calibration.starts import started
 from gspcli.catalogue.kinds import DLL
 from gspcli.errors import ArgumentError, IncompleteError
 from gspcli.geometry.checking import checked
 from gspcli.geometry.instance import Instance
-from gspcli.wording import counted, shown, suggestion
+from gspcli.records import EqualByContent, dataclass
+from gspcli.spec import dumps
+from gspcli.wording import counted, listed, shown, suggestion
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
+
+#: How exactly the numbers of a platform are known before it is calibrated, in typical lengths:
+#: parts are made to a two-hundredth of the machine. A number that data give less exactly counts as
+#: unknown.
+PRIOR = 1 / 200
+#: The sorts of readings whose noise can be stated.
+SIGMAS = ("value", "angle", "position", "rotation", "inclination", "crank", "slide")
+_ANGLES = {"angle", "rotation", "inclination", "crank"}
+
+
+@dataclass(frozen=True)
+class Options:
+    """What is estimated, and how.
+
+    Attributes
+    ----------
+    estimate
+        What is estimated besides primitives and offsets: ``scales``, ``frames``, or parameters, as
+        ``base.B1.slide.offset``.
+    hold
+        What keeps what is stated: ``offsets``, ``platform``, ``base``, ``platform.P1``,
+        ``offset.3`` ….
+    robust
+        Whether outliers, numbers more than five deviations away, are left out.
+    prior
+        What is known before, in length units; None for a two-hundredth of a typical length.
+    hold_unknown
+        Whether numbers that the data do not determine keep their stated values, instead of raising.
+    """
+
+    estimate: tuple[str, ...] = ()
+    hold: tuple[str, ...] = ()
+    robust: bool = False
+    prior: float | None = None
+    hold_unknown: bool = False
+
+
+def prior_of(options: Options, model: Model) -> float:
+    """Return how well the numbers are known before, a length.
+
+    Raises
+    ------
+    ArgumentError
+        If it is not a positive number.
+    """
+    if options.prior is None:
+        return PRIOR * model.length
+    if not 0 < options.prior < np.inf:
+        message = f"found {options.prior:g}, expected a positive number"
+        raise ArgumentError(message, "prior")
+    return float(options.prior)
+
+
+def chosen_model(instance: Instance, options: Options, *, drives: bool) -> Model:
+    """Return the model with the parameters free that are to be estimated.
+
+    Raises
+    ------
+    ArgumentError
+        If a name is that of no parameter.
+    """
+    model = Model.of(instance, drives=drives)
+    zeros = {f"{d.body}.{d.name}.{d.sort}.offset": d.drive_name for d in model.drives}
+    if asked := [zeros[name] for name in options.estimate if name in zeros]:
+        model = Model.of(instance, drives=drives, zeros=asked)
+    free = model.free.copy()
+    for name in options.estimate:
+        meant = _meant(model, name, "estimate")
+        # A whole primitive has no corrections of readings in it.
+        free |= meant & ~_corrections(model, name)
+    for name in options.hold:
+        free[_meant(model, name, "hold")] = False
+    if not free.any():
+        message = "found nothing that is to be estimated"
+        raise ArgumentError(message, "hold")
+    return replace(model, free=free)
+
+
+def _corrections(model: Model, but: str) -> NDArray[np.bool_]:
+    """Return which parameters correct readings of drives, but for those with the name."""
+    drives = {name for drive in model.drives for name in drive.names[-len(CORRECTIONS) :]}
+    if but == "scales":
+        drives = {name for name in drives if not name.endswith(".scale")}
+    return np.array([name in drives and name != but for name in model.names])
+
+
+def _meant(model: Model, name: str, where: str) -> NDArray[np.bool_]:
+    """Return which parameters a name means: one, all of a primitive, of a body, or of a sort."""
+    sorts = {
+        "offsets": ("offset.",),
+        "scales": ("scale.",),
+        "frames": ("device.", "target."),
+    }
+    prefixes = sorts.get(name, (f"{name}.",))
+    meant = np.array([one == name or one.startswith(prefixes) for one in model.names])
+    if name == "scales":
+        meant |= np.array([one.endswith(".scale") for one in model.names])
+        # A rod that a drive moves is not read, but the drive is.
+        rods = {f"scale.{k + 1}" for drive in model.drives for k in drive.rows}
+        meant &= np.array([one not in rods for one in model.names])
+    if not meant.any():
+        parts = {one.rpartition(".")[0] for one in model.names} | set(model.names)
+        known = sorted(parts | set(sorts) | {"platform", "base"})
+        message = (
+            f"found {shown(name)}, expected offsets, scales, frames, platform, base, or a name "
+            f"such as {model.names[0].rpartition('.')[0]} or offset.1{suggestion(name, known)}"
+        )
+        raise ArgumentError(message, where)
+    return meant
+
+
+def noise_of(model: Model, sigma: Mapping[str, float]) -> Noise:
+    """Return the standard deviations that are stated, or assumed.
+
+    Raises
+    ------
+    ArgumentError
+        If a name or a number is wrong.
+    """
+    changes: dict[str, Any] = {}
+    exact = {"position", "rotation", "crank", "slide"}
+    moved = {k for drive in model.drives for k in drive.rows}
+    if all(k in moved for k, kind in enumerate(model.kinds) if kind.is_distance):
+        exact.add("value")
+    for name, number in sigma.items():
+        if name not in SIGMAS:
+            message = f"found {shown(name)}, expected {listed(SIGMAS)}{suggestion(name, SIGMAS)}"
+            raise ArgumentError(message, "sigma")
+        least = 0.0 if name in exact else np.nextafter(0, 1)
+        if not (np.isfinite(number) and number >= least):
+            expected = "a positive number" if least else "a number of at least 0"
+            message = f"found {number:g}, expected {expected}"
+            raise ArgumentError(message, f"sigma[{name!r}]")
+        changes[name] = float(number) * (model.in_radians if name in _ANGLES else 1.0)
+    noise = replace(Noise.usual(model.length), **changes)
+    for drive, deviation in zip(model.drives, noise.of_drives(model), strict=True):
+        if noise.value == deviation == 0:
+            message = f"found both value and {drive.sort} zero, expected one of them positive"
+            raise ArgumentError(message, "sigma")
+    if (noise.position == 0) != (noise.rotation == 0):
+        message = "found one of position and rotation zero, expected both (poses are exact) or none"
+        raise ArgumentError(message, "sigma")
+    return noise
+
+
+@dataclass(frozen=True, eq=False)
+class Calibration(EqualByContent):
+    """The numbers of a platform that were found from measurements.
+
+    Attributes
+    ----------
+    stated
+        The platform as it was given.
+    fit
+        The end of the fit: parameters, poses, residuals.
+    seen
+        What was measured.
+    noise
+        The standard deviations that were used.
+    scatter
+        What all deviations are multiplied by, because the noise was not stated: the root of
+        chi-squared by its degrees of freedom. One if it was.
+    unknowns
+        The directions that the data do not determine; the numbers keep their stated values along
+        them.
+    options
+        What was estimated, and how.
+    without_worst
+        The same without the row that agrees least, and its index; None if that is undecided.
+    home
+        With unknown frames and no stated home, which real pose was taken for it, in words.
+    """
+
+    stated: Instance
+    fit: Fit
+    seen: Measurements
+    noise: Noise
+    scatter: float
+    unknowns: Unknowns
+    options: Options
+    without_worst: tuple[int, Fit] | None = None
+    home: str = ""
+
+    def __repr__(self) -> str:
+        count = int(self.estimated.sum())
+        chi = f"chi-squared {self.chi_squared:.4g} of {self.freedom}"
+        unknown = f", {self.unknowns.missing} directions unknown" if self.unknowns.missing else ""
+        doubted = ", doubted" if self.doubts else ""
+        return f"<Calibration: {count} numbers from {len(self.seen)} rows, {chi}{unknown}{doubted}>"
+
+    @cached_property
+    def _found(self) -> FileNumbers:
+        return file_numbers(self.stated, self.fit.model)
+
+    @cached_property
+    def _stated(self) -> FileNumbers:
+        drives = self.seen.drives is not None
+        return file_numbers(self.stated, Model.of(self.stated, drives=drives))
+
+    @cached_property
+    def estimated(self) -> NDArray[np.bool_]:
+        """Which of all numbers of the file (and frames) depend on what was estimated."""
+        by = self._found.slopes[:, self.fit.model.free]
+        return np.asarray((by != 0).any(axis=1))
+
+    @cached_property
+    def repeated(self) -> int:
+        """How many rows have the same numbers as one before: they count as measured again."""
+        seen = self.seen
+        parts = [seen.readings, seen.rotations.reshape(len(seen), -1), seen.positions]
+        parts += [*seen.points.values(), *([seen.inclinations] if len(seen.inclinations) else [])]
+        parts += [] if seen.drives is None else [seen.drives]
+        rows = {row.tobytes() for row in np.hstack(parts)}
+        return len(seen) - len(rows)
+
+    @cached_property
+    def doubts(self) -> tuple[str, ...]:
+        """Why the data do not fit the machine, in sentences; empty if they do."""
+        return doubts(
+            self.fit,
+            self._found,
+            self._stated,
+            self.noise,
+            self.scatter,
+            prior_of(self.options, self.fit.model),
+            int(self.outliers.any(axis=1).sum()),
+            self.stated.units.length,
+        )
+
+    @cached_property
+    def cause(self) -> str | None:
+        """Which mistake of the data probably is the cause of doubts; None if none is likely."""
+        if not self.doubts or self.fit.model.with_frames:
+            return None
+        model = Model.of(self.stated, drives=self.seen.drives is not None)
+        prior = prior_of(self.options, model)
+        return likely_cause(model, self.seen, prior, self.stated.units.length)
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """The names of the numbers found, m of them: ``base.B1.x``, ``offset.3`` …."""
+        return tuple(np.array(self._found.names)[self.estimated].tolist())
+
+    @cached_property
+    def before(self) -> Array:
+        """What was stated, shape (m,)."""
+        return _fixed(self._stated.values[self.estimated])
+
+    @cached_property
+    def after(self) -> Array:
+        """What was found, in the units of the file, shape (m,)."""
+        return _fixed(self._found.values[self.estimated])
+
+    @cached_property
+    def covariance(self) -> Array:
+        """The covariance of the numbers found, shape (m, m)."""
+        whole = self._found.covariance(self.fit.covariance) * self.scatter**2
+        return _fixed(whole[np.ix_(self.estimated, self.estimated)])
+
+    @cached_property
+    def sigma(self) -> Array:
+        """Their standard deviations, shape (m,); zero for what keeps what is stated."""
+        return _fixed(np.sqrt(np.maximum(np.diag(self.covariance), 0.0)))
+
+    @cached_property
+    def deviations(self) -> dict[str, float]:
+        """The standard deviation of each number found, by its name."""
+        return dict(zip(self.names, self.sigma.tolist(), strict=True))
+
+    @cached_property
+    def instance(self) -> Instance:
+        """The platform with the numbers found; readings stay unchanged, and get offsets."""
+        return calibrated(self.stated, self.fit.model, self.deviations)
+
+    @cached_property
+    def R(self) -> Array:
+        """The rotations found, shape (n, 3, 3)."""
+        return _fixed(self.fit.R)
+
+    @cached_property
+    def T(self) -> Array:
+        """The translations found, shape (n, 3)."""
+        return _fixed(self.fit.T)
+
+    @property
+    def chi_squared(self) -> float:
+        """The sum of squares of the residuals divided by their deviations."""
+        return float(np.nansum(self.fit.residual**2))
+
+    @property
+    def freedom(self) -> int:
+        """Its degrees of freedom."""
+        return self.fit.freedom
+
+    @cached_property
+    def outliers(self) -> NDArray[np.bool_]:
+        """Which numbers are left out, in the columns of `residuals` and `pose_residuals`."""
+        left = self.seen.left_out
+        return np.zeros(self.fit.residual.shape, bool) if left is None else left
+
+    @cached_property
+    def _residual(self) -> Array:
+        """All residuals in standard deviations, those of outliers, too."""
+        every = replace(self.seen, left_out=None)
+        fit = self.fit
+        return every.rows(fit.model, fit.R, fit.T, self.noise).residual
+
+    @cached_property
+    def residuals(self) -> Array:
+        """The residual of each reading, in standard deviations, shape (n, 6); NaN for blanks."""
+        return _fixed(self._residual[:, :6])
+
+    @cached_property
+    def pose_residuals(self) -> Array:
+        """The residuals of what was measured of each pose, in deviations, shape (n, k)."""
+        return _fixed(self._residual[:, 6:])
+
+    @cached_property
+    def rows(self) -> Array:
+        """What each row adds to chi-squared, shape (n,)."""
+        return _fixed(np.nansum(self.fit.residual**2, axis=1))
+
+    @cached_property
+    def worst(self) -> tuple[int, float, float] | None:
+        """The row that agrees least, chi-squared without it, and the most that a number moves.
+
+        The last in its standard deviations. None if the other rows alone do not determine as many
+        numbers.
+        """
+        if self.without_worst is None:
+            return None
+        row, other = self.without_worst
+        numbers = file_numbers(self.stated, other.model).values[self.estimated]
+        known = self.sigma > 0
+        moved = np.abs(numbers - self.after)[known] / self.sigma[known]
+        left = float(np.nansum(other.residual**2))
+        return row, left, float(moved.max(initial=0.0))
+
+    def to_frame(self) -> DataFrame:
+        """Return a row for each number: stated, found, sigma, and the change over sigma."""
+        import pandas as pd
+
+        with np.errstate(divide="ignore", invalid="ignore"):
+            ratio = np.where(self.sigma > 0, (self.after - self.before) / self.sigma, np.nan)
+        columns = {
+            "stated": self.before,
+            "found": self.after,
+            "sigma": self.sigma,
+            "change_over_sigma": ratio,
+        }
+        return pd.DataFrame(columns, index=pd.Index(self.names, name="number"))
+
+    def to_json(self) -> dict[str, Any]:
+        """Return all of it as plain data, covariance included."""
+        model = self.fit.model
+        worst = self.worst
+        return {
+            **self.stated.to_json(),
+            "rows": len(self.seen),
+            "chi_squared": self.chi_squared,
+            "freedom": self.freedom,
+            "scatter": self.scatter,
+            "doubts": list(self.doubts),
+            "cause": self.cause or "",
+            "home_taken": self.home,
+            "repeated_rows": self.repeated,
+            "noise": {
+                "value": self.noise.value,
+                "angle": self.noise.angle / model.in_radians,
+                "position": self.noise.position,
+                "rotation": self.noise.rotation / model.in_radians,
+                "inclination": self.noise.inclination / model.in_radians,
+                "crank": self.noise.crank / model.in_radians,
+                "slide": self.noise.slide,
+            },
+            "numbers": [
+                {"name": name, "stated": a, "found": b, "sigma": s}
+                for name, a, b, s in zip(
+                    self.names,
+                    self.before.tolist(),
+                    self.after.tolist(),
+                    self.sigma.tolist(),
+                    strict=True,
+                )
+            ],
+            "covariance": self.covariance.tolist(),
+            "unknown": {
+                "directions": self.unknowns.count,
+                "frames": self.unknowns.frames,
+                "what": list(self.unknowns.sentences),
+            },
+            "worst": None
+            if worst is None
+            else {
+                "row": self.seen.lines[worst[0]],
+                "chi_squared": float(self.rows[worst[0]]),
+                "chi_squared_without": worst[1],
+                "largest_change_over_sigma": worst[2],
+            },
+            "poses": [
+                {"row": line, "R": R, "T": T, "chi_squared": chi}
+                for line, R, T, chi in zip(
+                    self.seen.lines,
+                    self.R.tolist(),
+                    self.T.tolist(),
+                    self.rows.tolist(),
+                    strict=True,
+                )
+            ],
+        }
+
+
+def _fixed(array: Array) -> Array:
+    """Return an array that cannot be written to."""
+    fixed = np.array(array)
+    fixed.setflags(write=False)
+    return fixed
+
 
 Array = NDArray[np.float64]
 
@@ -356,20 +785,6 @@ def _readings_of_drives(instance: Instance, given: ArrayLike, rows: int, where: 
     return readings
 
 
-def check_points(
-    instance: Instance, names: Iterable[str], targets: Mapping[str, object], where: str
-) -> None:
-    """Raise if a name is neither that of a point of the platform nor of a target."""
-    known = [row.platform_name for row in instance.constraints if row.kind.platform.value == "P"]
-    for name in names:
-        if name not in known and name not in targets:
-            message = (
-                f"found the unknown point {shown(name)}, expected a point of the platform, or "
-                f"where it is on the target{suggestion(name, known)}"
-            )
-            raise ArgumentError(message, where)
-
-
 def _shaped(given: ArrayLike, name: str, shape: tuple[int | None, ...]) -> Array:
     try:
         array = np.asarray(given, float)
@@ -386,3 +801,67 @@ def _shaped(given: ArrayLike, name: str, shape: tuple[int | None, ...]) -> Array
         message = "found an infinite number, expected finite ones, NaN for what was not measured"
         raise ArgumentError(message, name)
     return array
+
+
+def calibrated_text(result: Calibration, remarks_of_log: Sequence[str] = ()) -> str:
+    """Return the file of what was found, with comments: ± the standard deviation of each number.
+
+    Parameters
+    ----------
+    result
+        What was found.
+    remarks_of_log
+        More comments for its head.
+    """
+    fits = f"chi-squared {result.chi_squared:.4g} of"
+    if result.scatter != 1.0:
+        fits = f"deviations of {result.noise.value * result.scatter:.2g} by the scatter,"
+    head = [
+        f"# calibrated by gsp calibrate from {len(result.seen)} rows: {fits} {result.freedom} "
+        "degrees of freedom",
+        "# after # are the standard deviations of the numbers in the line, in their order",
+    ]
+    if result.unknowns.missing:
+        head.append(
+            f"# {result.unknowns.missing} directions that the data do not determine are as stated:"
+        )
+        head += [f"#   {sentence}" for sentence in result.unknowns.sentences]
+    head += [f"# {remark}" for remark in remarks_of_log]
+    remarks = _remarks(result)
+    lines, section = [], ""
+    for line in dumps(result.instance).splitlines():
+        if not line.startswith(" "):
+            section = line.partition(":")[0]
+            lines.append(line)
+        else:
+            remark = next(remarks) if section in ("platform", "base", "constraints") else ""
+            lines.append(f"{line}  # {remark}" if remark else line)
+    return "\n".join([*head, *lines]) + "\n"
+
+
+def _remarks(result: Calibration) -> Iterator[str]:
+    """Yield what stands beside each primitive and constraint, in the order of the file."""
+    for body in ("platform", "base"):
+        names = [
+            getattr(row, f"{body}_name") or f"of {k}"
+            for k, row in enumerate(result.stated.constraints, 1)
+        ]
+        for name in dict.fromkeys(names):
+            begin = f"{body}.{name}."
+            found = [s for one, s in result.deviations.items() if one.startswith(begin)]
+            yield _deviations(found)
+    for k in range(1, len(result.stated.constraints) + 1):
+        parts = []
+        for what in ("offset", "scale"):
+            sigma = result.deviations.get(f"{what}.{k}")
+            if sigma is not None:
+                parts.append(f"{what} {_deviations([sigma])}")
+        yield ", ".join(parts)
+
+
+def _deviations(sigmas: list[float]) -> str:
+    if not sigmas:
+        return ""
+    if not any(sigmas):
+        return "as stated"
+    return "± " + ", ".join(f"{sigma:.2g}" for sigma in sigmas)

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.calibration.measurements import Measurements, Noise
-from gspcli.calibration.parameters import Model
+from gspcli.calibration.model import Model
 from gspcli.errors import GspError
 from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.records import dataclass

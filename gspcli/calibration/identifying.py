@@ -2,42 +2,763 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from functools import cached_property
+from itertools import product
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.calibration.calibrating import calibrate_rows
-from gspcli.calibration.convention_choice import (
-    EXACT,
-    LIKELIER,
-    USUAL,
-    ConventionFit,
-    ambiguous,
-    random_starts,
-    readings_of,
-    units_of,
-    words_of,
-)
-from gspcli.calibration.identification import Identification
-from gspcli.calibration.joints import (
-    UNKNOWNS,
-    Joints,
-    all_fitted,
-    without_far,
-)
-from gspcli.calibration.logs import Log, read_log
+from gspcli.calibration.calibrating import PRIOR, Calibration, Options, calibrate_rows
 from gspcli.calibration.measurements import Measurements
-from gspcli.calibration.options import PRIOR, Options
 from gspcli.errors import ArgumentError, IncompleteError
 from gspcli.geometry.building import distance
 from gspcli.geometry.building import instance as instance_of
+from gspcli.geometry.euler import rotation_from_euler
 from gspcli.geometry.home_pose import HomePose
 from gspcli.geometry.instance import Instance
+from gspcli.geometry.lengths import METRES
 from gspcli.geometry.primitives import Point
 from gspcli.geometry.quaternions import apply, quaternion_from_rotation
+from gspcli.motion.files.headings import FileUnits, order_of
+from gspcli.motion.files.number_tables import NumberTable
+from gspcli.motion.files.pose_files import (
+    ANGLES,
+    COLUMNS,
+    ENTRIES,
+    POSITION,
+    QUATERNION,
+    PoseFormat,
+    rotations_of,
+)
+from gspcli.records import EqualByContent, dataclass
 from gspcli.spec.document import text_of_table
 from gspcli.wording import counted, listed
+
+LEGS = tuple("123456")
+_EXPECTED = "t, 1 ... 6, x y z, and qw qx qy qz, rx ry rz or r11 ... r33"
+#: Units of a log as they are read: lengths as written, angles in radians if the heading says so.
+_AS_WRITTEN = FileUnits("", 1.0, frozenset())
+
+
+@dataclass(frozen=True, eq=False)
+class Log:
+    """The numbers of a log, as written; NaN where a cell is blank.
+
+    Attributes
+    ----------
+    lengths
+        Of the six legs, shape (n, 6).
+    positions
+        Of one point of the platform, shape (n, 3).
+    angles
+        About x, y and z, shape (n, 3); None if the log has rotations.
+    rotations
+        Shape (n, 3, 3); None if the log has angles.
+    leg_unit, place_unit
+        Units that the heading names; empty if it names none.
+    angle_unit
+        That of angles, ``deg`` or ``rad``, if it names it: these are read as radians then.
+    order
+        The order of the axes that the heading says; None if it says none.
+    heads
+        The headings of angles that do not name their axes, such as A, B, C; empty for others.
+    lines
+        Where each row stands, for people: its t or its number.
+    """
+
+    lengths: Array
+    positions: Array
+    angles: Array | None
+    rotations: Array | None
+    leg_unit: str
+    place_unit: str
+    angle_unit: str
+    order: str | None
+    heads: tuple[str, ...]
+    lines: tuple[str, ...]
+
+    @property
+    def turns(self) -> Array:
+        """The numbers of rotations, shape (n, 3) or (n, 9)."""
+        if self.rotations is not None:
+            return self.rotations.reshape(-1, 9)
+        assert self.angles is not None
+        return self.angles
+
+    @property
+    def whole(self) -> NDArray[np.bool_]:
+        """Which rows have six lengths and a full pose, shape (n,)."""
+        numbers = np.hstack((self.lengths, self.positions, self.turns))
+        return np.asarray(np.isfinite(numbers).all(axis=1))
+
+
+def read_log(
+    text: str, name: str, ignore: tuple[str, ...] = (), columns: tuple[str, ...] = ()
+) -> Log:
+    """Read a log: CSV with the columns 1 to 6, x y z and a rotation; cells may be blank.
+
+    Parameters
+    ----------
+    text, name
+        The content, and how messages name it.
+    ignore
+        Columns that are left out.
+    columns
+        The names of the columns of a log without a heading.
+
+    Raises
+    ------
+    SpecError
+        With all mistakes, each with line and column.
+    """
+    table = NumberTable(text, name, _AS_WRITTEN, ignore, columns)
+    table.check()
+    legs = table.choose(LEGS)
+    places = table.choose(POSITION)
+    turns = table.choose(QUATERNION, ANGLES, ENTRIES)
+    table.refuse_others({"t", *LEGS, *COLUMNS}, _EXPECTED)
+    table.check()
+    assert legs is not None
+    assert places is not None
+    assert turns is not None
+    units = [_unit(table, group) for group in (legs, places, turns)]
+    lengths, positions, numbers = (
+        table.numbers(group, blanks=True) for group in (legs, places, turns)
+    )
+    rotations = None
+    if turns != ANGLES:
+        rotations = _rotations(table, turns, numbers)
+    lines = [str(k + 1) for k in range(len(table))]
+    if "t" in table.heading:
+        lines = [text or line for text, line in zip(table.texts("t"), lines, strict=True)]
+    table.check()
+    order = None if rotations is not None else order_of(table.names)
+    return Log(
+        lengths,
+        positions,
+        numbers if rotations is None else None,
+        rotations,
+        units[0],
+        units[1],
+        "" if not units[2] else "rad" if units[2].lower().startswith("rad") else "deg",
+        order.sequence if order else None,
+        tuple(table.names[table.heading.index(one)] for one in ANGLES) if order else (),
+        tuple(lines),
+    )
+
+
+def _unit(table: NumberTable, columns: Sequence[str]) -> str:
+    """Return the unit that the heading names for columns; one that some lack is that of all."""
+    found = [table.unit(name) for name in columns]
+    named = list(dict.fromkeys(unit for unit in found if unit))
+    if len(named) > 1 or (named and columns == ANGLES and "" in found):
+        what = listed(columns, "and")
+        table.note_heading(
+            f"found the units {listed(map(repr, found), 'and')} of {what}, expected the same"
+        )
+    return named[0] if named else ""
+
+
+def _rotations(table: NumberTable, columns: Sequence[str], numbers: Array) -> Array:
+    """Return rotations, NaN in rows without one; note those that are none."""
+    rotations = np.full((len(numbers), 3, 3), np.nan)
+    whole = np.flatnonzero(np.isfinite(numbers).all(axis=1))
+    rotations[whole], wrong = rotations_of(numbers[whole], PoseFormat())
+    for row, message in wrong:
+        table.note_cell(int(whole[row]), columns[0], message)
+    return rotations
+
+
+# Joints of legs from lengths at known poses, without a first guess.
+#
+# The square of a length l is linear in the unknown joints p (platform) and b (base): ``l^2 - T.T =
+# (p.p + b.b) + 2 U.p - 2 T.b - 2 R:(b p^T)`` with ``U = R^T T``, 16 unknowns a leg if the products
+# of p and b count as unknowns of their own. A constant that is missing in the lengths is one more.
+# If the log does not determine all of these, the solution of least norm is still a start: Gauss and
+# Newton's method for the six or seven numbers of a leg follows.
+
+
+#: Unknowns of a leg in the linear equations, without the missing constant.
+UNKNOWNS = 16
+#: Singular values below this part of the largest are zero; the starts leave out more of them.
+_ROUNDING, _KEPT = 1e-10, (16, 13, 10, 7)
+_STEPS, _DECREASE = 40, 1e-6
+
+#: Of a robust fit rows are left out with residuals of more than this many times the median.
+_ROUNDS, _FAR_OUT = 40, 10.0
+
+
+class Joints(NamedTuple):
+    """What explains the lengths of six legs best.
+
+    Units are those of the lengths.
+    """
+
+    numbers: Array
+    """Joints on the platform and on the base, and the missing constant, shape (6, 7)."""
+    residual: Array
+    """The residual of each length, shape (n, 6)."""
+
+    @property
+    def squares(self) -> float:
+        """The sum of the squares of the residuals."""
+        return float((self.residual**2).sum())
+
+
+def columns_of(R: Array, T: Array) -> Array:
+    """Return the columns of the linear equations, scaled, shape (n, 16)."""
+    size = float(np.abs(T).max(initial=0.0)) or 1.0
+    U = np.einsum("nab,na->nb", R, T)
+    return np.hstack((np.ones((len(T), 1)), U / size, T / size, R.reshape(-1, 9)))
+
+
+def left_of_lengths(R: Array, T: Array, lengths: Array, factors: Array, *, offsets: bool) -> Array:
+    """Return how far lengths are from satisfying the linear equations, a length for each factor.
+
+    Parameters
+    ----------
+    R, T
+        Poses, shapes (n, 3, 3) and (n, 3).
+    lengths
+        Shape (n, 6).
+    factors
+        What T may have to be multiplied by, shape (k,).
+    offsets
+        Whether a constant is missing in the lengths of each leg.
+
+    Returns
+    -------
+    Array
+        Root mean squares, shape (k,).
+    """
+    basis, s, _ = np.linalg.svd(columns_of(R, T), full_matrices=False)
+    basis = basis[:, s > _ROUNDING * s[0]]
+    rho = (T**2).sum(axis=1)
+    square = lengths**2
+
+    def across(part: Array) -> Array:
+        left: Array = part - basis @ (basis.T @ part)
+        return left
+
+    rest, of_rho, of_length = across(square), across(rho), across(lengths)
+    left = rest[None] - factors[:, None, None] ** 2 * of_rho[None, :, None]
+    if offsets:
+        weight = (of_length**2).sum(axis=0)
+        there = np.where(weight > 0, weight, 1.0)
+        left = left - of_length * ((left * of_length).sum(axis=1) / there)[:, None]
+    freedom = max(len(T) - basis.shape[1] - offsets, 1)
+    found: Array = np.sqrt((left**2 / (4 * square.mean(axis=0))).sum(axis=(1, 2)) / (6 * freedom))
+    return found
+
+
+def linear_starts(R: Array, T: Array, lengths: Array, *, offsets: bool) -> Array:
+    """Return starts for the joints, least-norm solutions with several ranks, shape (k, 6, 7)."""
+    columns, rho = columns_of(R, T), (T**2).sum(axis=1)
+    size = float(np.abs(T).max(initial=0.0)) or 1.0
+    long = float(lengths.mean())
+    starts = np.zeros((len(_KEPT), 6, 7))
+    for leg, length in enumerate(lengths.T):
+        full = np.column_stack((columns, -2 * length / long)) if offsets else columns
+        U, s, V = np.linalg.svd(full, full_matrices=False)
+        parts = U.T @ (length**2 - rho)
+        for k, kept in enumerate(_KEPT):
+            some = (np.arange(len(s)) < kept + offsets) & (s > _ROUNDING * s[0])
+            found = V.T @ np.where(some, parts / np.where(some, s, 1.0), 0.0)
+            joints = found[1:7] / (2 * size) * ([1] * 3 + [-1] * 3)
+            starts[k, leg] = np.append(joints, found[16] / long if offsets else 0.0)
+    return starts
+
+
+def fitted(R: Array, T: Array, lengths: Array, starts: Array, *, offsets: bool) -> Joints:
+    """Return the joints of least squares from the best of some starts, each leg for itself.
+
+    Parameters
+    ----------
+    R, T, lengths
+        As for `left_of_lengths`.
+    starts
+        Shape (k, 6, 7).
+    offsets
+        Whether the missing constants are estimated; zero otherwise.
+    """
+    found, left = all_fitted(R, T, lengths, starts, offsets=offsets)
+    best = (left**2).sum(axis=-1).argmin(axis=0)
+    legs = np.arange(6)
+    return Joints(found[best, legs], left[best, legs].T)
+
+
+def all_fitted(
+    R: Array,
+    T: Array,
+    lengths: Array,
+    starts: Array,
+    *,
+    offsets: bool,
+    weights: Array | None = None,
+) -> tuple[Array, Array]:
+    """Return where each start ends, (k, 6, 7), and the residuals there, (k, 6, n).
+
+    With weights of lengths, shape (6, n), the residuals are multiplied by them.
+    """
+    count = 7 if offsets else 6
+    found = starts.copy()
+    damping = np.full(found.shape[:2], 1e-3)
+    left, slopes = _equations(R, T, lengths, found, weights)
+    cost = (left**2).sum(axis=-1)
+    for _ in range(_STEPS):
+        J = slopes[..., :count]
+        normal = np.swapaxes(J, -1, -2) @ J
+        diagonal = np.diagonal(normal, axis1=-2, axis2=-1)
+        ridge = damping[..., None] * (diagonal + 1e-12 * diagonal.max(axis=-1, keepdims=True))
+        right = np.swapaxes(J, -1, -2) @ left[..., None]
+        step = np.linalg.solve(normal + ridge[..., None] * np.eye(count), right)[..., 0]
+        tried = found.copy()
+        tried[..., :count] -= step
+        after, by = _equations(R, T, lengths, tried, weights)
+        costs = (after**2).sum(axis=-1)
+        better = costs <= cost
+        small = better & (cost - costs <= _DECREASE * cost)
+        found = np.where(better[..., None], tried, found)
+        left = np.where(better[..., None], after, left)
+        slopes = np.where(better[..., None, None], by, slopes)
+        cost = np.where(better, costs, cost)
+        damping = np.clip(np.where(better, damping / 10, damping * 10), 1e-15, 1e8)
+        if small.all():
+            break
+    return found, left
+
+
+def without_far(
+    R: Array, T: Array, lengths: Array, joints: Joints, *, offsets: bool
+) -> tuple[Joints, NDArray[np.bool_]]:
+    """Return joints for which wrong lengths count little, and which rows have none of these.
+
+    Repeated least squares with the weights of Cauchy's law, whose width is twice the median.
+    """
+    found = joints.numbers
+    left = residuals(R, T, lengths, found)
+    for _ in range(_ROUNDS):
+        width = 2 * np.median(np.abs(left), axis=0) + 1e-15 * lengths.mean()
+        weights = (1 + (left / width) ** 2).T ** -0.5
+        ends, _ = all_fitted(R, T, lengths, found[None], offsets=offsets, weights=weights)
+        found = ends[0]
+        left = residuals(R, T, lengths, found)
+    far = _FAR_OUT * np.median(np.abs(left), axis=0)
+    return Joints(found, left), np.asarray((np.abs(left) <= far).all(axis=1))
+
+
+def residuals(R: Array, T: Array, lengths: Array, joints: Array) -> Array:
+    """Return the residuals of lengths, shape (n, 6), with joints of shape (6, 7)."""
+    left: Array = _equations(R, T, lengths, joints[None])[0][0].T
+    return left
+
+
+def _equations(
+    R: Array, T: Array, lengths: Array, joints: Array, weights: Array | None = None
+) -> tuple[Array, Array]:
+    """Return the residuals of lengths, (k, 6, n), and their derivatives, (k, 6, n, 7)."""
+    along = np.einsum("nab,klb->klna", R, joints[..., :3]) + T - joints[..., None, 3:6]
+    size = np.maximum(np.linalg.norm(along, axis=-1), 1e-300)
+    unit = along / size[..., None]
+    by_p = np.einsum("nab,klna->klnb", R, unit)
+    left = size - lengths.T - joints[..., None, 6]
+    slopes = np.concatenate((by_p, -unit, -np.ones((*size.shape, 1))), axis=-1)
+    if weights is not None:
+        left, slopes = left * weights, slopes * weights[..., None]
+    return left, slopes
+
+
+#: Orders of the axes, about the axes of the platform; usual ones first. Those about the axes of the
+#: base are the same, written backwards.
+ORDERS = ("ZYX", "XYZ", "ZXY", "YXZ", "XZY", "YZX")
+#: About which axes the three columns turn: as named, in reverse (A B C of KUKA), the others.
+_AXES = ((0, 1, 2), (2, 1, 0), (0, 2, 1), (1, 0, 2), (1, 2, 0), (2, 0, 1))
+_SENSES = tuple((x, y, z) for x, y, z in product((1, -1), repeat=3))
+#: How long a unit of positions is in units of lengths of legs, and what these units may be.
+FACTORS = {
+    1.0: ("", ""),
+    1000.0: ("mm", "m"),
+    1e-3: ("m", "mm"),
+    10.0: ("mm", "cm"),
+    0.1: ("cm", "mm"),
+    100.0: ("cm", "m"),
+    1e-2: ("m", "cm"),
+    25.4: ("mm", "in"),
+    1 / 25.4: ("in", "mm"),
+}
+_DEGREE = float(np.pi / 180)
+
+
+@dataclass(frozen=True)
+class Turns:
+    """A convention of rotations.
+
+    Attributes
+    ----------
+    order
+        The order of the axes of angles, about those of the platform; empty for whole rotations.
+    senses
+        Of the angles about x, y and z: 1, or -1 for the opposite of the right-hand rule.
+    in_radians
+        The unit of angles.
+    transposed
+        Whether rotations are from the base's frame to the platform's.
+    axes
+        About which axis the angle of each column turns, 0 to 2 for x to z.
+    heads
+        The headings of these columns if they do not name axes, such as ``A``; empty otherwise.
+    unit
+        The unit of angles in the log, ``deg`` or ``rad``.
+    """
+
+    order: str = ""
+    senses: tuple[int, int, int] = (1, 1, 1)
+    in_radians: float = 1.0
+    transposed: bool = False
+    axes: tuple[int, int, int] = (0, 1, 2)
+    heads: tuple[str, ...] = ()
+    unit: str = ""
+
+    def rotations(self, log: Log, rows: NDArray[np.intp]) -> Array:
+        """Return the rotations of some rows of a log, shape (n, 3, 3)."""
+        if log.rotations is not None:
+            found = log.rotations[rows]
+            return np.swapaxes(found, 1, 2) if self.transposed else found
+        assert log.angles is not None
+        turned = np.empty((len(rows), 3))
+        turned[:, self.axes] = log.angles[rows]
+        turned *= np.array(self.senses) * self.in_radians
+        return rotation_from_euler(self.order, turned)
+
+    @property
+    def unusual(self) -> int:
+        """How many senses are not those of the right-hand rule, and axes not in order."""
+        return self.senses.count(-1) + self.transposed + (self.axes != (0, 1, 2))
+
+    def words(self, *, unit: bool = True) -> str:
+        """Return the convention in words."""
+        if not self.order:
+            how = "base to platform (transposed)" if self.transposed else "platform to base"
+            return f"rotations from {how}"
+        names = ("rx", "ry", "rz")
+        wrong = [name for name, one in zip(names, self.senses, strict=True) if one < 0]
+        of = "degrees" if self.unit == "deg" else "radians"
+        said = f"--euler {self.order}"
+        said += f", {of}" if unit else ""
+        if self.axes != (0, 1, 2):
+            there = " ".join("xyz"[axis] for axis in self.axes)
+            said += f", {' '.join(self.heads)} about {there}"
+        return f"{said}, {listed(wrong, 'and')} left-handed" if wrong else said
+
+
+def turns_of(log: Log, euler: str | None) -> Iterator[Turns]:
+    """Yield the conventions that rotations of a log may have.
+
+    Parameters
+    ----------
+    log
+        The log.
+    euler
+        The order of the axes if it is known, as `rotation_from_euler` takes it; angles then follow
+        the right-hand rule.
+    """
+    if log.rotations is not None:
+        yield Turns()
+        yield Turns(transposed=True)
+        return
+    units = (1.0,) if log.angle_unit else (_DEGREE, 1.0)
+    orders: tuple[str, ...] = ORDERS
+    senses = _SENSES
+    if euler is not None:
+        orders = (euler if euler.isupper() else euler[::-1].upper(),)
+        senses = ((1, 1, 1),)
+    elif log.order is not None:
+        orders = tuple(dict.fromkeys((log.order, *ORDERS)))
+    for unit, axes, order, sense in product(
+        units, _AXES if log.heads else _AXES[:1], orders, senses
+    ):
+        said = log.angle_unit or ("rad" if unit == 1 else "deg")
+        yield Turns(order, sense, unit, axes=axes, heads=log.heads, unit=said)
+
+
+#: How many rows are used in linear equations, and how many of the best conventions are fitted.
+_FIRST_ROWS, _FITTED = 200, 16
+#: Of conventions, or machines, of which the data are not a thousand times as likely none is chosen.
+LIKELIER = float(2 * np.log(1000))
+#: The residuals of exact data, and of usual logs, in lengths.
+EXACT, USUAL = 1e-12, 1e-4
+#: This many starts at random, for this many conventions, where linear equations do not decide.
+_STARTS, _TRIED_AGAIN = 12, 4
+#: Legs longer than this are in millimetres if nothing says their unit.
+_MILLIMETRES = 10.0
+
+
+class ConventionFit(NamedTuple):
+    """A convention of a log, and how well it fits."""
+
+    turns: Turns
+    factor: float
+    scatter: float
+    """Root mean square of the residuals of the lengths, in their unit."""
+    place: int
+    """Where it is among those that are tried, usual ones first."""
+
+
+def readings_of(
+    log: Log, rows: NDArray[np.intp], euler: str | None, *, offsets: bool
+) -> tuple[list[ConventionFit], Joints, float]:
+    """Return conventions, the best first, its joints, and what any joints leave at least.
+
+    The last is by linear equations, up to noise.
+    """
+    factors = _factors(log)
+    first = rows[np.unique(np.linspace(0, len(rows) - 1, _FIRST_ROWS).astype(int))]
+    tried = []
+    for place, turns in enumerate(turns_of(log, euler)):
+        R, T = turns.rotations(log, first), log.positions[first]
+        left = left_of_lengths(R, T, log.lengths[first], factors, offsets=offsets)
+        tried += [
+            ConventionFit(turns, factor, one, place)
+            for factor, one in zip(factors.tolist(), left.tolist(), strict=True)
+        ]
+    tried.sort(key=lambda one: one.scatter)
+    found = _fits(log, rows, tried[:_FITTED], offsets=offsets, random=False)
+    least, long = min(one.scatter for one, _ in found), float(log.lengths[rows].mean())
+    if least > USUAL * long:
+        # Linear equations may tell too little to start from.
+        again = [one for one, _ in sorted(found, key=lambda pair: pair[0].scatter)[:_TRIED_AGAIN]]
+        again += [one for one in tried[:_TRIED_AGAIN] if one.place not in {a.place for a in again}]
+        found += _fits(log, rows, again, offsets=offsets, random=True)
+        found = list(
+            {
+                (one.place, one.factor): (one, joints)
+                for one, joints in sorted(found, key=lambda pair: -pair[0].scatter)
+            }.values()
+        )
+        least = min(one.scatter for one, _ in found)
+    # Of equal ones the more usual is taken.
+    count = 6 * len(rows)
+    alike = [pair for pair in found if _as_good(pair[0].scatter, least, count)]
+    best = min(alike, key=lambda pair: (pair[0].turns.unusual, pair[0].place))
+    rest = sorted((one for one, _ in found if one != best[0]), key=lambda one: one.scatter)
+    return [best[0], *rest], best[1], tried[0].scatter
+
+
+def _fits(
+    log: Log, rows: NDArray[np.intp], tried: list[ConventionFit], *, offsets: bool, random: bool
+) -> list[tuple[ConventionFit, Joints]]:
+    """Return conventions with their scatter after a fit, and the joints."""
+    lengths = log.lengths[rows]
+    freedom = max(lengths.size - 6 * (7 if offsets else 6), 1)
+    long = float(lengths.mean())
+    found = []
+    for one in tried:
+        R, T = one.turns.rotations(log, rows), log.positions[rows] * one.factor
+        starts = linear_starts(R, T, lengths, offsets=offsets)
+        if random:
+            starts = np.concatenate((starts, random_starts(long)))
+        joints = fitted(R, T, lengths, starts, offsets=offsets)
+        scatter = max((joints.squares / freedom) ** 0.5, EXACT * long)
+        found.append((one._replace(scatter=scatter), joints))
+    return found
+
+
+def random_starts(long: float) -> Array:
+    """Return joints at random, within about the length of legs, shape (k, 6, 7)."""
+    starts = np.zeros((_STARTS, 6, 7))
+    starts[..., :6] = long * np.random.default_rng(0).normal(size=(_STARTS, 6, 6))
+    return starts
+
+
+def _as_good(scatter: float, least: float, count: int) -> bool:
+    """Whether normal residuals with one scatter are about as likely as with the least."""
+    return 2 * count * float(np.log(scatter / least)) < LIKELIER
+
+
+def _factors(log: Log) -> Array:
+    """Return what positions may have to be multiplied by, to be in the unit of lengths."""
+    if log.leg_unit and log.place_unit:
+        return np.array([METRES[log.place_unit.lower()] / METRES[log.leg_unit.lower()]])
+    return np.array(list(FACTORS))
+
+
+def ambiguous(log: Log, rows: NDArray[np.intp], readings: list[ConventionFit]) -> list[str]:
+    """Return the conventions that fit as well as the best and differ in the log."""
+    best = readings[0]
+    least = min(one.scatter for one in readings)
+    here = best.turns.rotations(log, rows)
+    found = []
+    for one in readings[1:]:
+        if not _as_good(one.scatter, least, 6 * len(rows)):
+            continue
+        apart = np.abs(one.turns.rotations(log, rows) - here).max()
+        if apart > EXACT or one.factor != best.factor:
+            found.append(words_of(one, best, log))
+    return found
+
+
+def words_of(one: ConventionFit, best: ConventionFit, log: Log) -> str:
+    """Return a convention in words, its units if they differ from the best."""
+    words = one.turns.words()
+    if one.factor != best.factor:
+        legs, places = units_of(log, one.factor)
+        words += f", legs in {legs} and positions in {places}"
+    return words
+
+
+def units_of(log: Log, factor: float) -> tuple[str, str]:
+    """Return the units of legs and of positions, as the heading says them or by their sizes."""
+    if log.leg_unit and log.place_unit:
+        return log.leg_unit, log.place_unit
+    for known, size in ((log.leg_unit, factor), (log.place_unit, 1 / factor)):
+        if known:
+            wanted = METRES[known.lower()] * size
+            other = next(
+                (unit for unit, metres in METRES.items() if abs(metres / wanted - 1) < 1e-9),
+                f"{size:g} {known}",
+            )
+            return (known, other) if log.leg_unit else (other, known)
+    if factor != 1.0:
+        return FACTORS[factor]
+    unit = "mm" if float(np.nanmean(np.abs(log.lengths))) > _MILLIMETRES else "m"
+    return unit, unit
+
+
+#: This many of the conventions that fit as well are named in sentences.
+_SHOWN = 2
+
+
+@dataclass(frozen=True, eq=False)
+class Identification(EqualByContent):
+    """A machine that was found from its log.
+
+    Attributes
+    ----------
+    found
+        The numbers of the machine with their covariance; what is stated there is the start.
+    turns
+        The convention of rotations.
+    leg_unit, place_unit
+        The units of lengths of legs and of positions; the file is in the first.
+    stated_unit
+        Whether the heading names the unit of legs; otherwise it is guessed.
+    scatter
+        Root mean square of the residuals of the lengths at exact poses, in the unit of legs.
+    others
+        The next best conventions, each in words with its residual, best first.
+    ambiguous
+        Those of them that fit as well, in words.
+    offsets
+        Whether a constant of each leg was estimated.
+    with_offsets
+        How well the lengths fit with such constants, if that is much better; None otherwise.
+    bound
+        How well lengths fit the linear equations, if that is so much better that joints may have
+        been missed; None otherwise.
+    """
+
+    found: Calibration | None
+    turns: Turns
+    leg_unit: str
+    place_unit: str
+    stated_unit: bool
+    scatter: float
+    others: tuple[tuple[str, float], ...]
+    ambiguous: tuple[str, ...]
+    offsets: bool
+    with_offsets: float | None = None
+    bound: float | None = None
+
+    def __repr__(self) -> str:
+        unsure = f", {len(self.ambiguous)} as good" if self.ambiguous else ""
+        return (
+            f"<Identification: {self.turns.words()}{unsure}, legs in {self.leg_unit}, "
+            f"positions in {self.place_unit}, scatter {self.scatter:.2g} {self.leg_unit}>"
+        )
+
+    @property
+    def calibration(self) -> Calibration:
+        """The numbers of the machine with their covariance."""
+        assert self.found is not None
+        return self.found
+
+    @property
+    def instance(self) -> Instance:
+        """The machine that was found."""
+        return self.calibration.instance
+
+    @cached_property
+    def sentences(self) -> list[str]:
+        """Which conventions were found, in sentences."""
+        unit = self.leg_unit
+        how = "" if self.stated_unit else " (by their size: the log names no unit)"
+        lines = [f"legs in {unit}{how}, positions in {self.place_unit}"]
+        said = f"{self.turns.words()}: the lengths fit to {self.scatter:.2g} {unit}"
+        if self.others:
+            words, scatter = self.others[0]
+            said += f"; next best {words}: {scatter:.2g} {unit}"
+        lines.append(said)
+        if self.with_offsets is not None:
+            lines.append(
+                f"with a constant of each leg (--estimate offsets) they fit to "
+                f"{self.with_offsets:.2g} {unit}"
+            )
+        if self.ambiguous:
+            some = list(self.ambiguous[:_SHOWN])
+            if len(self.ambiguous) > _SHOWN:
+                some.append(f"{len(self.ambiguous) - _SHOWN} others")
+            fits = "fits" if len(some) == 1 else "fit"
+            lines.append(
+                f"ambiguous: {listed(some, 'and')} {fits} as well: say which is right, or add "
+                "poses that turn more, about all axes"
+            )
+        return lines
+
+    @property
+    def doubts(self) -> tuple[str, ...]:
+        """Why the log does not fit the machine, in sentences; empty if it does."""
+        if self.bound is None:
+            return self.calibration.doubts
+        missed = (
+            f"lengths fit to {self.scatter:.2g} {self.leg_unit}, linear equations to "
+            f"{self.bound:.2g}: these are no legs between two joints, or other joints fit better"
+        )
+        return (missed, *self.calibration.doubts)
+
+    @property
+    def doubt(self) -> list[str]:
+        """The next lines about a log that does not determine the machine, at most three."""
+        lines = [f"best: {self.turns.words()}, where the lengths fit to {self.scatter:.2g} "]
+        lines[0] += self.leg_unit
+        return [*lines, *self.sentences[2:]]
+
+    def to_json(self) -> dict[str, Any]:
+        """Return all of it as plain data."""
+        turns = self.turns
+        return {
+            **self.calibration.to_json(),
+            "doubts": list(self.doubts),
+            "log": {
+                "euler": turns.order,
+                "senses": list(turns.senses),
+                "axes": "".join("xyz"[axis] for axis in turns.axes) if turns.order else "",
+                "angle_unit": turns.unit,
+                "transposed": turns.transposed,
+                "leg_unit": self.leg_unit,
+                "position_unit": self.place_unit,
+                "unit_stated": self.stated_unit,
+                "scatter": self.scatter,
+                "offsets": self.offsets,
+                "others": [
+                    {"what": what, "scatter": left, "as_good": what in self.ambiguous}
+                    for what, left in self.others
+                ],
+            },
+        }
+
 
 Array = NDArray[np.float64]
 

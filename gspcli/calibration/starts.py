@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from gspcli.calibration.fitting import Fit, fit
 from gspcli.calibration.measurements import Measurements, Noise, WhitenedRows, value_rows
-from gspcli.calibration.parameters import Model
+from gspcli.calibration.model import Model
 from gspcli.errors import GspError
 from gspcli.geometry.drives import Drives
 from gspcli.geometry.instance import Instance, Side

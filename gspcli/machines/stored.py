@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 from xml.etree import ElementTree as ET
 
-from gspcli.machines.markup import MarkupElement, parse
+from gspcli.machines.source import MarkupElement, parse
 from gspcli.spec.writing import dumps
 
 if TYPE_CHECKING:

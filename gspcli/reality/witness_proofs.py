@@ -24,8 +24,7 @@ from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side, Unit
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Geometry, Line, Plane, Point, Vector
 from gspcli.geometry.quaternions import made_real, pose_from_study
-from gspcli.reality.platforms import Platforms
-from gspcli.reality.recognition import look_real
+from gspcli.reality.platforms import Platforms, look_real
 from gspcli.solver.ledger import Ledger
 from gspcli.solver.problem import Problem
 from gspcli.solver.strategies.stored_start import careful_paths

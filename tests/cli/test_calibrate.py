@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 import gspcli
-from gspcli.calibration import candidate_poses
+from gspcli.calibration import planning
 
 ROOT = Path(__file__).parents[2]
 MEASURED = ROOT / "docs" / "calibration" / "measured.csv"
@@ -135,7 +135,7 @@ def test_a_plan_can_be_measured_and_gone_on_from(gsp, tmp_path):
 
 def test_planned_poses_keep_what_is_required(gsp, tmp_path, monkeypatch):
     """Without it the most telling poses are next to singular ones."""
-    monkeypatch.setattr(candidate_poses, "_CANDIDATES", 200)
+    monkeypatch.setattr(planning, "_CANDIDATES", 200)
     path, free = tmp_path / "poses.csv", tmp_path / "free.csv"
     required = "condition<=22, clearance>=0.01"
     plan = ("calibrate", "@workspace-study", "--plan", "6", "--seed", "3")
@@ -300,7 +300,7 @@ def test_wrong_use_of_from(gsp):
 )
 def test_a_plan_of_rails_is_measured_and_fitted(gsp, tmp_path, monkeypatch, words, columns):
     """The plan has the readings of the carriages; a file with a wrong rail is found from it."""
-    monkeypatch.setattr(candidate_poses, "_CANDIDATES", 300)
+    monkeypatch.setattr(planning, "_CANDIDATES", 300)
     monkeypatch.chdir(tmp_path)
     assert gsp("new", "--linear", *words, "-o", "rails.yaml").code == 0
     hold = () if columns == 6 else ("--hold", "platform")

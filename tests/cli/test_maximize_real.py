@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from gspcli.reality import maximize
-from gspcli.reality.solved_platforms import Solved
+from gspcli.reality.maximize import Solved
 from gspcli.spec import dumps, loads
 
 

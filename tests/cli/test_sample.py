@@ -14,8 +14,8 @@ import pytest
 
 from gspcli.catalogue.names import parse_type
 from gspcli.reality import real_distribution
+from gspcli.reality.platforms import Reality
 from gspcli.reality.real_distribution import Sample, Tally
-from gspcli.reality.recognition import Reality
 from gspcli.solver import solve
 from gspcli.spec import load
 from gspcli.workers import Workers
@@ -63,7 +63,7 @@ def test_an_interruption_shows_what_is_known(gsp, monkeypatch: pytest.MonkeyPatc
         yield Sample(wanted.gsp_type, 7, one_sided=True).tally(0)
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(real_distribution, "sample", interrupted)
+    monkeypatch.setattr(real_distribution, "tallies", interrupted)
     done = gsp("sample", "6PH", "--one-sided", "--count", "3000", "--format", "json")
     assert done.code == 130
     assert done.err == "interrupted after 7 of 3000 platforms\n"

@@ -8,7 +8,7 @@ from measured_machines import SIGMA, noisy, nominal, reachable, real, seen_of
 
 import gspcli
 from gspcli.calibration.measurements import Noise, hat
-from gspcli.calibration.parameters import Model
+from gspcli.calibration.model import Model
 from gspcli.geometry.quaternions import rotation_from_vector, vector_from_rotation
 
 optimize = pytest.importorskip("scipy.optimize")

@@ -17,7 +17,7 @@ from measured_machines import (
 )
 
 import gspcli
-from gspcli.calibration.numbers import file_numbers
+from gspcli.calibration.model import file_numbers
 
 
 @pytest.mark.slow

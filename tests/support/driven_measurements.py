@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from gspcli.calibration.parameters import Model
+from gspcli.calibration.model import Model
 from gspcli.geometry.drives import Drives
 from gspcli.geometry.measurement import jacobian, measured
 from gspcli.geometry.quaternions import rotation_from_vector

@@ -12,7 +12,7 @@ from gspcli.errors import GspError
 from gspcli.geometry.instance import Instance, Side
 from gspcli.geometry.lengths import METRES
 from gspcli.machines.chain_constraints import moved
-from gspcli.machines.frames import frame
+from gspcli.machines.graph import frame
 from gspcli.machines.recognition import Machine
 from gspcli.machines.structure import BodyChain
 
@@ -133,7 +133,7 @@ def _gap(
 
 def files(paths: list[Path], meet: float) -> int:
     """Print what files are, their modes and the gaps of their joints; return how many are open."""
-    from gspcli.machines.formats import machine_of
+    from gspcli.machines.api import machine_of
     from gspcli.machines.recognition import recognized
 
     open_ = 0

@@ -8,7 +8,7 @@ import numpy as np
 
 import gspcli
 from gspcli.calibration.measurements import Measurements
-from gspcli.calibration.parameters import Model
+from gspcli.calibration.model import Model
 from gspcli.geometry.measurement import measured
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.quaternions import rotation_from_vector

@@ -183,7 +183,7 @@ def command(o: Options) -> None:
     _check_usage(o.spec, o.data, o.log, o.plan, o.mode, o.require, o.targets, o.output)
     from gspcli.calibration import Options as FitOptions
     from gspcli.calibration import calibrate_rows
-    from gspcli.calibration.data_files import read_measurements, targets_of
+    from gspcli.calibration.measurements import read_measurements, targets_of
 
     noise, options = (
         standard_deviations(o.sigmas),
@@ -241,7 +241,7 @@ def _show(result: Calibration, output: Output, *, accept: bool) -> None:
     """Write the new numbers, the residuals or the table of both."""
     refused = bool(result.doubts) and not accept
     if output.format == "yaml":
-        from gspcli.calibration.instance_files import calibrated_text
+        from gspcli.calibration.calibrating import calibrated_text
 
         if not refused:
             write(output, calibrated_text(result))
@@ -495,8 +495,7 @@ def identified(
     """Find a hexapod from a log, and write its numbers, its instance file or the residuals."""
     import numpy as np
 
-    from gspcli.calibration.identifying import identify_log
-    from gspcli.calibration.logs import read_log
+    from gspcli.calibration.identifying import identify_log, read_log
 
     log = read_log(*text_of(path), form.ignore, form.columns)
     with working("finding the machine"):
@@ -504,7 +503,7 @@ def identified(
     result, said = found.calibration, found.sentences
     refused = bool(found.doubts) and not accept
     if output.format == "yaml":
-        from gspcli.calibration.instance_files import calibrated_text
+        from gspcli.calibration.calibrating import calibrated_text
 
         if not refused:
             write(output, calibrated_text(result, [f"from {named(path)}", *said]))

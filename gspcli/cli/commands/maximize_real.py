@@ -29,8 +29,7 @@ from gspcli.errors import INTERRUPTED, CheckFailed
 
 if TYPE_CHECKING:
     from gspcli.catalogue.types import GspType
-    from gspcli.reality.real_search import RealSearch
-    from gspcli.reality.state import State
+    from gspcli.reality.real_search import RealSearch, State
     from gspcli.workers import Workers
 
 
@@ -90,8 +89,7 @@ def command(o: Options) -> int:
     if o.real == 0:
         raise click.UsageError("--real 0 is for --show: a search is for at least one real pose")
     from gspcli.journal import held
-    from gspcli.reality.real_search import RealSearch
-    from gspcli.reality.state import State, read_state
+    from gspcli.reality.real_search import RealSearch, State, read_state
 
     search = RealSearch.of(gsp_type if given is None else given, o.real, o.seconds, o.seed)
     subject = search.subject

@@ -72,8 +72,7 @@ def command(o: Options) -> int:
       gsp sample 6PH --one-sided --count 5000 -o planes.svg
     """
     from gspcli.cli.streams import progress
-    from gspcli.reality.real_distribution import Sample, Tally, sample
-    from gspcli.reality.sample_results import SampleResult
+    from gspcli.reality.real_distribution import Sample, SampleResult, Tally, tallies
 
     if o.folder is not None:
         _make(o.folder)
@@ -82,7 +81,7 @@ def command(o: Options) -> int:
     interrupted = False
     try:
         for part in progress(
-            sample(wanted, o.workers), total=len(wanted.pieces), label="solving platforms"
+            tallies(wanted, o.workers), total=len(wanted.pieces), label="solving platforms"
         ):
             total.add(part)
     except KeyboardInterrupt:

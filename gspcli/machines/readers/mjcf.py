@@ -9,9 +9,20 @@ from typing import Any
 import numpy as np
 
 from gspcli.errors import GspError
-from gspcli.machines.frames import frame, from_quaternion, inverse, place, turn
-from gspcli.machines.graph import Body, Graph, Joint, NoPlatform, Part, ball
-from gspcli.machines.markup import MarkupElement, written
+from gspcli.machines.graph import (
+    Body,
+    Graph,
+    Joint,
+    NoPlatform,
+    Part,
+    ball,
+    frame,
+    from_quaternion,
+    inverse,
+    place,
+    turn,
+)
+from gspcli.machines.source import MarkupElement, written
 from gspcli.wording import shown
 
 #: Sections of a model that say nothing of its joints.

@@ -8,10 +8,22 @@ import re
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.machines.frames import frame, inverse, place, roll_pitch_yaw, turn, unit
-from gspcli.machines.graph import Body, Graph, Joint, NoPlatform, Part, ball
-from gspcli.machines.markup import MarkupElement
-from gspcli.machines.readers.inertias import matrix
+from gspcli.machines.graph import (
+    Body,
+    Graph,
+    Joint,
+    NoPlatform,
+    Part,
+    ball,
+    frame,
+    inverse,
+    matrix,
+    place,
+    roll_pitch_yaw,
+    turn,
+    unit,
+)
+from gspcli.machines.source import MarkupElement
 from gspcli.wording import listed, shown
 
 Array = NDArray[np.float64]

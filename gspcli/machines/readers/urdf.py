@@ -10,11 +10,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.errors import Mistake, SpecError
-from gspcli.machines.frames import frame, inverse, place, roll_pitch_yaw, turn, unit
-from gspcli.machines.graph import Body, Graph, Joint, NoPlatform, Part, ball
-from gspcli.machines.markup import MarkupElement
-from gspcli.machines.readers.inertias import matrix
-from gspcli.machines.source import text_of
+from gspcli.machines.graph import (
+    Body,
+    Graph,
+    Joint,
+    NoPlatform,
+    Part,
+    ball,
+    frame,
+    inverse,
+    matrix,
+    place,
+    roll_pitch_yaw,
+    turn,
+    unit,
+)
+from gspcli.machines.source import MarkupElement, text_of
 from gspcli.spec.document import Mapping, Sequence, Value
 from gspcli.spec.yaml_reader import parse
 from gspcli.wording import listed, shown

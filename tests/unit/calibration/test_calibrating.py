@@ -23,9 +23,9 @@ from measured_machines import (
 
 import gspcli
 from gspcli.calibration import fitting
-from gspcli.calibration.instance_files import calibrated_text
+from gspcli.calibration.calibrating import calibrated_text
 from gspcli.calibration.measurements import Measurements, Noise
-from gspcli.calibration.parameters import Model
+from gspcli.calibration.model import Model
 from gspcli.errors import ArgumentError, IncompleteError
 from gspcli.geometry.home_pose import HomePose
 from gspcli.geometry.quaternions import rotation_from_vector

@@ -8,11 +8,10 @@ import pytest
 from mpmath import mp, mpf
 
 import gspcli
-from gspcli.calibration.instance_files import calibrated_text
+from gspcli.calibration.calibrating import calibrated_text
 from gspcli.calibration.judging import likely_cause
 from gspcli.calibration.measurements import Measurements, Noise, constant_rods, value_rows
-from gspcli.calibration.numbers import calibrated, file_numbers
-from gspcli.calibration.parameters import Model
+from gspcli.calibration.model import Model, calibrated, file_numbers
 from gspcli.errors import ArgumentError
 from gspcli.geometry.drives import Drives
 from gspcli.geometry.measurement import measured

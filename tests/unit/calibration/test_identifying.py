@@ -10,11 +10,8 @@ import numpy as np
 import pytest
 
 import gspcli
-from gspcli.calibration.conventions import ORDERS
-from gspcli.calibration.identification import Identification
-from gspcli.calibration.identifying import identify, identify_log
-from gspcli.calibration.logs import read_log
-from gspcli.calibration.options import Options
+from gspcli.calibration.calibrating import Options
+from gspcli.calibration.identifying import ORDERS, Identification, identify, identify_log, read_log
 from gspcli.errors import ArgumentError, IncompleteError, SpecError
 from gspcli.geometry.euler import euler_from_rotation, rotation_from_euler
 from gspcli.geometry.instance import Instance

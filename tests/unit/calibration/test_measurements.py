@@ -9,8 +9,7 @@ import pytest
 
 import gspcli
 from gspcli.calibration.measurements import Measurements, Noise, hat
-from gspcli.calibration.numbers import calibrated, file_numbers
-from gspcli.calibration.parameters import Model
+from gspcli.calibration.model import Model, calibrated, file_numbers
 from gspcli.geometry.measurement import measured
 from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.resources import data_path

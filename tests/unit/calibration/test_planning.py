@@ -7,10 +7,9 @@ import pytest
 from measured_machines import HOME, SIGMA, noisy, nominal, reachable, real, seen_of
 
 import gspcli
-from gspcli.calibration.candidate_poses import candidates
-from gspcli.calibration.options import PRIOR, noise_of
-from gspcli.calibration.parameters import Model
-from gspcli.calibration.planning import d_optimal, planned, told_by
+from gspcli.calibration.calibrating import PRIOR, noise_of
+from gspcli.calibration.model import Model
+from gspcli.calibration.planning import candidates, d_optimal, planned, told_by
 from gspcli.errors import ArgumentError, IncompleteError
 from gspcli.geometry.coordinates import coordinates, moved
 from gspcli.geometry.drives import Drives

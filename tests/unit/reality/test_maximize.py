@@ -17,13 +17,9 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import AngleUnit, Units
 from gspcli.geometry.quaternions import pose_from_study
 from gspcli.geometry.shortest_step import nonnegative_least_squares, shortest_step
-from gspcli.reality.fold_distances import moved, neighbours
-from gspcli.reality.maximize import Search
-from gspcli.reality.patterns import Pattern
-from gspcli.reality.platforms import Platforms, multiplier, random_platforms, reduced
-from gspcli.reality.recognition import look_real
-from gspcli.reality.solved_platforms import Solved, solved
-from gspcli.reality.state import State, read_state
+from gspcli.reality.maximize import Pattern, Search, Solved, moved, neighbours, solved
+from gspcli.reality.platforms import Platforms, look_real, multiplier, random_platforms, reduced
+from gspcli.reality.real_search import State, read_state
 from gspcli.reality.witness_proofs import certified_real, platform_of, real_instance
 from tests.support.oracle.poses_by_paths import solve_by_tracking
 

@@ -12,9 +12,8 @@ from gspcli.catalogue.names import parse_type
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.quaternions import pose_from_study
 from gspcli.geometry.residuals import residuals
-from gspcli.reality.platforms import random_platforms
-from gspcli.reality.real_distribution import Sample, Tally, sample
-from gspcli.reality.recognition import Reality, reality
+from gspcli.reality.platforms import Reality, random_platforms, reality
+from gspcli.reality.real_distribution import Sample, Tally, tallies
 from gspcli.workers import HERE, Workers
 
 TYPES = ("6PP", "DPL DLP DPH DHP DLL ALL", "3D3A PL PH LL ALL ALH AHH")
@@ -22,7 +21,7 @@ TYPES = ("6PP", "DPL DLP DPH DHP DLL ALL", "3D3A PL PH LL ALL ALH AHH")
 
 def _total(wanted: Sample, workers: Workers = HERE) -> Tally:
     total = Tally()
-    for part in sample(wanted, workers):
+    for part in tallies(wanted, workers):
         total.add(part)
     return total
 

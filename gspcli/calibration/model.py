@@ -1,0 +1,728 @@
+"""What a calibration estimates: the numbers of primitives and drives, offsets, scales, two frames.
+
+A block has the parameters of one primitive or drive. A point has three. A line has two shifts
+across it and two tilts, and so has the axis of a crank. A plane has one shift along its normal and
+two tilts, a rail the two tilts of its direction. A primitive that only angles use has its tilts
+alone. A crank and a rail have the offset and the scale of their readings besides.
+
+The offset moves the points along the circle or the rail, as their own shifts do. So it is estimated
+on request only, and then the point that has the drive keeps its place along it. A primitive that
+several constraints share is one block, and so is a drive that moves several points. Tilts turn
+about the point of the block, which is chosen near what is measured: about a far point they would be
+small differences of large shifts.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import field, replace
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gspcli.catalogue.kinds import Kind, Primitive
+from gspcli.geometry.arrangement import Arrangement, Bodies
+from gspcli.geometry.drives import drive_numbers
+from gspcli.geometry.instance import Constraint, Instance, as_read
+from gspcli.geometry.numbers import Number
+from gspcli.geometry.primitives import (
+    Crank,
+    Geometry,
+    Line,
+    Plane,
+    Point,
+    Slide,
+    Vector,
+    as_array,
+)
+from gspcli.geometry.quaternions import rotation_from_vector
+from gspcli.geometry.readings import factors, offsets
+from gspcli.records import dataclass
+
+Array = NDArray[np.float64]
+_AXES = "xyz"
+#: What a drive has besides its place: numbers of its readings.
+CORRECTIONS = ("offset", "scale")
+Body = Literal["platform", "base"]
+Sort = Literal["point", "line", "plane", "crank", "slide"]
+
+_SORTS: dict[Primitive, Sort] = {
+    Primitive.POINT: "point",
+    Primitive.LINE: "line",
+    Primitive.PLANE: "plane",
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Block:
+    """The parameters of one primitive.
+
+    Attributes
+    ----------
+    body, name, sort
+        Whose it is, its name in the file (``of 3`` if it has none), and what it is.
+    rows
+        The constraints that use it, from 0.
+    point, unit
+        Where it is now, shapes (3,); the direction, normal or axis is zero for a point.
+    shifts, tilts
+        Along what it can shift, shape (s, 3), and about what it can turn, shape (t, 3).
+    corrections
+        Of a drive what is added to its readings, in units of length or radians, and what they are
+        multiplied by, less one; shape (2,), and (0,) of what is no drive.
+    carried
+        The names of the points that a drive moves.
+    """
+
+    body: Body
+    name: str
+    sort: Sort
+    rows: tuple[int, ...]
+    point: Array
+    unit: Array
+    shifts: Array
+    tilts: Array
+    corrections: Array = field(default_factory=lambda: np.zeros(0))
+    carried: tuple[str, ...] = ()
+
+    @property
+    def is_drive(self) -> bool:
+        """Whether it is a crank or a rail."""
+        return self.sort in ("crank", "slide")
+
+    @property
+    def drive_name(self) -> str:
+        """The name of a drive: ``crank.B1`` or ``slide.B1``."""
+        return f"{self.sort}.{self.name.removeprefix('of ')}"
+
+    @property
+    def size(self) -> int:
+        """The number of its parameters."""
+        return len(self.shifts) + len(self.tilts) + len(self.corrections)
+
+    @property
+    def names(self) -> list[str]:
+        """The names of its parameters."""
+        label = f"{self.body}.{self.name}" + (f".{self.sort}" if self.is_drive else "")
+        whole = self.sort == "point" and len(self.shifts) == len(_AXES)
+        shifts = list(_AXES) if whole else ["shift1", "shift2"][: len(self.shifts)]
+        tilts = ("tilt1", "tilt2")[: len(self.tilts)]
+        return [
+            f"{label}.{part}" for part in (*shifts, *tilts, *CORRECTIONS[: len(self.corrections)])
+        ]
+
+    def sizes(self, turn: float) -> list[float]:
+        """Return the change of each parameter that moves values by about a length of one.
+
+        Parameters
+        ----------
+        turn
+            Of an angle, in radians.
+        """
+        offset = 1.0 if self.sort == "slide" else turn
+        parts = [1.0] * len(self.shifts) + [turn] * len(self.tilts)
+        return parts + [offset, turn][: len(self.corrections)]
+
+    def moved(self, step: Array) -> Block:
+        """Return the block after a step of its parameters, shape (s + t + c,)."""
+        s, t = len(self.shifts), len(self.shifts) + len(self.tilts)
+        point = self.point + step[:s] @ self.shifts
+        if not len(self.tilts):
+            return replace(self, point=point)
+        turn = rotation_from_vector(step[s:t] @ self.tilts)
+        return replace(
+            self,
+            point=point,
+            unit=turn @ self.unit,
+            shifts=self.shifts @ turn.T,
+            tilts=self.tilts @ turn.T,
+            corrections=self.corrections + step[t:],
+        )
+
+    def numbers(self, readings: Array) -> Array:
+        """Return the numbers q of a drive for its readings."""
+        offset, scale = self.corrections
+        numbers: Array = readings * (1 + scale) + offset
+        return numbers
+
+    def readings(self, numbers: Array) -> Array:
+        """Return the readings of a drive at its numbers q."""
+        offset, scale = self.corrections
+        readings: Array = (numbers - offset) / (1 + scale)
+        return readings
+
+    def anchored(self, near: Array) -> Block:
+        """Return the same primitive with its point moved within it, nearest to another one."""
+        if self.sort in ("point", "slide"):
+            return self
+        away = near - self.point
+        across = away @ self.unit
+        inside = away - across * self.unit if self.sort == "plane" else across * self.unit
+        return replace(self, point=self.point + inside)
+
+
+def across(unit: Array) -> Array:
+    """Return two unit vectors perpendicular to one and to each other, shape (2, 3)."""
+    rows: Array = np.linalg.svd(unit[None])[2][1:]
+    return rows
+
+
+def blocks_of(
+    instance: Instance, arrangement: Arrangement, *, drives: bool, zeros: Collection[str] = ()
+) -> Iterator[Block]:
+    """Yield the blocks of an instance, those of a platform's primitive before the base's.
+
+    Parameters
+    ----------
+    instance, arrangement
+        The platform.
+    drives
+        Whether there are blocks of its cranks and rails.
+    zeros
+        The drives whose offset is estimated, by name: the point of the drive has no shift along it.
+    """
+    users: dict[tuple[Body, str], list[int]] = {}
+    for k, row in enumerate(instance.constraints):
+        users.setdefault(("platform", row.platform_name or f"of {k + 1}"), []).append(k)
+        users.setdefault(("base", row.base_name or f"of {k + 1}"), []).append(k)
+    motors = _drive_blocks(instance, users) if drives else {}
+    nothing = np.zeros((0, 3))
+    for (body, name), rows in users.items():
+        points, units = (
+            (arrangement.y, arrangement.u) if body == "platform" else (arrangement.x, arrangement.v)
+        )
+        geometry = getattr(instance.constraints[rows[0]], body)
+        point, unit = points[rows[0]].copy(), units[rows[0]].copy()
+        sort = _SORTS[geometry.primitive]
+        if isinstance(geometry, Point):
+            motor = motors.get((body, name))
+            shifts = np.eye(3)
+            if motor is not None and motor.drive_name in zeros:
+                shifts = across(_along(motor, point))
+            yield Block(body, name, sort, tuple(rows), point, unit, shifts, nothing)
+            if motor is not None:
+                yield motor.anchored(point)
+            continue
+        tilts = across(unit)
+        placed = any(instance.constraints[k].kind.is_distance for k in rows)
+        shifts = nothing if not placed else tilts if sort == "line" else unit[None]
+        yield Block(body, name, sort, tuple(rows), point, unit, shifts, tilts)
+
+
+def _along(motor: Block, point: Array) -> Array:
+    """Return the direction in which a drive moves a point that is not on its axis, (3,)."""
+    if motor.sort == "slide":
+        return motor.unit
+    tangent: Array = np.cross(motor.unit, point - motor.point)
+    return tangent / np.linalg.norm(tangent)
+
+
+def _drive_blocks(
+    instance: Instance, users: Mapping[tuple[Body, str], list[int]]
+) -> dict[tuple[Body, str], Block]:
+    """Return the blocks of cranks and rails, by the first of the points that they move."""
+    carried: dict[tuple[Body, str], list[str]] = {}
+    for (body, name), rows in users.items():
+        point = getattr(instance.constraints[rows[0]], body)
+        if isinstance(point, Point) and point.drive is not None:
+            carried.setdefault((body, point.partner or name), []).append(name)
+    found: dict[tuple[Body, str], Block] = {}
+    for (body, owner), names in carried.items():
+        rows = sorted(k for name in names for k in users[body, name])
+        drive = getattr(instance.constraints[users[body, names[0]][0]], body).drive
+        turns = across(drive.unit)
+        rail = isinstance(drive, Slide)
+        found[body, names[0]] = Block(
+            body,
+            owner,
+            drive.sort,
+            tuple(rows),
+            np.zeros(3) if rail else as_array(drive.centre),
+            drive.unit,
+            np.zeros((0, 3)) if rail else turns,
+            turns,
+            _corrections(drive, instance.units.angle.in_radians),
+            tuple(names),
+        )
+    return found
+
+
+def _corrections(drive: Crank | Slide, in_radians: float) -> Array:
+    unit = 1.0 if isinstance(drive, Slide) else in_radians
+    offset = 0.0 if drive.offset is None else drive.offset.value * unit
+    return np.array([offset, 0.0 if drive.scale is None else drive.scale.value])
+
+
+#: A pose of the measuring device and one of the target: turns (3), then shifts (3), of each.
+FRAMES = 12
+_FRAME_NAMES = tuple(
+    f"{frame}.{q}" for frame in ("device", "target") for q in ("rx", "ry", "rz", "x", "y", "z")
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Model:
+    """A platform whose numbers can change.
+
+    Attributes
+    ----------
+    kinds
+        The kinds of the six constraints.
+    length
+        A typical length, in which turns are weighed against shifts.
+    in_radians
+        The unit of angles.
+    blocks
+        The primitives.
+    offsets, scales
+        What is added to readings, in units of length and radians, and what they are multiplied by,
+        less one; shapes (6,).
+    frames
+        The pose of the base in the measuring device's frame and that of the target in the
+        platform's: a rotation vector and a shift each, shape (12,).
+    free
+        Which of all parameters are estimated, shape (p,).
+    """
+
+    kinds: tuple[Kind, ...]
+    length: float
+    in_radians: float
+    blocks: tuple[Block, ...]
+    offsets: Array
+    scales: Array
+    frames: Array
+    free: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, bool))
+
+    @classmethod
+    def of(cls, instance: Instance, *, drives: bool = False, zeros: Collection[str] = ()) -> Model:
+        """Return the model of an instance, all parameters free but scales and frames.
+
+        Parameters
+        ----------
+        instance
+            The platform as stated.
+        drives
+            Whether its cranks and slides are read, so that axes and rails are estimated, too.
+        zeros
+            The drives whose offset is estimated in place of a shift of their point along them.
+
+        Raises
+        ------
+        ArgumentError
+            If both points of a constraint have drives.
+        """
+        if drives:
+            drive_numbers(instance)
+        arrangement = Arrangement.of(instance)
+        shifts = offsets(instance)
+        shifts[arrangement.angles] *= arrangement.in_radians
+        model = cls(
+            arrangement.kinds,
+            arrangement.length,
+            arrangement.in_radians,
+            tuple(blocks_of(instance, arrangement, drives=drives, zeros=zeros)),
+            shifts,
+            factors(instance) - 1,
+            np.zeros(FRAMES),
+        )
+        free = np.ones(len(model.names), bool)
+        free[model.geometry + 6 :] = False
+        # The offset of a distance to a plane is a shift of the plane: one of both is enough.
+        planes = [k for k, kind in enumerate(model.kinds) if kind.has_sides]
+        free[[model.geometry + k for k in planes]] = False
+        # So is that of a drive along which its points shift.
+        for block, span in model.spans():
+            if block.is_drive:
+                free[span.stop - 2] = block.drive_name in zeros
+                free[span.stop - 1] = False
+        return replace(model, free=free)
+
+    @property
+    def geometry(self) -> int:
+        """How many parameters the primitives have; offsets, scales and frames follow."""
+        return sum(block.size for block in self.blocks)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names of all parameters."""
+        geometry = [name for block in self.blocks for name in block.names]
+        numbers = range(1, len(self.kinds) + 1)
+        values = [f"{what}.{k}" for what in ("offset", "scale") for k in numbers]
+        return (*geometry, *values, *_FRAME_NAMES)
+
+    @property
+    def sizes(self) -> Array:
+        """The change of each parameter that moves values by about a length of one, shape (p,)."""
+        turn = 1 / self.length
+        parts = [block.sizes(turn) for block in self.blocks]
+        parts.append([1.0 if kind.is_distance else turn for kind in self.kinds])
+        parts.append([turn] * len(self.kinds))
+        parts.append(([turn] * 3 + [1.0] * 3) * 2)
+        return np.concatenate(parts)
+
+    @property
+    def with_frames(self) -> bool:
+        """Whether the frames of device and target are estimated."""
+        return bool(self.free[self.geometry + 12 :].any())
+
+    def spans(self) -> Iterator[tuple[Block, slice]]:
+        """Yield the blocks and where their parameters are."""
+        at = 0
+        for block in self.blocks:
+            yield block, slice(at, at + block.size)
+            at += block.size
+
+    def moved(self, step: Array) -> Model:
+        """Return the model after a step of all parameters, shape (p,)."""
+        at = self.geometry
+        return replace(
+            self,
+            blocks=tuple(block.moved(step[span]) for block, span in self.spans()),
+            offsets=self.offsets + step[at : at + 6],
+            scales=self.scales + step[at + 6 : at + 12],
+            frames=self.frames + step[at + 12 :],
+        )
+
+    def anchored(self, R: Array, T: Array) -> Model:
+        """Return the same with the points of lines and planes near what is measured at poses."""
+        places = {(b.body, k): b for b in self.blocks if not b.is_drive for k in b.rows}
+        found = []
+        for block in self.blocks:
+            if block.sort in ("line", "plane"):
+                other: Body = "base" if block.body == "platform" else "platform"
+                ends = [places[other, k] for k in block.rows]
+                near = [b.point for b in ends if b.sort == "point"] or [np.zeros(3)]
+                if block.body == "base":
+                    block = block.anchored((R @ np.mean(near, axis=0) + T).mean(axis=0))
+                elif ends[0].sort == "point":
+                    away = np.mean(near, axis=0) - T
+                    block = block.anchored(np.einsum("nba,nb->na", R, away).mean(axis=0))
+                else:
+                    block = block.anchored(np.zeros(3))
+            found.append(block)
+        return replace(self, blocks=tuple(found))
+
+    @property
+    def drives(self) -> tuple[Block, ...]:
+        """The blocks of cranks and slides."""
+        return tuple(block for block in self.blocks if block.is_drive)
+
+    def bodies(self, readings: Array | None = None) -> Bodies:
+        """Return the primitives as they are now.
+
+        Parameters
+        ----------
+        readings
+            Of the drives, in radians and lengths, a column for each, shape (n, m): the points are
+            then those of each pose, shape (n, 6, 3).
+        """
+        y, x = np.zeros((2, 1 if readings is None else len(readings), 6, 3))
+        u, v = np.zeros((2, 6, 3))
+        for block in self.blocks:
+            if not block.is_drive:
+                points, units = (y, u) if block.body == "platform" else (x, v)
+                rows = list(block.rows)
+                points[:, rows] = self._placed(block, readings)[:, None]
+                units[rows] = block.unit
+        if readings is None:
+            y, x = y[0], x[0]
+        return Bodies(self.kinds, y, x, u, v)
+
+    def displacements(
+        self, block: Block, readings: Array | None = None
+    ) -> Iterator[tuple[list[int], Array, Array]]:
+        """Yield how the parameters of a block move points and turn its direction.
+
+        Parameters
+        ----------
+        block
+            One of the model.
+        readings
+            As for `bodies`.
+
+        Yields
+        ------
+        rows, moves, turns
+            Constraints, and derivatives by each of the s parameters, in the frame of the body: of
+            their point, shape (n or 1, s, 3), and of the direction, shape (s, 3). A drive has one
+            for each of the points that it moves.
+        """
+        still = np.zeros((block.size, 3))
+        if block.is_drive:
+            for point in self._points_of(block):
+                yield list(point.rows), self._by_drive(block, point, readings), still
+            return
+        moves, turns, s = still.copy(), still, len(block.shifts)
+        moves[:s], turns[s:] = block.shifts, np.cross(block.tilts, block.unit)
+        drive = self._drive_of(block)
+        if drive is None or drive.sort == "slide":
+            yield list(block.rows), moves[None], turns
+        else:
+            turned = moves @ np.swapaxes(self._turn(drive, readings), 1, 2)
+            yield list(block.rows), turned, turns
+
+    def by_drives(self, readings: Array) -> Iterator[tuple[int, Block, Array]]:
+        """Yield the number of a drive, a point of it, and its derivative by the reading, (n, 3)."""
+        for k, drive in enumerate(self.drives):
+            for point in self._points_of(drive):
+                rate = self._velocity(drive, point, readings) * (1 + drive.corrections[1])
+                yield k, point, np.broadcast_to(rate, (len(readings), 3))
+
+    def _by_drive(self, drive: Block, point: Block, readings: Array | None) -> Array:
+        """Return the derivatives of a point by the parameters of its drive, (n or 1, s, 3)."""
+        read, q = self._reading(drive, readings), self._number(drive, readings)
+        rate = self._velocity(drive, point, readings)
+        corrected = np.stack((rate, rate * read[:, None]), axis=1)
+        if drive.sort == "slide":
+            tilted = np.cross(drive.tilts, drive.unit) * q[:, None, None]
+            return np.concatenate((tilted, corrected), axis=1)
+        turn, arm = self._turn(drive, readings), point.point - drive.point
+        back = np.swapaxes(turn, 1, 2)
+        lever = np.cross(drive.tilts, (turn @ arm)[:, None])
+        tilted = lever - np.cross(drive.tilts, arm) @ back
+        shifted = drive.shifts - drive.shifts @ back
+        return np.concatenate((shifted, tilted, corrected), axis=1)
+
+    def _velocity(self, drive: Block, point: Block, readings: Array | None) -> Array:
+        """Return the derivative of a point by the number of its drive, shape (n or 1, 3)."""
+        if drive.sort == "slide":
+            q = self._number(drive, readings)
+            return np.broadcast_to(drive.unit, (len(q), 3))
+        arm = self._placed(point, readings) - drive.point
+        return np.asarray(np.cross(drive.unit, arm))
+
+    def _placed(self, block: Block, readings: Array | None) -> Array:
+        """Return the point of a block, moved by its drive, shape (n or 1, 3)."""
+        drive = self._drive_of(block)
+        if drive is None or readings is None:
+            return block.point[None]
+        if drive.sort == "slide":
+            return np.asarray(block.point + self._number(drive, readings)[:, None] * drive.unit)
+        turned = self._turn(drive, readings) @ (block.point - drive.point)
+        return np.asarray(drive.point + turned)
+
+    def _reading(self, drive: Block, readings: Array | None) -> Array:
+        """Return the readings of a drive, shape (n,)."""
+        if readings is None:
+            return np.zeros(1)
+        return np.asarray(readings[:, [one is drive for one in self.drives].index(True)])
+
+    def _number(self, drive: Block, readings: Array | None) -> Array:
+        """Return the numbers q of a drive, zero as stated, shape (n,)."""
+        read = self._reading(drive, readings)
+        return read if readings is None else drive.numbers(read)
+
+    def _turn(self, axis: Block, readings: Array | None) -> Array:
+        return rotation_from_vector(self._number(axis, readings)[:, None] * axis.unit)
+
+    def _drive_of(self, block: Block) -> Block | None:
+        same = (b for b in self.drives if b.body == block.body and block.name in b.carried)
+        return next(same, None)
+
+    def _points_of(self, drive: Block) -> list[Block]:
+        return [
+            b
+            for b in self.blocks
+            if b.body == drive.body and b.sort == "point" and b.name in drive.carried
+        ]
+
+
+#: Numbers are rounded by at most this part of their standard deviation.
+_PART = 1e-3
+#: A number without a standard deviation has this many significant digits, relative to the typical
+#: length.
+_DIGITS = 15
+
+
+@dataclass(frozen=True, eq=False)
+class FileNumbers:
+    """The numbers of an instance that parameters change.
+
+    Attributes
+    ----------
+    names
+        ``base.B1.x``, ``platform.L2.direction.z``, ``base.B1.crank.centre.x``,
+        ``base.B1.slide.scale``, ``offset.3`` …, m of them.
+    values
+        In the units of the file (frames: lengths and the angle unit), shape (m,).
+    slopes
+        Derivatives by the parameters, shape (m, p).
+    """
+
+    names: tuple[str, ...]
+    values: Array
+    slopes: Array
+
+    def covariance(self, of_parameters: Array) -> Array:
+        """Return the covariance of the numbers, shape (m, m)."""
+        found: Array = self.slopes @ of_parameters @ self.slopes.T
+        return found
+
+
+def file_numbers(instance: Instance, model: Model) -> FileNumbers:
+    """Return the numbers of a file for a model of the instance; as stated for a model of it."""
+    names: list[str] = []
+    values: list[Array] = []
+    slopes: list[Array] = []
+    count = len(model.free)
+    for block, span in model.spans():
+        for label, vector, by in _vectors(_geometry(instance, block), block):
+            whole = np.zeros((3, count))
+            whole[:, span] = by
+            names += [f"{block.body}.{block.name}.{label}{axis}" for axis in _AXES]
+            values.append(vector)
+            slopes.append(whole)
+        if block.is_drive:
+            unit = np.array([model.in_radians if block.sort == "crank" else 1.0, 1.0])
+            names += block.names[-len(unit) :]
+            values.append(block.corrections / unit)
+            slopes.append(np.eye(count)[span.stop - len(unit) : span.stop] / unit[:, None])
+    at = model.geometry
+    angle = np.array([1.0 if kind.is_distance else model.in_radians for kind in model.kinds])
+    turn = np.array(([model.in_radians] * 3 + [1.0] * 3) * 2)
+    names += model.names[at:]
+    values.append(np.concatenate((model.offsets / angle, model.scales, model.frames / turn)))
+    units = np.concatenate((angle, np.ones(6), turn))
+    slopes.append(np.eye(count)[at:] / units[:, None])
+    return FileNumbers(tuple(names), np.concatenate(values), np.concatenate(slopes))
+
+
+def _geometry(instance: Instance, block: Block) -> Geometry:
+    geometry: Geometry = getattr(instance.constraints[block.rows[0]], block.body)
+    return geometry
+
+
+def _vectors(stated: Geometry, block: Block) -> list[tuple[str, Array, Array]]:
+    """Return name, numbers and derivatives by parameters (3, p) of a primitive's vectors."""
+    none = np.zeros((len(block.corrections), 3))
+    turns = np.vstack((np.zeros_like(block.shifts), np.cross(block.tilts, block.unit), none))
+    shifts = np.vstack((block.shifts, np.zeros_like(block.tilts), none))
+    if block.sort == "point":
+        return [("", block.point, shifts.T)]
+    if isinstance(stated, Point):
+        drive = stated.drive
+        if isinstance(drive, Crank):
+            place, vector, names = drive.centre, drive.axis, ("crank.centre.", "crank.axis.")
+        else:
+            assert drive is not None
+            place, vector, names = stated.position, drive.direction, ("", "slide.direction.")
+    else:
+        place, vector = stated.position, stated.vector
+        names = ("", "direction." if block.sort == "line" else "normal.")
+    length = float(np.linalg.norm(as_array(vector)))
+    direction = (names[1], length * block.unit, length * turns.T)
+    if not len(block.shifts):
+        return [direction]
+    # The point of the primitive that is nearest to the one stated: the foot of a perpendicular.
+    away, u = as_array(place) - block.point, block.unit
+    height = u @ away
+    by_height = turns @ away - shifts @ u
+    foot = np.outer(by_height, u) + height * turns
+    if block.sort == "plane":
+        return [(names[0], as_array(place) - height * u, -foot.T), direction]
+    # The foot moves when the line is shifted across, and when its direction turns.
+    return [(names[0], block.point + height * u, (shifts + foot).T), direction]
+
+
+def calibrated(instance: Instance, model: Model, deviations: dict[str, float]) -> Instance:
+    """Return the instance with the numbers of a model.
+
+    Parameters
+    ----------
+    instance
+        As stated; numbers that were not estimated stay unchanged, and readings, too.
+    model
+        With the parameters found.
+    deviations
+        The standard deviation of each number that was estimated, by its name: numbers are rounded
+        to a thousandth of it.
+    """
+    found = dict(zip(*_named(file_numbers(instance, model)), strict=True))
+    least = _DIGITS - int(np.floor(np.log10(model.length)))
+
+    def number(name: str, stated: Number) -> Number:
+        if name not in deviations:
+            return stated
+        sigma = deviations[name]
+        places = least if sigma <= 0 else min(least, int(np.ceil(-np.log10(sigma * _PART))))
+        return Number.of(round(found[name], max(places, 0)))
+
+    def vector(label: str, stated: Vector) -> Vector:
+        x, y, z = (number(f"{label}{axis}", one) for axis, one in zip(_AXES, stated, strict=True))
+        return x, y, z
+
+    def primitive(label: str, stated: Geometry) -> Geometry:
+        fields: dict[str, Any] = {"position": vector(label, stated.position)}
+        if isinstance(stated, Line):
+            fields["direction"] = vector(f"{label}direction.", stated.direction)
+        elif isinstance(stated, Plane):
+            fields["normal"] = vector(f"{label}normal.", stated.normal)
+        elif stated.drive is not None:
+            owner = f"{label.partition('.')[0]}.{stated.partner}." if stated.partner else label
+            fields[stated.drive.sort] = drive(f"{owner}{stated.drive.sort}.", stated.drive)
+        return replace(stated, **fields)
+
+    def drive(label: str, stated: Crank | Slide) -> Crank | Slide:
+        corrections = {
+            what: number(f"{label}{what}", Number.of(0))
+            if f"{label}{what}" in deviations
+            else getattr(stated, what)
+            for what in CORRECTIONS
+        }
+        found: Crank | Slide
+        if isinstance(stated, Crank):
+            centre = vector(f"{label}centre.", stated.centre)
+            axis = vector(f"{label}axis.", stated.axis)
+            found = Crank(
+                centre, axis, None, stated.tolerance, diameter=stated.diameter, **corrections
+            )
+        else:
+            along = vector(f"{label}direction.", stated.direction)
+            found = Slide(along, None, stated.tolerance, **corrections)
+        return _with_range_of(stated, found)
+
+    rows = []
+    for k, row in enumerate(instance.constraints, 1):
+        changed = replace(
+            row,
+            platform=primitive(f"platform.{row.platform_name or f'of {k}'}.", row.platform),
+            base=primitive(f"base.{row.base_name or f'of {k}'}.", row.base),
+        )
+        given = {"offset": row.offset, "scale": row.scale}
+        found_here = {
+            what: number(f"{what}.{k}", Number.of(0)) if f"{what}.{k}" in deviations else stated
+            for what, stated in given.items()
+        }
+        rows.append(_reread(changed, **found_here) if found_here != given else changed)
+    return replace(instance, constraints=tuple(rows))
+
+
+def _with_range_of(stated: Crank | Slide, found: Crank | Slide) -> Crank | Slide:
+    """Return a drive whose range has the stated readings.
+
+    With another offset or scale these are other values.
+    """
+    limits = stated.limits
+    if limits and any(getattr(stated, what) != getattr(found, what) for what in CORRECTIONS):
+        low, high = (stated.reading_of(end) for end in limits)
+        limits = (found.value_of(low), found.value_of(high))
+    return replace(found, limits=limits)
+
+
+def _named(numbers: FileNumbers) -> tuple[tuple[str, ...], list[float]]:
+    return numbers.names, numbers.values.tolist()
+
+
+def _reread(row: Constraint, offset: Number | None, scale: Number | None) -> Constraint:
+    """Return a constraint with the same readings.
+
+    With another offset or scale its values differ.
+    """
+    limits = row.limits
+    readings = replace(
+        row,
+        value=row.reading_of(row.value),
+        limits=limits and (row.reading_of(limits[0]), row.reading_of(limits[1])),
+    )
+    return as_read(readings, offset=offset, scale=scale)
