@@ -24,7 +24,7 @@ from gspcli.defaults import SEED
 from gspcli.errors import GspError, Mistake, SpecError, TypeNameError
 from gspcli.records import dataclass
 from gspcli.resources import instance_files, shipped_file
-from gspcli.wording import brief, named, nearest, shortened, shown
+from gspcli.wording import brief, listed, named, nearest, shortened, shown
 
 if TYPE_CHECKING:
     from gspcli.cli.pose_options import PoseConventions
@@ -63,7 +63,7 @@ _GROUPS = {
     ),
     "Output": (
         "--format", "--output", "--force", "--part", "--keys", "--digits", "--decimals",
-        "--legend", "--help",
+        "--help",
     ),
 }  # fmt: skip
 #: Examples before the options; the others follow the text.
@@ -158,7 +158,7 @@ class Command(click.Command):
                     formatter.write_dl(records, col_max=24)
 
     def invoke(self, ctx: click.Context) -> Any:
-        """Run the command, unless options that exclude each other are given."""
+        """Run the command, unless options are given that do not go together."""
         assert self.callback is not None
         given, streams = set(), []
         for parameter in self.params:
@@ -168,10 +168,9 @@ class Command(click.Command):
                 streams += [name] if ctx.params.get(str(parameter.name)) == "-" else []
             if ctx.get_parameter_source(str(parameter.name)) is ParameterSource.COMMANDLINE:
                 given.add(name)
-        for names in getattr(self.callback, "exclusive", ()):
-            both = [name for name in names if name in given]
-            if len(both) > 1:
-                raise click.UsageError(f"give either {' or '.join(both)}", ctx)
+        for broken in getattr(self.callback, "rules", ()):
+            if said := broken(given):
+                raise click.UsageError(said, ctx)
         if len(streams) > 1:
             raise click.UsageError(f"{' and '.join(streams)} cannot both be standard input", ctx)
         return ctx.invoke(self.callback, Options(**ctx.params))
@@ -188,14 +187,44 @@ def together(*options: Callable[[Function], Function]) -> Callable[[Function], F
     return decorate
 
 
-def exclusive(*names: str) -> Callable[[Function], Function]:
-    """Declare options and arguments of which at most one may be given."""
+def _rule(broken: Callable[[set[str]], str]) -> Callable[[Function], Function]:
+    """Declare what is said if the options that are given do not go together; else nothing."""
 
     def declare(function: Function) -> Function:
-        function.exclusive = [names, *getattr(function, "exclusive", [])]  # type: ignore[attr-defined]
+        function.rules = [broken, *getattr(function, "rules", [])]  # type: ignore[attr-defined]
         return function
 
     return declare
+
+
+def exclusive(*names: str) -> Callable[[Function], Function]:
+    """Declare options and arguments of which at most one may be given."""
+
+    def broken(given: set[str]) -> str:
+        both = [name for name in names if name in given]
+        return f"give either {' or '.join(both)}" if len(both) > 1 else ""
+
+    return _rule(broken)
+
+
+def without(name: str, *others: str) -> Callable[[Function], Function]:
+    """Declare options that may not be given with another one."""
+
+    def broken(given: set[str]) -> str:
+        wrong = [other for other in others if other in given]
+        return f"{listed(wrong, 'and')}: not with {name}" if wrong and name in given else ""
+
+    return _rule(broken)
+
+
+def needs(name: str, *others: str) -> Callable[[Function], Function]:
+    """Declare an option that means nothing without one of others."""
+
+    def broken(given: set[str]) -> str:
+        lacks = name in given and given.isdisjoint(others)
+        return f"{name} is for {listed(others)}: give it, too" if lacks else ""
+
+    return _rule(broken)
 
 
 def _wrapped(line: str, width: int) -> list[str]:

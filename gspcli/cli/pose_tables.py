@@ -36,15 +36,6 @@ _ZERO = 1e-12
 #: Components of quaternions that differ by less are of one orientation.
 _SAME = 1e-9
 _NUMBER = PoseColumn("number", lambda result: range(1, len(result.R) + 1))
-LEGEND = (
-    "Tx Ty Tz: the origin of the platform in the base, x_base = R x_platform + T",
-    "qw qx qy qz: the unit quaternion of R, scalar first; rx ry rz: the angles about these axes",
-    "condition: the largest over the smallest change of the pose for equal changes of the values; "
-    "infinite if it is singular",
-    "sides: + where the point is on the side to which the normal points, - on the other",
-    "remarks: whether a pose is not real, not simple or not proved",
-    "home: the mode that commands use by default",
-)
 
 
 @dataclass(frozen=True)
@@ -166,8 +157,8 @@ def pose_tables(
         return [Result([], [], title, notes=notes, summary=summary)]
     rows = _rows(result, shown)
     number = FIELDS["number"]
-    translation = [_column(result, column, shown) for column in shown.position]
-    rotation = [_column(result, column, shown) for column in shown.turns]
+    translation = [pose_field(one, instance, shown.decimals) for one in shown.position]
+    rotation = [pose_field(one, instance, shown.decimals) for one in shown.turns]
     units = instance.units
     last = [
         FIELDS["distance"].but(title=f"distance [{units.length}]"),
@@ -276,13 +267,11 @@ def _sided(result: SolveResult) -> str:
     return f"sides {','.join(map(str, sided))}"
 
 
-def _column(result: SolveResult, column: PoseColumn, shown: Shown) -> Field:
-    units = result.instance.units
-    unit = {"length": units.length, "angle": units.angle.value, "": ""}[column.unit]
-    heading = f"{column.key} [{unit}]" if unit else column.key
-    return Field(
-        column.key, heading, "right", essential=True, aligned=True, decimals=shown.decimals
-    )
+def pose_field(column: PoseColumn, instance: Instance, decimals: int | None) -> Field:
+    """Return a column of poses for people, with its unit in the heading."""
+    units = {"": "", "length": instance.units.length, "angle": instance.units.angle.value}
+    heading = f"{column.key} [{units[column.unit]}]" if column.unit else column.key
+    return Field(column.key, heading, "right", essential=True, aligned=True, decimals=decimals)
 
 
 def _orientations(result: SolveResult, shown: Shown) -> dict[str, list[int]]:

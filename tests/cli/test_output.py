@@ -632,7 +632,7 @@ CALLS = [
     ["solve", f"{EXAMPLES}/example-6.8.yaml"],
     ["solve", f"{EXAMPLES}/dietmaier.yaml", "--all"],
     ["solve", f"{EXAMPLES}/dietmaier.yaml", "--digits", "20"],
-    ["solve", "@dietmaier", "--rotation", "matrix", "--legend"],
+    ["solve", "@dietmaier", "--rotation", "matrix"],
     [
         "solve",
         "@dietmaier",

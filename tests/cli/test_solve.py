@@ -286,9 +286,8 @@ def test_near_sorts_by_distance_and_marks_the_nearest(gsp, tmp_path):
     assert [line.split()[0] for line in lines if line.endswith("nearest")] == ["7"]
 
 
-def test_decimals_and_legend(gsp):
-    out = gsp("solve", "@dietmaier", "--decimals", "3", "--legend").out
-    assert "sides: + where the point" in out
+def test_decimals(gsp):
+    out = gsp("solve", "@dietmaier", "--decimals", "3").out
     assert all(len(word.partition(".")[2]) == 3 for word in out.splitlines()[6].split()[1:8])
 
 
@@ -298,7 +297,7 @@ def test_decimals_and_legend(gsp):
         (["--rotation", "zzz"], "expected three different axes"),
         (["--rotation", "ZYX", "--all"], "leave out --all"),
         (["--near", "0,0,0,0,0,0"], "say it with --euler, such as ZYX"),
-        (["--euler", "ZYX"], "say how --near and --where are read"),
+        (["--euler", "ZYX"], "--euler is for --near or --where"),
         (["--near", "0,0"], "--near: found 2 numbers"),
     ],
 )
@@ -459,9 +458,9 @@ def test_changes_and_options_are_for_all(gsp, instances):
     both = answers(gsp("solve", instances, "--set", "1=1.1", "--format", "jsonl"))
     alone = json.loads(gsp("solve", "@octahedral-3-3", "--set", "1=1.1", "--format", "json").out)
     assert all(one["solutions"] == alone["solutions"] for one in both)
-    run = gsp("solve", instances, "--near", "0,0,1,1,0,0,0", "--legend")
+    run = gsp("solve", instances, "--near", "0,0,1,1,0,0,0", "--fit")
     assert run.code == 2
-    assert "--near and --legend: for one SPEC" in run.err
+    assert "--near and --fit: for one SPEC" in run.err
     assert gsp("solve", "-", "-").code == 2
     empty = instances.with_name("empty.jsonl")
     empty.write_text("\n", encoding="utf-8")

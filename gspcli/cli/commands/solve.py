@@ -4,188 +4,72 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from itertools import chain, islice
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any
 
 import click
+import numpy as np
 
 from gspcli.cli.options import (
     FORMATS,
-    Changes,
     Command,
     Options,
     decimals_option,
     jobs_option,
-    load_instance,
+    needs,
     output_options,
     seed_option,
     spec_source,
     standard_deviations,
-    together,
     value_options,
+    without,
 )
-from gspcli.cli.pose_options import (
-    RELATIVE,
-    GivenPose,
-    PoseConventions,
-    frame_note,
-    near_option,
-    order_named,
-    pose_options,
+from gspcli.cli.pose_options import RELATIVE, frame_note, near_option, order_named, pose_options
+from gspcli.cli.pose_tables import (
+    Shown,
+    add_expressed,
+    data_table,
+    digit_cells,
+    digit_table,
+    digits_option,
+    fixed,
+    lone_tables,
+    pose_field,
+    pose_tables,
+    refined,
+    remarks,
+    summary,
 )
-from gspcli.cli.pose_tables import digit_cells, digit_table, digits_option, refined
-from gspcli.cli.render import Output, emit, write
-from gspcli.cli.result import Field, Fields, Result
+from gspcli.cli.render import emit, write
+from gspcli.cli.result import Fields, Result
 from gspcli.cli.streams import progress, say, working
 from gspcli.errors import (
     ArgumentError,
     CheckFailed,
     GspError,
     IncompleteError,
+    Mistake,
     NotFiniteError,
     SpecError,
 )
-from gspcli.records import dataclass
-from gspcli.wording import listed
+from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.euler import MAKERS
+from gspcli.solver.results.columns import TRANSLATION, PoseColumn, expressed, rotation_columns
+from gspcli.wording import listed, named
 from gspcli.wording import shown as quoted
 
 if TYPE_CHECKING:
-    from gspcli.cli.options import Changes
-    from gspcli.cli.pose_options import PoseConventions
-    from gspcli.cli.pose_tables import Shown
     from gspcli.geometry.frames import PoseFrame
     from gspcli.geometry.instance import Instance
     from gspcli.motion.poses.mode_filters import Condition
     from gspcli.sensing import PoseFit, ReadingFit
     from gspcli.sensing.sensor_kinds import SensorReading
     from gspcli.solver import SolveResult
-    from gspcli.solver.results.columns import PoseColumn
 
 FIELDS = Fields("solve")
-
-#: Formats for people.
-_READABLE = ("table", "markdown", "latex")
-
-
-@dataclass(frozen=True)
-class FilterOptions:
-    """The conditions that listed real poses meet.
-
-    Attributes
-    ----------
-    where
-        Conditions for coordinates.
-    within_limits, above
-        As in `gspcli.motion.poses.mode_filters.ModeFilter`.
-    """
-
-    where: tuple[Condition, ...] = ()
-    within_limits: bool = False
-    above: bool = False
-
-    @property
-    def options(self) -> dict[str, object]:
-        """The options by their names, as they are given."""
-        return {"where": self.where, "within-limits": self.within_limits, "above": self.above}
-
-    def applied(
-        self, result: SolveResult, conventions: PoseConventions
-    ) -> tuple[SolveResult, dict[str, list[int]] | None]:
-        """Return the result without the poses that are left out as home, and their numbers."""
-        if not (self.where or self.within_limits or self.above):
-            return result, None
-        from gspcli.motion.poses.mode_filters import ModeFilter
-
-        form = conventions.form(result.instance)
-        sequence = form.euler or "ZYX"
-        asked = ModeFilter(self.where, self.within_limits, self.above, form.pivot_frame, sequence)
-        try:
-            left = asked.left_out(result)
-        except ArgumentError as error:
-            raise GspError(f"--{error.where.replace('_', '-')}: {error.message}") from None
-        out = tuple(sorted(number - 1 for those in left.values() for number in those))
-        return replace(result, left_out=out), left
-
-
-#: `--where`, `--within-limits` and `--above`.
-filter_options = together(
-    click.option(
-        "--where",
-        metavar="CONDITION",
-        multiple=True,
-        help="List only real poses with this, such as 'z>0, rx<=45': x, y, z, and rx, ry, rz in "
-        "the order of --euler or ZYX; may be repeated.",
-    ),
-    click.option(
-        "--within-limits", is_flag=True, help="List only real poses within all ranges and cones."
-    ),
-    click.option(
-        "--above",
-        is_flag=True,
-        help="List only real poses with the platform above its base: on the side of home, or of z.",
-    ),
-)
-
-
-def _parsed(texts: tuple[str, ...]) -> tuple[Condition, ...]:
-    """Return the conditions of texts."""
-    if not texts:
-        return ()
-    from gspcli.motion.poses.mode_filters import parse_conditions
-
-    try:
-        return tuple(one for text in texts for one in parse_conditions(text))
-    except ArgumentError as error:
-        raise GspError(f"--where: {error}") from None
-
-
-def given_readings(
-    texts: Sequence[str], instance: Instance, *, repeated: bool = False
-) -> list[SensorReading]:
-    """Return the readings that are given; if `repeated` they may be those of constraints, too."""
-    if not texts:
-        return []
-    from gspcli.sensing.sensor_kinds import parse_reading
-
-    found = []
-    for text in texts:
-        try:
-            found.append(parse_reading(text, instance, repeated=repeated))
-        except GspError as error:
-            raise GspError(f"--reading {quoted(text)}, {error}") from None
-    return found
-
-
-def fitted(result: SolveResult, readings: Sequence[SensorReading]) -> ReadingFit | None:
-    """Return which modes fit the readings; None without readings."""
-    if not readings:
-        return None
-    from gspcli.sensing import fit_readings
-
-    return fit_readings(result, readings)
-
-
-def refuse_misfit(fit: ReadingFit) -> None:
-    """Raise, with what to do, unless exactly one mode fits."""
-    if fit.mode is not None:
-        return
-    if fit.modes:
-        message = "gsp sensors says which further sensor tells them apart"
-        raise CheckFailed(f"{len(fit.modes)} modes fit what was read: {message}")
-    message = "is it in the units of SPEC, with the values of SPEC (--set gives others)?"
-    raise CheckFailed(f"no mode fits what was read: {message}")
-
-
-def add_fit(document: dict[str, Any], shown: Shown, fit: ReadingFit) -> None:
-    """Add to a document how the readings fit its poses."""
-    document |= fit.to_json()
-    for entry, index in zip(document["solutions"], shown.indices, strict=True):
-        if index < len(fit.off) and fit.result.counts.real:
-            entry |= fit.of_mode(index)
-
 
 #: The ends of the names of files with an instance in each line, and the format of such answers.
 LINE_SUFFIXES = (".jsonl", ".ndjson")
@@ -194,320 +78,29 @@ LINES = "jsonl"
 #: them.
 _HERE_FIRST = 16
 _COLUMNS = FIELDS.of("instance name type real found certified verdict exit_code message")
-
-
-class Source(NamedTuple):
-    """Where an instance is."""
-
-    name: str
-    """What messages and answers call it."""
-    text: str | None
-    """Its text; None if the name is that of a file."""
-
-
-@dataclass(frozen=True)
-class Answer:
-    """The answer to one instance.
-
-    Attributes
-    ----------
-    row
-        The row of the table.
-    document
-        What JSON has of it.
-    """
-
-    row: dict[str, Any]
-    document: dict[str, Any]
-
-
-#: Solves an instance: returns the result, its document and the error that sets the exit code.
-Solving = Callable[["Instance"], tuple["SolveResult", dict[str, Any], GspError | None]]
-
-
-def are_many(specs: Sequence[str], *, lines: bool) -> bool:
-    """Return whether arguments name more than one instance, or may do so."""
-    return lines or len(specs) > 1 or specs[0].lower().endswith(LINE_SUFFIXES)
-
-
-def solve_many(
-    specs: Sequence[str],
-    solving: Solving,
-    changes: Changes,
-    jobs: int,
-    output: Output,
-    *,
-    lines: bool,
-) -> int:
-    """Solve instances one after the other; write an answer for each, in their order.
-
-    Answers in JSON, one a line, are written as soon as they are known. An error of one instance is
-    part of its answer, and the others are solved.
-    """
-    if specs.count("-") > 1:
-        raise GspError("standard input can be one SPEC only: - is given more than once")
-    answers = _answers(_sources(specs, lines=lines), partial(_answer, solving, changes), jobs)
-    total = None if _any_lines(specs, lines=lines) else len(specs)
-    streamed = output.format == LINES and output.path is None
-    if not (streamed and sys.stdout.isatty()):
-        # A progress bar would be printed between the lines.
-        answers = progress(answers, total=total, label="instances")
-    rows, texts = [], []
-    for answer in answers:
-        rows.append(answer.row)
-        if output.format != LINES:
-            continue
-        text = json.dumps(answer.document, ensure_ascii=False) + "\n"
-        if streamed:
-            sys.stdout.write(text)
-            sys.stdout.flush()
-        else:
-            texts.append(text)
-    if not rows:
-        raise GspError(f"{', '.join(specs)}: found no instance, expected one in each line")
-    if output.format != LINES:
-        emit(output, Result(_COLUMNS, rows, notes=[_sum(rows)]))
-    elif not streamed:
-        write(output, "".join(texts))
-    code: int = max(row["exit_code"] for row in rows)
-    if code and output.format == LINES:
-        say(_sum(rows))
-    return code
-
-
-def _sum(rows: Sequence[dict[str, Any]]) -> str:
-    """Return how many answers there are of each kind, in words."""
-    counts = {
-        "complete": sum(row["exit_code"] == 0 for row in rows),
-        "infinitely many poses": sum(row["exit_code"] == 3 for row in rows),
-        "not completed": sum(row["exit_code"] == 4 for row in rows),
-        "wrong": sum(row["exit_code"] in (1, 2) for row in rows),
-    }
-    parts = ", ".join(f"{count} {what}" for what, count in counts.items() if count)
-    return f"{len(rows)} instances: {parts}"
-
-
-def _answers(
-    sources: Iterator[Source], answer: Callable[[Source], Answer], jobs: int
-) -> Iterator[Answer]:
-    """Yield the answers in the order of the sources."""
-    from gspcli.workers import Workers
-
-    yield from map(answer, islice(sources, _HERE_FIRST))
-    more = list(islice(sources, 1))
-    if more:
-        yield from Workers(jobs).in_order(answer, chain(more, sources))
-
-
-def _any_lines(specs: Sequence[str], *, lines: bool) -> bool:
-    return lines or any(one.lower().endswith(LINE_SUFFIXES) for one in specs)
-
-
-def _sources(specs: Sequence[str], *, lines: bool) -> Iterator[Source]:
-    for spec in specs:
-        if lines or spec.lower().endswith(LINE_SUFFIXES):
-            yield from _lines_of(spec)
-        else:
-            yield Source(spec, None)
-
-
-def _lines_of(spec: str) -> Iterator[Source]:
-    """Yield the lines of a file that are not empty."""
-    from gspcli.spec.document import LARGEST_SPEC
-    from gspcli.wording import named
-
-    name = "standard input" if spec == "-" else spec
-    try:
-        # A descriptor, closed at the end unless it is standard input.
-        with open(0 if spec == "-" else spec, "rb", closefd=spec != "-") as file:
-            number = 0
-            while line := file.readline(LARGEST_SPEC + 1):
-                number += 1
-                if len(line) > LARGEST_SPEC:
-                    raise GspError(
-                        f"{named(name)}: line {number} has more than {LARGEST_SPEC >> 20} MB"
-                    )
-                if line.strip():
-                    text = line.decode("utf-8-sig", errors="surrogateescape")
-                    yield Source(f"{name}, line {number}", text)
-    except (OSError, ValueError) as error:
-        raise GspError(
-            f"{named(name)}: cannot be read: {getattr(error, 'strerror', None) or error}"
-        ) from error
-
-
-def _answer(solving: Solving, changes: Changes, source: Source) -> Answer:
-    """Return the answer to one instance; its error, if there is one, is part of the answer."""
-    head = {"instance": source.name}
-    try:
-        instance = changes.of(_instance(source))
-        result, document, error = solving(instance)
-    except GspError as failure:
-        said = {"exit_code": failure.exit_code, "message": str(failure)}
-        return Answer(_row({**head, "verdict": "no answer", **said}), {**head, **said})
-    said = {
-        "exit_code": 0 if error is None else error.exit_code,
-        "message": None if error is None else str(error),
-    }
-    counts = result.counts
-    row = {
-        **head,
-        "name": instance.name or None,
-        "type": instance.type.id,
-        "real": counts.real,
-        "found": counts.found,
-        "certified": counts.certified,
-        "verdict": result.verdict,
-        **said,
-    }
-    return Answer(_row(row), {**head, **said, **document})
-
-
-def _row(row: dict[str, Any]) -> dict[str, Any]:
-    """Return a row of the table, its message in one line."""
-    return {**row, "message": row["message"] and row["message"].replace("\n", "; ")}
-
-
-def _instance(source: Source) -> Instance:
-    from gspcli.spec import read, read_text
-
-    if source.text is None:
-        return read(spec_source(source.name)).instance
-    try:
-        source.text.encode()
-    except UnicodeEncodeError as error:
-        from gspcli.errors import Mistake
-
-        message = f"{source.name}: expected text in UTF-8"
-        raise SpecError([Mistake(None, "", message)]) from error
-    return read_text(source.text, name=source.name).instance
-
-
 #: Decimals of residuals and of chi-squared: further decimals are rounding errors.
 _DECIMALS = 3
 #: Residuals larger than this many deviations are marked.
 _LARGE = 3.0
 
 
-def show_fit(
-    instance: Instance,
-    readings: Sequence[SensorReading],
-    sigmas: Sequence[str],
-    rotation: Sequence[PoseColumn],
-    decimals: int | None,
-    frame: PoseFrame,
-    output: Output,
-) -> int:
-    """Fit poses to all measurements, and write them with residuals."""
-    from gspcli.sensing import fit_poses
-
-    if not readings and not instance.readings:
-        raise GspError(
-            "--fit needs readings besides the six values: --reading 'leg P1 B3 = 212.4 ± 0.1', or "
-            "`readings` in SPEC"
-        )
-    with working("fitting"):
-        fit = fit_poses(instance, readings or None, sigma=standard_deviations(sigmas))
-    document = {"schema": "gsp.solve/1", **instance.to_json(), "fit": fit.to_json()}
-    tables = [_poses(fit, rotation, decimals, frame), *_residuals(fit)]
-    if output.format == "csv":
-        tables = tables[:1]
-    emit(output, tables, document=document if output.format == "json" else None)
-    if len(fit.fitting) == 1:
-        return 0
-    if fit.fitting:
-        message = f"{len(fit.fitting)} poses fit: gsp sensors says which further sensor tells modes"
-        raise CheckFailed(f"{message} apart")
-    message = fit.sentences[2] if len(fit.sentences) > 2 else fit.sentences[0]
-    raise CheckFailed(f"no pose fits what was measured: {message}")
-
-
-def _poses(
-    fit: PoseFit, rotation: Sequence[PoseColumn], decimals: int | None, frame: PoseFrame
-) -> Result:
-    """Return a row for each pose."""
-    import numpy as np
-
-    from gspcli.geometry.arrangement import Arrangement
-    from gspcli.solver.results.columns import expressed
-
-    instance = fit.numbers.instance
-    R = np.array([pose.R for pose in fit.poses]).reshape(-1, 3, 3)
-    T = np.array([pose.T for pose in fit.poses]).reshape(-1, 3)
-    poses = expressed(frame, Arrangement.of(instance), R, T, np.ones(len(R), bool))
-    rows = fit.rows()
-    for row, place in zip(rows, poses.T.tolist(), strict=True):
-        row |= dict(zip(("Tx", "Ty", "Tz"), place, strict=True))
-    units = {"": "", "length": instance.units.length, "angle": instance.units.angle.value}
-    columns = FIELDS.of("number")
-    columns += [
-        Field(key, f"{key} [{units['length']}]", "right", True, aligned=True, decimals=decimals)
-        for key in ("Tx", "Ty", "Tz")
-    ]
-    for one in rotation:
-        title = f"{one.key} [{units[one.unit]}]" if one.unit else ""
-        columns.append(Field(one.key, title, "right", True, aligned=True, decimals=decimals))
-        for row, cell in zip(rows, one.read(poses), strict=True):
-            row[one.key] = float(cell)
-    columns += [
-        *FIELDS.of("chi_squared probability"),
-        FIELDS["sigma_T"].but(title=f"± T [{units['length']}]"),
-        FIELDS["sigma_turn"].but(title=f"± turn [{units['angle']}]"),
-        FIELDS["fits"],
-    ]
-    for row in rows:
-        row["chi_squared"] = round(float(f"{row['chi_squared']:.4g}"), _DECIMALS)
-        for key in ("probability", "sigma_T"):
-            row[key] = float(f"{row[key]:.2g}")
-        row["sigma_turn"] = float(f"{row['sigma_turn']:.2g}")
-    keys = [column.key for column in columns]
-    rows = [{key: row[key] for key in keys} for row in rows]
-    notes = ["± of one axis, the largest of three; of the platform's origin"]
-    if not frame.is_identity:
-        notes.append(f"poses are {frame.words}")
-    return Result(columns, rows, instance.title, notes=notes, summary=fit.sentences, part="poses")
-
-
-def _residuals(fit: PoseFit) -> list[Result]:
-    """Return the residuals of the best pose."""
-    if not fit.poses:
+def _conditions(_: click.Context, __: click.Parameter, texts: Sequence[str]) -> list[Condition]:
+    """Return the conditions of `--where`."""
+    if not texts:
         return []
-    best = fit.poses[0]
-    names = [fit.numbers.names[k] for k in best.owners.tolist()]
-    rows: list[dict[str, Any]] = [
-        {
-            "measured": name,
-            "off": round(left, _DECIMALS),
-            "studentised": None if size != size else round(size, _DECIMALS),
-            "remarks": "large" if abs(size) > _LARGE else "",
-        }
-        for name, left, size in zip(
-            names, best.residuals.tolist(), best.studentised.tolist(), strict=True
-        )
-    ]
-    columns = [
-        FIELDS["measured"],
-        FIELDS["off"].but(decimals=_DECIMALS),
-        FIELDS["studentised"].but(decimals=_DECIMALS),
-        FIELDS["remarks"],
-    ]
-    notes = [
-        "off: measured less fitted, at pose 1; studentised: over the deviation of that difference, "
-        "empty where no other measurement checks it"
-    ]
-    return [Result(columns, rows, notes=notes, part="residuals")]
+    from gspcli.motion.poses.mode_filters import parse_conditions
 
-
-def check_options(*, fitting: bool, **given: object) -> None:
-    """Raise for --sigma without --fit, and for options of the table of modes with it."""
-    if not fitting:
-        raise click.UsageError("--sigma says how exact the values are: give it with --fit")
-    wrong = [f"--{name.replace('_', '-')}" for name, value in given.items() if value]
-    if wrong:
-        raise click.UsageError(f"{listed(wrong, 'and')}: not with --fit")
+    try:
+        return [one for text in texts for one in parse_conditions(text)]
+    except ArgumentError as error:
+        raise GspError(f"--where: {error}") from None
 
 
 @click.command(cls=Command)
+@without("--fit", "--all", "--near", "--digits", "--prove", "--where", "--within-limits", "--above")
+@needs("--sigma", "--fit")
+@needs("--euler", "--near", "--where")
+@needs("--pivot", "--near", "--where")
 @click.argument("specs", metavar="SPEC...", nargs=-1, required=True)
 @click.option(
     "--lines",
@@ -537,7 +130,22 @@ def check_options(*, fitting: bool, **given: object) -> None:
 @decimals_option(None, 0, 17, ": positions and rotations, independently of the width")
 @near_option("poses are sorted by their distance from it")
 @pose_options
-@filter_options
+@click.option(
+    "--where",
+    metavar="CONDITION",
+    multiple=True,
+    callback=_conditions,
+    help="List only real poses with this, such as 'z>0, rx<=45': x, y, z, and rx, ry, rz in "
+    "the order of --euler or ZYX; may be repeated.",
+)
+@click.option(
+    "--within-limits", is_flag=True, help="List only real poses within all ranges and cones."
+)
+@click.option(
+    "--above",
+    is_flag=True,
+    help="List only real poses with the platform above its base: on the side of home, or of z.",
+)
 @click.option(
     "--reading",
     "readings",
@@ -561,7 +169,6 @@ def check_options(*, fitting: bool, **given: object) -> None:
     help="Standard deviation of what is measured: value (distances), angle, or the number of a "
     "constraint; else `tolerance` in SPEC. With --fit; may be repeated.",
 )
-@click.option("--legend", is_flag=True, help="Explain the columns.")
 @digits_option
 @output_options(formats=(*FORMATS, LINES))
 def command(o: Options) -> int:
@@ -611,141 +218,107 @@ def command(o: Options) -> int:
       gsp solve instances.jsonl --jobs 2
       gsp new "DPL DPL DLP ALL ALL ALH" | gsp solve - --all -o poses.json
     """
-    from dataclasses import replace
-
-    from gspcli.cli.pose_tables import Shown
-    from gspcli.solver import solve
-    from gspcli.solver.results.columns import rotation_columns
-
     columns = rotation_columns(o.rotation)
-    filters = FilterOptions(_parsed(o.where), o.within_limits, o.above)
-    _check_usage(o.rotation, everything=o.everything)
-    if are_many(o.specs, lines=o.by_line) or o.output.format == LINES:
-        _refuse_alone(
-            o.conventions, near=o.near, reading=o.readings, fit=o.fitting, legend=o.legend
+    if o.rotation.strip().lower() in MAKERS:
+        order_named("--rotation", o.rotation)
+    if o.everything and o.rotation not in ("quaternion", "matrix"):
+        raise click.UsageError(
+            f"--rotation {o.rotation} cannot write poses that are not real: leave out --all"
         )
-        documented = o.output.format == LINES
-        how = _How(o.seed, o.prove, o.everything, o.digits, o.conventions, filters, documented)
-        return solve_many(
-            o.specs, partial(_solved, how), o.changes, o.jobs, o.output, lines=o.by_line
-        )
-    instance = load_instance(o.specs[0], o.changes)
-    given = given_readings(o.readings, instance, repeated=o.fitting)
-    frame = o.conventions.frame(instance)
-    if o.fitting or o.sigmas:
-        others = {"all": o.everything, "near": o.near, "digits": o.digits, "legend": o.legend}
-        check_options(**others, **filters.options, prove=o.prove is not None, fitting=o.fitting)
-        return show_fit(instance, given, o.sigmas, columns, o.decimals, frame, o.output)
-    goal = _goal(o.near, o.conventions, instance, filtered=bool(filters.where))
+    if len(o.specs) > 1 or o.output.format == LINES or _has_lines(o, o.specs[0]):
+        return _solve_many(o)
+    from gspcli.solver import solve
+
+    o.spec = o.specs[0]
+    readings, frame, fit = _readings(o), o.conventions.frame(o.instance), None
+    if o.fitting:
+        return _show_fit(o, readings, columns, frame)
+    goal = None if o.near is None else o.near.read(o.form)
     with working("solving"):
-        result = solve(instance, seed=o.seed, jobs=o.jobs, prove=o.prove)
-        result, left = filters.applied(result, o.conventions)
-        chosen = _indices(result, everything=o.everything)
-        shown = Shown(chosen, columns, o.decimals, frame=frame, left=left)
+        result, left = _filtered(solve(o.instance, seed=o.seed, jobs=o.jobs, prove=o.prove), o)
+        shown = Shown(_indices(result, o), columns, o.decimals, frame=frame, left=left)
         if goal is not None:
             shown = _sorted(result, shown, *goal)
-        if (fit := fitted(result, given)) is not None:
+        if readings:
+            from gspcli.sensing import fit_readings
+
+            fit = fit_readings(result, readings)
             shown = replace(shown, fits=fit.rows())
-        proved = _refined(result, shown, o.digits) if o.digits is not None else []
-    _show(result, shown, proved, fit, o.output, everything=o.everything, legend=o.legend)
+        proved = _refined(result, shown, o.digits)
+        contradicting = _contradicting(result)
+    lines = [*summary(result, contradicting=contradicting), *shown.left_sentences(result)]
+    lines += [] if fit is None else [fit.sentence]
+    if o.output.format == "json":
+        document = _document(result, shown, proved, contradicting, fit, everything=o.everything)
+        emit(o.output, (), document=document)
+    elif o.output.format == "csv":
+        flat = [digit_cells(pose or {}) for pose in proved]
+        emit(o.output, data_table(result, shown, flat, imaginary=o.everything, summary=lines))
+    else:
+        notes = [*frame_note(frame), *remarks(result, shown.numbers)]
+        if not o.everything and (others := len(result.R) - result.counts.real):
+            notes.append(f"{others} more are not real: --all shows them")
+        if goal is not None:
+            notes.append("nearest: by the translation and the turn times the platform's size")
+        tables = pose_tables(result, shown, summary=lines, notes=notes)
+        rows = [
+            {"number": number, **digit_cells(pose or {})}
+            for number, pose in zip(shown.numbers, proved, strict=bool(proved))
+        ]
+        digits = [digit_table(rows)] if any(proved) else []
+        emit(o.output, [*tables, *lone_tables(result, shown), *digits])
     if result.home is not None and result.home.doubt and not o.changes.given:
         say(f"warning: {result.home.doubt}")
-    return _complained(result, fit)
-
-
-def _show(
-    result: SolveResult,
-    shown: Shown,
-    proved: Sequence[dict[str, Any] | None],
-    fit: ReadingFit | None,
-    output: Output,
-    *,
-    everything: bool,
-    legend: bool,
-) -> None:
-    """Write the poses, with the digits and readings that were asked for."""
-    from gspcli.cli.pose_tables import data_table, lone_tables, pose_tables, summary
-
-    with working("solving"):
-        contradicting = _contradicting(result)
-        lines = [*summary(result, contradicting=contradicting), *shown.left_sentences(result)]
-    lines += [] if fit is None else [fit.sentence]
-    if output.format in _READABLE:
-        notes = _notes(result, shown, everything=everything, legend=legend)
-        tables = pose_tables(result, shown, summary=lines, notes=notes)
-        emit(output, [*tables, *lone_tables(result, shown), *_digits_of(shown, proved)])
-    else:
-        flat = [digit_cells(pose or {}) for pose in proved]
-        table = data_table(result, shown, flat, imaginary=everything, summary=lines)
-        found = result, shown, proved, contradicting, fit
-        document = _document(*found, everything=everything) if output.format == "json" else None
-        emit(output, table, document=document)
-
-
-def _complained(result: SolveResult, fit: ReadingFit | None) -> int:
-    """Raise the error that sets the exit code, about the poses or the readings; else return 0."""
     _complain(result)
-    if fit is not None:
-        refuse_misfit(fit)
+    if fit is not None and fit.mode is None:
+        if fit.modes:
+            raise CheckFailed(
+                f"{len(fit.modes)} modes fit what was read: gsp sensors says which further sensor "
+                "tells them apart"
+            )
+        raise CheckFailed(
+            "no mode fits what was read: is it in the units of SPEC, with the values of SPEC "
+            "(--set gives others)?"
+        )
     return 0
 
 
-def _indices(result: SolveResult, *, everything: bool) -> Sequence[int]:
-    """Return which poses are shown: the real ones are the first."""
-    poses = range(len(result.R) if everything else result.counts.real)
-    return [k for k in poses if k not in result.left_out] if result.left_out else poses
+def _readings(o: Options) -> list[SensorReading]:
+    """Return the readings that are given; with `--fit` they may be those of constraints, too."""
+    from gspcli.sensing.sensor_kinds import parse_reading
+
+    found = []
+    for text in o.readings:
+        try:
+            found.append(parse_reading(text, o.instance, repeated=o.fitting))
+        except GspError as error:
+            raise GspError(f"--reading {quoted(text)}, {error}") from None
+    return found
 
 
-def _refuse_alone(conventions: PoseConventions, **options: object) -> None:
-    """Raise for options that are about the table of one instance."""
-    given = [f"--{name}" for name, value in options.items() if value]
-    given += [name for name in conventions.options if name != RELATIVE]
-    if given:
-        raise click.UsageError(f"{listed(given, 'and')}: for one SPEC and its table only")
+def _filtered(result: SolveResult, o: Options) -> tuple[SolveResult, dict[str, list[int]] | None]:
+    """Return the result without the poses that are left out as home, and their numbers."""
+    if not (o.where or o.within_limits or o.above):
+        return result, None
+    from gspcli.motion.poses.mode_filters import ModeFilter
 
-
-@dataclass(frozen=True)
-class _How:
-    """How each of many instances is solved, and whether its document is asked for."""
-
-    seed: int
-    prove: bool | None
-    everything: bool
-    digits: int | None
-    conventions: PoseConventions
-    filters: FilterOptions
-    documented: bool
-
-
-def _solved(how: _How, instance: Instance) -> tuple[SolveResult, dict[str, Any], GspError | None]:
-    """Return the result of one of many instances, its document, and its error."""
-    from gspcli.cli.pose_tables import Shown
-    from gspcli.solver import solve
-
-    frame = how.conventions.frame(instance)
-    found = solve(instance, seed=how.seed, jobs=1, prove=how.prove)
-    result, left = how.filters.applied(found, how.conventions)
-    document: dict[str, Any] = {}
-    if how.documented:
-        every = how.everything
-        chosen = _indices(result, everything=every)
-        shown = Shown(chosen, (), None, frame=frame, left=left)
-        proved = _refined(result, shown, how.digits) if how.digits is not None else []
-        contradicting = _contradicting(result)
-        document = _document(result, shown, proved, contradicting, None, everything=every)
+    form = o.conventions.form(result.instance)
+    asked = ModeFilter(o.where, o.within_limits, o.above, form.pivot_frame, form.euler or "ZYX")
     try:
-        _complain(result)
-    except GspError as error:
-        return result, document, error
-    return result, document, None
+        left = asked.left_out(result)
+    except ArgumentError as error:
+        raise GspError(f"--{error.where.replace('_', '-')}: {error.message}") from None
+    return replace(result, left_out=tuple(sorted(k - 1 for ks in left.values() for k in ks))), left
+
+
+def _indices(result: SolveResult, o: Options) -> Sequence[int]:
+    """Return which poses are shown: the real ones are the first."""
+    poses = range(len(result.R) if o.everything else result.counts.real)
+    return [k for k in poses if k not in result.left_out] if result.left_out else poses
 
 
 def _sorted(result: SolveResult, shown: Shown, R: Any, T: Any) -> Shown:
     """Return the poses by their distance from one, and the distances."""
-    from dataclasses import replace
-
-    import numpy as np
-
     from gspcli.geometry.home_mode import distances
 
     chosen = np.array([k for k in shown.indices if result.real[k]], dtype=int)
@@ -753,47 +326,8 @@ def _sorted(result: SolveResult, shown: Shown, R: Any, T: Any) -> Shown:
     order = np.argsort(np.hypot(moved, result.arrangement.length * turned), kind="stable")
     pairs = np.stack((moved, turned / result.arrangement.in_radians), axis=1)[order]
     return replace(
-        shown,
-        indices=chosen[order].tolist(),
-        distances=[(length, angle) for length, angle in pairs.tolist()],
+        shown, indices=chosen[order].tolist(), distances=list(map(tuple, pairs.tolist()))
     )
-
-
-def _check_usage(rotation: str, *, everything: bool) -> None:
-    """Raise if rotations that are not real are shown and cannot be written so."""
-    from gspcli.geometry.euler import MAKERS
-
-    if rotation.strip().lower() in MAKERS:
-        order_named("--rotation", rotation)
-    if everything and rotation not in ("quaternion", "matrix"):
-        raise click.UsageError(
-            f"--rotation {rotation} cannot write poses that are not real: leave out --all"
-        )
-
-
-def _goal(
-    near: GivenPose | None, conventions: PoseConventions, instance: Instance, *, filtered: bool
-) -> tuple[Any, Any] | None:
-    """Return the pose that others are compared with."""
-    if near is not None:
-        return near.read(conventions.form(instance))
-    if (conventions.euler or conventions.pivot) and not filtered:
-        raise click.UsageError(
-            "--euler and --pivot say how --near and --where are read: give one of them, too"
-        )
-    return None
-
-
-def _notes(result: SolveResult, shown: Shown, *, everything: bool, legend: bool) -> list[str]:
-    """Return the notes below the poses."""
-    from gspcli.cli.pose_tables import LEGEND, remarks
-
-    notes = [*frame_note(shown.frame), *remarks(result, shown.numbers)]
-    if not everything and (others := len(result.R) - result.counts.real):
-        notes.append(f"{others} more are not real: --all shows them")
-    if shown.distances is not None:
-        notes.append("nearest: by the translation and the turn times the platform's size")
-    return [*notes, *(LEGEND if legend else ())]
 
 
 def _contradicting(result: SolveResult) -> list[int]:
@@ -803,6 +337,19 @@ def _contradicting(result: SolveResult) -> list[int]:
     from gspcli.reality.contradiction import contradiction
 
     return [k + 1 for k in contradiction(result.arrangement)]
+
+
+def _refined(result: SolveResult, shown: Shown, digits: int | None) -> list[dict[str, Any] | None]:
+    """Return each pose with proved digits; None for those that cannot be certified."""
+    indices = list(shown.indices)
+    if digits is None or not indices:
+        return []
+    from gspcli.certification import certify
+
+    proved = certify(
+        result.instance, result.R[indices], result.T[indices], sides=result.sides[indices]
+    )
+    return [refined(result.instance, one, digits) if one.certified else None for one in proved]
 
 
 def _document(
@@ -815,8 +362,6 @@ def _document(
     everything: bool,
 ) -> dict[str, Any]:
     """Return the result for JSON, with the digits and readings that were asked for."""
-    from gspcli.cli.pose_tables import add_expressed
-
     document = result.to_json(everything=everything)
     entries = [document["solutions"][k] for k in shown.indices]
     for entry, pose in zip(entries, proved, strict=False):
@@ -833,78 +378,269 @@ def _document(
     if contradicting:
         document["contradicting"] = list(contradicting)
     if fit is not None:
-        add_fit(document, shown, fit)
+        document |= fit.to_json()
+        for entry, index in zip(entries, shown.indices, strict=True):
+            if index < len(fit.off) and fit.result.counts.real:
+                entry |= fit.of_mode(index)
     return document
-
-
-def _refined(result: SolveResult, shown: Shown, digits: int) -> list[dict[str, Any] | None]:
-    """Return each pose with proved digits; None for those that cannot be certified."""
-    from gspcli.certification import certify
-
-    indices = list(shown.indices)
-    if not indices:
-        return []
-    proved = certify(
-        result.instance, result.R[indices], result.T[indices], sides=result.sides[indices]
-    )
-    return [
-        refined(result.instance, certificate, digits) if certificate.certified else None
-        for certificate in proved
-    ]
-
-
-def _digits_of(shown: Shown, proved: Sequence[dict[str, Any] | None]) -> list[Result]:
-    """Return the table of the digits that are proved, if there are any."""
-    if not any(proved):
-        return []
-    rows = [
-        {"number": number, **digit_cells(pose or {})}
-        for number, pose in zip(shown.numbers, proved, strict=True)
-    ]
-    return [digit_table(rows)]
 
 
 def _complain(result: SolveResult) -> None:
     """Raise the error that sets the exit code, if there is one."""
-    from gspcli.cli.pose_tables import fixed
-
-    counts = result.counts
+    counts, account = result.counts, result.account
     if result.verdict == "infinite":
         message = "the poses are infinitely many"
+        motion = result.motions[0] if result.motions else None
         if count := len(result.lone.R):
             alone = f"{count} are real" if count > 1 else "one is real"
-            raise NotFiniteError(f"{message} over the complex numbers; {alone}, and cannot move")
-        if fixed(result):
+            message += f" over the complex numbers; {alone}, and cannot move"
+        elif fixed(result):
             message += " in another component; from the isolated real ones the platform cannot move"
-            if result.motions:
-                dimension = result.motions[0].dimension
+            if motion is not None:
                 message += (
-                    f"\n(numerical evidence: that component has local dimension {dimension}; "
-                    "--format json has a sample)"
+                    "\n(numerical evidence: that component has local dimension "
+                    f"{motion.dimension}; --format json has a sample)"
                 )
-            raise NotFiniteError(message)
-        for motion in result.motions[:1]:
+        elif motion is not None:
             how = "the platform can move" if motion.real else "over the complex numbers"
             message += (
                 f": {how}, with local dimension {motion.dimension}\n"
                 "(numerical evidence; --format json has sample motions)"
             )
         raise NotFiniteError(message)
-    if result.account.lost:
+    if account.lost:
         from gspcli.spec import out_of_proportion
 
-        lost, expected = result.account.lost, result.expected
-        message = f"{lost} of {expected} expected solutions could not be classified"
+        message = f"{account.lost} of {result.expected} expected solutions could not be classified"
         if disproportion := out_of_proportion(result.instance):
             raise IncompleteError(f"{message}:\n{disproportion}")
-        message += (
-            ": the platform is in or near a special position\n"
+        raise IncompleteError(
+            f"{message}: the platform is in or near a special position\n"
             "try --prove, another --seed, or change a value a little with --set and compare"
         )
-        raise IncompleteError(message)
-    if result.proof is None and counts.certified < counts.found:
-        missing = counts.found - counts.certified
+    missing = counts.found - counts.certified
+    if result.proof is None and missing > 0:
         raise IncompleteError(f"{missing} of {counts.found} poses could not be certified")
 
 
-Function = TypeVar("Function", bound=Callable[..., Any])
+def _has_lines(o: Options, spec: str) -> bool:
+    """Return whether a file has an instance in each line."""
+    return o.by_line or spec.lower().endswith(LINE_SUFFIXES)
+
+
+def _solve_many(o: Options) -> int:
+    """Solve instances one after the other; write an answer for each, in their order.
+
+    Answers in JSON, one a line, are written as soon as they are known. An error of one instance is
+    part of its answer, and the others are solved.
+    """
+    alone = {"--near": o.near, "--reading": o.readings, "--fit": o.fitting}
+    given = [name for name, value in alone.items() if value]
+    given += [name for name in o.conventions.options if name != RELATIVE]
+    if given:
+        raise click.UsageError(f"{listed(given, 'and')}: for one SPEC and its table only")
+    if o.specs.count("-") > 1:
+        raise GspError("standard input can be one SPEC only: - is given more than once")
+    by_line = [_has_lines(o, spec) for spec in o.specs]
+    sources = chain.from_iterable(
+        _lines_of(spec) if lines else [(spec, None)]
+        for spec, lines in zip(o.specs, by_line, strict=True)
+    )
+    answers = _answers(sources, o)
+    as_lines = o.output.format == LINES
+    streamed = as_lines and o.output.path is None
+    if not (streamed and sys.stdout.isatty()):
+        # A progress bar would be printed between the lines.
+        total = None if any(by_line) else len(o.specs)
+        answers = progress(answers, total=total, label="instances")
+    rows, texts = [], []
+    for row, document in answers:
+        rows.append(row)
+        if as_lines:
+            texts.append(json.dumps(document, ensure_ascii=False) + "\n")
+        if streamed:
+            sys.stdout.write(texts.pop())
+            sys.stdout.flush()
+    if not rows:
+        raise GspError(f"{', '.join(o.specs)}: found no instance, expected one in each line")
+    codes: list[int] = [row["exit_code"] for row in rows]
+    counts = {
+        "complete": codes.count(0),
+        "infinitely many poses": codes.count(3),
+        "not completed": codes.count(4),
+        "wrong": codes.count(1) + codes.count(2),
+    }
+    parts = ", ".join(f"{count} {what}" for what, count in counts.items() if count)
+    said = f"{len(rows)} instances: {parts}"
+    if not as_lines:
+        emit(o.output, Result(_COLUMNS, rows, notes=[said]))
+    elif not streamed:
+        write(o.output, "".join(texts))
+    if as_lines and max(codes):
+        say(said)
+    return max(codes)
+
+
+def _answers(
+    sources: Iterator[tuple[str, str | None]], o: Options
+) -> Iterator[tuple[dict[str, Any], dict[str, Any]]]:
+    """Yield the answers in the order of the sources."""
+    from gspcli.workers import Workers
+
+    answer = partial(_answer, o)
+    yield from map(answer, islice(sources, _HERE_FIRST))
+    if more := list(islice(sources, 1)):
+        yield from Workers(o.jobs).in_order(answer, chain(more, sources))
+
+
+def _lines_of(spec: str) -> Iterator[tuple[str, str]]:
+    """Yield the name and the text of each line of a file that is not empty."""
+    from gspcli.spec.document import LARGEST_SPEC
+
+    name = "standard input" if spec == "-" else spec
+    try:
+        # A descriptor, closed at the end unless it is standard input.
+        with open(0 if spec == "-" else spec, "rb", closefd=spec != "-") as file:
+            for number, line in enumerate(iter(partial(file.readline, LARGEST_SPEC + 1), b""), 1):
+                if len(line) > LARGEST_SPEC:
+                    raise GspError(
+                        f"{named(name)}: line {number} has more than {LARGEST_SPEC >> 20} MB"
+                    )
+                if line.strip():
+                    yield f"{name}, line {number}", line.decode("utf-8-sig", "surrogateescape")
+    except (OSError, ValueError) as error:
+        raise GspError(
+            f"{named(name)}: cannot be read: {getattr(error, 'strerror', None) or error}"
+        ) from error
+
+
+def _answer(o: Options, source: tuple[str, str | None]) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Return the row and the document of one instance; its error, if any, is part of both.
+
+    A source is the name of an instance, and its text; None if it is the name of a file.
+    """
+    from gspcli.solver import solve
+
+    name, text = source
+    row: dict[str, Any] = {"verdict": "no answer"}
+    document: dict[str, Any] = {}
+    said: dict[str, Any] = {"instance": name, "exit_code": 0, "message": None}
+    try:
+        instance = o.changes.of(_instance(name, text))
+        frame = o.conventions.frame(instance)
+        found = solve(instance, seed=o.seed, jobs=1, prove=o.prove)
+        result, left = _filtered(found, o)
+        if o.output.format == LINES:
+            shown = Shown(_indices(result, o), (), None, frame=frame, left=left)
+            more = _refined(result, shown, o.digits), _contradicting(result)
+            document = _document(result, shown, *more, None, everything=o.everything)
+        counts = result.counts
+        row = {
+            "name": instance.name or None,
+            "type": instance.type.id,
+            "real": counts.real,
+            "found": counts.found,
+            "certified": counts.certified,
+            "verdict": result.verdict,
+        }
+        _complain(result)
+    except GspError as error:
+        said |= {"exit_code": error.exit_code, "message": str(error)}
+    message = said["message"] and said["message"].replace("\n", "; ")
+    return {**row, **said, "message": message}, {**said, **document}
+
+
+def _instance(name: str, text: str | None) -> Instance:
+    from gspcli.spec import read, read_text
+
+    if text is None:
+        return read(spec_source(name)).instance
+    try:
+        text.encode()
+    except UnicodeEncodeError as error:
+        raise SpecError([Mistake(None, "", f"{name}: expected text in UTF-8")]) from error
+    return read_text(text, name=name).instance
+
+
+def _show_fit(
+    o: Options,
+    readings: Sequence[SensorReading],
+    rotation: Sequence[PoseColumn],
+    frame: PoseFrame,
+) -> int:
+    """Fit poses to all measurements, and write them with residuals."""
+    from gspcli.sensing import fit_poses
+
+    if not readings and not o.instance.readings:
+        raise GspError(
+            "--fit needs readings besides the six values: --reading 'leg P1 B3 = 212.4 ± 0.1', or "
+            "`readings` in SPEC"
+        )
+    with working("fitting"):
+        fit = fit_poses(o.instance, readings or None, sigma=standard_deviations(o.sigmas))
+    document = {"schema": "gsp.solve/1", **o.instance.to_json(), "fit": fit.to_json()}
+    tables = [_fitted_poses(fit, rotation, o.decimals, frame)]
+    if fit.poses and o.output.format != "csv":
+        tables.append(_residuals(fit))
+    emit(o.output, tables, document=document)
+    if len(fit.fitting) == 1:
+        return 0
+    if fit.fitting:
+        raise CheckFailed(
+            f"{len(fit.fitting)} poses fit: gsp sensors says which further sensor tells modes apart"
+        )
+    why = fit.sentences[2] if len(fit.sentences) > 2 else fit.sentences[0]
+    raise CheckFailed(f"no pose fits what was measured: {why}")
+
+
+def _fitted_poses(
+    fit: PoseFit, rotation: Sequence[PoseColumn], decimals: int | None, frame: PoseFrame
+) -> Result:
+    """Return a row for each pose."""
+    instance, rows = fit.numbers.instance, fit.rows()
+    R = np.array([pose.R for pose in fit.poses]).reshape(-1, 3, 3)
+    T = np.array([pose.T for pose in fit.poses]).reshape(-1, 3)
+    poses = expressed(frame, Arrangement.of(instance), R, T, np.ones(len(R), bool))
+    written = (*TRANSLATION, *rotation)
+    for column in written:
+        for row, cell in zip(rows, column.read(poses), strict=True):
+            row[column.key] = float(cell)
+    for row in rows:
+        row["chi_squared"] = round(float(f"{row['chi_squared']:.4g}"), _DECIMALS)
+        for key in ("probability", "sigma_T", "sigma_turn"):
+            row[key] = float(f"{row[key]:.2g}")
+    columns = [
+        FIELDS["number"],
+        *(pose_field(column, instance, decimals) for column in written),
+        *FIELDS.of("chi_squared probability"),
+        FIELDS["sigma_T"].but(title=f"± T [{instance.units.length}]"),
+        FIELDS["sigma_turn"].but(title=f"± turn [{instance.units.angle.value}]"),
+        FIELDS["fits"],
+    ]
+    notes = ["± of one axis, the largest of three; of the platform's origin"]
+    if not frame.is_identity:
+        notes.append(f"poses are {frame.words}")
+    return Result(columns, rows, instance.title, notes=notes, summary=fit.sentences, part="poses")
+
+
+def _residuals(fit: PoseFit) -> Result:
+    """Return the residuals of the best pose."""
+    best = fit.poses[0]
+    rows: list[dict[str, Any]] = [
+        {
+            "measured": fit.numbers.names[owner],
+            "off": round(off, _DECIMALS),
+            "studentised": None if size != size else round(size, _DECIMALS),
+            "remarks": "large" if abs(size) > _LARGE else "",
+        }
+        for owner, off, size in zip(
+            best.owners.tolist(), best.residuals.tolist(), best.studentised.tolist(), strict=True
+        )
+    ]
+    numbers = [FIELDS[key].but(decimals=_DECIMALS) for key in ("off", "studentised")]
+    notes = [
+        "off: measured less fitted, at pose 1; studentised: over the deviation of that difference, "
+        "empty where no other measurement checks it"
+    ]
+    columns = [FIELDS["measured"], *numbers, FIELDS["remarks"]]
+    return Result(columns, rows, notes=notes, part="residuals")
