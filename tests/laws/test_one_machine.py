@@ -1,8 +1,4 @@
-"""One machine stated in several ways: units, frames, the order of its legs, its bodies exchanged.
-
-A machine is its instance file as data (YAML); each law states the file in another way, and says how
-answers change with it.
-"""
+"""One machine with masses, limits and cranks, stated in several ways."""
 
 from __future__ import annotations
 
@@ -11,95 +7,18 @@ from typing import Any
 
 import numpy as np
 import pytest
-import yaml
 from scipy.spatial.transform import Rotation
 
 import gspcli
 from gspcli.dynamics import inverse_dynamics, natural_modes
 from gspcli.geometry.drives import Drives
 from gspcli.geometry.instance import Instance
+from gspcli.geometry.lengths import METRES
 from gspcli.geometry.numbers import Number
 from tests.support.driven_machines import driven, some_pose, weighed
+from tests.support.restated import as_data, in_radians, in_unit, stated
 
-#: The unit in metres, as files write the numbers of a machine that is stated in metres.
-UNITS = {"m": "1", "mm": "1000", "in": "5000/127"}
-METRES = {"m": 1.0, "mm": 0.001, "in": 0.0254}
-#: Powers of the unit of length in numbers of these names; angles and masses have none.
-POWERS = {"point": 1, "centre": 1, "position": 1, "diameter": 1, "inertia": 2, "axial": 2}
 MACHINES = ["t-top-head", "delta", "mixed", "6-PUS"]
-
-
-def as_data(instance: Instance) -> Any:
-    return yaml.safe_load(gspcli.dumps(instance))
-
-
-def stated(data: Any) -> Instance:
-    return gspcli.loads(yaml.safe_dump(data, sort_keys=False))
-
-
-def scaled(value: Any, factor: str) -> Any:
-    """Return a number, or numbers, times a factor."""
-    if isinstance(value, list):
-        return [scaled(one, factor) for one in value]
-    return f"({value})*{factor}"
-
-
-def in_unit(instance: Instance, unit: str) -> Instance:
-    """State a machine of metres in another unit of length."""
-    factor = UNITS[unit]
-    powers = {1: factor, 2: f"({factor})*({factor})"}
-    data = as_data(instance)
-    assert data["units"]["length"] == "m"
-
-    def walk(node: Any) -> Any:
-        if isinstance(node, list):
-            return [walk(one) for one in node]
-        if not isinstance(node, dict):
-            return node
-        lengths = dict.fromkeys(("value", "range", "offset"), 1) if "distance" in node else {}
-        lengths |= dict.fromkeys(("range", "offset"), 1) if "direction" in node else {}
-        return {
-            key: scaled(value, powers[(POWERS | lengths)[key]])
-            if key in POWERS | lengths
-            else walk(value)
-            for key, value in node.items()
-        }
-
-    rotors = data.get("dynamics", {}).pop("drives", None)
-    found = walk(data)
-    if rotors is not None:
-        # A crank turns its rotor; a slide moves its own in kilogrammes.
-        sorts = Drives.of(instance).sorts
-        rotors["inertia"] = [
-            scaled(x, powers[2]) if sort == "crank" else x
-            for x, sort in zip(rotors["inertia"], sorts, strict=True)
-        ]
-        found["dynamics"]["drives"] = rotors
-    found["units"]["length"] = unit
-    return stated(found)
-
-
-def in_radians(instance: Instance) -> Instance:
-    """State a machine of degrees in radians; its ranges of cranks and cones are angles."""
-    data = as_data(instance)
-    assert data["units"]["angle"] == "deg"
-
-    def angle(value: Any) -> Any:
-        if isinstance(value, list):
-            return [angle(one) for one in value]
-        return float(np.radians(Number.of(value).value))
-
-    for row in data["constraints"]:
-        for key in ("value", "range") if "angle" in row else ():
-            if key in row:
-                row[key] = angle(row[key])
-    for one in [*data["platform"].values(), *data["base"].values()]:
-        if "range" in one.get("crank", {}):
-            one["crank"]["range"] = angle(one["crank"]["range"])
-        if "cone" in one:
-            one["cone"]["half_angle"] = angle(one["cone"]["half_angle"])
-    data["units"]["angle"] = "rad"
-    return stated(data)
 
 
 @pytest.fixture(scope="module", params=MACHINES)
@@ -129,26 +48,6 @@ def test_torques_speeds_and_frequencies_have_no_unit_of_length(heavy: Any, unit:
         answers.append((found.torques, found.powers, found.forces, modes.frequencies))
     for first, second in zip(*answers, strict=True):
         assert second == pytest.approx(first, rel=1e-8, abs=1e-9 * np.abs(first).max())
-
-
-@pytest.mark.parametrize("unit", ["mm", "in"])
-@pytest.mark.parametrize("name", ["t-top-head", "rubin-m2"])
-def test_poses_conditions_and_clearances_scale_with_the_unit(name: str, unit: str) -> None:
-    machine = gspcli.example(name)
-    other, metre = in_unit(machine, unit), METRES[unit]
-    first, second = gspcli.solve(machine), gspcli.solve(other)
-    assert first.verdict == second.verdict == "complete"
-    assert np.allclose(first.R, second.R, atol=1e-9)
-    assert np.allclose(first.T, second.T * metre, atol=1e-9)
-    R, T = first.home.R.real, first.home.T.real
-    one, two = gspcli.analyze(machine, R, T), gspcli.analyze(other, R, T / metre)
-    assert one.to_frame()["condition"].iloc[0] == pytest.approx(
-        two.to_frame()["condition"].iloc[0], rel=1e-6
-    )
-    # Bounds of one machine: how near they are to each other may depend on rounding.
-    bounds = [gspcli.clearance(m, R, T / u) for m, u in ((machine, 1.0), (other, metre))]
-    for first, second in (bounds, bounds[::-1]):
-        assert (first.lower <= second.upper).all()
 
 
 def moved_home(machine: Instance, degrees: float, lift: float) -> tuple[Any, Any]:
