@@ -97,12 +97,12 @@ def mode_map(found: Scan, boundary: Boundary, quantity: str, fmt: str) -> bytes:
 
 
 def _label(found: Scan, k: int) -> str:
-    constraint = found.instance.constraints[found.axes[k].constraint]
-    units, drive = found.instance.units, found.axes[k].drive
-    if drive:
-        return f"{drive} ({units.angle.value if drive.startswith('crank.') else units.length})"
-    unit = units.length if constraint.kind.is_distance else units.angle.value
-    return f"{constraint.kind.name} {found.axes[k].constraint + 1} ({unit})"
+    units, axis = found.instance.units, found.axes[k]
+    name, is_angle = axis.name, axis.name.startswith("crank.")
+    if axis.constraint is not None:
+        kind = found.instance.constraints[axis.constraint].kind
+        name, is_angle = f"{kind.name} {name}", not kind.is_distance
+    return f"{name} ({units.angle.value if is_angle else units.length})"
 
 
 _TITLES = {

@@ -22,7 +22,7 @@ distributed = pytest.importorskip("distributed", reason="the extra `cluster` is 
 def test_a_scan_survives_a_killed_worker(gsp):
     name = data_path("examples", "platform-6-6.yaml")
     grid = ("--vary", "1=2:3:60", "--vary", "2=1.5:2.5:60")
-    axes = [Axis(0, tuple(np.linspace(2, 3, 60))), Axis(1, tuple(np.linspace(1.5, 2.5, 60)))]
+    axes = [Axis("1", tuple(np.linspace(2, 3, 60))), Axis("2", tuple(np.linspace(1.5, 2.5, 60)))]
     instance = gspcli.load(name)
     with distributed.LocalCluster(
         n_workers=2, threads_per_worker=1, processes=True, dashboard_address=":0"

@@ -15,7 +15,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import flint
 import numpy as np
 from flint import arb, arb_mat, arb_series
 from numpy.typing import NDArray
@@ -29,8 +28,6 @@ Array = NDArray[np.float64]
 
 #: z, u and t.
 UNKNOWNS = 17
-#: Of equations that are rounded to doubles.
-_PRECISION = 64
 #: A coefficient of a Taylor polynomial: the eight values, and their derivatives by z and t, (8, 9).
 Coefficient = tuple[list[arb], arb_mat]
 
@@ -123,35 +120,6 @@ class CurveSystem:
             rows.append(nothing if power else [*self.patch, arb(0)])
             result.append((values, arb_mat(rows)))
         return result
-
-
-def rounded_along(
-    system: MovingSystem, rows: tuple[Array, Array], z: Array, u: Array
-) -> list[tuple[Array, Array]]:
-    """Return F and F'u at t = 0, each with its derivatives by z and t, rounded to doubles.
-
-    Parameters
-    ----------
-    system, rows
-        As for `CurveSystem`; its equation of the patch is the last one.
-    z, u
-        A Study point and a direction, shape (8,) each.
-
-    Returns
-    -------
-    list
-        Two pairs of shapes (8,) and (8, 9).
-    """
-    with flint.ctx.workprec(_PRECISION):
-        equations = CurveSystem(system, rows, z)
-        x, v = ([arb(number) for number in [*part.tolist(), 0.0]] for part in (z, u))
-        return [
-            (
-                np.array([float(number) for number in values]),
-                np.array([[float(entry) for entry in row] for row in matrix.tolist()]),
-            )
-            for values, matrix in equations.along(x, v, 1)
-        ]
 
 
 class FoldSystem(CurveSystem):

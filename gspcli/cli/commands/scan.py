@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import math
 from collections.abc import Sequence
 from contextlib import nullcontext
 from dataclasses import asdict
@@ -37,7 +36,7 @@ from gspcli.cli.render import Output, emit, write
 from gspcli.cli.result import Field, Fields, Result
 from gspcli.cli.streams import progress, say, working
 from gspcli.defaults import SEED
-from gspcli.errors import INTERRUPTED, IncompleteError
+from gspcli.errors import INTERRUPTED, ArgumentError, GspError, IncompleteError
 from gspcli.wording import counted
 
 if TYPE_CHECKING:
@@ -136,19 +135,13 @@ def command(o: Options) -> int:
         scan_poses(instance, o.texts, o.pose, o.form, o.folds, shown, o.output)
         return 0
     _refuse_coordinates(o.texts, o.conventions)
-    from gspcli.motion.singularities.scans import (
-        MISSING,
-        Boundary,
-        Scan,
-        as_read,
-        check_values,
-        corrected,
-    )
+    from gspcli.motion.singularities.scans import MISSING, Boundary, Scan, ScanResult
 
-    asked = Scan.empty(instance, _axes(instance, o.texts))
-    found = Scan.empty(*corrected(asked), clearance=o.quantity == "clearance")
-    check_values(found, "--vary")
-    total = math.prod(len(axis.values) for axis in asked.axes)
+    axes = _axes(instance, o.texts)
+    try:
+        found = Scan.empty(instance, axes, clearance=o.quantity == "clearance")
+    except ArgumentError as error:
+        raise GspError(f"--vary: {error.message}") from None
     limits = Boundary()
     interrupted = False
     try:
@@ -157,22 +150,17 @@ def command(o: Options) -> int:
             limits = _boundary(found)
     except KeyboardInterrupt:
         interrupted = True
-        say(f"interrupted after {(found.modes != MISSING).sum()} of {total} nodes")
+        say(f"interrupted after {(found.modes != MISSING).sum()} of {found.modes.size} nodes")
     if interrupted and o.output.path is not None:
         say(f"{o.output.path}: not written; --resume keeps what is done for the next run")
         return INTERRUPTED
-    result = as_read(asked, found, limits, folds=o.folds)
-    found, limits = result.found, result.limits
     if o.output.format in DRAWINGS:
         from gspcli.pictures.charts import mode_map
 
         write(o.output, mode_map(found, limits, o.quantity, o.output.format))
     else:
-        emit(
-            o.output,
-            scan_table(result, o.output.format, frame),
-            document=result.to_json(),
-        )
+        result = ScanResult(found, limits, o.folds)
+        emit(o.output, scan_table(result, o.output.format, frame), document=result.to_json())
     if interrupted:
         return INTERRUPTED
     _refuse_gaps(found, limits)
@@ -358,9 +346,9 @@ def scan_poses(
     output: Output,
 ) -> None:
     """Scan poses and show what was found."""
-    from gspcli.motion.singularities.scans import PoseAxis, PoseScan
+    from gspcli.motion.singularities.scans import Axis, PoseScan
 
-    axes = tuple(PoseAxis(*axis) for axis in axes_of(texts, PARAMETERS))
+    axes = tuple(Axis(*axis) for axis in axes_of(texts, PARAMETERS))
     pose.read(form)
     found = PoseScan(instance, axes, pose.numbers(form), form)
     if quantity == "clearance" and not folds:

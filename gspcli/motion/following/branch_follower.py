@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from enum import IntEnum
 from functools import cached_property
 
@@ -16,7 +17,7 @@ from gspcli.certification.branches.parametric_quadrics import (
     ValueFunction,
     moving_equations,
 )
-from gspcli.certification.branches.taylor import MovingSystem
+from gspcli.certification.branches.taylor import MovingSystem, equations_at
 from gspcli.certification.equations.local_frames import LocalFrames
 from gspcli.continuation.tracker import helpful
 from gspcli.geometry.coordinates import Coordinate
@@ -116,8 +117,11 @@ class Branches:
         )
 
 
-class StudyUnits:
+class StudyUnits(ABC):
     """Study points with lengths in units of a scale, in frames near the bodies."""
+
+    #: The shapes of the equations, shape (6,).
+    shapes: NDArray[np.int32]
 
     def __init__(self, scale: float, local_frames: LocalFrames) -> None:
         self.scale = scale
@@ -137,6 +141,15 @@ class StudyUnits:
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             R, T = pose_from_study(points[..., :4], points[..., 4:])
             return R, self.local_frames.doubles_back(R, T * self.scale)
+
+    @abstractmethod
+    def quadrics(self, row: Array) -> tuple[Array, Array]:
+        """Return the equations at an internal row, as `MovingSystem.at`."""
+
+    def jacobian(self, point: Array, row: Array) -> Array:
+        """Return the derivatives of the seven equations at a Study point, shape (7, 8)."""
+        rows: Array = equations_at(self.shapes, *self.quadrics(row), point[None])[1][0]
+        return rows
 
 
 def apart(instance: Instance) -> Instance:
@@ -173,6 +186,7 @@ class MovingPlatform(StudyUnits):
         #: The instance in frames near the bodies.
         self.near = local_frames.applied(instance)
         self.equations: MovingEquations = moving_equations(self.near)
+        self.shapes = self.equations.shapes
         super().__init__(self.equations.scale, local_frames)
         self._angles = np.isin(self.equations.laws, (ValueFunction.COSINE, ValueFunction.SINE))
         radian = instance.units.angle.in_radians
@@ -217,31 +231,12 @@ class MovingPlatform(StudyUnits):
             signs * np.cos(values),
         )
 
-    def jacobian(self, points: Array, values: Array) -> Array:
-        """Return the derivatives of the Study condition and the six equations, (..., 7, 8).
-
-        Parameters
-        ----------
-        points
-            Study points, shape (..., 8).
-        values
-            Internal values, shape (..., 6).
-        """
-        equations, c = self.equations, self.coefficients(values)
-        gradients = np.einsum("kqij,...j->...kqi", equations.hessians, points)
-        quadrics = np.einsum("...kqi,...i->...kq", gradients, points) / 2
-        e = np.concatenate((points[..., :4], np.zeros_like(points[..., :4])), axis=-1)
-        n, gn = np.sum(e * e, axis=-1)[..., None, None], 2 * e[..., None, :]
-        (a, b), (ga, gb) = np.moveaxis(quadrics, -1, 0)[..., None], np.moveaxis(gradients, -2, 0)
-        c = c[..., None]
-        plain, form = ga - c * gn, equations.shapes[:, None]
-        rows = np.select(
-            [form == Shape.PLAIN, form == Shape.PRODUCT],
-            [plain, n * plain + (a - c * n) * gn - 2 * b * gb],
-            2 * a * ga - 2 * c * (n * gn - b * gb),
-        )
-        study = np.roll(points, 4, axis=-1)[..., None, :]
-        return np.concatenate((study, rows), axis=-2)
+    def quadrics(self, values: Array) -> tuple[Array, Array]:
+        """Return the equations at internal values, as `MovingSystem.at`."""
+        c, lines = self.coefficients(values), self.equations.shapes == Shape.LINES
+        found = self.equations.hessians.copy()
+        found[:, 0] -= np.where(lines, 0.0, c)[:, None, None] * np.diag([2.0] * 4 + [0.0] * 4)
+        return found[None], np.where(lines, c, 0.0)[None]
 
     def follow(
         self,

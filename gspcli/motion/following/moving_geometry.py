@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.certification.branches.arcs import follow_closely
-from gspcli.certification.branches.taylor import MovingSystem, equations_at
+from gspcli.certification.branches.taylor import MovingSystem
 from gspcli.certification.equations.local_frames import LocalFrames
 from gspcli.errors import ArgumentError
 from gspcli.geometry.coordinates import Coordinate, moved
@@ -42,6 +42,7 @@ class MovingGeometry(StudyUnits):
         self.instance = instance
         self.chosen = tuple(chosen)
         self.system = MovingSystem(instance, chosen)
+        self.shapes = self.system.shapes
         super().__init__(self.system.scale, LocalFrames.none())
 
     def internal(self, rows: Array) -> Array:
@@ -60,11 +61,9 @@ class MovingGeometry(StudyUnits):
         except ArgumentError:
             return None
 
-    def jacobian(self, point: Array, row: Array) -> Array:
-        """Return the derivatives of the seven equations at a Study point, shape (7, 8)."""
-        quadrics, factors = self.system.at((row, row), 0.0)
-        rows: Array = equations_at(self.system.shapes, quadrics, factors, point[None])[1][0]
-        return rows
+    def quadrics(self, row: Array) -> tuple[Array, Array]:
+        """Return the equations at a row, as `MovingSystem.at`."""
+        return self.system.at((row, row), 0.0)
 
     def follow(
         self,

@@ -447,12 +447,12 @@ def drive_clearances(
     weights
         The unit of each drive's changes, lengths and radians, shape (m,); as `drive_weights`.
     knees
-        The signs of the gains, shape (6,), instead of those of the home pose.
+        The signs of the gains, shape (6,) or (n, 6), instead of those of the home pose.
     """
     drives, units = _given(instance, weights)
     R, T = np.asarray(R, float), np.asarray(T, float)
-    signs = None if knees is None else np.asarray(knees)
-    proved = [_proved(drives, R[k], T[k], units, signs) for k in range(len(T))]
+    signs = [None] * len(T) if knees is None else np.broadcast_to(knees, (len(T), 6))
+    proved = [_proved(drives, R[k], T[k], units, signs[k]) for k in range(len(T))]
     return np.array([one for one, _ in proved]), np.array([one for _, one in proved])
 
 

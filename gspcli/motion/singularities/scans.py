@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import field, replace
 from functools import cached_property, partial
@@ -11,24 +10,22 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from gspcli.certification.branches.fold_system import rounded_along
 from gspcli.certification.branches.folds import prove_fold
 from gspcli.certification.branches.taylor import MovingSystem, equations_at
 from gspcli.defaults import SEED
 from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.coordinates import choose, drive_corrections
+from gspcli.geometry.coordinates import choose, drive_corrections, moved
 from gspcli.geometry.drives import Drives, is_driven
-from gspcli.geometry.enclosures import Enclosure, Matrix
-from gspcli.geometry.instance import Instance
+from gspcli.geometry.instance import Instance, Side
 from gspcli.geometry.measurement import jacobian
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.printed_numbers import printed_conditions
 from gspcli.geometry.quaternions import Field, quaternion_from_rotation
 from gspcli.geometry.ranges import wrong_value
-from gspcli.geometry.readings import factors, is_corrected, offsets, values_of, without_corrections
+from gspcli.geometry.readings import factors, offsets, without_corrections
 from gspcli.geometry.residuals import condition_numbers
-from gspcli.motion.files.pose_files import PoseFormat, pose_columns, poses_of, rotations_of
+from gspcli.motion.files.pose_files import PoseFormat, pose_columns, poses_of
 from gspcli.motion.files.value_files import nominal_values
 from gspcli.motion.following.branch_follower import FollowOptions, MovingPlatform
 from gspcli.motion.following.branch_runs import NEARLY_SINGULAR, Run
@@ -37,13 +34,7 @@ from gspcli.motion.following.row_instances import at_values
 from gspcli.motion.following.tracks import Event, Track
 from gspcli.motion.following.trajectories import track
 from gspcli.motion.poses.inverse_kinematics import drive_values
-from gspcli.motion.singularities.clearances import (
-    clearances,
-    drive_clearances,
-    drive_weights,
-    range_weights,
-)
-from gspcli.motion.singularities.neighbourhoods import STUDY, equations
+from gspcli.motion.singularities.clearances import clearances, drive_clearances, range_weights
 from gspcli.motion.singularities.pose_clearances import pose_clearances
 from gspcli.records import EqualByContent, dataclass
 from gspcli.solver import solve, solve_batch
@@ -56,56 +47,93 @@ if TYPE_CHECKING:
 
 
 Array = NDArray[np.float64]
+#: An edge of a grid: its axis and its first node.
+Edge = tuple[int, tuple[int, ...]]
+
+
+def _ahead(edge: Edge) -> tuple[int, ...]:
+    """Return the last node of an edge."""
+    return tuple(k + (d == edge[0]) for d, k in enumerate(edge[1]))
+
 
 #: Marks instead of a number of modes: not all poses were found, or none were searched for.
 UNKNOWN, MISSING = -1, -2
 #: Nodes of one piece of work; over drives each node is another geometry.
 _PIECE, _DRIVEN_PIECE = 1000, 25
+#: The coordinates of a pose that may vary.
+_VARIABLE = ("x", "y", "z", "rx", "ry", "rz")
+#: Halvings of an edge of the grid: to the last digit of a double.
+_HALVINGS = 52
 
 
 @dataclass(frozen=True)
 class Axis:
-    """A value, or the reading of a crank or slide, that varies.
+    """What varies.
 
     Attributes
     ----------
-    constraint
-        The index of the constraint, from 0; of a drive of the first that it moves.
+    name
+        The number of a constraint, from 1, the name of a crank or slide, or ``x``, ``y``, ``z``,
+        ``rx``, ``ry``, ``rz`` of the pose.
     values
-        The nodes, increasing, in the units of the instance.
-    drive
-        The name of the crank or slide; empty for a value.
+        The nodes, increasing: readings, or coordinates, in the units of the instance.
     """
 
-    constraint: int
+    name: str
     values: tuple[float, ...]
-    drive: str = ""
 
     @property
-    def name(self) -> str:
-        """The drive, or the number of the constraint, from 1."""
-        return self.drive or str(self.constraint + 1)
+    def constraint(self) -> int | None:
+        """The index of the constraint whose value varies, from 0; None if another thing does."""
+        return int(self.name) - 1 if self.name.isdecimal() else None
+
+
+class Grid:
+    """A grid over one or two axes."""
+
+    axes: tuple[Axis, ...]
+
+    def check(self) -> None:
+        """Raise `ArgumentError` if there are not one or two different axes."""
+        if len(self.axes) not in (1, 2) or len(set(self.names)) < len(self.axes):
+            message = "expected one or two different constraints, drives or coordinates to vary"
+            raise ArgumentError(message, "axes")
+
+    @property
+    def names(self) -> list[str]:
+        """What varies."""
+        return [axis.name for axis in self.axes]
+
+    @property
+    def places(self) -> Array:
+        """The nodes, shape (n1, axes) or (n1, n2, axes)."""
+        return np.stack(np.meshgrid(*(axis.values for axis in self.axes), indexing="ij"), axis=-1)
+
+    @property
+    def flat(self) -> Array:
+        """The nodes, shape (n, axes)."""
+        return self.places.reshape(-1, len(self.axes))
 
 
 @dataclass(frozen=True, eq=False)
-class Scan:
-    """The modes at the nodes of a grid of values.
+class Scan(Grid):
+    """The modes at the nodes of a grid of values, or of readings of drives.
 
     Attributes
     ----------
     instance
         Geometry and the values that do not vary.
     axes
-        One or two values that vary; n1 and n2 nodes.
+        One or two that vary; n1 and n2 nodes.
     modes
         The number of real poses at each node, shape (n1,) or (n1, n2); `UNKNOWN` where not all
         poses were found, or where they are infinitely many, and `MISSING` where none were sought.
     conditions
         The smallest condition number of a real pose, infinite where there is none, same shape.
     clearances
-        The smallest proved clearance of a real pose (`gspcli.motion.singularities.clearances`),
-        infinite where there is none, same shape; None if not asked for. Where drives vary it is
-        that of the drives (`gspcli.motion.singularities.clearances`).
+        The smallest proved clearance of a real pose, in its values or, where drives vary, in the
+        drives (`gspcli.motion.singularities.clearances`), infinite where there is none, same
+        shape; None if not asked for.
     """
 
     instance: Instance
@@ -121,19 +149,22 @@ class Scan:
         Raises
         ------
         ArgumentError
-            If there are not one or two axes of different constraints or drives.
+            If there are not one or two axes of different constraints or drives, or a value is
+            outside the range of its kind of constraint.
         """
-        if len(axes) not in (1, 2) or len({axis.name for axis in axes}) < len(axes):
-            message = "expected one or two different constraints or drives to vary"
-            raise ArgumentError(message, "axes")
         shape = tuple(len(axis.values) for axis in axes)
-        return cls(
-            instance,
-            tuple(axes),
-            np.full(shape, MISSING),
-            np.full(shape, np.inf),
-            np.full(shape, np.inf) if clearance else None,
-        )
+        space = np.full(shape, np.inf) if clearance else None
+        found = cls(instance, tuple(axes), np.full(shape, MISSING), np.full(shape, np.inf), space)
+        found.check()
+        rows = ScanRows(found)
+        for axis, *ends in zip(axes, rows.values(rows.low), rows.values(rows.high), strict=True):
+            if (k := axis.constraint) is not None:
+                kind, unit = instance.constraints[k].kind, instance.units.angle
+                for value in ends:
+                    if wrong := wrong_value(kind, Number.of(float(value)), unit):
+                        message = f"found {value:g} for constraint {k + 1}, {wrong}"
+                        raise ArgumentError(message, "vary")
+        return found
 
     @property
     def pieces(self) -> int:
@@ -141,14 +172,10 @@ class Scan:
         return -(-self.modes.size // self.piece)
 
     @property
-    def over_drives(self) -> bool:
-        """Whether the reading of a crank or slide varies."""
-        return any(axis.drive for axis in self.axes)
-
-    @property
     def piece(self) -> int:
         """The number of nodes of a piece of the work."""
-        return _DRIVEN_PIECE if self.over_drives else _PIECE
+        over_drives = any(axis.constraint is None for axis in self.axes)
+        return _DRIVEN_PIECE if over_drives else _PIECE
 
     def enter(self, piece: Piece) -> None:
         """Enter the results at some nodes."""
@@ -159,23 +186,16 @@ class Scan:
             self.clearances.reshape(-1)[rows] = piece.clearances
 
     @property
-    def edges(self) -> Iterator[tuple[tuple[int, ...], tuple[int, ...]]]:
-        """Neighbouring nodes with different numbers of modes, both known."""
+    def edges(self) -> Iterator[tuple[Edge, tuple[int, ...]]]:
+        """Edges between nodes with different numbers of modes, both known, and their last nodes."""
         for axis in range(self.modes.ndim):
             for node in np.ndindex(*self.modes.shape):
-                other = tuple(k + (d == axis) for d, k in enumerate(node))
+                other = _ahead((axis, node))
                 if other[axis] == self.modes.shape[axis]:
                     continue
                 here, there = self.modes[node], self.modes[other]
                 if here != there and min(here, there) >= 0:
-                    yield node, other
-
-    def values_at(self, node: Sequence[int]) -> Array:
-        """Return the six values at a node; distances to planes are signed."""
-        values = nominal_values(self.instance)
-        for axis, k in zip(self.axes, node, strict=True):
-            values[axis.constraint] = axis.values[k]
-        return values
+                    yield (axis, node), other
 
 
 @dataclass(frozen=True)
@@ -190,86 +210,22 @@ class Piece:
 
 def scanned(found: Scan, seed: int, number: int) -> Piece:
     """Return a piece of a scan: all poses are found at each node."""
-    nodes = np.arange(number * found.piece, min((number + 1) * found.piece, found.modes.size))
-    if found.over_drives:
-        return _scanned_drives(found, seed, number, nodes)
-    values = np.tile([c.value.value for c in found.instance.constraints], (len(nodes), 1))
-    places = np.unravel_index(nodes, found.modes.shape)
-    for axis, place in zip(found.axes, places, strict=True):
-        values[:, axis.constraint] = np.array(axis.values)[place]
-    batch = solve_batch(found.instance, values, seed=seed)
-    modes = np.where(batch.complete, batch.real.sum(axis=1), UNKNOWN)
-    rows, columns = np.nonzero(batch.real)
-    R, T = batch.R[rows, columns].real, batch.T[rows, columns].real
-    conditions = np.full(len(nodes), np.inf)
-    np.minimum.at(conditions, rows, condition_numbers(Arrangement.of(found.instance), R, T))
-    spaces = np.full(len(nodes) if found.clearances is not None else 0, np.inf)
-    if found.clearances is not None and len(rows):
-        weights = range_weights(found.instance)
-        np.minimum.at(spaces, rows, clearances(found.instance, R, T, weights=weights))
-    return Piece(number, *(tuple(array.tolist()) for array in (modes, conditions, spaces)))
-
-
-def _scanned_drives(found: Scan, seed: int, number: int, nodes: NDArray[np.int64]) -> Piece:
-    """Return a piece of a scan over drives: each node is solved with its joints moved."""
-    drives = Drives.of(found.instance)
-    places = np.unravel_index(nodes, found.modes.shape)
-    counts, conditions, spaces = [], [], []
-    for node in zip(*places, strict=True):
-        here = [int(k) for k in node]
-        result = solve(moved_to(found, drives, here), seed=seed)
-        known = result.verdict == "complete"
-        counts.append(int(result.real.sum()) if known else UNKNOWN)
-        R, T = result.R[result.real].real, result.T[result.real].real
-        real = condition_numbers(Arrangement.of(result.instance), R, T)
-        conditions.append(float(real.min(initial=np.inf)))
+    rows = ScanRows(found)
+    nodes = found.flat[number * found.piece : (number + 1) * found.piece]
+    results: tuple[list[int], list[float], list[float]] = ([], [], [])
+    for one in rows.solved(nodes, seed):
+        place, column = np.nonzero(one.real)
+        R, T = one.R[place, column].real, one.T[place, column].real
+        quantities = [condition_numbers(Arrangement.of(one.instance), R, T)]
         if found.clearances is not None:
-            spaces.append(_drive_clearance(found, drives, here, R, T))
-    return Piece(number, tuple(counts), tuple(conditions), tuple(spaces))
-
-
-def _drive_clearance(found: Scan, drives: Drives, node: Sequence[int], R: Array, T: Array) -> float:
-    """Return the smallest proved clearance of the poses at a node in their drives."""
-    there = _with_values(found, node, found.instance)
-    weights, _ = drive_weights(there)
-    least = np.inf
-    # Each pose is on knees of its own: those that have the drives at this node.
-    gains = Drives.of(there).gains(R, T, np.tile(_places(found, drives, node), (len(T), 1)))
-    for k, knees in enumerate(np.where(gains < 0, -1, 1)):
-        one = slice(k, k + 1)
-        lower, _ = drive_clearances(there, R[one], T[one], weights=weights, knees=knees)
-        least = min(least, float(lower[0]))
-    return least
-
-
-def moved_to(found: Scan, drives: Drives, node: Sequence[int]) -> Instance:
-    """Return the platform at a node: joints moved by the drives that vary, and other values.
-
-    Other cranks and slides stay where their points are stated.
-    """
-    return _with_values(found, node, drives.instance_at(_places(found, drives, node)))
-
-
-def _places(found: Scan, drives: Drives, node: Sequence[int]) -> Array:
-    """Return where the cranks and slides are at a node, shape (m,)."""
-    readings, q = np.zeros(drives.count), np.zeros(drives.count)
-    for axis, k in zip(found.axes, node, strict=True):
-        if axis.drive:
-            readings[drives.names.index(axis.drive)] = axis.values[k]
-    moved = np.array([name in {axis.drive for axis in found.axes} for name in drives.names])
-    q[moved] = drives.from_readings(readings)[moved]
-    return q
-
-
-def _with_values(found: Scan, node: Sequence[int], instance: Instance) -> Instance:
-    """Return an instance with the values as stated, but for those that vary."""
-    changed = {
-        axis.constraint: Number.of(axis.values[k])
-        for axis, k in zip(found.axes, node, strict=True)
-        if not axis.drive
-    }
-    stated = {k: row.value for k, row in enumerate(found.instance.constraints)}
-    return instance.with_values(stated | changed)
+            quantities.append(rows.clearances(one.row, R, T))
+        results[0].extend(np.where(one.complete, one.real.sum(axis=1), UNKNOWN).tolist())
+        for k, quantity in enumerate(quantities, 1):
+            least = np.full(len(one.real), np.inf)
+            np.minimum.at(least, place, quantity)
+            results[k].extend(least.tolist())
+    modes, conditions, spaces = results
+    return Piece(number, tuple(modes), tuple(conditions), tuple(spaces))
 
 
 def scan_grid(
@@ -306,78 +262,89 @@ def scan_grid(
     return found
 
 
+class Solved(NamedTuple):
+    """All poses at n places with the same geometry, at most m each.
+
+    The instance there, its row, or the first one, R (n, m, 3, 3), T (n, m, 3), which are real
+    (n, m), and of which places all poses are known (n,).
+    """
+
+    instance: Instance
+    row: Array
+    R: Field
+    T: Field
+    real: NDArray[np.bool_]
+    complete: NDArray[np.bool_]
+
+
 class ScanRows:
     """The rows of a scan: six values, then the numbers of the drives that vary.
 
-    Parameters
-    ----------
-    found
-        The scan; its values have no offsets and scales any more, its drives have theirs.
-
     Attributes
     ----------
+    instance
+        The platform with its values as readings; its drives keep their offsets and scales.
     varied
         The entries of a row that vary, one of each axis.
     scales, added
-        The number of each axis is its reading times the scale, plus what is added; shape (axes,).
+        The entry of each axis is its reading times the scale, plus what is added; shape (axes,).
     """
 
     def __init__(self, found: Scan) -> None:
-        self.found = found
-        drives = [axis.drive for axis in found.axes if axis.drive]
-        self._chosen = choose(found.instance, drives)
-        self._values = nominal_values(found.instance)
+        self.axes, self.instance = found.axes, without_corrections(found.instance)
+        drives = [axis.name for axis in found.axes if axis.constraint is None]
+        self._chosen = choose(self.instance, drives)
+        self._values = nominal_values(self.instance)
         self.varied = [
-            6 + drives.index(axis.drive) if axis.drive else axis.constraint for axis in found.axes
+            6 + drives.index(axis.name) if axis.constraint is None else axis.constraint
+            for axis in found.axes
         ]
-        self.scales, self.added = np.ones(len(found.axes)), np.zeros(len(found.axes))
-        moves = np.array([bool(axis.drive) for axis in found.axes])
-        self.added[moves], self.scales[moves] = drive_corrections(found.instance, self._chosen)
+        added, scales = drive_corrections(self.instance, self._chosen)
+        every = np.append(offsets(found.instance, signed=False), added)
+        self.scales = np.append(factors(found.instance), scales)[self.varied]
+        self.added = every[self.varied]
+        #: Distances to planes are signed in rows.
+        sides = [row.side is Side.NEGATIVE for row in self.instance.constraints]
+        self._signs = np.append(np.where(sides, -1.0, 1.0), np.ones(len(drives)))
 
     @property
     def low(self) -> Array:
         """The first node of each axis, as it is read."""
-        return np.array([axis.values[0] for axis in self.found.axes])
+        return np.array([axis.values[0] for axis in self.axes])
 
     @property
     def high(self) -> Array:
         """The last node of each axis, as it is read."""
-        return np.array([axis.values[-1] for axis in self.found.axes])
+        return np.array([axis.values[-1] for axis in self.axes])
 
     def read(self, node: Sequence[int]) -> Array:
         """Return what varies at a node, as it is read, shape (axes,)."""
-        pairs = zip(self.found.axes, node, strict=True)
-        return np.array([axis.values[k] for axis, k in pairs])
+        return np.array([axis.values[k] for axis, k in zip(self.axes, node, strict=True)])
+
+    def values(self, read: Array) -> Array:
+        """Return the values and the numbers of drives of readings, shape (..., axes)."""
+        return np.asarray(read * self.scales + self.added)
 
     def row(self, read: Array) -> Array:
-        """Return the row of what varies, as it is read: values and numbers of drives."""
+        """Return the row of what varies, as it is read."""
         row = np.concatenate((self._values, np.zeros(len(self._chosen))))
-        row[self.varied] = read * self.scales + self.added
+        row[self.varied] = self.values(read) * self._signs[self.varied]
         return row
 
     def platform(self) -> MovingPlatform | MovingGeometry:
         """Return the platform that moves with what varies."""
-        there = at_values(self.found.instance, self.row(self.high))
+        there = at_values(self.instance, self.row(self.high))
         return MovingGeometry(there, self._chosen) if self._chosen else MovingPlatform(there)
 
-    def track(self, start: Sequence[int], goal: Sequence[int], seed: int) -> Track:
-        """Follow all real modes from one node to another, with proof; t is 1 and 2 there."""
-        ends = np.stack([self.row(self.read(start)), self.row(self.read(goal))])
-        # From the first node, so that the numbers of modes need not be carried along.
-        if not self._chosen:
-            begin = values_of(self.found.instance, ends[:1])[0]
-            return track(at_values(self.found.instance, begin), ends, seed=seed)
-        there = moved_to(self.found, Drives.of(self.found.instance), start)
-        result = solve(there, seed=seed)
-        R, T = result.R[result.real].real, result.T[result.real].real
-        platform = MovingGeometry(at_values(self.found.instance, ends[0]), self._chosen)
-        run = Run(self.found.instance, platform, np.array([1.0, 2.0]), ends, FollowOptions())
-        return run.follow(R, T, np.arange(1, len(R) + 1))
+    def _machine(self, row: Array) -> Instance:
+        """Return the machine with the values of a row; those that stay are as they are stated."""
+        varied = [k for k in self.varied if k < len(self._values)]
+        return self.instance.with_values({k: Number.of(row[k] * self._signs[k]) for k in varied})
 
-    def solved(
-        self, read: Array, seed: int
-    ) -> list[tuple[Arrangement, Field, Field, NDArray[np.bool_]]]:
-        """Return all poses at some places: where the joints are, R, T, and which are real.
+    def solved(self, read: Array, seed: int) -> Iterator[Solved]:
+        """Yield all poses at some places: of all at once, or of each if joints move.
+
+        Cranks and slides that do not vary stay where their points are stated.
 
         Parameters
         ----------
@@ -386,20 +353,51 @@ class ScanRows:
         seed
             As for `solve`.
         """
+        rows = np.array([self.row(one) for one in read])
         if not self._chosen:
-            stated = [constraint.value.value for constraint in self.found.instance.constraints]
+            stated = [constraint.value.value for constraint in self.instance.constraints]
             values = np.tile(stated, (len(read), 1))
-            values[:, self.varied] = read
-            batch = solve_batch(self.found.instance, values, seed=seed)
-            still = Arrangement.of(self.found.instance)
-            return [(still, *of) for of in zip(batch.R, batch.T, batch.real, strict=True)]
-        moving = MovingGeometry(self.found.instance, self._chosen)
-        every = []
-        for row in map(self.row, read):
-            there = at_values(moving.instance_at(row), row)
+            values[:, self.varied] = self.values(read)
+            batch = solve_batch(self.instance, values, seed=seed)
+            yield Solved(self.instance, rows[0], batch.R, batch.T, batch.real, batch.complete)
+            return
+        for row in rows:
+            there = moved(self._machine(row), self._chosen, row[len(self._values) :])
             one = solve(there, seed=seed)
-            every.append((Arrangement.of(there), one.R, one.T, one.real))
-        return every
+            known = np.array([one.verdict == "complete"])
+            yield Solved(there, row, one.R[None], one.T[None], one.real[None], known)
+
+    def each(self, read: Array, seed: int) -> Iterator[Solved]:
+        """Yield all poses at each of some places, as `solved`."""
+        for one in self.solved(read, seed):
+            for k in range(len(one.R)):
+                yield Solved(*one[:2], *(part[k : k + 1] for part in one[2:]))
+
+    def clearances(self, row: Array, R: Array, T: Array) -> Array:
+        """Return proved clearances of poses at a row, in what varies: values or drives, (n,)."""
+        if not self._chosen or not len(R):
+            return clearances(self.instance, R, T, weights=range_weights(self.instance))
+        machine = self._machine(row)
+        drives = Drives.of(machine)
+        q = np.zeros(drives.count)
+        at = [drives.names.index(one.name) for one in self._chosen]
+        q[at] = row[len(self._values) :] * drives.units[at]
+        # Each pose is on knees of its own: those that have the drives there.
+        gains = drives.gains(R, T, np.tile(q, (len(T), 1)))
+        return drive_clearances(machine, R, T, knees=np.where(gains < 0, -1, 1))[0]
+
+    def track(self, start: Sequence[int], goal: Sequence[int], seed: int) -> Track:
+        """Follow all real modes from one node to another, with proof; t is 1 and 2 there."""
+        ends = np.stack([self.row(self.read(start)), self.row(self.read(goal))])
+        begin = at_values(self.instance, ends[0])
+        # From the first node, so that the numbers of modes need not be carried along.
+        if not self._chosen:
+            return track(begin, ends, seed=seed)
+        (there,) = self.solved(self.read(start)[None], seed)
+        R, T = there.R[there.real].real, there.T[there.real].real
+        platform = MovingGeometry(begin, self._chosen)
+        run = Run(self.instance, platform, np.array([1.0, 2.0]), ends, FollowOptions())
+        return run.follow(R, T, np.arange(1, len(R) + 1))
 
 
 #: Columns of the pose at a fold.
@@ -435,7 +433,7 @@ class ScanResult(EqualByContent):
     @property
     def names(self) -> list[str]:
         """The numbers of the constraints, and the drives, that vary."""
-        return [axis.name for axis in self.found.axes]
+        return self.found.names
 
     def rows(self) -> list[dict[str, Any]]:
         """Return the nodes that are known, or the folds, as plain data."""
@@ -546,15 +544,11 @@ def scan(
         If a constraint or drive does not exist, or a value is impossible.
     """
     axes = [axis_of(instance, k, np.asarray(v, float).tolist()) for k, v in vary.items()]
-    asked = Scan.empty(instance, axes, clearance=clearance)
-    check_values(asked, "vary")
-    platform, moved = corrected(asked)
-    found = scan_grid(platform, moved, clearance=clearance, seed=seed, workers=workers)
-    result = as_read(asked, found, boundary(found) if folds else Boundary(), folds=folds)
-    for array in (result.found.modes, result.found.conditions, result.found.clearances):
+    found = scan_grid(instance, axes, clearance=clearance, seed=seed, workers=workers)
+    for array in (found.modes, found.conditions, found.clearances):
         if array is not None:
             array.setflags(write=False)
-    return result
+    return ScanResult(found, boundary(found) if folds else Boundary(), folds)
 
 
 def axis_of(instance: Instance, name: int | str, values: Sequence[float]) -> Axis:
@@ -566,82 +560,20 @@ def axis_of(instance: Instance, name: int | str, values: Sequence[float]) -> Axi
         If there is no such constraint or drive.
     """
     if not isinstance(name, str) and name in range(1, len(instance.constraints) + 1):
-        return Axis(int(name) - 1, tuple(values))
-    drives = Drives.of(instance)
+        return Axis(str(name), tuple(values))
     known = drive_names(instance)
     if not isinstance(name, str) or name not in known:
         what = shown(name) if isinstance(name, str) else f"constraint {name}"
         others = f" or {listed(known)}" if known else ""
         message = f"found {what}, expected a number from 1 to 6{others}"
         raise ArgumentError(message, "vary")
-    return Axis(drives.users(drives.names.index(name))[0], tuple(values), name)
+    return Axis(name, tuple(values))
 
 
 def drive_names(instance: Instance) -> list[str]:
     """Return the names of the cranks and slides of an instance."""
     drives = Drives.of(instance)
     return [name for name, moves in zip(drives.names, drives.moved, strict=True) if moves]
-
-
-def corrected(asked: Scan) -> tuple[Instance, list[Axis]]:
-    """Return the scan of values for a scan of readings: with offsets and scales applied."""
-    if not is_corrected(asked.instance):
-        return asked.instance, list(asked.axes)
-    axes = [
-        replace(axis, values=tuple(value * factor + offset for value in axis.values))
-        for axis, factor, offset in zip(asked.axes, *_corrections(asked), strict=True)
-    ]
-    return without_corrections(asked.instance), axes
-
-
-def as_read(asked: Scan, found: Scan, limits: Boundary, *, folds: bool) -> ScanResult:
-    """Return the results with readings instead of values: offsets and scales are removed."""
-    if not is_corrected(asked.instance):
-        return ScanResult(found, limits, folds)
-    scales, added = _corrections(asked)
-    limits.crossings = [
-        replace(one, values=tuple(((one.values - added) / scales).tolist()))
-        for one in limits.crossings
-    ]
-    limits.curves = [
-        replace(
-            curve,
-            values=(curve.values - added) / scales,
-            cusps=(curve.cusps - added) / scales,
-        )
-        for curve in limits.curves
-    ]
-    limits.meetings = [
-        replace(
-            one,
-            low=tuple(((one.low - added) / scales).tolist()),
-            high=tuple(((one.high - added) / scales).tolist()),
-        )
-        for one in limits.meetings
-    ]
-    return ScanResult(replace(found, instance=asked.instance, axes=asked.axes), limits, folds)
-
-
-def check_values(found: Scan, name: str) -> None:
-    """Raise `ArgumentError` if a value is outside the range of its kind of constraint."""
-    for axis in found.axes:
-        if axis.drive:
-            continue
-        kind = found.instance.constraints[axis.constraint].kind
-        for value in (axis.values[0], axis.values[-1]):
-            wrong = wrong_value(kind, Number.of(value), found.instance.units.angle)
-            if wrong and not kind.has_sides:
-                message = f"found {value:g} for constraint {axis.constraint + 1}, {wrong}"
-                raise ArgumentError(message, name)
-
-
-def _corrections(asked: Scan) -> tuple[Array, Array]:
-    """Return the factors of the values of the axes, and the numbers that are added to them."""
-    chosen = [axis.constraint for axis in asked.axes]
-    values = np.array([not axis.drive for axis in asked.axes])
-    times, added = factors(asked.instance), offsets(asked.instance, signed=False)
-    # Drives correct their own readings.
-    return np.where(values, times[chosen], 1.0), np.where(values, added[chosen], 0.0)
 
 
 def _pose_numbers(R: Array, T: Array) -> list[float]:
@@ -652,32 +584,8 @@ def _finite(number: Any) -> float | None:
     return float(number) if number < float("inf") else None
 
 
-#: An edge of the grid: its axis and its first node.
-Edge = tuple[int, int, int]
-
-_VARIABLE = ("x", "y", "z", "rx", "ry", "rz")
-#: Halvings of an edge of the grid: to the last digit of a double.
-_HALVINGS = 52
-
-
-@dataclass(frozen=True)
-class PoseAxis:
-    """A coordinate of the pose that varies.
-
-    Attributes
-    ----------
-    name
-        ``x``, ``y``, ``z``, or ``rx``, ``ry``, ``rz``.
-    values
-        The nodes, increasing, in the units of the instance.
-    """
-
-    name: str
-    values: tuple[float, ...]
-
-
 @dataclass(frozen=True, eq=False)
-class PoseScan:
+class PoseScan(Grid):
     """A grid of poses, and the determinant of the Jacobian matrix on it.
 
     Parameters
@@ -695,43 +603,26 @@ class PoseScan:
     """
 
     instance: Instance
-    axes: tuple[PoseAxis, ...]
+    axes: tuple[Axis, ...]
     pose: Sequence[float]
     form: PoseFormat
 
     def __post_init__(self) -> None:
-        names = [axis.name for axis in self.axes]
-        if len(names) not in (1, 2) or len(set(names)) < len(names):
-            message = "expected one or two different coordinates to vary"
-            raise ArgumentError(message, "axes")
-        self._check_pose()
-        for name in names:
-            if name not in self._names or name not in _VARIABLE:
-                found = " ".join(self._names)
+        self.check()
+        for name in self.names:
+            if name not in self._columns or name not in _VARIABLE:
+                found = " ".join(self._columns)
                 message = f"found {name} to vary, expected one of {' '.join(_VARIABLE)}"
                 raise ArgumentError(f"{message} that the pose has: {found}", "axes")
 
-    def _check_pose(self) -> None:
-        if not self._names:
-            message = f"found {len(self.pose)} numbers, expected 6, 7 or 12"
-        elif len(self.pose) == len(_VARIABLE) and self.form.euler is None:
-            message = "found angles without the order of their axes: say it with euler"
-        else:
-            wrong = rotations_of(np.array([self.pose[3:]]), self.form)[1]
-            message = wrong[0][1] if wrong else ""
-        if message:
-            raise ArgumentError(message, "pose")
-
     @property
-    def _names(self) -> tuple[str, ...]:
+    def _columns(self) -> tuple[str, ...]:
         return pose_columns(len(self.pose)) or ()
 
     def poses(self, places: Array) -> tuple[Array, Array]:
         """Return the poses (R, T) for numbers of the coordinates that vary, shape (n, axes)."""
-        names = self._names
         rows = np.tile(np.asarray(self.pose, dtype=float), (len(places), 1))
-        for axis, column in zip(self.axes, places.T, strict=True):
-            rows[:, names.index(axis.name)] = column
+        rows[:, [self._columns.index(name) for name in self.names]] = places
         return poses_of(rows, self.form)
 
     def determinants_at(self, places: Array) -> Array:
@@ -760,20 +651,14 @@ class PoseScan:
         return drives.arrangement(q)
 
     @cached_property
-    def places(self) -> Array:
-        """The nodes, shape (n1, axes) or (n1, n2, axes)."""
-        return np.stack(np.meshgrid(*(axis.values for axis in self.axes), indexing="ij"), axis=-1)
-
-    @cached_property
     def determinants(self) -> Array:
         """At the nodes, shape (n1,) or (n1, n2)."""
-        flat = self.places.reshape(-1, len(self.axes))
-        return self.determinants_at(flat).reshape(self.places.shape[:-1])
+        return self.determinants_at(self.flat).reshape(self.places.shape[:-1])
 
     @cached_property
     def conditions(self) -> Array:
         """Condition numbers at the nodes, shape (n1,) or (n1, n2)."""
-        R, T = self.poses(self.places.reshape(-1, len(self.axes)))
+        R, T = self.poses(self.flat)
         found = condition_numbers(self._arrangement(R, T), R, T)
         return np.asarray(found.reshape(self.places.shape[:-1]))
 
@@ -786,8 +671,7 @@ class PoseScan:
                 "that of one pose"
             )
             raise ArgumentError(message, "clearance")
-        R, T = self.poses(self.places.reshape(-1, len(self.axes)))
-        found = pose_clearances(self.instance, R, T)
+        found = pose_clearances(self.instance, *self.poses(self.flat))
         return np.asarray(found.reshape(self.places.shape[:-1]))
 
     @cached_property
@@ -796,18 +680,15 @@ class PoseScan:
 
         They are found by halving to the last digit. Two changes on one edge are not found.
         """
-        signs = np.sign(self.determinants)
-        starts, ends, edges = [], [], []
+        signs, places = np.sign(self.determinants), self.places
+        edges: list[Edge] = []
         for axis in range(len(self.axes)):
-            low, high = (np.take(signs, _span(signs, axis, k), axis) for k in (0, 1))
-            for node in np.argwhere(low * high < 0).tolist():
-                other = [k + (d == axis) for d, k in enumerate(node)]
-                starts.append(self.places[tuple(node)])
-                ends.append(self.places[tuple(other)])
-                edges.append((axis, node[0], node[1] if len(node) == 2 else 0))
+            low, high = (np.delete(signs, end, axis) for end in (-1, 0))
+            edges += [(axis, tuple(node)) for node in np.argwhere(low * high < 0).tolist()]
         if not edges:
             return {}
-        a, b = np.array(starts), np.array(ends)
+        a = np.array([places[node] for _, node in edges])
+        b = np.array([places[_ahead(edge)] for edge in edges])
         before = np.sign(self.determinants_at(a))
         for _ in range(_HALVINGS):
             middle = (a + b) / 2
@@ -834,29 +715,18 @@ class PoseScan:
 
     def _joined(self) -> Iterator[tuple[Edge, Edge]]:
         rows, columns = self.determinants.shape
-        cells = {
-            (i - di, j - dj)
-            for axis, i, j in self.singular
-            for di, dj in (((0, 0), (0, 1)) if axis == 0 else ((0, 0), (1, 0)))
-        }
-        for i, j in sorted(cells):
-            if not (0 <= i < rows - 1 and 0 <= j < columns - 1):
-                continue
-            around: list[Edge] = [(0, i, j), (1, i + 1, j), (0, i, j + 1), (1, i, j)]
+        for i, j in np.ndindex(rows - 1, columns - 1):
+            around: list[Edge] = [(0, (i, j)), (1, (i + 1, j)), (0, (i, j + 1)), (1, (i, j))]
             here = [edge for edge in around if edge in self.singular]
             if len(here) == 2:
                 yield here[0], here[1]
             elif len(here) == 4:
-                corners = self.places[i : i + 2, j : j + 2].reshape(-1, 2)
-                middle = np.sign(self.determinants_at(corners.mean(axis=0)[None]))[0]
+                middle = self.places[i : i + 2, j : j + 2].reshape(-1, 2).mean(axis=0)
+                sign = np.sign(self.determinants_at(middle[None]))[0]
                 # The curve cuts off the corners whose sign is not that of the middle.
-                turn = 0 if middle == np.sign(self.determinants[i, j]) else 1
-                yield around[0], around[1 if turn == 0 else 3]
-                yield around[2], around[3 if turn == 0 else 1]
-
-
-def _span(array: Array, axis: int, first: int) -> NDArray[np.intp]:
-    return np.arange(first, array.shape[axis] - 1 + first)
+                turn = 1 if sign == np.sign(self.determinants[i, j]) else 3
+                yield around[0], around[turn]
+                yield around[2], around[4 - turn]
 
 
 def _chains(links: dict[Edge, list[Edge]]) -> list[Sequence[Edge]]:
@@ -883,9 +753,10 @@ _FIRST, _LONGEST, _SHORTEST = 5e-3, 2.5e-2, 1e-7
 _MOST_POINTS = 20_000
 #: Newton's method: the most steps, and the size of a step after which it has converged.
 _STEPS, _CONVERGED = 5, 1e-9
-#: Points nearer than this to the border of the ranges are on it.
 #: The cosine of the largest turn of a curve in one step.
 _STRAIGHT = 0.98
+#: Steps of derivatives: a part of the ranges, and one whose square vanishes beside one.
+_DIFFERENCE, _TINY = 1e-5, 1e-50
 #: At a cusp the part of the unit tangent in the values is below this.
 _STILL = 1e-4
 
@@ -920,38 +791,10 @@ class Curve:
         return bool(square.min() < _LONGEST**2)
 
 
-class _Numbers:
-    """Numbers with their derivatives, with the operations of `Jet`."""
-
-    def __init__(self, value: Array, gradient: Array, bend: Array) -> None:
-        self.value, self.gradient, self.bend = value, gradient, bend
-
-    @classmethod
-    def quadric(cls, matrix: Matrix, x: Array) -> _Numbers:
-        gradient = matrix.mid @ x
-        return cls(gradient @ x / 2, gradient, matrix.mid)
-
-    def __sub__(self, other: _Numbers) -> _Numbers:
-        gradient = self.gradient - other.gradient
-        return _Numbers(self.value - other.value, gradient, self.bend - other.bend)
-
-    def __mul__(self, other: _Numbers) -> _Numbers:
-        f, g = np.asarray(self.value)[..., None], np.asarray(other.value)[..., None]
-        outer = self.gradient[..., :, None] * other.gradient[..., None, :]
-        bend = f[..., None] * other.bend + g[..., None] * self.bend
-        gradient = f * other.gradient + g * self.gradient
-        bend = bend + outer + np.swapaxes(outer, -1, -2)
-        return _Numbers(self.value * other.value, gradient, bend)
-
-    def times(self, number: Enclosure) -> _Numbers:
-        c = number.mid[0]
-        return _Numbers(c[:, 0] * self.value, c * self.gradient, c[..., None] * self.bend)
-
-
 class Discriminant:
-    """The equations of singular poses over two values.
+    """The equations of singular poses over two values, or readings of drives.
 
-    With z a Study point, u a direction and v two of the values, a singular pose is a zero of
+    With z a Study point, u a direction and v the two that vary, a singular pose is a zero of
 
         F(z, v) = 0,  p.z = 1,  F'(z, v) u = 0,  p.u = 0,  c.u = 1,
 
@@ -962,90 +805,64 @@ class Discriminant:
 
     Parameters
     ----------
+    rows
+        The rows of the scan.
     platform
         The equations.
-    values
-        The six values, in the units of the instance; two of them are replaced.
-    varied
-        Which two constraints vary, from 0.
-    low, high
-        The ends of their ranges, shape (2,).
     """
 
-    def __init__(
-        self,
-        platform: MovingPlatform,
-        values: Array,
-        varied: tuple[int, int],
-        low: Array,
-        high: Array,
-    ) -> None:
-        self.platform = platform
-        self.varied = list(varied)
-        self._base = np.asarray(values, float)
-        self._low, self._span = np.asarray(low, float), np.asarray(high - low, float)
-        units = platform.internal(np.ones(6))[self.varied]
-        #: The widths of the ranges of the two values, in internal units.
-        self._widths = units * self._span
+    def __init__(self, rows: ScanRows, platform: MovingPlatform | MovingGeometry) -> None:
+        self._rows, self._platform = rows, platform
+        self._low, self._span = rows.low, rows.high - rows.low
 
     def plane(self, x: Array) -> Array:
-        """Return the two values of some unknowns, (..., 18), in the units of the instance."""
-        values: Array = self._low + x[..., 16:] * self._span
-        return values
+        """Return what varies at some unknowns, (..., 18), as it is read."""
+        read: Array = self._low + x[..., 16:] * self._span
+        return read
 
-    def start(self, point: Array, values: Array) -> Array | None:
+    def _internal(self, w: Array) -> Array:
+        """Return the row of the platform, of what varies as parts of the ranges."""
+        return self._platform.internal(self._rows.row(self._low + w * self._span))
+
+    def start(self, point: Array, read: Array) -> Array | None:
         """Return the unknowns of the singular pose near a Study point, or None.
 
         Parameters
         ----------
         point
             Shape (8,).
-        values
-            About the two values, shape (2,).
+        read
+            About what varies there, as it is read, shape (2,).
         """
-        w = (values - self._low) / self._span
-        rows = self._rows(point, w)
+        w = (read - self._low) / self._span
+        rows = self._platform.jacobian(point, self._internal(w))
         direction = definite_sign(np.linalg.svd(np.vstack((rows, point)))[2][-1])
         x = np.concatenate((point / np.linalg.norm(point), direction, w))
         return self._corrected(x, x, None)
 
-    def _rows(self, point: Array, w: Array) -> Array:
-        """Return F' at a Study point, shape (7, 8)."""
-        return self.platform.jacobian(point, self._internal(w))
-
-    def _internal(self, w: Array) -> Array:
-        values = self._base.copy()
-        values[self.varied] = self._low + w * self._span
-        return self.platform.internal(values)
-
     def _equations(self, x: Array, patch: Array, gauge: Array) -> tuple[Array, Array]:
-        """Return the seventeen equations and their derivatives, shape (17, 18)."""
-        z, u = x[:8], x[8:16]
-        residuals, rows, bent, moving = self._terms(x)
-        values = np.concatenate((residuals, [patch @ z - 1], rows @ u, [patch @ u, gauge @ u - 1]))
-        matrix = np.zeros((17, 18))
-        matrix[:7, :8], matrix[:7, 16:] = rows, moving[0]
-        matrix[7, :8] = patch
-        matrix[8:15, :8], matrix[8:15, 8:16], matrix[8:15, 16:] = bent, rows, moving[1]
-        matrix[15, 8:16], matrix[16, 8:16] = patch, gauge
-        return values, matrix
+        """Return the seventeen equations and their derivatives, shape (17, 18).
 
-    def _terms(self, x: Array) -> tuple[Array, Array, Array, tuple[Array, Array]]:
-        """Return F (7,), F' (7, 8), F''u (7, 8), and the derivatives of F and F'u by w (7, 2)."""
-        z, u, values = x[:8], x[8:16], self._internal(x[16:])
-        F, rows, bent = np.zeros(7), np.zeros((7, 8)), np.zeros((7, 8))
-        first, second = np.zeros((7, 2)), np.zeros((7, 2))
-        slopes = self.platform.slopes(values)
-        study = _Numbers.quadric(STUDY, z)
-        F[0], rows[0], bent[0] = study.value, study.gradient, study.bend @ u
-        c = Enclosure(self.platform.coefficients(values)[None, :, None])
-        for at, found, factor in equations(self.platform, z, c, _Numbers):
-            F[at + 1], rows[at + 1], bent[at + 1] = found.value, found.gradient, found.bend @ u
-            for k, row in enumerate(self.varied):
-                change = -slopes[row] * self._widths[k]
-                first[at + 1, k] = np.where(at == row, change * factor.value, 0.0)
-                second[at + 1, k] = np.where(at == row, change * (factor.gradient @ u), 0.0)
-        return F, rows, bent, (first, second)
+        F is a polynomial in z: its derivative along u is the imaginary part at ``z + i t u`` with a
+        tiny t. Those by v are differences, of an error of the square of their step.
+        """
+        z, u = x[:8], x[8:16]
+        steps = _DIFFERENCE * np.array([[0, 0], [1, 0], [0, 1], [-1, 0], [0, -1]])
+        each = [self._platform.quadrics(self._internal(x[16:] + step)) for step in steps]
+        quadrics, coefficients = (np.concatenate(part) for part in zip(*each, strict=True))
+        points = np.tile(z + 1j * _TINY * u, (len(steps), 1))
+        F, J = equations_at(self._platform.shapes, quadrics, coefficients, points)
+        moving = (F[1:3] - F[3:]).T / (2 * _DIFFERENCE)
+        values = np.concatenate(
+            (F[0].real, [patch @ z - 1], F[0].imag / _TINY, [patch @ u, gauge @ u - 1])
+        )
+        matrix = np.zeros((17, 18))
+        matrix[:7, :8], matrix[:7, 16:] = J[0].real, moving.real
+        matrix[7, :8] = matrix[15, 8:16] = patch
+        matrix[8:15, :8], matrix[8:15, 8:16] = J[0].imag / _TINY, J[0].real
+        matrix[8:15, 16:] = moving.imag / _TINY
+        matrix[16, 8:16] = gauge
+        return values, matrix
 
     def _corrected(self, x: Array, at: Array, row: Array | None, goal: float = 0.0) -> Array | None:
         """Return the solution near some unknowns by Newton's method, or None.
@@ -1206,45 +1023,6 @@ def _passes(x: Array, y: Array, point: Array) -> bool:
     return False
 
 
-class DrivenDiscriminant(Discriminant):
-    """The equations of singular poses over two numbers, of which a crank or slide has at least one.
-
-    The equations are those of `Discriminant`; all their coefficients move. They and their
-    derivatives come from the equations of folds (`gspcli.certification.branches.fold_system`), once
-    along each of the two axes.
-
-    Parameters
-    ----------
-    rows
-        The rows of the scan.
-    platform
-        The equations.
-    """
-
-    def __init__(self, rows: ScanRows, platform: MovingGeometry) -> None:
-        self._of = rows
-        self._system = platform.system
-        self._low, self._span = rows.low, rows.high - rows.low
-
-    def _rows(self, point: Array, w: Array) -> Array:
-        return self._along(np.concatenate((point, point, w)), 0)[0][1][:7, :8]
-
-    def _terms(self, x: Array) -> tuple[Array, Array, Array, tuple[Array, Array]]:
-        (values, rows), (_, bent) = self._along(x, 0)
-        (_, other_rows), (_, other_bent) = self._along(x, 1)
-        first = np.column_stack((rows[:7, 8], other_rows[:7, 8]))
-        second = np.column_stack((bent[:7, 8], other_bent[:7, 8]))
-        return values[:7], rows[:7, :8], bent[:7, :8], (first, second)
-
-    def _along(self, x: Array, axis: int) -> list[tuple[Array, Array]]:
-        """Return F and F'u, each with its derivatives by z and by one w: shapes (8,), (8, 9)."""
-        read = self.plane(x)
-        row = self._of.row(read)
-        ahead = row.copy()
-        ahead[self._of.varied[axis]] += self._span[axis] * self._of.scales[axis]
-        return rounded_along(self._system, (row, ahead), x[:8], x[8:16])
-
-
 #: A point nearer than this to the border of the grid, in parts of the ranges, is on it.
 _BORDER = 1e-9
 #: Poses of folds that differ by more, as rotations or relatively, are different ones.
@@ -1258,9 +1036,7 @@ _AT_ONCE, _ROOMS = 1e-4, (1e-6, 1e-5, 1e-4, 1e-3)
 _TOGETHER = 1e-3
 #: Derivatives along an edge are differences over this part of it; a fold may be this many edges
 #: ahead of complex solutions, by its estimate.
-_NEXT, _AHEAD = 2.0**-20, 1.5
-#: An edge of the grid: its axis and its first node.
-GridEdge = tuple[int, tuple[int, ...]]
+_NEXT, _AHEAD = 1e-6, 1.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -1316,7 +1092,7 @@ def in_order(crossings: Iterable[Crossing]) -> list[Crossing]:
     )
 
 
-@dataclasses.dataclass(eq=False)
+@dataclass(frozen=True, eq=False)
 class Boundary:
     """The part of the discriminant that was found.
 
@@ -1336,7 +1112,7 @@ class Boundary:
     crossings: list[Crossing] = field(default_factory=list)
     curves: list[Curve] = field(default_factory=list)
     meetings: list[Meeting] = field(default_factory=list)
-    unexplained: list[GridEdge] = field(default_factory=list)
+    unexplained: list[Edge] = field(default_factory=list)
 
 
 def boundary(found: Scan, *, seed: int = SEED) -> Boundary:
@@ -1361,10 +1137,9 @@ def boundaries(found: Scan, *, seed: int = SEED) -> Iterator[Boundary]:
     search = _Search(found, seed)
     search.look_for_pairs()
     edges = []
-    for node, other in found.edges:
-        axis = next(axis for axis, k in enumerate(node) if other[axis] != k)
-        edges.append(((axis, node), int(found.modes[other] - found.modes[node])))
-        search.explain(edges[-1][0], other, edges[-1][1])
+    for edge, other in found.edges:
+        edges.append((edge, int(found.modes[other] - found.modes[edge[1]])))
+        search.explain(edge, other, edges[-1][1])
         yield search.result
     for k in range(len(found.modes) - 1 if found.modes.ndim == 1 else 0):
         # A fold was found, and not the one that cancels it.
@@ -1373,7 +1148,9 @@ def boundaries(found: Scan, *, seed: int = SEED) -> Iterator[Boundary]:
             edges.append((edge, 0))
             search.explain(edge, (k + 1,), 0)
     search.look_for_hidden_curves()
-    search.result.unexplained = [edge for edge, wanted in edges if search.change(edge) != wanted]
+    search.result.unexplained.extend(
+        edge for edge, wanted in edges if search.change(edge) != wanted
+    )
     yield search.result
 
 
@@ -1399,19 +1176,19 @@ class _Search:
 
     def __init__(self, found: Scan, seed: int) -> None:
         self.result = Boundary()
-        self._rows = ScanRows(found)
+        self._found, self._rows = found, ScanRows(found)
         self._seed = seed
-        self._known: dict[GridEdge, list[Crossing]] = {}
+        self._known: dict[Edge, list[Crossing]] = {}
         #: The changes at meetings.
-        self._met: dict[GridEdge, int] = {}
+        self._met: dict[Edge, int] = {}
         self._curves = _Curves(self._rows) if len(found.axes) == 2 else None
 
-    def change(self, edge: GridEdge) -> int:
+    def change(self, edge: Edge) -> int:
         """Return the change of the number of modes along an edge that is explained."""
         folds = sum(crossing.change for crossing in self._known.get(edge, ()))
         return folds + self._met.get(edge, 0)
 
-    def explain(self, edge: GridEdge, other: tuple[int, ...], wanted: int) -> None:
+    def explain(self, edge: Edge, other: tuple[int, ...], wanted: int) -> None:
         """Search for the folds on an edge along which the number of modes changes by ``wanted``."""
         first, last = (edge[1], other) if wanted < 0 else (other, edge[1])
         ends = []
@@ -1425,15 +1202,12 @@ class _Search:
         """Search for folds over one value from the complex solutions at each node."""
         if self._curves is not None:
             return
-        platform, nodes = self._rows.platform(), range(len(self._rows.found.modes))
-        read = np.array([self._rows.read((k,)) for k in nodes])
+        platform, read = self._rows.platform(), self._found.flat
         rows = [self._rows.row(one) for one in read]
-        solved = self._rows.solved(read, self._seed)
-        for k, (_, R, T, real) in zip(nodes, solved, strict=True):
-            rest = ~real & np.isfinite(R).all(axis=(1, 2)) & np.isfinite(T).all(axis=1)
+        for k, solved in enumerate(self._rows.each(read, self._seed)):
+            points = platform.points(*_complex(solved))
             for step in (-1, 1):
-                if rest.any() and 0 <= k + step < len(rows):
-                    points = platform.points(R[rest], T[rest])
+                if len(points) and 0 <= k + step < len(rows):
                     first = min(k, k + step)
                     starts = _becoming_real(platform.system, rows[k], rows[k + step], points)
                     for ahead, point, direction in starts:
@@ -1453,7 +1227,7 @@ class _Search:
                 self._enter(curve, new=True)
 
     def _follow(
-        self, edge: GridEdge, start: tuple[int, ...], goal: tuple[int, ...], wanted: int
+        self, edge: Edge, start: tuple[int, ...], goal: tuple[int, ...], wanted: int
     ) -> list[_Stopped]:
         """Add the folds in which modes end from one node to another, or the curves through them.
 
@@ -1480,7 +1254,7 @@ class _Search:
                 break
         return stopped
 
-    def _meet(self, edge: GridEdge, other: tuple[int, ...], stopped: list[_Stopped]) -> None:
+    def _meet(self, edge: Edge, other: tuple[int, ...], stopped: list[_Stopped]) -> None:
         """Add the places between two nodes where modes stop that end in no simple fold."""
         axis, node = edge
         ends = self._rows.read(node), self._rows.read(other)
@@ -1494,12 +1268,10 @@ class _Search:
                 parts = max(least - room, 0.0), min(group[-1].part + room, 1.0)
                 low, high = (tuple((ends[0] + p * (ends[1] - ends[0])).tolist()) for p in parts)
                 axes = [
-                    dataclasses.replace(one, values=(a, b) if k == axis else (a,))
-                    for k, (one, a, b) in enumerate(
-                        zip(self._rows.found.axes, low, high, strict=True)
-                    )
+                    replace(one, values=(a, b) if k == axis else (a,))
+                    for k, (one, a, b) in enumerate(zip(self._found.axes, low, high, strict=True))
                 ]
-                counts = scan_grid(self._rows.found.instance, axes, seed=self._seed).modes.ravel()
+                counts = scan_grid(self._found.instance, axes, seed=self._seed).modes.ravel()
                 if counts.min() >= 0:
                     places.append((group, low, high, int(counts[0]), int(counts[1])))
                     break
@@ -1520,7 +1292,7 @@ class _Search:
                 self._met.get(edge, 0) + after - before - sum(one.change for one in inside)
             )
 
-    def _add(self, edge: GridEdge, crossing: Crossing) -> bool:
+    def _add(self, edge: Edge, crossing: Crossing) -> bool:
         """Add a crossing, unless it is known: a curve may be found again from another edge."""
         known = self._known.setdefault(edge, [])
         if any(_same(crossing, other) for other in known):
@@ -1542,6 +1314,13 @@ def _same(first: Crossing, second: Crossing) -> bool:
     return np.allclose(first.values, second.values, rtol=1e-9, atol=1e-12) and _near(
         first, second, _APART
     )
+
+
+def _complex(solved: Solved) -> tuple[Field, Field]:
+    """Return the solutions at one place that are finite and no real poses, (k, 3, 3) and (k, 3)."""
+    R, T = solved.R[0], solved.T[0]
+    rest = ~solved.real[0] & np.isfinite(R).all(axis=(1, 2)) & np.isfinite(T).all(axis=1)
+    return R[rest], T[rest]
 
 
 def _near(first: Crossing | _Stopped, second: Crossing | _Stopped, least: float) -> bool:
@@ -1617,17 +1396,11 @@ class _Curves:
     def __init__(self, rows: ScanRows) -> None:
         self.rows = rows
         self.platform = rows.platform()
-        self.equations: Discriminant
-        if isinstance(self.platform, MovingGeometry):
-            self.equations = DrivenDiscriminant(rows, self.platform)
-        else:
-            first, second = rows.varied
-            values, ends = rows.row(rows.low), (rows.low, rows.high)
-            self.equations = Discriminant(self.platform, values, (first, second), *ends)
+        self.equations = Discriminant(rows, self.platform)
         #: The nodes as parts of the ranges.
         self.grids = [
             (np.array(axis.values) - a) / (b - a)
-            for axis, a, b in zip(rows.found.axes, rows.low, rows.high, strict=True)
+            for axis, a, b in zip(rows.axes, rows.low, rows.high, strict=True)
         ]
 
     def through(self, event: Event, values: tuple[float, ...]) -> Curve | None:
@@ -1651,30 +1424,27 @@ class _Curves:
         """
         parts = np.random.default_rng(seed).uniform(size=(_SAMPLES, 2))
         read = self.equations.plane(np.pad(parts, ((0, 0), (16, 0))))
-        for there, solved in zip(read, self.rows.solved(read, seed), strict=True):
-            for point in self._nearly_singular(*solved):
+        for there, solved in zip(read, self.rows.each(read, seed), strict=True):
+            for point in self._nearly_singular(solved):
                 x = self.equations.start(point, there)
                 if x is None or not ((x[16:] >= 0) & (x[16:] <= 1)).all():
                     continue
                 if not any(curve.contains(x) for curve in known):
                     yield self.equations.follow(x)
 
-    def _nearly_singular(
-        self, arrangement: Arrangement, R: Field, T: Field, real: NDArray[np.bool_]
-    ) -> Iterator[Array]:
+    def _nearly_singular(self, solved: Solved) -> Iterator[Array]:
         """Yield Study points of one real and one complex solution at some place."""
-        if real.any():
-            R_real, T_real = R[real].real, T[real].real
-            worst = int(condition_numbers(arrangement, R_real, T_real).argmax())
-            yield self.platform.points(R_real[worst], T_real[worst])
-        rest = ~real & np.isfinite(R).all(axis=(1, 2)) & np.isfinite(T).all(axis=1)
-        if rest.any():
-            points = self.platform.points(R[rest], T[rest])
+        if solved.real.any():
+            R, T = solved.R[solved.real].real, solved.T[solved.real].real
+            worst = int(condition_numbers(Arrangement.of(solved.instance), R, T).argmax())
+            yield self.platform.points(R[worst], T[worst])
+        points = self.platform.points(*_complex(solved))
+        if len(points):
             sizes = np.linalg.norm(points.imag, axis=1) / np.linalg.norm(points.real, axis=1)
             point = points[sizes.argmin()].real
             yield np.asarray(point / np.linalg.norm(point))
 
-    def crossings(self, curve: Curve) -> Iterator[tuple[GridEdge, Crossing]]:
+    def crossings(self, curve: Curve) -> Iterator[tuple[Edge, Crossing]]:
         """Yield where a curve crosses edges of the grid and the fold there is proved."""
         for x, y in zip(curve.unknowns[:-1], curve.unknowns[1:], strict=True):
             for axis in (0, 1):
@@ -1691,7 +1461,7 @@ class _Curves:
                     if found is not None:
                         yield found
 
-    def _proved(self, at: Array, axis: int, line: int) -> tuple[GridEdge, Crossing] | None:
+    def _proved(self, at: Array, axis: int, line: int) -> tuple[Edge, Crossing] | None:
         """Return the crossing of a line of the grid at a singular pose, if it can be proved."""
         place, grid = float(at[16 + axis]), self.grids[axis]
         k = int(np.searchsorted(grid, place)) - 1

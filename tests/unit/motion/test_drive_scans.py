@@ -19,7 +19,7 @@ from gspcli.motion.files.pose_files import PoseFormat
 from gspcli.motion.following.moving_geometry import MovingGeometry
 from gspcli.motion.poses.inverse_kinematics import values_at
 from gspcli.motion.singularities.clearances import drive_clearances, drive_weights
-from gspcli.motion.singularities.scans import PoseAxis, PoseScan, scan
+from gspcli.motion.singularities.scans import Axis, PoseScan, scan
 from tests.support.driven_machines import driven
 
 
@@ -212,7 +212,7 @@ def test_determinants_at_poses_are_those_of_the_moved_joints():
     z = home.T[2]
     found = PoseScan(
         machine,
-        (PoseAxis("x", (-0.5, 0.0, 0.01)),),
+        (Axis("x", (-0.5, 0.0, 0.01)),),
         [0, 0, z + 0.005, 1, 0, 0, 0],
         PoseFormat(),
     )
@@ -222,7 +222,7 @@ def test_determinants_at_poses_are_those_of_the_moved_joints():
     for k, x in ((1, 0.0), (2, 0.01)):
         R, T = np.eye(3), np.array([x, 0, z + 0.005])
         there = drives.instance_at(drives.inverse(R, T))
-        alone = PoseScan(there, (PoseAxis("x", (x - 1e-9, x)),), found.pose, PoseFormat())
+        alone = PoseScan(there, (Axis("x", (x - 1e-9, x)),), found.pose, PoseFormat())
         assert found.determinants[k] == pytest.approx(alone.determinants[1], rel=1e-6)
         stated = PoseScan(
             replace(machine, constraints=tuple(

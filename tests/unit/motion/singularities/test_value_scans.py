@@ -6,6 +6,7 @@ import pytest
 import gspcli
 from gspcli.errors import ArgumentError
 from gspcli.motion import track
+from gspcli.motion.files.value_files import nominal_values
 from gspcli.motion.singularities.scans import MISSING, Axis, Scan, boundaries, boundary, scan_grid
 from gspcli.resources import data_path
 
@@ -16,7 +17,7 @@ def hexapod():
 
 
 def test_counts_are_those_of_solve_and_change_at_proved_folds(hexapod):
-    axis = Axis(0, tuple(np.linspace(2.3, 2.8, 11).tolist()))
+    axis = Axis("1", tuple(np.linspace(2.3, 2.8, 11).tolist()))
     found = scan_grid(hexapod, [axis])
     assert found.modes.shape == (11,)
     for value, modes in zip(axis.values, found.modes, strict=True):
@@ -26,7 +27,7 @@ def test_counts_are_those_of_solve_and_change_at_proved_folds(hexapod):
     assert not limits.unexplained
     assert not limits.curves
     assert len(list(boundaries(found))) == len(list(found.edges)) + 1 > 1
-    for low, high in found.edges:
+    for (_, low), high in found.edges:
         here = [
             fold
             for fold in limits.crossings
@@ -43,15 +44,14 @@ def test_counts_are_those_of_solve_and_change_at_proved_folds(hexapod):
 
 
 def test_two_values(hexapod):
-    axes = [Axis(0, (2.4, 2.5, 2.6)), Axis(3, (1.9, 2.0))]
+    axes = [Axis("1", (2.4, 2.5, 2.6)), Axis("4", (1.9, 2.0))]
     found = scan_grid(hexapod, axes)
     assert found.modes.shape == found.conditions.shape == (3, 2)
     one = gspcli.set_values(hexapod, ["1=2.6", "4=2.0"])
     assert found.modes[2, 1] == gspcli.solve(one).real.sum()
-    assert found.values_at((2, 1)).tolist() == [2.6, 2.08, 0.93, 2.0, 1.46, 1.73]
 
 
-@pytest.mark.parametrize("axes", [[], [Axis(0, (1.0, 2.0))] * 2])
+@pytest.mark.parametrize("axes", [[], [Axis("1", (1.0, 2.0))] * 2])
 def test_mistakes_are_named(hexapod, axes):
     with pytest.raises(ArgumentError, match="axes: expected one or two different"):
         scan_grid(hexapod, axes)
@@ -59,8 +59,8 @@ def test_mistakes_are_named(hexapod, axes):
 
 def test_the_discriminant_is_followed_as_curves_with_cusps(hexapod):
     axes = [
-        Axis(0, tuple(np.linspace(1.9, 2.5, 7).tolist())),
-        Axis(3, tuple(np.linspace(1.6, 2.2, 7).tolist())),
+        Axis("1", tuple(np.linspace(1.9, 2.5, 7).tolist())),
+        Axis("4", tuple(np.linspace(1.6, 2.2, 7).tolist())),
     ]
     found = scan_grid(hexapod, axes)
     limits = boundary(found)
@@ -78,7 +78,7 @@ def test_the_discriminant_is_followed_as_curves_with_cusps(hexapod):
             away = np.linalg.norm(values - cusp, axis=1) > 1e-4
             values, normal = values[away], normal[away]
         sides += [values - normal, values + normal]
-    every = np.tile(found.values_at((0, 0)), (sum(map(len, sides)), 1))
+    every = np.tile(nominal_values(hexapod), (sum(map(len, sides)), 1))
     every[:, [0, 3]] = np.concatenate(sides)
     batch = gspcli.solver.solve_batch(hexapod, every)
     assert batch.complete.all()
@@ -97,7 +97,7 @@ def test_the_discriminant_is_followed_as_curves_with_cusps(hexapod):
 
 def test_a_curve_that_the_numbers_at_the_nodes_do_not_tell_of_is_found(hexapod):
     # It enters the only cell through an edge and leaves through the same.
-    axes = [Axis(0, (2.3162, 2.3562)), Axis(3, (1.6657, 1.6772))]
+    axes = [Axis("1", (2.3162, 2.3562)), Axis("4", (1.6657, 1.6772))]
     found = scan_grid(hexapod, axes)
     assert (found.modes == 0).all()
     limits = boundary(found)
@@ -106,8 +106,8 @@ def test_a_curve_that_the_numbers_at_the_nodes_do_not_tell_of_is_found(hexapod):
     first, last = sorted(limits.crossings, key=lambda one: one.values)
     assert (first.change, last.change) == (2, -2)
     assert first.values[1] == last.values[1] == 1.6772
-    between = found.values_at((0, 1))
-    between[0] = (first.values[0] + last.values[0]) / 2
+    between = nominal_values(hexapod)
+    between[[0, 3]] = (first.values[0] + last.values[0]) / 2, 1.6772
     assert gspcli.solver.solve_batch(hexapod, between[None]).real.sum() == 2
     (curve,) = limits.curves
     middle = curve.unknowns[len(curve.unknowns) // 2]
@@ -118,7 +118,7 @@ def test_a_curve_that_the_numbers_at_the_nodes_do_not_tell_of_is_found(hexapod):
 
 def test_pieces_can_be_done_apart(hexapod, monkeypatch):
     monkeypatch.setattr("gspcli.motion.singularities.scans._PIECE", 4)
-    axes = [Axis(0, (2.4, 2.5, 2.6)), Axis(3, (1.9, 2.0))]
+    axes = [Axis("1", (2.4, 2.5, 2.6)), Axis("4", (1.9, 2.0))]
     whole = scan_grid(hexapod, axes, clearance=True)
     part = Scan.empty(hexapod, axes, clearance=True)
     assert part.pieces == 2
@@ -155,7 +155,7 @@ constraints:
 
 def test_all_folds_of_a_planar_platform_whose_height_is_exactly_zero():
     """The sixth and seventh lie between the same two nodes, and cancel each other."""
-    found = scan_grid(gspcli.loads(PLANAR), [Axis(1, tuple(np.linspace(3, 10, 141).tolist()))])
+    found = scan_grid(gspcli.loads(PLANAR), [Axis("2", tuple(np.linspace(3, 10, 141).tolist()))])
     limits = boundary(found)
     assert not limits.unexplained
     values = sorted(fold.values[0] for fold in limits.crossings)
@@ -176,8 +176,8 @@ def test_both_modes_of_a_fold_are_told_where_the_height_is_exactly_zero():
 @pytest.mark.parametrize(
     ("name", "axis", "numbers", "poses", "folds"),
     [
-        ("three-rps", Axis(0, (3.1, 3.2)), [], [], [2, 2]),
-        ("delta", Axis(0, (-54.5, -54.3), "crank.B1"), [(14, 16)], [(1, 3)], []),
+        ("three-rps", Axis("1", (3.1, 3.2)), [], [], [2, 2]),
+        ("delta", Axis("crank.B1", (-54.5, -54.3)), [(14, 16)], [(1, 3)], []),
     ],
 )
 def test_where_symmetries_let_several_modes_meet_their_numbers_are_told(
@@ -193,3 +193,26 @@ def test_where_symmetries_let_several_modes_meet_their_numbers_are_told(
         (low, high), (first, last) = (one.low[0], one.high[0]), axis.values
         assert first <= low < high <= last
         assert high - low < 1e-3 * (last - first)
+
+
+BELOW = (
+    PLANAR.replace("[P1, H], value: 0", "[P1, H], value: 0.5, side: negative")
+    .replace("[P2, H], value: 0", "[P2, H], value: 0.2, side: positive")
+    .replace("[P3, H], value: 0", "[P3, H], value: 0.1, side: positive")
+    .replace("[3, 3, 0]", "[3, 3, 0.3]")
+)
+
+
+def test_folds_are_found_on_the_negative_side_of_a_plane():
+    found = scan_grid(gspcli.loads(BELOW), [Axis("4", (1.5, 1.75))])
+    limits = boundary(found)
+    assert found.modes.tolist() == [6, 4]
+    assert not limits.unexplained
+    (fold,) = limits.crossings
+    assert 1.5 < fold.values[0] < 1.75
+    assert fold.T[2] == pytest.approx(-fold.values[0])
+
+
+def test_a_negative_distance_is_no_value():
+    with pytest.raises(ArgumentError, match="vary: found -1 for constraint 4, expected a distance"):
+        scan_grid(gspcli.loads(BELOW), [Axis("4", (-1.0, 1.0))])
