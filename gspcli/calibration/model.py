@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import Kind, Primitive
 from gspcli.geometry.arrangement import Arrangement, Bodies
-from gspcli.geometry.drives import drive_numbers
+from gspcli.geometry.drives import Drives
 from gspcli.geometry.instance import Constraint, Instance, as_read
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import (
@@ -313,7 +313,7 @@ class Model:
             If both points of a constraint have drives.
         """
         if drives:
-            drive_numbers(instance)
+            Drives.of(instance)
         arrangement = Arrangement.of(instance)
         shifts = offsets(instance)
         shifts[arrangement.angles] *= arrangement.in_radians

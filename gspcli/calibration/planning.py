@@ -183,6 +183,8 @@ def _box(instance: Instance, model: Model, R: Array, T: Array) -> tuple[Array, A
         return -box, box
     unit = np.array([1.0] * 3 + [arrangement.in_radians] * 3)
     span = np.array([one.reached for one in travels(instance, R, T, connected=True)])
+    if not span.any():
+        raise ArgumentError("the ranges leave no room about home: every change leaves one")
     # Unlimited travel goes no farther than what is near.
     far = np.where(np.isfinite(span).all(axis=1) & (unit == 1.0), np.inf, np.pi / 2)
     return np.maximum(span[:, 0] * unit, -far), np.minimum(span[:, 1] * unit, far)

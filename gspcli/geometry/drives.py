@@ -20,7 +20,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -30,11 +30,10 @@ from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.coordinates import BODIES
 from gspcli.geometry.instance import Constraint, Instance, Side
-from gspcli.geometry.measurement import curvature, gradients, jacobian, measured
+from gspcli.geometry.measurement import by_twist, curvature, gradients, jacobian, measured
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Crank, Point, Slide, as_array
 from gspcli.geometry.quaternions import apply, cross, dot
-from gspcli.geometry.readings import factors, offsets
 from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
@@ -86,7 +85,8 @@ class Drives:
     arms
         The lengths of the arms of cranks; 1 for slides and values, shape (6,).
     rods
-        The values of constraints with a crank or a slide, which stay the same; NaN for others.
+        The values of constraints with a crank or a slide, which stay the same, signed on a chosen
+        side of a plane; NaN for others.
     """
 
     instance: Instance
@@ -116,7 +116,35 @@ class Drives:
         ArgumentError
             If both points of a constraint have drives.
         """
-        return cls(instance, **drive_numbers(instance))
+        rows, count = instance.constraints, len(instance.constraints)
+        found: dict[tuple[str, str], tuple[str, str, list[float]]] = {}
+        index, driven, on_platform = [], np.zeros(count, bool), np.zeros(count, bool)
+        middle, across, beside = np.zeros((3, count, 3))
+        arms, rods = np.ones(count), np.full(count, np.nan)
+        radian = instance.units.angle.in_radians
+        for k, row in enumerate(rows):
+            one = _only(k, driven_points(row))
+            if one is None:
+                key = ("", str(k + 1))
+                unit = 1.0 if row.kind.is_distance else radian
+                found[key] = (str(k + 1), "value", _numbers(row, unit))
+                middle[k] = as_array(row.base.position)
+            else:
+                owner, sort = one.point.partner or one.name or str(k + 1), one.drive.sort
+                key = (one.body, owner)
+                unit = radian if sort == "crank" else 1.0
+                found.setdefault(key, (f"{sort}.{owner}", sort, _numbers(one.drive, unit)))
+                driven[k], on_platform[k] = True, one.body == BODIES[0]
+                rods[k] = row.value.value * (-1 if row.side is Side.NEGATIVE else 1)
+                middle[k], across[k], beside[k] = _place(one.point, one.drive)
+                arms[k] = np.linalg.norm(beside[k])
+            index.append(list(found).index(key))
+        names, sorts, numbers = zip(*found.values(), strict=True)
+        units, low, high, tolerances, offsets, factors = np.array(numbers).T
+        return cls(
+            instance, names, sorts, np.array(index), driven, on_platform,
+            units, low, high, tolerances, offsets, factors, middle, across, beside, arms, rods,
+        )  # fmt: skip
 
     @property
     def count(self) -> int:
@@ -146,8 +174,29 @@ class Drives:
         return np.asarray(~self.driven & (~np.isfinite(high - low) | (low == high)))
 
     @cached_property
+    def planes(self) -> NDArray[np.bool_]:
+        """Which constraints are distances of a driven point and a plane, shape (6,)."""
+        sided = [row.kind.has_sides for row in self.instance.constraints]
+        return np.asarray(self.driven & sided)
+
+    @cached_property
+    def _single(self) -> NDArray[np.bool_]:
+        """Which constraints ask for one number only: values, and slides to planes, shape (6,)."""
+        return np.asarray(~self.driven | (self.planes & ~self._cranked))
+
+    @cached_property
     def _arrangement(self) -> Arrangement:
         return Arrangement.of(self.instance)
+
+    def user(self, k: int) -> str:
+        """Return what a constraint is called: a rod, if a drive moves an end of it."""
+        return f"{'rod' if self.driven[k] and not self.planes[k] else 'constraint'} {k + 1}"
+
+    @cached_property
+    def fixed(self) -> NDArray[np.bool_]:
+        """Which values cannot change, of any machine: those that stay, or have one, shape (6,)."""
+        low, high = self.low[self.index], self.high[self.index]
+        return np.asarray(self.stays | (~self.driven & (low == high)))
 
     def users(self, drive: int) -> list[int]:
         """Return the constraints with a drive, by their indices."""
@@ -218,14 +267,18 @@ class Drives:
 
     def gains(self, R: ArrayLike, T: ArrayLike, q: ArrayLike) -> Array:
         """Return the gains of the drives at their constraints, shape (..., 6)."""
-        R = np.asarray(R, float)
+        R, T = np.asarray(R, float), np.asarray(T, float)
         arrangement = self.arrangement(q)
-        f = gradients(arrangement, arrangement.placed(R, np.asarray(T, float))).r
-        velocity = self.velocities(q)
-        # The velocities of a platform's points in the axes of the base.
-        turned = -velocity @ np.swapaxes(R, -1, -2)
-        g = dot(f, np.where(self.on_platform[:, None], turned, velocity))
-        return np.where(self.driven, g, 1.0)
+        ways = self._in_base(R, self.velocities(q))
+        return self._gains(gradients(arrangement, arrangement.placed(R, T)).r, ways)
+
+    def _gains(self, f: Array, ways: Array) -> Array:
+        return np.where(self.driven, -dot(f, ways), 1.0)
+
+    def _in_base(self, R: Array, derivatives: Array) -> Array:
+        """Return derivatives of r by the drives from those of `points`, in the axes of the base."""
+        turned = derivatives @ np.swapaxes(R, -1, -2)
+        return np.where(self.on_platform[:, None], turned, -derivatives)
 
     def matrix(self, gains: Array) -> Array:
         """Return D with ``J t = D q'`` and ``tau = D^T F``, ``(..., 6) -> (..., 6, m)``."""
@@ -265,35 +318,20 @@ class Drives:
         R, T, t = (np.asarray(part, float) for part in (R, T, twist))
         a = np.zeros_like(t) if change is None else np.asarray(change, float)
         arrangement = self.arrangement(q)
-        J = jacobian(arrangement, R, T)
-        with np.errstate(all="ignore"):
-            g = self.gains(R, T, q)
-            first = apply(J, t) / g
-            second = (apply(J, a) + self._bent(arrangement, R, T, q, t, first)) / g
-        return self._per_drive(first), self._per_drive(second)
-
-    def _bent(
-        self, arrangement: Arrangement, R: Array, T: Array, q: ArrayLike, t: Array, first: Array
-    ) -> Array:
-        """Return the second derivatives of values by the time less those by t' and q''."""
-        omega, v = t[..., None, :3], t[..., None, 3:]
         placed = arrangement.placed(R, T)
-        f = gradients(arrangement, placed).r
-        velocity, bend = self.velocities(q), self.bends(q)
-        turned = np.swapaxes(R, -1, -2)
-        rate = first[..., None]
-        on = self.on_platform[:, None]
-        own, own_bend = (part @ turned for part in (velocity, bend))
-        arm = np.where(on, own * rate, 0.0)
-        spin = np.broadcast_to(omega, arm.shape)
-        moved = cross(spin, placed.arm) + v + np.where(on, arm, -velocity * rate)
-        # The acceleration of r without that of q and of the twist.
-        bent = cross(spin, cross(spin, placed.arm) + 2 * arm)
-        bent = bent + np.where(on, own_bend, -bend) * rate**2
-        length = np.linalg.norm(placed.r, axis=-1)
-        along = dot(f, moved)
-        rods = (dot(moved, moved) - along**2) / length + dot(f, bent)
-        return np.where(self.driven, rods, curvature(arrangement, R, T, t))
+        by = gradients(arrangement, placed)
+        J = by_twist(by, placed.arm, placed.w)
+        ways, bends = (self._in_base(R, part) for part in (self.velocities(q), self.bends(q)))
+        with np.errstate(all="ignore"):
+            g = self._gains(by.r, ways)
+            first = apply(J, t) / g
+            slip = ways * first[..., None]
+            bent = bends * first[..., None] ** 2
+            spin = np.broadcast_to(t[..., None, :3], slip.shape)
+            bent = bent + np.where(self.on_platform[:, None], 2 * cross(spin, slip), 0.0)
+            bent = curvature(arrangement, R, T, t, np.stack((slip, bent)))
+            second = (apply(J, a) + bent) / g
+        return self._per_drive(first), self._per_drive(second)
 
     def _per_drive(self, of_constraints: Array) -> Array:
         """Return the means over the constraints of each drive, ``(..., 6) -> (..., m)``."""
@@ -303,16 +341,17 @@ class Drives:
     def roots(self, R: ArrayLike, T: ArrayLike) -> Array:
         """Return the two numbers of each drive at poses, shape (..., 6, 2).
 
-        The first has a positive gain, the second a negative one; NaN where the rod does not reach
-        the circle or the rail. Of a crank without a range they are between -pi and pi, of one with
-        a range the nearest to its middle. A value stands twice.
+        The first has a positive gain, the second a negative one; NaN where the constraint does not
+        reach the circle or the rail. Of a crank without a range they are between -pi and pi, of one
+        with a range the nearest to its middle. A value stands twice, and so does a slide at a
+        distance to a plane.
 
         Raises
         ------
         ArgumentError
-            If a point with a drive belongs to another distance than that of two points.
+            If a point with a drive belongs to another constraint than a distance of two points, or
+            to a plane on a chosen side.
         """
-        self._need_rods()
         R, T = np.asarray(R, float), np.asarray(T, float)
         stated = self._arrangement
         values = measured(stated, R, T)
@@ -320,29 +359,64 @@ class Drives:
         values[..., skew] = np.abs(values[..., skew])
         if not self.driven.any():
             return np.stack((values, values), axis=-1)
+        self._check_kinds()
         base = stated.y @ np.swapaxes(R, -1, -2) + T[..., None, :]
         platform = (stated.x - T[..., None, :]) @ R
         other = np.where(self.on_platform[:, None], platform, base)
         w = other - self.middle
         square = dot(w, w)
         along, beside = dot(w, self.across), dot(w, self.beside)
+        # The value falls with ``along cos q + beside sin q``, which must be `right`.
+        right = (square + self.arms**2 - self.rods**2) / 2
+        if self.planes.any():
+            f = gradients(stated, stated.placed(R, T)).r
+            f = np.where(self.on_platform[:, None], -(f @ R), f)
+            along = np.where(self.planes, dot(f, self.across), along)
+            beside = np.where(self.planes, dot(f, self.beside), beside)
+            right = np.where(self.planes, dot(f, w) - self.rods, right)
         with np.errstate(all="ignore"):
-            cosine = (square + self.arms**2 - self.rods**2) / (2 * np.hypot(along, beside))
-            half = _arc(cosine)
+            half = _arc(right / np.hypot(along, beside))
             turn = self._wrapped(np.arctan2(beside, along)[..., None] + _pair(half))
             across = np.maximum(square - beside**2, 0.0)
             step = np.sqrt(_room(self.rods**2 - across, self.rods**2))
             shift = beside[..., None] + _pair(step)
+            single = (right / beside)[..., None]
+            single = np.where(np.isfinite(single), single, np.nan)
         found = np.where(self._cranked[:, None], turn, shift)
+        found = np.where((self.planes & ~self._cranked)[:, None], single, found)
         return np.where(self.driven[:, None], found, values[..., None])
 
-    def _need_rods(self) -> None:
+    def _check_kinds(self) -> None:
         for k in np.flatnonzero(self.driven):
-            kind = self.instance.constraints[k].kind
-            if kind is not DPP:
-                name = self.names[self.index[k]]
-                message = f"constraint {k + 1} of its point is {kind.name}, expected a DPP: a rod"
-                raise ArgumentError(message, name)
+            row, name = self.instance.constraints[k], self.names[self.index[k]]
+            if row.kind is not DPP and not row.kind.has_sides:
+                raise ArgumentError(
+                    f"constraint {k + 1} of its point is {row.kind.name}, expected a DPP: a rod, "
+                    "or a distance to a plane",
+                    name,
+                )
+            if row.side is Side.BOTH and row.kind.has_sides and row.value.value:
+                raise ArgumentError(
+                    f"constraint {k + 1} of its point is a distance on both sides of a plane, "
+                    "expected a side: positive or negative",
+                    name,
+                )
+
+    def refuse_planes(self, what: str) -> None:
+        """Raise if a drive moves the point of a distance to a plane, for what knows only rods.
+
+        Raises
+        ------
+        ArgumentError
+            Naming the drive, and what is not computed.
+        """
+        for k in np.flatnonzero(self.planes)[:1]:
+            raise ArgumentError(
+                f"constraint {k + 1} of its point is a distance to a plane: {what} of such a "
+                "machine is not computed yet, only poses and values (gsp solve, measure --drives, "
+                "track, scan and analyze)",
+                self.names[self.index[k]],
+            )
 
     def _wrapped(self, angles: Array) -> Array:
         """Return angles (..., 6, 2) by whole turns: nearest to the middle of their range, or 0."""
@@ -353,7 +427,7 @@ class Drives:
         return near
 
     def knees(self, R: ArrayLike, T: ArrayLike, what: str = "the pose") -> NDArray[np.int64]:
-        """Return the signs of the gains at one pose, 1 for values, shape (6,).
+        """Return the signs of the gains at one pose, shape (6,); 1 for what has one number.
 
         Of the two numbers of a drive the one nearer to zero is taken: the stated point.
 
@@ -371,12 +445,12 @@ class Drives:
         """
         both = self.roots(R, T)
         size = np.where(self._cranked, 1.0, self.rods)
-        for k in np.flatnonzero(self.driven):
+        for k in np.flatnonzero(self.driven).tolist():
             name, unit = self.names[self.index[k]], self.units[self.index[k]]
             if np.isnan(both[k]).any():
-                raise ArgumentError(f"rod {k + 1} does not reach {what}", name)
+                raise ArgumentError(f"{self.user(k)} does not reach {what}", name)
             first, second = np.abs(both[k]).tolist()
-            if abs(first - second) <= _EQUALLY_NEAR * size[k]:
+            if not self._single[k] and abs(first - second) <= _EQUALLY_NEAR * size[k]:
                 a, b = (f"{x:.10g}" for x in sorted(both[k] / unit))
                 message = (
                     f"{what} is reached at {a} and at {b}, equally near to the stated point: "
@@ -416,17 +490,25 @@ class Drives:
             knees = _first_knees(both, self.driven)
         return self._kept(np.where(knees > 0, both[..., 0], both[..., 1]))
 
-    def _kept(self, wanted: Array) -> Array:
-        """Return what constraints ask for, NaN for values that must stay and do not."""
-        if not self.stays.any():
-            return wanted
+    @cached_property
+    def held(self) -> tuple[Array, Array]:
+        """Between what values that stay are, up to 1e-9 of the size or of a radian, shapes (6,).
+
+        Lengths and radians, signed on a chosen side, the modulus on both; infinite for others.
+        """
         a = self._arrangement
         stated = np.where(a.sides < 0, -a.targets, a.targets)
-        other = np.where(a.sided & (a.sides == 0), -stated, stated)
-        off = np.minimum(np.abs(wanted - stated), np.abs(wanted - other))
-        size = np.full(len(stated), a.length)
-        size[a.angles] = 1.0
-        return np.where(self.stays & (off > _SAME * size), np.nan, wanted)
+        room = np.full(len(stated), _SAME * a.length)
+        room[a.angles] = _SAME
+        never = np.where(self.stays, 0.0, np.inf)
+        return stated - room - never, stated + room + never
+
+    def _kept(self, wanted: Array) -> Array:
+        """Return what constraints ask for, NaN for values that must stay and do not."""
+        a, (low, high) = self._arrangement, self.held
+        values = np.where(a.sided & (a.sides == 0), np.abs(wanted), wanted)
+        off = (values < low) | (values > high)
+        return np.where(self.stays & off, np.nan, wanted)
 
     def inverse(self, R: ArrayLike, T: ArrayLike, knees: NDArray[np.int64] | None = None) -> Array:
         """Return the numbers of the drives at poses (inverse kinematics), shape (..., m).
@@ -518,7 +600,7 @@ def _first_knees(both: Array, driven: NDArray[np.bool_]) -> NDArray[np.int64]:
     return _nearer(pairs[first, np.arange(pairs.shape[1])], driven)
 
 
-class Driven(NamedTuple):
+class MovedPoint(NamedTuple):
     """A point of a constraint that has a crank or a slide."""
 
     body: str
@@ -536,10 +618,10 @@ class ThickArm(NamedTuple):
     diameter: Number
 
 
-def driven_points(row: Constraint) -> list[Driven]:
+def driven_points(row: Constraint) -> list[MovedPoint]:
     """Return the points of a constraint that have cranks or slides."""
     return [
-        Driven(body, point, getattr(row, f"{body}_name"), point.drive)
+        MovedPoint(body, point, getattr(row, f"{body}_name"), point.drive)
         for body in BODIES
         if isinstance(point := getattr(row, body), Point) and point.drive is not None
     ]
@@ -570,73 +652,10 @@ def shares_drives(instance: Instance) -> bool:
     return len(set(motors)) < len(motors)
 
 
-class _Motor(NamedTuple):
-    """What is kept of one drive, as q: lengths and radians; offset and factor are of readings."""
-
-    unit: float
-    low: float
-    high: float
-    tolerance: float
-    offset: float
-    factor: float
-
-
-#: The fields of `Drives` that come from those of `_Motor`.
-_MOTOR = ("units", "low", "high", "tolerances", "offsets", "factors")
-
-
-def drive_numbers(instance: Instance) -> dict[str, Any]:
-    """Return the fields of `gspcli.geometry.drives.Drives` by their names.
-
-    Raises
-    ------
-    ArgumentError
-        If both points of a constraint have drives.
-    """
-    rows = instance.constraints
-    found: dict[tuple[str, str], tuple[str, str, _Motor]] = {}
-    index, driven, on_platform = [], np.zeros(len(rows), bool), np.zeros(len(rows), bool)
-    middle, across, beside = np.zeros((3, len(rows), 3))
-    arms, rods = np.ones(len(rows)), np.full(len(rows), np.nan)
-    motors = _motors_of_values(instance)
-    radians = instance.units.angle.in_radians
-    for k, row in enumerate(rows):
-        one = _only(k, driven_points(row))
-        if one is None:
-            key = ("", str(k + 1))
-            found[key] = (str(k + 1), "value", motors[k])
-            middle[k] = as_array(row.base.position)
-        else:
-            owner, sort = one.point.partner or one.name or str(k + 1), one.drive.sort
-            key = (one.body, owner)
-            unit = radians if sort == "crank" else 1.0
-            found.setdefault(key, (f"{sort}.{owner}", sort, _motor(one.drive, unit)))
-            driven[k], on_platform[k] = True, one.body == BODIES[0]
-            rods[k] = row.value.value
-            middle[k], across[k], beside[k] = _place(one.point, one.drive)
-            arms[k] = np.linalg.norm(beside[k])
-        index.append(list(found).index(key))
-    names, sorts, kept = zip(*found.values(), strict=True)
-    return {
-        "names": names,
-        "sorts": sorts,
-        "index": np.array(index),
-        "driven": driven,
-        "on_platform": on_platform,
-        **dict(zip(_MOTOR, np.array(kept).T, strict=True)),
-        "middle": middle,
-        "across": across,
-        "beside": beside,
-        "arms": arms,
-        "rods": rods,
-    }
-
-
-def _only(k: int, found: list[Driven]) -> Driven | None:
+def _only(k: int, found: list[MovedPoint]) -> MovedPoint | None:
     if len(found) > 1:
         names = " and ".join(one.name or "a point" for one in found)
-        message = f"constraint {k + 1} has drives at both ends ({names}), expected one"
-        raise ArgumentError(message)
+        raise ArgumentError(f"constraint {k + 1} has drives at both ends ({names}), expected one")
     return found[0] if found else None
 
 
@@ -650,23 +669,20 @@ def _place(point: Point, drive: Crank | Slide) -> tuple[Array, Array, Array]:
     return centre + height, arm - height, np.cross(drive.unit, arm - height)
 
 
-def _motor(drive: Crank | Slide, unit: float) -> _Motor:
-    low, high = (-np.inf, np.inf) if drive.limits is None else (x.value for x in drive.limits)
-    off = np.nan if drive.tolerance is None else drive.tolerance.value
-    offset = 0.0 if drive.offset is None else drive.offset.value
-    factor = 1.0 if drive.scale is None else 1 + drive.scale.value
-    return _Motor(unit, low * unit, high * unit, off * unit, offset, factor)
+def _numbers(stated: Crank | Slide | Constraint, unit: float) -> list[float]:
+    """Return what is kept of a drive: unit, range, tolerance, offset and factor of readings.
 
-
-def _motors_of_values(instance: Instance) -> list[_Motor]:
-    """Return the drives of constraints whose values are driven; signed on a chosen side."""
-    found = []
-    corrections = zip(offsets(instance), factors(instance), strict=True)
-    for row, (offset, factor) in zip(instance.constraints, corrections, strict=True):
-        unit = 1.0 if row.kind.is_distance else instance.units.angle.in_radians
-        low, high = (-np.inf, np.inf) if row.limits is None else (x.value for x in row.limits)
-        if row.side is Side.NEGATIVE:
-            low, high = -high, -low
-        off = np.nan if row.tolerance is None else row.tolerance.value
-        found.append(_Motor(unit, low * unit, high * unit, off * unit, offset, factor))
-    return found
+    Lengths and radians; on a chosen side the range is that of the signed distance.
+    """
+    low, high = (-np.inf, np.inf) if stated.limits is None else (x.value for x in stated.limits)
+    if isinstance(stated, Constraint) and stated.side is Side.NEGATIVE:
+        low, high = -high, -low
+    off, offset, scale = (
+        default if number is None else number.value
+        for number, default in (
+            (stated.tolerance, np.nan),
+            (stated.offset, 0.0),
+            (stated.scale, 0.0),
+        )
+    )
+    return [unit, low * unit, high * unit, off * unit, offset, 1 + scale]

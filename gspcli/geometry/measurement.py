@@ -84,16 +84,25 @@ def hessian(bodies: Bodies, R: Field, T: Field) -> Field:
     return matrices
 
 
-def curvature(bodies: Bodies, R: Field, T: Field, twists: Field) -> Field:
+def curvature(
+    bodies: Bodies, R: Field, T: Field, twists: Field, slip: Field | None = None
+) -> Field:
     """Return the second derivatives of `measured` along constant twists, ``(..., 6) -> (..., n)``.
 
-    These are ``t.H t`` with the matrices of `hessian`, in a seventh of the time.
+    Parameters
+    ----------
+    slip
+        The velocity of r and its derivative when points move in their bodies, too, shape
+        (2, ..., n, 3). Without it these are ``t.H t`` with the matrices of `hessian`, in a seventh
+        of the time.
     """
     r, w, arm = bodies.placed(R, T)
     v = np.broadcast_to(bodies.v, w.shape)
     omega = np.broadcast_to(twists[..., None, :3], arm.shape)
     turned, w_moves = cross(omega, arm), cross(omega, w)
     r_moves, r_bends = turned + twists[..., None, 3:], cross(omega, turned)
+    if slip is not None:
+        r_moves, r_bends = r_moves + slip[0], r_bends + slip[1]
     w_bends = cross(omega, w_moves)
     found: Field = np.zeros(r.shape[:-1], dtype=r.dtype)
     for kind, k in _alike(bodies.kinds):

@@ -63,7 +63,7 @@ from gspcli.solver.study_systems import coefficients_of
 if TYPE_CHECKING:
     from gspcli.certification.counting import ExactCount
     from gspcli.certification.poses.many_values import ValueProofs
-    from gspcli.geometry.drives import Driven
+    from gspcli.geometry.drives import MovedPoint
     from gspcli.geometry.primitives import Vector
     from gspcli.solver.result import SolveResult
 
@@ -216,7 +216,7 @@ def _fraction(x: float) -> Number:
     return Number.of(Fraction(round(x), _PLACES))
 
 
-def _place(one: Driven, along: Number, beside: Number) -> Vector:
+def _place(one: MovedPoint, along: Number, beside: Number) -> Vector:
     """Return a point of the line of a slide, or of the plane of the circle of a crank, exactly."""
     drive, point = one.drive, one.point.position
     if not isinstance(drive, Crank):
@@ -457,7 +457,7 @@ def joint_numbers(instance: Instance, drives: Drives, proofs: ValueProofs) -> li
     return [*found, forms, tiny]
 
 
-def _circle(one: Driven, scale: float) -> Array:
+def _circle(one: MovedPoint, scale: float) -> Array:
     """Return middle, across and beside of a drive as `Doubled`: vectors, entries, parts."""
     from gspcli.certification.numbers.balls import ball
 

@@ -174,10 +174,10 @@ def test_only_what_is_connected_with_a_stated_home_is_counted(gsp):
     assert run.err == "home is mode 8: nearest to the stated home\n"
 
 
-def test_values_that_no_motor_drives_and_no_range_holds_are_named(gsp):
-    said = "values that may change on the way, without a range: 4, 5 and 6"
+def test_values_that_stay_are_named(gsp):
+    said = "fixed values, kept by all: 4, 5 and 6"
     assert said in gsp("workspace", "@three-prs").out
-    assert "without a range" not in gsp("workspace", "@reachy-mini-head").out
+    assert "fixed value" not in gsp("workspace", "@reachy-mini-head").out
 
 
 # `gsp workspace` and `gsp clearance` of machines whose motors turn arms or move carriages.

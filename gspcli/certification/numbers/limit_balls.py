@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from gspcli.catalogue.kinds import AHH, AHL, ALH, ALL, DHP, DLL, DLP, DPH, DPL, DPP, Kind
 from gspcli.certification.numbers.balls import ball, dot, norm, rotated
 from gspcli.certification.numbers.rounding import OUTWARD, TINY
-from gspcli.geometry.drives import Driven, driven_points
+from gspcli.geometry.drives import MovedPoint, driven_points
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side
 from gspcli.geometry.limits import joint_cones
 from gspcli.geometry.numbers import Number
@@ -235,7 +235,9 @@ def drive_balls(
     )
 
 
-def _drive_numbers(one: Driven, row: Constraint, degree: arb) -> tuple[arb | None, arb | None, arb]:
+def _drive_numbers(
+    one: MovedPoint, row: Constraint, degree: arb
+) -> tuple[arb | None, arb | None, arb]:
     """Return the ends of the range, None without one, and the square of the length of the rod."""
     square = ball(row.value) * ball(row.value)
     if one.drive.limits is None:
@@ -246,7 +248,7 @@ def _drive_numbers(one: Driven, row: Constraint, degree: arb) -> tuple[arb | Non
 
 
 def _drive_vectors(
-    one: Driven, R: list[_Vector], pivot: _Vector, ends: Sequence[arb | None]
+    one: MovedPoint, R: list[_Vector], pivot: _Vector, ends: Sequence[arb | None]
 ) -> list[_Vector]:
     """Return the vectors of `DriveBalls` of one motor."""
     point = [ball(number) for number in one.point.position]

@@ -40,7 +40,7 @@ from gspcli.cli.render import Output, emit, write
 from gspcli.cli.result import Field, Fields, Result, vector_text
 from gspcli.cli.streams import progress, say
 from gspcli.errors import GspError, IncompleteError
-from gspcli.geometry.drives import driven_points, is_driven, shares_drives
+from gspcli.geometry.drives import Drives, is_driven, shares_drives
 from gspcli.geometry.frames import IDENTITY, PoseFrame
 from gspcli.records import dataclass
 from gspcli.wording import listed, shown
@@ -515,7 +515,7 @@ def show_travels(
         f"x, y, z in {units.length}, rx, ry, rz in {units.angle.value}; proved: up to there {what}",
     ]
     notes += frame_note(home.frame)
-    notes += _free_values(instance)
+    notes += _fixed_values(instance)
     if shares_drives(instance):
         notes.append("rods share drives: what the platform reaches when it turns is not computed")
     if any(row["down"] is None for row in rows):
@@ -536,16 +536,13 @@ def show_travels(
     emit(output, Result(columns, rows, title=instance.title, notes=notes), document=document)
 
 
-def _free_values(instance: Instance) -> list[str]:
-    """Return which values neither a motor nor a range holds, of a machine with motors."""
-    free = [
-        str(k)
-        for k, row in enumerate(instance.constraints, 1)
-        if row.limits is None and not driven_points(row)
-    ]
-    if not free or not is_driven(instance):
+def _fixed_values(instance: Instance) -> list[str]:
+    """Return which values no drive and no range changes, in words."""
+    fixed = [str(k) for k, stays in enumerate(Drives.of(instance).fixed, 1) if stays]
+    if not fixed:
         return []
-    return [f"values that may change on the way, without a range: {listed(free, 'and')}"]
+    stay = "fixed value, which every pose keeps" if len(fixed) == 1 else "fixed values, kept by all"
+    return [f"{stay}: {listed(fixed, 'and')}"]
 
 
 def _offset_rows(

@@ -55,6 +55,7 @@ typedef struct {
 #if HAS_BASE_CRANK || HAS_PLATFORM_CRANK || HAS_BASE_SLIDE || HAS_PLATFORM_SLIDE
   double A[6][3], B[6][3]; /* points on circles: X (or Y) + A cos + B sin; on rails: X (or Y) + B c */
   double crank[6], rod[6]; /* the radii, of rails 1, and the lengths of the rods */
+  double lowest[6], highest[6]; /* of value + offset at a pose, or of its modulus: if no drive changes it */
 #endif
   double norm_y[6];          /* not below |Y|, with the crank */
   double moduli[6];          /* not below the sum of the moduli of all that Y and X are sums of */
@@ -1156,6 +1157,16 @@ static int number(const geometry *g, const frame *f, int k, double *c) {
   return PLATFORM_PROVED;
 }
 
+#if HAS_BASE_CRANK || HAS_PLATFORM_CRANK || HAS_BASE_SLIDE || HAS_PLATFORM_SLIDE
+/* Is a value that no drive changes the stated one? */
+static int stays(const geometry *g, int k, double value) {
+#if HAS_DPH || HAS_DHP
+  if (g->either[k]) value = fabs(value);
+#endif
+  return value >= g->lowest[k] && value <= g->highest[k];
+}
+#endif
+
 static int measure(const geometry *g, const platform_pose *pose, double *values) {
   frame f;
   int k;
@@ -1167,6 +1178,9 @@ static int measure(const geometry *g, const platform_pose *pose, double *values)
     status = number(g, &f, k, c);
     if (status) return status;
     values[k] = c[k] / g->unit[k] - g->offset[k];
+#if HAS_BASE_CRANK || HAS_PLATFORM_CRANK || HAS_BASE_SLIDE || HAS_PLATFORM_SLIDE
+    if (!stays(g, k, c[k] / g->unit[k])) return PLATFORM_RANGE;
+#endif
   }
   return PLATFORM_PROVED;
 }

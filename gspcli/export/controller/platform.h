@@ -52,7 +52,7 @@ typedef struct {
 enum {
   PLATFORM_PROVED = 0,     /* the pose is the continuation along the line of values */
   PLATFORM_NOT_FINITE = 1, /* an argument is not finite, or a quaternion is zero */
-  PLATFORM_RANGE = 2,      /* a value is outside its range, or a crank does not reach */
+  PLATFORM_RANGE = 2,      /* a value is outside its range or cannot change, or a crank does not reach */
   PLATFORM_SINGULAR = 3,   /* refused: too near to a singular pose, here or ahead; or the distance of
                               two lines becomes zero, from where both sides are as good */
   PLATFORM_TRIES_SPENT = 4, /* refused: not proved in PLATFORM_TRIES tries: the line is too long */

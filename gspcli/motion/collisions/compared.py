@@ -459,7 +459,7 @@ def point_moves(drives: Drives, R: Array, T: Array, q: Array, moves: Array) -> A
     with np.errstate(all="ignore"):
         linear = room / np.abs(gains)
         for factor in _TRIED:
-            for k in np.flatnonzero(drives.driven).tolist():
+            for k in np.flatnonzero(drives.driven & ~drives.planes).tolist():
                 change = np.zeros_like(q)
                 change[:, drives.index[k]] = factor * linear[:, k]
                 low, high = (

@@ -116,7 +116,8 @@ class Follower:
         status = self._controller.start(np.concatenate((translation, quaternion)))
         if status:
             message = {
-                FollowerStatus.RANGE: "a crank or slide does not reach this pose",
+                FollowerStatus.RANGE: "a crank or slide does not reach this pose, or a value that "
+                "stays is another one there",
                 FollowerStatus.SINGULAR: "lines are parallel there",
             }.get(FollowerStatus(status), "found no pose: a rotation and a translation")
             raise ArgumentError(message)

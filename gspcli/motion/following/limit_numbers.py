@@ -11,13 +11,11 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.drives import Drives
 from gspcli.geometry.instance import Instance, Side
 from gspcli.geometry.limits import joint_cones
-from gspcli.motion.following.platform_numbers import PlatformNumbers, motor_of
+from gspcli.motion.following.platform_numbers import NEVER, PlatformNumbers, motor_of
 from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
 
-#: A number without a range is between this and its negative.
-NEVER = 1e30
 #: The largest number of joints with a cone.
 _CONES = 12
 

@@ -21,8 +21,8 @@ from gspcli.geometry.drives import Drives, is_driven
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.limits import joint_cones
 from gspcli.geometry.quaternions import quaternion_from_rotation, rotation_from_quaternion
-from gspcli.motion.following.limit_numbers import NEVER, limit_numbers
-from gspcli.motion.following.platform_numbers import platform_numbers
+from gspcli.motion.following.limit_numbers import limit_numbers
+from gspcli.motion.following.platform_numbers import NEVER, platform_numbers
 
 Array = NDArray[np.float64]
 

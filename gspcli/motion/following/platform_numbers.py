@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import DPP, Primitive
 from gspcli.errors import ArgumentError
-from gspcli.geometry.drives import driven_points
+from gspcli.geometry.drives import Drives, driven_points
 from gspcli.geometry.instance import Constraint, Instance, Side
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Crank, Geometry, Line, Point, Slide
@@ -35,6 +35,8 @@ _UP = 1 + 2.0**-40
 #: A value is outside a limit if it exceeds it by more than this part of the limit, as in
 #: `geometry.limits`.
 _ROUNDING = 1e-12
+#: A number without a limit is between this and its negative.
+NEVER = 1e30
 #: No value is larger, in units of the size or radians.
 _LARGEST = 1e9
 #: Directions in which the primitives determine the middle less than this are not used.
@@ -58,6 +60,8 @@ class PlatformNumbers:
     B: Array
     crank: Array
     rod: Array
+    lowest: Array
+    highest: Array
     norm_y: Array
     moduli: Array
     middle: Array
@@ -135,7 +139,13 @@ def platform_numbers(
     added = np.where(driven, [_stated(m, "offset") for m in motors], offsets(instance))
     limits = _limits(instance, _LARGEST / unit, margin)
     least, most = (limit / scale for limit in limits)
-    sided = [row.kind.has_sides and row.side is Side.BOTH and bool(row.limits) for row in rows]
+    drives = Drives.of(instance)
+    in_file = np.where(angles, instance.units.angle.in_radians, 1.0) * scale
+    lowest, highest = (np.clip(held / in_file, -NEVER, NEVER) for held in drives.held)
+    sided = [
+        row.kind.has_sides and row.side is Side.BOTH and bool(row.limits or stays)
+        for row, stays in zip(rows, drives.stays, strict=True)
+    ]
     return PlatformNumbers(
         kind=np.array([CONTROLLER_KINDS.index(kind) for kind in kinds], np.uint8),
         Y=Y,
@@ -146,6 +156,8 @@ def platform_numbers(
         B=np.array([arm.B for arm in arms]) * by_number[:, None],
         crank=cranks * _UP,
         rod=np.where(driven, [row.value.value for row in rows], 0.0) / reach,
+        lowest=lowest,
+        highest=highest,
         norm_y=(np.linalg.norm(Y, axis=1) + np.where(on_platform, cranks, 0)) * _UP,
         moduli=moduli * _UP,
         middle=np.array([float(x) for x in middles[0]]),

@@ -80,6 +80,7 @@ class _Vectors:
             columns = [self._of_value(k) for k in range(6)]
         else:
             drives = motors.drives
+            drives.refuse_planes("how far drives move on a path")
             first = [drives.users(k)[0] for k in range(drives.count)]
             columns = [self._of_drive(k) if drives.driven[k] else self._of_value(k) for k in first]
         return np.stack(columns, axis=1)

@@ -207,6 +207,12 @@ def drive_values(
     return drives, q
 
 
+def changed_value(drives: Drives, k: int, value: float) -> str:
+    """Return in words that a value that stays is another one at a pose."""
+    stated = drives.instance.constraints[k].value.value
+    return f"value {k + 1} is {value:.6g} and stays at {stated:.6g}"
+
+
 def refusals(drives: Drives, R: Array, T: Array, q: Array) -> dict[int, str]:
     """Return why a machine cannot take poses, by their rows.
 
@@ -222,15 +228,16 @@ def refusals(drives: Drives, R: Array, T: Array, q: Array) -> dict[int, str]:
         users, name = drives.users(k), drives.names[k]
         numbers = wanted[row, users] / drives.units[k]
         if drives.stays[users[0]]:
-            stated = drives.instance.constraints[users[0]].value.value
-            reason = f"value {name} is {there[row, users[0]]:.6g} and stays at {stated:.6g}"
+            reason = changed_value(drives, users[0], there[row, users[0]])
         elif np.isnan(numbers).any():
-            rod = "leg" if len(users) == 1 else f"rod {users[int(np.isnan(numbers).argmax())] + 1}"
-            reason = f"the {rod} of {name} does not reach"
+            first = users[int(np.isnan(numbers).argmax())]
+            alone = len(users) == 1 and not drives.planes[first]
+            reason = f"the {'leg' if alone else drives.user(first)} of {name} does not reach"
         else:
             rods = " and ".join(str(one + 1) for one in users)
             asked = " and ".join(f"{x:.6g}" for x in numbers)
-            reason = f"rods {rods} ask for {asked} of {name}"
+            what = "constraints" if drives.planes[users].any() else "rods"
+            reason = f"{what} {rods} ask for {asked} of {name}"
         found[row] = f"{found[row]}; {reason}" if row in found else reason
     return found
 

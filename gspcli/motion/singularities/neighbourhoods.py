@@ -393,6 +393,7 @@ class DrivenNeighbourhood(Neighbourhood):
     """
 
     def __init__(self, drives: Drives, R: Array, T: Array, q: Array) -> None:
+        drives.refuse_planes("the clearance")
         placed = apart(drives.instance_at(q))
         platform = MovingPlatform(placed)
         self.driven = drives.driven

@@ -134,6 +134,7 @@ class _Division:
             message = "no constraint has a range and no joint a cone: every pose can be reached"
             raise ArgumentError(message)
         self.bounds = self._bounds(within)
+        boxes.refuse_fixed(self.bounds, self.indices)
         self.home = HomePart(boxes, self.bounds, self.indices) if boxes.regular else None
         self.judged = 0
         self.inner: list[Layer] = []

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
@@ -10,12 +11,16 @@ from numpy.typing import ArrayLike, NDArray
 
 from gspcli import _kernel
 from gspcli.errors import ArgumentError
+from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.drives import Drives, driven_points, is_driven
 from gspcli.geometry.euler import check_sequence, rotation_from_euler
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.limits import joint_cones
+from gspcli.geometry.numbers import Number
 from gspcli.geometry.quaternions import apply, quaternion_from_rotation, rotation_from_quaternion
+from gspcli.geometry.ranges import value_range
 from gspcli.motion.collisions.compared import ComparedShapes
+from gspcli.wording import listed
 
 Array = NDArray[np.float64]
 Keys = NDArray[np.uint64]
@@ -114,7 +119,8 @@ class PoseBoxes:
         # Ball arithmetic takes long to import; it is needed for proofs of boxes only.
         from gspcli.certification.numbers.limit_balls import limit_balls
 
-        self._balls = limit_balls(instance, self.quaternion.tolist(), self.pivot.tolist())
+        self._limited, self.fixed = _with_room(instance)
+        self._balls = limit_balls(self._limited, self.quaternion.tolist(), self.pivot.tolist())
         self.drives: DrivenBoxes | None = None
         if is_driven(instance):
             signs = knees_of(instance, self.R, T) if knees is None else np.asarray(knees)
@@ -141,7 +147,7 @@ class PoseBoxes:
         Ranges, of values or of the motors that move points; cones; that the rods reach the points
         of their motors; regularity.
         """
-        bits = [k for k, row in enumerate(self.instance.constraints) if row.limits is not None]
+        bits = [k for k, row in enumerate(self._limited.constraints) if row.limits is not None]
         bits += [_RANGES + k for k in range(len(self.cones))]
         if self.drives:
             bits = [k for k in bits if k not in self.drives.rows] + self.drives.ranged
@@ -163,6 +169,8 @@ class PoseBoxes:
             drives = self.drives if self.drives and k in self.drives.rows else None
             if drives and conditions >> (_REACH + k) & 1:
                 found.append(f"reach of {drives.point(k)}")
+            elif (conditions & self.fixed) >> k & 1:
+                found.append(f"fixed value of {k + 1}")
             elif conditions >> k & 1:
                 found.append(f"range of {drives.name(k) if drives else k + 1}")
         found += [
@@ -199,7 +207,7 @@ class PoseBoxes:
 
     def _legs(self) -> Iterator[tuple[float, list[tuple[Array, Array, Array]]]]:
         """Yield the greatest lengths of legs, with their points at home, y and x, and margins."""
-        for k, row in enumerate(self.instance.constraints):
+        for k, row in enumerate(self._limited.constraints):
             if self.drives and k in self.drives.rows:
                 y, x = self._balls.vectors[k, 0, :, 0], self._balls.vectors[k, 2, :, 0]
                 yield row.value.value, self.drives.places(k, y, x)
@@ -220,6 +228,30 @@ class PoseBoxes:
         bounds[:3, 1] = np.maximum(bounds[:3, 0], bounds[:3, 1])
         bounds[3:] = 0.0
         return bounds
+
+    def refuse_fixed(self, bounds: Array, free: Sequence[int]) -> None:
+        """Raise if a value that stays is not proved to be the same in a whole box.
+
+        Poses that keep such a value have no volume.
+
+        Raises
+        ------
+        ArgumentError
+            Naming the values.
+        """
+        one, changed = np.zeros(1, np.uint64), []
+        for k in range(_RANGES):
+            asked = np.array([self.fixed & 1 << k], np.uint32)
+            if asked.any() and not len(self.judge(bounds, free, 0, one, asked, split=False).inside):
+                changed.append(str(k + 1))
+        if changed:
+            names = listed([PARAMETERS[k] for k in free], "and")
+            what, them = ("value", "it") if len(changed) == 1 else ("values", "them")
+            raise ArgumentError(
+                f"of {what} {listed(changed, 'and')} none changes, and poses that keep {them} have "
+                f"no volume in {names}\nask for the travel of each axis (gsp workspace), for poses "
+                f"that keep {them} (gsp measure --nearest, gsp track), or give a wider range"
+            )
 
     def judge(
         self,
@@ -320,6 +352,24 @@ class PoseBoxes:
         )
 
 
+def _with_room(instance: Instance) -> tuple[Instance, int]:
+    """Return an instance in which values that stay have a range: 1e-9 of the size either way.
+
+    Also returned are the bits of these values.
+    """
+    drives, rows = Drives.of(instance), list(instance.constraints)
+    room = _SAME * Arrangement.of(instance).length, _SAME / instance.units.angle.in_radians
+    fixed = np.flatnonzero(drives.fixed).tolist()
+    for k in fixed:
+        row = rows[k]
+        value = (row.value if row.limits is None else row.limits[0]).value
+        lowest, highest = value_range(row.kind, instance.units.angle)
+        off = room[not row.kind.is_distance]
+        ends = max(value - off, lowest), min(value + off, highest)
+        rows[k] = replace(row, limits=(Number.of(ends[0]), Number.of(ends[1])))
+    return replace(instance, constraints=tuple(rows)), sum(1 << k for k in fixed)
+
+
 def _shapes_of(instance: Instance, gap: float) -> ComparedShapes:
     if not np.isfinite(gap):
         message = f"found {gap}, expected a finite number"
@@ -335,8 +385,6 @@ def places(keys: Keys, dimensions: int) -> NDArray[np.int64]:
     return np.stack(columns, axis=-1).astype(np.int64)
 
 
-#: A number is outside its range if it exceeds the range by more than this part of it.
-_RANGE_ROUNDING = 1e-12
 #: Rods with one drive must need the same place of it, up to this part of the size.
 _SAME = 1e-9
 _ADVICE = (
@@ -365,6 +413,7 @@ class DrivenBoxes:
         from gspcli.certification.numbers.limit_balls import drive_balls
 
         self.drives = drives = Drives.of(instance)
+        drives.refuse_planes("the reach")
         self.rows: list[int] = np.flatnonzero(drives.driven).tolist()
         self.balls = drive_balls(instance, quaternion.tolist(), pivot.tolist(), knees.tolist())
 
@@ -469,26 +518,6 @@ def knees_of(
     assert R is not None
     assert T is not None
     return drives.knees(R, np.asarray(T, float), "home")
-
-
-def drive_violations(drives: Drives, knees: NDArray[np.int64], R: Array, T: Array) -> Iterator[str]:
-    """Yield the drives that do not reach a pose, or are out of range there, in words."""
-    wanted = drives.wanted(R, T, knees)
-    for k in np.flatnonzero(drives.driven).tolist():
-        drive = drives.index[k]
-        q, low, high = (float(x) for x in (wanted[k], drives.low[drive], drives.high[drive]))
-        if np.isnan(q):
-            yield f"rod {k + 1} does not reach {_drive_name(drives, k)}"
-        elif np.isfinite(low):
-            room = _RANGE_ROUNDING * max(abs(low), abs(high))
-            if not low - room <= q <= high + room:
-                here, first, last = (
-                    float(drives.readings(np.full(drives.count, x))[drive]) for x in (q, low, high)
-                )
-                yield (
-                    f"{_drive_name(drives, k)} at {here:.6g} is outside its range from "
-                    f"{first:.10g} to {last:.10g}"
-                )
 
 
 def _drive_name(drives: Drives, constraint: int) -> str:

@@ -2,31 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.drives import Drives, driven_points, is_driven
+from gspcli.geometry.drives import Drives, is_driven
 from gspcli.geometry.euler import rotation_from_euler
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.limits import joint_cones, out_of_cone, out_of_range, tilts
 from gspcli.geometry.readings import readings_of
 from gspcli.motion.collisions.compared import ComparedShapes
-from gspcli.motion.poses.inverse_kinematics import values_at
-from gspcli.motion.workspace.pose_boxes import (
-    NEGATIVE,
-    PARAMETERS,
-    REGULAR,
-    PoseBoxes,
-    drive_violations,
-    knees_of,
-)
+from gspcli.motion.poses.inverse_kinematics import changed_value, values_at
+from gspcli.motion.workspace.pose_boxes import NEGATIVE, PARAMETERS, REGULAR, PoseBoxes, knees_of
 from gspcli.records import dataclass
 from gspcli.ties import first_smallest
-from gspcli.wording import listed
 
 Array = NDArray[np.float64]
 
@@ -35,6 +27,8 @@ _FAR = 100.0
 #: The interval in which a travel ends is halved until it is this part of the whole.
 _FINEST = 2.0**-46
 _DEEPEST = 46
+#: A number is outside its range if it exceeds the range by more than this part of it.
+_ROUNDING = 1e-12
 #: More open intervals than this are not divided: a limit is nearly violated along the whole axis.
 _MOST_OPEN = 500
 
@@ -137,7 +131,6 @@ def travels(
     ArgumentError
         If home does not keep the limits, or an argument is wrong.
     """
-    refuse_held(instance)
     boxes = PoseBoxes(
         instance, R, T, pivot=pivot, sequence=sequence, regular=connected, knees=knees, gap=gap
     )
@@ -168,34 +161,6 @@ def travels(
             )
         )
     return found
-
-
-def refuse_held(instance: Instance) -> None:
-    """Raise if a range holds a constraint at one value, unless a crank or slide moves its points.
-
-    Poses that keep such a value have no volume, so that no interval of poses is proved.
-
-    Raises
-    ------
-    ArgumentError
-        With the constraints.
-    """
-    held = [
-        str(k + 1)
-        for k, row in enumerate(instance.constraints)
-        if row.limits is not None
-        and row.limits[0].value == row.limits[1].value
-        and not driven_points(row)
-    ]
-    if held:
-        verb = "constraint {} is" if len(held) == 1 else "constraints {} are"
-        message = (
-            f"{verb.format(listed(held, 'and'))} held at one value by the range: no "
-            "travel along one coordinate keeps that\n"
-            "widen the ranges, state the cranks or slides that drive the machine, or change the "
-            "other values (gsp track)"
-        )
-        raise ArgumentError(message)
 
 
 def too_near(instance: Instance, R: Array, T: Array, gap: float) -> list[str]:
@@ -235,7 +200,7 @@ def violations(instance: Instance, R: Array, T: Array, knees: ArrayLike | None =
     if is_driven(instance):
         drives = Drives.of(instance)
         signs = knees_of(instance, R, T) if knees is None else np.asarray(knees)
-        found += drive_violations(drives, signs, R, T)
+        found += _of_drives(drives, signs, R, T)
         q = drives.inverse(R, T, signs)
         if np.isnan(q).any():
             return found
@@ -259,6 +224,29 @@ def violations(instance: Instance, R: Array, T: Array, knees: ArrayLike | None =
             f"at most {cone.cone.half_angle} is allowed"
         )
     return found
+
+
+def _of_drives(drives: Drives, knees: NDArray[np.int64], R: Array, T: Array) -> Iterator[str]:
+    """Yield drives out of reach or range at a pose, and values that stay and do not, in words."""
+    wanted = drives.wanted(R, T, knees)
+    for k in np.flatnonzero(drives.driven).tolist():
+        drive = drives.index[k]
+        name = drives.names[drive].replace(".", " ")
+        q, low, high = (float(x) for x in (wanted[k], drives.low[drive], drives.high[drive]))
+        if np.isnan(q):
+            yield f"{drives.user(k)} does not reach {name}"
+        elif np.isfinite(low):
+            room = _ROUNDING * max(abs(low), abs(high))
+            if not low - room <= q <= high + room:
+                here, first, last = (
+                    float(drives.readings(np.full(drives.count, x))[drive]) for x in (q, low, high)
+                )
+                yield (
+                    f"{name} at {here:.6g} is outside its range from {first:.10g} to {last:.10g}"
+                )
+    there = values_at(drives.instance, R, T)
+    for k in np.flatnonzero(drives.stays & np.isnan(wanted)).tolist():
+        yield changed_value(drives, k, there[k])
 
 
 def _way(boxes: PoseBoxes, k: int, direction: int) -> tuple[float, float, tuple[str, ...]]:
@@ -312,7 +300,8 @@ def _divided(
         stops = int(left[-1 if boxes.drives else 0]) if len(left) else stops
         if not len(keys) or len(keys) > _MOST_OPEN or part < _FINEST:
             break
-    reached = _first_gap(sorted(inner))
+    # Where a value that stays is not proved to be the same, home alone keeps it.
+    reached = 0.0 if stops & boxes.fixed else _first_gap(sorted(inner))
     whole = gap >= 1.0 and endless
     names = () if reached >= 1.0 else tuple(boxes.names(stops & ~int(NEGATIVE)))
     return reached * width, np.inf if whole else gap * width, names

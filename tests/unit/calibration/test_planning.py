@@ -118,7 +118,7 @@ def test_ranges_without_room_are_told():
         return replace(machine, constraints=rows)
 
     home = np.eye(3), np.zeros(3)
-    with pytest.raises(ArgumentError, match="held at one value by the range"):
+    with pytest.raises(ArgumentError, match="the ranges leave no room about home"):
         planned(narrowed(0.0), 6, *home)
     sigma = {"value": 1e-6, "position": 1e-6}
     with pytest.raises(IncompleteError, match="12 of them would tell no number even twice as well"):

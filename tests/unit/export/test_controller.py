@@ -13,13 +13,14 @@ import gspcli
 from gspcli.export.controller.writing import TRIES, controller
 from gspcli.geometry.quaternions import rotation_from_quaternion
 from gspcli.geometry.random_instances import random_instance
-from gspcli.motion import FollowerStatus
+from gspcli.motion import Follower, FollowerStatus, measure
 from gspcli.motion.following import platform_numbers as numbers_module
 from gspcli.motion.following.platform_numbers import platform_numbers
 from gspcli.resources import instance_files
 from tests.support.controllers.compiled import CompiledController, poses_of
 from tests.support.controllers.rounding import ExactEquations
 from tests.support.independent_machines import machines
+from tests.support.surface_machines import tripod
 
 STRICT = ["-std=c99", "-O2", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow"]
 STRICT += ["-Wdouble-promotion", "-Wstrict-prototypes", "-Werror"]
@@ -111,6 +112,23 @@ def test_clang_ignores_unsafe_options(options, tmp_path):
         done = subprocess.run(command, check=True, capture_output=True, text=True)
         code = re.sub(r" #\d+|^attributes.*$|^!.*$", "", done.stdout, flags=re.M)
         assert not re.search(r"\bf(add|mul|sub|div) (reassoc|nnan|ninf|nsz|arcp|fast|afn)", code)
+
+
+@pytest.mark.skipif("gcc" not in COMPILERS, reason="no gcc")
+def test_a_value_that_stays_refuses_the_poses_that_change_it(tmp_path):
+    program = CompiledController(tripod(), tmp_path)
+    tilted = [0.9939567578492872, 0.0981833530726402, 0.0490916765363201, 0.0]
+    off = measure(tripod(), rotation_from_quaternion(np.array(tilted)), [0, 0, 4.25])[1::2]
+    normals = np.array([row.base.unit for row in tripod().constraints[1::2]])
+    shift = np.linalg.lstsq(normals, -np.asarray(off), rcond=None)[0]
+    there = np.array([0, 0, 4.25]) + shift
+    poses = np.array([[0, 0, 4.25, *tilted], [*there, *tilted]])
+    values, status = program.inverse(poses)
+    assert status.tolist() == [2, 0]
+    assert values[1, ::2] == pytest.approx([-19.3377, 1.1980, 20.8214], abs=1e-4)
+    assert np.abs(values[1, 1::2]).max() < 1e-9
+    with pytest.raises(gspcli.ArgumentError, match="a value that stays is another one there"):
+        Follower(tripod(), rotation_from_quaternion(np.array(tilted)), [0, 0, 4.25])
 
 
 @pytest.mark.skipif("gcc" not in COMPILERS, reason="no gcc")

@@ -7,13 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from gspcli.catalogue.kinds import DPH, DPP, KINDS_BY_NAME
+from gspcli.catalogue.kinds import DLP, DPH, DPL, DPP, KINDS_BY_NAME
 from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.drives import Drives, is_driven
 from gspcli.geometry.euler import rotation_from_euler
 from gspcli.geometry.home_pose import HomePose
-from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Units
+from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side, Units
 from gspcli.geometry.limits import motor_shares, out_of_motor_range, tilts
 from gspcli.geometry.measurement import jacobian, measured
 from gspcli.geometry.numbers import Number
@@ -21,6 +21,7 @@ from gspcli.geometry.primitives import Cone, Crank, Line, Plane, Point, Slide
 from gspcli.resources import instance_files
 from gspcli.solver import solve
 from gspcli.spec.reading import load, loads
+from tests.support.surface_machines import print_bed
 
 UNITS = Units("mm", AngleUnit.DEGREE)
 HOME = HomePose([0.01, -0.02, 0.6])
@@ -193,11 +194,45 @@ def test_gains_of_all_kinds_with_a_point_against_differences(name, sort):
     more, less = (measured(drives.arrangement(q + s), R, T)[..., 0] for s in (step, -step))
     # The value changes by minus the gain when the drive moves and the pose stays.
     np.testing.assert_allclose(-drives.gains(R, T, q)[:, 0], (more - less) / (2 * h), rtol=1e-7)
-    if kind is not DPP:
+    if kind in (DPL, DLP):
         with pytest.raises(
             ArgumentError, match=rf"^{sort}\.1: constraint 1 of its point is {name}"
         ):
             drives.inverse(R, T)
+    if kind.has_sides:
+        with pytest.raises(ArgumentError, match=r"on both sides of a plane, expected a side"):
+            drives.inverse(R, T)
+        for side in (Side.POSITIVE, Side.NEGATIVE):
+            row = replace(instance.constraints[0], side=side, value=Number.of(0.05))
+            on_side = Drives.of(replace(instance, constraints=(row, *rest)))
+            both = on_side.roots(R, T)[:, 0]
+            for j, sign in enumerate((1, -1)):
+                q = np.concatenate((both[:, j : j + 1], np.zeros((1, 5))), axis=1)
+                at = measured(on_side.arrangement(q), R, T)[0, 0]
+                assert at == pytest.approx(0.05 if side is Side.POSITIVE else -0.05, abs=1e-12)
+                if sort == "crank":
+                    assert np.sign(on_side.gains(R, T, q)[0, 0]) == sign
+                twist, step = rng.normal(size=6), 1e-4
+                ways = [on_side.roots(*moved(R[0], T[0], twist, s))[0, j] for s in (-step, 0, step)]
+                first, second = (part[0, 0] for part in on_side.rates(R, T, q, twist[None]))
+                assert (ways[2] - ways[0]) / (2 * step) == pytest.approx(first, rel=1e-5)
+                bent = (ways[2] - 2 * ways[1] + ways[0]) / step**2
+                assert bent == pytest.approx(second, rel=1e-4, abs=1e-5)
+
+
+def test_balls_in_grooves_of_a_bed():
+    """The bed for slides at -0.695, 1.052 and 0.328, by `gsp track`, has these numbers again."""
+    machine = print_bed()
+    drives = Drives.of(machine)
+    slides = np.array([-0.695, 1.052, 0.328])
+    there = drives.instance_at(slides)
+    T = np.array([0.00531032, 0.000997795, -1.57703])
+    found = min(solve(there).real_solutions, key=lambda one: np.linalg.norm(one.T.real - T))
+    np.testing.assert_allclose(found.T.real, T, atol=5e-6)
+    np.testing.assert_allclose(drives.inverse(found.R.real, found.T.real), slides, atol=1e-10)
+    # The two planes of a groove ask for two numbers where no bed can be.
+    off = found.T.real + np.array([0, 0.01, 0])
+    assert np.isnan(drives.inverse(found.R.real, off)).tolist() == [True, True, True]
 
 
 def test_points_of_a_carriage_share_a_drive():

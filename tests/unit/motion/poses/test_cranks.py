@@ -11,7 +11,7 @@ from gspcli.motion import crank_angles, measure, track
 from gspcli.motion.paths.nearest_poses import NearestPoses
 from gspcli.motion.poses.inverse_kinematics import drive_values, refusals, values_at
 from gspcli.resources import data_path
-from gspcli.spec import loads
+from tests.support.surface_machines import tripod
 
 
 @pytest.fixture(scope="module")
@@ -73,27 +73,9 @@ def test_without_cranks_there_is_nothing_to_turn():
         crank_angles(hexapod, np.eye(3)[None], np.zeros((1, 3)))
 
 
-def _tripod():
-    """Three cranks; points of the platform stay in planes through the middle of the base."""
-    lines = ["gsp: 1", "units: {length: in, angle: deg}", "platform:"]
-    base, rows = ["base:"], ["constraints:"]
-    for k, a in enumerate((-90, 30, 150), 1):
-        lines.append(f"  P{k}: {{point: [3.125*cosd({a}), 3.125*sind({a}), 0]}}")
-        far, up = "(2+1.75*cosd(20.634494627))", "1.75*sind(20.634494627)"
-        base.append(
-            f"  B{k}: {{point: [{far}*cosd({a}), {far}*sind({a}), {up}], crank: {{centre: "
-            f"[2*cosd({a}), 2*sind({a}), 0], axis: [sind({a}), -cosd({a}), 0], range: [-60, 60]}}}}"
-        )
-        base.append(f"  H{k}: {{plane: {{point: [0, 0, 0], normal: [-sind({a}), cosd({a}), 0]}}}}")
-        rows.append(f"  - {{distance: [P{k}, B{k}], value: 3.669291339}}")
-        rows.append(f"  - {{distance: [P{k}, H{k}], value: 0}}")
-    home = "home: {position: [0, 0, 4.25]}"
-    return loads("\n".join([*lines, *base, *rows, home]) + "\n")
-
-
 def test_values_that_no_motor_changes_must_hold():
     """Tilted as it stands the machine cannot be; a little to the side it can."""
-    instance = _tripod()
+    instance = tripod()
     q = np.array([0.9939567578492872, 0.0981833530726402, 0.0490916765363201, 0.0])
     R = rotation_from_quaternion(q)
     drives, found = drive_values(instance, R[None], np.array([[0, 0, 4.25]]))

@@ -1,15 +1,22 @@
 """Travels along axes: against bisection, and where they stop."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from gspcli import example
 from gspcli.errors import ArgumentError
+from gspcli.geometry.drives import Drives
+from gspcli.geometry.instance import Side
 from gspcli.geometry.limits import within_limits
+from gspcli.geometry.numbers import Number
 from gspcli.motion import measure
 from gspcli.motion.statics.wrenches import wrenches
+from gspcli.motion.workspace.box_division import workspace
 from gspcli.motion.workspace.travels import moved, travels, violations
 from tests.support.limited import limited, one_leg, study
+from tests.support.surface_machines import tripod
 
 AXES = ("x", "y", "z", "rx", "ry", "rz")
 
@@ -78,10 +85,25 @@ def test_a_home_at_a_limit_goes_one_way():
     assert travel.ends[0] == pytest.approx(-1, abs=1e-9)
 
 
-def test_constraints_that_are_held_are_named():
-    """The planes of a tripod leave three freedoms: no travel keeps them."""
-    tripod = example("three-rps")
-    home = np.eye(3), np.array([0.0, 0.0, 4.0])
-    message = r"constraints 4, 5 and 6 are held at one value by the range: no travel"
-    with pytest.raises(ArgumentError, match=message):
-        travels(tripod, *home)
+@pytest.mark.parametrize("machine", [example("three-rps"), tripod()], ids=["values", "cranks"])
+def test_an_axis_along_which_fixed_values_change_has_no_travel(machine):
+    """The planes of a tripod leave one axis: up and down."""
+    fixed = np.flatnonzero(Drives.of(machine).fixed)
+    free = list(machine.constraints)
+    for k in fixed:
+        free[k] = replace(free[k], side=Side.BOTH, limits=(Number.of(-1), Number.of(100)))
+    home = machine.home.R(1.0), machine.home.T
+    found = {one.axis: one for one in travels(machine, *home, connected=True)}
+    wide = {one.axis: one for one in travels(replace(machine, constraints=free), *home, axes=["z"])}
+    np.testing.assert_allclose(found["z"].reached, wide["z"].reached, rtol=1e-6)
+    for axis in ("x", "y", "rx", "ry", "rz"):
+        assert found[axis].reached == (0, 0)
+        assert 0 < found[axis].ends[1] < 1e-2
+        names = {f"fixed value of {k + 1}" for k in fixed}
+        assert found[axis].stops[0]
+        assert set(found[axis].stops[0]) <= names
+    with pytest.raises(ArgumentError, match=r"poses that keep (it|them) have no volume in x and z"):
+        workspace(machine, *home, free=("x", "z"))
+    low, high = workspace(machine, *home, free=("z",), connected=True).volume
+    assert low <= found["z"].reached[1] - found["z"].reached[0] <= high
+    assert violations(machine, home[0], home[1] + [1e-6, 0, 0])
