@@ -8,10 +8,11 @@ import os
 import re
 import sys
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 import click
 from click.core import ParameterSource
@@ -21,13 +22,13 @@ from gspcli.catalogue.types import Family, GspType
 from gspcli.cli.render import Output
 from gspcli.cli.streams import check_writable, say
 from gspcli.defaults import SEED
-from gspcli.errors import GspError, Mistake, SpecError, TypeNameError
+from gspcli.errors import ArgumentError, GspError, Mistake, SpecError, TypeNameError
 from gspcli.records import dataclass
 from gspcli.resources import instance_files, shipped_file
 from gspcli.wording import brief, listed, named, nearest, shortened, shown
 
 if TYPE_CHECKING:
-    from gspcli.cli.pose_options import PoseConventions
+    from gspcli.geometry.frames import PoseFrame
     from gspcli.geometry.instance import Instance
     from gspcli.motion import PoseFormat
     from gspcli.workers import Workers
@@ -51,6 +52,11 @@ _SUFFIXES = {
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
+#: The word for the home mode.
+HOME: Final = "home"
+#: The option for poses relative to home.
+RELATIVE = "--relative-to"
+
 
 #: The options that many commands have, by the headings of helps; others come first.
 _GROUPS = {
@@ -70,6 +76,16 @@ _GROUPS = {
 _FIRST_LINES = 12
 
 
+def order_named(option: str, text: str) -> str:
+    """Return the order of axes that an option names; the order of a maker is printed on stderr."""
+    from gspcli.geometry.euler import MAKERS, named_order
+
+    order = named_order(text)
+    if text.strip().lower() in MAKERS:
+        say(f"{option} {text}: the order {order}, about the axes of the platform")
+    return order
+
+
 class Options(SimpleNamespace):
     """What the command line says: each option and argument of a command by its name.
 
@@ -87,18 +103,55 @@ class Options(SimpleNamespace):
         return Changes(vars(self).get("settings", ()), vars(self).get("differences", ()))
 
     @property
-    def conventions(self) -> PoseConventions:
-        """How poses are expressed, by `pose_options` and `column_options`."""
-        from gspcli.cli.pose_options import PoseConventions
-
-        known = vars(self)
-        names = ("euler", "pivot", "relative_to", "ignore", "column_names")
-        return PoseConventions(**{name: known[name] for name in names if name in known})
+    def conventions(self) -> list[str]:
+        """The options that are given of `pose_options` and `column_options`."""
+        given = vars(self)
+        names = {
+            "--euler": "euler",
+            "--pivot": "pivot",
+            RELATIVE: "relative_to",
+            "--ignore": "ignore",
+            "--columns": "column_names",
+        }
+        return [option for option, name in names.items() if given.get(name)]
 
     @cached_property
     def form(self) -> PoseFormat:
         """The form of poses by the options and the platform of SPEC."""
-        return self.conventions.form(self.instance)
+        return self.form_of(self.instance)
+
+    def form_of(self, instance: Instance | None) -> PoseFormat:
+        """Return the form of poses by the options and an instance, if there is one."""
+        from gspcli.motion import PoseFormat
+        from gspcli.motion.files.pose_files import pivot_from_text
+
+        given = vars(self)
+        form = PoseFormat(
+            None if self.euler is None else order_named("--euler", self.euler),
+            (0.0, 0.0, 0.0) if self.pivot is None else pivot_from_text(self.pivot),
+            ignore=given.get("ignore", ()),
+            columns=given.get("column_names", ()),
+            note=say,
+        )
+        if instance is None:
+            if self.relative_to is not None:
+                raise GspError(f"{RELATIVE} {HOME}: there is no platform that states a home")
+            return form
+        return replace(
+            form,
+            in_radians=instance.units.angle.in_radians,
+            length=instance.units.length,
+            frame=self.frame_of(instance),
+        )
+
+    def frame_of(self, instance: Instance) -> PoseFrame:
+        """Return the frame in which poses are printed; quicker than `form`, which has it, too."""
+        from gspcli.geometry.frames import PoseFrame
+
+        try:
+            return PoseFrame.of(instance, relative=self.relative_to is not None)
+        except ArgumentError as error:
+            raise GspError(f"{RELATIVE} {HOME}: {error}") from None
 
     @property
     def workers(self) -> Workers:

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias, TypeVar
 
 import click
 
-from gspcli.cli.options import Whole, together
+from gspcli.cli.options import HOME, RELATIVE, Whole, refuse_to_replace, together
 from gspcli.cli.streams import say, working
-from gspcli.errors import ArgumentError, GspError, IncompleteError, NotFiniteError
+from gspcli.errors import GspError, IncompleteError, NotFiniteError
 from gspcli.records import dataclass
 from gspcli.wording import listed, shortened, shown
 
@@ -32,99 +32,12 @@ if TYPE_CHECKING:
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 
-#: The word for the home mode.
-HOME: Literal["home"] = "home"
-
-
-@dataclass(frozen=True)
-class PoseConventions:
-    """How poses are expressed, as the options say it.
-
-    Attributes
-    ----------
-    euler
-        The order of the axes of angles, or the name of a maker.
-    pivot
-        The point whose position is expressed, as text.
-    relative_to
-        ``home``, or None.
-    ignore
-        Columns of a file that are left out.
-    column_names
-        The names of the columns where the file has no heading.
-    """
-
-    euler: str | None = None
-    pivot: str | None = None
-    relative_to: str | None = None
-    ignore: tuple[str, ...] = ()
-    column_names: tuple[str, ...] = ()
-
-    @property
-    def options(self) -> list[str]:
-        """The options that are given."""
-        given = {
-            "--euler": self.euler,
-            "--pivot": self.pivot,
-            RELATIVE: self.relative_to,
-            "--ignore": self.ignore,
-            "--columns": self.column_names,
-        }
-        return [name for name, value in given.items() if value]
-
-    def form(self, instance: Instance | None) -> PoseFormat:
-        """Return the form of poses by the options and the instance."""
-        from gspcli.motion import PoseFormat
-        from gspcli.motion.files.pose_files import pivot_from_text
-
-        form = PoseFormat(
-            None if self.euler is None else order_named("--euler", self.euler),
-            (0.0, 0.0, 0.0) if self.pivot is None else pivot_from_text(self.pivot),
-            ignore=self.ignore,
-            columns=self.column_names,
-            note=say,
-        )
-        if instance is None:
-            if self.relative_to is not None:
-                raise GspError(f"{RELATIVE} {HOME}: there is no platform that states a home")
-            return form
-        units = instance.units
-        return replace(
-            form,
-            in_radians=units.angle.in_radians,
-            length=units.length,
-            frame=self.frame(instance),
-        )
-
-    def frame(self, instance: Instance) -> PoseFrame:
-        """Return the frame in which poses are printed; quicker than `form`, which has it, too."""
-        from gspcli.geometry.frames import PoseFrame
-
-        try:
-            return PoseFrame.of(instance, relative=self.relative_to is not None)
-        except ArgumentError as error:
-            raise GspError(f"{RELATIVE} {HOME}: {error}") from None
-
-
-RELATIVE = "--relative-to"
-
-
-def order_named(option: str, text: str) -> str:
-    """Return the order of axes that an option names; the order of a maker is printed on stderr."""
-    from gspcli.geometry.euler import MAKERS, named_order
-
-    order = named_order(text)
-    if text.strip().lower() in MAKERS:
-        say(f"{option} {text}: the order {order}, about the axes of the platform")
-    return order
-
-
 def frame_note(frame: PoseFrame) -> list[str]:
     """Return the note below a table with poses in a frame; none for the platform's own."""
     return [] if frame.is_identity else [f"x y z and the rotation: {frame.words}"]
 
 
-#: `--euler`, `--pivot` and `--relative-to`; the command gets them as `Options.conventions`.
+#: `--euler`, `--pivot` and `--relative-to`; the command gets them as `Options.form`.
 pose_options = together(
     click.option(
         "--euler",
@@ -153,7 +66,7 @@ def _names(_: click.Context, __: click.Parameter, texts: Any) -> tuple[str, ...]
     return tuple(name.strip() for text in texts for name in text.split(","))
 
 
-#: `--ignore` and `--columns`; the command gets them as `Options.conventions`.
+#: `--ignore` and `--columns`; the command gets them as `Options.form`.
 column_options = together(
     click.option(
         "--ignore",
@@ -176,7 +89,6 @@ column_options = together(
 
 def text_of(path: str) -> tuple[str, str]:
     """Return the content of a file or, for -, of standard input, and its name."""
-    from gspcli.cli.options import refuse_to_replace
     from gspcli.spec.document import text_of_table
 
     refuse_to_replace(path)

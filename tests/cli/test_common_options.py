@@ -953,7 +953,7 @@ def test_a_fit_that_fails(gsp):
 def test_wrong_use_of_fit(gsp):
     for words, message in (
         (("solve", "@rubin-m2", "--fit"), "--fit needs readings besides the six values"),
-        (("solve", "@rubin-m2", "--sigma", "value=1"), "give it with --fit"),
+        (("solve", "@rubin-m2", "--sigma", "value=1"), "--sigma is for --fit"),
         ((*FIT, "leg P1 B2 = 3 ± 1", "--all"), "--all: not with --fit"),
         ((*FIT, "leg P1 B2 = 3 ± 1", "@dietmaier"), "for one SPEC"),
         ((*FIT, "leg P1 B2 = 3 ± 1", "--sigma", "value"), "expected WHAT=NUMBER"),

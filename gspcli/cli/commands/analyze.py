@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from gspcli.cli.options import (
+    HOME,
     Command,
     Options,
     Positive,
@@ -18,7 +19,6 @@ from gspcli.cli.options import (
     value_options,
 )
 from gspcli.cli.pose_options import (
-    HOME,
     asked_poses,
     column_options,
     mode_option,

@@ -190,7 +190,7 @@ def command(o: Options) -> None:
         FitOptions(o.estimate, o.hold, o.robust, o.prior, o.hold_unknown),
     )
     if o.log is not None:
-        identified(o.log, o.conventions.form(None), noise, options, o.output, accept=o.accept)
+        identified(o.log, o.form_of(None), noise, options, o.output, accept=o.accept)
         return
     assert o.spec is not None
     instance = o.instance

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from gspcli.cli.options import (
+    HOME,
     Command,
     Options,
     exclusive,
@@ -14,7 +15,6 @@ from gspcli.cli.options import (
     value_options,
 )
 from gspcli.cli.pose_options import (
-    HOME,
     asked_poses,
     column_options,
     mode_option,

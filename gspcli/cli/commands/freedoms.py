@@ -56,12 +56,10 @@ def command(o: Options) -> None:
     refuse_to_replace(o.spec)
     instance = read(spec_source(o.spec), name=o.spec, any_number=True).instance
     if o.pose is not None:
-        R, T = o.pose.read(o.conventions.form(instance))
+        R, T = o.pose.read(o.form_of(instance))
         instance = _moved(instance, R, T)
-    elif o.conventions.options:
-        raise click.UsageError(
-            f"{o.conventions.options[0]} says how --pose is read: give --pose, too"
-        )
+    elif o.conventions:
+        raise click.UsageError(f"{o.conventions[0]} says how --pose is read: give --pose, too")
     else:
         R, T = _home(instance)
     found = freedoms(instance, R, T)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import click
 
 from gspcli.cli.options import (
+    HOME,
     Command,
     Finite,
     Options,
@@ -16,7 +17,6 @@ from gspcli.cli.options import (
     value_options,
 )
 from gspcli.cli.pose_options import (
-    HOME,
     GivenPose,
     frame_note,
     pose_options,

@@ -26,7 +26,6 @@ from gspcli.cli.options import (
 from gspcli.cli.pose_options import (
     PARAMETERS,
     GivenPose,
-    PoseConventions,
     axes_of,
     frame_note,
     pose_options,
@@ -129,12 +128,12 @@ def command(o: Options) -> int:
         --pose 0,0,7,1,0,0,0 -o singular.svg
     """
     instance = o.instance
-    frame = o.conventions.frame(instance)
+    frame = o.frame_of(instance)
     if o.pose is not None:
         shown = "determinant" if o.quantity == QUANTITIES[0] else o.quantity
         scan_poses(instance, o.texts, o.pose, o.form, o.folds, shown, o.output)
         return 0
-    _refuse_coordinates(o.texts, o.conventions)
+    _refuse_coordinates(o)
     from gspcli.motion.singularities.scans import MISSING, Boundary, Scan, ScanResult
 
     axes = _axes(instance, o.texts)
@@ -178,13 +177,13 @@ def _axes(instance: Instance, texts: tuple[str, ...]) -> list[Axis]:
     ]
 
 
-def _refuse_coordinates(texts: tuple[str, ...], conventions: PoseConventions) -> None:
+def _refuse_coordinates(o: Options) -> None:
     """Raise for options about poses where values vary."""
-    if any(text.strip()[:1] in "xyzr" for text in texts):
+    if any(text.strip()[:1] in "xyzr" for text in o.texts):
         raise click.UsageError(
             "--vary: found coordinates of a pose: give --pose, too, for the coordinates that stay"
         )
-    if conventions.euler or conventions.pivot:
+    if o.euler or o.pivot:
         raise click.UsageError("--euler and --pivot say how --pose is read: give --pose, too")
 
 

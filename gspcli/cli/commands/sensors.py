@@ -104,7 +104,7 @@ def command(o: Options) -> None:
       gsp sensors platform.yaml --sigma inclinometer=0.02
       gsp sensors platform.yaml --sensor "leg P1 B3" --sensor inclinometer
     """
-    about_rows = [*(["--relative"] if o.relative else ()), *o.conventions.options]
+    about_rows = [*(["--relative"] if o.relative else ()), *o.conventions]
     if o.rows is None and about_rows:
         raise click.UsageError(f"{listed(about_rows, 'and')}: needs ROWS")
     from gspcli.sensing import sensors

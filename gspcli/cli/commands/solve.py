@@ -15,11 +15,13 @@ import numpy as np
 
 from gspcli.cli.options import (
     FORMATS,
+    RELATIVE,
     Command,
     Options,
     decimals_option,
     jobs_option,
     needs,
+    order_named,
     output_options,
     seed_option,
     spec_source,
@@ -27,7 +29,7 @@ from gspcli.cli.options import (
     value_options,
     without,
 )
-from gspcli.cli.pose_options import RELATIVE, frame_note, near_option, order_named, pose_options
+from gspcli.cli.pose_options import frame_note, near_option, pose_options
 from gspcli.cli.pose_tables import (
     Shown,
     add_expressed,
@@ -230,7 +232,7 @@ def command(o: Options) -> int:
     from gspcli.solver import solve
 
     o.spec = o.specs[0]
-    readings, frame, fit = _readings(o), o.conventions.frame(o.instance), None
+    readings, frame, fit = _readings(o), o.frame_of(o.instance), None
     if o.fitting:
         return _show_fit(o, readings, columns, frame)
     goal = None if o.near is None else o.near.read(o.form)
@@ -302,7 +304,7 @@ def _filtered(result: SolveResult, o: Options) -> tuple[SolveResult, dict[str, l
         return result, None
     from gspcli.motion.poses.mode_filters import ModeFilter
 
-    form = o.conventions.form(result.instance)
+    form = o.form_of(result.instance)
     asked = ModeFilter(o.where, o.within_limits, o.above, form.pivot_frame, form.euler or "ZYX")
     try:
         left = asked.left_out(result)
@@ -436,7 +438,7 @@ def _solve_many(o: Options) -> int:
     """
     alone = {"--near": o.near, "--reading": o.readings, "--fit": o.fitting}
     given = [name for name, value in alone.items() if value]
-    given += [name for name in o.conventions.options if name != RELATIVE]
+    given += [name for name in o.conventions if name != RELATIVE]
     if given:
         raise click.UsageError(f"{listed(given, 'and')}: for one SPEC and its table only")
     if o.specs.count("-") > 1:
@@ -527,7 +529,7 @@ def _answer(o: Options, source: tuple[str, str | None]) -> tuple[dict[str, Any],
     said: dict[str, Any] = {"instance": name, "exit_code": 0, "message": None}
     try:
         instance = o.changes.of(_instance(name, text))
-        frame = o.conventions.frame(instance)
+        frame = o.frame_of(instance)
         found = solve(instance, seed=o.seed, jobs=1, prove=o.prove)
         result, left = _filtered(found, o)
         if o.output.format == LINES:

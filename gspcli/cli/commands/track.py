@@ -22,7 +22,6 @@ from gspcli.cli.options import (
 from gspcli.cli.pose_options import (
     GivenPose,
     Mode,
-    PoseConventions,
     column_options,
     frame_note,
     mode_number,
@@ -63,7 +62,6 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
     from collections.abc import Iterator
 
-    from gspcli.cli.pose_options import PoseConventions
     from gspcli.cli.result import Field
     from gspcli.geometry.frames import PoseFrame
     from gspcli.motion import Event, PoseFormat
@@ -187,7 +185,7 @@ def command(o: Options) -> None:
     table = read_values(*text_of(o.values), instance, form, delta=o.relative)
     if o.along == "poses":
         _check_poses(table, o.mode, o.near, o.all_modes or o.everything)
-        done = along_poses(instance, table, form, o.conventions, o.steps)
+        done = along_poses(instance, table, form, o.steps, relative=o.relative_to is not None)
     else:
         table = table.subdivided(o.steps)
         start = table.start if o.near is None else o.near.read(form)
@@ -456,8 +454,9 @@ def along_poses(
     instance: Instance,
     table: ValueTable,
     form: PoseFormat,
-    conventions: PoseConventions,
     steps: int,
+    *,
+    relative: bool,
 ) -> FollowedTrack:
     """Prove the straight ways in position and angles between the poses of a file."""
     from gspcli.geometry.expressed_instances import expressed_instance
@@ -473,9 +472,7 @@ def along_poses(
         given, frame = without_corrections(instance), form.pivot_frame
         expressed = given
         if not frame.is_identity:
-            expressed = expressed_instance(
-                given, pivot=form.pivot, relative=conventions.relative_to is not None
-            )
+            expressed = expressed_instance(given, pivot=form.pivot, relative=relative)
         found = pose_track(
             given,
             expressed,

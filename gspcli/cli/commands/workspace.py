@@ -28,7 +28,6 @@ from gspcli.cli.pose_options import (
     PARAMETERS,
     GivenPose,
     Mode,
-    PoseConventions,
     frame_note,
     mode_option,
     one_mode,
@@ -165,7 +164,7 @@ def command(o: Options) -> None:
         or set(free) != set("xyz"),
     )  # fmt: skip
     sequence = form.euler or "ZYX"
-    moving = _moving(instance, o.conventions, form)
+    moving = _moving(instance, form, relative=o.relative_to is not None)
     knees = _knees(instance, moving, home)
     if free is None:
         show_travels(
@@ -189,15 +188,13 @@ def command(o: Options) -> None:
     _refuse_wide_bounds(found, wanted)
 
 
-def _moving(instance: Instance, conventions: PoseConventions, form: PoseFormat) -> Instance:
+def _moving(instance: Instance, form: PoseFormat, *, relative: bool) -> Instance:
     """Return the platform in the frames in which its poses are expressed."""
     if form.frame.is_identity:
         return instance
     from gspcli.geometry.expressed_instances import expressed_instance
 
-    return expressed_instance(
-        instance, pivot=form.pivot, relative=conventions.relative_to is not None
-    )
+    return expressed_instance(instance, pivot=form.pivot, relative=relative)
 
 
 def _default_gap(free: tuple[str, ...], listed: bool, output: Output) -> float:
