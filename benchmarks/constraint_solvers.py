@@ -23,7 +23,7 @@ from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.reality.contradiction import contradiction
 from gspcli.resources import data_path
 from gspcli.solver import solve, solve_batch
-from gspcli.solver.starts.solved_starts import SolvedStarts
+from gspcli.solver.solved_starts import SolvedStarts
 from gspcli.spec import load
 
 SEED = 2003

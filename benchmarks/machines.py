@@ -24,7 +24,7 @@ from gspcli.geometry.numbers import Number
 from gspcli.resources import data_path
 from gspcli.solver import solve, solve_values
 from gspcli.solver.result import SolveResult
-from gspcli.solver.starts.solved_starts import SolvedStarts
+from gspcli.solver.solved_starts import SolvedStarts
 from gspcli.spec import load
 from tests.support.realistic import machines
 

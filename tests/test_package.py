@@ -189,7 +189,7 @@ HEAVY = {"numpy", "sympy", "pandas", "flint", "yaml", "rich", "scipy", "matplotl
             "from gspcli.cli.main import run; run(['solve', '@nano-hexapod', '--format', 'json'])",
             # `numpy.ma` is loaded by `np.unique`, which takes as long as solving that platform, and
             # no path is to be followed with more digits.
-            HEAVY - {"numpy", "yaml", "flint"} | {"numpy.ma", "gspcli.solver.strategies.further"},
+            HEAVY - {"numpy", "yaml", "flint"} | {"numpy.ma", "gspcli.solver.further"},
         ),
     ],
 )

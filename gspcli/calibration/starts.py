@@ -25,7 +25,7 @@ from gspcli.geometry.numbers import Number
 from gspcli.geometry.quaternions import apply, rotation_from_vector, vector_from_rotation
 from gspcli.geometry.readings import values_of, without_corrections
 from gspcli.solver import SolveResult, solve, solve_values
-from gspcli.solver.results.pose_set import PoseSet
+from gspcli.solver.poses import PoseSet
 
 Array = NDArray[np.float64]
 #: Poses R, T of a row.

@@ -19,8 +19,8 @@ from gspcli.geometry.printed_numbers import printed_residual
 from gspcli.geometry.quaternions import quaternion_from_rotation
 from gspcli.geometry.tolerances import PARALLEL_SINE
 from gspcli.records import dataclass
-from gspcli.solver.results.columns import FACTS, TRANSLATION, PoseColumn, expressed_columns
-from gspcli.solver.results.proof import CountKind
+from gspcli.solver.poses import CountKind
+from gspcli.solver.result import FACTS, TRANSLATION, PoseColumn, expressed_columns
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -54,10 +54,10 @@ from gspcli.pictures.scene import Scene
 from gspcli.pictures.stage import drawn_drives
 from gspcli.records import dataclass
 from gspcli.resources import data_path
+from gspcli.solver.poses import CountKind, Proof
 from gspcli.solver.problem import Problem
-from gspcli.solver.results.proof import CountKind, Proof
-from gspcli.solver.starts.solved_starts import SolvedStarts
-from gspcli.solver.starts.start import Start
+from gspcli.solver.solved_starts import SolvedStarts
+from gspcli.solver.start import Start
 from gspcli.solver.study_systems import coefficients_of
 
 if TYPE_CHECKING:
@@ -668,7 +668,7 @@ def _limits(instance: Instance) -> list[list[float | None]]:
 
 def _start(problem: Problem, rows: Array) -> Start | None:
     from gspcli.solver.all_poses import all_poses
-    from gspcli.solver.strategies.row_groups import common_start
+    from gspcli.solver.api import common_start
 
     return common_start(problem.with_rows(rows), all_poses)
 

@@ -25,9 +25,9 @@ from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Geometry, Line, Plane, Point, Vector
 from gspcli.geometry.quaternions import made_real, pose_from_study
 from gspcli.reality.platforms import Platforms, look_real
+from gspcli.solver.all_poses import careful_paths
 from gspcli.solver.ledger import Ledger
 from gspcli.solver.problem import Problem
-from gspcli.solver.strategies.stored_start import careful_paths
 from gspcli.solver.study_systems import target_systems
 
 Array = NDArray[np.float64]

@@ -28,7 +28,7 @@ from gspcli.geometry.readings import problems_of, readings_of, value_rows, value
 from gspcli.records import EqualByContent, dataclass
 from gspcli.sensing.sensor_kinds import KINDS, Sensor, body_normal, candidates, parse_sensor
 from gspcli.solver import SolveResult, solve, solve_batch
-from gspcli.solver.arguments import whole
+from gspcli.solver.api import whole
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -2,10 +2,8 @@
 
 from gspcli.geometry.local_motions import Motion
 from gspcli.solver.api import certify, solve, solve_batch, solve_values
-from gspcli.solver.result import SolveResult
-from gspcli.solver.results.pose_batch import PoseBatch
-from gspcli.solver.results.pose_set import PoseSet
-from gspcli.solver.results.solution import Counts, Solution
+from gspcli.solver.poses import PoseBatch, PoseSet
+from gspcli.solver.result import Counts, Solution, SolveResult
 
 __all__ = [
     "Counts",

@@ -12,9 +12,8 @@ from numpy.typing import NDArray
 from gspcli.certification.poses.many_values import OF_POSES, ProvedPoses
 from gspcli.continuation.paths import Basis, PathAccount
 from gspcli.solver.ends import Ends
+from gspcli.solver.poses import CountKind, PoseSet, Proof, joined, on_sides
 from gspcli.solver.problem import Problem
-from gspcli.solver.results.pose_set import PoseSet, joined, on_sides
-from gspcli.solver.results.proof import CountKind, Proof
 
 if TYPE_CHECKING:
     from gspcli.certification.poses.collection import StudyPoints

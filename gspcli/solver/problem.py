@@ -22,7 +22,7 @@ from gspcli.defaults import PATIENCE, SEED
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.numbers import Number
-from gspcli.solver.starts.solved_starts import STARTS, SolvedPlatform, SolvedStarts
+from gspcli.solver.solved_starts import STARTS, SolvedPlatform, SolvedStarts
 from gspcli.solver.study_systems import coefficients_at, coefficients_of, side_choices, systems_of
 
 if TYPE_CHECKING:
@@ -30,8 +30,8 @@ if TYPE_CHECKING:
     from gspcli.certification.poses.collection import StudyPoints
     from gspcli.certification.poses.locator import Locator
     from gspcli.continuation.tracked_paths import TrackedPaths
-    from gspcli.solver.results.pose_set import PoseSet
-    from gspcli.solver.starts.start import Start
+    from gspcli.solver.poses import PoseSet
+    from gspcli.solver.start import Start
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]

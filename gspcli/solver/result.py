@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from functools import cached_property, partial
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any, Literal, Protocol, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,12 +15,20 @@ from gspcli import __version__
 from gspcli.catalogue.kinds import DLL
 from gspcli.continuation.paths import PathAccount, Verdict
 from gspcli.defaults import PATIENCE
+from gspcli.errors import GspError
 from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.euler import euler_from_rotation, named_order
 from gspcli.geometry.home_mode import HomeMode, home_among, home_mode
 from gspcli.geometry.instance import Instance, Side
 from gspcli.geometry.limits import LeftLimit, left_limits, restricts
 from gspcli.geometry.local_motions import Motion
-from gspcli.geometry.quaternions import Field
+from gspcli.geometry.printed_numbers import (
+    printed_condition,
+    printed_conditions,
+    printed_residual,
+    printed_residuals,
+)
+from gspcli.geometry.quaternions import Field, quaternion_from_rotation, vector_from_rotation
 from gspcli.geometry.residuals import (
     condition_numbers,
     known_sides,
@@ -26,12 +36,340 @@ from gspcli.geometry.residuals import (
     residuals,
 )
 from gspcli.records import EqualByContent, dataclass
-from gspcli.solver.results.pose_set import PoseSet
-from gspcli.solver.results.proof import CountKind, Proof
-from gspcli.solver.results.solution import Counts, Solution
+from gspcli.solver.poses import CountKind, PoseSet, Proof
 
 if TYPE_CHECKING:
     import pandas as pd
+
+    from gspcli.geometry.arrangement import Arrangement
+    from gspcli.geometry.frames import PoseFrame
+    from gspcli.geometry.instance import Instance
+    from gspcli.geometry.quaternions import Field
+
+
+@dataclass(frozen=True)
+class Counts:
+    """How many poses of which sort.
+
+    Attributes
+    ----------
+    found
+        Distinct finite isolated solutions.
+    real, certified, singular
+        How many of those are real, are certified, have a multiplicity above one.
+    """
+
+    found: int
+    real: int
+    certified: int
+    singular: int
+
+
+@dataclass(frozen=True, eq=False)
+class Solution(EqualByContent):
+    """One pose.
+
+    Attributes
+    ----------
+    number
+        From 1 in the order of the result, as `gsp solve` and its CSV have it.
+    real, certified
+        Whether the pose is real, and whether that and its existence are proved.
+    multiplicity
+        How many paths end at it.
+    R, T
+        Rotation (3, 3) and translation (3,), complex for a pose that is not real.
+    quaternion
+        Of the rotation, scalar first, ``e.e = 1``, shape (4,).
+    residual
+        The largest difference between what a constraint measures and its value, in the units
+        of the instance (lengths and angles alike).
+    condition
+        Condition number of the pose (`gspcli.geometry.residuals.condition_numbers`).
+    sides
+        For each DPH and DHP constraint, by its number from 1: ``positive`` or ``negative``.
+        Without those at a height of zero, or whose sign neither doubles nor a proof tells.
+    limits
+        The ranges and cones that the pose does not keep; None if it is not real, or the instance
+        has none.
+    home
+        Whether it is the home mode (`gspcli.geometry.home_mode`).
+    """
+
+    number: int
+    real: bool
+    certified: bool
+    multiplicity: int
+    R: Field
+    T: Field
+    quaternion: Field
+    residual: float
+    condition: float
+    sides: Mapping[int, str]
+    limits: tuple[LeftLimit, ...] | None = None
+    home: bool = False
+
+    def __repr__(self) -> str:
+        sort = ("real" if self.real else "complex") + ", certified" * self.certified
+        size = f"residual {self.residual:.1e}, condition {self.condition:.4g}"
+        return f"<Solution: {sort}, {size}, T {np.array2string(self.T, precision=6)}>"
+
+    def to_json(self, length: float = 0.0) -> dict[str, Any]:
+        """Return the pose as plain data (see `SolveResult.to_json`).
+
+        Parameters
+        ----------
+        length
+            Of the platform: the residual is written up to the rounding errors of this length.
+        """
+        document: dict[str, Any] = {
+            "number": self.number,
+            "real": self.real,
+            "certified": self.certified,
+            "home": self.home,
+            "multiplicity": self.multiplicity,
+            "R": self.R.real.tolist(),
+            "T": self.T.real.tolist(),
+            "quaternion": self.quaternion.real.tolist(),
+            "residual": printed_residual(self.residual, length),
+            "condition": printed_condition(self.condition) if np.isfinite(self.condition) else None,
+            "sides": {str(number): side for number, side in self.sides.items()},
+        }
+        if self.limits is not None:
+            document["limits"] = [limit.to_json() for limit in self.limits]
+        if not self.real:
+            document["R_imag"] = self.R.imag.tolist()
+            document["T_imag"] = self.T.imag.tolist()
+            document["quaternion_imag"] = self.quaternion.imag.tolist()
+        return document
+
+
+class PosesOfColumns(Protocol):
+    """Poses of which something is said, and of what they are: a `SolveResult`."""
+
+    @property
+    def instance(self) -> Instance:
+        """The platform."""
+
+    @property
+    def arrangement(self) -> Arrangement:
+        """The platform in floating point."""
+
+    @property
+    def R(self) -> Field:
+        """Rotations, shape (n, 3, 3)."""
+
+    @property
+    def T(self) -> Field:
+        """Translations, shape (n, 3)."""
+
+    @property
+    def quaternions(self) -> Field:
+        """Unit quaternions, shape (n, 4)."""
+
+    @property
+    def real(self) -> NDArray[np.bool_]:
+        """Which are real, the first ones, shape (n,)."""
+
+    @property
+    def certified(self) -> NDArray[np.bool_]:
+        """Which are certified, shape (n,)."""
+
+    @property
+    def multiplicity(self) -> NDArray[np.int64]:
+        """The multiplicity of each, shape (n,)."""
+
+    @property
+    def residuals(self) -> NDArray[np.float64]:
+        """The residual of each constraint, shape (n, 6)."""
+
+    @property
+    def conditions(self) -> NDArray[np.float64]:
+        """Condition numbers, shape (n,)."""
+
+    @property
+    def solutions(self) -> tuple[Solution, ...]:
+        """The poses one by one."""
+
+
+Reader = Callable[[PosesOfColumns], Sequence[Any] | NDArray[Any]]
+#: How rotations can be written besides as Euler angles, which are named by their axes.
+ROTATIONS = ("quaternion", "matrix", "rotvec")
+
+
+@dataclass(frozen=True)
+class PoseColumn:
+    """A column: one entry for every pose.
+
+    Attributes
+    ----------
+    key
+        The name of the column in every format.
+    read
+        Takes the values from a result, one for each pose.
+    unit
+        Which unit of the instance the values are in.
+    of_pose
+        Whether it is a part of the pose itself, complex where the pose is not real.
+    """
+
+    key: str
+    read: Reader
+    unit: Literal["", "length", "angle"] = ""
+    of_pose: bool = False
+
+
+def _part(read: Callable[[PosesOfColumns], NDArray[Any]], entry: int) -> Reader:
+    """Read one of the entries that there are for each pose."""
+    return lambda result: read(result)[:, entry]
+
+
+def _sides(result: PosesOfColumns) -> list[list[str]]:
+    return [
+        [f"{constraint}:{side}" for constraint, side in solution.sides.items()]
+        for solution in result.solutions
+    ]
+
+
+#: The position of the platform's origin in the base.
+TRANSLATION = tuple(
+    PoseColumn(f"T{axis}", _part(lambda r: r.T, k), "length", of_pose=True)
+    for k, axis in enumerate("xyz")
+)
+QUATERNION = tuple(
+    PoseColumn(f"q{axis}", _part(lambda r: r.quaternions, k), of_pose=True)
+    for k, axis in enumerate("wxyz")
+)
+_MATRIX = tuple(
+    PoseColumn(f"r{i + 1}{j + 1}", _part(lambda r: r.R.reshape(-1, 9), 3 * i + j), of_pose=True)
+    for i in range(3)
+    for j in range(3)
+)
+#: What is known of the pose.
+FACTS = (
+    PoseColumn("real", lambda r: r.real),
+    PoseColumn("sides", _sides),
+    PoseColumn("multiplicity", lambda r: r.multiplicity),
+    PoseColumn(
+        "residual",
+        lambda r: printed_residuals(r.residuals.max(axis=1, initial=0.0), r.arrangement.length),
+    ),
+    PoseColumn("condition", lambda r: printed_conditions(r.conditions)),
+    PoseColumn("certified", lambda r: r.certified),
+    PoseColumn("home", lambda r: [solution.home for solution in r.solutions]),
+)
+#: The order is that of the CSV, after the number, and of the frame.
+COLUMNS = (*TRANSLATION, *QUATERNION, *FACTS)
+
+
+def expressed(
+    frame: PoseFrame, arrangement: Arrangement, R: Field, T: Field, real: NDArray[np.bool_]
+) -> PosesOfColumns:
+    """Return poses as they are expressed in a frame, with what `rotation_columns` read of them."""
+    R, T = frame.from_platform(R, T)
+    quaternions = quaternion_from_rotation(R)
+    given = {"arrangement": arrangement, "R": R, "T": T, "quaternions": quaternions, "real": real}
+    return cast("PosesOfColumns", SimpleNamespace(**given))
+
+
+def expressed_columns(columns: Sequence[PoseColumn], frame: PoseFrame) -> Sequence[PoseColumn]:
+    """Return columns of poses as they are expressed in a frame; positions are x, y and z then."""
+    if frame.is_identity:
+        return columns
+    return [
+        replace(
+            column, key=column.key.removeprefix("T"), read=partial(_expressed, column.read, frame)
+        )
+        for column in columns
+    ]
+
+
+def _expressed(
+    read: Reader, frame: PoseFrame, result: PosesOfColumns
+) -> Sequence[Any] | NDArray[Any]:
+    return read(expressed(frame, result.arrangement, result.R, result.T, result.real))
+
+
+def rotation_columns(form: str) -> tuple[PoseColumn, ...]:
+    """Return the columns of rotations written in a form.
+
+    Parameters
+    ----------
+    form
+        One of `ROTATIONS`, or three axes as `gspcli.geometry.euler` takes them: ``ZYX`` for
+        turns about the axes of the platform, ``xyz`` about those of the base; or the name of a
+        maker, ``PI``, ``LinuxCNC``, ``Symetrie``. Vectors and
+        angles are in the angle unit of the instance, and say nothing of poses that are not real.
+
+    Raises
+    ------
+    GspError
+        If it is no such form.
+    """
+    known = {"quaternion": QUATERNION, "matrix": _MATRIX}
+    if form in known:
+        return known[form]
+    if form == "rotvec":
+        return tuple(
+            PoseColumn(f"rotvec_{axis}", _part(_vectors, k), "angle", of_pose=True)
+            for k, axis in enumerate("xyz")
+        )
+    try:
+        sequence = named_order(form)
+    except GspError as error:
+        message = f"{error}\nor one of {', '.join(ROTATIONS)}"
+        raise GspError(message) from error
+    return tuple(
+        PoseColumn(f"r{axis}", _part(partial(_angles, sequence), k), "angle", of_pose=True)
+        for k, axis in enumerate("xyz")
+    )
+
+
+def _vectors(result: PosesOfColumns) -> NDArray[np.float64]:
+    return _of_real(result, vector_from_rotation)
+
+
+def _angles(sequence: str, result: PosesOfColumns) -> NDArray[np.float64]:
+    return _of_real(result, partial(euler_from_rotation, sequence))
+
+
+def _of_real(
+    result: PosesOfColumns, written: Callable[[NDArray[np.float64]], NDArray[np.float64]]
+) -> NDArray[np.float64]:
+    """Return angles of the real poses in the unit of the instance, others are not numbers."""
+    values = np.full((len(result.R), 3), np.nan)
+    values[result.real] = written(result.R[result.real].real) / result.arrangement.in_radians
+    return values
+
+
+def plain_table(result: PosesOfColumns, account: str) -> str:
+    """Return the real poses as a table of plain text, with the account of paths below it."""
+    units = {
+        "length": f" [{result.instance.units.length}]",
+        "angle": f" [{result.instance.units.angle.value}]",
+        "": "",
+    }
+    count = int(result.real.sum())
+    columns: list[list[str]] = [["no.", *(str(k + 1) for k in range(count))]]
+    for column in COLUMNS:
+        values = [_text(value) for value in column.read(result)[:count]]
+        # A column with the usual value for all poses is left out.
+        if not set(values) <= {"True", "1", ""}:
+            columns.append([column.key + units[column.unit], *values])
+    widths = [max(map(len, cells)) for cells in columns]
+    rows = [
+        "  ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=True))
+        for row in zip(*columns, strict=True)
+    ]
+    name = result.instance.title
+    return "\n".join([name, *(rows if count else ()), account])
+
+
+def _text(value: Any) -> str:
+    if isinstance(value, list):
+        return " ".join(value)
+    return f"{np.real(value):.6g}" if isinstance(value, float | complex) else str(value)
+
 
 Array = NDArray[np.float64]
 SCHEMA = "gsp.solve/1"
@@ -72,7 +410,6 @@ class SolveResult(EqualByContent):
         return f"<SolveResult of {name}: {self.poses.account_text}>"
 
     def __str__(self) -> str:
-        from gspcli.solver.results.columns import plain_table
 
         return plain_table(self, self.poses.account_text)
 
@@ -169,7 +506,7 @@ class SolveResult(EqualByContent):
         if self.exact_count is None and self.verdict != "infinite":
             return None
         from gspcli.certification.counting import geometry_count
-        from gspcli.solver.starts.solved_starts import STARTS
+        from gspcli.solver.solved_starts import STARTS
 
         # Distances of zero leave no sides to choose, and are no values in general position.
         known = None
@@ -309,13 +646,11 @@ class SolveResult(EqualByContent):
     def to_frame(self, *, everything: bool = False) -> pd.DataFrame:
         """Return the poses as a table with a row for each (pandas is imported now).
 
-        The columns are those of `gspcli.solver.results.columns`, as in the CSV of `gsp solve`; the
+        The columns are those of `gspcli.solver.result`, as in the CSV of `gsp solve`; the
         index is the number, from 1. With ``everything`` the quaternions and translations are
         complex.
         """
         import pandas as pd
-
-        from gspcli.solver.results.columns import COLUMNS
 
         count = len(self.R) if everything else self.counts.real
         data: dict[str, Any] = {}

@@ -17,8 +17,8 @@ from gspcli.continuation.paths import Basis, PathAccount
 from gspcli.continuation.systems import FineCoefficients
 from gspcli.continuation.tracked_paths import PathEnds, TrackedPaths
 from gspcli.geometry.quaternions import Field, canonical_sign, pose_from_study
+from gspcli.solver.poses import PoseSet
 from gspcli.solver.problem import Problem
-from gspcli.solver.results.pose_set import PoseSet
 
 Bits = NDArray[np.bool_]
 Index = NDArray[np.intp]
@@ -62,7 +62,7 @@ class SidePoses:
     all_simple
         Whether all poses are known to be simple ones.
     tried
-        How many of the further strategies have ended (`gspcli.solver.strategies.further`).
+        How many of the further strategies have ended (`gspcli.solver.further`).
     """
 
     def __init__(self, problem: Problem, k: int) -> None:

@@ -23,7 +23,7 @@ from gspcli.geometry.primitives import Geometry, Line, Plane, Point, Vector
 from gspcli.geometry.quaternions import Field
 from gspcli.geometry.random_instances import random_instance
 from gspcli.solver import SolveResult, solve
-from gspcli.solver.starts.solved_starts import SolvedStarts
+from gspcli.solver.solved_starts import SolvedStarts
 
 MANY = 320
 #: Poses agree to this if rounding is the only difference; conditions are up to 1e8 or so.

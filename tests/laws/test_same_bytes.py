@@ -28,10 +28,9 @@ from gspcli.geometry.residuals import residuals, sides_of
 from gspcli.motion import track
 from gspcli.resources import data_path
 from gspcli.solver import all_poses, solve, solve_batch, solve_values
+from gspcli.solver.poses import PoseSet
 from gspcli.solver.problem import Problem
-from gspcli.solver.results.pose_set import PoseSet
-from gspcli.solver.starts.solved_starts import SolvedStarts
-from gspcli.solver.strategies import stored_start
+from gspcli.solver.solved_starts import SolvedStarts
 
 #: Files: general and special geometries, and lines; types: all relations, sides and angles.
 FILES = (
@@ -121,7 +120,7 @@ def test_whatever_strategy_finds_them(name: str, monkeypatch: pytest.MonkeyPatch
     instance = platform(name)
     with monkeypatch.context() as patch:
         patch.setattr(
-            all_poses, "first_strategies", lambda _: iter([(stored_start.careful_paths, False)])
+            all_poses, "first_strategies", lambda _: iter([(all_poses.careful_paths, False)])
         )
         assert said(solve(instance, starts=SolvedStarts()).poses) == known(name)
 

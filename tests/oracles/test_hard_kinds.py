@@ -11,7 +11,7 @@ import pytest
 
 from gspcli.defaults import SEED
 from gspcli.solver import solve
-from gspcli.solver.starts.solved_starts import SolvedStarts
+from gspcli.solver.solved_starts import SolvedStarts
 from gspcli.spec import loads
 
 THREE_GUIDE_RODS = """

@@ -11,7 +11,7 @@ from gspcli.certification import certify
 from gspcli.defaults import SEED
 from gspcli.geometry.instance import Side
 from gspcli.solver import solve
-from gspcli.solver.starts.solved_starts import SolvedStarts
+from gspcli.solver.solved_starts import SolvedStarts
 
 SAMPLE = {
     "hexagons": ["shape-1/straight/6-places", "shape-2/turned/9-places"],
@@ -58,7 +58,7 @@ def test_a_pose_that_one_path_missed_is_found_by_following_paths(
     def eliminated(*_: object) -> None:
         raise AssertionError
 
-    monkeypatch.setattr("gspcli.solver.strategies.further._eliminate", eliminated)
+    monkeypatch.setattr("gspcli.solver.further._eliminate", eliminated)
     made = load_tool("special.platforms")
     group = name.partition("/")[0]
     [platform] = [x for x in made.platforms([group]) if x.id == name]

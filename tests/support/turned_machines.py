@@ -27,7 +27,7 @@ from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Geometry, Line, Plane, Point
 from gspcli.geometry.quaternions import rotation_from_quaternion
 from gspcli.solver import solve
-from gspcli.solver.starts.solved_starts import SolvedStarts
+from gspcli.solver.solved_starts import SolvedStarts
 
 Array = NDArray[np.float64]
 #: Kinds, points y of the platform and x of the base, their directions u and v; shapes (6, 3).

@@ -1,4 +1,4 @@
-// Paths from solved systems of a geometry to the values asked for (gspcli.solver.starts.start).
+// Paths from solved systems of a geometry to the values asked for (gspcli.solver.start).
 #pragma once
 
 #include <vector>
@@ -15,7 +15,7 @@ struct Ends {
   double unit;
 };
 
-// With fewer unknowns: gspcli.solver.starts.start, and its two sizes of steps.
+// With fewer unknowns: gspcli.solver.start, and its two sizes of steps.
 class PoolPaths {
  public:
   explicit PoolPaths(Numbers& numbers);

@@ -1,7 +1,7 @@
 """Multiple poses with many digits; the speed of Newton's method gives the multiplicity.
 
 Balls alone never prove a singular solution. The results here are numerical; together with the exact
-count they become statements about the platform (`gspcli.solver.special.completion`).
+count they become statements about the platform (`gspcli.solver.by_count`).
 """
 
 from __future__ import annotations

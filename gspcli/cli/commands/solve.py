@@ -59,7 +59,7 @@ from gspcli.errors import (
 )
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.euler import MAKERS
-from gspcli.solver.results.columns import TRANSLATION, PoseColumn, expressed, rotation_columns
+from gspcli.solver.result import TRANSLATION, PoseColumn, expressed, rotation_columns
 from gspcli.wording import listed, named
 from gspcli.wording import shown as quoted
 

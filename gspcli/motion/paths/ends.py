@@ -13,7 +13,7 @@ from gspcli.motion.poses.inverse_kinematics import checked_poses, pose_parts, va
 from gspcli.motion.poses.mode_filters import chosen_mode
 from gspcli.records import dataclass
 from gspcli.solver import SolveResult, solve
-from gspcli.solver.results.solution import Solution
+from gspcli.solver.result import Solution
 
 Array = NDArray[np.float64]
 #: A mode by its number, ``home``, or a pose: (R, T), or a mode of a result.

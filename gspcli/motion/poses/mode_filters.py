@@ -24,7 +24,7 @@ from gspcli.wording import counted, listed, shown
 
 if TYPE_CHECKING:
     from gspcli.geometry.home_mode import HomeMode
-    from gspcli.solver.results.columns import PosesOfColumns
+    from gspcli.solver.result import PosesOfColumns
 
 
 Array = NDArray[np.float64]

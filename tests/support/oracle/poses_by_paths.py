@@ -22,7 +22,7 @@ from gspcli.geometry.quaternions import (
     quaternion_from_rotation,
     unit_quaternion,
 )
-from gspcli.solver.results.pose_set import PoseSet
+from gspcli.solver.poses import PoseSet
 from gspcli.solver.study_systems import target_systems
 from tests.support.oracle.parallel_ends import judge_parallel_lines, polish_parallel_lines
 

@@ -21,8 +21,7 @@ from gspcli.geometry.instance import Instance
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.readings import problems_of
 from gspcli.solver import solve, solve_batch, solve_values
-from gspcli.solver.results.pose_batch import PoseBatch
-from gspcli.solver.results.pose_set import PoseSet
+from gspcli.solver.poses import PoseBatch, PoseSet
 from tests.support.special.answers import HONEST, Answer, judged
 from tests.support.special.platforms import Draws, Platform, recorded
 

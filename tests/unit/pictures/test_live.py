@@ -44,7 +44,7 @@ from gspcli.pictures.live_numbers import (
 from gspcli.pictures.stage import scene_of
 from gspcli.resources import data_json, data_path, instance_files
 from gspcli.solver import solve
-from gspcli.solver.starts.solved_starts import SolvedStarts
+from gspcli.solver.solved_starts import SolvedStarts
 from gspcli.spec import load
 from tools.recording import ROOT, sha256
 from viewer import kernel

@@ -20,12 +20,11 @@ from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Units
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Line, Point, vector
 from gspcli.geometry.random_instances import random_instance
-from gspcli.solver import solve
+from gspcli.solver import by_count, solve
 from gspcli.solver.ledger import Ledger
+from gspcli.solver.poses import CountKind
 from gspcli.solver.problem import Problem
-from gspcli.solver.results.proof import CountKind
-from gspcli.solver.special import by_count
-from gspcli.solver.starts.solved_starts import SolvedStarts
+from gspcli.solver.solved_starts import SolvedStarts
 
 ORIGIN, X, Y, Z = (vector(*v) for v in ((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)))
 P = Point(ORIGIN)
@@ -96,9 +95,9 @@ def test_a_geometry_without_poses_for_most_values_proves_nothing(
 ) -> None:
     platform = load(EXAMPLES / "similar-hexagons.yaml")
     assert count_geometry(platform).solutions == 0
-    monkeypatch.setattr("gspcli.solver.strategies.further._MOST_ATTEMPTS", 0)
-    monkeypatch.setattr("gspcli.solver.strategies.further._MOST", 0)
-    monkeypatch.setattr("gspcli.solver.special.by_count.exact_count", lambda *_, **__: None)
+    monkeypatch.setattr("gspcli.solver.further._MOST_ATTEMPTS", 0)
+    monkeypatch.setattr("gspcli.solver.further._MOST", 0)
+    monkeypatch.setattr("gspcli.solver.by_count.exact_count", lambda *_, **__: None)
     assert solve(platform).verdict == "incomplete"
 
 

@@ -21,13 +21,12 @@ from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Units
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Line, Point
 from gspcli.geometry.random_instances import random_instance
-from gspcli.solver import solve
+from gspcli.solver import all_poses, further, solve
+from gspcli.solver.all_poses import far_in_planes
+from gspcli.solver.poses import are_far
 from gspcli.solver.problem import Problem
-from gspcli.solver.results.pose_set import are_far
 from gspcli.solver.side_poses import SidePoses
-from gspcli.solver.starts.solved_starts import SolvedStarts
-from gspcli.solver.strategies import complex_planes, further
-from gspcli.solver.strategies.complex_planes import far_in_planes
+from gspcli.solver.solved_starts import SolvedStarts
 from gspcli.solver.study_systems import coefficients_at
 
 VALUES = [1.2, 1.25, 1.22, 1.21, 0.7, 0.8]
@@ -136,7 +135,7 @@ def test_planes_are_those_of_the_equations_of_proofs(name):
         e, f = z[:, :4], z[:, 4:]
         f -= ((e * f).sum(axis=1) / (e * e).sum(axis=1))[:, None] * e
         scaled = np.concatenate((e, f / system.scale), axis=1)
-        for k, turn in enumerate(complex_planes._turns(given).tolist()):
+        for k, turn in enumerate(all_poses._turns(given).tolist()):
             if given.kinds[k] not in (DPL, DLP):
                 continue
             row = system.statements[k]

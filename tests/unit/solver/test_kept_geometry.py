@@ -14,15 +14,13 @@ from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Line, Point
 from gspcli.geometry.quaternions import rotation_from_quaternion
 from gspcli.resources import data_path
-from gspcli.solver import solve, solve_batch
-from gspcli.solver.many_poses import many_poses
+from gspcli.solver import by_count, further, solve, solve_batch
+from gspcli.solver.api import many_poses
+from gspcli.solver.kept_geometry import kept_start
+from gspcli.solver.poses import CountKind
 from gspcli.solver.problem import Problem
-from gspcli.solver.results.proof import CountKind
-from gspcli.solver.special import by_count
-from gspcli.solver.starts.solved_starts import STARTS, SolvedStarts, Sort
-from gspcli.solver.starts.start import Start, StartMethod, solved_start
-from gspcli.solver.strategies import further
-from gspcli.solver.strategies.kept_geometry import kept_start
+from gspcli.solver.solved_starts import STARTS, SolvedStarts, Sort
+from gspcli.solver.start import Start, StartMethod, solved_start
 from gspcli.spec import load
 from tests.support.matching import pose_set_distance
 from tests.support.realistic import machines
@@ -85,7 +83,7 @@ def test_a_start_that_lacks_a_solution_proves_nothing(monkeypatch):
             return None
         return replace(start, points=start.points[1:], reduced=start.reduced[:, 1:])
 
-    monkeypatch.setattr("gspcli.solver.starts.start.solved_start", lacking)
+    monkeypatch.setattr("gspcli.solver.start.solved_start", lacking)
     starts = SolvedStarts()
     for _ in range(2):
         found = solve(instance, starts=starts)
@@ -105,8 +103,8 @@ def test_the_first_of_a_geometry_needs_neither_a_start_nor_an_exact_count(name, 
         raise AssertionError
 
     STARTS.clear()
-    monkeypatch.setattr("gspcli.solver.starts.start.solved_start", seen)
-    monkeypatch.setattr("gspcli.solver.special.by_count.exact_count", counted)
+    monkeypatch.setattr("gspcli.solver.start.solved_start", seen)
+    monkeypatch.setattr("gspcli.solver.by_count.exact_count", counted)
     first = solve(platform("platforms", name))
     assert not ways
     second = solve(platform("platforms", name))
@@ -128,7 +126,7 @@ def test_a_start_from_a_solved_platform_has_the_solutions_of_any_other(name, mon
         return start
 
     STARTS.clear()
-    monkeypatch.setattr("gspcli.solver.starts.start.solved_start", each)
+    monkeypatch.setattr("gspcli.solver.start.solved_start", each)
     for _ in range(2):
         solve(platform("platforms", name))
     found, known = (
@@ -159,7 +157,7 @@ def test_poses_of_which_two_are_the_same_are_no_start():
 
 def test_nearly_special_platforms_are_proved_by_their_geometry_too(monkeypatch):
     # Of its 36 poses doubles can prove 28.
-    monkeypatch.setattr("gspcli.solver.special.by_count.exact_count", lambda *_, **__: None)
+    monkeypatch.setattr("gspcli.solver.by_count.exact_count", lambda *_, **__: None)
     found = solve(platform("platforms", "rubin-camera"))
     assert found.proof.by is CountKind.GEOMETRY
     assert len(found.R) == found.certified.sum() == 36
@@ -200,7 +198,7 @@ def test_far_poses_need_no_paths(monkeypatch):
     def nothing_else(*_):
         raise AssertionError
 
-    monkeypatch.setattr("gspcli.solver.strategies.stored_start.reduced_paths", nothing_else)
+    monkeypatch.setattr("gspcli.solver.all_poses.reduced_paths", nothing_else)
     again = solve(instance, starts=starts)
     assert again.proof == first.proof
     for part in ("quaternions", "R", "T", "real"):
@@ -233,7 +231,7 @@ def test_far_poses_of_machines_with_lines_need_no_paths(number, monkeypatch):
         raise AssertionError
 
     for way in ("short_series", "careful_paths"):
-        monkeypatch.setattr(f"gspcli.solver.strategies.stored_start.{way}", nothing_else)
+        monkeypatch.setattr(f"gspcli.solver.all_poses.{way}", nothing_else)
     again = solve(instance, starts=starts)
     assert again.proof == first.proof
     assert again.proof.by is CountKind.TYPE
@@ -461,6 +459,6 @@ def test_rows_of_similar_plates_are_solved_together(plates, poses, far, monkeypa
         there = sorted(map(tuple, alone.T.tolist()), key=repr)
         assert sorted(map(tuple, found.T.tolist()), key=repr) == there
     # Other values of the instance, as written, are solved from the same start.
-    monkeypatch.setattr("gspcli.solver.strategies.stored_start.reduced_paths", None)
+    monkeypatch.setattr("gspcli.solver.all_poses.reduced_paths", None)
     texts = {i: Number.of(repr(x)) for i, x in enumerate(rows[3].tolist())}
     assert solve(instance.with_values(texts), starts=starts).proof == known.proof

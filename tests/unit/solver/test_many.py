@@ -23,16 +23,14 @@ from gspcli.geometry.numbers import Number
 from gspcli.geometry.random_instances import random_instance
 from gspcli.geometry.residuals import condition_numbers, residuals
 from gspcli.resources import data_path, instance_files
-from gspcli.solver import solve, solve_batch, solve_values
-from gspcli.solver.all_poses import all_poses, first_poses
+from gspcli.solver import api, solve, solve_batch, solve_values
+from gspcli.solver import poses as pose_module
+from gspcli.solver.all_poses import all_poses, closed_form, first_poses
+from gspcli.solver.api import groups_of
+from gspcli.solver.poses import CountKind
 from gspcli.solver.problem import Problem
-from gspcli.solver.results import pose_batch as batch_module
-from gspcli.solver.results.proof import CountKind
-from gspcli.solver.starts.solved_starts import SolvedStarts
-from gspcli.solver.starts.start import start_among
-from gspcli.solver.strategies import row_groups
-from gspcli.solver.strategies.closed_form import closed_form
-from gspcli.solver.strategies.row_groups import groups_of
+from gspcli.solver.solved_starts import SolvedStarts
+from gspcli.solver.start import start_among
 from gspcli.spec import load
 from tests.support.oracle.poses_by_paths import solve_by_tracking
 
@@ -318,14 +316,14 @@ def test_residuals_are_measured_in_blocks(monkeypatch):
     batch = solve_batch(instance, values)
     together = batch.residuals
     vars(batch).pop("residuals")
-    measured, sizes = batch_module.proved_residuals, []
+    measured, sizes = pose_module.proved_residuals, []
 
     def counted(given, R, T):
         sizes.append(len(R))
         return measured(given, R, T)
 
-    monkeypatch.setattr(batch_module, "proved_residuals", counted)
-    monkeypatch.setattr(batch_module, "_BLOCK", 7)
+    monkeypatch.setattr(pose_module, "proved_residuals", counted)
+    monkeypatch.setattr(pose_module, "_BLOCK", 7)
     np.testing.assert_array_equal(batch.residuals, together)
     assert max(sizes) == 7
     assert sum(sizes) == batch.certified.sum()
@@ -438,7 +436,7 @@ def test_sets_of_several_sizes_have_a_start_each(name, monkeypatch):
         sizes.append(len(group))
         return start_among(arrangement, group, *rest)
 
-    monkeypatch.setattr(row_groups, "start_among", counting)
+    monkeypatch.setattr(api, "start_among", counting)
     batch = solve_batch(instance, mixed)
     assert sorted(sizes) == [SETS // 2] * 2
     assert batch.proved.all()
@@ -453,7 +451,7 @@ def test_sets_of_several_sizes_have_a_start_each(name, monkeypatch):
 def test_a_start_that_proves_something_else_leaves_its_sets_to_others(monkeypatch):
     instance, rows = case()
     mixed = np.concatenate((rows[:5], 20 * rows[5:]))
-    known = row_groups.start_among
+    known = api.start_among
 
     def unproved(arrangement, group, *rest):
         geometry = known(arrangement, group, *rest)
@@ -461,7 +459,7 @@ def test_a_start_that_proves_something_else_leaves_its_sets_to_others(monkeypatc
             object.__setattr__(geometry, "proof", None)
         return geometry
 
-    monkeypatch.setattr(row_groups, "start_among", unproved)
+    monkeypatch.setattr(api, "start_among", unproved)
     batch = solve_batch(instance, mixed)
     assert sorted(batch.others) == [5, 6, 7, 8, 9]
     assert batch.proved.all()
@@ -475,7 +473,7 @@ def test_tripods_have_a_common_start():
     rows[:, :3] *= np.random.default_rng(2).uniform(0.95, 1.05, (12, 3))
     rows[4:8, 3] = 0.05
     rows[8:, 3:] = 0.03
-    groups = row_groups.groups_of(Problem(instance), rows, all_poses)
+    groups = api.groups_of(Problem(instance), rows, all_poses)
     counts = {tuple(members): group.known_geometry_count for members, group in groups}
     assert [count and count.solutions for count in counts.values()] == [16, 32, 128]
     batch = solve_batch(instance, rows)

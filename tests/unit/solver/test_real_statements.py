@@ -9,7 +9,7 @@ import pytest
 
 from gspcli.pictures.stage import scene_of
 from gspcli.solver import SolveResult, solve
-from gspcli.solver.special.real_statements import isolated_real_poses
+from gspcli.solver.by_count import isolated_real_poses
 from gspcli.spec import loads
 
 #: A ball in a seat at the origin, a ball in a groove along the x axis, a ball on the table: real

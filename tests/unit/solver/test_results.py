@@ -15,8 +15,8 @@ from gspcli.geometry.quaternions import quaternion_from_rotation
 from gspcli.geometry.random_instances import random_instance
 from gspcli.resources import data_path, instance_files
 from gspcli.solver import solve
-from gspcli.solver.results.columns import COLUMNS, ROTATIONS, rotation_columns
-from gspcli.solver.results.proof import CountKind, Grade, Proof
+from gspcli.solver.poses import CountKind, Grade, Proof
+from gspcli.solver.result import COLUMNS, ROTATIONS, rotation_columns
 from gspcli.spec import load
 
 

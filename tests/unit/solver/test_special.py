@@ -28,10 +28,10 @@ from gspcli.motion.following.trajectories import track
 from gspcli.motion.singularities.clearances import clearances
 from gspcli.solver import SolveResult, solve
 from gspcli.solver import certify as certify_poses
+from gspcli.solver.by_count import poses_of_repeated
 from gspcli.solver.ledger import Ledger
+from gspcli.solver.poses import PoseSet
 from gspcli.solver.problem import Problem
-from gspcli.solver.results.pose_set import PoseSet
-from gspcli.solver.special.infinite_sets import poses_of_repeated
 from gspcli.spec import loads
 from tests.support.posts import PLATE_ON_POSTS
 
@@ -452,7 +452,7 @@ def test_both_sides_are_the_plate_on_both_faces(length: str) -> None:
 
 
 def test_one_pose_too_few_or_too_many_is_never_complete(monkeypatch: pytest.MonkeyPatch) -> None:
-    from gspcli.solver.special import by_count
+    from gspcli.solver import by_count
 
     count = by_count.exact_count(_spec(*LONG_FOOT))
     assert count is not None

@@ -25,16 +25,13 @@ from gspcli.geometry.instance import Instance
 from gspcli.geometry.quaternions import rotation_from_quaternion
 from gspcli.geometry.random_instances import random_instance
 from gspcli.resources import data_path
-from gspcli.solver import solve, solve_batch, solve_values
-from gspcli.solver.all_poses import first_poses
+from gspcli.solver import all_poses, solve, solve_batch, solve_values
+from gspcli.solver import start as start_module
+from gspcli.solver.all_poses import first_poses, planar_starts, structure_start
+from gspcli.solver.poses import CountKind
 from gspcli.solver.problem import Problem
-from gspcli.solver.results.proof import CountKind
-from gspcli.solver.starts import platform_starts
-from gspcli.solver.starts import start as start_module
-from gspcli.solver.starts.platform_starts import planar_starts, structure_start
-from gspcli.solver.starts.solved_starts import OFTEN, STARTS, SolvedStarts, Sort
-from gspcli.solver.starts.start import Start, start_among, with_conjugates
-from gspcli.solver.strategies import stored_start
+from gspcli.solver.solved_starts import OFTEN, STARTS, SolvedStarts, Sort
+from gspcli.solver.start import Start, start_among, with_conjugates
 from gspcli.spec import load
 
 # What is kept of solved platforms: inspected, cleared, passed; no answer depends on it.
@@ -139,9 +136,7 @@ def test_nothing_is_remembered_elsewhere(monkeypatch):
 
 
 def test_importing_keeps_nothing():
-    code = (
-        "from gspcli.solver.starts.solved_starts import STARTS as s; print(sum(s.sizes.values()))"
-    )
+    code = "from gspcli.solver.solved_starts import STARTS as s; print(sum(s.sizes.values()))"
     run = subprocess.run(
         [sys.executable, "-c", f"import gspcli; gspcli.solve; {code}"],
         capture_output=True,
@@ -169,10 +164,10 @@ def test_paths_to_planar_platforms_begin_at_a_planar_one(monkeypatch):
     instances = [random_bodies(rng) for _ in range(4)]
     with monkeypatch.context() as context:
         # Paths from the stored start.
-        context.setattr(platform_starts, "planar_starts", lambda given: [])
+        context.setattr(all_poses, "planar_starts", lambda given: [])
         known = [solve(instance, starts=SolvedStarts()) for instance in instances]
     # Nothing but what planar starts give.
-    monkeypatch.setattr(stored_start, "careful_paths", None)
+    monkeypatch.setattr(all_poses, "careful_paths", None)
     for instance, expected in zip(instances, known, strict=True):
         found = solve(instance, starts=SolvedStarts())
         assert found.verdict == "complete"
@@ -291,7 +286,7 @@ def test_what_is_not_proved_is_found_by_careful_paths(name, monkeypatch):
         return ends
 
     for quick in ("short_series", "reduced_paths"):
-        monkeypatch.setattr(stored_start, quick, spoilt(getattr(stored_start, quick)))
+        monkeypatch.setattr(all_poses, quick, spoilt(getattr(all_poses, quick)))
     careful = []
     monkeypatch.setattr(
         Problem, "tracked", property(lambda problem: careful.append(1) or tracked(problem))
@@ -314,15 +309,15 @@ def tracked(problem):
 def test_poses_that_every_first_path_misses_are_found_with_more_digits(lost, monkeypatch):
     given = random_instance(parse_type("6PP"), np.random.default_rng(5))[0]
     known = solve(given, starts=SolvedStarts())
-    monkeypatch.setattr(stored_start, "reduced_paths", lambda _: iter(()))
+    monkeypatch.setattr(all_poses, "reduced_paths", lambda _: iter(()))
 
     def careful(problem):
         for found in careful_paths(problem):
             found.points[..., :lost, :] = np.nan
             yield found
 
-    careful_paths = stored_start.careful_paths
-    monkeypatch.setattr(stored_start, "careful_paths", careful)
+    careful_paths = all_poses.careful_paths
+    monkeypatch.setattr(all_poses, "careful_paths", careful)
     found = solve(given, starts=SolvedStarts())
     assert found.proof == known.proof
     for part in PARTS:
@@ -332,8 +327,8 @@ def test_poses_that_every_first_path_misses_are_found_with_more_digits(lost, mon
 def test_platforms_without_products_have_quicker_paths():
     legs = random_instance(parse_type("6PP"), np.random.default_rng(3))[0]
     problem = Problem(legs, starts=SolvedStarts())
-    assert list(stored_start.short_series(problem)) == []
-    [ends] = stored_start.reduced_paths(problem)
+    assert list(all_poses.short_series(problem)) == []
+    [ends] = all_poses.reduced_paths(problem)
     assert ends.points.shape == (1, 1, 40, 8)
 
 

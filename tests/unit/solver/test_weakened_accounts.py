@@ -15,12 +15,10 @@ from gspcli.geometry.local_motions import real_statement
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Line, Plane, Point, vector
 from gspcli.geometry.quaternions import study_from_pose
+from gspcli.solver.by_count import _by_geometry, _different, _multiplicities, _proof
 from gspcli.solver.ledger import Ledger
-from gspcli.solver.results.proof import CountKind
+from gspcli.solver.poses import CountKind
 from gspcli.solver.side_poses import SidePoses
-from gspcli.solver.special.by_count import _by_geometry
-from gspcli.solver.special.completion import _multiplicities
-from gspcli.solver.special.infinite_sets import _different, _proof
 
 
 @pytest.mark.parametrize(

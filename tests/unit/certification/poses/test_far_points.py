@@ -15,12 +15,11 @@ from gspcli.certification.poses.far_points import far_points
 from gspcli.certification.poses.locator import Located
 from gspcli.continuation.tracked_paths import TrackedPaths
 from gspcli.geometry.quaternions import canonical_sign, study_from_pose
-from gspcli.solver import solve
+from gspcli.solver import further, solve
+from gspcli.solver.poses import are_far
 from gspcli.solver.problem import Problem
-from gspcli.solver.results.pose_set import are_far
 from gspcli.solver.side_poses import SidePoses
-from gspcli.solver.starts.solved_starts import SolvedStarts
-from gspcli.solver.strategies import further
+from gspcli.solver.solved_starts import SolvedStarts
 
 
 def hexagons(digits=None, *, height=0.0):

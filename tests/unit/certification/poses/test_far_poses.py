@@ -23,7 +23,7 @@ from gspcli.geometry.primitives import Line
 from gspcli.resources import data_path
 from gspcli.solver import solve
 from gspcli.solver.problem import Problem
-from gspcli.solver.starts.solved_starts import SolvedStarts
+from gspcli.solver.solved_starts import SolvedStarts
 from gspcli.spec import load
 
 PARTS = ("R", "T", "quaternions", "real", "certified", "rounded", "deviation")

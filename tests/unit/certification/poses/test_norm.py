@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from gspcli.solver.all_poses import careful_paths
 from gspcli.solver.problem import Problem
-from gspcli.solver.strategies.stored_start import careful_paths
 from gspcli.spec import loads
 
 #: Of its 208 paths 48 lead to infinity, many to simple solutions with N = 0 exactly.

@@ -24,10 +24,9 @@ from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Units
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Line, Point, Vector, vector
 from gspcli.geometry.random_instances import random_instance
-from gspcli.solver import solve
+from gspcli.solver import further, solve
 from gspcli.solver.problem import Problem
-from gspcli.solver.starts.solved_starts import SolvedStarts
-from gspcli.solver.strategies import further
+from gspcli.solver.solved_starts import SolvedStarts
 
 
 def _members(family: SpecialFamily | None) -> tuple[Instance, Instance]:

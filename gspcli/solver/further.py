@@ -18,8 +18,8 @@ from gspcli.certification.poses.special_family import (
     turned_directions,
 )
 from gspcli.continuation.quadrics import ComplexArray
+from gspcli.solver.poses import are_far
 from gspcli.solver.problem import Problem
-from gspcli.solver.results.pose_set import are_far
 from gspcli.solver.side_poses import FEW, Index, SidePoses
 
 #: A platform that is special up to less than one in this many has poses where N is below 1e-32.

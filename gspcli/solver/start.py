@@ -42,14 +42,14 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.quaternions import apply, study_from_pose
 from gspcli.records import dataclass
 from gspcli.solver.ends import Ends
-from gspcli.solver.results.pose_set import PoseSet
-from gspcli.solver.results.proof import CountKind, Proof
-from gspcli.solver.starts.solved_starts import SolvedStarts, Sort
+from gspcli.solver.poses import CountKind, PoseSet, Proof
+from gspcli.solver.solved_starts import SolvedStarts, Sort
 from gspcli.solver.study_systems import coefficients_of, complex_system, side_choices
 
 if TYPE_CHECKING:
     from gspcli.certification.counting import ExactCount
     from gspcli.certification.poses.far_poses import FarPoses
+
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int32]

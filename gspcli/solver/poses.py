@@ -2,23 +2,181 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from enum import StrEnum
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.continuation.paths import PathAccount
+from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.local_motions import Motion
 from gspcli.geometry.quaternions import quaternion_from_rotation, stable_order
+from gspcli.geometry.residuals import condition_numbers, proved_residuals, residuals
 from gspcli.records import EqualByContent, dataclass
-from gspcli.solver.results.proof import Proof
 
 if TYPE_CHECKING:
+    from gspcli.certification.counting import ExactCount
     from gspcli.certification.equations.local_frames import LocalFrames
 
+
+class CountKind(StrEnum):
+    """A count that certified poses can reach (docs/certificates.md)."""
+
+    TYPE = "type count"
+    """As many distinct simple poses as the type has: there can be no other solution at all."""
+    GEOMETRY = "geometry count"
+    """As many as this geometry has with values in general position."""
+    EXACT = "exact count"
+    """As many as the numbers as written have, with multiplicities."""
+
+
+class Grade(StrEnum):
+    """How certain a proof is."""
+
+    CERTAIN = "certain"
+    """No random choice can make it wrong."""
+    PRIME = "up to a random prime"
+    """It is wrong if the random prime of a count is a bad one, with a probability that is known."""
+
+
+@dataclass(frozen=True)
+class Proof:
+    """Why there are no other poses, or why there are infinitely many.
+
+    Attributes
+    ----------
+    by
+        The count that decides.
+    error
+        Bound of the probability that the random prime of the count is a bad one; 0 if the
+        count holds for every prime.
+    """
+
+    by: CountKind
+    error: float = 0.0
+
+    @classmethod
+    def modulo(cls, by: CountKind, error: float) -> Proof | None:
+        """Return a proof by a count modulo a random prime; None if the bound of its error is 1."""
+        return cls(by, error) if error < 1 else None
+
+    @classmethod
+    def by_geometry(cls, count: ExactCount | None, number: int) -> Proof | None:
+        """Return the proof that this many poses, at least one, are all that the geometry has."""
+        # Two pairs of lines parallel at once spoil the argument (docs/counts.md).
+        if count is None or not number or count.solutions != number or not count.has_lone_lines:
+            return None
+        return cls.modulo(CountKind.GEOMETRY, count.error)
+
+    @property
+    def grade(self) -> Grade:
+        """Whether the proof is certain."""
+        return Grade.PRIME if self.error else Grade.CERTAIN
+
+    @property
+    def words(self) -> str:
+        """The grade in a sentence: proved, or proved up to a random prime."""
+        return f"proved {self.grade}" if self.error else "proved"
+
+    @property
+    def reservation(self) -> str:
+        """That the proof is up to a random prime, in words; empty if it is certain."""
+        if not self.error:
+            return ""
+        times = math.floor(-math.log10(self.error))
+        said = f"wrong at most once in 10^{times}" + (", treat as certain" if times >= 9 else "")
+        return f"proved by the {self.by} up to a random prime: {said}"
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the proof as plain data: `modulo_random_prime` is false or the error bound."""
+        return {
+            "by": self.by.value,
+            "grade": self.grade.value,
+            "modulo_random_prime": self.error or False,
+        }
+
+
+Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
+
+
+#: Poses that are measured together: enough that their number does not matter.
+_BLOCK = 4096
+
+
+@dataclass(frozen=True, eq=False)
+class PoseBatch(EqualByContent):
+    """All poses for each of b sets of values; rows are filled up to the longest with NaN.
+
+    Attributes
+    ----------
+    arrangement, values
+        The geometry, and the sets of values with the offsets of the instance added, shape (b, 6).
+    number
+        How many distinct poses each set has, shape (b,).
+    R, T
+        Rotations (b, n, 3, 3) and translations (b, n, 3), complex, in the frames and units of the
+        instance; those of real poses are exactly real.
+    real, certified
+        Which are real, and which are proved; false where there is no pose; shape (b, n).
+    multiplicity
+        Of each pose, 0 where there is none, shape (b, n).
+    complete
+        For which sets the poses are all that there are: the account of paths adds up to the
+        verdict ``complete``; shape (b,).
+    proved
+        For which of them that is proved, for certain or up to a random prime, shape (b,).
+    others
+        The `PoseSet` of each set with special or wrong values, with account, motions and proof.
+    """
+
+    arrangement: Arrangement
+    values: Array
+    number: NDArray[np.int64]
+    R: Complex
+    T: Complex
+    real: NDArray[np.bool_]
+    certified: NDArray[np.bool_]
+    multiplicity: NDArray[np.int64]
+    complete: NDArray[np.bool_]
+    proved: NDArray[np.bool_]
+    others: Mapping[int, PoseSet]
+
+    def __len__(self) -> int:
+        return len(self.number)
+
+    def __repr__(self) -> str:
+        parts = f"{len(self)} sets of values, {int(self.real.sum())} real poses"
+        missing = f"{int((~self.complete).sum())} incomplete"
+        return f"<PoseBatch: {parts}, {int(self.proved.sum())} proved complete, {missing}>"
+
+    @cached_property
+    def residuals(self) -> Array:
+        """The largest residual of a constraint at each pose, NaN where there is none, (b, n)."""
+        result = np.full(self.real.shape, np.nan)
+        for measure, chosen in ((proved_residuals, True), (residuals, False)):
+            there = np.nonzero((self.multiplicity > 0) & (self.certified == chosen))
+            # In blocks: what lies between takes some hundred numbers a pose.
+            for begin in range(0, len(there[0]), _BLOCK):
+                at = tuple(index[begin : begin + _BLOCK] for index in there)
+                given = self.arrangement.with_values(self.values[at[0]])
+                result[at] = measure(given, self.R[at], self.T[at]).max(axis=1)
+        return result
+
+    @cached_property
+    def conditions(self) -> Array:
+        """The condition number of each pose, NaN where there is none, shape (b, n)."""
+        there = np.nonzero(self.multiplicity)
+        lengths = np.array([self.arrangement.length_with(row) for row in self.values])
+        given = self.R[there], self.T[there], lengths[there[0]]
+        result = np.full(self.real.shape, np.nan)
+        result[there] = condition_numbers(self.arrangement, *given)
+        return result
 
 
 #: Poses with larger entries, lengths in typical ones, are far away: 32 digits in the frames of the

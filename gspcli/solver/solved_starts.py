@@ -24,7 +24,8 @@ if TYPE_CHECKING:
     from gspcli.certification.counting import ExactCount
     from gspcli.certification.poses.collection import StudyPoints
     from gspcli.continuation.systems import Structure
-    from gspcli.solver.results.pose_set import PoseSet
+    from gspcli.solver.poses import PoseSet
+
 
 _Entry = TypeVar("_Entry")
 

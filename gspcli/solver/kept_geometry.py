@@ -19,10 +19,10 @@ from gspcli.continuation.balance import Balance
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.solver.ends import Ends
 from gspcli.solver.ledger import Ledger
+from gspcli.solver.poses import PoseSet, are_far
 from gspcli.solver.problem import Problem
-from gspcli.solver.results.pose_set import PoseSet, are_far
-from gspcli.solver.starts.solved_starts import SolvedPlatform, Sort, geometry_key
-from gspcli.solver.starts.start import (
+from gspcli.solver.solved_starts import SolvedPlatform, Sort, geometry_key
+from gspcli.solver.start import (
     Start,
     StartMethod,
     parameters_in,
@@ -34,6 +34,7 @@ from gspcli.solver.starts.start import (
 if TYPE_CHECKING:
     from gspcli.certification.poses.far_poses import FarPoses
     from gspcli.certification.poses.many_values import ValueProofs
+
 
 Array = NDArray[np.float64]
 

@@ -1,1 +1,0 @@
-"""Records of the poses of a platform, and of what is proved of them."""

@@ -1,1 +1,0 @@
-"""Platforms in special or nearly special position: poses are counted exactly."""

@@ -1,1 +1,0 @@
-"""Solved systems from which paths to the poses of platforms begin."""
