@@ -15,11 +15,12 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.drives import Drives, driven_points, is_driven
 from gspcli.geometry.euler import check_sequence, rotation_from_euler
 from gspcli.geometry.instance import Instance
-from gspcli.geometry.limits import joint_cones
+from gspcli.geometry.limits import joint_cones, out_of_range
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.quaternions import apply, quaternion_from_rotation, rotation_from_quaternion
 from gspcli.geometry.ranges import value_range
 from gspcli.motion.collisions.compared import ComparedShapes
+from gspcli.motion.poses.inverse_kinematics import values_at
 from gspcli.wording import listed
 
 Array = NDArray[np.float64]
@@ -230,19 +231,22 @@ class PoseBoxes:
         return bounds
 
     def refuse_fixed(self, bounds: Array, free: Sequence[int]) -> None:
-        """Raise if a value that stays is not proved to be the same in a whole box.
+        """Raise if a value that home keeps, and that stays, is not proved the same in a whole box.
 
-        Poses that keep such a value have no volume.
+        Poses that keep such a value have no volume. If home does not keep it no pose is near, and
+        what the division proves is the answer.
 
         Raises
         ------
         ArgumentError
             Naming the values.
         """
+        here = values_at(self.instance, self.R, self.home[:3] - self.R @ self.pivot)
+        at_home = ~out_of_range(self._limited, here)
         one, changed = np.zeros(1, np.uint64), []
-        for k in range(_RANGES):
-            asked = np.array([self.fixed & 1 << k], np.uint32)
-            if asked.any() and not len(self.judge(bounds, free, 0, one, asked, split=False).inside):
+        for k in (k for k in range(_RANGES) if self.fixed >> k & 1 and at_home[k]):
+            asked = np.array([1 << k], np.uint32)
+            if not len(self.judge(bounds, free, 0, one, asked, split=False).inside):
                 changed.append(str(k + 1))
         if changed:
             names = listed([PARAMETERS[k] for k in free], "and")

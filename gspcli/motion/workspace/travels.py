@@ -12,7 +12,13 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.drives import Drives, is_driven
 from gspcli.geometry.euler import rotation_from_euler
 from gspcli.geometry.instance import Instance
-from gspcli.geometry.limits import joint_cones, out_of_cone, out_of_range, tilts
+from gspcli.geometry.limits import (
+    joint_cones,
+    out_of_cone,
+    out_of_motor_range,
+    out_of_range,
+    tilts,
+)
 from gspcli.geometry.readings import readings_of
 from gspcli.motion.collisions.compared import ComparedShapes
 from gspcli.motion.poses.inverse_kinematics import changed_value, values_at
@@ -27,8 +33,6 @@ _FAR = 100.0
 #: The interval in which a travel ends is halved until it is this part of the whole.
 _FINEST = 2.0**-46
 _DEEPEST = 46
-#: A number is outside its range if it exceeds the range by more than this part of it.
-_ROUNDING = 1e-12
 #: More open intervals than this are not divided: a limit is nearly violated along the whole axis.
 _MOST_OPEN = 500
 
@@ -235,15 +239,11 @@ def _of_drives(drives: Drives, knees: NDArray[np.int64], R: Array, T: Array) -> 
         q, low, high = (float(x) for x in (wanted[k], drives.low[drive], drives.high[drive]))
         if np.isnan(q):
             yield f"{drives.user(k)} does not reach {name}"
-        elif np.isfinite(low):
-            room = _ROUNDING * max(abs(low), abs(high))
-            if not low - room <= q <= high + room:
-                here, first, last = (
-                    float(drives.readings(np.full(drives.count, x))[drive]) for x in (q, low, high)
-                )
-                yield (
-                    f"{name} at {here:.6g} is outside its range from {first:.10g} to {last:.10g}"
-                )
+        elif out_of_motor_range(drives, np.full(drives.count, q))[drive]:
+            here, first, last = (
+                float(drives.readings(np.full(drives.count, x))[drive]) for x in (q, low, high)
+            )
+            yield f"{name} at {here:.6g} is outside its range from {first:.10g} to {last:.10g}"
     there = values_at(drives.instance, R, T)
     for k in np.flatnonzero(drives.stays & np.isnan(wanted)).tolist():
         yield changed_value(drives, k, there[k])
