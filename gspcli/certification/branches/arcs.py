@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 from gspcli.certification.branches.fold_system import CurveSystem
 from gspcli.certification.branches.taylor import MovingSystem
-from gspcli.certification.numbers.balls import float_above, floats_above
+from gspcli.certification.numbers.balls import float_above, float_ends, floats_above
 from gspcli.certification.numbers.rounding import OUTWARD
 
 Array = NDArray[np.float64]
@@ -312,7 +312,7 @@ def continued(
     """
     last = None
     for count, (arc, end) in enumerate(_arcs(equations, pose, arb(goal)), 1):
-        time = min(goal, float((end[-1] - end[-1].rad()).mid()) - 2.0**-52)
+        time = goal if end[-1] > goal else min(goal, float_ends(end[-1])[0] - 2.0**-52)
         found = at_time(equations, [*end[:-1], arb(time)])
         if found is not None and arc.contains(found) and found[-1] > pose[-1]:
             last = found, count

@@ -140,8 +140,11 @@ class Run:
         branches.segments[k] += rest.segments[0]
         branches.tries[k] += rest.tries[0]
         branches.reached[k] = row + 1 + max(rest.reached[0], 0)
-        for name in ("stop", "fraction", "last", "near"):
-            getattr(branches, name)[k] = getattr(rest, name)[0]
+        branches.stop[k] = Stop.STEP if rest.stop[0] == Stop.START else rest.stop[0]
+        branches.fraction[k] = rest.fraction[0]
+        # Where the row itself is as far as doubles go, the pose of the arcs is the nearer one.
+        if rest.reached[0] > 0 or rest.fraction[0] > 0 or rest.stop[0] == Stop.END:
+            branches.last[k], branches.near[k] = rest.last[0], rest.near[0]
 
     def _fold(self, branches: Branches, k: int) -> Fold | None:
         """Return a proved fold near the end of a branch, if there is one before the next row."""

@@ -203,6 +203,16 @@ def test_a_fold_at_a_row_is_before_it_or_after_it(hexapod, shift, kind, row):
     assert event.low == pytest.approx(2, abs=1e-8)
 
 
+def test_a_fold_within_rounding_of_a_row_is_a_fold(hexapod):
+    """Also where doubles see the row no better than to the root of their rounding."""
+    fold = track(hexapod, VALUES[:2], modes=[1], t=[0, 1]).events[0]
+    for shift in range(-40, 41):
+        at = VALUES[0] + (fold.low + shift * 2.0**-53) * (VALUES[1] - VALUES[0])
+        (event,) = track(hexapod, np.stack([VALUES[0], at, VALUES[1]]), modes=[1]).events
+        assert event.kind == "fold"
+        assert event.low == pytest.approx(2, abs=1e-13)
+
+
 def near_miss(hexapod, offset):
     """Values on a line that touches the discriminant, but for an offset: towards more modes."""
     fold = track(hexapod, VALUES[:2], t=[0, 1]).events[0]
