@@ -13,7 +13,7 @@ import pytest
 
 from gspcli import _kernel
 from gspcli.motion import FollowerStatus
-from gspcli.motion.following.platform_numbers import CONTROLLER_KINDS, PlatformNumbers
+from gspcli.motion.following.platform_numbers import CONTROLLER_KINDS, NEVER, PlatformNumbers
 
 X, Y, Z = np.eye(3)
 NONE = np.zeros(3)
@@ -77,6 +77,8 @@ def controller(crossing: Crossing, *, moduli: float = 4.0, most: float = 1e9):
         B=B,
         crank=crank,
         rod=rod,
+        lowest=np.full(6, -NEVER),
+        highest=np.full(6, NEVER),
         norm_y=np.linalg.norm(points, axis=1) + crank,
         moduli=np.full(6, moduli),
         middle=np.zeros(3),

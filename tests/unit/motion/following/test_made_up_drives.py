@@ -16,7 +16,7 @@ import pytest
 
 from gspcli import _kernel
 from gspcli.motion import FollowerStatus
-from gspcli.motion.following.platform_numbers import CONTROLLER_KINDS, PlatformNumbers
+from gspcli.motion.following.platform_numbers import CONTROLLER_KINDS, NEVER, PlatformNumbers
 
 X, Y, Z = np.eye(3)
 NONE = np.zeros(3)
@@ -90,6 +90,8 @@ class Node(NamedTuple):
             B=B,
             crank=crank,
             rod=np.concatenate((self.rods, np.zeros(3))),
+            lowest=np.full(6, -NEVER),
+            highest=np.full(6, NEVER),
             norm_y=np.linalg.norm(points, axis=1) + crank * (on_platform and turns),
             moduli=np.full(6, moduli),
             middle=NONE,
