@@ -48,11 +48,12 @@ if TYPE_CHECKING:
     from gspcli.geometry.building import hexapod as hexapod
     from gspcli.geometry.building import instance as instance
     from gspcli.geometry.frames import PoseFrame as PoseFrame
-    from gspcli.geometry.home_pose import Frame as Frame
-    from gspcli.geometry.home_pose import Frames as Frames
-    from gspcli.geometry.home_pose import HomePose as HomePose
     from gspcli.geometry.instance import Constraint as Constraint
+    from gspcli.geometry.instance import Frame as Frame
+    from gspcli.geometry.instance import Frames as Frames
+    from gspcli.geometry.instance import HomePose as HomePose
     from gspcli.geometry.instance import Instance as Instance
+    from gspcli.geometry.instance import Shapes as Shapes
     from gspcli.geometry.instance import Units as Units
     from gspcli.geometry.masses import Arm as Arm
     from gspcli.geometry.masses import Carriage as Carriage
@@ -69,7 +70,6 @@ if TYPE_CHECKING:
     from gspcli.geometry.primitives import Point as Point
     from gspcli.geometry.primitives import Slide as Slide
     from gspcli.geometry.random_instances import new as new
-    from gspcli.geometry.shapes import Shapes as Shapes
     from gspcli.machines.api import import_machine as import_machine
     from gspcli.motion import Follower as Follower
     from gspcli.motion import track as track
@@ -116,11 +116,11 @@ _HOMES = {
     "Dynamics": "gspcli.geometry.masses",
     "Family": "gspcli.catalogue.types",
     "Follower": "gspcli.motion",
-    "Frame": "gspcli.geometry.home_pose",
-    "Frames": "gspcli.geometry.home_pose",
+    "Frame": "gspcli.geometry.instance",
+    "Frames": "gspcli.geometry.instance",
     "GspError": "gspcli.errors",
     "GspType": "gspcli.catalogue.types",
-    "HomePose": "gspcli.geometry.home_pose",
+    "HomePose": "gspcli.geometry.instance",
     "Instance": "gspcli.geometry.instance",
     "Leg": "gspcli.geometry.masses",
     "LegBody": "gspcli.geometry.masses",
@@ -131,7 +131,7 @@ _HOMES = {
     "Point": "gspcli.geometry.primitives",
     "PoseFrame": "gspcli.geometry.frames",
     "RigidBody": "gspcli.geometry.masses",
-    "Shapes": "gspcli.geometry.shapes",
+    "Shapes": "gspcli.geometry.instance",
     "Slide": "gspcli.geometry.primitives",
     "SpecError": "gspcli.errors",
     "TypeList": "gspcli.catalogue.listing",

@@ -17,9 +17,7 @@ from gspcli.errors import ArgumentError, IncompleteError
 from gspcli.geometry.building import distance
 from gspcli.geometry.building import instance as instance_of
 from gspcli.geometry.euler import rotation_from_euler
-from gspcli.geometry.home_pose import HomePose
-from gspcli.geometry.instance import Instance
-from gspcli.geometry.lengths import METRES
+from gspcli.geometry.instance import METRES, HomePose, Instance
 from gspcli.geometry.primitives import Point
 from gspcli.geometry.quaternions import apply, quaternion_from_rotation
 from gspcli.motion.files.headings import FileUnits, order_of

@@ -12,8 +12,7 @@ from gspcli.dynamics.arrays import make_read_only
 from gspcli.dynamics.drive_forces import inverse_dynamics
 from gspcli.errors import ArgumentError
 from gspcli.geometry.drives import Drives, is_driven
-from gspcli.geometry.instance import Instance
-from gspcli.geometry.lengths import METRES
+from gspcli.geometry.instance import METRES, Instance
 from gspcli.geometry.printed_numbers import printed_condition, printed_conditions
 from gspcli.motion.files.requirements import QuantityParts
 from gspcli.motion.poses.inverse_kinematics import checked_poses, drive_values, refusals

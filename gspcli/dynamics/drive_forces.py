@@ -17,8 +17,7 @@ from gspcli.dynamics.shared_drives import check_shared
 from gspcli.dynamics.trajectories import PoseRates, at_rest, spline_motion
 from gspcli.errors import ArgumentError
 from gspcli.geometry.drives import Drives, is_driven
-from gspcli.geometry.instance import Instance
-from gspcli.geometry.lengths import METRES
+from gspcli.geometry.instance import METRES, Instance
 from gspcli.geometry.quaternions import apply
 from gspcli.motion import measure
 from gspcli.records import EqualByContent, dataclass

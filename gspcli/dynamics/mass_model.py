@@ -15,8 +15,7 @@ from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.checking import checked
 from gspcli.geometry.drives import Drives, is_driven
-from gspcli.geometry.instance import Instance
-from gspcli.geometry.lengths import METRES
+from gspcli.geometry.instance import METRES, Instance
 from gspcli.geometry.masses import Arm, Carriage, Dynamics, Leg
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import as_array, unit_vectors

@@ -32,8 +32,7 @@ from gspcli.export.chains import (
 from gspcli.export.simulated_masses import Inertial, SimulatedMasses
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.frames import Placement, PoseFrame
-from gspcli.geometry.instance import Instance
-from gspcli.geometry.lengths import METRES
+from gspcli.geometry.instance import METRES, Instance
 from gspcli.geometry.primitives import Line, Plane
 from gspcli.machines.stored import store_custom
 from gspcli.ties import definite_sign

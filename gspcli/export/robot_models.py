@@ -20,8 +20,7 @@ from gspcli.export.simulated_masses import Inertial, SimulatedMasses
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.euler import euler_from_rotation
 from gspcli.geometry.frames import Placement, PoseFrame
-from gspcli.geometry.instance import Instance
-from gspcli.geometry.lengths import METRES
+from gspcli.geometry.instance import METRES, Instance
 from gspcli.machines.stored import signed
 from gspcli.records import dataclass
 

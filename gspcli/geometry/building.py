@@ -23,7 +23,7 @@ from gspcli.catalogue.kinds import (
 )
 from gspcli.catalogue.types import CONSTRAINTS
 from gspcli.errors import ArgumentError
-from gspcli.geometry.checking import checked
+from gspcli.geometry.checking import checked, wrong_scale
 from gspcli.geometry.instance import (
     AngleUnit,
     Constraint,
@@ -34,7 +34,6 @@ from gspcli.geometry.instance import (
 )
 from gspcli.geometry.numbers import Number, Real
 from gspcli.geometry.primitives import Geometry, Line, Plane, Point
-from gspcli.geometry.ranges import wrong_scale
 from gspcli.wording import listed, shortened, shown
 
 _SORTS = {Primitive.POINT: "point", Primitive.LINE: "line", Primitive.PLANE: "plane"}
@@ -211,31 +210,22 @@ def _constraint(
     made = Constraint(kind, platform, base, value, Side(side), limits=ends)  # type: ignore[arg-type]
     if offset is scale is None:
         return made
-    given = {"offset": _optional(offset, "offset"), "scale": _optional(scale, "scale")}
+    given = {
+        name: None if number is None else Number.of(number, name)
+        for name, number in (("offset", offset), ("scale", scale))
+    }
     if given["scale"] is not None and (wrong := wrong_scale(given["scale"])):
         message = f"found {given['scale']}, {wrong}"
         raise ArgumentError(message, "scale")
     return as_read(made, **given)
 
 
-def _optional(number: Real | None, where: str) -> Number | None:
-    try:
-        return None if number is None else Number.of(number)
-    except ArgumentError as error:
-        raise error.within(where) from None
-
-
 def _limits(limits: Any) -> tuple[Number, Number]:
     if not isinstance(limits, Sequence) or len(limits) != 2:
         message = f"found {shortened(repr(limits))}, expected two numbers (low, high)"
         raise ArgumentError(message, "range")
-    ends = []
-    for k, end in enumerate(limits):
-        try:
-            ends.append(Number.of(end))
-        except ArgumentError as error:
-            raise error.within(f"range[{k}]") from None
-    return ends[0], ends[1]
+    low, high = (Number.of(end, f"range[{k}]") for k, end in enumerate(limits))
+    return low, high
 
 
 def _kind(quantity: str, platform: Geometry, base: Geometry) -> Kind:

@@ -14,13 +14,11 @@ from typing import TypeAlias
 from gspcli.catalogue.kinds import Kind, Law
 from gspcli.errors import ArgumentError
 from gspcli.geometry.frames import NO_HOME
-from gspcli.geometry.home_pose import HomePose
-from gspcli.geometry.instance import AngleUnit, Instance, Side
+from gspcli.geometry.instance import AngleUnit, HomePose, Instance, Shapes, Side
 from gspcli.geometry.intervals import FineIntervals
 from gspcli.geometry.numbers import Number, Real, parse_number
 from gspcli.geometry.primitives import Geometry, Line, Plane, Point
 from gspcli.geometry.primitives import Vector as Triple
-from gspcli.geometry.shapes import Shapes
 from gspcli.records import dataclass
 
 _ZERO, _ONE = Number.of(0), Number.of(1)

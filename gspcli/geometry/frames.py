@@ -14,8 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gspcli.errors import ArgumentError
-from gspcli.geometry.home_pose import Frame
-from gspcli.geometry.instance import Instance
+from gspcli.geometry.instance import Frame, Instance
 from gspcli.geometry.quaternions import apply
 from gspcli.records import dataclass
 

@@ -9,19 +9,165 @@ from enum import Enum
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from gspcli.catalogue.counts import generic_counts
 from gspcli.catalogue.kinds import Kind
 from gspcli.catalogue.types import GspType
 from gspcli.errors import ArgumentError
 from gspcli.geometry import numbers
+from gspcli.geometry.euler import check_sequence, rotation_from_euler
 from gspcli.geometry.numbers import Number, Real
-from gspcli.geometry.primitives import Geometry
+from gspcli.geometry.primitives import Components, Geometry, Vector, exact_vector
+from gspcli.geometry.quaternions import rotation_from_quaternion, unit_quaternion
 from gspcli.records import dataclass
 
 if TYPE_CHECKING:
-    from gspcli.geometry.home_pose import Frames, HomePose
     from gspcli.geometry.masses import Dynamics
-    from gspcli.geometry.shapes import Shapes
+
+
+#: Names of units of length in metres. Kinematics is the same in any unit, so other names are only
+#: carried along; where forces come in, a unit must be one of these.
+METRES = {
+    "m": 1.0,
+    "dm": 0.1,
+    "cm": 0.01,
+    "mm": 1e-3,
+    "um": 1e-6,
+    "µm": 1e-6,
+    "km": 1e3,
+    "in": 0.0254,
+    "inch": 0.0254,
+    "ft": 0.3048,
+}
+
+
+Array = NDArray[np.float64]
+
+#: The error for a quaternion of zero.
+TURNS = "expected a quaternion [w, x, y, z]: any but zero"
+
+
+@dataclass(frozen=True, init=False)
+class HomePose:
+    """The stated home of a machine; home is the real pose for its values that is nearest to it.
+
+    Attributes
+    ----------
+    position
+        Of the platform's origin in the base, in the unit of length.
+    quaternion
+        The rotation, scalar first, of any length; no turn by default, and with `euler`.
+    euler
+        Instead the order of the axes of `angles`, as `gspcli.geometry.euler` takes it, or None.
+    angles
+        Turns about x, y and z in the unit of angles; zero without `euler`.
+    """
+
+    position: Vector
+    quaternion: tuple[Number, ...]
+    euler: str | None
+    angles: Vector
+
+    def __init__(
+        self,
+        position: Components,
+        quaternion: Sequence[Real] | None = None,
+        *,
+        euler: str | None = None,
+        angles: Components = (0, 0, 0),
+    ) -> None:
+        turned = tuple(map(Number.of, (1, 0, 0, 0) if quaternion is None else quaternion))
+        if len(turned) != 4 or not any(part.value for part in turned):
+            raise ArgumentError(f"found {quaternion}, {TURNS}", "quaternion")
+        if euler is not None and quaternion is not None:
+            message = "found angles, too, expected a quaternion or angles"
+            raise ArgumentError(message, "quaternion")
+        object.__setattr__(self, "position", exact_vector(position, "position"))
+        object.__setattr__(self, "quaternion", turned)
+        object.__setattr__(self, "euler", None if euler is None else check_sequence(euler))
+        object.__setattr__(self, "angles", exact_vector(angles, "angles"))
+
+    @property
+    def T(self) -> Array:
+        """The position, shape (3,)."""
+        return np.array([part.value for part in self.position])
+
+    def R(self, in_radians: float) -> Array:
+        """Return the rotation, shape (3, 3); the unit of angles is given in radians."""
+        if self.euler is not None:
+            angles = [part.value * in_radians for part in self.angles]
+            return rotation_from_euler(self.euler, angles)
+        quaternion = unit_quaternion(np.array([part.value for part in self.quaternion]))
+        return np.asarray(rotation_from_quaternion(quaternion), float)
+
+
+@dataclass(frozen=True, init=False)
+class Frame(HomePose):
+    """A frame that is fixed in a body: as `HomePose`, of the frame in that body.
+
+    `position` is its origin, which files call ``point``; the rotation turns its axes.
+    """
+
+
+@dataclass(frozen=True)
+class Frames:
+    """The frames that an instance file states.
+
+    Attributes
+    ----------
+    tool
+        In the platform; None for the platform's own frame.
+    work
+        In the base; None for the base's own frame.
+    """
+
+    tool: Frame | None = None
+    work: Frame | None = None
+
+
+@dataclass(frozen=True, init=False)
+class Shapes:
+    """The shapes of the legs and of both bodies.
+
+    Attributes
+    ----------
+    diameters
+        Of the legs, at least zero: one for all of them, or one for each, in their order.
+    platform, base
+        Points of each body, in its frame; their convex hull is its shape. Empty if it has none.
+    near_joint
+        The part of a leg that is nearer to its joint is not compared with what it is joined to
+        there: the body, and the legs that share the joint. So it is with an arm, its rod, and the
+        body with its axis. If None, or zero, legs that share a joint, and an arm and its rod, are
+        not compared at all.
+    """
+
+    diameters: tuple[Number, ...]
+    platform: tuple[Vector, ...]
+    base: tuple[Vector, ...]
+    near_joint: Number | None
+
+    def __init__(
+        self,
+        diameters: Real | Sequence[Real],
+        platform: Sequence[Components] = (),
+        base: Sequence[Components] = (),
+        near_joint: Real | None = None,
+    ) -> None:
+        several = isinstance(diameters, Sequence) and not isinstance(diameters, str)
+        given: Sequence[Real] = diameters if several else [diameters]  # type: ignore[assignment,list-item]
+        exact_diameters = tuple(
+            Number.of(one, f"diameters[{k}]" if several else "diameters")
+            for k, one in enumerate(given)
+        )
+        object.__setattr__(self, "diameters", exact_diameters)
+        for name, points in (("platform", platform), ("base", base)):
+            exact = tuple(exact_vector(one, f"{name}[{k}]") for k, one in enumerate(points))
+            object.__setattr__(self, name, exact)
+        near = None if near_joint is None else Number.of(near_joint, "near_joint")
+        object.__setattr__(self, "near_joint", near)
 
 
 class Side(Enum):
@@ -102,7 +248,7 @@ class Constraint:
 
     def __post_init__(self) -> None:
         if type(self.value) is not Number:
-            object.__setattr__(self, "value", _number(self.value, "value"))
+            object.__setattr__(self, "value", Number.of(self.value, "value"))
 
     def value_of(self, reading: Number) -> Number:
         """Return the value of a reading, with scale and offset, exactly.
@@ -134,13 +280,6 @@ def as_read(row: Constraint, *, offset: Number | None, scale: Number | None) -> 
         value=read.value_of(row.value),
         limits=limits and (read.value_of(limits[0]), read.value_of(limits[1])),
     )
-
-
-def _number(value: Real, where: str) -> Number:
-    try:
-        return Number.of(value)
-    except ArgumentError as error:
-        raise error.within(where) from None
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,6 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from gspcli.errors import ArgumentError
 from gspcli.geometry.numbers import Number, Real
 from gspcli.geometry.primitives import Components, Vector, exact_direction, exact_vector
 from gspcli.records import dataclass
@@ -21,15 +20,8 @@ INERTIA_ENTRIES = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 GRAVITY = (Number.of(0), Number.of(0), Number.of("-9.81"))
 
 
-def _exact(value: Real, where: str) -> Number:
-    try:
-        return Number.of(value)
-    except ArgumentError as error:
-        raise error.within(where) from None
-
-
 def _row(values: Sequence[Real], where: str) -> tuple[Number, ...]:
-    return tuple(_exact(value, f"{where}[{index}]") for index, value in enumerate(values))
+    return tuple(Number.of(value, f"{where}[{index}]") for index, value in enumerate(values))
 
 
 @dataclass(frozen=True, init=False)
@@ -52,7 +44,7 @@ class RigidBody:
     inertia: tuple[Number, ...]
 
     def __init__(self, mass: Real, centre: Components, inertia: Sequence[Real]) -> None:
-        object.__setattr__(self, "mass", _exact(mass, "mass"))
+        object.__setattr__(self, "mass", Number.of(mass, "mass"))
         object.__setattr__(self, "centre", exact_vector(centre, "centre"))
         object.__setattr__(self, "inertia", _row(inertia, "inertia"))
 
@@ -88,7 +80,7 @@ class LegBody:
 
     def __init__(self, mass: Real, centre: Real, inertia: Real = 0, axial: Real = 0) -> None:
         for name, value in zip(self._names, (mass, centre, inertia, axial), strict=True):
-            object.__setattr__(self, name, _exact(value, name))
+            object.__setattr__(self, name, Number.of(value, name))
 
     _names = ("mass", "centre", "inertia", "axial")
 
@@ -145,7 +137,7 @@ class Arm:
 
     def __init__(self, mass: Real, centre: Real, inertia: Real = 0) -> None:
         for name, value in (("mass", mass), ("centre", centre), ("inertia", inertia)):
-            object.__setattr__(self, name, _exact(value, name))
+            object.__setattr__(self, name, Number.of(value, name))
 
 
 @dataclass(frozen=True, init=False)
@@ -155,7 +147,7 @@ class Carriage:
     mass: Number
 
     def __init__(self, mass: Real) -> None:
-        object.__setattr__(self, "mass", _exact(mass, "mass"))
+        object.__setattr__(self, "mass", Number.of(mass, "mass"))
 
 
 @dataclass(frozen=True, init=False)
@@ -188,7 +180,7 @@ def _several(value: Real | Sequence[Real], where: str) -> tuple[Number, ...]:
         value = value.tolist()
     if isinstance(value, Sequence) and not isinstance(value, str):
         return _row(value, where)
-    return (_exact(value, where),)
+    return (Number.of(value, where),)
 
 
 @dataclass(frozen=True, init=False)

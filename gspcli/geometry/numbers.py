@@ -77,8 +77,8 @@ class Number:
     arguments: tuple[Any, ...] = ()
 
     @classmethod
-    def of(cls, value: Real) -> Number:
-        """Return the exact number that a value denotes.
+    def of(cls, value: Real, where: str = "") -> Number:
+        """Return the exact number that a value denotes; errors name it by `where`.
 
         A float stands for the shortest decimal that denotes it, as in a file: 0.1 is a tenth. A
         text may be an expression such as ``sqrt(3)/2`` (`gspcli.geometry.expressions`). Scalars of
@@ -94,12 +94,14 @@ class Number:
             return cls("rational", (Fraction(*Decimal(repr(value)).as_integer_ratio()),))
         if isinstance(value, Number):
             return value
-        if isinstance(value, str):
-            try:
+        try:
+            if isinstance(value, str):
                 return parse_number(value)
-            except ValueError as error:
-                raise ArgumentError(str(error)) from None
-        return cls("rational", (_fraction(value),))
+            return cls("rational", (_fraction(value),))
+        except ArgumentError as error:
+            raise error.within(where) from None
+        except ValueError as error:
+            raise ArgumentError(str(error), where) from None
 
     @property
     def fraction(self) -> Fraction | None:

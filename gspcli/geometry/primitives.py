@@ -54,13 +54,8 @@ def exact_vector(components: Components, where: str = "") -> Vector:
     if len(values) != 3:
         message = f"found {len(values)} entries, expected three numbers [x, y, z]"
         raise ArgumentError(message, where)
-    found_so_far: list[Number] = []
-    for value in values:
-        try:
-            found_so_far.append(Number.of(value))
-        except ArgumentError as error:
-            raise error.within(f"[{len(found_so_far)}]").within(where) from None
-    return (found_so_far[0], found_so_far[1], found_so_far[2])
+    x, y, z = (Number.of(value, f"{where}[{k}]") for k, value in enumerate(values))
+    return x, y, z
 
 
 def exact_direction(components: Components, where: str = "") -> Vector:
@@ -109,10 +104,7 @@ class Cone:
 
     def __init__(self, axis: Components, half_angle: Real) -> None:
         object.__setattr__(self, "axis", exact_direction(axis, "axis"))
-        try:
-            object.__setattr__(self, "half_angle", Number.of(half_angle))
-        except ArgumentError as error:
-            raise error.within("half_angle") from None
+        object.__setattr__(self, "half_angle", Number.of(half_angle, "half_angle"))
 
     @cached_property
     def unit(self) -> Array:
@@ -148,12 +140,12 @@ class Motor:
         offset: Real | None,
         scale: Real | None,
     ) -> None:
-        ends = None if limits is None else tuple(_number(x, "limits") for x in limits)
+        ends = None if limits is None else tuple(Number.of(x, "limits") for x in limits)
         if ends is not None and len(ends) != 2:
             raise ArgumentError(f"found {len(ends)} numbers, expected two", "limits")
         object.__setattr__(self, "limits", ends)
         for name, value in (("tolerance", tolerance), ("offset", offset), ("scale", scale)):
-            exact = None if value is None else _number(value, name)
+            exact = None if value is None else Number.of(value, name)
             object.__setattr__(self, name, exact)
 
     def value_of(self, reading: Number) -> Number:
@@ -163,13 +155,6 @@ class Motor:
     def reading_of(self, value: Number) -> Number:
         """Return the reading at a value, exactly."""
         return numbers.reading_of(value, self.scale, self.offset)
-
-
-def _number(value: Real, where: str) -> Number:
-    try:
-        return Number.of(value)
-    except ArgumentError as error:
-        raise error.within(where) from None
 
 
 @dataclass(frozen=True, init=False)
@@ -210,7 +195,7 @@ class Crank(Motor):
         object.__setattr__(self, "centre", exact_vector(centre, "centre"))
         object.__setattr__(self, "axis", exact_direction(axis, "axis"))
         self._state(limits, tolerance, offset, scale)
-        exact = None if diameter is None else _number(diameter, "diameter")
+        exact = None if diameter is None else Number.of(diameter, "diameter")
         object.__setattr__(self, "diameter", exact)
 
     @cached_property

@@ -15,9 +15,7 @@ from gspcli.catalogue.kinds import KINDS_BY_NAME
 from gspcli.defaults import IMPORTED_DIGITS, MEETING_SHARE
 from gspcli.errors import ArgumentError
 from gspcli.geometry.building import instance as made_instance
-from gspcli.geometry.home_pose import HomePose
-from gspcli.geometry.instance import Constraint, Instance, Side
-from gspcli.geometry.lengths import METRES
+from gspcli.geometry.instance import METRES, Constraint, HomePose, Instance, Side
 from gspcli.geometry.masses import Dynamics, RigidBody
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Crank, Geometry, Line, Plane, Point, Slide, Vector

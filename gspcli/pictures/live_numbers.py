@@ -36,6 +36,7 @@ from gspcli.continuation.tracker_options import (
 )
 from gspcli.defaults import COUNT_LIMIT, SEED, TOLERANCE
 from gspcli.errors import ArgumentError, GspError
+from gspcli.geometry.checking import value_range
 from gspcli.geometry.coordinates import BODIES
 from gspcli.geometry.drives import Drives, driven_points, is_driven
 from gspcli.geometry.frames import IDENTITY, PoseFrame
@@ -44,7 +45,6 @@ from gspcli.geometry.limits import joint_cones
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Crank, Line, Point
 from gspcli.geometry.quaternions import quaternion_from_rotation
-from gspcli.geometry.ranges import value_range
 from gspcli.geometry.readings import factors, offsets, readings_of
 from gspcli.motion.following.platform_numbers import platform_numbers
 from gspcli.motion.singularities.pose_clearances import Displacements

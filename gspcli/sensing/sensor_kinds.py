@@ -27,13 +27,13 @@ from numpy.typing import NDArray
 from gspcli.catalogue.kinds import DLL, DPP, KINDS_BY_NAME, Kind
 from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement, Bodies
+from gspcli.geometry.checking import wrong_value
 from gspcli.geometry.coordinates import BODIES, Body
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.measurement import measured
 from gspcli.geometry.numbers import Number, parse_number
 from gspcli.geometry.primitives import Geometry, Point, Vector, as_array, unit_vectors, vector
 from gspcli.geometry.quaternions import apply, cross, dot
-from gspcli.geometry.ranges import wrong_value
 from gspcli.geometry.tolerances import MEASURED_PARALLEL_SINE
 from gspcli.records import dataclass
 from gspcli.ties import definite_sign

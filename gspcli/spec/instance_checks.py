@@ -11,7 +11,7 @@ from gspcli.catalogue.kinds import ANGLE_KINDS, DISTANCE_KINDS, DPP, KINDS_BY_NA
 from gspcli.catalogue.names import parse_type
 from gspcli.catalogue.types import CONSTRAINTS, MAX_ANGLES
 from gspcli.errors import Mistake, TypeNameError
-from gspcli.geometry.checking import ONE_SIDE
+from gspcli.geometry.checking import ONE_SIDE, turns, wrong_half_angle, wrong_scale, wrong_value
 from gspcli.geometry.instance import (
     AngleUnit,
     Constraint,
@@ -22,15 +22,13 @@ from gspcli.geometry.instance import (
 )
 from gspcli.geometry.numbers import Number, value_of
 from gspcli.geometry.primitives import Cone, Crank, Geometry, Line, Plane, Point, Slide, Vector
-from gspcli.geometry.ranges import turns, wrong_half_angle, wrong_scale, wrong_value
 from gspcli.spec.document import Mapping, Scalar, Sequence, Value
 from gspcli.spec.meaning import remarks
 from gspcli.wording import listed, shown, suggestion
 
 if TYPE_CHECKING:
-    from gspcli.geometry.home_pose import Frames, HomePose
+    from gspcli.geometry.instance import Frames, HomePose, Shapes
     from gspcli.geometry.masses import Dynamics
-    from gspcli.geometry.shapes import Shapes
 
 
 _SORTS = {Point: "point", Line: "line", Plane: "plane"}
@@ -345,15 +343,15 @@ class FileChecker:
         stated = self.model.shapes
         if stated is None:
             return None
-        from gspcli.geometry.shape_mistakes import mistakes
-        from gspcli.geometry.shapes import Shapes
+        from gspcli.geometry.checking import shape_mistakes
+        from gspcli.geometry.instance import Shapes
 
         shapes = Shapes(
             stated.diameter, stated.platform or (), stated.base or (), stated.near_joint
         )
         rows = [row for row in constraints if row is not None]
         if len(rows) == len(constraints):
-            for place, message in mistakes(shapes, rows):
+            for place, message in shape_mistakes(shapes, rows):
                 node: Any = self.root[Scalar("shapes")]
                 for part in place:
                     node = node[Scalar(part) if isinstance(part, str) else part]
@@ -364,7 +362,7 @@ class FileChecker:
         stated = self.model.home
         if stated is None:
             return None
-        from gspcli.geometry.home_pose import HomePose
+        from gspcli.geometry.instance import HomePose
 
         return HomePose(stated.position, **_rotation(stated))
 
@@ -372,7 +370,7 @@ class FileChecker:
         stated = self.model.frames
         if stated is None or stated.tool is stated.work is None:
             return None
-        from gspcli.geometry.home_pose import Frame, Frames
+        from gspcli.geometry.instance import Frame, Frames
 
         tool, work = (
             None if one is None else Frame(one.point, **_rotation(one))
@@ -602,9 +600,9 @@ def _mistakes_of_masses(
     root: Mapping, dynamics: Dynamics, rows: list[Constraint], length: str
 ) -> Iterator[Mistake]:
     """Yield the mistakes in the masses of a file, each with its place."""
-    from gspcli.geometry.mass_mistakes import mistakes
+    from gspcli.geometry.checking import mass_mistakes
 
-    for place, message in mistakes(dynamics, rows, length):
+    for place, message in mass_mistakes(dynamics, rows, length):
         node: Any = root
         for part in place:
             if isinstance(node, Sequence) and isinstance(part, str):

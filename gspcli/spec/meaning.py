@@ -11,10 +11,10 @@ import numpy as np
 
 from gspcli.catalogue.coincidence import Bond, over_constraint
 from gspcli.catalogue.kinds import DLL, DLP, DPL, DPP
+from gspcli.geometry.checking import turns
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Geometry, Line, Plane, Point
-from gspcli.geometry.ranges import turns
 from gspcli.geometry.tolerances import PARALLEL_SINE_IN_FILES
 
 

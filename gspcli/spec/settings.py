@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 
 from gspcli.errors import ArgumentError, Mistake, SpecError
-from gspcli.geometry.checking import expected
+from gspcli.geometry.checking import expected, wrong_value
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.numbers import Number, Real, parse_number
-from gspcli.geometry.ranges import wrong_value
 from gspcli.wording import shortened, shown
 
 

@@ -15,9 +15,8 @@ from gspcli.geometry.primitives import Crank, Geometry, Line, Plane, Point, Slid
 from gspcli.wording import named
 
 if TYPE_CHECKING:
-    from gspcli.geometry.home_pose import HomePose
+    from gspcli.geometry.instance import HomePose, Shapes
     from gspcli.geometry.masses import Dynamics, Leg
-    from gspcli.geometry.shapes import Shapes
 
 _PLAIN = re.compile(r"[A-Za-z][A-Za-z0-9_.']*( [A-Za-z0-9_.']+)*")
 _BODIES = ("platform", "base")

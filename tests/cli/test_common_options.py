@@ -21,8 +21,7 @@ from gspcli.cli.pose_options import PoseType, real_poses
 from gspcli.errors import GspError
 from gspcli.geometry.euler import rotation_from_euler
 from gspcli.geometry.frames import PoseFrame
-from gspcli.geometry.home_pose import Frame, Frames, HomePose
-from gspcli.geometry.instance import Instance
+from gspcli.geometry.instance import Frame, Frames, HomePose, Instance
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.quaternions import quaternion_from_rotation, rotation_from_quaternion
 from gspcli.motion.poses.mode_filters import ModeFilter, heights, parse_conditions

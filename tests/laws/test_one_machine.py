@@ -12,8 +12,7 @@ from scipy.spatial.transform import Rotation
 import gspcli
 from gspcli.dynamics import inverse_dynamics, natural_modes
 from gspcli.geometry.drives import Drives
-from gspcli.geometry.instance import Instance
-from gspcli.geometry.lengths import METRES
+from gspcli.geometry.instance import METRES, Instance
 from gspcli.geometry.numbers import Number
 from tests.support.driven_machines import driven, some_pose, weighed
 from tests.support.restated import as_data, in_radians, in_unit, stated

@@ -43,7 +43,7 @@ LISTED = {
     "motion/following/platform_numbers.py": (2, "numbers of the controller in C"),
     # Not proofs.
     "geometry/limits.py": (2, "readings at the end of a range"),
-    "geometry/mass_mistakes.py": (1, "masses as they are typed"),
+    "geometry/checking.py": (1, "masses as they are typed"),
     "geometry/printed_numbers.py": (1, "digits that are printed"),
     "geometry/residuals.py": (2, "residuals that are printed"),
     "motion/files/pose_files.py": (1, "rotations as they are typed"),

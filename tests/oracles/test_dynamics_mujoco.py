@@ -16,7 +16,7 @@ from gspcli.dynamics import drives as drives_module
 from gspcli.dynamics import inverse_dynamics, natural_modes
 from gspcli.dynamics import moving_bodies as bodies_module
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.lengths import METRES
+from gspcli.geometry.instance import METRES
 from tests.support.masses import (
     MACHINES,
     in_metres,

@@ -15,7 +15,7 @@ from gspcli.dynamics.mass_model import MassModel
 from gspcli.export import simulated_masses
 from gspcli.export.mjcf import TIME_STEP, mjcf
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.lengths import METRES
+from gspcli.geometry.instance import METRES
 from gspcli.geometry.measurement import jacobian, measured
 from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.geometry.random_instances import random_instance

@@ -14,8 +14,7 @@ from mpmath import mp, mpf
 
 from gspcli.catalogue.kinds import DPP
 from gspcli.dynamics import inverse_dynamics
-from gspcli.geometry.instance import AngleUnit, Units
-from gspcli.geometry.lengths import METRES
+from gspcli.geometry.instance import METRES, AngleUnit, Units
 from gspcli.geometry.masses import Dynamics
 from gspcli.geometry.primitives import Plane, Point
 from gspcli.motion import measure

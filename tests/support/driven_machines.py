@@ -11,8 +11,7 @@ from gspcli import example
 from gspcli.catalogue.kinds import DPP
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.drives import Drives
-from gspcli.geometry.home_pose import HomePose
-from gspcli.geometry.lengths import METRES
+from gspcli.geometry.instance import METRES, HomePose
 from gspcli.geometry.masses import Arm, Carriage, Dynamics, Leg, LegBody, RigidBody
 from gspcli.geometry.masses import Drives as DriveMasses
 from gspcli.geometry.primitives import Crank, Point, Slide

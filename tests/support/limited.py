@@ -6,11 +6,11 @@ import numpy as np
 
 import gspcli
 from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.checking import wrong_value
 from gspcli.geometry.measurement import measured
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Cone
 from gspcli.geometry.random_instances import random_instance
-from gspcli.geometry.ranges import wrong_value
 
 
 def study(base_angle=30, platform_angle=60, legs=(80, 160)):

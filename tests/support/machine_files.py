@@ -9,8 +9,7 @@ from numpy.typing import NDArray
 
 import gspcli
 from gspcli.errors import GspError
-from gspcli.geometry.instance import Instance, Side
-from gspcli.geometry.lengths import METRES
+from gspcli.geometry.instance import METRES, Instance, Side
 from gspcli.machines.chain_constraints import moved
 from gspcli.machines.graph import frame
 from gspcli.machines.recognition import Machine

@@ -10,7 +10,7 @@ import numpy as np
 from gspcli.catalogue.kinds import DPP
 from gspcli.catalogue.names import parse_type
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.lengths import METRES
+from gspcli.geometry.instance import METRES
 from gspcli.geometry.masses import Drives, Dynamics, Leg, LegBody, RigidBody
 from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.geometry.random_instances import random_instance

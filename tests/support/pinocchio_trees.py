@@ -12,7 +12,7 @@ import numpy as np
 from gspcli.export.chains import chain
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.drives import Drives, is_driven
-from gspcli.geometry.lengths import METRES
+from gspcli.geometry.instance import METRES
 
 
 class PinocchioTree:

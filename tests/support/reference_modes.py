@@ -17,7 +17,7 @@ from gspcli.dynamics.moved_points import driven_numbers
 from gspcli.dynamics.moving_bodies import equation_of_motion
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.drives import Drives
-from gspcli.geometry.lengths import METRES
+from gspcli.geometry.instance import METRES
 from gspcli.geometry.quaternions import rotation_from_vector
 from tests.support.driven_machines import driven, rebased, some_pose, weighed
 

@@ -16,9 +16,7 @@ from numpy.typing import NDArray
 
 import gspcli
 from gspcli.geometry.drives import Drives
-from gspcli.geometry.home_pose import HomePose
-from gspcli.geometry.instance import Instance
-from gspcli.geometry.lengths import METRES
+from gspcli.geometry.instance import METRES, HomePose, Instance
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.quaternions import Field, quaternion_from_rotation
 

@@ -144,7 +144,7 @@ def _without_placeholders(instance, R, T):
     rotors = [number.value for number in instance.dynamics.drives.inertia]
     rotors = np.ones(6) * rotors if len(rotors) == 1 else np.array(rotors)
     root = ET.fromstring(mjcf(instance, R, T))
-    from gspcli.geometry.lengths import METRES
+    from gspcli.geometry.instance import METRES
 
     metre = METRES[instance.units.length]
     for body in root.iter("body"):

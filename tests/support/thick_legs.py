@@ -7,9 +7,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.geometry.instance import Instance
+from gspcli.geometry.instance import Instance, Shapes
 from gspcli.geometry.quaternions import rotation_from_quaternion
-from gspcli.geometry.shapes import Shapes
 from gspcli.spec.reading import example
 
 Array = NDArray[np.float64]

@@ -23,11 +23,11 @@ from gspcli import _kernel
 from gspcli.catalogue.kinds import DPP
 from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.checking import refuse_shape_mistakes
 from gspcli.geometry.drives import Drives, arms_of, is_driven
 from gspcli.geometry.instance import Constraint, Instance
 from gspcli.geometry.primitives import Vector
 from gspcli.geometry.quaternions import apply
-from gspcli.geometry.shape_mistakes import refuse_mistakes
 from gspcli.motion.poses.inverse_kinematics import checked_poses, drive_values
 from gspcli.records import dataclass
 from gspcli.ties import first_smallest
@@ -94,7 +94,7 @@ class ComparedShapes:
             raise ArgumentError(NO_SHAPES)
         self.instance = instance
         shapes, rows = instance.shapes, instance.constraints
-        refuse_mistakes(shapes, rows)
+        refuse_shape_mistakes(shapes, rows)
         self._near = 0.0 if shapes.near_joint is None else shapes.near_joint.value
         self.legs = [k for k, row in enumerate(rows) if row.kind is DPP]
         diameters = [one.value for one in shapes.diameters]

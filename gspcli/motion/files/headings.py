@@ -13,8 +13,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from gspcli.errors import Mistake, SpecError
-from gspcli.geometry.instance import Instance
-from gspcli.geometry.lengths import METRES
+from gspcli.geometry.instance import METRES, Instance
 from gspcli.records import dataclass
 from gspcli.wording import listed, nearest, shown, suggestion
 

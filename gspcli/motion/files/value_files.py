@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from gspcli.catalogue.kinds import DLP, DPL, DPP
 from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.checking import value_range, wrong_value
 from gspcli.geometry.coordinates import (
     Coordinate,
     choose,
@@ -21,7 +22,6 @@ from gspcli.geometry.coordinates import coordinates as all_coordinates
 from gspcli.geometry.drives import is_driven
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.numbers import Number
-from gspcli.geometry.ranges import value_range, wrong_value
 from gspcli.geometry.readings import readings_of, values_of
 from gspcli.motion.files.number_tables import NumberTable
 from gspcli.motion.files.pose_files import PoseFormat, names_poses, poses_in

@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import DPP, Primitive
 from gspcli.errors import ArgumentError
+from gspcli.geometry.checking import value_range
 from gspcli.geometry.drives import Drives, driven_points
 from gspcli.geometry.instance import Constraint, Instance, Side
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Crank, Geometry, Line, Point, Slide
-from gspcli.geometry.ranges import value_range
 from gspcli.geometry.readings import factors, offsets
 from gspcli.records import dataclass
 

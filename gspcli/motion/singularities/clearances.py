@@ -26,11 +26,11 @@ from gspcli.certification.poses.parallel_poses import nearly_parallel
 from gspcli.defaults import SEED
 from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.checking import value_range
 from gspcli.geometry.drives import Drives, is_driven
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.measurement import measured
 from gspcli.geometry.quaternions import rotation_from_quaternion
-from gspcli.geometry.ranges import value_range
 from gspcli.geometry.readings import readings_of
 from gspcli.motion.following.branch_follower import MovingPlatform, Stop, apart
 from gspcli.motion.following.row_instances import over_rows

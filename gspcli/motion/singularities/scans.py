@@ -15,6 +15,7 @@ from gspcli.certification.branches.taylor import MovingSystem, equations_at
 from gspcli.defaults import SEED
 from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.checking import wrong_value
 from gspcli.geometry.coordinates import choose, drive_corrections, moved
 from gspcli.geometry.drives import Drives, is_driven
 from gspcli.geometry.instance import Instance, Side
@@ -22,7 +23,6 @@ from gspcli.geometry.measurement import jacobian
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.printed_numbers import printed_conditions
 from gspcli.geometry.quaternions import Field, quaternion_from_rotation
-from gspcli.geometry.ranges import wrong_value
 from gspcli.geometry.readings import factors, offsets, without_corrections
 from gspcli.geometry.residuals import condition_numbers
 from gspcli.motion.files.pose_files import PoseFormat, pose_columns, poses_of

@@ -12,13 +12,13 @@ from numpy.typing import ArrayLike, NDArray
 from gspcli import _kernel
 from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.checking import value_range
 from gspcli.geometry.drives import Drives, driven_points, is_driven
 from gspcli.geometry.euler import check_sequence, rotation_from_euler
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.limits import joint_cones, out_of_range
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.quaternions import apply, quaternion_from_rotation, rotation_from_quaternion
-from gspcli.geometry.ranges import value_range
 from gspcli.motion.collisions.compared import ComparedShapes
 from gspcli.motion.poses.inverse_kinematics import values_at
 from gspcli.wording import listed

@@ -27,7 +27,7 @@ from gspcli.calibration.calibrating import calibrated_text
 from gspcli.calibration.measurements import Measurements, Noise
 from gspcli.calibration.model import Model
 from gspcli.errors import ArgumentError, IncompleteError
-from gspcli.geometry.home_pose import HomePose
+from gspcli.geometry.instance import HomePose
 from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.resources import data_path
 

@@ -12,8 +12,7 @@ from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.drives import Drives, is_driven
 from gspcli.geometry.euler import rotation_from_euler
-from gspcli.geometry.home_pose import HomePose
-from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side, Units
+from gspcli.geometry.instance import AngleUnit, Constraint, HomePose, Instance, Side, Units
 from gspcli.geometry.limits import motor_shares, out_of_motor_range, tilts
 from gspcli.geometry.measurement import jacobian, measured
 from gspcli.geometry.numbers import Number

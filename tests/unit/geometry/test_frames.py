@@ -8,7 +8,7 @@ import pytest
 import gspcli
 from gspcli.geometry.expressed_instances import expressed_instance
 from gspcli.geometry.frames import IDENTITY, PoseFrame
-from gspcli.geometry.home_pose import Frame, Frames, HomePose
+from gspcli.geometry.instance import Frame, Frames, HomePose
 from gspcli.geometry.quaternions import rotation_from_vector
 
 MACHINE = gspcli.example("workspace-study")

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from gspcli.geometry.home_mode import home_mode
-from gspcli.geometry.home_pose import HomePose
+from gspcli.geometry.instance import HomePose
 from gspcli.geometry.quaternions import rotation_from_vector, stable_order
 from gspcli.resources import instance_files
 from gspcli.solver import solve

@@ -12,7 +12,7 @@ from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.coordinates import choose, moved
 from gspcli.geometry.drives import Drives
-from gspcli.geometry.home_pose import HomePose
+from gspcli.geometry.instance import HomePose
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.residuals import condition_numbers
 from gspcli.motion.files.pose_files import PoseFormat

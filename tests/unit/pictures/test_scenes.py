@@ -13,8 +13,8 @@ import pytest
 
 import gspcli
 from gspcli.geometry.drives import Drives
+from gspcli.geometry.instance import Shapes
 from gspcli.geometry.numbers import Number
-from gspcli.geometry.shapes import Shapes
 from gspcli.pictures.page import page
 from gspcli.pictures.scene import Scene, StrokeStyle
 from gspcli.pictures.stage import Poses, drawn_diameters, drawn_shells, scene_of

@@ -25,12 +25,10 @@ from gspcli.geometry.drives import Drives
 from gspcli.geometry.euler import rotation_from_euler
 from gspcli.geometry.expressed_instances import expressed_instance
 from gspcli.geometry.frames import PoseFrame
-from gspcli.geometry.home_pose import Frame, Frames
-from gspcli.geometry.instance import AngleUnit, Side
+from gspcli.geometry.instance import AngleUnit, Frame, Frames, Shapes, Side
 from gspcli.geometry.measurement import measured
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Line, Plane, Point
-from gspcli.geometry.shapes import Shapes
 from gspcli.motion import gaps
 from gspcli.resources import instance_files
 from gspcli.solver import solve

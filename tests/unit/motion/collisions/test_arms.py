@@ -12,8 +12,7 @@ from gspcli.errors import ArgumentError, SpecError
 from gspcli.geometry.drives import Drives
 from gspcli.geometry.expressed_instances import expressed_instance
 from gspcli.geometry.frames import PoseFrame
-from gspcli.geometry.instance import Instance
-from gspcli.geometry.shapes import Shapes
+from gspcli.geometry.instance import Instance, Shapes
 from gspcli.motion.collisions.compared import ComparedShapes
 from gspcli.motion.paths.motors import Motors
 from tests.support.independent_machines import upside_down

@@ -7,7 +7,7 @@ import pytest
 
 from gspcli import _kernel
 from gspcli.errors import ArgumentError
-from gspcli.geometry.shapes import Shapes
+from gspcli.geometry.instance import Shapes
 from gspcli.motion import gaps
 from gspcli.motion.collisions.compared import ComparedShapes
 from gspcli.spec.reading import example

@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 from gspcli.geometry.drives import Drives
-from gspcli.geometry.instance import Instance
-from gspcli.geometry.shapes import Shapes
+from gspcli.geometry.instance import Instance, Shapes
 from gspcli.motion.collisions.compared import ComparedShapes
 from gspcli.motion.paths.api import path
 from gspcli.motion.paths.drive_guide import DriveGuide

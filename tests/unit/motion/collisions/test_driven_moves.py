@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from gspcli.geometry.drives import Drives
-from gspcli.geometry.instance import Instance
-from gspcli.geometry.shapes import Shapes
+from gspcli.geometry.instance import Instance, Shapes
 from gspcli.motion.collisions.compared import ComparedShapes, point_moves, slips_near
 from gspcli.motion.poses.inverse_kinematics import drive_values
 from gspcli.solver import solve

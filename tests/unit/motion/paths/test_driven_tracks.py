@@ -12,9 +12,9 @@ from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.drives import Drives
 from gspcli.geometry.frames import PoseFrame
+from gspcli.geometry.instance import Shapes
 from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.geometry.residuals import condition_numbers
-from gspcli.geometry.shapes import Shapes
 from gspcli.motion.collisions.compared import ComparedShapes
 from gspcli.motion.paths.between import (
     ValueParts,
