@@ -47,7 +47,7 @@ from gspcli.motion.singularities.neighbourhoods import DrivenNeighbourhood, Neig
 from gspcli.motion.singularities.pose_clearances import PoseClearance, pose_clearance
 from gspcli.progress import Progress, silent
 from gspcli.records import EqualByContent, dataclass
-from gspcli.ties import definite_signs, definite_vectors, first_smallest
+from gspcli.ties import ALIKE, definite_signs, definite_vectors, first_smallest
 from gspcli.wording import counted
 
 if TYPE_CHECKING:
@@ -63,12 +63,16 @@ _REFINEMENTS = 7
 _FARTHEST = 1e3
 #: The part of the way to the end of a range up to which a mode is followed.
 _SHORT = 1 - 1e-6
+#: Lines are followed this much farther than to the nearest fold, since symmetric ones are as near.
+_BEYOND = 1 + 1e-6
 #: First directions of the search for the nearest singularity, and rounds that improve each.
 _STARTS, _MANY_STARTS, _ROUNDS = 6, 30, 6
 #: Halvings of the interval of a clearance, and the ratio of its ends that suffices.
 _DRIVE_HALVINGS, _CLOSE = 60, 1.002
 #: Steps along a line of drives: the first in clearances, their growth, and the least relatively.
 _FIRST, _GROWTH, _LEAST, _STEPS = 1.0, 1.5, 1e-7, 400
+#: Folds of drives whose distances differ by less than this part are equally near.
+_NEAR = 4 * _LEAST
 #: Iterations of Newton's method, its residual, and the farthest that a step may move the pose.
 _ITERATIONS, _RESIDUAL, _JUMP = 8, 1e-11, 0.1
 #: The quantities that may change.
@@ -264,7 +268,8 @@ def _search(
 ) -> Generator[Array, bool | None, Clearance]:
     """Look for the nearest fold of one pose; return it with the bounds.
 
-    The generator yields lines of values (2, 6), and receives whether the mode reaches the end.
+    The generator yields lines of values (2, 6), and receives whether the mode reaches the end. Of
+    folds that are equally near but for rounding errors the first is taken.
     """
     values = values_at(instance, R, T)
     best = _range_end(instance, values, units, lower)
@@ -279,13 +284,13 @@ def _search(
             if key in seen:
                 break
             seen.add(key)
-            most = min(best.upper, room)
+            most = min(best.upper * _BEYOND, room)
             first = min(most, max(8 * lower, 1e-6)) if best.fold is None else most
             found = yield from _along(instance, values, R, T, signs * units, first, most)
             if found is None:
                 break
             size, fold, following = found
-            if size < best.upper:
+            if size < best.upper * (1 - ALIKE):
                 best = Clearance(lower, size, values + size * signs * units, fold)
             signs = following
     return best
@@ -559,8 +564,8 @@ class _Corners:
         J = drives.jacobian(self.R[:1], self.T[:1], self.q[None])
         sign = np.sign(np.linalg.det(J))[0]
         gains = np.sign(drives.gains(self.R[:1], self.T[:1], self.q[None]))[0]
-        upper, dead, drive, at = np.inf, np.inf, None, None
-        active = np.ones(len(self.ways), bool)
+        dead, drive = np.inf, None
+        active, ended = np.ones(len(self.ways), bool), np.zeros(len(self.ways), bool)
         for _ in range(_STEPS):
             some = np.flatnonzero(active)
             if not len(some):
@@ -579,17 +584,18 @@ class _Corners:
                 size_, nearest = self._crossing(
                     some[crossed], size[crossed], changed[crossed], gains
                 )
-                if size_ < dead:
+                if size_ < dead * (1 - _NEAR):
                     dead, drive = size_, nearest
             self.R[moved], self.T[moved], self.far[moved] = R[good], T[good], size[good]
             self.step[some] *= np.where(good, _GROWTH, 0.5)
-            ended = self.step < _LEAST * self.far
-            for k in np.flatnonzero(ended & active):
-                if self.far[k] < upper:
-                    upper, at = float(self.far[k]), int(k)
-            active &= ~ended & (self.far < min(upper, _FARTHEST))
-        if at is None:
+            ended |= active & (self.step < _LEAST * self.far)
+            upper = float(self.far[ended].min(initial=np.inf))
+            active &= ~ended & (self.far < min(upper * (1 + _NEAR), _FARTHEST))
+        if not ended.any():
             return DriveClearance(lower, knees, np.inf, dead, drive, None, None, None)
+        # Of corners that are equally near but for rounding errors the first is taken.
+        at = int((ended & (self.far <= upper * (1 + _NEAR))).argmax())
+        upper = float(self.far[at])
         q = self.q + upper * self.ways[at]
         return DriveClearance(lower, knees, upper, dead, drive, q, self.R[at], self.T[at])
 
@@ -597,20 +603,25 @@ class _Corners:
         self, some: NDArray[np.intp], high: Array, changed: NDArray[np.bool_], gains: Array
     ) -> tuple[float, int]:
         """Return the least size at which a gain changes its sign on some ways, and its drive."""
-        drives = self.drives
         low, high = self.far[some].copy(), high.copy()
         which = changed.argmax(axis=1)
         for _ in range(_CROSSING_HALVINGS):
             middle = (low + high) / 2
-            R, T, _ = self._newton(some, middle)
-            q = self.q + middle[:, None] * self.ways[some]
-            with np.errstate(all="ignore"):
-                changed = (np.sign(drives.gains(R, T, q)) != gains) & drives.driven
-            beyond = changed.any(axis=1)
-            which = np.where(beyond, changed.argmax(axis=1), which)
+            beyond = self._changed(some, middle, gains).any(axis=1)
             low, high = np.where(beyond, low, middle), np.where(beyond, middle, high)
-        k = int(high.argmin())
-        return float(high[k]), int(drives.index[which[k]])
+        k = int(first_smallest(high))
+        # A little farther the gains of all drives that change there together have changed.
+        changed = self._changed(some, high * (1 + _NEAR), gains)
+        drive = changed[k].argmax() if changed[k].any() else which[k]
+        return float(high[k]), int(self.drives.index[drive])
+
+    def _changed(self, some: NDArray[np.intp], size: Array, gains: Array) -> NDArray[np.bool_]:
+        """Return which gains have other signs at some corners and sizes, shape (n, 6)."""
+        R, T, _ = self._newton(some, size)
+        q = self.q + size[:, None] * self.ways[some]
+        with np.errstate(all="ignore"):
+            changed = np.sign(self.drives.gains(R, T, q)) != gains
+        return np.asarray(changed & self.drives.driven)
 
     def _newton(
         self, some: NDArray[np.intp], size: Array

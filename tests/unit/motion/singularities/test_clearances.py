@@ -148,3 +148,16 @@ def test_many_poses_have_the_clearances_of_each(name: str, monkeypatch) -> None:
 def test_no_poses_have_no_clearances() -> None:
     instance = gspcli.load(instance_files()["rubin-m2"])
     assert not module.each_clearance(instance, np.zeros((0, 3, 3)), np.zeros((0, 3)))
+
+
+def test_rounding_errors_do_not_choose_between_folds_that_are_equally_near() -> None:
+    """A symmetric machine has several; from poses that differ by 1e-15 the same one is named."""
+    instance = gspcli.example("workspace-study")
+    poses, home = gspcli.solve(instance), instance.home
+    R, T = poses.R[poses.real].real, poses.T[poses.real].real
+    k = np.linalg.norm(T - home.T, axis=1).argmin()
+    rng = np.random.default_rng(4)
+    turns = R[k] + 1e-15 * rng.normal(size=(20, 3, 3))
+    places = T[k] + 1e-13 * rng.normal(size=(20, 3))
+    values = [row["values"] for row in gspcli.clearance(instance, turns, places).rows()]
+    assert np.allclose(values, values[0], rtol=1e-9)
