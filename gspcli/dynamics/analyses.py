@@ -11,13 +11,13 @@ from numpy.typing import ArrayLike, NDArray
 from gspcli.dynamics.arrays import make_read_only
 from gspcli.dynamics.drive_forces import inverse_dynamics
 from gspcli.errors import ArgumentError
-from gspcli.geometry.drives import Drives, is_driven
+from gspcli.geometry.drives import Drives
 from gspcli.geometry.instance import METRES, Instance
 from gspcli.geometry.printed_numbers import printed_condition, printed_conditions
 from gspcli.motion.files.requirements import QuantityParts
 from gspcli.motion.poses.inverse_kinematics import checked_poses, drive_values, refusals
 from gspcli.motion.statics.accuracy import Accuracy, GeometryAccuracy, accuracy, geometry_accuracy
-from gspcli.motion.statics.wrenches import DrivenStatics, Wrenches, wrenches
+from gspcli.motion.statics.wrenches import Wrenches, wrenches
 from gspcli.records import EqualByContent, dataclass
 from gspcli.wording import counted
 
@@ -48,18 +48,16 @@ class Analysis(EqualByContent):
     Attributes
     ----------
     given
-        The wrenches of the constraints.
+        The wrenches of the constraints, with the drives, their gains and transmissions.
     reactions
         Of a load, shape (n, 6).
     stiffness, least_stiffness
         The matrices, shape (n, 6, 6), and the least of the point, shape (n,).
     errors, shape
         From tolerances of the values, and from those of the geometry.
-    statics
-        The cranks and slides, their gains and transmissions; None if all drives are values.
     torques
-        What the drives do to hold a load, shape (n, m): of cranks force times length, of slides and
-        distances forces.
+        What the drives do to hold a load, shape (n, m): of cranks and angles force times length, of
+        slides and distances forces.
     """
 
     given: Wrenches
@@ -68,13 +66,17 @@ class Analysis(EqualByContent):
     least_stiffness: Array | None = None
     errors: Accuracy | None = None
     shape: GeometryAccuracy | None = None
-    statics: DrivenStatics | None = None
     torques: Array | None = None
 
     def __post_init__(self) -> None:
-        for part in (self, self.given, self.errors, self.shape, self.statics):
+        for part in (self, self.given, self.errors, self.shape):
             if part is not None:
                 make_read_only(part)
+
+    @property
+    def moves_points(self) -> bool:
+        """Whether a drive is a crank or a slide: then drives are told of beside values."""
+        return bool(self.given.drives.moved.any())
 
     def __repr__(self) -> str:
         instance, conditions = self.given.instance, self.given.conditions
@@ -93,10 +95,10 @@ class Analysis(EqualByContent):
         columns = {"condition": given.conditions, "manipulability": given.manipulability}
         if self.reactions is not None:
             columns |= {str(k): column for k, column in enumerate(self.reactions.T, 1)}
-        if self.statics is not None:
+        if self.moves_points:
             columns["transmission"] = self.transmissions
             if self.torques is not None:
-                motors = [f"torque.{name}" for name in self.statics.drives.names]
+                motors = [f"torque.{name}" for name in given.drives.names]
                 columns |= dict(zip(motors, self.torques.T, strict=True))
         if self.least_stiffness is not None:
             columns["least_stiffness"] = self.least_stiffness
@@ -122,7 +124,7 @@ class Analysis(EqualByContent):
         return {
             "schema": "gsp.analyze/1",
             **self.given.instance.to_json(),
-            **({} if self.statics is None else {"drives": list(self.statics.drives.names)}),
+            **({"drives": list(self.given.drives.names)} if self.moves_points else {}),
             "length": self.given.length,
             "poses": [{**called[k], **self.entry(k)} for k in range(count)],
         }
@@ -136,8 +138,8 @@ class Analysis(EqualByContent):
             for load, chosen in (("force", ~self.given.angles), ("moment", self.given.angles)):
                 if chosen.any():
                     found[load] = self._loads(chosen)
-        if self.statics is not None:
-            found |= self._of_motors(self.statics)
+        if self.moves_points:
+            found |= self._of_motors()
         if self.least_stiffness is not None:
             found["stiffness"] = self.least_stiffness
         if self.errors is not None:
@@ -147,16 +149,15 @@ class Analysis(EqualByContent):
     @property
     def transmissions(self) -> Array:
         """The least transmission of cranks and slides at each pose, shape (n,)."""
-        assert self.statics is not None
-        return np.asarray(np.nanmin(self.statics.transmissions, axis=1))
+        return np.asarray(np.nanmin(self.given.transmissions, axis=1))
 
-    def _of_motors(self, statics: DrivenStatics) -> dict[str, Array | QuantityParts]:
+    def _of_motors(self) -> dict[str, Array | QuantityParts]:
         """Return the transmissions of cranks and slides, and the torques of cranks."""
-        drives = statics.drives
+        drives = self.given.drives
         moved = np.flatnonzero(drives.driven)
         names = [f"{drives.names[drives.index[k]]}, rod {k + 1}" for k in moved]
         found: dict[str, Array | QuantityParts] = {
-            "transmission": QuantityParts(statics.transmissions[:, moved], names)
+            "transmission": QuantityParts(self.given.transmissions[:, moved], names)
         }
         cranks = [k for k, sort in enumerate(drives.sorts) if sort == "crank"]
         if self.torques is not None and cranks:
@@ -201,13 +202,12 @@ class Analysis(EqualByContent):
     def _asked(self, k: int) -> dict[str, Any]:
         """Return what was asked for."""
         entry: dict[str, Any] = {}
-        if self.statics is not None:
-            drives = self.statics.drives
-            entry["drives"] = drives.readings(self.statics.q[k]).tolist()
-            entry["transmissions"] = [finite(x) for x in self.statics.transmissions[k]]
+        if self.moves_points:
+            entry["drives"] = self.given.drives.readings(self.given.q[k]).tolist()
+            entry["transmissions"] = [finite(x) for x in self.given.transmissions[k]]
             entry["transmission"] = float(self.transmissions[k])
-        if self.torques is not None:
-            entry["torques"] = [finite(x) for x in self.torques[k]]
+            if self.torques is not None:
+                entry["torques"] = [finite(x) for x in self.torques[k]]
         if self.reactions is not None:
             entry["reactions"] = [finite(x) for x in self.reactions[k]]
         if self.stiffness is not None and self.least_stiffness is not None:
@@ -287,36 +287,37 @@ def analyze(
     """
     R, T = checked_poses(R, T)
     R, T = R.reshape(-1, 3, 3), T.reshape(-1, 3)
-    motors, q = _places(instance, R, T, drives)
-    given = wrenches(instance, R, T, point=point, length=length, drives=motors, q=q)
+    machine, q = _places(instance, R, T, drives)
+    given = wrenches(instance, R, T, point=point, length=length, drives=machine, q=q)
+    reactions, torques = _loads(given, load, at)
+    rods = None if stiffness is None else _six(stiffness, "stiffness")
+    motors = _motor_stiffness(instance, machine)
+    compliance = None if motors is None and rods is None else given.compliance(motors, rods)
     limits = _stated(instance) if tolerance is None else _six(tolerance, "tolerance")
-    shape = None if geometry_tolerance is None else _shape(given, geometry_tolerance)
-    statics = DrivenStatics.of(given)
-    if statics is None:
-        constants = _drives(instance) if stiffness is None else _six(stiffness, "stiffness")
-        return Analysis(
-            given,
-            _reactions(given, load, at),
-            None if constants is None else given.stiffness(constants),
-            None if constants is None else given.least_stiffness(constants),
-            None if limits is None else accuracy(given, limits),
-            shape,
-        )
-    return _driven(statics, load, at, stiffness, limits, shape)
+    off = np.where(machine.moved & np.isfinite(machine.tolerances), machine.tolerances, 0.0)
+    if limits is None and off.any():
+        limits = [0.0] * 6
+    return Analysis(
+        given,
+        reactions,
+        None if compliance is None else given.stiffness(compliance),
+        None if compliance is None else given.least_stiffness(compliance),
+        None if limits is None else accuracy(given, limits, off),
+        None if geometry_tolerance is None else _shape(given, geometry_tolerance),
+        torques,
+    )
 
 
 def _places(
     instance: Instance, R: Array, T: Array, given: ArrayLike | None
-) -> tuple[Drives | None, Array | None]:
-    """Return cranks and slides and where they are at poses, shape (n, m); None without any.
+) -> tuple[Drives, Array]:
+    """Return the drives and where they are at poses, shape (n, m).
 
     Raises
     ------
     ArgumentError
         If a pose is out of reach.
     """
-    if not is_driven(instance):
-        return None, None
     if given is None:
         drives, q = drive_values(instance, R, T, along=False)
         if missing := refusals(drives, R, T, q):
@@ -328,42 +329,29 @@ def _places(
     return drives, np.array(np.broadcast_to(q, (len(T), drives.count)))
 
 
-def _driven(
-    statics: DrivenStatics,
-    load: ArrayLike | None,
-    at: ArrayLike | None,
-    rods: ArrayLike | None,
-    limits: list[float] | None,
-    shape: GeometryAccuracy | None,
-) -> Analysis:
-    """Return the analysis of a platform with cranks or slides."""
-    instance, drives = statics.given.instance, statics.drives
-    reactions = _held(statics.given, load, at)
-    torques = None if reactions is None else statics.torques(reactions)
+def _loads(
+    given: Wrenches, load: ArrayLike | None, at: ArrayLike | None
+) -> tuple[Array | None, Array | None]:
+    """Return what the constraints and the drives do to hold a load and the weights that are stated.
+
+    Shapes (n, 6) and (n, m); None for neither.
+    """
+    instance, drives = given.instance, given.drives
+    reactions = torques = None
+    if load is not None:
+        numbers = np.resize(np.append(_numbers(load, (3, 6), "load"), np.zeros(3)), 6)
+        place = given.point if at is None else _numbers(at, (3,), "at")
+        reactions = given.reactions(numbers[:3], numbers[3:], place)
+        torques = given.torques(reactions)
     if instance.dynamics is not None:
-        places = drives.readings(statics.q)
-        weights = inverse_dynamics(instance, statics.given.R, statics.given.T, drives=places)
-        assert weights.torques is not None
+        places = drives.readings(given.q)
+        weights = inverse_dynamics(instance, given.R, given.T, drives=places)
         turns = np.array([unit == "N m" for unit in weights.torque_units])
-        moved = weights.torques / np.where(turns, METRES[instance.units.length], 1.0)
+        moved = weights.forces if weights.torques is None else weights.torques
+        moved = moved / np.where(turns, METRES[instance.units.length], 1.0)
         reactions = weights.in_file_units + (0.0 if reactions is None else reactions)
         torques = moved + (0.0 if torques is None else torques)
-    held = _motor_stiffness(instance, drives)
-    given = None if rods is None else _six(rods, "stiffness")
-    compliance = None if held is None and given is None else statics.compliance(held, given)
-    off = np.where(drives.moved & np.isfinite(drives.tolerances), drives.tolerances, 0.0)
-    if limits is None and off.any():
-        limits = [0.0] * 6
-    return Analysis(
-        statics.given,
-        reactions,
-        None if compliance is None else statics.stiffness(compliance),
-        None if compliance is None else statics.least_stiffness(compliance),
-        None if limits is None else accuracy(statics.given, limits, off),
-        shape,
-        statics,
-        torques,
-    )
+    return reactions, torques
 
 
 def _motor_stiffness(instance: Instance, drives: Drives) -> Array | None:
@@ -372,12 +360,7 @@ def _motor_stiffness(instance: Instance, drives: Drives) -> Array | None:
         return None
     metre = METRES[instance.units.length]
     numbers = [number.value for number in instance.dynamics.drives.stiffness]
-    rows = instance.constraints
-    turns = [
-        sort == "crank" or (sort == "value" and not rows[drives.users(k)[0]].kind.is_distance)
-        for k, sort in enumerate(drives.sorts)
-    ]
-    return np.resize(numbers, drives.count) * np.where(turns, 1 / metre, metre)
+    return np.resize(numbers, drives.count) * np.where(drives.turns, 1 / metre, metre)
 
 
 def _numbers(given: ArrayLike, counts: Sequence[int], name: str) -> Array:
@@ -394,44 +377,12 @@ def _six(given: ArrayLike, name: str) -> list[float]:
     return numbers
 
 
-def _drives(instance: Instance) -> list[float] | None:
-    """Return the stiffness of the drives if an instance states it: in N and its unit of length."""
-    if instance.dynamics is None or instance.dynamics.drives is None:
-        return None
-    stated = instance.dynamics.drives.stiffness
-    if stated is None:
-        return None
-    metre = METRES[instance.units.length]
-    numbers = np.resize([number.value for number in stated], 6)
-    distances = [row.kind.is_distance for row in instance.constraints]
-    held: list[float] = np.where(distances, numbers * metre, numbers / metre).tolist()
-    return held
-
-
 def _stated(instance: Instance) -> list[float] | None:
     """Return the tolerances of an instance if it has any; those left out are zero."""
     stated = [constraint.tolerance for constraint in instance.constraints]
     if all(tolerance is None for tolerance in stated):
         return None
     return [0.0 if tolerance is None else tolerance.value for tolerance in stated]
-
-
-def _reactions(given: Wrenches, load: ArrayLike | None, at: ArrayLike | None) -> Array | None:
-    """Return what holds a load and the weights that are stated, shape (n, 6); None for neither."""
-    held = _held(given, load, at)
-    if given.instance.dynamics is None:
-        return held
-    weights = inverse_dynamics(given.instance, given.R, given.T).in_file_units
-    return weights if held is None else held + weights
-
-
-def _held(given: Wrenches, load: ArrayLike | None, at: ArrayLike | None) -> Array | None:
-    """Return what holds a load, shape (n, 6); None without a load."""
-    if load is None:
-        return None
-    numbers = np.resize(np.append(_numbers(load, (3, 6), "load"), np.zeros(3)), 6)
-    place = given.point if at is None else _numbers(at, (3,), "at")
-    return given.reactions(numbers[:3], numbers[3:], place)
 
 
 def _shape(given: Wrenches, tolerance: ArrayLike) -> GeometryAccuracy:

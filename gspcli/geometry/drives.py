@@ -162,6 +162,14 @@ class Drives:
         return np.array([sort != "value" for sort in self.sorts])
 
     @cached_property
+    def turns(self) -> NDArray[np.bool_]:
+        """Which drives are angles, of cranks or of values, shape (m,)."""
+        angles = [not row.kind.is_distance for row in self.instance.constraints]
+        of_values = [angles[self.users(k)[0]] for k in range(self.count)]
+        cranks = np.array([sort == "crank" for sort in self.sorts])
+        return np.asarray(cranks | (~self.moved & of_values))
+
+    @cached_property
     def stays(self) -> NDArray[np.bool_]:
         """Which values stay as they are stated, shape (6,).
 
@@ -239,7 +247,12 @@ class Drives:
         return np.asarray(q, float)[..., self.index, None]
 
     def arrangement(self, q: ArrayLike) -> Arrangement:
-        """Return the platform with its points at q: coordinates of shapes (..., 6, 3)."""
+        """Return the platform with its points at q: coordinates of shapes (..., 6, 3).
+
+        As it is stated, without batch axes, if no drive moves a point.
+        """
+        if not self.driven.any():
+            return self._arrangement
         points, stated = self.points(q), self._arrangement
         shape = points.shape
         moves = [self.driven & self.on_platform, self.driven & ~self.on_platform]
@@ -268,6 +281,8 @@ class Drives:
     def gains(self, R: ArrayLike, T: ArrayLike, q: ArrayLike) -> Array:
         """Return the gains of the drives at their constraints, shape (..., 6)."""
         R, T = np.asarray(R, float), np.asarray(T, float)
+        if not self.driven.any():
+            return np.ones((*T.shape[:-1], len(self.index)))
         arrangement = self.arrangement(q)
         ways = self._in_base(R, self.velocities(q))
         return self._gains(gradients(arrangement, arrangement.placed(R, T)).r, ways)
@@ -529,6 +544,11 @@ class Drives:
         """
         return self._shared(self.wanted(R, T, knees))
 
+    def stated(self, R: ArrayLike, T: ArrayLike) -> Array:
+        """Return the numbers at poses with all points where they are stated, shape (..., m)."""
+        values = measured(self._arrangement, np.asarray(R, float), np.asarray(T, float))
+        return self._per_drive(np.where(self.driven, 0.0, values))
+
     def nearest(self, R: ArrayLike, T: ArrayLike) -> Array:
         """Return at each pose the numbers nearer to zero, on any knee, shape (..., m)."""
         both = self.roots(R, T)
@@ -543,23 +563,33 @@ class Drives:
         off = np.abs(wanted - q[..., self.index]) * self.arms > _SAME * self._arrangement.length
         return np.where(self.matrix(off.astype(float)).any(axis=-2), np.nan, q)
 
+    def with_points_at(self, q: ArrayLike) -> Instance:
+        """Return the platform with its points at q of shape (m,), and its values as stated.
+
+        Its coordinates there are doubles; it has no cranks, no slides and no masses.
+        """
+        numbers = np.asarray(q, float).tolist()
+        rows = list(self.instance.constraints)
+        for k in np.flatnonzero(self.driven).tolist():
+            body = BODIES[0] if self.on_platform[k] else BODIES[1]
+            there = getattr(rows[k], body).moved(numbers[self.index[k]])
+            rows[k] = replace(rows[k], **{body: there})
+        return replace(self.instance, constraints=tuple(rows), dynamics=None)
+
     def instance_at(self, q: ArrayLike) -> Instance:
         """Return the platform with its points, and driven values, at q of shape (m,).
 
-        Its numbers there are doubles; it has no cranks, no slides and no masses.
+        As `with_points_at`; the values are doubles, too.
         """
-        numbers = np.asarray(q, float).tolist()
-        rows = []
-        for k, row in enumerate(self.instance.constraints):
-            number = numbers[self.index[k]]
-            if self.driven[k]:
-                body = BODIES[0] if self.on_platform[k] else BODIES[1]
-                row = replace(row, **{body: getattr(row, body).moved(number)})
-            else:
-                value = number / self.units[self.index[k]]
-                row = replace(row, value=Number.of(abs(value) if row.kind.has_sides else value))
-            rows.append(row)
-        return replace(self.instance, constraints=tuple(rows), dynamics=None)
+        values = (np.asarray(q, float)[self.index] / self.units[self.index]).tolist()
+        moved = self.with_points_at(q)
+        rows = [
+            row
+            if self.driven[k]
+            else replace(row, value=Number.of(abs(value) if row.kind.has_sides else value))
+            for k, (row, value) in enumerate(zip(moved.constraints, values, strict=True))
+        ]
+        return replace(moved, constraints=tuple(rows))
 
     def readings(self, q: ArrayLike) -> Array:
         """Return readings of q, shape (..., m), in the units of the instance."""

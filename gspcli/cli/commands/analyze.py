@@ -161,12 +161,11 @@ def command(o: Options) -> None:
         wanted = analysis.entry if detailed else analysis.brief
         entries = [{**name, **wanted(k)} for k, name in enumerate(names)]
     known = analysis.quantities() if requirements else None
-    statics = analysis.statics
     verdicts, more = judged(instance, requirements, given.R, given.T, entries, known)
     more = [column for column in more if column.key != "transmission"]
     tables = details(entries[0], given) if detailed else [overview(entries, given, more)]
-    if statics is not None and detailed:
-        tables.insert(1, drives_table(entries[0], statics.drives))
+    if analysis.moves_points and detailed:
+        tables.insert(1, drives_table(entries[0], given.drives))
     if o.output.format in _READABLE:
         tables = [replace(table, rows=[_tidy(row) for row in table.rows]) for table in tables]
     if verdicts:
@@ -280,7 +279,7 @@ def _line(entry: dict[str, Any], given: Wrenches) -> dict[str, Any]:
             if loads and None not in entry["reactions"]:
                 most = list(loads)[int(first_largest(list(loads.values())))]
                 row |= {name: loads[most], f"{name}_in": most + 1}
-    if given.drives is not None and "torques" in entry and None not in entry["torques"]:
+    if "torques" in entry and None not in entry["torques"]:
         sizes = list(map(abs, entry["torques"]))
         most = sizes.index(max(sizes))
         row |= {"torque": sizes[most], "torque_of": given.drives.names[most]}

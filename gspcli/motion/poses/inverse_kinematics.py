@@ -222,6 +222,8 @@ def refusals(drives: Drives, R: Array, T: Array, q: Array) -> dict[int, str]:
         The drives, poses of shapes (n, 3, 3) and (n, 3), and the numbers there, shape (n, m).
     """
     found: dict[int, str] = {}
+    if not np.isnan(q).any():
+        return found
     wanted = drives.wanted(R, T)
     there = values_at(drives.instance, R, T)
     for row, k in np.argwhere(np.isnan(q)).tolist():

@@ -24,7 +24,7 @@ from gspcli.geometry.quaternions import (
 from gspcli.motion.following.branch_follower import MovingPlatform, apart
 from gspcli.motion.poses.inverse_kinematics import value_signs, values_at
 from gspcli.motion.singularities.neighbourhoods import SIGNS, Neighbourhood, corners
-from gspcli.motion.statics.wrenches import DrivenStatics, Wrenches
+from gspcli.motion.statics.wrenches import Wrenches
 from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
@@ -68,8 +68,8 @@ def accuracy(given: Wrenches, tolerances: ArrayLike, motors: ArrayLike | None = 
     tolerances
         The largest error of each value, in the units of the instance, shape (6,).
     motors
-        The largest error of each drive of an instance with cranks or slides, in lengths and
-        radians, shape (m,); zero for driven values, whose errors are among those of the values.
+        The largest error of each crank or slide, in lengths and radians, shape (m,); zero for
+        driven values, whose errors are among those of the values. All are zero if None.
 
     Raises
     ------
@@ -82,20 +82,14 @@ def accuracy(given: Wrenches, tolerances: ArrayLike, motors: ArrayLike | None = 
         message = f"found {limits.tolist()}, expected six numbers of at least zero"
         raise ArgumentError(message, "tolerances")
     errors = np.where(given.angles, limits * instance.units.angle.in_radians, limits)
-    columns = squares = given.inverse * errors
-    statics, signs = DrivenStatics.of(given), SIGNS
-    if statics is None:
-        bounds = _bounds(instance, given, limits)
-    else:
-        off = np.zeros(statics.drives.count) if motors is None else np.asarray(motors, float)
-        columns, squares = _driven_columns(statics, errors, off)
-        signs = corners(columns.shape[-1])
-        bounds = _driven_bounds(statics, limits, off)
+    off = np.zeros(given.drives.count) if motors is None else np.asarray(motors, float)
+    columns, squares = _columns(given, errors, off)
+    signs = corners(columns.shape[-1])
     turned, shifted = (
         np.linalg.norm(np.einsum("nik,sk->nsi", part, signs), axis=2).max(axis=1)
         for part in (columns[:, :3], columns[:, 3:])
     )
-    bound, bound_turn, bound_shift = bounds
+    bound, bound_turn, bound_shift = _moved_bounds(given, limits, off)
     return Accuracy(
         np.abs(columns).sum(axis=2),
         turned,
@@ -107,17 +101,17 @@ def accuracy(given: Wrenches, tolerances: ArrayLike, motors: ArrayLike | None = 
     )
 
 
-def _driven_columns(statics: DrivenStatics, errors: Array, off: Array) -> tuple[Array, Array]:
+def _columns(given: Wrenches, errors: Array, off: Array) -> tuple[Array, Array]:
     """Return twists for the largest errors, each with either sign, and for independent errors.
 
     Errors of a rod and of its own drive have one direction and are added in the first. Shapes
     (n, 6, sources).
     """
-    inverse, drives = statics.given.inverse, statics.drives
-    moved = inverse @ statics.matrix * off
+    inverse, drives = given.inverse, given.drives
+    moved = inverse @ given.matrix * off
     shared = [k for k in range(drives.count) if len(drives.users(k)) > 1 and off[k]]
     alone = np.isin(drives.index, shared, invert=True)
-    own = np.abs(statics.gains) * off[drives.index] * alone
+    own = np.abs(given.gains) * off[drives.index] * alone
     columns = inverse * (errors + own)[:, None, :]
     if shared:
         columns = columns[:, :, np.any(columns != 0, axis=(0, 1))]
@@ -125,22 +119,23 @@ def _driven_columns(statics: DrivenStatics, errors: Array, off: Array) -> tuple[
     return columns, np.concatenate((inverse * errors, moved), axis=2)
 
 
-def _driven_bounds(statics: DrivenStatics, limits: Array, off: Array) -> tuple[Array, Array, Array]:
-    """Return proved bounds as `_bounds`, where drives have errors.
+def _moved_bounds(given: Wrenches, limits: Array, off: Array) -> tuple[Array, Array, Array]:
+    """Return proved bounds as `_bounds`, where drives have moved points and have errors.
 
     A rod's length to the stated place of its joint changes by at most the way of the joint, which
     is the arm times the error of a crank, or the error of a slide.
     """
-    given, drives = statics.given, statics.drives
+    drives = given.drives
     ways = np.where(drives.driven, drives.arms * off[drives.index], 0.0)
     # Moved points are rounded.
     ways += np.where(drives.driven, 4 * ROUND * given.arrangement.length, 0.0)
     n = len(given.T)
     found = np.empty((n, 6)), np.empty(n), np.empty(n)
-    places, index = np.unique(statics.q, axis=0, return_inverse=True)
-    for k, q in enumerate(places):
+    _, first, index = np.unique(
+        given.q[:, drives.moved], axis=0, return_index=True, return_inverse=True
+    )
+    for k, q in enumerate(given.q[first]):
         rows = np.flatnonzero(index.ravel() == k)
-        there = drives.instance_at(q)
         part = replace(
             given,
             R=given.R[rows],
@@ -148,6 +143,7 @@ def _driven_bounds(statics: DrivenStatics, limits: Array, off: Array) -> tuple[A
             point=given.point[rows],
             jacobian=given.jacobian[rows],
         )
+        there = drives.with_points_at(q)
         for whole, bound in zip(found, _bounds(there, part, limits + ways), strict=True):
             whole[rows] = bound
     return found

@@ -5,10 +5,10 @@ the axes of the base. A wrench is (force, moment) about that point. All function
 axes.
 
 With J t = D q' (`gspcli.geometry.drives`) a force F in the constraints needs the loads ``D^T F`` of
-the drives. Springs of drives and of rods are in series: the rods give by
-``C = D k_q^-1 D^T + k_r^-1`` times F, so that the stiffness of the platform is ``J^T C^-1 J``. It
-is finite at a dead point if the rods give. An error dq of the drives and dL of the rods moves the
-platform by ``J^-1 (dL + D dq)``.
+the drives; of values D is the identity. Springs of drives and of rods are in series: the rods give
+by ``C = D k_q^-1 D^T + k_r^-1`` times F, so that the stiffness of the platform is ``J^T C^-1 J``.
+It is finite at a dead point if the rods give. An error dq of the drives and dL of the rods moves
+the platform by ``J^-1 (dL + D dq)``.
 """
 
 from __future__ import annotations
@@ -57,8 +57,7 @@ class Wrenches:
     arrangement
         The platform in floating point, with its points where the drives have them.
     drives, q
-        The drives and their numbers, lengths and radians, shape (..., m); None if all drives are
-        values.
+        The drives and their numbers, lengths and radians, shape (..., m).
     """
 
     instance: Instance
@@ -68,8 +67,8 @@ class Wrenches:
     length: float
     jacobian: Array
     arrangement: Arrangement
-    drives: Drives | None = None
-    q: Array | None = None
+    drives: Drives
+    q: Array
 
     @cached_property
     def angles(self) -> NDArray[np.bool_]:
@@ -183,46 +182,81 @@ class Wrenches:
         reaction = np.take_along_axis(sizes, constraint[..., None], axis=-1)[..., 0]
         return constraint, chosen / reaction[..., None], reaction
 
-    def stiffness(self, each: ArrayLike) -> Array:
-        """Return the stiffness matrix about the point, without that of a preload, (..., 6, 6).
+    @cached_property
+    def gains(self) -> Array:
+        """The gain of the drive of each constraint, shape (..., 6)."""
+        return self.drives.gains(self.R, self.T, self.q)
 
-        It gives the wrench (moment, force) that holds a small twist (omega, v).
+    @property
+    def matrix(self) -> Array:
+        """D, shape (..., 6, m)."""
+        return self.drives.matrix(self.gains)
+
+    @property
+    def transmissions(self) -> Array:
+        """The transmission of each constraint, NaN where its value is the drive, (..., 6)."""
+        share = self.drives.transmission(self.gains)
+        return np.where(self.drives.driven, share, np.nan)
+
+    def torques(self, reactions: Array) -> Array:
+        """Return the loads of the drives that hold forces in the constraints, (..., m)."""
+        return np.asarray(apply(np.swapaxes(self.matrix, -1, -2), reactions))
+
+    def compliance(self, motors: ArrayLike | None = None, rods: ArrayLike | None = None) -> Array:
+        """Return how far forces in the constraints move their values, C, shape (..., 6, 6).
 
         Parameters
         ----------
-        each
-            Stiffnesses of the constraints: force by length, and moment by radian for angles; (6,).
-        """
-        matrix: Array = np.einsum(
-            "...ki,k,...kj->...ij", self.jacobian, np.asarray(each, float), self.jacobian
-        )
-        return matrix
-
-    def least_stiffness(self, each: ArrayLike) -> Array:
-        """Return the least ratio of a force at the point to its shift, shape (...).
-
-        The platform is free to turn, and the force has the direction of the largest shift. The
-        number is the inverse of the largest eigenvalue of the compliance of the point. NaN at
-        singular poses.
-
-        Parameters
-        ----------
-        each
-            As for `stiffness`, positive.
+        motors
+            Stiffnesses of the drives: force over length, moment over radian, shape (m,); None if
+            they do not give.
+        rods
+            Of the constraints, shape (6,); None if they do not give. Of driven values they stand
+            for those of the drives.
 
         Raises
         ------
         ArgumentError
             If a stiffness is not positive.
         """
-        constants = np.asarray(each, float)
-        if not (np.isfinite(constants) & (constants > 0)).all():
-            message = f"found {constants.tolist()}, expected positive numbers"
-            raise ArgumentError(message, "stiffness")
-        shifts = self.inverse[..., 3:, :] / np.sqrt(constants)
-        regular = np.isfinite(shifts).all(axis=(-1, -2))
-        largest = np.linalg.norm(np.where(regular[..., None, None], shifts, 1.0), 2, axis=(-2, -1))
-        return np.asarray(np.where(regular, largest**-2.0, np.nan))
+        soft = np.zeros(self.drives.count) if motors is None else 1 / _positive(motors)
+        own = np.zeros(6)
+        if rods is not None:
+            soft, own = np.where(self.drives.moved, soft, 0.0), 1 / _positive(rods)
+        through: Array = (self.matrix * soft) @ np.swapaxes(self.matrix, -1, -2)
+        return through + np.diag(own)
+
+    def stiffness(self, compliance: Array) -> Array:
+        """Return ``J^T C^-1 J`` about the point, shape (..., 6, 6); NaN if it is not finite.
+
+        It gives the wrench (moment, force) that holds a small twist (omega, v), without that of a
+        preload. It is not finite if the rods do not give and a drive is at a dead point or moves
+        two rods.
+        """
+        scales = np.sqrt(np.abs(np.einsum("...kk->...k", compliance)))
+        scales = np.where(scales > 0, scales, 1.0)
+        scaled = compliance / scales[..., :, None] / scales[..., None, :]
+        ranks = np.asarray(np.linalg.matrix_rank(scaled, tol=1e-9, hermitian=True))
+        regular = (ranks == len(self.drives.index))[..., None, None]
+        J = self.jacobian
+        safe = np.where(regular, compliance, np.eye(6))
+        found: Array = np.swapaxes(J, -1, -2) @ np.linalg.solve(safe, J)
+        found = (found + np.swapaxes(found, -1, -2)) / 2
+        return np.where(regular, found, np.nan)
+
+    def least_stiffness(self, compliance: Array) -> Array:
+        """Return the least ratio of a force at the point to its shift, shape (...).
+
+        The platform is free to turn, and the force has the direction of the largest shift. The
+        number is the inverse of the largest eigenvalue of the compliance of the point. NaN at
+        singular poses, infinite if nothing gives.
+        """
+        part = self.inverse[..., 3:, :]
+        gives = part @ compliance @ np.swapaxes(part, -1, -2)
+        known = np.asarray(np.isfinite(gives).all(axis=(-1, -2)))
+        largest = np.linalg.eigvalsh(np.where(known[..., None, None], gives, np.eye(3)))[..., -1]
+        with np.errstate(divide="ignore"):
+            return np.where(known, 1 / np.maximum(largest, 0.0), np.nan)
 
 
 def wrenches(
@@ -250,8 +284,8 @@ def wrenches(
         The unit in which lengths and angles are compared; by default the typical length of the
         instance (`Arrangement.length`).
     drives, q
-        The drives of an instance with cranks or slides, and their numbers at the poses, lengths and
-        radians, shape (..., m): its points are moved there. They are where they are stated if None.
+        The drives, and their numbers at the poses, lengths and radians, shape (..., m): points with
+        cranks and slides are moved there. They are where they are stated if None.
 
     Raises
     ------
@@ -260,10 +294,11 @@ def wrenches(
         distance of zero to a point or line, parallel lines of a DLL, and an angle at an end of its
         range.
     """
-    arrangement = Arrangement.of(instance)
-    if drives is not None and q is not None:
-        arrangement = drives.arrangement(q)
     R, T = np.asarray(R, float), np.asarray(T, float)
+    if drives is None or q is None:
+        drives = Drives.of(instance)
+        q = drives.stated(R, T)
+    arrangement = drives.arrangement(q)
     if length is None:
         length = arrangement.length
     if not (np.isfinite(length) and length > 0):
@@ -287,110 +322,6 @@ def wrenches(
     moments = rows[..., :3] - cross(arm, rows[..., 3:])
     matrix = np.concatenate((moments, rows[..., 3:]), axis=-1)
     return Wrenches(instance, R, T, at, float(length), matrix, arrangement, drives, q)
-
-
-@dataclass(frozen=True, eq=False)
-class DrivenStatics:
-    """The drives of a platform at poses.
-
-    Attributes
-    ----------
-    given
-        The wrenches of the constraints, with the points where the drives have them.
-    drives
-        The m drives.
-    q
-        Their numbers, lengths and radians, shape (n, m).
-    gains
-        The gain of the drive of each constraint, shape (n, 6).
-    """
-
-    given: Wrenches
-    drives: Drives
-    q: Array
-    gains: Array
-
-    @classmethod
-    def of(cls, given: Wrenches) -> DrivenStatics | None:
-        """Return the drives of wrenches; None if all drives are values."""
-        if given.drives is None or given.q is None:
-            return None
-        gains = given.drives.gains(given.R, given.T, given.q)
-        return cls(given, given.drives, given.q, gains)
-
-    @property
-    def matrix(self) -> Array:
-        """D, shape (n, 6, m)."""
-        return self.drives.matrix(self.gains)
-
-    @property
-    def transmissions(self) -> Array:
-        """The transmission of each constraint, NaN where its value is the drive, shape (n, 6)."""
-        share = self.drives.transmission(self.gains)
-        return np.where(self.drives.driven, share, np.nan)
-
-    def torques(self, reactions: Array) -> Array:
-        """Return the loads of the drives that hold forces in the constraints, (n, 6) -> (n, m)."""
-        torques: Array = np.einsum("...km,...k->...m", self.matrix, reactions)
-        return torques
-
-    def compliance(self, motors: ArrayLike | None, rods: ArrayLike | None) -> Array:
-        """Return how far forces in the constraints move their values, C, shape (n, 6, 6).
-
-        Parameters
-        ----------
-        motors
-            Stiffnesses of the drives: force over length, moment over radian, shape (m,); None if
-            they do not give.
-        rods
-            Of the constraints with cranks and slides, shape (6,); None if they do not give. For
-            driven values the number is that of the drive.
-
-        Raises
-        ------
-        ArgumentError
-            If a stiffness is not positive.
-        """
-        n, driven = len(self.gains), self.drives.driven
-        matrix = np.zeros((n, 6, 6))
-        if motors is not None:
-            held = _positive(motors)
-            matrix += np.einsum("nkm,m,nlm->nkl", self.matrix, 1 / held, self.matrix)
-        if rods is not None:
-            given = 1 / _positive(rods)
-            if motors is None:
-                matrix += np.diag(given)
-            else:
-                matrix += np.diag(np.where(driven, given, 0.0))
-        return matrix
-
-    def stiffness(self, compliance: Array) -> Array:
-        """Return ``J^T C^-1 J`` about the point, shape (n, 6, 6); NaN if it is not finite.
-
-        It is not finite if the rods do not give and a drive is at a dead point or moves two rods.
-        """
-        scales = np.sqrt(np.abs(np.einsum("nkk->nk", compliance)))
-        scaled = compliance / np.where(scales > 0, scales, 1.0)[:, :, None]
-        scaled = scaled / np.where(scales > 0, scales, 1.0)[:, None, :]
-        ranks = np.array([np.linalg.matrix_rank(one, tol=1e-9, hermitian=True) for one in scaled])
-        regular = np.equal(ranks, self.gains.shape[1])
-        safe = np.where(regular[:, None, None], compliance, np.eye(6))
-        J = self.given.jacobian
-        found: Array = np.swapaxes(J, -1, -2) @ np.linalg.solve(safe, J)
-        found = (found + np.swapaxes(found, -1, -2)) / 2
-        return np.where(regular[:, None, None], found, np.nan)
-
-    def least_stiffness(self, compliance: Array) -> Array:
-        """Return the least ratio of a force at the point to its shift, (n,); NaN if singular.
-
-        As `Wrenches.least_stiffness`; infinite if nothing gives.
-        """
-        part = self.given.inverse[:, 3:, :]
-        gives = part @ compliance @ np.swapaxes(part, -1, -2)
-        known = np.asarray(np.isfinite(gives).all(axis=(-1, -2)))
-        largest = np.linalg.eigvalsh(np.where(known[:, None, None], gives, np.eye(3)))[:, -1]
-        with np.errstate(divide="ignore"):
-            return np.where(known, 1 / np.maximum(largest, 0.0), np.nan)
 
 
 def _positive(each: ArrayLike) -> Array:

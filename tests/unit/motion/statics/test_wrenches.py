@@ -104,7 +104,7 @@ def test_units_of_length_change_no_scaled_number():
     elsewhere = wrenches(instance, R, T, length=2.0, point=(1.0, 2.0, 3.0))
     assert elsewhere.conditions == given.conditions
     assert elsewhere.manipulability == pytest.approx(given.manipulability)
-    stiffness = given.stiffness(np.arange(1.0, 7))
+    stiffness = given.stiffness(given.compliance(rods=np.arange(1.0, 7)))
     assert np.allclose(stiffness, given.jacobian.T @ np.diag(np.arange(1.0, 7)) @ given.jacobian)
 
 
