@@ -9,17 +9,22 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from gspcli.certification.poses.certificates import Certificate, Certificates, Outcome
-    from gspcli.certification.poses.platform_certificates import certify
-    from gspcli.certification.poses.refinement import RefinedPose, refine
+    from gspcli.certification.poses.certificates import (
+        Certificate,
+        Certificates,
+        Outcome,
+        RefinedPose,
+        certify,
+        refine,
+    )
 
 _HOMES = {
     "Certificate": "gspcli.certification.poses.certificates",
     "Certificates": "gspcli.certification.poses.certificates",
     "Outcome": "gspcli.certification.poses.certificates",
-    "RefinedPose": "gspcli.certification.poses.refinement",
-    "certify": "gspcli.certification.poses.platform_certificates",
-    "refine": "gspcli.certification.poses.refinement",
+    "RefinedPose": "gspcli.certification.poses.certificates",
+    "certify": "gspcli.certification.poses.certificates",
+    "refine": "gspcli.certification.poses.certificates",
 }
 
 __all__ = [

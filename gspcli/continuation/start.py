@@ -21,8 +21,7 @@ from gspcli.continuation.quadrics import (
     swap_quadrics,
 )
 from gspcli.continuation.systems import EQUATIONS, Coefficients, Structure, System
-from gspcli.continuation.tracker import PathStatus, track
-from gspcli.continuation.tracker_options import CAREFUL, DEFAULT, PARANOID
+from gspcli.continuation.tracker import CAREFUL, DEFAULT, PARANOID, PathStatus, track
 from gspcli.errors import DataError
 from gspcli.records import dataclass
 from gspcli.resources import data_path

@@ -27,7 +27,7 @@ from gspcli.certification.numbers.rounding import ROUNDING
 from gspcli.certification.numbers.sines import SINE_ERROR, SineNumbers
 from gspcli.certification.poses.many_values import COSINE_ERROR, ValueProofs
 from gspcli.continuation.systems import DEGREE_IN_F, Coefficients
-from gspcli.continuation.tracker_options import (
+from gspcli.continuation.tracker import (
     CAREFUL,
     SHORT,
     SHORT_STEPS,

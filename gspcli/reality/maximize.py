@@ -20,9 +20,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, DPP, Kind
-from gspcli.continuation.parameter_homotopy import follow
 from gspcli.continuation.systems import Structure, System
-from gspcli.continuation.tracked_paths import solve_systems
+from gspcli.continuation.tracked_paths import follow, solve_systems
 from gspcli.defaults import SEED
 from gspcli.geometry.constraint_polynomials import Gradient, polynomial
 from gspcli.geometry.measurement import by_twist

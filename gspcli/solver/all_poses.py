@@ -28,7 +28,7 @@ from gspcli.solver.study_systems import complex_system
 
 if TYPE_CHECKING:
     from gspcli.continuation.tracked_paths import TrackedPaths
-    from gspcli.continuation.tracker_options import TrackerOptions
+    from gspcli.continuation.tracker import TrackerOptions
 
 
 def closed_form(problem: Problem) -> Iterator[Ends]:
@@ -254,7 +254,7 @@ def reduced_paths(problem: Problem) -> Iterator[Ends]:
 def _planar_ends(problem: Problem, start: StartSystem, target: ComplexArray) -> ComplexArray | None:
     """Return the ends of paths from a planar platform: of one of each pair of mirror images."""
     from gspcli.continuation.reduced_homotopy import ends_from_start
-    from gspcli.continuation.tracker_options import SHORT_STEPS
+    from gspcli.continuation.tracker import SHORT_STEPS
 
     if not problem.has_mirror_images:
         return ends_from_start(start, target, SHORT_STEPS)
@@ -266,7 +266,7 @@ def _planar_ends(problem: Problem, start: StartSystem, target: ComplexArray) -> 
 def _ways(problem: Problem, structure: Structure) -> Iterator[tuple[StartSystem, TrackerOptions]]:
     """Yield where reduced paths begin, and how long their steps are."""
     from gspcli.continuation.start import start_system
-    from gspcli.continuation.tracker_options import FROM_START, LONG_STEPS
+    from gspcli.continuation.tracker import FROM_START, LONG_STEPS
 
     if (start := structure_start(structure, problem.starts)) is not None:
         yield start, LONG_STEPS
@@ -276,7 +276,7 @@ def _ways(problem: Problem, structure: Structure) -> Iterator[tuple[StartSystem,
 def short_series(problem: Problem) -> Iterator[Ends]:
     """Yield the ends of paths of products, with series of few terms."""
     from gspcli.continuation.tracked_paths import track_all
-    from gspcli.continuation.tracker_options import SHORT
+    from gspcli.continuation.tracker import SHORT
 
     if not problem.equations[0].is_product.any():
         return

@@ -20,14 +20,12 @@ from gspcli.certification.counting import (
     exact_count,
     geometry_count,
 )
+from gspcli.certification.poses.certificates import excluded
 from gspcli.certification.poses.collection import Collection
-from gspcli.certification.poses.exclusion import excluded
-from gspcli.certification.poses.multiple import MultiplePose, multiple_poses
-from gspcli.certification.poses.parallel_poses import where_parallel
+from gspcli.certification.poses.multiple import MultiplePose, multiple_poses, where_parallel
 from gspcli.continuation.endpoints import BESIDE_CURVES, COUNTED
 from gspcli.continuation.paths import Basis, PathAccount
-from gspcli.continuation.solutions import SolutionCurve
-from gspcli.continuation.tracked_paths import TrackedPaths
+from gspcli.continuation.tracked_paths import SolutionCurve, TrackedPaths
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Constraint, Instance
 from gspcli.geometry.local_motions import Motion, local_motion, real_statement

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 from gspcli.certification.counting import ApproximatePose, poses_by_elimination
-from gspcli.certification.poses.conjugate_points import conjugate_sources
+from gspcli.certification.poses.far_points import conjugate_sources
 from gspcli.certification.poses.special_family import (
     FamilyPaths,
     SpecialFamily,

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.continuation.balance import Balance
+from gspcli.continuation.reduced_homotopy import Balance
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.solver.ends import Ends
 from gspcli.solver.ledger import Ledger

@@ -8,9 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.certification.poses.collection import Collection
-from gspcli.certification.poses.conjugate_points import conjugate_sources
-from gspcli.certification.poses.distinct import same
-from gspcli.certification.poses.isolation import Isolation
+from gspcli.certification.poses.far_points import conjugate_sources
+from gspcli.certification.poses.isolation import Isolation, same
 from gspcli.certification.poses.locator import DOUBLE, AtInfinity, Located
 from gspcli.certification.poses.many_values import ProvedPoses
 from gspcli.continuation.paths import Basis, PathAccount

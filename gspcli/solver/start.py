@@ -29,14 +29,15 @@ from gspcli.continuation.reduced_homotopy import ReducedEnds, ReducedHomotopy
 from gspcli.continuation.start import path_count
 from gspcli.continuation.systems import EQUATIONS, Coefficients, System
 from gspcli.continuation.tracked_paths import TrackedPaths, track_all
-from gspcli.continuation.tracker import PathStatus, track
-from gspcli.continuation.tracker_options import (
+from gspcli.continuation.tracker import (
     CAREFUL,
     FROM_START,
     SHORT,
     SHORT_STEPS,
     VALUE_STEPS,
+    PathStatus,
     TrackerOptions,
+    track,
 )
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.quaternions import apply, study_from_pose

@@ -31,8 +31,7 @@ LISTED = {
     "certification/numbers/sines.py": (1, "sums of two doubles"),
     "certification/poses/collection.py": (1, "what is rounded correctly"),
     "certification/poses/far_points.py": (2, "digits that are asked for: no bound"),
-    "certification/poses/far_poses.py": (3, "distances that are asked for, in balls"),
-    "certification/poses/local_coordinates.py": (2, "digits that are asked for: no bound"),
+    "certification/poses/far_poses.py": (5, "distances and digits that are asked for, in balls"),
     "certification/poses/locator.py": (3, "digits that are asked for: no bound"),
     "certification/poses/multiple.py": (3, "digits that are asked for: no bound"),
     # Constants of loops with lanes in the kernel: its roundings are counted.
@@ -50,7 +49,7 @@ LISTED = {
     "motion/files/value_files.py": (1, "values as they are typed"),
     "certification/poses/many_values.py": (1, "a bit of a mask: no bound"),
     "geometry/expressions.py": (1, "digits that are asked for: no bound"),
-    "continuation/regularity.py": (1, "steps of Newton's method"),
+    "continuation/endpoints.py": (1, "steps of Newton's method"),
     "motion/following/departures.py": (1, "poses as they are typed"),
     "motion/singularities/scans.py": (1, "a step of differences"),
     "motion/statics/wrenches.py": (1, "forces that are printed"),

@@ -19,8 +19,7 @@ from gspcli.certification import certify
 from gspcli.continuation.quadrics import BASES, ComplexArray, evaluate, random_quadrics
 from gspcli.continuation.systems import EQUATIONS, Coefficients, Structure, System
 from gspcli.continuation.tracked_paths import solve_systems
-from gspcli.continuation.tracker import PathStatus, track
-from gspcli.continuation.tracker_options import CAREFUL, PARANOID
+from gspcli.continuation.tracker import CAREFUL, PARANOID, PathStatus, track
 from gspcli.defaults import SEED
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.quaternions import study_from_pose

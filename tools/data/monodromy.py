@@ -22,8 +22,7 @@ from gspcli.continuation.quadrics import (
     random_quadrics,
 )
 from gspcli.continuation.systems import EQUATIONS, Coefficients, Structure, System
-from gspcli.continuation.tracker import PathStatus, track
-from gspcli.continuation.tracker_options import CAREFUL, TrackerOptions
+from gspcli.continuation.tracker import CAREFUL, PathStatus, TrackerOptions, track
 from gspcli.records import dataclass
 
 _QUIET_LOOPS = 8

@@ -10,7 +10,7 @@ constexpr double kOutward = 1.0 + 0x1p-40;
 
 double distance(const Complex& a, const Complex& b) { return std::hypot(a.re - b.re, a.im - b.im); }
 
-// Whether the balls of two poses have no common point (gspcli.certification.poses.distinct).
+// Whether the balls of two poses have no common point (gspcli.certification.poses.isolation).
 bool are_apart(const Found& found, int a, int b, double scale) {
   double gap = 0.0;
   for (int k = 0; k < 9; ++k) gap = std::max(gap, distance(found.rotation[9 * a + k], found.rotation[9 * b + k]));

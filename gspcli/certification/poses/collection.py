@@ -8,7 +8,7 @@ import numpy as np
 from flint import acb, ctx
 from numpy.typing import NDArray
 
-from gspcli.certification.poses.distinct import places, same
+from gspcli.certification.poses.isolation import places, same
 from gspcli.certification.poses.locator import (
     LAST_PRECISION,
     AtInfinity,

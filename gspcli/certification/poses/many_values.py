@@ -293,7 +293,7 @@ class ValueProofs:
         different = complete > 0
         undecided = () if different.all() else np.flatnonzero(certified.all(axis=1) & ~different)
         for k in undecided:
-            from gspcli.certification.poses.distinct import all_different
+            from gspcli.certification.poses.isolation import all_different
 
             # One linear form does not separate them.
             with np.errstate(all="ignore"):

@@ -58,7 +58,7 @@ def _with_points(instance: Instance, values: Array, R: Array) -> Instance:
         return instance
     # Counting is imported only here: few platforms have such lines.
     from gspcli.certification.counting import with_points_for_lines
-    from gspcli.certification.poses.parallel_poses import nearly_parallel
+    from gspcli.certification.poses.multiple import nearly_parallel
 
     if not nearly_parallel(instance, R.astype(complex)).any(axis=1).all():
         return instance

@@ -24,9 +24,7 @@ import flint
 from flint import acb, acb_mat, arb
 
 from gspcli.catalogue.kinds import DLL
-from gspcli.certification.poses.certificates import Certificate
-from gspcli.certification.poses.platform_certificates import certify
-from gspcli.certification.poses.refinement import refine
+from gspcli.certification.poses.certificates import Certificate, certify, refine
 from gspcli.errors import IncompleteError
 from gspcli.geometry.instance import Instance
 from gspcli.solver import solve

@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from gspcli.continuation.dimension import (
+from gspcli.continuation.quadrics import NORM
+from gspcli.continuation.systems import Coefficients, System
+from gspcli.continuation.tracked_paths import (
     correct,
     kernel,
     real_point,
@@ -13,8 +15,6 @@ from gspcli.continuation.dimension import (
     split,
     tangents,
 )
-from gspcli.continuation.quadrics import NORM
-from gspcli.continuation.systems import Coefficients, System
 from tests.support.systems import solve_system
 
 

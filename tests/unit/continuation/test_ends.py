@@ -7,14 +7,20 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from gspcli.continuation.endgame import ENDGAME, find_ends
-from gspcli.continuation.endpoints import random_start
-from gspcli.continuation.ends import clusters, distances, infinite, may_coincide, regular_error
+from gspcli.continuation.endpoints import (
+    ENDGAME,
+    clusters,
+    distances,
+    find_ends,
+    infinite,
+    may_coincide,
+    random_start,
+    regular_error,
+)
 from gspcli.continuation.paths import Basis, PathAccount
 from gspcli.continuation.start import start_system
 from gspcli.continuation.systems import System
-from gspcli.continuation.tracker import PathStatus, track
-from gspcli.continuation.tracker_options import CAREFUL
+from gspcli.continuation.tracker import CAREFUL, PathStatus, track
 
 
 def random_points(count: int, seed: int) -> np.ndarray:

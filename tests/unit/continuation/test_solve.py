@@ -5,13 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from gspcli.continuation.endpoints import random_start
-from gspcli.continuation.parameter_homotopy import follow
+from gspcli.continuation.endpoints import clearly_simple, nonlinearity, random_start, simple
 from gspcli.continuation.quadrics import evaluate
-from gspcli.continuation.regularity import clearly_simple, nonlinearity, simple
-from gspcli.continuation.start import start_system
 from gspcli.continuation.systems import System
-from gspcli.continuation.tracked_paths import solve_systems
+from gspcli.continuation.tracked_paths import follow, solve_systems, start_system
 from gspcli.continuation.tracker import track
 from tests.support.systems import solve_system
 

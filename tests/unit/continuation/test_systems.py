@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from gspcli.catalogue.kinds import DPP
-from gspcli.continuation.balance import Balance
 from gspcli.continuation.quadrics import (
     BASES,
     BODY_TRANSLATION,
@@ -26,7 +25,7 @@ from gspcli.continuation.quadrics import (
     swap_quadrics,
     unpack,
 )
-from gspcli.continuation.reduced_homotopy import ReducedHomotopy
+from gspcli.continuation.reduced_homotopy import Balance, ReducedHomotopy
 from gspcli.continuation.systems import Coefficients, Structure, System
 from gspcli.solver.study_systems import coefficients_of
 

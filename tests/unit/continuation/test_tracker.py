@@ -14,8 +14,7 @@ from gspcli.continuation.quadrics import random_quadrics
 from gspcli.continuation.start import start_system
 from gspcli.continuation.systems import Coefficients, FineCoefficients, Structure, System
 from gspcli.continuation.tracked_paths import PathEnds, track_all
-from gspcli.continuation.tracker import PathStatus, track
-from gspcli.continuation.tracker_options import DEEP, EXTENDED, TrackerOptions
+from gspcli.continuation.tracker import DEEP, EXTENDED, PathStatus, TrackerOptions, track
 
 PRODUCTS = (False, True, False, True, False, False)
 

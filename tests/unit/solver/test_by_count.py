@@ -13,7 +13,7 @@ from gspcli.catalogue.kinds import KINDS_BY_NAME
 from gspcli.catalogue.names import parse_type
 from gspcli.certification.counting import count_geometry, exact_count
 from gspcli.certification.counting.modular_platform import ModularPlatform
-from gspcli.certification.poses.conjugate_points import conjugate_sources
+from gspcli.certification.poses.far_points import conjugate_sources
 from gspcli.continuation.tracked_paths import TrackedPaths
 from gspcli.defaults import SEED
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Units

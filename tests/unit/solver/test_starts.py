@@ -18,8 +18,7 @@ from gspcli.certification.equations.mirror_images import mirrored
 from gspcli.continuation import reduced_homotopy
 from gspcli.continuation.reduced_homotopy import ReducedHomotopy, ends_from_start
 from gspcli.continuation.start import distinct
-from gspcli.continuation.tracker import PathStatus
-from gspcli.continuation.tracker_options import SHORT_STEPS, VALUE_STEPS
+from gspcli.continuation.tracker import SHORT_STEPS, VALUE_STEPS, PathStatus
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.quaternions import rotation_from_quaternion

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from gspcli.catalogue.kinds import ALL, DLL, DPH, DPL, DPP
-from gspcli.continuation.ends import clusters, infinite, may_coincide
+from gspcli.continuation.endpoints import clusters, infinite, may_coincide
 from gspcli.geometry.instance import AngleUnit, Constraint, Side
 from gspcli.geometry.local_motions import real_statement
 from gspcli.geometry.numbers import Number

@@ -6,7 +6,7 @@ import numpy as np
 from flint import acb, arb, ctx
 
 from gspcli.certification.equations.pose_balls import PoseBall
-from gspcli.certification.poses.distinct import all_different, are_different, close_pairs, places
+from gspcli.certification.poses.isolation import all_different, are_different, close_pairs, places
 
 
 def test_poses_are_different_only_beyond_their_deviations() -> None:

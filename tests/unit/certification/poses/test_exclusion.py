@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from gspcli.certification import certify, refine
-from gspcli.certification.poses.exclusion import excluded
+from gspcli.certification.poses.certificates import excluded
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.numbers import Number
 from gspcli.resources import data_path

@@ -13,8 +13,7 @@ import gspcli
 from gspcli import _kernel
 from gspcli.catalogue.kinds import DLP, DPL, DPP
 from gspcli.certification.numbers.rounding import COMPLEX, ISOLATED, REAL
-from gspcli.certification.poses.far_poses import FarPoses
-from gspcli.certification.poses.local_coordinates import combined, local_coordinates
+from gspcli.certification.poses.far_poses import FarPoses, combined, local_coordinates
 from gspcli.certification.poses.locator import Located
 from gspcli.certification.poses.many_values import ProvedPoses
 from gspcli.geometry.building import hexapod

@@ -5,8 +5,8 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
+from gspcli.certification.poses.far_poses import Shifts, Values
 from gspcli.certification.poses.many_values import ValueProofs
-from gspcli.certification.poses.value_shifts import Shifts, Values
 from gspcli.geometry.building import hexapod
 
 BASE = np.array([[3, 0, 0], [0, 3, 0], [-3, 0, 0], [0, -3, 0], [2, 2, 1], [-2, -2, 1]])
