@@ -15,7 +15,6 @@ from gspcli.catalogue.kinds import Kind, Law
 from gspcli.errors import ArgumentError
 from gspcli.geometry.frames import NO_HOME
 from gspcli.geometry.instance import AngleUnit, HomePose, Instance, Shapes, Side
-from gspcli.geometry.intervals import FineIntervals
 from gspcli.geometry.numbers import Number, Real, parse_number
 from gspcli.geometry.primitives import Geometry, Line, Plane, Point
 from gspcli.geometry.primitives import Vector as Triple
@@ -224,8 +223,6 @@ def folded(operation: str, *arguments: Number) -> Number:
 
 #: A root is kept as an expression up to this length; what is longer is rounded.
 _LONGEST = 100
-#: Bits with which a number is evaluated before it is rounded to a double.
-_BITS = 320
 
 
 def home_value(
@@ -304,11 +301,7 @@ def _written(value: Number) -> Number:
     inside = value.arguments[0] if value.operation == "sqrt" else value
     if inside.fraction is not None and len(str(value)) <= _LONGEST:
         return value
-    if not value.value:
-        return _ZERO
-    field = FineIntervals(_BITS)
-    low, high = field.ends(value.evaluate(field))
-    return Number.of(float((low + high) / 2))
+    return Number.of(value.value)
 
 
 def _direction(geometry: Geometry) -> Vector | None:

@@ -16,9 +16,8 @@ from numpy.typing import NDArray
 from gspcli.catalogue.types import CONSTRAINTS
 from gspcli.errors import ArgumentError
 from gspcli.geometry.checking import wrong_value
-from gspcli.geometry.evaluation import LARGEST, SMALLEST
 from gspcli.geometry.instance import AngleUnit, Instance, Side
-from gspcli.geometry.numbers import Number
+from gspcli.geometry.numbers import LARGEST, SMALLEST, Number
 
 Array = NDArray[np.float64]
 

@@ -459,16 +459,15 @@ def joint_numbers(instance: Instance, drives: Drives, proofs: ValueProofs) -> li
 
 def _circle(one: MovedPoint, scale: float) -> Array:
     """Return middle, across and beside of a drive as `Doubled`: vectors, entries, parts."""
-    from gspcli.certification.numbers.balls import ball
 
     def vectors() -> list[list[Any]]:
-        point = [ball(x) for x in one.point.position]
+        point = [x.ball() for x in one.point.position]
         drive = one.drive
-        axis = [ball(x) for x in (drive.axis if isinstance(drive, Crank) else drive.direction)]
+        axis = [x.ball() for x in (drive.axis if isinstance(drive, Crank) else drive.direction)]
         square = axis[0] ** 2 + axis[1] ** 2 + axis[2] ** 2
         if not isinstance(drive, Crank):
             return [point, [0 * x for x in point], [scale * x / square.sqrt() for x in axis]]
-        arm = [x - ball(c) for x, c in zip(point, drive.centre, strict=True)]
+        arm = [x - c.ball() for x, c in zip(point, drive.centre, strict=True)]
         height = sum(n * x for n, x in zip(axis, arm, strict=True)) / square
         across = [x - height * n for n, x in zip(axis, arm, strict=True)]
         middle = [x - y for x, y in zip(point, across, strict=True)]

@@ -48,7 +48,6 @@ LISTED = {
     "motion/files/pose_files.py": (1, "rotations as they are typed"),
     "motion/files/value_files.py": (1, "values as they are typed"),
     "certification/poses/many_values.py": (1, "a bit of a mask: no bound"),
-    "geometry/expressions.py": (1, "digits that are asked for: no bound"),
     "continuation/endpoints.py": (1, "steps of Newton's method"),
     "motion/following/departures.py": (1, "poses as they are typed"),
     "motion/singularities/scans.py": (1, "a step of differences"),

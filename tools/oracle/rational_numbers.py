@@ -8,7 +8,6 @@ from math import isqrt
 import flint
 
 from gspcli.catalogue.kinds import AHH
-from gspcli.certification.numbers.balls import ball
 from gspcli.geometry.instance import Constraint, Instance
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Vector
@@ -85,7 +84,7 @@ class Rounded(Rationals):
         if number.fraction is not None:
             return number.fraction
         with flint.ctx.workdps(self.decimals + 30):
-            return self._rounded(ball(number))
+            return self._rounded(number.ball())
 
     def norm(self, exact: Vector) -> Fraction:
         """Return the length of a direction."""
@@ -109,11 +108,11 @@ class Balls(Rationals):
 
     def number(self, number: Number) -> flint.arb:  # type: ignore[override]
         """Return a number."""
-        return ball(number)
+        return number.ball()
 
     def norm(self, exact: Vector) -> flint.arb:  # type: ignore[override]
         """Return the length of a direction."""
-        return sum((ball(x) ** 2 for x in exact), flint.arb(0)).sqrt()
+        return sum((x.ball() ** 2 for x in exact), flint.arb(0)).sqrt()
 
     def scalar_product(self, constraint: Constraint) -> flint.arb:  # type: ignore[override]
         """Return what an angle makes ``R u . v`` of directions of any length (Section 4)."""

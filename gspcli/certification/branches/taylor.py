@@ -24,7 +24,7 @@ from gspcli.certification.branches.parametric_quadrics import (
 )
 from gspcli.certification.equations import study
 from gspcli.certification.equations.local_frames import length_scale
-from gspcli.certification.numbers.balls import ball, cross, dot, norm
+from gspcli.certification.numbers.balls import cross, dot, norm
 from gspcli.geometry.coordinates import Body, Coordinate
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance
 from gspcli.geometry.primitives import Crank, Line, Plane, Point, Slide
@@ -108,7 +108,7 @@ class MovingSystem:
         self, body: Body, name: str, geometry: Point | Line | Plane, moving: dict[Any, Element]
     ) -> tuple[list[Element], list[Element]]:
         """Return a point of a primitive in units of the scale, and its unit direction."""
-        position: list[Element] = [ball(number) for number in geometry.position]
+        position: list[Element] = [number.ball() for number in geometry.position]
         if isinstance(geometry, Point):
             owner = geometry.partner or name
             for one, number in moving.items():
@@ -119,7 +119,7 @@ class MovingSystem:
         position = [entry / arb(self.scale) for entry in position]
         if isinstance(geometry, Point):
             return position, []
-        given = [ball(number) for number in geometry.vector]
+        given = [number.ball() for number in geometry.vector]
         return position, [entry / norm(given) for entry in given]
 
     def at(self, rows: tuple[Array, Array], part: float) -> tuple[Array, Array]:
@@ -196,7 +196,7 @@ def coefficient(x: Element, power: int) -> arb:
 
 def _turned(point: list[Element], crank: Crank, angle: Element) -> list[Element]:
     """Return a point turned by a crank."""
-    centre, axis = [ball(x) for x in crank.centre], [ball(x) for x in crank.axis]
+    centre, axis = [x.ball() for x in crank.centre], [x.ball() for x in crank.axis]
     size = norm(axis)
     axis = [x / size for x in axis]
     arm = [x - c for x, c in zip(point, centre, strict=True)]
@@ -211,7 +211,7 @@ def _turned(point: list[Element], crank: Crank, angle: Element) -> list[Element]
 
 def _shifted(point: list[Element], slide: Slide, length: Element) -> list[Element]:
     """Return a point moved along a rail."""
-    direction = [ball(x) for x in slide.direction]
+    direction = [x.ball() for x in slide.direction]
     size = norm(direction)
     return [x + length * (u / size) for x, u in zip(point, direction, strict=True)]
 

@@ -18,7 +18,7 @@ from gspcli.certification.counting.elements import (
     collected,
 )
 from gspcli.geometry.instance import AngleUnit
-from gspcli.geometry.numbers import Number
+from gspcli.geometry.numbers import RATIONAL_OPERATIONS, Number, multiple_of_pi
 from gspcli.records import dataclass
 
 _ZERO, _UNIT = FieldElement.of(0), FieldElement.of(1)
@@ -41,16 +41,9 @@ def element(number: Number) -> FieldElement:
     match number.operation:
         case "pi":
             return _PI
-        case "+":
-            return element(arguments[0]) + element(arguments[1])
-        case "-":
-            return element(arguments[0]) - element(arguments[1])
-        case "*":
-            return element(arguments[0]) * element(arguments[1])
-        case "/":
-            return element(arguments[0]) / element(arguments[1])
-        case "neg":
-            return -element(arguments[0])
+        case operation if operation in RATIONAL_OPERATIONS:
+            result: FieldElement = RATIONAL_OPERATIONS[operation](*map(element, arguments))
+            return result
         case "sqrt":
             return element(arguments[0]).sqrt()
         case "cos":
@@ -121,7 +114,7 @@ class Angle:
         arguments = number.arguments
         if number.fraction is not None:
             return cls(FieldElement.of(number.fraction))
-        factor = _factor_of_pi(number)
+        factor = multiple_of_pi(number)
         if factor is not None:
             return cls(FieldElement({_PI_TERM: factor} if factor else {}, WHOLE))
         match number.operation:
@@ -207,30 +200,6 @@ class Angle:
                 for k in (0, 1):
                     results[k] *= pair[k if times > 0 else 1 - k]
         return results[0], results[1]
-
-
-def _factor_of_pi(number: Number) -> Fraction | None:
-    """Return the factor of pi in a product or quotient of it and fractions, else None.
-
-    Degrees have this form, and it is quicker than sums of terms.
-    """
-    arguments = number.arguments
-    match number.operation:
-        case "pi":
-            return Fraction(1)
-        case "neg":
-            factor = _factor_of_pi(arguments[0])
-            return None if factor is None else -factor
-        case "*" if arguments[0].fraction is not None:
-            factor = _factor_of_pi(arguments[1])
-            return None if factor is None else arguments[0].fraction * factor
-        case "*" | "/" if arguments[1].fraction:
-            factor = _factor_of_pi(arguments[0])
-            if factor is None:
-                return None
-            other: Fraction = arguments[1].fraction
-            return factor * other if number.operation == "*" else factor / other
-    return None
 
 
 def _arc_exponentials(arc: Number) -> tuple[FieldElement, FieldElement]:

@@ -8,7 +8,7 @@ from flint import arb
 
 from gspcli.catalogue.kinds import Kind, Law
 from gspcli.certification.equations.local_frames import length_scale
-from gspcli.certification.numbers.balls import ball, power_of_two
+from gspcli.certification.numbers.balls import power_of_two
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side
 from gspcli.geometry.primitives import Line, Plane, Point
 from gspcli.records import dataclass
@@ -57,7 +57,7 @@ def _cosine(law: Law, angle: arb) -> arb:
 
 def cosine(constraint: Constraint, unit: AngleUnit) -> arb:
     """Return `Statement.cosine` of an angle constraint."""
-    return _cosine(constraint.kind.law, ball(constraint.value) * _radians(unit))
+    return _cosine(constraint.kind.law, constraint.value.ball() * _radians(unit))
 
 
 def _radians(unit: AngleUnit) -> arb:
@@ -80,11 +80,11 @@ def _statement(constraint: Constraint, scale: arb, degree: arb) -> Statement:
     return Statement(
         constraint.kind,
         constraint.side,
-        [ball(number) / scale for number in constraint.platform.position],
-        [ball(number) / scale for number in constraint.base.position],
+        [number.ball() / scale for number in constraint.platform.position],
+        [number.ball() / scale for number in constraint.base.position],
         _direction(constraint.platform),
         _direction(constraint.base),
-        ball(constraint.value) * factor,
+        constraint.value.ball() * factor,
         constraint.value.fraction == 0,
         1 / factor,
     )
@@ -94,4 +94,4 @@ def _direction(geometry: Point | Line | Plane) -> list[arb]:
     if isinstance(geometry, Point):
         return []
     factor = power_of_two(max(abs(number.value) for number in geometry.vector))
-    return [ball(number) / factor for number in geometry.vector]
+    return [number.ball() / factor for number in geometry.vector]

@@ -50,28 +50,6 @@ copyreg.pickle(arb, lambda ball: (_same_ball, _parts(ball)))
 copyreg.pickle(acb, lambda ball: (acb, (ball.real, ball.imag)))
 
 
-class _BallField:
-    """Evaluates a `Number` to a ball that contains it."""
-
-    def rational(self, value: Fraction) -> arb:
-        return arb(fmpq(value.numerator, value.denominator))
-
-    def pi(self) -> arb:
-        return arb.pi()
-
-    def function(self, name: str, argument: arb) -> arb:
-        result: arb = getattr(argument, name)()
-        return result
-
-
-_FIELD = _BallField()
-
-
-def ball(number: Number) -> arb:
-    """Return a ball that contains an exact number."""
-    return number.evaluate(_FIELD)
-
-
 def power_of_two(size: float) -> arb:
     """Return the largest power of two that is at most a positive size; 1 for zero."""
     if not 0 < size < math.inf:
@@ -142,7 +120,7 @@ def sums_of_doubles(numbers: Sequence[acb]) -> NDArray[np.complex128]:
 def decimal_near(number: Number, digits: int) -> Fraction:
     """Return a decimal fraction within one unit in this many significant digits of a number."""
     with ctx.workprec(4 * digits + 64):
-        value = ball(number)
+        value = number.ball()
     places = digits - 1 - math.floor(math.log10(abs(number.value))) if number.value else digits
     with ctx.workprec(8 * (digits + abs(places)) + 64):
         scaled = value * arb(fmpq(10) ** places)

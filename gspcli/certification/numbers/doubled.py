@@ -41,7 +41,7 @@ class Doubled(NamedTuple):
         """Return the doubles nearest to a number."""
         exact = number.fraction
         if exact is None:
-            return cls.near(lambda: _ball(number))
+            return cls.near(number.ball)
         return cls.of_ratio(exact.numerator, exact.denominator)
 
     @classmethod
@@ -72,7 +72,7 @@ class Doubled(NamedTuple):
         """Return the doubles nearest to the square of a number."""
         exact = number.fraction
         if exact is None:
-            return cls.near(lambda: _ball(number) ** 2)
+            return cls.near(lambda: number.ball() ** 2)
         return cls.of_ratio(exact.numerator**2, exact.denominator**2)
 
     def scaled(self, factor: float) -> Doubled:
@@ -117,9 +117,3 @@ def _split(x: Array) -> tuple[Array, Array]:
     split = x * (2.0**27 + 1)
     high = split - (split - x)
     return high, x - high
-
-
-def _ball(number: Number) -> arb:
-    from gspcli.certification.numbers.balls import ball
-
-    return ball(number)

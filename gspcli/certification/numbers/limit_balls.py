@@ -11,7 +11,7 @@ from flint import arb
 from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import AHH, AHL, ALH, ALL, DHP, DLL, DLP, DPH, DPL, DPP, Kind
-from gspcli.certification.numbers.balls import ball, dot, norm, rotated
+from gspcli.certification.numbers.balls import dot, norm, rotated
 from gspcli.certification.numbers.rounding import OUTWARD, TINY
 from gspcli.geometry.drives import MovedPoint, driven_points
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side
@@ -72,9 +72,9 @@ def limit_balls(
         ranges = [_range(row, degree) for row in rows]
         axes, cosines = [], []
         for joint in cones:
-            axis = _unit([ball(number) for number in joint.cone.axis])
+            axis = _unit([number.ball() for number in joint.cone.axis])
             axes.append(_pairs(axis if joint.body == "base" else rotated(R, axis)))
-            cosines.append(as_pair((ball(joint.cone.half_angle) * degree).cos()))
+            cosines.append(as_pair((joint.cone.half_angle.ball() * degree).cos()))
     return LimitBalls(
         np.array([_MEASURES[row.kind] for row in rows], np.int32),
         np.array([row.kind.has_sides and row.side is Side.BOTH for row in rows]),
@@ -102,11 +102,13 @@ def exact_rotation(q: Sequence[arb]) -> list[list[arb]]:
 def _vectors(
     row: Constraint, R: list[list[arb]], pivot: list[arb]
 ) -> list[list[tuple[float, float]]]:
-    point = [ball(number) - part for number, part in zip(row.platform.position, pivot, strict=True)]
+    point = [
+        number.ball() - part for number, part in zip(row.platform.position, pivot, strict=True)
+    ]
     return [
         _pairs(rotated(R, point)),
         _pairs(rotated(R, _direction(row.platform))),
-        _pairs([ball(number) for number in row.base.position]),
+        _pairs([number.ball() for number in row.base.position]),
         _pairs(_direction(row.base)),
     ]
 
@@ -115,7 +117,7 @@ def _direction(geometry: Geometry) -> list[arb]:
     if isinstance(geometry, Point):
         return [arb(0)] * 3
     exact = geometry.normal if hasattr(geometry, "normal") else geometry.direction
-    return _unit([ball(number) for number in exact])
+    return _unit([number.ball() for number in exact])
 
 
 def _unit(vector: list[arb]) -> list[arb]:
@@ -133,7 +135,7 @@ def _range(row: Constraint, degree: arb) -> list[tuple[float, float]]:
         # An angle at an end of its range is no limit.
         ends = (0, 180) if kind in (ALL, AHH) else (-90, 90)
         first, last = (
-            None if _is(number, end, degree) else ball(number) * degree
+            None if _is(number, end, degree) else number.ball() * degree
             for number, end in zip(row.limits, ends, strict=True)
         )
         if kind is ALL:
@@ -143,12 +145,12 @@ def _range(row: Constraint, degree: arb) -> list[tuple[float, float]]:
         else:
             first, last = (None if a is None else a.sin() for a in (first, last))
     elif kind.has_sides:
-        first, last = ball(low), ball(high)
+        first, last = low.ball(), high.ball()
         if row.side is Side.NEGATIVE:
             first, last = -last, -first
     else:
-        first = None if low.value == 0 else ball(low) * ball(low)
-        last = ball(high) * ball(high)
+        first = None if low.value == 0 else low.ball() * low.ball()
+        last = high.ball() * high.ball()
     return [
         (-np.inf, 0.0) if first is None else as_pair(first),
         (np.inf, 0.0) if last is None else as_pair(last),
@@ -157,7 +159,7 @@ def _range(row: Constraint, degree: arb) -> list[tuple[float, float]]:
 
 def _is(number: Number, degrees: int, degree: arb) -> bool:
     """Return whether an angle is an end of its range, or cannot be distinguished from it."""
-    return (ball(number) * degree - degrees * arb.pi() / 180).contains(0)
+    return (number.ball() * degree - degrees * arb.pi() / 180).contains(0)
 
 
 def _pairs(vector: Sequence[arb]) -> list[tuple[float, float]]:
@@ -239,11 +241,11 @@ def _drive_numbers(
     one: MovedPoint, row: Constraint, degree: arb
 ) -> tuple[arb | None, arb | None, arb]:
     """Return the ends of the range, None without one, and the square of the length of the rod."""
-    square = ball(row.value) * ball(row.value)
+    square = row.value.ball() * row.value.ball()
     if one.drive.limits is None:
         return None, None, square
     unit = degree if isinstance(one.drive, Crank) else arb(1)
-    low, high = (ball(number) * unit for number in one.drive.limits)
+    low, high = (number.ball() * unit for number in one.drive.limits)
     return low, high, square
 
 
@@ -251,18 +253,18 @@ def _drive_vectors(
     one: MovedPoint, R: list[_Vector], pivot: _Vector, ends: Sequence[arb | None]
 ) -> list[_Vector]:
     """Return the vectors of `DriveBalls` of one motor."""
-    point = [ball(number) for number in one.point.position]
+    point = [number.ball() for number in one.point.position]
     nothing = [arb(0)] * 3
     if isinstance(one.drive, Crank):
-        axis = _unit([ball(number) for number in one.drive.axis])
-        centre = [ball(number) for number in one.drive.centre]
+        axis = _unit([number.ball() for number in one.drive.axis])
+        centre = [number.ball() for number in one.drive.centre]
         arm = [a - b for a, b in zip(point, centre, strict=True)]
         height = dot(axis, arm)
         middle = [a + height * b for a, b in zip(centre, axis, strict=True)]
         across = [a - b for a, b in zip(point, middle, strict=True)]
         beside = _arb_cross(axis, across)
     else:
-        axis = _unit([ball(number) for number in one.drive.direction])
+        axis = _unit([number.ball() for number in one.drive.direction])
         middle, across, beside = point, axis, nothing
 
     def place(q: arb | None) -> _Vector:

@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 
 from gspcli.errors import Location, Mistake, SpecError
 from gspcli.geometry.euler import euler_from_rotation, rotation_from_euler
-from gspcli.geometry.evaluation import LARGEST
 from gspcli.geometry.frames import IDENTITY, PoseFrame
+from gspcli.geometry.numbers import LARGEST
 from gspcli.geometry.quaternions import quaternion_from_rotation, rotation_from_quaternion
 from gspcli.motion.files.headings import FileUnits, order_of
 from gspcli.motion.files.number_tables import NumberTable, check, wrong_number

@@ -13,7 +13,7 @@ import numpy as np
 from flint import arb
 from numpy.typing import NDArray
 
-from gspcli.certification.numbers.balls import ball, cross, dot
+from gspcli.certification.numbers.balls import cross, dot
 from gspcli.geometry.drives import driven_points
 from gspcli.geometry.instance import AngleUnit, Instance
 from gspcli.motion.following.platform_numbers import PlatformNumbers
@@ -37,10 +37,10 @@ class ExactEquations:
             is_angle = kind[0] == "A" or kind.endswith("CRANK")
             drive = next((one.drive for one in driven_points(row)), None)
             corrected = row if drive is None else drive
-            offset = arb(0) if corrected.offset is None else ball(corrected.offset)
-            factor = arb(1) if corrected.scale is None else 1 + ball(corrected.scale)
+            offset = arb(0) if corrected.offset is None else corrected.offset.ball()
+            factor = arb(1) if corrected.scale is None else 1 + corrected.scale.ball()
             unit = radian if is_angle else 1 / self._reach
-            rod = ball(row.value) / self._reach
+            rod = row.value.ball() / self._reach
             self._rows.append((kind, one, other, (unit, factor, offset), rod))
 
     def translation(self, frame: Array, pose: Array) -> Vector:
@@ -77,14 +77,14 @@ class _Body:
     """A primitive in balls: a point, a unit direction, and the circle or rail of a drive."""
 
     def __init__(self, geometry: Any) -> None:
-        self.place = [ball(x) for x in geometry.position]
+        self.place = [x.ball() for x in geometry.position]
         vector = getattr(geometry, "vector", None)
-        self.direction = _unit([ball(x) for x in vector]) if vector is not None else []
+        self.direction = _unit([x.ball() for x in vector]) if vector is not None else []
         crank = getattr(geometry, "crank", None)
-        self._axis = _unit([ball(x) for x in crank.axis]) if crank else []
-        self._centre = [ball(x) for x in crank.centre] if crank else []
+        self._axis = _unit([x.ball() for x in crank.axis]) if crank else []
+        self._centre = [x.ball() for x in crank.centre] if crank else []
         slide = getattr(geometry, "slide", None)
-        self._rail = _unit([ball(x) for x in slide.direction]) if slide else []
+        self._rail = _unit([x.ball() for x in slide.direction]) if slide else []
 
     def at(self, angle: arb, moved: bool) -> Vector:
         """Return the point, moved by its drive."""

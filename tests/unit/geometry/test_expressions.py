@@ -3,10 +3,10 @@
 import math
 from fractions import Fraction
 
+import flint
 import pytest
 import sympy
 
-from gspcli.geometry.intervals import INTERVALS
 from gspcli.geometry.numbers import parse_number
 
 
@@ -174,8 +174,7 @@ def test_rational_values_are_right_at_every_multiple_of_15_degrees():
 @pytest.mark.parametrize(
     "text", ["sqrt(3)/2", "-pi*2-1-1", "tan(1.57)", "atan(-tan(1))/acos(1/3)", "asin(sin(1))*7/3"]
 )
-def test_intervals_contain_the_number(text):
-    interval = parse_number(text).evaluate(INTERVALS)
-    digits = sympy.sympify(text, rational=True).evalf(40)
-    assert interval.low < digits < interval.high
-    assert interval.high - interval.low < 1e-11 * abs(digits)
+def test_balls_contain_the_number(text):
+    ball, digits = parse_number(text).ball(), sympy.sympify(text, rational=True).evalf(40)
+    assert ball.contains(flint.arb(str(digits)))
+    assert ball.rad() < 1e-11 * abs(digits)

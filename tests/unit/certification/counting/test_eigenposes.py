@@ -10,7 +10,6 @@ from flint import acb, ctx
 from gspcli.catalogue.names import parse_type
 from gspcli.certification.counting import count_exactly, geometry_count, poses_by_elimination
 from gspcli.certification.counting.modular_platform import NotCountedError
-from gspcli.certification.numbers.balls import ball
 from gspcli.geometry.instance import AngleUnit, Units
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.random_instances import random_instance
@@ -63,8 +62,8 @@ def leg_error(instance, pose) -> float:
     """The largest relative error of a squared leg."""
     worst = 0.0
     for row in instance.constraints:
-        a, b = ([ball(x) for x in point.position] for point in (row.platform, row.base))
-        d = ball(row.value)
+        a, b = ([x.ball() for x in point.position] for point in (row.platform, row.base))
+        d = row.value.ball()
         leg = [
             sum((x * y for x, y in zip(r, a, strict=True)), t - z)
             for r, t, z in zip(pose.R, pose.T, b, strict=True)
@@ -143,8 +142,8 @@ def test_angles_with_many_decimals_have_poses_by_elimination():
     assert len(poses) == count_exactly(near).solutions
     assert max(map(orthogonality, poses)) < 1e-50
     row = next(row for row in exact.constraints if not row.kind.is_distance)
-    angle = ball(row.value) * ball(Number("pi", ())) / 180
-    u, v = ([ball(x) for x in part.vector] for part in (row.platform, row.base))
+    angle = row.value.ball() * Number("pi", ()).ball() / 180
+    u, v = ([x.ball() for x in part.vector] for part in (row.platform, row.base))
     size = (sum(x * x for x in u) * sum(x * x for x in v)).sqrt()
     for pose in poses:
         found = sum(v[i] * pose.R[i][j] * u[j] for i in range(3) for j in range(3)) / size

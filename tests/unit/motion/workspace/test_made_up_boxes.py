@@ -15,7 +15,6 @@ import pytest
 from flint import arb
 
 from gspcli import _kernel
-from gspcli.certification.numbers.balls import ball
 from gspcli.certification.numbers.limit_balls import limit_balls
 from gspcli.geometry.instance import Instance
 from gspcli.motion.workspace.box_division import HomePart
@@ -463,7 +462,7 @@ def test_balls_of_limits_contain_the_exact_numbers(machine: Instance) -> None:
         n = w * w + x * x + y * y + z * z
         first = [1 - 2 * (y * y + z * z) / n, 2 * (x * y - w * z) / n, 2 * (x * z + w * y) / n]
         for k, row in enumerate(machine.constraints):
-            point = [ball(number) for number in row.platform.position]
+            point = [number.ball() for number in row.platform.position]
             turned = sum((a * b for a, b in zip(first, point, strict=True)), arb(0))
             nearest, radius = found.vectors[k, 0, 0].tolist()
             assert abs(turned - nearest) <= radius
