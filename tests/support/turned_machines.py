@@ -11,21 +11,20 @@ coordinates are rounded, and the values are those of a random pose.
 from __future__ import annotations
 
 import csv
+import math
 import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
+import mpmath
 import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import DHP, DPH, DPL, DPP, Kind
-from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side, Units
-from gspcli.geometry.measurement import measured
 from gspcli.geometry.numbers import Number
-from gspcli.geometry.primitives import Geometry, Line, Plane, Point
-from gspcli.geometry.quaternions import rotation_from_quaternion
+from gspcli.geometry.primitives import Line, Plane, Point
 from gspcli.solver import solve
 from gspcli.solver.solved_starts import SolvedStarts
 
@@ -45,14 +44,32 @@ def _points(rng: np.random.Generator) -> Array:
     return rng.uniform(-1, 1, (6, 3))
 
 
+# Machines have the same digits on every processor: products of entries are added one by one, and
+# sines are those of mpmath. NumPy's products of matrices, norms and sines differ in the last digit.
+
+
+def _dot(a: Array, b: Array) -> Array:
+    """Return the products of rows, shape (n, 3) each, added from left to right."""
+    return np.asarray(a[..., 0] * b[..., 0] + a[..., 1] * b[..., 1] + a[..., 2] * b[..., 2])
+
+
+def _length(rows: Array) -> Array:
+    return np.asarray(np.sqrt(_dot(rows, rows)))
+
+
+def _turned(R: Array, rows: Array) -> Array:
+    """Return R x for the rows x."""
+    return np.stack([_dot(rows, row) for row in R], axis=1)
+
+
 def _directions(rng: np.random.Generator) -> Array:
     rows = rng.normal(size=(6, 3))
-    return np.asarray(rows / np.linalg.norm(rows, axis=1, keepdims=True))
+    return np.asarray(rows / _length(rows)[:, None])
 
 
 def _ring(angles: Sequence[float]) -> Array:
-    turns = np.radians(angles)
-    return np.stack((np.cos(turns), np.sin(turns), 0 * turns), axis=1)
+    turns = [mpmath.radians(mpmath.mpf(float(angle))) for angle in angles]
+    return np.array([[float(mpmath.cos(t)), float(mpmath.sin(t)), 0.0] for t in turns])
 
 
 def _rods(count: int, rng: np.random.Generator) -> Drawn:
@@ -173,8 +190,29 @@ def _direction(place: Array, along: Array, decimals: int | None) -> list[Number]
 
 
 def _turn(rng: np.random.Generator) -> Array:
-    q = rng.normal(size=4)
-    return rotation_from_quaternion(q / np.linalg.norm(q))
+    w, x, y, z = rng.normal(size=4).tolist()
+    length = math.sqrt(w * w + x * x + y * y + z * z)
+    w, x, y, z = w / length, x / length, y / length, z / length
+    return np.array(
+        [
+            [w * w + x * x - y * y - z * z, 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), w * w - x * x + y * y - z * z, 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), w * w - x * x - y * y + z * z],
+        ]
+    )
+
+
+def _value(kind: Kind, across: Array, w: Array, v: Array) -> float:
+    """Return a distance from the vector between two places and the directions w and v there."""
+    if kind is DPP:
+        return float(_length(across))
+    if kind is DPL:
+        (a, b, c), (d, e, f) = across.tolist(), v.tolist()
+        normal = np.array([b * f - c * e, c * d - a * f, a * e - b * d])
+        return float(_length(normal) / _length(v))
+    if kind is DHP:
+        return float(-_dot(across, w) / _length(w))
+    return float(_dot(across, v) / _length(v))
 
 
 def machine(name: str) -> Instance:
@@ -184,30 +222,22 @@ def machine(name: str) -> Instance:
     rng = np.random.default_rng([list(SORTS).index(sort), int(number)])
     kinds, y, x, u, v = SORTS[sort](rng)
     (P, Q), (s, t) = (_turn(rng), _turn(rng)), rng.uniform(-1, 1, (2, 3))
-    y, u, x, v = y @ P.T + s, u @ P.T, x @ Q.T + t, v @ Q.T
-    joined: list[tuple[Kind, Geometry, Geometry]] = []
+    y, u, x, v = _turned(P, y) + s, _turned(P, u), _turned(Q, x) + t, _turned(Q, v)
+    R, T = _turn(rng), rng.uniform(-1, 1, 3)
+    constraints = []
     for i, kind in enumerate(kinds):
         a, b = _numbers(y[i], decimals), _numbers(x[i], decimals)
         c, d = _direction(y[i], u[i], decimals), _direction(x[i], v[i], decimals)
-        if kind is DPP:
-            joined.append((kind, Point(a), Point(b)))
-        elif kind is DHP:
-            joined.append((kind, Plane(a, c), Point(b)))
-        else:
-            joined.append((kind, Point(a), (Line if kind is DPL else Plane)(b, d)))
-
-    def made(values: Array) -> Instance:
-        rows = zip(joined, _numbers(np.abs(values), decimals), strict=True)
-        signs = np.where(values < 0, Side.NEGATIVE, Side.POSITIVE)
-        sides = [s if kind.has_sides else Side.BOTH for kind, s in zip(kinds, signs, strict=True)]
-        return Instance(
-            tuple(Constraint(*r, value, s) for (r, value), s in zip(rows, sides, strict=True)),
-            _UNITS,
+        at, w = _turned(R, np.array([list(map(float, a)), list(map(float, c))]))
+        value = _value(
+            kind, at + T - np.array(list(map(float, b))), w, np.array(list(map(float, d)))
         )
-
-    R, T = _turn(rng), rng.uniform(-1, 1, 3)
-    values = measured(Arrangement.of(made(np.ones(6))), R[None], T[None])[0]
-    return made(values)
+        platform = Plane(a, c) if kind is DHP else Point(a)
+        base = Point(b) if kind in (DPP, DHP) else (Line if kind is DPL else Plane)(b, d)
+        side = (Side.NEGATIVE if value < 0 else Side.POSITIVE) if kind.has_sides else Side.BOTH
+        (number,) = _numbers(np.array([abs(value)]), decimals)
+        constraints.append(Constraint(kind, platform, base, number, side))
+    return Instance(tuple(constraints), _UNITS)
 
 
 def names() -> Iterator[str]:
