@@ -46,7 +46,7 @@ from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Crank, Line, Point
 from gspcli.geometry.quaternions import quaternion_from_rotation
 from gspcli.geometry.readings import factors, offsets, readings_of
-from gspcli.motion.following.platform_numbers import platform_numbers
+from gspcli.motion.following.platform_numbers import NEVER, platform_numbers
 from gspcli.motion.singularities.pose_clearances import Displacements
 from gspcli.pictures.page import data, filled, parts
 from gspcli.pictures.projection import View
@@ -569,6 +569,9 @@ def live_numbers(result: SolveResult) -> dict[str, Any]:
     _put_proofs(numbers, instance, proofs, start)
     _put_far(numbers, start)
     controller = platform_numbers(given if motors is None else apart(given))
+    # The sliders of a page move values that no drive changes, too.
+    free = np.full(len(given.constraints), NEVER)
+    controller = replace(controller, lowest=-free, highest=free)
     numbers.put(controller.kind, controller.either, controller.doubles)
     arrangement = result.arrangement
     numbers.put(start.found, arrangement.platform_centre, arrangement.extent)
