@@ -158,20 +158,18 @@ class BoundMeaning(NamedTuple):
     """The title of a bound, and the solutions that it counts."""
 
     title: str
-    short: str
-    """For the heading of a narrow column."""
     sides: str
     """Which number it limits: the theorems leave the side of a plane open (Section 5)."""
 
 
 #: The meanings of the bounds by name, in the order of the catalogue's columns.
 BOUND_MEANINGS = {
-    "theorem_5_2": BoundMeaning("Theorem 5.2", "Thm 5.2", "two-sided"),
-    "theorem_5_3": BoundMeaning("Theorem 5.3", "Thm 5.3", "two-sided"),
-    "theorem_5_4": BoundMeaning("Theorem 5.4", "Thm 5.4", "one-sided"),
-    "table_3": BoundMeaning("Table 3", "Table 3", "one-sided"),
-    "refined_one_sided": BoundMeaning("refined, one-sided", "refined 1-sided", "one-sided"),
-    "refined_two_sided": BoundMeaning("refined, two-sided", "refined 2-sided", "two-sided"),
+    "theorem_5_2": BoundMeaning("Theorem 5.2", "two-sided"),
+    "theorem_5_3": BoundMeaning("Theorem 5.3", "two-sided"),
+    "theorem_5_4": BoundMeaning("Theorem 5.4", "one-sided"),
+    "table_3": BoundMeaning("Table 3", "one-sided"),
+    "refined_one_sided": BoundMeaning("refined, one-sided", "one-sided"),
+    "refined_two_sided": BoundMeaning("refined, two-sided", "two-sided"),
 }
 BOUND_NAMES = tuple(BOUND_MEANINGS)
 

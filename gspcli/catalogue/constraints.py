@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from functools import cache
 
 from gspcli.catalogue.kinds import KINDS_BY_NAME, Kind, Primitive
-from gspcli.catalogue.names import parse_kind
 from gspcli.records import dataclass
 from gspcli.resources import data_json
 
@@ -134,7 +133,11 @@ def constraint_facts(kind: Kind | str) -> ConstraintFacts:
     TypeNameError
         If there is no such kind, or if the name fits two.
     """
-    return _all_facts()[parse_kind(kind) if isinstance(kind, str) else kind]
+    if isinstance(kind, str):
+        from gspcli.catalogue.names import parse_kind
+
+        kind = parse_kind(kind)
+    return _all_facts()[kind]
 
 
 @cache

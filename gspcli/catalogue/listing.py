@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, overload
 
-from gspcli.catalogue.bounds import BOUND_MEANINGS, Bound, type_bounds
+from gspcli.catalogue.bounds import BOUND_NAMES, Bound, type_bounds
 from gspcli.catalogue.counts import best_real, generic_counts, real_counts, spelled
 from gspcli.catalogue.kinds import Kind
-from gspcli.catalogue.names import parse_kind_set
 from gspcli.catalogue.types import GspType, PlatformClass, all_types
 from gspcli.errors import GspError
 from gspcli.records import dataclass
@@ -28,8 +27,6 @@ class TypeColumn:
     ----------
     key
         The name of the column in every format.
-    title
-        A heading for people.
     read
         Takes the value from a type.
     numeric
@@ -39,7 +36,6 @@ class TypeColumn:
     """
 
     key: str
-    title: str
     read: Callable[[GspType], Value]
     numeric: bool = True
     default: bool = True
@@ -73,23 +69,22 @@ def _shared_patterns(gsp_type: GspType) -> int:
 
 #: The facts about a type, in the order of the CSV.
 COLUMNS: tuple[TypeColumn, ...] = (
-    TypeColumn("number", "no.", lambda t: t.number),
-    TypeColumn("id", "id", lambda t: t.id, numeric=False),
-    TypeColumn("class", "class", lambda t: t.platform_class.id, numeric=False),
-    TypeColumn("distances", "distances", lambda t: _names(t.distances), numeric=False),
-    TypeColumn("angles", "angles", lambda t: _names(t.angles), numeric=False),
-    *(TypeColumn(name, meaning.short, _bound(name)) for name, meaning in BOUND_MEANINGS.items()),
-    TypeColumn("generic_one_sided", "generic 1-sided", _count("one_sided")),
-    TypeColumn("generic_two_sided", "generic 2-sided", _count("two_sided")),
-    TypeColumn("best_real", "best known real", best_real),
+    TypeColumn("number", lambda t: t.number),
+    TypeColumn("id", lambda t: t.id, numeric=False),
+    TypeColumn("class", lambda t: t.platform_class.id, numeric=False),
+    TypeColumn("distances", lambda t: _names(t.distances), numeric=False),
+    TypeColumn("angles", lambda t: _names(t.angles), numeric=False),
+    *(TypeColumn(name, _bound(name)) for name in BOUND_NAMES),
+    TypeColumn("generic_one_sided", _count("one_sided")),
+    TypeColumn("generic_two_sided", _count("two_sided")),
+    TypeColumn("best_real", best_real),
     TypeColumn(
         "real_counts",
-        "known real",
         lambda t: spelled(real_counts(t)),
         numeric=False,
         default=False,
     ),
-    TypeColumn("patterns", "shared patterns", _shared_patterns, default=False),
+    TypeColumn("patterns", _shared_patterns, default=False),
 )
 DEFAULT_COLUMNS: tuple[TypeColumn, ...] = tuple(c for c in COLUMNS if c.default)
 COLUMNS_BY_KEY: dict[str, TypeColumn] = {column.key: column for column in COLUMNS}
@@ -144,7 +139,7 @@ class TypeList(Sequence[GspType]):
     def where(
         self,
         *,
-        classes: Iterable[PlatformClass] = (),
+        classes: Iterable[PlatformClass | str] = (),
         only: str | frozenset[Kind] | None = None,
         having: Iterable[str | frozenset[Kind]] = (),
         without: str | frozenset[Kind] = frozenset(),
@@ -155,7 +150,7 @@ class TypeList(Sequence[GspType]):
         Parameters
         ----------
         classes
-            Keep these classes; all when empty.
+            Keep these classes, or those of these names; all when empty.
         only
             Keep types whose constraints are all of these kinds.
         having
@@ -171,7 +166,7 @@ class TypeList(Sequence[GspType]):
         GspError
             If a ceiling is set for a column that is unknown or not numeric.
         """
-        chosen = set(classes)
+        chosen = set(map(_class, classes))
         allowed = None if only is None else _kinds(only)
         needed, dropped = [_kinds(one) for one in having], _kinds(without)
         ceilings = []
@@ -233,5 +228,17 @@ class TypeList(Sequence[GspType]):
         return frame.set_index("number") if "number" in data else frame
 
 
+def _class(given: str | PlatformClass) -> PlatformClass:
+    if not isinstance(given, str):
+        return given
+    from gspcli.catalogue.names import parse_class
+
+    return parse_class(given)
+
+
 def _kinds(given: str | frozenset[Kind]) -> frozenset[Kind]:
-    return parse_kind_set(given) if isinstance(given, str) else frozenset(given)
+    if isinstance(given, str):
+        from gspcli.catalogue.names import parse_kind_set
+
+        return parse_kind_set(given)
+    return frozenset(given)

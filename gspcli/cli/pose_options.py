@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias, TypeVar
 
 import click
 
-from gspcli.cli.options import HOME, RELATIVE, Whole, refuse_to_replace, together
+from gspcli.cli.options import HOME, RELATIVE, Whole, together
+from gspcli.cli.specs import refuse_to_replace
 from gspcli.cli.streams import say, working
 from gspcli.errors import GspError, IncompleteError, NotFiniteError
 from gspcli.records import dataclass

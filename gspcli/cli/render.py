@@ -383,24 +383,11 @@ def _csv_cell(value: object) -> str:
     return repr(value) if isinstance(value, float) else str(value)
 
 
-def json_text(
-    tables: Sequence[Result],
-    document: Any = None,
-    schema: str = "",
-) -> str:
-    """Return a document as JSON; without one the rows of the tables, with the name of a schema."""
-    if document is None and tables[0].schema:
+def json_text(tables: Sequence[Result], document: Any = None) -> str:
+    """Return a document, else the first table, as JSON."""
+    if document is None:
         document = tables[0].document()
-    elif document is None:
-        rows = {
-            table.part or "rows": [_json_row(table, row) for row in table.rows] for table in tables
-        }
-        document = {"schema": f"gsp.{schema}/1", **rows}
     return json.dumps(document, indent=2, ensure_ascii=False) + "\n"
-
-
-def _json_row(table: Result, row: Mapping[str, Any]) -> dict[str, Any]:
-    return {column.key: row.get(column.key) for column in table.columns}
 
 
 @dataclass(frozen=True)
@@ -443,7 +430,6 @@ def emit(
     tables: Result | Sequence[Result],
     *,
     document: object = None,
-    schema: str = "",
     texts: Mapping[str, str] | None = None,
 ) -> None:
     """Write a result to the place and in the format asked for."""
@@ -453,7 +439,7 @@ def emit(
     if texts and output.format in texts:
         write(output, texts[output.format])
     elif output.format == "json":
-        write(output, json_text(tables, document, schema))
+        write(output, json_text(tables, document))
     elif output.format == "csv":
         _emit_csv(output, [table for table in tables if table.columns])
     elif output.format == "markdown":

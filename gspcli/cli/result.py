@@ -199,7 +199,8 @@ class Result:
     part
         What `--part` calls the table, where a command shows several.
     instance, schema, name, head
-        For JSON: the platform, the name of the form, the key of the rows, and other keys.
+        For JSON: the platform, the name of the form, the key of the rows (else `part`), and other
+        keys.
     """
 
     columns: Sequence[Field]
@@ -210,7 +211,7 @@ class Result:
     part: str = ""
     instance: Instance | None = None
     schema: str = ""
-    name: str = "rows"
+    name: str = ""
     head: Mapping[str, Any] = field(default_factory=dict)
 
     def document(self) -> dict[str, Any]:
@@ -226,7 +227,8 @@ class Result:
                     entry[key] = value
             rows.append(entry)
         platform = {} if self.instance is None else self.instance.to_json()
-        return {"schema": f"gsp.{self.schema}/1", **platform, self.name: rows, **self.head}
+        named = {self.name or self.part: rows}
+        return {"schema": f"gsp.{self.schema}/1", **platform, **named, **self.head}
 
 
 def pose_columns(keys: Sequence[str], length: float) -> list[Field]:

@@ -33,7 +33,7 @@ def class_size() -> str:
 
 def degree_of_mourrain() -> str:
     """Prove that the variety in 25 coordinates has degree 84, twice, and the one in 16 has 40."""
-    from gspcli.catalogue.counts import mourrain_degree
+    from gspcli.catalogue.intersection_numbers import mourrain_degree
     from gspcli.symbolic.coordinate_systems import (
         hilbert_function,
         sampled_hilbert_function,

@@ -16,10 +16,9 @@ from gspcli.catalogue.counts import (
     all_families,
     family_counts,
     generic_counts,
-    intersection_number,
-    law,
     mirrored,
 )
+from gspcli.catalogue.intersection_numbers import intersection_number, law
 from gspcli.catalogue.kinds import DLL, DPH, DPL, DPP
 from gspcli.catalogue.types import all_types
 from gspcli.resources import data_path

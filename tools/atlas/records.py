@@ -21,9 +21,8 @@ from gspcli.catalogue.counts import (
     all_families,
     family_counts,
     family_of,
-    intersection_number,
-    law,
 )
+from gspcli.catalogue.intersection_numbers import intersection_number, law
 from gspcli.catalogue.kinds import Kind
 from gspcli.catalogue.types import Family
 from gspcli.defaults import SEED

@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.catalogue.counts import all_families, law
+from gspcli.catalogue.counts import all_families
+from gspcli.catalogue.intersection_numbers import law
 from gspcli.catalogue.kinds import ALL, KINDS_BY_NAME, Kind
 from gspcli.catalogue.types import CONSTRAINTS, GspType
 from gspcli.certification import certify

@@ -14,9 +14,10 @@ from gspcli.catalogue.known_facts import KnownBounds
 from gspcli.catalogue.known_facts import bound as known
 from gspcli.catalogue.recorded_varieties import coordinates_label
 from gspcli.catalogue.types import GspType
-from gspcli.cli.options import Command, Options, output_options, read_names
+from gspcli.cli.options import Command, Options, output_options
 from gspcli.cli.render import emit
 from gspcli.cli.result import Field, Fields, Result
+from gspcli.cli.specs import read_names
 
 FIELDS = Fields("bound")
 

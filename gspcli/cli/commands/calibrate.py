@@ -17,7 +17,6 @@ from gspcli.cli.options import (
     Whole,
     output_options,
     seed_option,
-    standard_deviations,
 )
 from gspcli.cli.pose_options import (
     Mode,
@@ -30,6 +29,7 @@ from gspcli.cli.pose_options import (
 from gspcli.cli.render import Output, emit, write
 from gspcli.cli.requirements import measured_quantities, require_option, required
 from gspcli.cli.result import Field, Fields, Result, pose_columns
+from gspcli.cli.specs import standard_deviations
 from gspcli.cli.streams import working
 from gspcli.errors import CheckFailed
 from gspcli.wording import counted, listed, named

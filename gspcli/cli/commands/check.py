@@ -6,9 +6,10 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from gspcli.cli.options import Command, Options, output_options, spec_source
+from gspcli.cli.options import Command, Options, output_options
 from gspcli.cli.render import emit, write
 from gspcli.cli.result import Fields, Result
+from gspcli.cli.specs import spec_source
 from gspcli.errors import SpecError
 from gspcli.resources import data_path
 from gspcli.wording import MOST_LINES

@@ -8,18 +8,16 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from gspcli.cli.options import (
-    Changes,
     Command,
     Options,
     Positive,
-    load_instance,
     output_options,
-    read_type,
     seed_option,
     value_options,
 )
 from gspcli.cli.render import Output, emit
 from gspcli.cli.result import Fields, Result
+from gspcli.cli.specs import Changes, load_instance, read_type
 from gspcli.cli.streams import progress
 from gspcli.defaults import LONG_COUNT
 from gspcli.errors import NotFiniteError

@@ -43,7 +43,7 @@ def command(o: Options) -> None:
 
     if o.case is None:
         names = progress(CASES, total=len(CASES), label="deriving")
-        emit(o.output, _listing([derive(name).triangular for name in names]), schema="derive-cases")
+        emit(o.output, _listing([derive(name).triangular for name in names]))
         return
     with working("deriving"):
         found = derive(o.case, expand=o.expand)
@@ -72,5 +72,6 @@ def _listing(sets: list[TriangularSet]) -> Result:
             for item in sets
         ],
         part="cases",
+        schema="derive-cases",
         notes=["degrees: of each polynomial in its leading variable; solutions: their product"],
     )

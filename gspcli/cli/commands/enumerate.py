@@ -2,41 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable
 from itertools import islice
 from typing import Any
 
 import click
 
-from gspcli.catalogue import listing
 from gspcli.catalogue.bounds import ONE_ORIENTATION, type_bounds
 from gspcli.catalogue.kinds import DLL
-from gspcli.catalogue.names import parse_class, parse_kind_set, parse_type
+from gspcli.catalogue.listing import COLUMNS, DEFAULT_COLUMNS, TypeList, column
 from gspcli.catalogue.types import CLASSES, GspType, PlatformClass
 from gspcli.cli.options import Command, Options, Whole, output_options
 from gspcli.cli.render import emit
-from gspcli.cli.result import Field, Fields, Result
+from gspcli.cli.result import Fields, Result
 
 FIELDS = Fields("enumerate")
 
 #: Options that take several words, as in `--only PL PH A`.
 _WORD_LISTS = ("--only", "--with", "--without", "--columns", "--sort")
-_ESSENTIAL = ("number", "id")
-#: The order in which a narrow terminal omits columns, the largest first: kinds and class, which are
-#: in the id, then sharper bounds, then counts, at last the paper's own bounds.
-_MINOR = {
-    "theorem_5_2": 0,
-    "theorem_5_3": 0,
-    "theorem_5_4": 0,
-    "table_3": 0,
-    "generic_two_sided": 1,
-    "generic_one_sided": 2,
-    "best_real": 3,
-    "refined_two_sided": 4,
-    "refined_one_sided": 5,
-    "class": 6,
-}
-_MOST_MINOR = 7
 
 
 class _WordListCommand(Command):
@@ -58,13 +41,13 @@ class _WordListCommand(Command):
 
 
 def _ceilings(function: Callable[..., Any]) -> Callable[..., Any]:
-    for column in reversed([c for c in listing.COLUMNS if c.numeric]):
+    for one in reversed([c for c in COLUMNS if c.numeric]):
         function = click.option(
-            f"--max-{column.key.replace('_', '-')}",
-            f"max_{column.key}",
+            f"--max-{one.key.replace('_', '-')}",
+            f"max_{one.key}",
             type=Whole(0),
             metavar="N",
-            help=f"Keep types whose {column.key} is at most N.",
+            help=f"Keep types whose {one.key} is at most N.",
         )(function)
     return function
 
@@ -109,164 +92,118 @@ def command(o: Options) -> None:
       gsp enumerate --format csv -o types.csv
       gsp enumerate --coincident "3DLL 3ALL"
     """
-    selected = _select(o)
-    if o.coincident is not None:
-        if o.coincident:
-            emit(
-                o.output, _patterns(parse_type(o.coincident), o.first), schema="enumerate-patterns"
-            )
-        else:
-            emit(o.output, _sharing(selected), schema="enumerate-sharing")
-        return
-    if o.sort:
-        selected = selected.sorted_by(*_words(o.sort))
-    if o.first is not None:
-        selected = selected[: o.first]
-    if o.by_class:
-        emit(o.output, _counts(selected), schema="enumerate-count")
-        return
-    shown = (
-        [listing.column(key) for key in _words(o.columns)] if o.columns else listing.DEFAULT_COLUMNS
-    )
-    emit(
-        o.output,
-        Result(
-            columns=[
-                Field(
-                    column.key,
-                    column.title,
-                    align="right" if column.numeric else "left",
-                    essential=column.key in _ESSENTIAL,
-                    minor=_MINOR.get(column.key, _MOST_MINOR),
-                )
-                for column in shown
-            ],
-            rows=list(selected.rows(shown)),
-            notes=_notes(selected, shown),
-            part="types",
-        ),
-        schema="enumerate",
-    )
+    if o.coincident:
+        result = _patterns(o.coincident, o.first)
+    elif o.coincident is not None:
+        result = _sharing(_select(o))
+    elif o.by_class:
+        result = _counts(_select(o)[: o.first])
+    else:
+        result = _types(_select(o)[: o.first], o.columns)
+    emit(o.output, result)
 
 
-def _notes(selected: listing.TypeList, shown: Sequence[listing.TypeColumn]) -> list[str]:
-    """Return how many types are listed, and what Table 3 counts where others count more."""
+def _words(text: str | None) -> list[str]:
+    return (text or "").replace(",", " ").split()
+
+
+def _select(o: Options) -> TypeList:
+    """Return the types that the options select, sorted."""
+    ceilings = {key.removeprefix("max_"): n for key, n in vars(o).items() if key[:4] == "max_"}
+    found = TypeList().where(
+        classes=_words(" ".join(o.classes)),
+        only=o.only,
+        having=_words(o.having),
+        without=o.without or frozenset(),
+        at_most={key: ceiling for key, ceiling in ceilings.items() if ceiling is not None},
+    )
+    return found.sorted_by(*_words(o.sort))
+
+
+def _types(selected: TypeList, keys: str | None) -> Result:
+    """Return the facts about types, and what Table 3 counts where others count more."""
+    shown = [column(key) for key in _words(keys)] or DEFAULT_COLUMNS
+    names = [one.key for one in shown]
     notes = [_share(selected)]
-    keys = {column.key for column in shown}
-    if "table_3" in keys and any(DLL in t.kinds for t in selected if type_bounds(t).table_3):
+    if "table_3" in names and any(DLL in t.kinds for t in selected if type_bounds(t).table_3):
         notes.append(f"Table 3 counts {ONE_ORIENTATION}; all other columns count both")
-    return notes
+    rows = list(selected.rows(shown))
+    columns = FIELDS.of(" ".join(names))
+    return Result(columns, rows, notes=notes, part="types", schema="enumerate")
 
 
-def _share(selected: listing.TypeList) -> str:
-    return f"{len(selected)} of {len(listing.TypeList())} types"
+def _share(selected: TypeList) -> str:
+    return f"{len(selected)} of {len(TypeList())} types"
 
 
-def _words(text: str) -> list[str]:
-    return text.replace(",", " ").split()
+def _counts(selected: TypeList) -> Result:
+    rows = [
+        {"class": one.id, "formula": _formula(one), "types": one.size, "selected": len(members)}
+        for one, members in _by_class(selected)
+    ]
+    total = sum(one.size for one in CLASSES)
+    sizes = " + ".join(str(one.size) for one in CLASSES)
+    rows.append({"class": "all", "formula": sizes, "types": total, "selected": len(selected)})
+    part, schema = "classes", "enumerate-count"
+    columns = FIELDS.of("class@2 formula types selected")
+    if len(selected) == total:
+        columns[-1] = columns[-1].but(title="enumerated")
+        return Result(columns, rows, part=part, schema=schema)
+    notes = [f"{_share(selected)}, as the options select them"]
+    return Result(columns, rows, notes=notes, part=part, schema=schema)
 
 
-def _select(o: Options) -> listing.TypeList:
-    return listing.TypeList().where(
-        classes=[parse_class(name) for text in o.classes for name in _words(text)],
-        only=parse_kind_set(o.only) if o.only is not None else None,
-        having=[parse_kind_set(word) for word in _words(o.having or "")],
-        without=parse_kind_set(o.without) if o.without else frozenset(),
-        at_most={
-            key.removeprefix("max_"): ceiling
-            for key, ceiling in vars(o).items()
-            if key.startswith("max_") and ceiling is not None
-        },
-    )
+def _by_class(selected: TypeList) -> list[tuple[PlatformClass, list[GspType]]]:
+    return [(one, [t for t in selected if t.platform_class == one]) for one in CLASSES]
 
 
-def _counts(selected: listing.TypeList) -> Result:
-    filtered = len(selected) < len(listing.TypeList())
-
-    def rows() -> Iterator[dict[str, Any]]:
-        for platform_class in CLASSES:
-            members = [t for t in selected if t.platform_class == platform_class]
-            yield {
-                "class": platform_class.id,
-                "formula": _formula(platform_class),
-                "types": platform_class.size,
-                "selected": len(members),
-            }
-        yield {
-            "class": "all",
-            "formula": " + ".join(str(c.size) for c in CLASSES),
-            "types": sum(c.size for c in CLASSES),
-            "selected": len(selected),
-        }
-
-    return Result(
-        columns=[
-            *FIELDS.of("class formula types"),
-            FIELDS["selected"].but(title="selected" if filtered else "enumerated"),
-        ],
-        rows=list(rows()),
-        part="classes",
-        notes=[f"{_share(selected)}, as the options select them"] if filtered else [],
-    )
+def _formula(one: PlatformClass) -> str:
+    d, a = one.distances, one.angles
+    return f"C({a + 3},{a}) · C({d + 5},{d}) = {one.angle_choices} · {one.distance_choices}"
 
 
-def _formula(platform_class: PlatformClass) -> str:
-    d, a = platform_class.distances, platform_class.angles
-    return (
-        f"C({a + 3},{a}) · C({d + 5},{d}) = "
-        f"{platform_class.angle_choices} · {platform_class.distance_choices}"
-    )
-
-
-def _sharing(selected: listing.TypeList) -> Result:
+def _sharing(selected: TypeList) -> Result:
     """Count the patterns of shared primitives by class."""
     from gspcli.catalogue.coincidence import count_coincident, count_up_to_swap
 
     def row(name: str, members: list[GspType]) -> dict[str, Any]:
-        return {
-            "class": name,
-            "types": len(members),
-            "patterns": sum(map(count_coincident, members)),
-            "up_to_swap": int(sum(map(count_up_to_swap, members))) if closed else None,
-        }
+        swapped = int(sum(map(count_up_to_swap, members))) if closed else None
+        patterns = sum(map(count_coincident, members))
+        return {"class": name, "types": len(members), "patterns": patterns, "up_to_swap": swapped}
 
     closed = {t.mirrored for t in selected} == set(selected)
-    by_class = [(c.id, [t for t in selected if t.platform_class == c]) for c in CLASSES]
+    rows = [*(row(one.id, members) for one, members in _by_class(selected))]
+    notes = [
+        "A pattern says which constraints share a primitive, up to renaming; a pair of",
+        "primitives carries no kind twice. All primitives distinct is one pattern of a type.",
+    ]
     return Result(
-        columns=FIELDS.of("class types@2 patterns up_to_swap"),
-        rows=[*(row(name, members) for name, members in by_class), row("all", list(selected))],
+        FIELDS.of("class@2 types@2 patterns@2 up_to_swap"),
+        [*rows, row("all", list(selected))],
+        notes=notes,
         part="classes",
-        notes=[
-            "A pattern says which constraints share a primitive, up to renaming; a pair of",
-            "primitives carries no kind twice. All primitives distinct is one pattern of a type.",
-        ],
+        schema="enumerate-sharing",
     )
 
 
-def _patterns(gsp_type: GspType, limit: int | None) -> Result:
+def _patterns(name: str, limit: int | None) -> Result:
     """List the patterns of shared primitives of one type."""
     from gspcli.catalogue.coincidence import coincident_types, count_coincident, over_constraint
+    from gspcli.catalogue.names import parse_type
 
+    gsp_type = parse_type(name)
     rows = []
     for pattern in islice(coincident_types(gsp_type), limit):
         excess = over_constraint(pattern.bonds)
-        rows.append(
-            {
-                "id": pattern.id,
-                "pattern": pattern.notation,
-                "platform_primitives": len(pattern.platform_primitives),
-                "base_primitives": len(pattern.base_primitives),
-                "never_rigid": excess.reason if excess else None,
-            }
-        )
-    return Result(
-        columns=FIELDS.of("id pattern platform_primitives base_primitives never_rigid"),
-        rows=rows,
-        part="patterns",
-        title=gsp_type.id,
-        notes=[
-            f"{len(rows)} of {count_coincident(gsp_type)} patterns",
-            "Capitals are primitives of the platform, small letters of the base; - is a distance,",
-            "^ an angle.",
-        ],
-    )
+        row: dict[str, Any] = {"id": pattern.id, "pattern": pattern.notation}
+        row["platform_primitives"] = len(pattern.platform_primitives)
+        row["base_primitives"] = len(pattern.base_primitives)
+        rows.append({**row, "never_rigid": excess.reason if excess else None})
+    notes = [
+        f"{len(rows)} of {count_coincident(gsp_type)} patterns",
+        "Capitals are primitives of the platform, small letters of the base; - is a distance,",
+        "^ an angle.",
+    ]
+    columns = FIELDS.of("id@2 pattern platform_primitives base_primitives never_rigid")
+    form = "enumerate-patterns"
+    return Result(columns, rows, gsp_type.id, notes, part="patterns", schema=form)

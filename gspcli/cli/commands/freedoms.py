@@ -6,10 +6,11 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from gspcli.cli.options import Command, Options, output_options, refuse_to_replace, spec_source
+from gspcli.cli.options import Command, Options, output_options
 from gspcli.cli.pose_options import pose_options, pose_value_option
 from gspcli.cli.render import emit
 from gspcli.cli.result import Fields, Result
+from gspcli.cli.specs import refuse_to_replace, spec_source
 from gspcli.errors import GspError
 
 if TYPE_CHECKING:

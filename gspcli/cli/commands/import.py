@@ -7,8 +7,9 @@ from pathlib import Path
 
 import click
 
-from gspcli.cli.options import Command, Finite, Options, Whole, file_option, refuse_to_replace
+from gspcli.cli.options import Command, Finite, Options, Whole, file_option
 from gspcli.cli.render import Output, write
+from gspcli.cli.specs import refuse_to_replace
 from gspcli.cli.streams import say
 from gspcli.defaults import IMPORTED_DIGITS, MEETING_SHARE
 from gspcli.errors import GspError

@@ -15,14 +15,12 @@ from gspcli.cli.options import (
     Positive,
     Whole,
     file_option,
-    is_file,
-    load_instance,
-    read_type,
     resume_option,
     seed_option,
     worker_options,
 )
 from gspcli.cli.render import Output, write
+from gspcli.cli.specs import is_file, load_instance, read_type
 from gspcli.cli.streams import check_writable, progress, say, write_whole
 from gspcli.defaults import SEARCH_SECONDS
 from gspcli.errors import INTERRUPTED, CheckFailed

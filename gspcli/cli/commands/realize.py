@@ -26,17 +26,10 @@ from gspcli.catalogue.realization import (
     outside,
 )
 from gspcli.catalogue.types import CONSTRAINTS, GspType
-from gspcli.cli.options import (
-    DRAWINGS,
-    FORMATS,
-    Command,
-    Options,
-    is_file,
-    load_instance,
-    output_options,
-)
+from gspcli.cli.options import DRAWINGS, FORMATS, Command, Options, output_options
 from gspcli.cli.render import emit, write
 from gspcli.cli.result import Fields, Result
+from gspcli.cli.specs import is_file, load_instance
 from gspcli.cli.streams import working
 from gspcli.errors import GspError, TypeNameError
 

@@ -16,12 +16,12 @@ from gspcli.cli.options import (
     Whole,
     one_sided_option,
     output_options,
-    read_type,
     seed_option,
     worker_options,
 )
 from gspcli.cli.render import emit, write
 from gspcli.cli.result import Fields, Result
+from gspcli.cli.specs import read_type
 from gspcli.cli.streams import say, write_whole
 from gspcli.errors import INTERRUPTED, GspError
 

@@ -10,9 +10,10 @@ from gspcli.catalogue.names import Alias, find_alias, parse_type
 from gspcli.catalogue.realization import Mechanism, mechanism_of_type, realization
 from gspcli.catalogue.types import GspType
 from gspcli.cli.commands.bound import bound_table, constraint_table
-from gspcli.cli.options import Command, Options, is_file, load_instance, output_options
+from gspcli.cli.options import Command, Options, output_options
 from gspcli.cli.render import emit
 from gspcli.cli.result import Fields, Result
+from gspcli.cli.specs import is_file, load_instance
 
 FIELDS = Fields("show")
 

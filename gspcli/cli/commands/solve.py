@@ -24,8 +24,6 @@ from gspcli.cli.options import (
     order_named,
     output_options,
     seed_option,
-    spec_source,
-    standard_deviations,
     value_options,
     without,
 )
@@ -47,6 +45,7 @@ from gspcli.cli.pose_tables import (
 )
 from gspcli.cli.render import emit, write
 from gspcli.cli.result import Fields, Result
+from gspcli.cli.specs import spec_source, standard_deviations
 from gspcli.cli.streams import progress, say, working
 from gspcli.errors import (
     ArgumentError,
