@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import importlib
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from types import ModuleType
 
 import pytest
 from hypothesis import settings
@@ -21,12 +19,6 @@ collect_ignore = ["support/linuxcnc/sim.py"]
 
 # `tests.support`, `tools` and `viewer` are found there; the package is the installed one.
 sys.path.append(str(Path(__file__).resolve().parents[1]))
-
-
-@pytest.fixture(scope="session")
-def load_tool() -> Callable[[str], ModuleType]:
-    """Import a module of tests/support by name: `load_tool("special.platforms")`."""
-    return lambda name: importlib.import_module(f"tests.support.{name}")
 
 
 @dataclass(frozen=True)

@@ -31,6 +31,7 @@ from gspcli.cli.streams import (
 )
 from gspcli.errors import GspError
 from gspcli.wording import MOST_LINES, brief, named, shown
+from tests.support.fuzz import commands
 from tools.build.samples import choices, described, samples
 from tools.build.samples import words as sample_words
 
@@ -777,10 +778,9 @@ def test_remarks_stay_where_fewer_digits_make_room():
 
 
 @pytest.fixture(scope="module")
-def attacks(load_tool):
-    module = load_tool("fuzz.commands")
-    module.prepare()
-    return module
+def attacks():
+    commands.prepare()
+    return commands
 
 
 @pytest.mark.parametrize("kind", ["options", "inputs", "streams"])

@@ -11,7 +11,7 @@ from gspcli.certification.counting import NotCountedError, count_exactly
 from gspcli.certification.counting.modular_platform import ModularPlatform
 from gspcli.defaults import SEED
 from gspcli.geometry.instance import Instance
-from tests.support.special.platforms import platforms, recorded
+from tests.support.special.platforms import platform, recorded
 
 #: Every fourth, and all with parallel lines.
 SAMPLE = [name for k, name in enumerate(recorded()) if k % 4 == 0 or "/parallel" in name]
@@ -45,5 +45,4 @@ def disagreement(instance: Instance, record: dict[str, str]) -> str | None:
 
 @pytest.mark.parametrize("name", SAMPLE)
 def test_counts_are_those_of_other_programs(name: str) -> None:
-    [platform] = [one for one in platforms([name.partition("/")[0]]) if one.id == name]
-    assert disagreement(platform.instance, recorded()[name]) is None
+    assert disagreement(platform(name).instance, recorded()[name]) is None

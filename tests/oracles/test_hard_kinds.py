@@ -13,6 +13,7 @@ from gspcli.defaults import SEED
 from gspcli.solver import solve
 from gspcli.solver.solved_starts import SolvedStarts
 from gspcli.spec import loads
+from tests.support.special.platforms import platform
 
 THREE_GUIDE_RODS = """
 gsp: 1
@@ -144,9 +145,7 @@ def test_four_points_on_a_line_are_complete():
         ("points-on-lines/LP-PP-PP/1e-20", 64),
     ],
 )
-def test_poses_far_away_are_found_from_one_family(name: str, poses: int, load_tool) -> None:
-    made = load_tool("special.platforms")
-    [platform] = [p for p in made.platforms([name.partition("/")[0]]) if p.id == name]
-    found = solve(platform.instance, starts=SolvedStarts())
+def test_poses_far_away_are_found_from_one_family(name: str, poses: int) -> None:
+    found = solve(platform(name).instance, starts=SolvedStarts())
     assert found.verdict == "complete"
     assert len(found.R) == found.certified.sum() == poses

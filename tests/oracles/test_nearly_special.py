@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 import pytest
 
@@ -12,6 +10,8 @@ from gspcli.defaults import SEED
 from gspcli.geometry.instance import Side
 from gspcli.solver import solve
 from gspcli.solver.solved_starts import SolvedStarts
+from tests.support.special import answers, candidates, rows
+from tests.support.special.platforms import platform, platforms, recorded
 
 SAMPLE = {
     "hexagons": ["shape-1/straight/6-places", "shape-2/turned/9-places"],
@@ -29,17 +29,13 @@ SAMPLE = {
 
 
 @pytest.mark.parametrize("group", SAMPLE)
-def test_nearly_special_platforms_are_what_they_are(group: str, load_tool: Callable) -> None:
-    made = load_tool("special.platforms")
-    judge = load_tool("special.answers")
-    wanted = {f"{group}/{name}" for name in SAMPLE[group]}
-    chosen = [platform for platform in made.platforms([group]) if platform.id in wanted]
-    assert len(chosen) == len(wanted)
-    exact = made.recorded()
-    for platform in chosen:
-        _, found, failure = judge.answers(platform, 1)
+def test_nearly_special_platforms_are_what_they_are(group: str) -> None:
+    chosen = [platform(f"{group}/{name}") for name in SAMPLE[group]]
+    exact = recorded()
+    for one in chosen:
+        _, found, failure = answers.answers(one, 1)
         assert not failure
-        assert [judge.judged(answer, exact[platform.id]) for answer in found] == ["right"]
+        assert [answers.judged(answer, exact[one.id]) for answer in found] == ["right"]
         assert found[0].proof != "none"
 
 
@@ -53,16 +49,13 @@ def test_nearly_special_platforms_are_what_they_are(group: str, load_tool: Calla
     ],
 )
 def test_a_pose_that_one_path_missed_is_found_by_following_paths(
-    name: str, seed: int, poses: int, load_tool: Callable, monkeypatch
+    name: str, seed: int, poses: int, monkeypatch
 ) -> None:
     def eliminated(*_: object) -> None:
         raise AssertionError
 
     monkeypatch.setattr("gspcli.solver.further._eliminate", eliminated)
-    made = load_tool("special.platforms")
-    group = name.partition("/")[0]
-    [platform] = [x for x in made.platforms([group]) if x.id == name]
-    found = solve(platform.instance, seed=seed)
+    found = solve(platform(name).instance, seed=seed)
     assert found.verdict == "complete"
     assert len(found.R) == found.certified.sum() == poses
 
@@ -70,24 +63,20 @@ def test_a_pose_that_one_path_missed_is_found_by_following_paths(
 @pytest.mark.parametrize(
     "seed", [SEED, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(1, 20))]
 )
-def test_poses_next_to_conjugates_of_others_are_found(seed: int, load_tool: Callable) -> None:
+def test_poses_next_to_conjugates_of_others_are_found(seed: int) -> None:
     """Of 304 poses 64 are within 3e-5 of another one: its conjugate is no conjugate of theirs."""
-    made = load_tool("special.platforms")
-    [platform] = [x for x in made.platforms(["parallels"]) if x.id == "parallels/DLL-1/1e-6"]
-    found = solve(platform.instance, seed=seed, starts=SolvedStarts())
+    found = solve(platform("parallels/DLL-1/1e-6").instance, seed=seed, starts=SolvedStarts())
     assert found.verdict == "complete"
     assert len(found.R) == found.certified.sum() == 304
 
 
-def test_nothing_said_depends_on_the_seed(load_tool: Callable) -> None:
-    made = load_tool("special.platforms")
-    judge = load_tool("special.answers")
-    wanted = {"double/axis-2/-1e-14", "line-pairs/1/1e-9", "joints/6-4/spatial/1e-12"}
-    groups = sorted({name.partition("/")[0] for name in wanted})
-    chosen = [platform for platform in made.platforms(groups) if platform.id in wanted]
-    assert len(chosen) == len(wanted)
-    for platform in chosen:
-        _, found, failure = judge.answers(platform, 4)
+def test_nothing_said_depends_on_the_seed() -> None:
+    chosen = [
+        platform(name)
+        for name in ("double/axis-2/-1e-14", "line-pairs/1/1e-9", "joints/6-4/spatial/1e-12")
+    ]
+    for one in chosen:
+        _, found, failure = answers.answers(one, 4)
         assert not failure
         said = {(a.verdict, a.found, a.multiple, a.real, a.certified) for a in found}
         assert len(said) == 1
@@ -104,9 +93,8 @@ def test_nothing_said_depends_on_the_seed(load_tool: Callable) -> None:
         "line-pairs/1/1e-9",
     ],
 )
-def test_batches_with_special_values_say_nothing_wrong(prefix: str, load_tool: Callable) -> None:
-    made, rows = load_tool("special.platforms"), load_tool("special.rows")
-    chosen = [p for p in made.platforms([prefix.partition("/")[0]]) if p.id.startswith(prefix)]
+def test_batches_with_special_values_say_nothing_wrong(prefix: str) -> None:
+    chosen = [p for p in platforms([prefix.partition("/")[0]]) if p.id.startswith(prefix)]
     for geometry in rows.geometries(chosen)[:1]:
         _, remarks = rows.attacked(geometry)
         assert len(remarks) >= len(geometry) + 3
@@ -127,51 +115,41 @@ def test_batches_with_special_values_say_nothing_wrong(prefix: str, load_tool: C
         "at-zero/PP-PP-PP-PP-HP-HP/home/1e-14",
     ],
 )
-def test_certify_takes_what_solve_prints_and_nothing_wrong(name: str, load_tool: Callable) -> None:
-    made, candidates = load_tool("special.platforms"), load_tool("special.candidates")
-    [platform] = [p for p in made.platforms([name.partition("/")[0]]) if p.id == name]
-    _, remarks = candidates.attacked(platform)
+def test_certify_takes_what_solve_prints_and_nothing_wrong(name: str) -> None:
+    _, remarks = candidates.attacked(platform(name))
     assert len(remarks) > 60
     assert {verdict for _, verdict, _ in remarks} <= set(candidates.HONEST)
     assert [verdict for what, verdict, _ in remarks if what.endswith("as printed")] == ["right"] * 2
 
 
-def test_two_poses_that_doubles_do_not_tell_apart_are_not_called_one(load_tool: Callable) -> None:
+def test_two_poses_that_doubles_do_not_tell_apart_are_not_called_one() -> None:
     """With the base 6e7 away T has 8 digits less than two poses 3e-10 apart need."""
-    made, candidates = load_tool("special.platforms"), load_tool("special.candidates")
-    [platform] = [p for p in made.platforms(["zero"]) if p.id == "zero/1/1e-10"]
-    _, remarks = candidates.attacked(platform)
+    _, remarks = candidates.attacked(platform("zero/1/1e-10"))
     assert {verdict for _, verdict, _ in remarks} <= set(candidates.HONEST)
     [said] = [said for what, _, said in remarks if what == "base far away, as printed"]
     assert "'same_as': None, 'unresolved': [2]}, exit 4" in said
 
 
-def test_a_side_that_doubles_do_not_tell_is_not_contradicted(load_tool: Callable) -> None:
+def test_a_side_that_doubles_do_not_tell_is_not_contradicted() -> None:
     """T of 3e12 lengths is written to 1e-4; solutions on other sides are 3e-7 apart."""
-    made = load_tool("special.platforms")
-    [platform] = [p for p in made.platforms(["parallels"]) if p.id == "parallels/DHP-1/1e-6"]
-    solved = solve(platform.instance)
+    instance = platform("parallels/DHP-1/1e-6").instance
+    solved = solve(instance)
     names = {Side.POSITIVE: 1, Side.NEGATIVE: -1, None: 0}
-    found = certify(platform.instance, solved.R, solved.T, sides=solved.sides)
+    found = certify(instance, solved.R, solved.T, sides=solved.sides)
     open_ = np.array([item.sides is None for item in found])
     # How many are open depends on the last digits of T.
     assert (np.abs(solved.T[open_]).max(axis=1) > 1e12).all()
     told = [[names[side] for side in item.sides] for item in found if item.sides is not None]
     assert told == solved.sides[~open_].tolist()
     # What is said otherwise of poses that doubles tell stands against what is proved.
-    wrong = certify(platform.instance, solved.R, solved.T, sides=-solved.sides)
+    wrong = certify(instance, solved.R, solved.T, sides=-solved.sides)
     near = np.flatnonzero(np.abs(solved.T).max(axis=1) < 1e9)
     assert len(near) > 100
     assert all(wrong[i].sides == found[i].sides for i in near)
 
 
-def test_residuals_of_lines_next_to_parallel_are_as_small_as_doubles_allow(
-    load_tool: Callable,
-) -> None:
-    made = load_tool("special.platforms")
-    for platform in made.platforms(["line-pairs"]):
-        digits = platform.id.removeprefix("line-pairs/1/1e-")
-        if digits in ("4", "7", "10"):
-            solved = solve(platform.instance)
-            assert solved.certified.all()
-            assert solved.residuals.max() < max(1e-9, 1e-15 * 10 ** int(digits))
+def test_residuals_of_lines_next_to_parallel_are_as_small_as_doubles_allow() -> None:
+    for digits in (4, 7, 10):
+        solved = solve(platform(f"line-pairs/1/1e-{digits}").instance)
+        assert solved.certified.all()
+        assert solved.residuals.max() < max(1e-9, 1e-15 * 10**digits)

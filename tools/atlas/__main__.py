@@ -16,6 +16,7 @@ from pathlib import Path
 from random import Random
 
 from gspcli.defaults import SEED
+from gspcli.errors import IncompleteError
 from gspcli.resources import data_path
 from tools.atlas.groebner import msolve_path
 from tools.atlas.records import RecordVerdict, contents, differences, recorded, verdict
@@ -40,7 +41,11 @@ def main() -> int:
     parser.add_argument("--check", action="store_true", help="compare what is built")
     add_workers(parser)
     arguments = parser.parse_args()
-    return _verify(arguments) if arguments.what == "verify" else _build(arguments)
+    try:
+        return _verify(arguments) if arguments.what == "verify" else _build(arguments)
+    except IncompleteError as error:
+        print(f"{error}\nnothing was computed", file=sys.stderr)
+        return UNABLE
 
 
 def _verify(arguments: argparse.Namespace) -> int:

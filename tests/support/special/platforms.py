@@ -51,6 +51,12 @@ def platforms(groups: Iterable[str] | None = None) -> Iterator[Platform]:
             yield platform
 
 
+def platform(name: str) -> Platform:
+    """Return the platform with an id."""
+    entry = next(entry for entry in _table() if entry["id"] == name)
+    return Platform(name, entry["file"])
+
+
 def recorded() -> dict[str, dict[str, str]]:
     """Return the counts by id, as text: ``finite`` is yes or no, what is not known is empty."""
     keys = ("count", "distinct", "spurious", "real")

@@ -14,6 +14,7 @@ from gspcli.errors import ArgumentError
 from gspcli.export.mjcf import mjcf
 from gspcli.geometry.primitives import Point, Slide
 from gspcli.machines.api import import_machine
+from tests.support import machine_files
 from tests.support.driven_machines import driven
 
 FORMS = {"mjcf": ".xml", "sdf": ".sdf", "urdf": ".urdf"}
@@ -57,16 +58,15 @@ def test_changed_loops_are_a_change(written) -> None:
 
 @pytest.mark.parametrize("form", FORMS)
 @pytest.mark.parametrize("name", ["figure-3", "fixture-3-2-1", "surfaces-pcc"])
-def test_the_joints_have_the_same_modes(written, load_tool, form: str, name: str) -> None:
-    tool = load_tool("machine_files")
+def test_the_joints_have_the_same_modes(written, form: str, name: str) -> None:
     instance = gspcli.example(name)
     found = import_machine(written(name, form), platform="platform", digits=17)
-    before, after = tool.poses(instance)[0], tool.poses(found.instance)[0]
-    wanted = tool.on_the_side(instance, found.instance, before)
+    before, after = machine_files.poses(instance)[0], machine_files.poses(found.instance)[0]
+    wanted = machine_files.on_the_side(instance, found.instance, before)
     assert len(after)
-    assert tool.compared(wanted, after) == (0, 0)
+    assert machine_files.compared(wanted, after) == (0, 0)
     # A pose that is another one is noticed.
-    assert tool.compared(wanted, after + 1e-5)[0] == len(wanted)
+    assert machine_files.compared(wanted, after + 1e-5)[0] == len(wanted)
 
 
 def test_urdf_loads_elsewhere(written) -> None:

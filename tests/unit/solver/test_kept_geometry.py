@@ -24,6 +24,7 @@ from gspcli.solver.start import Start, StartMethod, solved_start
 from gspcli.spec import load
 from tests.support.matching import pose_set_distance
 from tests.support.realistic import machines
+from tests.support.special import platforms as special
 
 SPECIAL = {
     ("platforms", "nano-hexapod"): 28,
@@ -313,14 +314,12 @@ def test_cranks_are_no_part_of_a_geometry():
     assert not batch.others
 
 
-def test_a_far_pose_that_doubles_do_not_tell_from_infinity_is_not_approached(load_tool) -> None:
+def test_a_far_pose_that_doubles_do_not_tell_from_infinity_is_not_approached() -> None:
     """Nothing is divided by zero: a warning of NumPy is an error here."""
-    made = load_tool("special.platforms")
     starts = SolvedStarts()
     for digits in (15, 16, 17):
-        wanted = f"many-digits/6-4/planar/{digits}-digits"
-        [platform] = [one for one in made.platforms(["many-digits"]) if one.id == wanted]
-        result = solve(platform.instance, starts=starts)
+        name = f"many-digits/6-4/planar/{digits}-digits"
+        result = solve(special.platform(name).instance, starts=starts)
         assert result.verdict == "complete"
         assert result.proof is not None
 

@@ -20,6 +20,7 @@ from gspcli.geometry.random_instances import random_instance
 from gspcli.resources import data_directory
 from gspcli.spec import load, loads
 from tests.support.posts import PLATE_ON_POSTS
+from tests.support.special.platforms import platform
 
 #: A plate on three points between three round posts: one foot is longer.
 SPEC = PLATE_ON_POSTS.replace("F1: {point: [3, 0, 0]}", "F1: {point: [3, 0, 1]}").replace(
@@ -108,11 +109,8 @@ def test_infinitely_many_are_proved_where_a_count_is_too_much_work() -> None:
 
 
 @pytest.mark.parametrize("kind", ["DPP", "DPH", "DPL"])
-def test_equal_constraints_are_cut_with_as_many_hyperplanes(kind: str, load_tool) -> None:
+def test_equal_constraints_are_cut_with_as_many_hyperplanes(kind: str) -> None:
     """Five legs between the same two points: the elimination took 250 s and 3.3 GB."""
-    made = load_tool("special.platforms")
-    wanted = f"same-points/{kind}/exact"
-    [platform] = [one for one in made.platforms(["same-points"]) if one.id == wanted]
-    found = count_exactly(platform.instance, limit=0.05)
+    found = count_exactly(platform(f"same-points/{kind}/exact").instance, limit=0.05)
     assert not found.finite
     assert found.error < 1e-9
