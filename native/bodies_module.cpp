@@ -1,5 +1,5 @@
 // The points of both bodies, and exact numbers as doubles: small loops that every solve begins with.
-#include "bodies_module.hpp"
+#include "modules.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // Python bindings of branch_follower.hpp.
-#include "branch_module.hpp"
+#include "modules.hpp"
 
 #include <nanobind/stl/string.h>
 

@@ -1,5 +1,5 @@
 // Platforms with three angles, and the parts of their solution: arrays in, arrays out.
-#include "closed_form_module.hpp"
+#include "modules.hpp"
 
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>

@@ -1,4 +1,4 @@
-#include "controller_module.hpp"
+#include "modules.hpp"
 
 #include <algorithm>
 #include <memory>

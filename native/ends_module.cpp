@@ -1,4 +1,4 @@
-#include "ends_module.hpp"
+#include "modules.hpp"
 
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>

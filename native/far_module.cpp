@@ -1,4 +1,4 @@
-#include "far_module.hpp"
+#include "modules.hpp"
 
 #include <nanobind/stl/string.h>
 

@@ -1,5 +1,5 @@
 // Python bindings of gaps.hpp.
-#include "gaps_module.hpp"
+#include "modules.hpp"
 
 #include <cstdint>
 

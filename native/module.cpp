@@ -18,21 +18,12 @@
 #include <vector>
 
 #include "bindings.hpp"
-#include "bodies_module.hpp"
-#include "closed_form_module.hpp"
+#include "modules.hpp"
 #include "conjugates.hpp"
-#include "controller_module.hpp"
 #include "counting.hpp"
-#include "ends_module.hpp"
-#include "far_module.hpp"
-#include "gaps_module.hpp"
 #include "homotopy.hpp"
-#include "reduced_module.hpp"
-#include "ordering_module.hpp"
-#include "reach_module.hpp"
 #include "threads.hpp"
 #include "tracker.hpp"
-#include "branch_module.hpp"
 
 namespace nb = nanobind;
 using namespace nb::literals;

@@ -1,5 +1,5 @@
 // The order of poses that does not depend on how they were found.
-#include "ordering_module.hpp"
+#include "modules.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "reduced_module.hpp"
+#include "modules.hpp"
 
 #include <nanobind/stl/string.h>
 
