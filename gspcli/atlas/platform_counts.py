@@ -11,8 +11,8 @@ from gspcli.catalogue.counts import generic_counts
 from gspcli.catalogue.kinds import DPP, Primitive
 from gspcli.catalogue.names import parse_type
 from gspcli.catalogue.types import GspType
-from gspcli.certification.counting import NotCountedError, count_geometry, count_results
-from gspcli.certification.counting.count_results import PlatformCounts
+from gspcli.certification.counting import NotCountedError, count_geometry
+from gspcli.certification.counting.platform_counts import PlatformCounts, count_platform, proof_text
 from gspcli.defaults import LONG_COUNT, SEED
 from gspcli.errors import ArgumentError, GspError
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Units
@@ -259,7 +259,7 @@ class GeometryCount:
     @property
     def proof(self) -> str:
         """What proves the count, in words."""
-        return "proved for the type" if self.of_type else count_results.proof_text(self.error)
+        return "proved for the type" if self.of_type else proof_text(self.error)
 
 
 @dataclass(frozen=True)
@@ -368,7 +368,7 @@ def count(
     <TypeCounts of DPP DPP DPP DPP DPP DPP: generic 40, 3-3 16>
     """
     if isinstance(instance, Instance):
-        return count_results.count(instance, effort=effort, seed=seed)
+        return count_platform(instance, effort=effort, seed=seed)
     gsp_type = parse_type(str(instance)) if isinstance(instance, str | int) else instance
     names = possible_geometries(gsp_type) if geometries == "all" else geometries
     return count_type(gsp_type, [names] if isinstance(names, str) else names, effort, seed)

@@ -8,11 +8,10 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable
 
-from gspcli.catalogue.bounds import type_bounds
+from gspcli.catalogue.bounds import LAZARD, MOURRAIN, MOURRAIN_16, type_bounds, varieties
 from gspcli.catalogue.constraints import constraint_facts
 from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, DPP, KINDS_BY_NAME
 from gspcli.catalogue.realization import realization
-from gspcli.catalogue.recorded_varieties import LAZARD, MOURRAIN, MOURRAIN_16, varieties
 from gspcli.catalogue.types import CLASSES, all_types
 from gspcli.errors import CheckFailed
 from gspcli.paper import table1, table2, table3
@@ -34,7 +33,7 @@ def class_size() -> str:
 def degree_of_mourrain() -> str:
     """Prove that the variety in 25 coordinates has degree 84, twice, and the one in 16 has 40."""
     from gspcli.catalogue.intersection_numbers import mourrain_degree
-    from gspcli.symbolic.coordinate_systems import (
+    from gspcli.symbolic.constraint_equations import (
         hilbert_function,
         sampled_hilbert_function,
         system,

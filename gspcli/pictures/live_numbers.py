@@ -22,9 +22,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, DPP
 from gspcli.certification.equations.local_frames import reach
-from gspcli.certification.numbers.doubled import Doubled
+from gspcli.certification.numbers.doubled import SINE_ERROR, Doubled, SineNumbers
 from gspcli.certification.numbers.rounding import ROUNDING
-from gspcli.certification.numbers.sines import SINE_ERROR, SineNumbers
 from gspcli.certification.poses.many_values import COSINE_ERROR, ValueProofs
 from gspcli.continuation.systems import DEGREE_IN_F, Coefficients
 from gspcli.continuation.tracker import (

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import ALL, DHP, DPH, DPL, DPP, Kind, Primitive
-from gspcli.certification.equations.frames import StudyFrames
+from gspcli.certification.equations.local_frames import StudyFrames
 from gspcli.certification.equations.mirror_images import mirrored, with_mirror_images
 from gspcli.continuation.quadrics import ComplexArray
 from gspcli.continuation.start import StartSystem, path_count

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.certification.equations.frames import StudyFrames
+from gspcli.certification.equations.local_frames import StudyFrames
 from gspcli.continuation.quadrics import ComplexArray
 
 if TYPE_CHECKING:

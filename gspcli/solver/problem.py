@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import ANGLE_KINDS, DHP, DLL, DLP, DPH, DPL, DPP
 from gspcli.catalogue.types import MAX_ANGLES
-from gspcli.certification.equations.frames import StudyFrames
-from gspcli.certification.equations.local_frames import LocalFrames
+from gspcli.certification.equations.local_frames import LocalFrames, StudyFrames
 from gspcli.certification.equations.mirror_images import has_mirror_images
 from gspcli.certification.poses.many_values import ValueProofs
 from gspcli.continuation.systems import Coefficients, FineCoefficients, Structure, System
@@ -234,7 +233,7 @@ class Problem:
 
     def target(self, k: int) -> FineCoefficients:
         """Return the equations of paths for a choice of sides, from the exact numbers."""
-        from gspcli.certification.equations.normalized import many_digits, normalized
+        from gspcli.certification.equations.statement import many_digits, normalized
 
         given = self.arrangement
         asked = np.where(given.sides == 0, 1 - 2 * np.array(self.sides[k]), given.signs)

@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import DLL
-from gspcli.certification.equations.frames import StudyFrames
+from gspcli.certification.equations.local_frames import StudyFrames
 from gspcli.continuation.quadrics import ComplexArray
 from gspcli.continuation.reduced_homotopy import ReducedEnds, ReducedHomotopy
 from gspcli.continuation.start import path_count

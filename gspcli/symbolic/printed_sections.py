@@ -14,7 +14,7 @@ from sympy import Expr, Matrix, Poly, Rational, Symbol, radsimp, symbols, sympif
 
 from gspcli.errors import CheckFailed
 from gspcli.symbolic.closed_forms import derive
-from gspcli.symbolic.rational_motions import Exact, random_motion, random_vector
+from gspcli.symbolic.constraint_equations import Exact, random_motion, random_vector
 from gspcli.symbolic.triangular import parametrize
 
 _X, _Y, _Z = np.eye(3, dtype=int).astype(object)

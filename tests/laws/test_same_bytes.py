@@ -16,7 +16,7 @@ import pytest
 from gspcli import _kernel
 from gspcli.catalogue.names import parse_type
 from gspcli.certification import certify, refine
-from gspcli.certification.equations.frames import OWN
+from gspcli.certification.equations.local_frames import OWN
 from gspcli.certification.numbers.correct_rounding import GRID, SMALL
 from gspcli.certification.poses.locator import Locator
 from gspcli.geometry.arrangement import Arrangement

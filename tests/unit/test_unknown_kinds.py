@@ -12,7 +12,7 @@ import pytest
 from gspcli import Line, Plane, Point, distance, measure, solve
 from gspcli.catalogue.kinds import ANGLE_KINDS, Kind, Law, Primitive, Quantity
 from gspcli.certification.counting import count_exactly
-from gspcli.certification.equations.frames import OWN
+from gspcli.certification.equations.local_frames import OWN
 from gspcli.certification.poses.many_values import ValueProofs
 from gspcli.export.chains import chain
 from gspcli.export.polynomial_systems import study, system

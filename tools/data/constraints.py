@@ -13,15 +13,16 @@ from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Any
 
+from gspcli.catalogue.bounds import varieties
 from gspcli.catalogue.kinds import KINDS, Kind
-from gspcli.catalogue.recorded_varieties import varieties
-from gspcli.symbolic.constraint_equations import equation, lowest_degree
-from gspcli.symbolic.coordinate_systems import (
+from gspcli.symbolic.constraint_equations import (
     LAZARD,
     MOURRAIN,
     SYSTEMS,
     CoordinateSystem,
+    equation,
     hilbert_function,
+    lowest_degree,
     system,
 )
 from tools.equations.equation_text import LATEX, TEXT, definition, why_lowest, written

@@ -13,6 +13,7 @@ from gspcli.symbolic.constraint_equations import (
     ANGLE,
     DISTANCE,
     RHO,
+    CoordinateSystem,
     SymbolicEquation,
     Vector,
     VectorFrame,
@@ -26,7 +27,6 @@ from gspcli.symbolic.constraint_equations import (
     on_translation,
     setting,
 )
-from gspcli.symbolic.coordinate_systems import CoordinateSystem
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ import numpy as np
 
 from gspcli.catalogue.kinds import Kind, Primitive
 from gspcli.records import dataclass
-from gspcli.symbolic.rational_motions import (
+from gspcli.symbolic.constraint_equations import (
     Exact,
     RationalMotion,
     cayley,

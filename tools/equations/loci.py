@@ -13,13 +13,13 @@ from sympy import Expr, Matrix, Symbol
 from gspcli.catalogue.kinds import Kind, Primitive
 from gspcli.records import dataclass
 from gspcli.symbolic.constraint_equations import (
+    MOTIONS,
     Vector,
     VectorFrame,
     inner,
     setting,
     squared_distance,
 )
-from gspcli.symbolic.coordinate_systems import MOTIONS
 from tools.equations.motions import evaluate, motion_blocks
 
 #: The surface by the rank of Q: plane, cylinder, sphere.

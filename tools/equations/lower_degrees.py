@@ -13,8 +13,13 @@ from collections.abc import Sequence
 from random import Random
 
 from gspcli.catalogue.kinds import Kind
-from gspcli.symbolic.coordinate_systems import CoordinateSystem, coordinates_at
-from gspcli.symbolic.rational_motions import RationalMotion, monomials, rank
+from gspcli.symbolic.constraint_equations import (
+    CoordinateSystem,
+    RationalMotion,
+    coordinates_at,
+    monomials,
+    rank,
+)
 from tools.equations.exact_constraints import sample
 
 #: Points beyond the rank that is expected; random motions need hardly any.

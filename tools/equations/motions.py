@@ -10,7 +10,12 @@ import sympy
 from sympy import Expr, Matrix, eye
 
 from gspcli.symbolic.constraint_equations import (
+    EXPRESSIONS,
+    MOTIONS,
     RHO,
+    SYMBOLS,
+    CoordinateSystem,
+    RationalMotion,
     cross,
     dot,
     on_moment,
@@ -18,8 +23,6 @@ from gspcli.symbolic.constraint_equations import (
     on_rotation,
     on_translation,
 )
-from gspcli.symbolic.coordinate_systems import EXPRESSIONS, MOTIONS, SYMBOLS, CoordinateSystem
-from gspcli.symbolic.rational_motions import RationalMotion
 
 
 def equations(coordinates: CoordinateSystem) -> tuple[Expr, ...]:

@@ -11,7 +11,9 @@ from sympy import Expr, Matrix, Symbol
 from gspcli.catalogue.kinds import Kind, Primitive
 from gspcli.symbolic.constraint_equations import (
     DISTANCE,
+    MOTIONS,
     RHO,
+    CoordinateSystem,
     Vector,
     VectorFrame,
     angle_value,
@@ -20,7 +22,6 @@ from gspcli.symbolic.constraint_equations import (
     equations,
     setting,
 )
-from gspcli.symbolic.coordinate_systems import MOTIONS, CoordinateSystem
 
 #: Components for `written_equation`: special vectors could only lower the degree.
 _COMPONENTS = {

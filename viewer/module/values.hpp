@@ -45,7 +45,7 @@ class Values {
   int choices_;
   const double* choice_;  // (choices, 6)
   double length_;
-  // Sines: gspcli.certification.numbers.sines.
+  // Sines: gspcli.certification.numbers.doubled.
   bool degrees_;
   Doubled quarter_, unit_;
   int terms_, small_;

@@ -1,10 +1,9 @@
 """Exact counts of solutions by linear algebra modulo a random prime (docs/exact-counts.md)."""
 
-from gspcli.certification.counting.always_parallel import by_points
 from gspcli.certification.counting.eigenposes import ApproximatePose, poses_by_elimination
 from gspcli.certification.counting.exact_counts import ExactCount, SideCount
 from gspcli.certification.counting.modular_platform import NotCountedError
-from gspcli.certification.counting.parts import PartCount
+from gspcli.certification.counting.parts import PartCount, by_points
 from gspcli.certification.counting.platform_counts import (
     count_exactly,
     count_geometry,

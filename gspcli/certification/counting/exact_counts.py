@@ -2,22 +2,83 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from functools import partial
+from itertools import chain, combinations
 
 from gspcli.catalogue.counts import generic_counts
 from gspcli.catalogue.kinds import DLL
 from gspcli.catalogue.types import GspType
-from gspcli.certification.counting.coordinate_choice import DEGREES, quadrics
 from gspcli.certification.counting.error_bounds import COMMUTATOR_TESTS, ErrorBounds, total
-from gspcli.certification.counting.homomorphism import LARGE, SMALL
-from gspcli.certification.counting.modular_platform import ModularPlatform, NotCountedError
+from gspcli.certification.counting.modular_platform import (
+    LARGE,
+    SMALL,
+    ModularPlatform,
+    NotCountedError,
+)
+from gspcli.certification.counting.motion_equations import DEGREES, MotionEquation, quadrics
 from gspcli.certification.counting.parts import PartCount
 from gspcli.certification.counting.residue_counts import Ending, ResidueCount, count
-from gspcli.certification.counting.spurious import spurious
 from gspcli.geometry.instance import Instance
 from gspcli.records import dataclass
+
+#: The most DLL whose lines may be parallel together.
+_MOST = 3
+
+
+def spurious(
+    lines: Sequence[tuple[MotionEquation, MotionEquation]],
+    result: ResidueCount,
+    run: Callable[..., ResidueCount],
+) -> tuple[int, int] | None:
+    """Return the number of spurious solutions, with multiplicity and distinct.
+
+    Parameters
+    ----------
+    lines
+        For each DLL the functions that vanish if its lines are parallel, and if they have its
+        distance.
+    result
+        A count with the first of these as conditions, each a group of its own.
+    run
+        A function that counts again with other `conditions` and `groups`.
+
+    Returns
+    -------
+    tuple or None
+        None if it is not known.
+    """
+    if result.distinct is None or len(result.apart) < len(lines):
+        return None
+    singular = [
+        pair for pair, (n, _) in zip(lines, result.apart, strict=True) if n < result.solutions
+    ]
+    if not singular:
+        return 0, 0
+    if len(singular) > _MOST:
+        return None
+    # Condition 2 k is the crossing of the k-th DLL, and 2 k + 1 its distance. Solutions that are
+    # spurious for all of J: all crossings vanish, and no distance does.
+    terms: list[tuple[int, list[int]]] = []
+    for bad in _subsets(range(len(singular))):
+        for crossed in _subsets(bad):
+            if bad:
+                sign = -1 if (len(bad) + 1 + len(crossed)) % 2 else 1
+                group = [2 * k + 1 for k in bad] + [2 * k for k in crossed]
+                terms.append((sign, group))
+    conditions = [condition for pair in singular for condition in pair]
+    found = run(conditions=conditions, groups=[group for _, group in terms])
+    if len(found.apart) < len(terms):
+        return None
+    counts = [sign * n for (sign, _), (n, _) in zip(terms, found.apart, strict=True)]
+    distinct = [sign * n for (sign, _), (_, n) in zip(terms, found.apart, strict=True)]
+    return sum(counts), sum(distinct)
+
+
+def _subsets(items: Sequence[int]) -> list[tuple[int, ...]]:
+    return list(chain.from_iterable(combinations(items, n) for n in range(len(items) + 1)))
+
 
 BILLION = 10**9
 #: Primes are added until the probability that all of them are wrong is below this; the most primes.

@@ -7,8 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 from gspcli.catalogue.kinds import Kind, Law
-from gspcli.certification.counting.elements import FieldElement
-from gspcli.certification.counting.exact_numbers import Angle, element, in_radians, squared
+from gspcli.certification.counting.elements import Angle, FieldElement, element, in_radians, squared
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side
 from gspcli.geometry.primitives import Line, Plane, Point, Vector
 from gspcli.records import dataclass

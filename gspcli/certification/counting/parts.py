@@ -14,30 +14,36 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from fractions import Fraction
 from itertools import chain, combinations
 
 from flint import nmod
 
-from gspcli.catalogue.kinds import DLL
-from gspcli.certification.counting.coordinate_choice import DEGREES, Blocks, quadrics
-from gspcli.certification.counting.equation_heights import lines_height
-from gspcli.certification.counting.error_bounds import ErrorBounds, total
+from gspcli.catalogue.kinds import DLL, DPL, DPP
+from gspcli.certification.counting.error_bounds import ErrorBounds, lines_height, total
 from gspcli.certification.counting.modular_platform import (
     ModularPlatform,
     NotCountedError,
+    Randomness,
     on_sides,
 )
 from gspcli.certification.counting.motion_equations import (
+    DEGREES,
     FUNCTIONS,
+    Blocks,
     MotionEquation,
     MotionEquations,
+    choose,
     equations,
     parallel_lines,
+    quadrics,
     with_moments,
 )
 from gspcli.certification.counting.residue_counts import Ending, ResidueCount, count
 from gspcli.certification.equations import study
-from gspcli.geometry.instance import Instance
+from gspcli.geometry.instance import Constraint, Instance
+from gspcli.geometry.numbers import Number
+from gspcli.geometry.primitives import Point
 from gspcli.records import dataclass
 
 #: Bits of the coefficients of random vectors and hyperplanes.
@@ -277,3 +283,115 @@ def _error(
 
 def _subsets(items: Sequence[int]) -> Iterator[tuple[int, ...]]:
     return chain.from_iterable(combinations(items, size) for size in range(len(items) + 1))
+
+
+#: Primes are added until the probability that all of them are wrong is below this; the most primes.
+_ENOUGH_SPHERES, _MOST_SPHERE_PRIMES = 1e-12, 3
+#: Coordinates in which spheres are linear.
+_ALL = max(DEGREES)
+
+
+@dataclass(frozen=True)
+class ParallelLines:
+    """The DLL of a platform whose lines are parallel at every pose.
+
+    Attributes
+    ----------
+    constraints
+        Their indices.
+    error
+        A bound of the probability that this is wrong.
+    work
+        The number of multiplications.
+    """
+
+    constraints: tuple[int, ...]
+    error: float
+    work: int
+
+    def confirmed(self, other: ParallelLines) -> ParallelLines:
+        """Return the result of two independent computations, with the product of their errors."""
+        both = tuple(k for k in self.constraints if k in other.constraints)
+        return ParallelLines(both, self.error * other.error, self.work + other.work)
+
+
+def always_parallel(instance: Instance, seed: int, max_work: int) -> ParallelLines:
+    """Return which lines of a platform are parallel at all solutions of the other constraints.
+
+    Parameters
+    ----------
+    instance
+        A platform with one choice of sides.
+    seed
+        The primes and the spheres are derived from it and from the instance.
+    max_work
+        The most multiplications; None is returned after them.
+    """
+    found = _on_spheres(instance, f"{seed} spheres", seed, max_work)
+    for index in range(1, _MOST_SPHERE_PRIMES):
+        if found.error < _ENOUGH_SPHERES or not found.constraints:
+            break
+        left = max(0, max_work - found.work)
+        found = found.confirmed(_on_spheres(instance, f"{seed} spheres {index}", seed, left))
+    return found
+
+
+def _on_spheres(instance: Instance, text: str, seed: int, max_work: int) -> ParallelLines:
+    dll = [k for k, row in enumerate(instance.constraints) if row.kind is DLL]
+    others = [row for row in instance.constraints if row.kind is not DLL]
+    randomness = Randomness(text)
+    # The lines follow the six equations, so that their numbers are modulo the same prime. Other
+    # spheres have another prime.
+    spheres = [_sphere(randomness) for _ in dll]
+    rows = (*others, *spheres, *(instance.constraints[k] for k in dll))
+    platform = ModularPlatform(replace(instance, constraints=rows), seed)
+    kinds = platform.kinds[: len(instance.constraints)]
+    blocks = choose(kinds)
+    counted = count(
+        equations(platform.rows[: len(kinds)]),
+        blocks,
+        platform.prime,
+        seed=platform.randomness.below(2**63),
+        max_work=max_work,
+        conditions=[crossing for crossing, _ in platform.parallel_lines()],
+        groups=[[k] for k in range(len(dll))],
+    )
+    finite = counted.outcome is Ending.FINITE and counted.solutions > 0
+    if not finite or len(counted.apart) < len(dll):
+        return ParallelLines((), 0.0, counted.work)
+    parallel = tuple(k for k, (apart, _) in zip(dll, counted.apart, strict=True) if not apart)
+    bounds = ErrorBounds.of(platform.exact, platform.requirements, blocks)
+    errors = [
+        bounds.count(counted.reach, finite=True),
+        bounds.vanishing(counted.reach, counted.solutions, len(parallel)),
+        4 * len(dll) * (DEGREES[_ALL] << quadrics(_ALL, kinds)) / 2.0**_RANDOM_BITS,
+    ]
+    return ParallelLines(parallel, total(errors), counted.work)
+
+
+def by_points(instance: Instance, lines: Sequence[int]) -> Instance:
+    """Return an instance with points for lines; it is equivalent where the lines are parallel.
+
+    Parameters
+    ----------
+    instance
+        The platform.
+    lines
+        Indices of the DLL in question.
+    """
+    rows = list(instance.constraints)
+    for k in lines:
+        position = rows[k].platform.position
+        rows[k] = replace(rows[k], kind=DPL, platform=Point(position), platform_name="")
+    return replace(instance, constraints=tuple(rows))
+
+
+def _sphere(randomness: Randomness) -> Constraint:
+    def point() -> Point:
+        return Point(tuple(_random_number(randomness) for _ in range(3)))
+
+    return Constraint(DPP, point(), point(), _random_number(randomness))
+
+
+def _random_number(randomness: Randomness) -> Number:
+    return Number.of(Fraction(randomness.below(2**_RANDOM_BITS)))

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli import _kernel
-from gspcli.certification.counting.coordinate_choice import Blocks
 from gspcli.certification.counting.motion_equations import (
     FUNCTIONS,
+    Blocks,
     Function,
     MotionEquation,
     MotionEquations,

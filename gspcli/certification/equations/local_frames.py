@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.certification.numbers.doubled import two_product, two_sum
+from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Constraint, Instance
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Geometry, Vector, vector
@@ -25,6 +26,7 @@ from gspcli.records import dataclass
 
 if TYPE_CHECKING:
     from flint import acb, arb
+
 
 Array = NDArray[np.float64]
 #: Real or complex.
@@ -239,3 +241,33 @@ def _less(number: Number, origin: Fraction) -> Number:
     if number.fraction is not None:
         return Number.of(number.fraction - origin)
     return Number("-", (number, Number.of(origin))) if origin else number
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class StudyFrames:
+    """Coordinates of Study points: ``T_instance = length T + base - R platform``.
+
+    Attributes
+    ----------
+    length
+        The unit of length.
+    platform, base
+        The origins in the frames of the instance, shape (3,).
+    """
+
+    length: float
+    platform: Sequence[float] | NDArray[np.float64]
+    base: Sequence[float] | NDArray[np.float64]
+
+    @classmethod
+    def of(cls, arrangement: Arrangement) -> StudyFrames:
+        """Return the frames of the points of ``arrangement.normalized``."""
+        return cls(
+            length=arrangement.length,
+            platform=arrangement.platform_centre,
+            base=arrangement.base_centre,
+        )
+
+
+#: The frames of the instance.
+OWN = StudyFrames(length=1.0, platform=(0.0, 0.0, 0.0), base=(0.0, 0.0, 0.0))

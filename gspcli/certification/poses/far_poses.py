@@ -25,7 +25,7 @@ from gspcli import _kernel
 from gspcli.catalogue.kinds import DHP, DLP, DPH, DPL, DPP
 from gspcli.certification.equations import study
 from gspcli.certification.equations.ball_system import OpenEquation
-from gspcli.certification.equations.frames import OWN
+from gspcli.certification.equations.local_frames import OWN
 from gspcli.certification.numbers.doubled import ERROR, Doubled, two_sum
 from gspcli.certification.numbers.rounding import OUTWARD
 from gspcli.certification.poses.isolation import all_different

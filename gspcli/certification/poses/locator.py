@@ -19,8 +19,7 @@ from numpy.typing import NDArray
 
 from gspcli.certification.equations import study
 from gspcli.certification.equations.ball_system import BallSystem
-from gspcli.certification.equations.frames import StudyFrames
-from gspcli.certification.equations.local_frames import length_scale
+from gspcli.certification.equations.local_frames import StudyFrames, length_scale
 from gspcli.certification.equations.measures import satisfies_constraints
 from gspcli.certification.equations.mirror_images import STUDY_SIGNS, mirrored, mirrored_pose
 from gspcli.certification.equations.pose_balls import PoseBall, pose_of_point

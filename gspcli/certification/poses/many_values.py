@@ -27,12 +27,24 @@ from gspcli.catalogue.kinds import (
     Kind,
     Primitive,
 )
-from gspcli.certification.equations.frames import StudyFrames
-from gspcli.certification.equations.local_frames import LocalFrames, length_scale, length_scales
+from gspcli.certification.equations.local_frames import (
+    LocalFrames,
+    StudyFrames,
+    length_scale,
+    length_scales,
+)
 from gspcli.certification.equations.mirror_images import mirrored, mirrored_pose
 from gspcli.certification.equations.skew_lines import are_skew
 from gspcli.certification.equations.study import form_hessians
-from gspcli.certification.numbers.doubled import ERROR, Doubled, doubled, quotients, two_product
+from gspcli.certification.numbers.doubled import (
+    ERROR,
+    SINE_ERROR,
+    Doubled,
+    doubled,
+    quotients,
+    sines,
+    two_product,
+)
 from gspcli.certification.numbers.rounding import (
     COMPLEX,
     CONVERSION,
@@ -42,7 +54,6 @@ from gspcli.certification.numbers.rounding import (
     ROUNDED,
     TINY,
 )
-from gspcli.certification.numbers.sines import SINE_ERROR, sines
 from gspcli.defaults import TOLERANCE
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance
 from gspcli.geometry.numbers import Number

@@ -6,13 +6,12 @@ from collections.abc import Sequence
 
 import click
 
-from gspcli.catalogue.bounds import BOUND_MEANINGS, BOUND_NAMES, bound_sides
+from gspcli.catalogue.bounds import BOUND_MEANINGS, BOUND_NAMES, bound_sides, coordinates_label
 from gspcli.catalogue.constraints import Degrees, constraint_facts
 from gspcli.catalogue.counts import best_real
 from gspcli.catalogue.kinds import Kind
 from gspcli.catalogue.known_facts import KnownBounds
 from gspcli.catalogue.known_facts import bound as known
-from gspcli.catalogue.recorded_varieties import coordinates_label
 from gspcli.catalogue.types import GspType
 from gspcli.cli.options import Command, Options, output_options
 from gspcli.cli.render import emit

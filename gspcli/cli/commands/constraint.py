@@ -7,11 +7,11 @@ from typing import Any
 
 import click
 
+from gspcli.catalogue.bounds import LAZARD, MOURRAIN, coordinates_label, varieties
 from gspcli.catalogue.constraints import ConstraintFacts, Degrees, constraint_facts
 from gspcli.catalogue.kinds import KINDS
 from gspcli.catalogue.names import parse_kinds
 from gspcli.catalogue.realization import realization
-from gspcli.catalogue.recorded_varieties import LAZARD, MOURRAIN, coordinates_label, varieties
 from gspcli.cli.options import Command, Options, output_options
 from gspcli.cli.render import emit
 from gspcli.cli.result import Field, Fields, Result

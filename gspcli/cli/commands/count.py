@@ -100,14 +100,14 @@ def _count_specs(
     specs: tuple[str, ...], changes: Changes, limit: float, seed: int, output: Output
 ) -> None:
     from gspcli.certification.counting import NotCountedError
-    from gspcli.certification.counting.count_results import count
+    from gspcli.certification.counting.platform_counts import count_platform
 
     instances = [load_instance(spec, changes) for spec in specs]
     rows, documents, refusals, infinite = [], [], [], []
     for spec, instance in progress(
         list(zip(specs, instances, strict=True)), total=len(specs), label="counting solutions"
     ):
-        found = count(instance, seed=seed, effort=limit)
+        found = count_platform(instance, seed=seed, effort=limit)
         if found.refusal:
             refusals.append(f"{spec}: {found.refusal}")
         if found.exact is not None and not found.exact.finite:
@@ -125,7 +125,7 @@ def _count_specs(
 def _row(
     spec: str, instance: Instance, exact: ExactCount | None, geometry: ExactCount | None
 ) -> dict[str, Any]:
-    from gspcli.certification.counting.count_results import proof_text
+    from gspcli.certification.counting.platform_counts import proof_text
 
     row: dict[str, Any] = {"spec": spec, "type_count": instance.expected}
     if geometry is not None:

@@ -8,7 +8,14 @@ from math import prod
 
 import pytest
 
-from gspcli.catalogue.bounds import BOUND_NAMES, Bounds, family_bounds, type_bounds
+from gspcli.catalogue.bounds import (
+    BOUND_NAMES,
+    Bounds,
+    coordinates_label,
+    family_bounds,
+    type_bounds,
+    varieties,
+)
 from gspcli.catalogue.constraints import constraint_facts
 from gspcli.catalogue.kinds import (
     ANGLE_KINDS,
@@ -23,7 +30,6 @@ from gspcli.catalogue.kinds import (
     Primitive,
 )
 from gspcli.catalogue.names import parse_name
-from gspcli.catalogue.recorded_varieties import coordinates_label, varieties
 from gspcli.catalogue.types import CLASSES, Family, GspType, all_types, families
 from gspcli.resources import data_json
 

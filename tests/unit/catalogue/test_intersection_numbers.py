@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from gspcli.catalogue.bounds import LAZARD, MOURRAIN_16, ROTATIONS, varieties
 from gspcli.catalogue.intersection_numbers import LETTERS, intersection_number
-from gspcli.catalogue.recorded_varieties import LAZARD, MOURRAIN_16, ROTATIONS, varieties
 from gspcli.continuation import start
 from gspcli.continuation.quadrics import BODY_TRANSLATION, RHO, TRANSLATION, evaluate, gradients
 from gspcli.continuation.quadrics import swap_letters as swapped

@@ -19,9 +19,8 @@ import pytest
 
 import gspcli
 from gspcli.catalogue.names import parse_type
-from gspcli.certification.numbers.doubled import ERROR
+from gspcli.certification.numbers.doubled import ERROR, SINE_ERROR, SineNumbers
 from gspcli.certification.numbers.rounding import COMPLEX, ISOLATED, REAL, ROUNDED, ROUNDING
-from gspcli.certification.numbers.sines import SINE_ERROR, SineNumbers
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.coordinates import choose, moved
 from gspcli.geometry.drives import Drives, driven_points

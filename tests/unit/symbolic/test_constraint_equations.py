@@ -9,6 +9,7 @@ import pytest
 import sympy
 from sympy import Matrix, Rational
 
+from gspcli.catalogue.bounds import varieties
 from gspcli.catalogue.constraints import constraint_facts as recorded_facts
 from gspcli.catalogue.kinds import (
     AHH,
@@ -23,32 +24,30 @@ from gspcli.catalogue.kinds import (
     KINDS,
     Kind,
 )
-from gspcli.catalogue.recorded_varieties import varieties
 from gspcli.resources import data_json
 from gspcli.symbolic.constraint_equations import (
     ANGLE,
     DISTANCE,
-    Vector,
-    VectorFrame,
-    base,
-    equations,
-    inner,
-    lowest_degree,
-    platform,
-    setting,
-    squared_distance,
-    triple,
-)
-from gspcli.symbolic.coordinate_systems import (
     LAZARD,
     MOTIONS,
     MOURRAIN,
     MOURRAIN_16,
     SYSTEMS,
+    RationalMotion,
+    Vector,
+    VectorFrame,
+    base,
+    equations,
     hilbert_function,
+    inner,
+    lowest_degree,
+    platform,
+    random_motion,
+    setting,
+    squared_distance,
     system,
+    triple,
 )
-from gspcli.symbolic.rational_motions import RationalMotion, random_motion
 from tools.data.constraints import constraint_facts, unproved_degrees
 from tools.equations.exact_constraints import RationalConstraint, sample
 from tools.equations.loci import loci, quadratic_part

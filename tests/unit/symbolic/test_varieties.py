@@ -14,19 +14,22 @@ import pytest
 import sympy
 from sympy import Matrix
 
-from gspcli.catalogue.recorded_varieties import varieties
+from gspcli.catalogue.bounds import varieties
 from gspcli.resources import data_json
-from gspcli.symbolic.coordinate_systems import (
+from gspcli.symbolic.constraint_equations import (
     EXPRESSIONS,
     LAZARD,
     MOTIONS,
     SYMBOLS,
     SYSTEMS,
     hilbert_function,
+    monomials,
+    random_motion,
+    rank,
+    residues,
     sampled_hilbert_function,
     system,
 )
-from gspcli.symbolic.rational_motions import monomials, random_motion, rank, residues
 from tools.equations.motions import equations, motion_blocks, motion_variables
 
 ROOT = Path(__file__).parents[3]

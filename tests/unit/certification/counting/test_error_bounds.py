@@ -7,14 +7,17 @@ import pytest
 from flint import fmpz
 
 from gspcli import hexapod
-from gspcli.catalogue.recorded_varieties import varieties
+from gspcli.catalogue.bounds import varieties
 from gspcli.certification.counting import count_exactly
-from gspcli.certification.counting.coordinate_choice import choose
-from gspcli.certification.counting.equation_heights import _log_above, equation_height
-from gspcli.certification.counting.error_bounds import ErrorBounds, MinorBits
+from gspcli.certification.counting.error_bounds import (
+    ErrorBounds,
+    MinorBits,
+    _log_above,
+    equation_height,
+)
 from gspcli.certification.counting.exact_platform import evaluated, exact_constraints
-from gspcli.certification.counting.homomorphism import Homomorphism, Randomness, Requirements
-from gspcli.certification.counting.motion_equations import equations
+from gspcli.certification.counting.modular_platform import Homomorphism, Randomness, Requirements
+from gspcli.certification.counting.motion_equations import choose, equations
 from gspcli.certification.counting.residue_counts import count
 from gspcli.resources import data_directory
 from gspcli.spec import load, loads

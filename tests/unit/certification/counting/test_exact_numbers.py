@@ -2,8 +2,7 @@ from fractions import Fraction
 
 import pytest
 
-from gspcli.certification.counting.elements import FieldElement, NoElementError
-from gspcli.certification.counting.exact_numbers import element, in_radians
+from gspcli.certification.counting.elements import FieldElement, NoElementError, element, in_radians
 from gspcli.geometry.instance import AngleUnit
 from gspcli.geometry.numbers import Number, parse_number
 

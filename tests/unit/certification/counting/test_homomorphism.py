@@ -4,9 +4,8 @@ import itertools
 
 import pytest
 
-from gspcli.certification.counting.elements import NoElementError
-from gspcli.certification.counting.exact_numbers import element
-from gspcli.certification.counting.homomorphism import Requirements, homomorphisms
+from gspcli.certification.counting.elements import NoElementError, element
+from gspcli.certification.counting.modular_platform import Requirements, homomorphisms
 from gspcli.geometry.numbers import parse_number
 
 

@@ -12,11 +12,10 @@ from mpmath import log, mpf
 from gspcli.catalogue.kinds import DPP
 from gspcli.catalogue.names import parse_type
 from gspcli.certification.counting import error_bounds, exact_counts, parts
-from gspcli.certification.counting.always_parallel import ParallelLines
-from gspcli.certification.counting.coordinate_choice import DEGREES, choose, quadrics
 from gspcli.certification.counting.error_bounds import COMMUTATOR_TESTS, ErrorBounds, total
 from gspcli.certification.counting.modular_platform import ModularPlatform, NotCountedError
-from gspcli.certification.counting.parts import PartCount
+from gspcli.certification.counting.motion_equations import DEGREES, choose, quadrics
+from gspcli.certification.counting.parts import ParallelLines, PartCount
 from gspcli.certification.counting.residue_counts import Ending, ResidueCount
 from gspcli.geometry.building import hexapod
 from gspcli.geometry.random_instances import random_instance

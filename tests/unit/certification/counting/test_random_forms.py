@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import pytest
 
-from gspcli.catalogue.recorded_varieties import varieties
+from gspcli.catalogue.bounds import varieties
 from gspcli.certification.counting import error_bounds
 from gspcli.certification.counting.error_bounds import ErrorBounds, MinorBits
 

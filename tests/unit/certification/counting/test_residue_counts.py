@@ -2,8 +2,12 @@
 
 import pytest
 
-from gspcli.certification.counting.coordinate_choice import DEGREES, Blocks
-from gspcli.certification.counting.motion_equations import MotionEquation, MotionEquations
+from gspcli.certification.counting.motion_equations import (
+    DEGREES,
+    Blocks,
+    MotionEquation,
+    MotionEquations,
+)
 from gspcli.certification.counting.residue_counts import Ending, count
 from gspcli.certification.equations import study
 

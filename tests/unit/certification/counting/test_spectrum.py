@@ -6,7 +6,7 @@ from random import Random
 import pytest
 from flint import acb, acb_mat, arb, arb_mat, ctx
 
-from gspcli.certification.counting.spectrum import eigenvectors
+from gspcli.certification.counting.eigenposes import eigenvectors
 
 
 @pytest.fixture(autouse=True)

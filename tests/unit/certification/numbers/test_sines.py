@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from flint import arb, ctx
 
-from gspcli.certification.numbers.sines import SINE_ERROR, sines
+from gspcli.certification.numbers.doubled import SINE_ERROR, sines
 
 
 @pytest.mark.parametrize("degrees", [True, False])

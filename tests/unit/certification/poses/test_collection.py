@@ -7,7 +7,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from gspcli.certification.equations.frames import OWN
+from gspcli.certification.equations.local_frames import OWN
 from gspcli.certification.poses.collection import Collection
 from gspcli.certification.poses.locator import Locator
 from gspcli.certification.poses.many_values import ValueProofs

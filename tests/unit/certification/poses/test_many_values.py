@@ -12,7 +12,7 @@ from gspcli import _kernel, hexapod
 from gspcli.catalogue.names import parse_type
 from gspcli.certification import certify
 from gspcli.certification.equations.ball_system import BallSystem
-from gspcli.certification.equations.frames import OWN, StudyFrames
+from gspcli.certification.equations.local_frames import OWN, StudyFrames
 from gspcli.certification.equations.study import form_hessians
 from gspcli.certification.poses.many_values import ValueProofs
 from gspcli.geometry.arrangement import Arrangement

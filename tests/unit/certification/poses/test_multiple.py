@@ -6,7 +6,7 @@ from fractions import Fraction
 
 import numpy as np
 
-from gspcli.certification.equations.frames import OWN
+from gspcli.certification.equations.local_frames import OWN
 from gspcli.certification.poses.locator import Locator
 from gspcli.certification.poses.multiple import multiple_poses
 from gspcli.geometry.quaternions import study_from_pose
