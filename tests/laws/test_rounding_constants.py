@@ -36,7 +36,6 @@ LISTED = {
     # Constants of loops with lanes in the kernel: its roundings are counted.
     "certification/branches/parametric_quadrics.py": (2, "entries of Hessian matrices"),
     "certification/equations/local_frames.py": (1, "a part of a scale: no bound"),
-    "motion/following/cone_limits.py": (2, "heights along chords"),
     "motion/following/followed_rows.py": (2, "frames of the step, and its shortest part"),
     "motion/following/platform_numbers.py": (2, "numbers of the controller in C"),
     # Not proofs.
@@ -62,7 +61,7 @@ LISTED = {
     "motion/statics/accuracy.py": (1, "entries of a quadric"),
     # To be converted.
     "motion/collisions/compared.py": (4, "sums of moduli"),
-    "motion/paths/between.py": (2, "half widths of boxes"),
+    "motion/paths/between.py": (3, "half widths of boxes, and the shortest piece"),
     "motion/workspace/pose_boxes.py": (3, "half widths of boxes, readings at the end of a range"),
 }
 

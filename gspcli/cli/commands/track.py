@@ -57,7 +57,7 @@ if TYPE_CHECKING:
     from gspcli.motion import Track, ValueTable
     from gspcli.motion.files.requirements import Requirement
     from gspcli.motion.following.departures import Departure
-    from gspcli.motion.following.limit_event import LimitEvent
+    from gspcli.motion.paths.limit_events import LimitEvent
 
     Array = NDArray[np.float64]
     from collections.abc import Iterator
@@ -426,7 +426,7 @@ def along_values(
 ) -> FollowedTrack:
     """Follow modes while the values change linearly; arguments as for `gspcli.track`."""
     from gspcli.motion import departures, track
-    from gspcli.motion.following.limit_events import limit_events
+    from gspcli.motion.paths.limit_events import limit_events
 
     with working("following"):
         result = track(
@@ -558,7 +558,7 @@ def _of_drives(result: Track, name: str) -> QuantityParts:
 
     from gspcli.cli.requirements import limits_of
     from gspcli.geometry.drives import Drives
-    from gspcli.motion.following.drive_events import drive_rows
+    from gspcli.motion.paths.limit_events import drive_rows
 
     drives = Drives.of(result.instance)
     rows, modes = np.nonzero(~np.isnan(result.T[..., 0].T))
@@ -573,7 +573,7 @@ def _gaps(result: Track) -> QuantityParts:
 
     from gspcli.cli.requirements import gaps_of
     from gspcli.geometry.drives import Drives
-    from gspcli.motion.following.drive_events import drive_rows
+    from gspcli.motion.paths.limit_events import drive_rows
 
     rows, modes = np.nonzero(~np.isnan(result.T[..., 0].T))
     R, T = (array[modes, rows] for array in (result.R, result.T))
@@ -583,7 +583,7 @@ def _gaps(result: Track) -> QuantityParts:
 
 def _between(verdict: RequirementVerdict, done: FollowedTrack) -> RequirementVerdict:
     """Return a verdict that also holds between the rows, where that can be proved."""
-    from gspcli.motion.following.limit_events import cones_proved
+    from gspcli.motion.paths.limit_events import cones_proved
     from gspcli.motion.paths.track_bounds import BOUNDED, can_be_bounded
 
     quantity = verdict.requirement.quantity
@@ -667,7 +667,7 @@ def plain_limit(event: LimitEvent) -> dict[str, Any]:
 
 def cones_notes(result: Track, events: list[LimitEvent]) -> list[str]:
     """Return which modes are proved to keep all cones, where there are any and anything is."""
-    from gspcli.motion.following.limit_events import cones_proved
+    from gspcli.motion.paths.limit_events import cones_proved
 
     if not joint_cones(result.instance) or not cones_proved(result):
         return []
@@ -688,7 +688,7 @@ def _named(modes: list[int]) -> str:
 
 def limit_sentences(result: Track, events: list[LimitEvent]) -> list[str]:
     """Return in words where limits are left and kept again."""
-    from gspcli.motion.following.limit_events import cones_proved
+    from gspcli.motion.paths.limit_events import cones_proved
 
     found = []
     certain = cones_proved(result)

@@ -8,7 +8,7 @@ can change on the piece. Where that does not suffice the piece is halved.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -17,10 +17,11 @@ from numpy.typing import NDArray
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.drives import Drives
 from gspcli.geometry.instance import Instance
+from gspcli.geometry.limits import cone_shares, joint_cones, tilts
 from gspcli.geometry.quaternions import apply
 from gspcli.geometry.residuals import condition_numbers
 from gspcli.motion.collisions.compared import ComparedShapes, slips_near
-from gspcli.motion.following.followed_rows import RowFollower, Segments
+from gspcli.motion.following.followed_rows import ROUNDING, RowFollower, Segments
 from gspcli.motion.following.moving_geometry import MovingGeometry
 from gspcli.motion.paths.condition_bounds import condition_bounds
 from gspcli.motion.paths.drive_travels import drive_travels
@@ -46,8 +47,13 @@ _MOST_PIECES = 10_000
 #: most of such rows.
 _STEPS, _MOST_STEPS = (1, 8, 64), 4000
 _OUTWARD = 1 + 2.0**-30
-#: Rounding errors of Study points of norm one and of parameters, relative to their sizes.
+_EVERY = slice(None)
+#: Rounding errors of Study points of norm one, of parameters and places, relative to their sizes.
 _ROUNDING = 2.0**-44
+#: Into how many steps a part is divided that is followed again.
+_STEPS_AGAIN = 8
+#: Signs: the shortest piece of a way, how often pieces are divided, and most pieces at a time.
+_SHORTEST, _SIGN_HALVINGS, _MOST_SIGNS = 2.0**-36, 60, 20_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,11 +142,11 @@ class PathRows:
         """Return what changes linearly between rows of values or drives, shape (r, 6 or m)."""
         return self.values if self.numbers is None else self.numbers
 
-    def followed(self) -> tuple[RowFollower, Array] | None:
-        """Return what moves linearly between the rows, and its numbers there, shape (r, k)."""
+    def followed(self) -> MovingRows | None:
+        """Return the rows as they are followed; None if no step knows what moves."""
         if self.motors is None:
             assert isinstance(self.ways, ValueWays)
-            return self.ways.follower, self.values
+            return MovingRows(self.ways.follower, self.values, self.R, self.T, self.values)
         if self.geometry is None or self.numbers is None or self.geometry.rows is None:
             return None
         drives, follower = self.motors.drives, self.geometry.rows
@@ -148,7 +154,23 @@ class PathRows:
         # Rods that drives move have the stated lengths.
         rods = np.array([row.value.value for row in self.geometry.instance.constraints])
         values[:, follower.driven] = rods[follower.driven]
-        return follower, np.column_stack((values, (self.numbers / drives.units)[:, drives.moved]))
+        rows = np.column_stack((values, (self.numbers / drives.units)[:, drives.moved]))
+        return MovingRows(follower, rows, self.R, self.T, self.numbers, drives)
+
+
+class MovingRows(NamedTuple):
+    """Rows of a mode between which values or drives change linearly, and what follows it."""
+
+    follower: RowFollower
+    rows: Array
+    """As the follower takes them, shape (r, 6 + d)."""
+    R: Array
+    T: Array
+    """The poses, shapes (r, 3, 3) and (r, 3)."""
+    numbers: Array
+    """The values, shape (r, 6), or all drives, lengths and radians, shape (r, m)."""
+    drives: Drives | None = None
+    """The cranks and slides, if they move."""
 
 
 class Near(NamedTuple):
@@ -168,7 +190,7 @@ class Near(NamedTuple):
     """How far these move the points of constraints, in their bodies, shape (n, 6)."""
 
 
-#: Returns a quantity in the middle of pieces, and proved lower bounds of it on them, shapes (n,).
+#: Returns c quantities in the middle of pieces, and by how much each can change, shapes (n, c).
 Measure = Callable[[Near], tuple[Array, Array]]
 
 
@@ -186,8 +208,8 @@ def least_clearances(rows: PathRows, wanted: float) -> tuple[Array, Array]:
         halvings = CLEARANCE_HALVINGS if rows.motors is None else _DRIVE_HALVINGS
 
         def measure(near: Near) -> tuple[Array, Array]:
-            low = rows.clearances(near.R, near.T)
-            return low, low - (near.changes() / rows.units).max(axis=1) * _OUTWARD
+            change = (near.changes() / rows.units).max(axis=1) * _OUTWARD
+            return rows.clearances(near.R, near.T)[:, None], change[:, None]
 
         known = _least(rows, at, measure, wanted, halvings, known)
     return at, np.maximum(known, 0.0)
@@ -205,7 +227,7 @@ def largest_conditions(rows: PathRows, wanted: float) -> tuple[Array, Array]:
             sides = np.stack([np.where(on == side, near.slips, 0.0) for side in (True, False)])
         at = condition_numbers(placed, near.R, near.T, length)
         most = condition_bounds(placed, near.R, near.T, near.shifts, near.turns, length, sides)
-        return -at, -most
+        return -at[:, None], (most - at)[:, None] * _OUTWARD
 
     at = rows.conditions()
     return at, -_least(rows, -at, measure, -wanted)
@@ -223,8 +245,7 @@ def least_gaps(rows: PathRows, wanted: float) -> tuple[Array, Array]:
         places = near.T + apply(near.R, np.broadcast_to(centre, near.T.shape))
         with np.errstate(invalid="ignore"):
             moves = compared.moves(near.shifts, near.turns, centre, places, driven, near.slips)
-            bounds = np.nan_to_num((low - moves).min(axis=1), nan=-np.inf, neginf=-np.inf)
-        return low.min(axis=1), bounds
+        return low, moves
 
     return at, _least(rows, at, measure, wanted)
 
@@ -236,9 +257,7 @@ def least_transmissions(rows: PathRows, wanted: float) -> tuple[Array, Array]:
     centre = Arrangement.of(rows.instance).platform_centre
 
     def measure(near: Near) -> tuple[Array, Array]:
-        low, changes = _transmissions(drives, near, centre)
-        bounds = np.nan_to_num((low - changes).min(axis=1), nan=-np.inf, neginf=-np.inf)
-        return low.min(axis=1), bounds
+        return _transmissions(drives, near, centre)
 
     q = rows.drive_numbers()
     assert q is not None
@@ -255,27 +274,93 @@ def _transmissions(drives: Drives, near: Near, centre: Array) -> tuple[Array, Ar
     """
     assert near.q is not None
     assert near.slips is not None
-    base, arm, r = drives.ends(near.R, near.T, near.q)
-    places = near.T + apply(near.R, np.broadcast_to(centre, near.T.shape))
+    ends = drives.ends(near.R, near.T, near.q)
     # Seen from the body of the driven point; r is a vector of that body.
-    own = np.linalg.norm(arm - (places - near.T)[:, None], axis=-1)
-    away = np.linalg.norm(places[:, None] - base, axis=-1)
-    arms = np.where(drives.on_platform, away, own)
+    moves, rounding = _leg_moves(near, ends, drives.on_platform, centre)
     with np.errstate(all="ignore"):
-        change = near.shifts[:, None] + near.turns[:, None] * arms + near.slips
-        size = np.linalg.norm(r, axis=-1)
-        left = size - change / 2
-        turned = np.where(left > 0, change / left, np.inf)
+        size = np.linalg.norm(ends[2], axis=-1)
+        left = size - moves / 2
+        turned = np.where(left > 0, moves / left, np.inf)
         cranks = np.array([drives.sorts[k] == "crank" for k in drives.index])
         turned += np.where(cranks, near.slips / drives.arms, 0.0)
-        far = (
-            np.abs(near.T).max(axis=1)[:, None]
-            + np.abs(base).max(axis=-1)
-            + np.abs(arm).max(axis=-1)
-        )
-        turned = turned * _OUTWARD + _ROUNDING * (1 + far / size)
+        turned = turned * _OUTWARD + rounding
     at = drives.transmission(drives.gains(near.R, near.T, near.q))
     return at[:, drives.driven], turned[:, drives.driven]
+
+
+def cones_kept(rows: PathRows) -> bool:
+    """Return whether it is proved that all cones are kept between the rows."""
+    if not joint_cones(rows.instance):
+        return True
+    measure = cone_margins(rows.instance, None if rows.motors is None else rows.motors.drives)
+    shares = cone_shares(rows.instance, rows.R, rows.T, rows.drive_numbers())
+    return bool((_least(rows, 1 - shares.max(axis=1), measure, 0.0) >= 0).all())
+
+
+def cone_margins(instance: Instance, drives: Drives | None) -> Measure:
+    """Return the measure of cones: by how much less legs are tilted than allowed, in radians.
+
+    A leg r that changes by at most d turns by at most the angle with the sine ``d / |r|``. It is
+    seen from the body of the cone, in which only an arm turns the cone.
+    """
+    cones, a = joint_cones(instance), Arrangement.of(instance)
+    legs = [one.constraint for one in cones]
+    on_platform = np.array([one.body == "platform" for one in cones])
+    allowed = np.array([one.cone.half_angle.value for one in cones]) * a.in_radians
+
+    def measure(near: Near) -> tuple[Array, Array]:
+        placed = a.placed(near.R, near.T)
+        ends, turned = (a.x, placed.arm, placed.r), np.zeros(len(cones))
+        if drives is not None and near.q is not None and near.slips is not None:
+            ends = drives.ends(near.R, near.T, near.q)
+            cranks = np.array([drives.sorts[k] == "crank" for k in drives.index])
+            arms = (cranks & drives.driven)[legs] & (drives.on_platform[legs] == on_platform)
+            turned = np.where(arms, (near.slips / drives.arms)[:, legs], 0.0)
+        base, arm, r = (vectors[..., legs, :] for vectors in ends)
+        moves, rounding = _leg_moves(near, (base, arm, r), on_platform, a.platform_centre, legs)
+        with np.errstate(all="ignore"):
+            sine = moves / np.linalg.norm(r, axis=-1)
+            leans = np.where(sine < 1, np.arcsin(np.minimum(sine, 1.0)), np.inf)
+            changes = (leans + turned) * _OUTWARD + rounding
+        tilted = tilts(instance, near.R, near.T, near.q) * a.in_radians
+        return allowed - np.nan_to_num(tilted, nan=0.0), changes
+
+    return measure
+
+
+def _leg_moves(
+    near: Near,
+    ends: tuple[Array, Array, Array],
+    on_platform: NDArray[np.bool_],
+    centre: Array,
+    legs: slice | list[int] = _EVERY,
+) -> tuple[Array, Array]:
+    """Bound how far legs r change, and rounding errors of their directions, shapes (n, c).
+
+    Parameters
+    ----------
+    near
+        The poses.
+    ends
+        Points of the base, turned points of the platform, and r: of c legs, as `Drives.ends`.
+    on_platform
+        Which legs are seen from the platform, shape (c,); the others are from the base.
+    centre
+        Of the platform, shape (3,).
+    legs
+        The constraints of the legs.
+    """
+    base, arm, r = ends
+    turned = apply(near.R, np.broadcast_to(centre, near.T.shape))
+    own = np.linalg.norm(arm - turned[:, None], axis=-1)
+    away = np.linalg.norm((near.T + turned)[:, None] - base, axis=-1)
+    moves = near.shifts[:, None] + near.turns[:, None] * np.where(on_platform, away, own)
+    if near.slips is not None:
+        moves = moves + near.slips[:, legs]
+    far = np.abs(near.T).max(axis=1)[:, None]
+    far = far + np.abs(base).max(axis=-1) + np.abs(arm).max(axis=-1)
+    with np.errstate(divide="ignore"):
+        return moves, _ROUNDING * (1 + far / np.linalg.norm(r, axis=-1))
 
 
 class PoseParts:
@@ -296,14 +381,23 @@ class PoseParts:
         assert isinstance(rows.ways, PoseWays)
         first, last = rows.parameters[way], rows.parameters[way + 1]
         self.way, self.whole = way, way
+        self.begin, self.end = np.zeros(len(way)), np.ones(len(way))
         self._rows, self._ways, self._centre = rows, rows.ways, centre
         self._middle, self._change = (first + last) / 2, last - first
         self._away = float(np.linalg.norm(centre - rows.ways.pivot))
 
-    def near(self, part: Index, place: Array, half: float) -> Near:
-        """Return the poses in the middle of pieces, and how near the others are."""
-        change = self._change[part]
-        middle = self._middle[part] + place[:, None] * change
+    def near(self, part: Index, low: Array, high: Array) -> Near:
+        """Return the poses in the middle of pieces, and how near the others are.
+
+        Parameters
+        ----------
+        part
+            The part of each piece, shape (n,).
+        low, high
+            Between which places on its way it is, from 0 to 1, shapes (n,).
+        """
+        change, half = self._change[part], ((high - low) / 2)[:, None]
+        middle = self._middle[part] + ((low + high) / 2 - 0.5)[:, None] * change
         widths = np.abs(change) * half * _OUTWARD + _ROUNDING * np.abs(middle)
         turns = widths[:, 3:].sum(axis=1) * _OUTWARD
         shifts = (np.linalg.norm(widths[:, :3], axis=1) + turns * self._away) * _OUTWARD
@@ -326,69 +420,102 @@ class ValueParts:
 
     Parameters
     ----------
-    rows
+    moving
         The rows.
     ways
         Which ways: the indices of the rows before them, shape (w,).
-    steps
-        How many rows each way is divided into at least: parts are near to shorter chords.
     centre
         Of the platform, shape (3,).
+    steps
+        How many rows each way is divided into at least: parts are near to shorter chords.
     """
 
-    def __init__(
-        self,
-        rows: PathRows,
-        ways: Index,
-        steps: int,
-        centre: Array,
-    ) -> None:
-        followed = rows.followed()
-        assert followed is not None
-        follower, numbers = followed
+    def __init__(self, moving: MovingRows, ways: Index, centre: Array, steps: int = 1) -> None:
+        numbers, modes = moving.rows, []
         share = (np.arange(steps + 1) / steps)[:, None]
-        modes = []
         for k in ways.tolist():
             values = numbers[k] + (numbers[k + 1] - numbers[k]) * share
             values[-1] = numbers[k + 1]
-            modes.append(follower.follow(values, rows.R[k], rows.T[k], keep=True))
+            modes.append(moving.follower.follow(values, moving.R[k], moving.T[k], keep=True))
+        self._moving, self._centre = moving, centre
         self._segments = found = Segments.joined([mode.segments for mode in modes])
+        self._finer: dict[int, Index] = {}
         self.way = np.repeat(ways, [len(mode.segments.row) for mode in modes])
         #: The ways that are proved from end to end.
         self.whole = ways[[mode.reached == steps for mode in modes]]
-        # Where the segments are on their ways, from 0 to 1.
-        self._begin = (found.row + found.begin) / steps
-        self._width = (found.end - found.begin) / steps
-        self._follower, self._rows, self._centre = follower, rows, centre
+        #: Where the parts are on their ways, from 0 to 1, shapes (n,).
+        self.begin, self.end = (found.row + found.begin) / steps, (found.row + found.end) / steps
+        # How near the pose at the beginning is to the chord; 0 stands for Newton's method.
+        before = np.concatenate(([0.0], found.error[:-1] + ROUNDING))
+        self._error = np.where(self.begin > 0, before, 0.0)
 
-    def near(self, part: Index, place: Array, half: float) -> Near:
+    def near(self, part: Index, low: Array, high: Array) -> Near:
         """Return the poses in the middle of pieces, and how near the others are.
 
-        Rotations exp(w) R differ by an angle of |w - w'| at most.
+        Rotations exp(w) R differ by an angle of |w - w'| at most. Arguments as for `PoseParts`.
         """
-        segments, follower = self._segments, self._follower
-        R, T = segments.chord(part, 0.5 + place)
-        middle = np.broadcast_to(follower.middle, T.shape)
-        T = T * follower.reach + follower.origin - apply(R, middle)
+        segments, follower = self._segments, self._moving.follower
+        width = self.end[part] - self.begin[part]
+        middle, half = (low + high) / 2, (high - low) / 2 + _ROUNDING
+        R, T = self._poses(part, (middle - self.begin[part]) / width)
         d, radius = segments.d[part], segments.radius[part] + 2 * _ROUNDING
-        turns = (np.linalg.norm(d[:, :3], axis=1) * half + radius) * _OUTWARD
-        moved = (np.linalg.norm(d[:, 3:], axis=1) * half + radius) * _OUTWARD
+        turns = (np.linalg.norm(d[:, :3], axis=1) * half / width + radius) * _OUTWARD
+        moved = (np.linalg.norm(d[:, 3:], axis=1) * half / width + radius) * _OUTWARD
         away = float(np.linalg.norm(self._centre - follower.middle))
         size = float(np.linalg.norm(follower.origin) + np.linalg.norm(follower.middle))
         shifts = (moved * follower.reach + turns * away + _ROUNDING * size) * _OUTWARD
-        rows, way, width = self._rows, self.way[part], self._width[part]
         # Values and drives move linearly on the whole way.
-        numbers = rows.moving_numbers
+        way, numbers, drives = self.way[part], self._moving.numbers, self._moving.drives
         change = numbers[way + 1] - numbers[way]
-        sweep = np.abs(change) * (half * width)[:, None] * _OUTWARD
+        sweep = np.abs(change) * half[:, None] * _OUTWARD
         sweep += _ROUNDING * (np.abs(numbers[way]) + np.abs(change))
-        if rows.motors is None:
+        if drives is None:
             return Near(R, T, shifts, turns, lambda: sweep)
-        drives = rows.motors.drives
-        share = self._begin[part] + (0.5 + place) * width
-        q = numbers[way] + change * share[:, None]
+        q = numbers[way] + change * middle[:, None]
         slips = np.where(drives.driven, drives.arms * sweep[:, drives.index], 0.0)
         return Near(R, T, shifts, turns, lambda: sweep, q, slips)
+
+    def _poses(self, part: Index, share: Array) -> tuple[Array, Array]:
+        """Return poses of the chords of parts, at shares from 0 to 1 of them."""
+        follower = self._moving.follower
+        R, T = self._segments.chord(part, share)
+        middle = np.broadcast_to(follower.middle, T.shape)
+        return R, T * follower.reach + follower.origin - apply(R, middle)
+
+    def finer(self, k: int) -> Index:
+        """Follow a part again in shorter segments; return these as new parts.
+
+        Returns nothing if they are not nearer to their poses.
+        """
+        if k not in self._finer:
+            self._finer[k] = self._followed_again(k)
+        return self._finer[k]
+
+    def _followed_again(self, k: int) -> Index:
+        moving, old, begin, end = self._moving, self._segments, self.begin[k], self.end[k]
+        first, last = moving.rows[self.way[k]], moving.rows[self.way[k] + 1]
+        share = begin + (end - begin) * np.arange(_STEPS_AGAIN + 1) / _STEPS_AGAIN
+        rows = first + (last - first) * share[:, None]
+        rods = moving.follower.driven
+        rows[:, :6][:, rods] = first[:6][rods]
+        (R,), (T,) = self._poses(np.array([k]), np.zeros(1))
+        near = float(self._error[k]) * moving.follower.reach
+        mode = moving.follower.follow(rows, R, T, near, keep=True)
+        new, count = mode.segments, len(mode.segments.row)
+        if mode.reached < _STEPS_AGAIN or not (new.radius < 0.5 * old.radius[k]).all():
+            return np.zeros(0, np.int64)
+        low, high = (
+            begin + (end - begin) * (new.row + x) / _STEPS_AGAIN for x in (new.begin, new.end)
+        )
+        # The ends of neighbours agree, and those of the whole part stay.
+        low[1:] = high[:-1]
+        low[0], high[-1] = begin, end
+        error = np.concatenate((self._error[[k]], new.error[:-1] + ROUNDING))
+        self.way = np.append(self.way, np.repeat(self.way[k], count))
+        self.begin, self.end = np.append(self.begin, low), np.append(self.end, high)
+        self._error = np.append(self._error, error)
+        self._segments = Segments.joined([old, new])
+        return np.arange(len(self.way) - count, len(self.way))
 
 
 def _least(
@@ -421,14 +548,17 @@ def _least(
     centre = Arrangement.of(rows.instance).platform_centre
     ways = np.flatnonzero(~(proved >= wanted) & (ends >= wanted))
     along_poses = rows.parameters is not None
-    if not along_poses and rows.followed() is None:
+    moving = None if along_poses else rows.followed()
+    if not along_poses and moving is None:
         return proved
     for steps in (1,) if along_poses else _STEPS:
         if not 0 < len(ways) * steps < _MOST_STEPS:
             break
-        parts = (
-            PoseParts(rows, ways, centre) if along_poses else ValueParts(rows, ways, steps, centre)
-        )
+        parts: PoseParts | ValueParts
+        if moving is None:
+            parts = PoseParts(rows, ways, centre)
+        else:
+            parts = ValueParts(moving, ways, centre, steps)
         found, lost = _judged(measure, parts, ends, wanted, halvings)
         proved[ways] = np.maximum(proved, found)[ways]
         ways = ways[~((proved >= wanted) | lost)[ways]]
@@ -458,24 +588,117 @@ def _judged(
     found = np.full(len(ends), -np.inf)
     found[parts.whole] = ends[parts.whole]
     lost = np.zeros(len(ends), bool)
-    part = np.arange(len(parts.way))
-    place = np.zeros(len(part))
-    for halving in range(halvings + 1):
-        if not len(part):
-            break
-        half = 0.5 ** (halving + 1)
-        low, bounds = measure(parts.near(part, place, half))
-        lost[parts.way[part[~(low >= wanted)]]] = True
-        again = ~((bounds >= wanted) | lost[parts.way[part]])
+
+    def divide(pieces: _Pieces) -> Index:
+        part, low, high, middle, _ = pieces
+        lost[parts.way[part[~(middle >= wanted).all(axis=1)]]] = True
+        again = ~((pieces.least() >= wanted) | lost[parts.way[part]])
         if again.any() and halvings == HALVINGS:
             # Halving must help where pieces have no length.
-            _, best = measure(parts.near(part[again], place[again], 0.0))
+            here = ((low + high) / 2)[again]
+            best = _Pieces.of(measure, parts, part[again], here, here).least()
             again[np.flatnonzero(again)[~(best >= wanted)]] = False
-        last = halving == halvings or 2 * np.count_nonzero(again) > _MOST_PIECES
-        done = ~again | last
-        np.minimum.at(found, parts.way[part[done]], bounds[done])
-        if last:
-            break
-        part, place = np.repeat(part[again], 2), np.repeat(place[again], 2)
-        place = place + np.tile((-half / 2, half / 2), len(place) // 2)
+        return again.astype(np.int64)
+
+    for pieces in _divided(measure, parts, divide, halvings, _MOST_PIECES):
+        np.minimum.at(found, parts.way[pieces.part], pieces.least())
     return found, lost
+
+
+def signs(measure: Measure, parts: ValueParts, count: int) -> tuple[Array, Array, Index]:
+    """Return on which stretches of ways `count` quantities are proved to be positive or negative.
+
+    Returns
+    -------
+    tuple
+        Where each of n stretches begins and ends: rows with fractions, in order, shapes (n,). The
+        signs of the c quantities on it, 0 where none is proved, shape (n, c).
+    """
+    found = [(np.zeros(0), np.zeros(0), np.zeros((0, count), np.int64))]
+
+    def divide(pieces: _Pieces) -> Index:
+        part, low, high, middle, change = pieces
+        here = (low + high) / 2
+        # What remains of the change on a piece without length is due to the distance of the chord.
+        rest = _Pieces.of(measure, parts, part, here, here).change
+        open_ = ~(np.abs(middle) > change) & (high - low > _SHORTEST)[:, None]
+        again = np.zeros(len(part), np.int64)
+        again[(open_ & (change - rest > rest / 4)).any(axis=1)] = 1
+        for j in np.flatnonzero((open_ & (2 * rest > change)).any(axis=1)).tolist():
+            if len(parts.finer(int(part[j]))):
+                again[j] = 2
+        return again
+
+    for pieces in _divided(measure, parts, divide, _SIGN_HALVINGS, _MOST_SIGNS):
+        part, low, high, middle, change = pieces
+        sign = np.where(np.abs(middle) > change, np.sign(middle), 0).astype(np.int64)
+        found.append((parts.way[part] + low, parts.way[part] + high, sign))
+    begin, end, sign = (np.concatenate(column) for column in zip(*found, strict=True))
+    order = np.argsort(begin, kind="stable")
+    return begin[order], end[order], sign[order]
+
+
+class _Pieces(NamedTuple):
+    """Pieces of parts, and what is measured on them."""
+
+    part: Index
+    low: Array
+    high: Array
+    middle: Array
+    change: Array
+
+    @classmethod
+    def of(
+        cls, measure: Measure, parts: PoseParts | ValueParts, part: Index, low: Array, high: Array
+    ) -> _Pieces:
+        """Measure quantities on pieces."""
+        return cls(part, low, high, *measure(parts.near(part, low, high)))
+
+    def least(self) -> Array:
+        """Return lower bounds of all quantities, shape (n,)."""
+        with np.errstate(invalid="ignore"):
+            bounds: Array = (self.middle - self.change).min(axis=1)
+        return np.nan_to_num(bounds, nan=-np.inf, neginf=-np.inf, posinf=np.inf)
+
+
+def _divided(
+    measure: Measure,
+    parts: PoseParts | ValueParts,
+    divide: Callable[[_Pieces], Index],
+    halvings: int,
+    most: int,
+) -> Iterator[_Pieces]:
+    """Yield pieces that are not divided further, which together fill all parts.
+
+    Parameters
+    ----------
+    measure, parts
+        What is measured on which parts.
+    divide
+        Returns for each piece 0 if it stays, 1 if it is halved, and 2 if its part is followed
+        again in shorter segments, shape (n,).
+    halvings, most
+        How often pieces are divided, and how many there are at most.
+    """
+    part, low, high = np.arange(len(parts.way)), parts.begin, parts.end
+    for halving in range(halvings + 1):
+        if not len(part):
+            return
+        pieces = _Pieces.of(measure, parts, part, low, high)
+        again = divide(pieces)
+        last = halving == halvings or 2 * np.count_nonzero(again) > most
+        done = (again == 0) | last
+        yield _Pieces(*(column[done] for column in pieces))
+        if last:
+            return
+        halved, middle = again == 1, (low + high) / 2
+        new = [(part[halved], low[halved], middle[halved])]
+        new.append((part[halved], middle[halved], high[halved]))
+        for j in np.flatnonzero(again == 2).tolist():
+            assert isinstance(parts, ValueParts)
+            finer = parts.finer(int(part[j]))
+            begin = np.maximum(parts.begin[finer], low[j])
+            end = np.minimum(parts.end[finer], high[j])
+            there = begin < end
+            new.append((finer[there], begin[there], end[there]))
+        part, low, high = (np.concatenate(column) for column in zip(*new, strict=True))

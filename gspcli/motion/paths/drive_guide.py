@@ -16,13 +16,13 @@ from gspcli.geometry.coordinates import choose
 from gspcli.geometry.enclosures import OUT
 from gspcli.motion.following.branch_follower import FollowOptions
 from gspcli.motion.following.branch_runs import Run
-from gspcli.motion.following.limit_events import limit_events
 from gspcli.motion.following.moving_geometry import MovingGeometry
 from gspcli.motion.following.row_instances import over_rows
 from gspcli.motion.following.tracks import Track
 from gspcli.motion.paths.between import PathRows
 from gspcli.motion.paths.ends import PathEnd
 from gspcli.motion.paths.guides import GuideRows, RowsOnWay, on_polygon
+from gspcli.motion.paths.limit_events import limit_events
 from gspcli.motion.paths.motors import Motors
 from gspcli.motion.paths.pose_ways import PoseWays
 from gspcli.motion.paths.value_ways import ValueWays

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from gspcli.geometry.limits import within_limits
 from gspcli.motion.collisions.compared import ComparedShapes
-from gspcli.motion.paths.between import PathRows, least_clearances, least_gaps
+from gspcli.motion.paths.between import PathRows, cones_kept, least_clearances, least_gaps
 from gspcli.motion.paths.pose_ways import PoseWays
 from gspcli.motion.paths.value_ways import ValueWays
 from gspcli.motion.poses.inverse_kinematics import values_at
@@ -154,11 +154,11 @@ class ValueGuide:
             return None
         if self.last is not None and not self.ways.same(points[-1], self.last):
             return None
-        if not self.ways.cones_kept(values, points):
-            return None
         R, T = self.ways.poses(points)
         proofs = _shared(int(found.parts[0]), np.bincount(part[:-1]))
         between = PathRows(self.ways, values, R, T)
+        if not cones_kept(between):
+            return None
         trace = GuideRows(part, fraction, values, R, T, proofs, between)
         return trace if trace.keeps(self.clear, self.gap) else None
 

@@ -13,8 +13,8 @@ from gspcli.geometry.coordinates import choose
 from gspcli.geometry.frames import PoseFrame
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.limits import joint_cones, out_of_cone, out_of_motor_range, out_of_range
-from gspcli.motion.following.limit_event import LimitEvent
 from gspcli.motion.following.tracks import Event, Track
+from gspcli.motion.paths.limit_events import LimitEvent
 from gspcli.motion.paths.motors import Motors
 from gspcli.motion.paths.pose_ways import PoseWays, WayProof
 from gspcli.motion.poses.inverse_kinematics import refusals, values_at

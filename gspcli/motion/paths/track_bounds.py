@@ -11,7 +11,6 @@ from gspcli.geometry.coordinates import coordinates, moved
 from gspcli.geometry.drives import Drives, arms_of
 from gspcli.geometry.frames import PoseFrame
 from gspcli.geometry.readings import without_corrections
-from gspcli.motion.following.drive_events import drive_rows
 from gspcli.motion.following.moving_geometry import MovingGeometry
 from gspcli.motion.following.tracks import Track
 from gspcli.motion.paths.between import (
@@ -21,6 +20,7 @@ from gspcli.motion.paths.between import (
     least_gaps,
     least_transmissions,
 )
+from gspcli.motion.paths.limit_events import drive_rows
 from gspcli.motion.paths.motors import Motors
 from gspcli.motion.paths.pose_ways import PoseWays
 from gspcli.motion.paths.value_ways import ValueWays

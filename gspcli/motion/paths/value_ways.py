@@ -25,7 +25,6 @@ from gspcli.motion.following.branch_follower import (
     apart,
 )
 from gspcli.motion.following.branch_runs import SAME
-from gspcli.motion.following.cone_limits import ConeProofs, covered
 from gspcli.motion.following.followed_rows import RowFollower
 from gspcli.motion.poses.inverse_kinematics import values_at
 
@@ -116,19 +115,6 @@ class ValueWays:
         kept = np.asarray(self.kept(values)).all(axis=1)
         there = np.asarray(found.stop == Stop.END) & np.asarray(kept)[which]
         return Arrived(there, found.points, found.segments)
-
-    def cones_kept(self, values: Array, points: Array) -> bool:
-        """Whether it is proved that a mode keeps all cones along a way of r rows.
-
-        Parameters
-        ----------
-        values, points
-            The rows, shape (r, 6), and the Study points of the mode there, shape (r, 8).
-        """
-        if not self.cones:
-            return True
-        proofs = ConeProofs(self.platform.instance, (), values)
-        return covered(proofs.stretches(*self.poses(points[None]))[0], len(values))
 
     @staticmethod
     def same(a: Array, b: Array) -> NDArray[np.bool_]:

@@ -9,21 +9,36 @@ import pytest
 
 import gspcli
 from gspcli.catalogue.kinds import DPH
-from gspcli.geometry.coordinates import choose, moved
+from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.coordinates import choose
 from gspcli.geometry.drives import Drives
 from gspcli.geometry.instance import Side
 from gspcli.geometry.limits import joint_cones, tilts
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Cone
-from gspcli.geometry.quaternions import quaternion_from_rotation, rotation_from_vector
+from gspcli.geometry.quaternions import (
+    quaternion_from_rotation,
+    rotation_from_vector,
+    vector_from_rotation,
+)
 from gspcli.motion import measure, track
 from gspcli.motion.following.branch_follower import FollowOptions
-from gspcli.motion.following.cone_limits import ConeProofs, _Part
-from gspcli.motion.following.limit_events import _pieces, limit_events
+from gspcli.motion.following.followed_rows import RowFollower
 from gspcli.motion.following.limit_numbers import limit_numbers
 from gspcli.motion.following.limit_search import MARGIN, LimitSearch
 from gspcli.motion.following.platform_numbers import platform_numbers
+from gspcli.motion.following.tracks import Track
 from gspcli.motion.following.trajectories import track_from
+from gspcli.motion.paths.between import (
+    MovingRows,
+    Near,
+    PathRows,
+    ValueParts,
+    cone_margins,
+    cones_kept,
+)
+from gspcli.motion.paths.limit_events import limit_events
+from gspcli.motion.paths.value_ways import ValueWays
 from tests.support.independent_machines import Machine, machines
 from tests.support.limited import limited, one_leg, study
 
@@ -183,6 +198,10 @@ def test_a_cone_that_is_left_between_two_rows_that_keep_it_is_seen():
     events = limit_events(track_from(machine, values, R[:1], T[:1]))
     assert [(event.constraint, event.leaves) for event in events] == [(0, True), (0, False)]
     assert all(1 < event.low < event.high < 2 for event in events)
+    assert not cones_kept(PathRows(ValueWays(machine, np.ones(6)), values, R, T))
+    base = replace(first.base, cone=gspcli.Cone(halfway.tolist(), 60))
+    wide = replace(machine, constraints=(replace(first, base=base), *machine.constraints[1:]))
+    assert cones_kept(PathRows(ValueWays(wide, np.ones(6)), values, R, T))
 
 
 @pytest.mark.parametrize(
@@ -228,73 +247,120 @@ def test_signed_distances_cross_ranges_on_their_side(side, changes):
         limits=(Number.of("0.5"), Number.of("1.5")),
     )
     machine = replace(machine, constraints=(planar, *machine.constraints[1:]))
-    times, outside = _pieces(machine, 0, np.array([0.0, 4]), np.array([-2.0, 1]))
-    found, state = {}, False
-    for time, now in zip(times, outside, strict=True):
-        if now != state:
-            found[time], state = now, now
+    rows = np.ones((2, 6))
+    rows[:, 0] = -2, 1
+    poses = np.full((1, 2, 3, 3), np.nan), np.full((1, 2, 3), np.nan)
+    path = Track(
+        machine, machine, np.array([0.0, 4]), rows, np.ones(1, int), *poses, True, (), None, 0
+    )
+    found = {event.low: event.leaves for event in limit_events(path) if event.constraint == 0}
     assert list(found.values()) == list(changes.values())
     assert list(found) == pytest.approx(list(changes))
 
 
-@pytest.mark.parametrize("wide", [1.0, 0.25])
-@pytest.mark.parametrize("name", ["study", "arms"])
-def test_heights_of_legs_on_a_part_are_within_their_bounds(name, wide):
-    """Along cones of the base, of the platform and of arms, while the platform turns."""
+def near_poses(name, moved):
+    """A machine with cones, and poses near which something moves: `Near` without the drives."""
     rng = np.random.default_rng(1)
+    machine = study() if name == "study" else gspcli.example("t-top-head")
+    constraints = []
+    for row in machine.constraints:
+        cone = gspcli.Cone(rng.normal(size=3).tolist(), 80)
+        base = replace(row.base, cone=cone)
+        platform = replace(row.platform, cone=gspcli.Cone(rng.normal(size=3).tolist(), 70))
+        constraints.append(replace(row, base=base, platform=platform))
+    machine = replace(machine, constraints=tuple(constraints))
     if name == "study":
-        machine, chosen = study(), ()
-        R, T = np.eye(3), np.array([0, 0, 60.0])
+        R, T, drives = np.eye(3), np.array([0, 0, 60.0]), None
+    else:
+        solved = gspcli.solve(gspcli.example("t-top-head"))
+        R, T = (x[solved.real][0].real for x in (solved.R, solved.T))
+        drives = Drives.of(machine)
+    return machine, R, T, drives, rng
+
+
+@pytest.mark.parametrize(
+    ("name", "moved", "reached"),
+    [
+        ("study", "shift", 0.9),
+        ("study", "turn", 0.5),
+        ("arms", "shift", 0.9),
+        ("arms", "turn", 0.5),
+        ("arms", "drive", 0.5),
+    ],
+)
+def test_cones_lean_by_no_more_than_their_measure_says(name, moved, reached):
+    """The platform only shifts, only turns about its centre, or only the arms turn."""
+    machine, R, T, drives, rng = near_poses(name, moved)
+    a, size = Arrangement.of(machine), 0.02
+    shift = size * a.length if moved == "shift" else 0.0
+    turn = size if moved == "turn" else 0.0
+    angle = size if moved == "drive" else 0.0
+    zero = np.zeros(1)
+    near = Near(R[None], T[None], zero + shift, zero + turn, lambda: np.zeros((1, 6)))
+    if drives is not None:
+        slips = np.where(drives.driven, drives.arms * angle, 0.0)[None]
+        near = near._replace(q=np.zeros((1, drives.count)), slips=slips)
+    measure = cone_margins(machine, drives)
+    middle, change = measure(near)
+    largest = np.zeros_like(middle)
+    for _ in range(400):
+        axes = rng.normal(size=(2, 3))
+        axes /= np.linalg.norm(axes, axis=1, keepdims=True)
+        there = rotation_from_vector(turn * axes[0]) @ R
+        place = T + (R - there) @ a.platform_centre + shift * axes[1]
+        q = None if drives is None else angle * rng.choice([-1, 1], (1, drives.count))
+        exact = Near(there[None], place[None], zero, zero, near.changes)
+        if q is not None:
+            exact = exact._replace(q=q, slips=np.zeros((1, 6)))
+        largest = np.maximum(largest, np.abs(measure(exact)[0] - middle))
+    assert (largest <= change).all()
+    assert (largest / change).max() > reached
+
+
+@pytest.mark.parametrize("moved", ["values", "drives"])
+def test_pieces_of_a_way_are_as_near_as_they_say(moved):
+    """Angles, shifts and slips of arms between two rows, and parts that are followed again."""
+    rng = np.random.default_rng(2)
+    machine, R, T, drives, _ = near_poses("study" if moved == "values" else "arms", "")
+    chosen, values = (), np.array([row.value.value for row in machine.constraints])
+    if drives is None:
         goal = rotation_from_vector([0.1, -0.2, 0.15]) @ R, T + np.array([10, -8, 6])
         rows = np.stack((measure(machine, R, T), measure(machine, *goal)))
+        numbers = rows
     else:
-        head = gspcli.example("t-top-head")
-        constraints = []
-        for row in head.constraints:
-            cone = gspcli.Cone(rng.normal(size=3).tolist(), 80)
-            base = replace(row.base, cone=cone)
-            platform = replace(row.platform, cone=gspcli.Cone(rng.normal(size=3).tolist(), 70))
-            constraints.append(replace(row, base=base, platform=platform))
-        machine = replace(head, constraints=tuple(constraints))
         chosen = choose(machine, [f"crank.B{k}" for k in range(1, 7)])
-        solved = gspcli.solve(head)
-        R, T = (x[solved.real][0].real for x in (solved.R, solved.T))
-        values = [row.value.value for row in machine.constraints]
-        rows = np.column_stack(([values, values], [np.zeros(6), 20 * rng.normal(size=6)]))
-    proofs = ConeProofs(machine, chosen, rows)
-    mode = proofs.follower.follow(rows, R, T, keep=True)
-    assert mode.reached == 1
-    segments, largest = mode.segments, 0.0
-    length = proofs.follower.reach
-    for k in range(len(segments.row)):
-        size = wide * (segments.end[k] - segments.begin[k])
-        begin = segments.begin[k]
-        part = _Part(segments, k, begin, begin + size, 0.0)
-        _, change, lost, _ = proofs._states(0, part)
-        half = np.array([_height(proofs, rows, begin + size / 2, R, T)]).ravel() / length
-        for s in (0.0, 0.3, 1.0):
-            there = np.array(_height(proofs, rows, begin + s * size, R, T)) / length
-            moved = np.abs(there - half)
-            assert (moved <= change + 2 * lost).all()
-            largest = max(largest, (moved / (change + 2 * lost)).max())
-    assert largest > 0.1
+        rows = np.column_stack(([values, values], [np.zeros(6), 8 * rng.normal(size=6)]))
+        numbers = np.deg2rad(rows[:, 6:])
+    follower = RowFollower(machine, chosen)
+    moving = MovingRows(follower, rows, R[None], T[None], numbers, drives)
+    centre = Arrangement.of(machine).platform_centre
+    parts = ValueParts(moving, np.arange(1), centre)
+    assert parts.whole.tolist() == [0]
+    finer = parts.finer(0)
+    assert len(finer) > 1
+    assert (parts.begin[finer][0], parts.end[finer][-1]) == (parts.begin[0], parts.end[0])
 
+    def at(s):
+        mode = follower.follow(np.stack((rows[0], rows[0] + s * (rows[1] - rows[0]))), R, T)
+        assert mode.reached == 1
+        return mode.R[1], mode.T[1]
 
-def _height(proofs, rows, s, R, T):
-    """The heights of legs along the axes of their cones, less those at their edges."""
-    ends = np.stack((rows[0], rows[0] + s * (rows[1] - rows[0])))
-    mode = proofs.follower.follow(ends, R, T)
-    assert mode.reached == 1
-    instance = proofs.instance
-    if rows.shape[1] > 6:
-        chosen = choose(instance, [f"crank.B{k}" for k in range(1, 7)])
-        instance = moved(instance, chosen, ends[1, 6:])
-    R, T = mode.R[1], mode.T[1]
-    found = []
-    for joint in joint_cones(instance):
-        row = instance.constraints[joint.constraint]
-        leg = R @ row.platform.point + T - row.base.point
-        axis = joint.cone.unit if joint.body == "base" else -(R @ joint.cone.unit)
-        edge = np.cos(np.radians(joint.cone.half_angle.value))
-        found.append(leg @ axis - edge * np.linalg.norm(leg))
-    return found
+    part = np.concatenate((np.arange(3), finer[:3]))
+    width = parts.end[part] - parts.begin[part]
+    low, high = parts.begin[part] + width / 4, parts.end[part]
+    near = parts.near(part, low, high)
+    nearest = []
+    for k in range(len(part)):
+        for share in (0.0, 0.3, 1.0):
+            s = low[k] + share * (high[k] - low[k])
+            there, place = at(s)
+            shift = np.linalg.norm((place + there @ centre) - (near.T[k] + near.R[k] @ centre))
+            turn = np.linalg.norm(vector_from_rotation(there @ near.R[k].T))
+            nearest.append((shift / near.shifts[k], turn / near.turns[k]))
+            if drives is not None:
+                q = numbers[0] + s * (numbers[1] - numbers[0])
+                slips = drives.arms * np.abs(q - near.q[k])[drives.index]
+                assert (slips <= near.slips[k]).all()
+                assert share == 0.3 or (slips > 0.999 * near.slips[k] - 1e-12).all()
+    assert np.max(nearest) <= 1
+    assert np.max(nearest, axis=0) == pytest.approx(1, abs=0.4)

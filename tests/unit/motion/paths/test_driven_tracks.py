@@ -204,14 +204,17 @@ def test_joints_on_a_piece_of_a_way_of_drives_are_as_near_as_is_said():
     rows, *_ = rows_and_samples("reachy-mini-head", "drives")
     drives = rows.motors.drives
     centre = Arrangement.of(rows.instance).platform_centre
-    parts = ValueParts(rows, np.array([0]), 4, centre)
+    parts = ValueParts(rows.followed(), np.array([0]), centre, 4)
     which = np.arange(len(parts.way))
-    middle = parts.near(which, np.zeros(len(which)), 0.5)
+    low, high = parts.begin, parts.end
+    middle = parts.near(which, low, high)
     assert (middle.slips > 0).all()
     for place in (-0.5, -0.2, 0.4, 0.5):
-        there = parts.near(which, np.full(len(which), place), 0.0)
+        here = (low + high) / 2 + place * (high - low)
+        there = parts.near(which, here, here)
         moved = np.linalg.norm(drives.points(there.q) - drives.points(middle.q), axis=-1)
         assert (moved <= middle.slips).all()
         assert (moved > 0.3 * abs(place) * middle.slips).all()
-    ends = parts.near(which[[0, -1]], np.array([-0.5, 0.5]), 0.0).q
+    first_and_last = np.array([0.0, 1.0])
+    ends = parts.near(which[[0, -1]], first_and_last, first_and_last).q
     assert ends == pytest.approx(rows.numbers[[0, 1]], abs=1e-12)

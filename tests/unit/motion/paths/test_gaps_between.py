@@ -128,5 +128,7 @@ def test_weaker_bounds_are_noticed(monkeypatch):
         sampled.append(compared.bounds(*rows.ways.poses(first + (last - first) * parts)).high.min())
     least = np.array(sampled)
     assert (least_gaps(rows, -1e9)[1] <= least).all()
-    monkeypatch.setattr(ComparedShapes, "moves", lambda self, *_: np.zeros((1, 1)))
+    monkeypatch.setattr(
+        ComparedShapes, "moves", lambda self, shifts, *_: np.zeros((len(shifts), 1))
+    )
     assert (least_gaps(rows, -1e9)[1] > least + 1e-3).any()

@@ -14,10 +14,10 @@ from gspcli.geometry.limits import within_limits
 from gspcli.geometry.numbers import Number
 from gspcli.motion import mode_groups
 from gspcli.motion.following.departures import departures
-from gspcli.motion.following.limit_events import limit_events
 from gspcli.motion.following.trajectories import track_from
 from gspcli.motion.paths import planner
 from gspcli.motion.paths.guides import ValueGuide
+from gspcli.motion.paths.limit_events import limit_events
 
 
 def checked(found):

@@ -7,6 +7,7 @@ import pytest
 
 import gspcli
 from gspcli.geometry.limits import out_of_cone
+from gspcli.motion.paths.between import PathRows, cones_kept
 from gspcli.motion.paths.ends import Modes
 from gspcli.motion.paths.sheets import Sheet, whole_sheet
 from gspcli.motion.paths.value_ways import ValueWays
@@ -75,7 +76,8 @@ def test_cones_are_kept_on_the_whole_way():
             continue
         R, T = ways.poses(found.points[0])
         inside = not out_of_cone(instance, R, T).any()
-        proved = ways.cones_kept(rows[[0, -1]], found.points[0][[0, -1]])
+        ends = PathRows(ways, rows[[0, -1]], R[[0, -1]], T[[0, -1]])
+        proved = cones_kept(ends)
         kept, left = kept + proved, left + (not inside)
         assert inside or not proved
     assert kept
