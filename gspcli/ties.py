@@ -30,6 +30,21 @@ def first_smallest(values: ArrayLike) -> NDArray[np.int64]:
     return first_largest(-np.asarray(values, float))
 
 
+def ascending(values: ArrayLike, alike: float = ALIKE) -> NDArray[np.int64]:
+    """Return indices in ascending order of the numbers, but of those equal to the least by theirs.
+
+    Parameters
+    ----------
+    values
+        None is negative or NaN, shape (n,).
+    alike
+        Numbers that exceed the least by less than this part of it are equal to it.
+    """
+    given = np.asarray(values, float)
+    least = given.min(initial=np.inf)
+    return np.argsort(np.where(given <= least * (1 + alike), least, given), kind="stable")
+
+
 def definite_signs(vector: Field) -> NDArray[np.float64]:
     """Return 1 or -1 for each entry of a real vector; rounding errors about zero have 1."""
     return np.where(vector < -ALIKE * np.abs(vector).max(initial=0.0), -1.0, 1.0)

@@ -4,16 +4,17 @@ The distance of two sets of values, or of drives, is the largest difference of o
 weight. A clearance of r means that all together may change by up to r times their weights, in any
 combination.
 
-Of values the lower bound is proved: up to it the pose has exactly one continuation, which is
-regular. The upper bound is the nearest fold that was found by following the mode with proof.
-Of drives two numbers are proved: the same, and up to where no drive comes to a dead point, so that
-all keep their knees. The nearest fold and the nearest dead point that were found bound them:
-numbers, not proofs.
+The lower bound is proved: up to it the pose has exactly one continuation, which is regular. Of
+drives a second number is proved: up to where no drive comes to a dead point, so that all keep their
+knees. For the upper bound the mode is followed with proof along straight lines to the corners of
+the box until it is singular. Of values that is a proved fold; of drives it is not proved, and
+neither is the nearest dead point that was found.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from itertools import product
@@ -23,31 +24,23 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gspcli.certification.poses.multiple import nearly_parallel
-from gspcli.defaults import SEED
 from gspcli.errors import ArgumentError
-from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.checking import value_range
+from gspcli.geometry.coordinates import BODIES, coordinates
 from gspcli.geometry.drives import Drives, is_driven
 from gspcli.geometry.instance import Instance
-from gspcli.geometry.measurement import measured
-from gspcli.geometry.quaternions import rotation_from_quaternion
 from gspcli.geometry.readings import readings_of
+from gspcli.geometry.residuals import condition_numbers
 from gspcli.motion.following.branch_follower import MovingPlatform, Stop, apart
+from gspcli.motion.following.followed_rows import FollowedMode, RowFollower
 from gspcli.motion.following.row_instances import over_rows
-from gspcli.motion.following.tracks import Event
 from gspcli.motion.following.trajectories import track_from
-from gspcli.motion.poses.inverse_kinematics import (
-    checked_poses,
-    drive_values,
-    measure,
-    value_slopes,
-    values_at,
-)
+from gspcli.motion.poses.inverse_kinematics import checked_poses, drive_values, measure, values_at
 from gspcli.motion.singularities.neighbourhoods import DrivenNeighbourhood, Neighbourhood
 from gspcli.motion.singularities.pose_clearances import PoseClearance, pose_clearance
 from gspcli.progress import Progress, silent
 from gspcli.records import EqualByContent, dataclass
-from gspcli.ties import ALIKE, definite_signs, definite_vectors, first_smallest
+from gspcli.ties import ascending, first_smallest
 from gspcli.wording import counted
 
 if TYPE_CHECKING:
@@ -56,27 +49,50 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-#: Halvings of the interval in which the clearance is sought, after a first estimate.
+#: Halvings of the interval in which the clearance of values is sought, after a first estimate.
 _HALVINGS = 7
 _REFINEMENTS = 7
 #: Straight lines of values and drives are followed up to this many weights.
 _FARTHEST = 1e3
+#: The first length of lines in proved clearances, the least, and how it grows.
+_FIRST, _LEAST, _GROWTH = 8, 1e-6, 8
 #: The part of the way to the end of a range up to which a mode is followed.
 _SHORT = 1 - 1e-6
-#: Lines are followed this much farther than to the nearest fold, since symmetric ones are as near.
-_BEYOND = 1 + 1e-6
-#: First directions of the search for the nearest singularity, and rounds that improve each.
-_STARTS, _MANY_STARTS, _ROUNDS = 6, 30, 6
-#: Halvings of the interval of a clearance, and the ratio of its ends that suffices.
+#: Lines that end at lengths which differ by less than this part are equally long.
+_EQUAL = 1e-6
+#: Halvings of the interval of a clearance of drives, and the ratio of its ends that suffices.
 _DRIVE_HALVINGS, _CLOSE = 60, 1.002
-#: Steps along a line of drives: the first in clearances, their growth, and the least relatively.
-_FIRST, _GROWTH, _LEAST, _STEPS = 1.0, 1.5, 1e-7, 400
-#: Folds of drives whose distances differ by less than this part are equally near.
-_NEAR = 4 * _LEAST
-#: Iterations of Newton's method, its residual, and the farthest that a step may move the pose.
-_ITERATIONS, _RESIDUAL, _JUMP = 8, 1e-11, 0.1
+#: Parts into which lines are divided for dead points, and how sharply these are found.
+_PARTS, _SHARP = 16, 1e-9
+#: From poses of a line of drives this part of it before its end the end is extrapolated.
+_BEFORE = 1e-4
+#: The corners of a box of values.
+_CORNERS = np.array(list(product((1.0, -1.0), repeat=6)))
 #: The quantities that may change.
 KINDS = ("values", "drives", "pose")
+
+
+def default_kind(instance: Instance) -> str:
+    """Return the quantity that changes by default: drives where motors move points, else values."""
+    return "drives" if is_driven(instance) else "values"
+
+
+def range_weights(instance: Instance) -> Array | None:
+    """Return half the ranges of the values, shape (6,); None unless each constraint has one."""
+    limits = [constraint.limits for constraint in instance.constraints]
+    spans = [(high.value - low.value) / 2 for low, high in (pair for pair in limits if pair)]
+    return np.array(spans) if len(spans) == len(limits) and min(spans) > 0 else None
+
+
+def drive_weights(instance: Instance) -> tuple[Array, bool]:
+    """Return the weights of the drives, lengths and radians, shape (m,).
+
+    Also whether they are half the ranges; otherwise they are one in the unit of each drive.
+    """
+    drives = Drives.of(instance)
+    half = (drives.high - drives.low) / 2
+    ranged = bool(np.isfinite(half).all() and (half > 0).all())
+    return (half if ranged else drives.units.copy()), ranged
 
 
 def clearances(
@@ -116,13 +132,6 @@ def clearances(
     return low
 
 
-def range_weights(instance: Instance) -> Array | None:
-    """Return half the ranges of the values, shape (6,); None unless each constraint has one."""
-    limits = [constraint.limits for constraint in instance.constraints]
-    spans = [(high.value - low.value) / 2 for low, high in (pair for pair in limits if pair)]
-    return np.array(spans) if len(spans) == len(limits) and min(spans) > 0 else None
-
-
 def _weights(given: ArrayLike | None) -> Array:
     weights = np.ones(6) if given is None else np.asarray(given, float)
     if weights.shape != (6,) or not (np.isfinite(weights) & (weights > 0)).all():
@@ -144,293 +153,6 @@ def _estimate(near: Neighbourhood, widths: Array) -> Array:
     return 1.5 * size
 
 
-@dataclass(frozen=True, eq=False)
-class Clearance:
-    """Bounds of the clearance of one mode.
-
-    Attributes
-    ----------
-    lower
-        Proved lower bound: nothing singular is nearer.
-    upper
-        The distance of a fold of this mode, or of the end of the range of a value; infinite if
-        neither was found.
-    values
-        The values there, shape (6,), or None.
-    fold
-        The fold, the last point of the straight line of values to there; None if there is none.
-    end
-        The index of the constraint whose value is at an end of its range, such as a distance of
-        zero; None for a fold.
-    """
-
-    lower: float
-    upper: float
-    values: Array | None
-    fold: Event | None
-    end: int | None = None
-
-    @property
-    def ratio(self) -> float:
-        """Upper bound by lower bound."""
-        return self.upper / self.lower if self.lower > 0 else np.inf
-
-
-def each_clearance(
-    instance: Instance,
-    R: Array,
-    T: Array,
-    *,
-    weights: ArrayLike | None = None,
-    refine: bool = False,
-    seed: int = SEED,
-    progress: Progress = silent,
-) -> list[Clearance]:
-    """Return proved bounds of the clearance of each of some poses.
-
-    For the upper bound the mode is followed along straight lines of values until it ends in a
-    fold, or until a value reaches the end of its range, such as a distance of zero. At the nearest
-    fold the change of the values has the signs of the left null vector of the Jacobian matrix. So
-    each fold gives a better direction; several first directions are tried.
-
-    Parameters
-    ----------
-    instance
-        Geometry and units; its values are not used.
-    R, T
-        The poses, shapes (n, 3, 3) and (n, 3).
-    weights
-        As for `clearances`.
-    refine
-        Whether to prove the box in 64 parts and to try more directions, which takes some seconds
-        a pose.
-    seed
-        The seed of the random directions.
-    progress
-        Receives each pose that is done.
-
-    Notes
-    -----
-    One call of the kernel follows the lines of all poses. Only the modes that do not reach the end
-    of a line are followed one by one.
-    """
-    if not len(R):
-        return []
-    units = _weights(weights)
-    lowers = clearances(instance, R, T, weights=units)
-    starts = _MANY_STARTS if refine else _STARTS
-    searches = [
-        _search(instance, R[k], T[k], units, float(lowers[k]), starts, seed) for k in range(len(R))
-    ]
-    found: dict[int, Clearance] = {}
-    # What is sent to each search next: None first, then whether the mode reaches the end of a line.
-    answers: dict[int, bool | None] = dict.fromkeys(range(len(R)))
-    steps = iter(progress(range(len(R)), total=len(R), label="poses"))
-    while answers:
-        lines: dict[int, Array] = {}
-        for k, answer in answers.items():
-            try:
-                lines[k] = searches[k].send(answer)
-            except StopIteration as end:
-                found[k] = end.value
-                if refine:
-                    found[k] = _refined(instance, R[k], T[k], units, found[k])
-                next(steps, None)
-        answers = dict(zip(lines, _reach_ends(instance, R, T, lines), strict=True))
-    next(steps, None)
-    return [found[k] for k in range(len(R))]
-
-
-def _reach_ends(
-    instance: Instance, R: Array, T: Array, lines: dict[int, Array]
-) -> list[bool | None]:
-    """Return whether modes reach the ends of lines of values, by the indices of their poses."""
-    if not lines:
-        return []
-    ends, chosen = np.array(list(lines.values())), list(lines)
-    platform = MovingPlatform(over_rows(instance, ends.reshape(-1, 6)))
-    followed = platform.follow(
-        platform.internal(ends), np.arange(len(ends)), platform.points(R[chosen], T[chosen])
-    )
-    return [bool(stop == Stop.END) for stop in followed.stop]
-
-
-def _refined(instance: Instance, R: Array, T: Array, units: Array, found: Clearance) -> Clearance:
-    if not np.isfinite(found.upper) or found.lower == 0:
-        return found
-    values = values_at(instance, R, T)
-    better = _in_octants(instance, values, R, T, units, found.lower, found.upper)
-    return replace(found, lower=better)
-
-
-def _search(
-    instance: Instance, R: Array, T: Array, units: Array, lower: float, starts: int, seed: int
-) -> Generator[Array, bool | None, Clearance]:
-    """Look for the nearest fold of one pose; return it with the bounds.
-
-    The generator yields lines of values (2, 6), and receives whether the mode reaches the end. Of
-    folds that are equally near but for rounding errors the first is taken.
-    """
-    values = values_at(instance, R, T)
-    best = _range_end(instance, values, units, lower)
-    room = best.upper * _SHORT
-    if lower == 0:
-        # No branch leads away from a singular pose.
-        return best
-    seen: set[tuple[int, ...]] = set()
-    for signs in _directions(instance, R, T, units, starts, seed):
-        for _ in range(_ROUNDS):
-            key = tuple(signs.astype(int).tolist())
-            if key in seen:
-                break
-            seen.add(key)
-            most = min(best.upper * _BEYOND, room)
-            first = min(most, max(8 * lower, 1e-6)) if best.fold is None else most
-            found = yield from _along(instance, values, R, T, signs * units, first, most)
-            if found is None:
-                break
-            size, fold, following = found
-            if size < best.upper * (1 - ALIKE):
-                best = Clearance(lower, size, values + size * signs * units, fold)
-            signs = following
-    return best
-
-
-def _in_octants(
-    instance: Instance, values: Array, R: Array, T: Array, units: Array, low: float, high: float
-) -> float:
-    """Return a better lower bound: the box is proved as 64 boxes with a corner at the values.
-
-    The mode is followed with proof to the centre of each small box, within this box. A small box
-    has one regular solution for all its values, and it is the mode at the centre. Regular solutions
-    that agree at one point agree along the whole way, so it is the mode at the common corner, too.
-    For the same reason small boxes have the same solutions on common faces.
-    """
-    platform = MovingPlatform(apart(instance))
-    signs = np.array(list(product((1.0, -1.0), repeat=6)))
-    widths = platform.internal(units)
-    centre = platform.internal(values)
-    pose = platform.points(R[None], T[None])
-    for _ in range(_REFINEMENTS):
-        size = (low + high) / 2
-        ends = np.stack(
-            (np.broadcast_to(centre, signs.shape), centre + size / 2 * signs * widths), axis=1
-        )
-        followed = platform.follow(ends, np.arange(len(signs)), np.repeat(pose, len(signs), axis=0))
-        proved = bool((followed.stop == Stop.END).all())
-        if proved:
-            near = Neighbourhood(platform, followed.points[:, -1], ends[:, 1])
-            proved = bool((near.box(size / 2 * widths * (1 + 1e-12)).measure < 1).all())
-        low, high = (size, high) if proved else (low, size)
-    return low
-
-
-def _directions(
-    instance: Instance, R: Array, T: Array, units: Array, starts: int, seed: int
-) -> Iterator[Array]:
-    """Yield corners of the box of values to go to first, vectors of signs, shape (6,)."""
-    arrangement = Arrangement.of(instance)
-    rows = value_slopes(arrangement, R, T) / units[:, None]
-    rows[:, :3] /= arrangement.length
-    left, sizes, _ = np.linalg.svd(rows)
-    left = definite_vectors(sizes, left)
-    rng = np.random.default_rng(seed)
-    for k in range(starts):
-        vector = left[:, -1 - k // 2] if k < 6 else rng.normal(size=6)
-        sense = 1 if k % 2 else -1
-        yield definite_signs(vector) * sense
-        # Where an entry is zero, as for symmetric platforms, the other sign is tried, too.
-        yield -definite_signs(-vector) * sense
-
-
-def _range_end(instance: Instance, values: Array, units: Array, lower: float) -> Clearance:
-    """Return the largest change of values: up to the nearest end of the range of a kind."""
-    ranges = [value_range(row.kind, instance.units.angle) for row in instance.constraints]
-    ends = np.array(ranges)
-    rooms = np.abs(ends - values[:, None]) / units[:, None]
-    k, which = np.unravel_index(int(first_smallest(rooms.ravel())), rooms.shape)
-    size = float(rooms[k, which])
-    if np.isinf(size):
-        return Clearance(lower, np.inf, None, None)
-    there = values.copy()
-    there[k] = ends[k, which]
-    return Clearance(lower, size, there, None, int(k))
-
-
-def _along(
-    instance: Instance, values: Array, R: Array, T: Array, step: Array, reach: float, most: float
-) -> Generator[Array, bool | None, tuple[float, Event, Array] | None]:
-    """Return the distance of the fold on a line of values, the fold, and the next signs to try.
-
-    The search goes up to ``reach`` first, and then up to ``most`` if nothing was found. It yields
-    lines of values as `_search` does.
-    """
-    while True:
-        ends = np.stack((values, values + reach * step))
-        reaches_end = yield ends
-        if not reaches_end:
-            found = track_from(instance, ends, R[None], T[None])
-            if found.events:
-                break
-        if reach == most or reach > _FARTHEST:
-            return None
-        reach = min(8 * reach, most)
-    (event,) = found.events
-    if event.kind != "fold":
-        return None
-    rows = value_slopes(Arrangement.of(instance), event.R, event.T)
-    normal = np.linalg.svd(rows)[0][:, -1]
-    outward = normal * np.sign(normal @ step)
-    return (event.high - 1) * reach, event, definite_signs(outward)
-
-
-@dataclass(frozen=True, eq=False)
-class DriveClearance:
-    """Bounds of the clearance of one pose in its drives.
-
-    Attributes
-    ----------
-    lower
-        Proved: up to here there is exactly one continuation, and no singularity.
-    knees
-        Proved: up to here no drive comes to a dead point; at most ``lower``.
-    upper
-        The change at the nearest fold that was found; infinite if there is none.
-    dead_point
-        The change at the nearest dead point that was found; infinite if there is none.
-    drive
-        The index of the drive that is at it, or None.
-    q, R, T
-        The drives and the pose at the fold: shapes (m,), (3, 3) and (3,), or None.
-    """
-
-    lower: float
-    knees: float
-    upper: float
-    dead_point: float
-    drive: int | None
-    q: Array | None
-    R: Array | None
-    T: Array | None
-
-    @property
-    def ratio(self) -> float:
-        """Upper bound by lower bound."""
-        return self.upper / self.lower if self.lower > 0 else np.inf
-
-
-def drive_weights(instance: Instance) -> tuple[Array, bool]:
-    """Return the weights of the drives, lengths and radians, shape (m,).
-
-    Also whether they are half the ranges; otherwise they are one in the unit of each drive.
-    """
-    drives = Drives.of(instance)
-    half = (drives.high - drives.low) / 2
-    if np.isfinite(half).all() and (half > 0).all():
-        return half, True
-    return drives.units.copy(), False
-
-
 def drive_clearances(
     instance: Instance,
     R: ArrayLike,
@@ -439,7 +161,7 @@ def drive_clearances(
     weights: ArrayLike | None = None,
     knees: ArrayLike | None = None,
 ) -> tuple[Array, Array]:
-    """Return what is proved of poses: `DriveClearance.lower` and `knees`, shape (n,) each.
+    """Return what is proved of poses: `Clearance.lower` and `knees` of drives, shape (n,) each.
 
     Zero if there is no proof, or the drives do not reach the pose.
 
@@ -454,43 +176,15 @@ def drive_clearances(
     knees
         The signs of the gains, shape (6,) or (n, 6), instead of those of the home pose.
     """
-    drives, units = _given(instance, weights)
-    R, T = np.asarray(R, float), np.asarray(T, float)
-    signs = [None] * len(T) if knees is None else np.broadcast_to(knees, (len(T), 6))
-    proved = [_proved(drives, R[k], T[k], units, signs[k]) for k in range(len(T))]
-    return np.array([one for one, _ in proved]), np.array([one for _, one in proved])
-
-
-def each_drive_clearance(
-    instance: Instance, R: Array, T: Array, *, progress: Progress = silent
-) -> list[DriveClearance]:
-    """Return bounds of the clearance of each of some poses.
-
-    For the upper bounds the pose is followed by Newton's method along the lines to all corners of
-    the box of drives, until it ends in a fold, and until a gain changes its sign.
-
-    Parameters
-    ----------
-    instance, R, T
-        As for `drive_clearances`, with the weights of `drive_weights`.
-    progress
-        Receives each pose that is done.
-    """
-    drives, units = Drives.of(instance), drive_weights(instance)[0]
-    found = []
-    for k in progress(range(len(T)), total=len(T), label="poses"):
-        lower, knees = _proved(drives, R[k], T[k], units)
-        found.append(_Corners(drives, R[k], T[k], units, lower).bounds(lower, knees))
-    return found
-
-
-def _given(instance: Instance, weights: ArrayLike | None) -> tuple[Drives, Array]:
     drives = Drives.of(instance)
     units = drive_weights(instance)[0] if weights is None else np.asarray(weights, float)
     if units.shape != (drives.count,) or not (np.isfinite(units) & (units > 0)).all():
         message = f"found {units.tolist()}, expected {drives.count} positive numbers"
         raise ArgumentError(message, "weights")
-    return drives, units
+    R, T = np.asarray(R, float), np.asarray(T, float)
+    signs = [None] * len(T) if knees is None else np.broadcast_to(knees, (len(T), 6))
+    proved = [_proved(drives, R[k], T[k], units, signs[k]) for k in range(len(T))]
+    return np.array([one for one, _ in proved]), np.array([one for _, one in proved])
 
 
 def _proved(
@@ -527,135 +221,320 @@ def _largest(good: Callable[[float], bool], most: float) -> float:
     return low
 
 
-#: How often the part of a way on which a gain changes its sign is halved.
-_CROSSING_HALVINGS = 40
+@dataclass(frozen=True, eq=False)
+class Clearance:
+    """Bounds of the clearance of one pose in its values, or in its drives.
+
+    Attributes
+    ----------
+    lower
+        Proved lower bound: up to here there is exactly one continuation, and no singularity.
+    upper
+        The distance of the nearest singularity that was found on the lines to the corners of the
+        box, or of the end of the range of a value; infinite if neither was found. Of values it is
+        a proved fold of this mode.
+    numbers
+        The values there, shape (6,), or the numbers of the drives, shape (m,); None if infinite.
+    R, T
+        The singular pose, shapes (3, 3) and (3,); None if there is none.
+    end
+        The index of the constraint whose value is at an end of its range, such as a distance of
+        zero; None for a singular pose.
+    knees
+        Of drives, proved: up to here no drive comes to a dead point; at most ``lower``.
+    dead_point
+        The change at the nearest dead point that was found; infinite if there is none.
+    drive
+        The index of the drive that is at it, or None.
+    """
+
+    lower: float
+    upper: float = np.inf
+    numbers: Array | None = None
+    R: Array | None = None
+    T: Array | None = None
+    end: int | None = None
+    knees: float = 0.0
+    dead_point: float = np.inf
+    drive: int | None = None
+
+    @property
+    def ratio(self) -> float:
+        """Upper bound by lower bound."""
+        return self.upper / self.lower if self.lower > 0 else np.inf
 
 
-class _Corners:
-    """A pose followed to the corners of the box of its drives.
+def each_clearance(
+    instance: Instance,
+    R: Array,
+    T: Array,
+    *,
+    weights: ArrayLike | None = None,
+    refine: bool = False,
+    progress: Progress = silent,
+) -> list[Clearance]:
+    """Return bounds of the clearance of each of some poses in the values.
 
     Parameters
     ----------
-    drives, R, T
-        The machine and the pose.
-    units
-        The weights, shape (m,).
-    lower
-        The clearance that is proved: the first step.
+    instance
+        Geometry and units; its values are not used.
+    R, T
+        The poses, shapes (n, 3, 3) and (n, 3).
+    weights
+        As for `clearances`.
+    refine
+        Whether to prove the box in 64 parts, which takes some seconds a pose.
+    progress
+        Receives each pose that is done.
+    """
+    if not len(R):
+        return []
+    units = _weights(weights)
+    lowers = clearances(instance, R, T, weights=units)
+    values = values_at(instance, R, T)
+    every = []
+    for k in progress(range(len(R)), total=len(R), label="poses"):
+        found = _range_end(instance, values[k], units, float(lowers[k]))
+        # No branch leads away from a singular pose.
+        if found.lower > 0:
+            lines = _ValueLines(instance, values[k], _CORNERS * units, R[k], T[k])
+            nearest = lines.nearest(found.lower, found.upper * _SHORT)
+            found = found if nearest is None else Clearance(found.lower, *nearest)
+        if refine and found.lower > 0 and np.isfinite(found.upper):
+            better = _in_octants(instance, values[k], R[k], T[k], units, found.lower, found.upper)
+            found = replace(found, lower=better)
+        every.append(found)
+    return every
+
+
+def each_drive_clearance(
+    instance: Instance, R: Array, T: Array, *, progress: Progress = silent
+) -> list[Clearance]:
+    """Return bounds of the clearance of each of some poses in the drives.
+
+    Parameters
+    ----------
+    instance, R, T
+        As for `drive_clearances`, with the weights of `drive_weights`.
+    progress
+        Receives each pose that is done.
+    """
+    drives, units = Drives.of(instance), drive_weights(instance)[0]
+    # On the lines values that stay do so.
+    stay = set(drives.index[drives.stays].tolist())
+    corners = product(*((0.0,) if k in stay else (1.0, -1.0) for k in range(drives.count)))
+    ways = np.array(list(corners)) * units
+    every = []
+    for k in progress(range(len(T)), total=len(T), label="poses"):
+        lower, knees = _proved(drives, R[k], T[k], units)
+        found = Clearance(lower, knees=knees)
+        if lower > 0:
+            q = drives.inverse(R[k], T[k])
+            lines = _DriveLines(drives, q, ways, R[k], T[k])
+            nearest = lines.nearest(lower, np.inf)
+            found = found if nearest is None else Clearance(lower, *nearest, knees=knees)
+            dead_point, drive = lines.dead_point(_FIRST * lower)
+            found = replace(found, dead_point=dead_point, drive=drive)
+        every.append(found)
+    return every
+
+
+class _Lines(ABC):
+    """A mode followed with proof from a pose along straight lines to the corners of a box.
+
+    At the nearest of all folds the change of the numbers has the signs of a left null vector of
+    the Jacobian matrix, in units of the weights: the box of numbers touches the set of folds in a
+    corner.
+
+    Parameters
+    ----------
+    instance
+        Geometry and units; its values are not used.
+    start
+        The numbers at the pose, shape (m,).
+    ways
+        Their changes on each line in units of the weights, shape (n, m).
+    R, T
+        The pose, shapes (3, 3) and (3,).
     """
 
-    def __init__(self, drives: Drives, R: Array, T: Array, units: Array, lower: float) -> None:
-        signs = product((1.0, -1.0), repeat=drives.count)
-        self.drives, self.units = drives, units
-        self.q = drives.inverse(R, T)
-        self.ways = np.array(list(signs)) * units
-        count = len(self.ways)
-        self.R, self.T = np.repeat(R[None], count, axis=0), np.repeat(T[None], count, axis=0)
-        self.far = np.zeros(count)
-        self.step = np.full(count, max(_FIRST * lower, 1e-9))
-        self.length = float(np.nanmax(drives.rods))
+    def __init__(self, instance: Instance, start: Array, ways: Array, R: Array, T: Array) -> None:
+        self.instance, self.start, self.ways, self.R, self.T = instance, start, ways, R, T
 
-    def bounds(self, lower: float, knees: float) -> DriveClearance:
-        """Return the bounds, with the nearest fold and dead point."""
-        nothing = DriveClearance(lower, knees, np.inf, np.inf, None, None, None, None)
-        if lower == 0:
-            return nothing
+    @abstractmethod
+    def ends(self, reach: float) -> Array:
+        """Return where lines up to a size end before it, infinite for others, shape (n,)."""
+
+    @abstractmethod
+    def singular(self, k: int, end: float, reach: float) -> tuple[float, Array, Array] | None:
+        """Return the size and the pose where a line ends, if it is singular there."""
+
+    def nearest(self, lower: float, most: float) -> tuple[float, Array, Array, Array] | None:
+        """Return the size, the numbers and the pose of the nearest singularity up to a size.
+
+        Of lines that are equally long but for rounding errors the first is taken.
+        """
+        reach = min(most, max(_FIRST * lower, _LEAST))
+        while True:
+            ends = self.ends(reach)
+            best: tuple[float, Array, Array, Array] | None = None
+            for k in ascending(ends, _EQUAL)[: np.isfinite(ends).sum()].tolist():
+                if best is not None and ends[k] >= best[0] * (1 - _EQUAL):
+                    break
+                end = self.singular(k, float(ends[k]), reach)
+                if end is not None and (best is None or end[0] < best[0] * (1 - _EQUAL)):
+                    best = end[0], self.start + end[0] * self.ways[k], *end[1:]
+            if best is not None or reach >= most or reach > _FARTHEST:
+                return best
+            reach = min(_GROWTH * reach, most)
+
+
+class _ValueLines(_Lines):
+    """Lines of values, which end in proved folds."""
+
+    def ends(self, reach: float) -> Array:
+        rows = self.start + np.array([[0.0], [reach]]) * self.ways[:, None]
+        platform = MovingPlatform(over_rows(self.instance, rows.reshape(-1, 6)))
+        pose = platform.points(self.R[None], self.T[None])
+        found = platform.follow(
+            platform.internal(rows), np.arange(len(rows)), np.repeat(pose, len(rows), axis=0)
+        )
+        return np.where(found.stop == Stop.STEP, found.fraction * reach, np.inf)
+
+    def singular(self, k: int, end: float, reach: float) -> tuple[float, Array, Array] | None:
+        rows = np.stack((self.start, self.start + reach * self.ways[k]))
+        for event in track_from(self.instance, rows, self.R[None], self.T[None]).events:
+            if event.kind == "fold":
+                return (event.high - 1) * reach, event.R, event.T
+        return None
+
+
+class _DriveLines(_Lines):
+    """Lines of the numbers of drives. They are followed with proof; that they end is seen.
+
+    Parameters
+    ----------
+    drives
+        The drives.
+    start, ways, R, T
+        As for `_Lines`.
+    """
+
+    def __init__(self, drives: Drives, start: Array, ways: Array, R: Array, T: Array) -> None:
+        super().__init__(drives.instance, start, ways, R, T)
+        self.drives, self.moved = drives, np.flatnonzero(drives.moved).tolist()
+        owners = {(one.name, one.body): one for one in coordinates(drives.instance)}
+        bodies = [BODIES[int(not drives.on_platform[drives.users(k)[0]])] for k in self.moved]
+        names = [drives.names[k] for k in self.moved]
+        chosen = [owners[pair] for pair in zip(names, bodies, strict=True)]
+        self.follower = RowFollower(drives.instance, chosen)
+        self.last: dict[int, tuple[Array, Array]] = {}
+
+    def follow(self, k: int, sizes: Array) -> FollowedMode:
+        """Follow a line over rows at increasing sizes."""
+        drives, q = self.drives, self.start + sizes[:, None] * self.ways[k]
+        values = np.where(drives.driven, drives.rods, (q / drives.units)[:, drives.index])
+        rows = np.concatenate((values, (q / drives.units)[:, self.moved]), axis=1)
+        return self.follower.follow(rows, self.R, self.T)
+
+    def ends(self, reach: float) -> Array:
+        found = np.full(len(self.ways), np.inf)
+        for k in range(len(found)):
+            mode = self.follow(k, np.array([0.0, reach]))
+            if mode.reached == 0:
+                found[k], self.last[k] = mode.part * reach, mode.last
+        return found
+
+    def singular(self, k: int, end: float, reach: float) -> tuple[float, Array, Array] | None:
+        """Return the size and the pose at the end of a line if it is singular there.
+
+        Towards a fold the square of 1 / condition falls linearly to zero; where modes meet that are
+        symmetric, 1 / condition itself does. Which of them is straighter is extrapolated.
+        """
+        sizes = end * (1 - _BEFORE * np.array([3, 2, 1]))
+        mode = self.follow(k, np.concatenate(([0.0], sizes)))
+        if len(mode.T) < len(sizes) + 1:
+            return None
+        q = self.start + sizes[:, None] * self.ways[k]
+        fall = 1 / condition_numbers(self.drives.arrangement(q), mode.R[1:], mode.T[1:])
+        x = min(fall, fall**2, key=lambda x: abs(x[0] + x[2] - 2 * x[1]) / x[0])
+        a, b, c = (np.prod(np.delete(x, j) / (np.delete(x, j) - x[j])) for j in range(3))
+        size = float(sizes @ [a, b, c])
+        if not abs(size / end - 1) < _BEFORE:
+            return None
+        return max(size, end), *self.last[k]
+
+    def dead_point(self, high: float) -> tuple[float, int | None]:
+        """Return the least size at which a gain changes its sign on a line, and its drive."""
         drives = self.drives
-        J = drives.jacobian(self.R[:1], self.T[:1], self.q[None])
-        sign = np.sign(np.linalg.det(J))[0]
-        gains = np.sign(drives.gains(self.R[:1], self.T[:1], self.q[None]))[0]
-        dead, drive = np.inf, None
-        active, ended = np.ones(len(self.ways), bool), np.zeros(len(self.ways), bool)
-        for _ in range(_STEPS):
-            some = np.flatnonzero(active)
-            if not len(some):
+        gains = np.sign(drives.gains(self.R, self.T, self.start))
+        some, low, drive = np.arange(len(self.ways)), 0.0, None
+        while len(some) and high - low > _SHARP * high:
+            parts = np.linspace(low, high, _PARTS + 1)
+            changed = np.zeros((len(some), _PARTS + 1, 6), bool)
+            alive = np.zeros(len(some), bool)
+            for line, k in enumerate(some.tolist()):
+                mode = self.follow(k, np.concatenate(([0.0], parts)))
+                R, T, sizes = mode.R[1:], mode.T[1:], parts[: len(mode.T[1:])]
+                alive[line] = len(sizes) == len(parts)
+                if 0 < len(sizes) < len(parts):
+                    # The last pose stands for the row that is not reached.
+                    R, T = np.append(R, mode.last[0][None], 0), np.append(T, mode.last[1][None], 0)
+                    sizes = np.append(sizes, sizes[-1] + mode.part * (parts[1] - parts[0]))
+                signs = np.sign(drives.gains(R, T, self.start + sizes[:, None] * self.ways[k]))
+                changed[line, : len(sizes)] = (signs * gains < 0) & drives.driven
+            if changed.any():
+                k = int(changed.any(axis=(0, 2)).argmax())
+                drive = int(drives.index[changed[:, k].any(axis=0).argmax()])
+                some, low, high = some[changed[:, k].any(axis=1)], parts[k - 1], parts[k]
+            elif drive is None and high < _FARTHEST:
+                some, low, high = some[alive], high, _GROWTH * high
+            else:
                 break
-            size = self.far[some] + self.step[some]
-            R, T, good = self._newton(some, size)
-            q = self.q + size[:, None] * self.ways[some]
-            with np.errstate(all="ignore"):
-                J = drives.jacobian(R, T, q)
-                good &= np.isfinite(J).all(axis=(1, 2))
-                J[~good] = np.eye(6)
-                good &= np.sign(np.linalg.det(J)) == sign
-                changed = (np.sign(drives.gains(R, T, q)) != gains) & drives.driven
-            moved = some[good]
-            if (crossed := good & changed.any(axis=1)).any():
-                size_, nearest = self._crossing(
-                    some[crossed], size[crossed], changed[crossed], gains
-                )
-                if size_ < dead * (1 - _NEAR):
-                    dead, drive = size_, nearest
-            self.R[moved], self.T[moved], self.far[moved] = R[good], T[good], size[good]
-            self.step[some] *= np.where(good, _GROWTH, 0.5)
-            ended |= active & (self.step < _LEAST * self.far)
-            upper = float(self.far[ended].min(initial=np.inf))
-            active &= ~ended & (self.far < min(upper * (1 + _NEAR), _FARTHEST))
-        if not ended.any():
-            return DriveClearance(lower, knees, np.inf, dead, drive, None, None, None)
-        # Of corners that are equally near but for rounding errors the first is taken.
-        at = int((ended & (self.far <= upper * (1 + _NEAR))).argmax())
-        upper = float(self.far[at])
-        q = self.q + upper * self.ways[at]
-        return DriveClearance(lower, knees, upper, dead, drive, q, self.R[at], self.T[at])
-
-    def _crossing(
-        self, some: NDArray[np.intp], high: Array, changed: NDArray[np.bool_], gains: Array
-    ) -> tuple[float, int]:
-        """Return the least size at which a gain changes its sign on some ways, and its drive."""
-        low, high = self.far[some].copy(), high.copy()
-        which = changed.argmax(axis=1)
-        for _ in range(_CROSSING_HALVINGS):
-            middle = (low + high) / 2
-            beyond = self._changed(some, middle, gains).any(axis=1)
-            low, high = np.where(beyond, low, middle), np.where(beyond, middle, high)
-        k = int(first_smallest(high))
-        # A little farther the gains of all drives that change there together have changed.
-        changed = self._changed(some, high * (1 + _NEAR), gains)
-        drive = changed[k].argmax() if changed[k].any() else which[k]
-        return float(high[k]), int(self.drives.index[drive])
-
-    def _changed(self, some: NDArray[np.intp], size: Array, gains: Array) -> NDArray[np.bool_]:
-        """Return which gains have other signs at some corners and sizes, shape (n, 6)."""
-        R, T, _ = self._newton(some, size)
-        q = self.q + size[:, None] * self.ways[some]
-        with np.errstate(all="ignore"):
-            changed = np.sign(self.drives.gains(R, T, q)) != gains
-        return np.asarray(changed & self.drives.driven)
-
-    def _newton(
-        self, some: NDArray[np.intp], size: Array
-    ) -> tuple[Array, Array, NDArray[np.bool_]]:
-        """Return the poses at some corners and sizes, and which are solutions nearby."""
-        drives = self.drives
-        R, T = self.R[some].copy(), self.T[some].copy()
-        q = self.q + size[:, None] * self.ways[some]
-        arrangement = drives.arrangement(q)
-        wanted = np.where(drives.driven, drives.rods, q[:, drives.index])
-        with np.errstate(all="ignore"):
-            for _ in range(_ITERATIONS):
-                off = wanted - measured(arrangement, R, T)
-                J = drives.jacobian(R, T, q)
-                fine = np.isfinite(J).all(axis=(1, 2)) & np.isfinite(off).all(axis=1)
-                J[~fine], off[~fine] = np.eye(6), 0.0
-                J[np.abs(np.linalg.det(J)) == 0] = np.eye(6)
-                twist = np.linalg.solve(J, off[..., None])[..., 0]
-                R, T = _turned(twist[:, :3]) @ R, T + twist[:, 3:]
-            off = np.abs(wanted - measured(arrangement, R, T)).max(axis=1)
-            far = np.linalg.norm(T - self.T[some], axis=1) / self.length
-            far += np.abs(R - self.R[some]).max(axis=(1, 2))
-            good = (off <= _RESIDUAL * self.length) & (far < _JUMP)
-        return R, T, np.asarray(good)
+        return (np.inf if drive is None else float(high)), drive
 
 
-def _turned(omega: Array) -> Array:
-    """Return the rotations by vectors, ``(n, 3) -> (n, 3, 3)``."""
-    half = np.linalg.norm(omega, axis=1, keepdims=True) / 2
-    with np.errstate(invalid="ignore", over="ignore"):
-        part = np.where(half > 0, np.sin(half) / np.where(half > 0, 2 * half, 1.0), 0.5)
-        quaternion = np.concatenate((np.cos(half), omega * part), axis=1)
-    quaternion[~np.isfinite(quaternion).all(axis=1)] = [1, 0, 0, 0]
-    return np.asarray(rotation_from_quaternion(quaternion))
+def _in_octants(
+    instance: Instance, values: Array, R: Array, T: Array, units: Array, low: float, high: float
+) -> float:
+    """Return a better lower bound: the box is proved as 64 boxes with a corner at the values.
+
+    The mode is followed with proof to the centre of each small box, within this box. A small box
+    has one regular solution for all its values, and it is the mode at the centre. Regular solutions
+    that agree at one point agree along the whole way, so it is the mode at the common corner, too.
+    For the same reason small boxes have the same solutions on common faces.
+    """
+    platform = MovingPlatform(apart(instance))
+    signs, widths = _CORNERS, platform.internal(units)
+    centre = platform.internal(values)
+    pose = platform.points(R[None], T[None])
+    for _ in range(_REFINEMENTS):
+        size = (low + high) / 2
+        ends = np.stack(
+            (np.broadcast_to(centre, signs.shape), centre + size / 2 * signs * widths), axis=1
+        )
+        followed = platform.follow(ends, np.arange(len(signs)), np.repeat(pose, len(signs), axis=0))
+        proved = bool((followed.stop == Stop.END).all())
+        if proved:
+            near = Neighbourhood(platform, followed.points[:, -1], ends[:, 1])
+            proved = bool((near.box(size / 2 * widths * (1 + 1e-12)).measure < 1).all())
+        low, high = (size, high) if proved else (low, size)
+    return low
+
+
+def _range_end(instance: Instance, values: Array, units: Array, lower: float) -> Clearance:
+    """Return the largest change of values: up to the nearest end of the range of a kind."""
+    ranges = [value_range(row.kind, instance.units.angle) for row in instance.constraints]
+    ends = np.array(ranges)
+    rooms = np.abs(ends - values[:, None]) / units[:, None]
+    k, which = np.unravel_index(int(first_smallest(rooms.ravel())), rooms.shape)
+    size = float(rooms[k, which])
+    if np.isinf(size):
+        return Clearance(lower)
+    there = values.copy()
+    there[k] = ends[k, which]
+    return Clearance(lower, size, there, end=int(k))
 
 
 @dataclass(frozen=True, eq=False)
@@ -674,7 +553,7 @@ class Clearances(EqualByContent):
 
     instance: Instance
     of: str
-    bounds: tuple[Clearance | DriveClearance | PoseClearance, ...]
+    bounds: tuple[Clearance | PoseClearance, ...]
 
     def __repr__(self) -> str:
         kinds = self.instance.name or self.instance.type.id
@@ -698,7 +577,7 @@ class Clearances(EqualByContent):
 
     def rows(self) -> list[dict[str, Any]]:
         """Return the bounds of each pose, as plain data."""
-        return [_row(self.instance, one) for one in self.bounds]
+        return [_row(self.instance, self.of, one) for one in self.bounds]
 
     def to_frame(self) -> pd.DataFrame:
         """Return a row for each pose, without places; imports pandas.
@@ -815,23 +694,18 @@ def _with_drives_still(
         yield from each_clearance(there, R[one], T[one], weights=weights, refine=refine)
 
 
-def default_kind(instance: Instance) -> str:
-    """Return the quantity that changes by default: drives where motors move points, else values."""
-    return "drives" if is_driven(instance) else "values"
-
-
-def _row(instance: Instance, found: Clearance | DriveClearance | PoseClearance) -> dict[str, Any]:
+def _row(instance: Instance, of: str, found: Clearance | PoseClearance) -> dict[str, Any]:
     if isinstance(found, PoseClearance):
         return _of_pose(instance, found)
-    if isinstance(found, DriveClearance):
-        return _of_drives(instance, found)
-    return _of_values(instance, found)
+    return _of_drives(instance, found) if of == "drives" else _of_values(instance, found)
 
 
-def _of_drives(instance: Instance, found: DriveClearance) -> dict[str, Any]:
+def _of_drives(instance: Instance, found: Clearance) -> dict[str, Any]:
     """Return the bounds of the clearance of one pose in its drives."""
     drives = Drives.of(instance)
-    q, R, T = (None if part is None else part.tolist() for part in (found.q, found.R, found.T))
+    q, R, T = (
+        None if part is None else part.tolist() for part in (found.numbers, found.R, found.T)
+    )
     return {
         "lower": found.lower,
         "knees": found.knees,
@@ -852,14 +726,14 @@ def _finite(number: float) -> float | None:
 def _of_values(instance: Instance, found: Clearance) -> dict[str, Any]:
     """Return the bounds of the clearance of one mode in its values."""
     row = _bounds(found.lower, found.upper, found.ratio)
-    if found.values is None:
+    if found.numbers is None:
         return row
-    readings = readings_of(instance, found.values).tolist()
+    readings = readings_of(instance, found.numbers).tolist()
     row |= {"by": "fold" if found.end is None else "end of range", "values": readings}
     if found.end is not None:
         row["constraint"] = found.end + 1
-    if found.fold is not None:
-        row |= {"R": found.fold.R.tolist(), "T": found.fold.T.tolist()}
+    if found.R is not None and found.T is not None:
+        row |= {"R": found.R.tolist(), "T": found.T.tolist()}
     return row
 
 

@@ -41,7 +41,7 @@ from gspcli.geometry.quaternions import (
 )
 from gspcli.motion.screws import screw
 from gspcli.records import dataclass
-from gspcli.ties import definite_pairs, definite_vectors
+from gspcli.ties import ascending, definite_pairs, definite_vectors
 
 Array = NDArray[np.float64]
 
@@ -476,9 +476,7 @@ def _nearest(screws: Screws, rays: int, seed: int) -> Array | None:
         if (lengths > before * (1 - _SETTLED)).all():
             break
     lengths = _first(screws.home, directions, lengths * (1 + _SETTLED), _FINE)
-    # Of rays that are equally long but for rounding errors the first is taken.
-    least = lengths.min(initial=np.inf)
-    for k in np.argsort(np.where(lengths <= least * (1 + _SETTLED), 0.0, lengths), kind="stable"):
+    for k in ascending(lengths, _SETTLED):
         ends = directions[k] * lengths[k] * np.array([[1 - _SEGMENT], [1 + _SEGMENT]])
         signs = screws.judge(ends, np.zeros_like(ends), cube=True).sign
         if signs[0] * signs[1] < 0:

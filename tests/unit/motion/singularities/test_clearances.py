@@ -49,15 +49,14 @@ def test_the_upper_bound_is_a_fold_of_the_same_mode(name):
     assert 0 < found.lower <= found.upper
     if np.isinf(found.upper):
         return
-    assert found.values is not None
-    if found.fold is None:
+    assert found.numbers is not None
+    if found.end is not None:
         # The distance that becomes zero before any fold found.
+        assert found.R is None
         assert found.upper == measure(instance, R, T)[found.end] == measure(instance, R, T).min()
         return
-    assert found.end is None
-    assert found.fold.kind == "fold"
-    assert np.abs(found.values - measure(instance, R, T)).max() == pytest.approx(found.upper)
-    assert np.allclose(measure(instance, found.fold.R, found.fold.T), found.values, atol=1e-6)
+    assert np.abs(found.numbers - measure(instance, R, T)).max() == pytest.approx(found.upper)
+    assert np.allclose(measure(instance, found.R, found.T), found.numbers, atol=1e-6)
 
 
 def test_bounds_of_random_hexapods_are_near_to_each_other():
@@ -95,7 +94,7 @@ def test_nothing_is_followed_from_a_pose_that_is_exactly_singular():
     instance = gspcli.load(data_path("examples", "singular-pose.yaml"))
     poses = gspcli.solve(instance)
     found = clearance(instance, poses.R[0].real, poses.T[0].real)
-    assert (found.lower, found.fold) == (0, None)
+    assert (found.lower, found.R) == (0, None)
     # What is known of values holds all the same: none is below zero.
     assert found.upper == measure(instance, poses.R[0].real, poses.T[0].real).min()
 
@@ -115,7 +114,7 @@ def test_no_value_goes_beyond_the_end_of_its_range(weights, every):
         rooms = np.array([d, min(a, 180 - a), 90 - abs(b), min(c, 180 - c)]) / units[2:]
         assert 0 < found.lower <= found.upper <= rooms.min()
         if found.end is not None:
-            assert found.fold is None
+            assert found.R is None
             assert found.upper == pytest.approx(rooms.min(), rel=1e-12)
             ends.append(found.end)
     if weights is None:

@@ -10,6 +10,7 @@ from itertools import product
 import numpy as np
 import pytest
 
+import gspcli
 from gspcli.geometry.drives import Drives
 from gspcli.geometry.measurement import measured
 from gspcli.geometry.quaternions import rotation_from_vector
@@ -222,3 +223,32 @@ def test_the_dead_point_is_the_nearest_on_the_lines_to_the_corners() -> None:
         if (beyond != before).any():
             nearer.append(signs)
     assert nearer == [(-1.0, 1.0, 1.0, -1.0, 1.0, 1.0)]
+
+
+@pytest.mark.parametrize("name", ["hexaglide", "delta"])
+def test_the_fold_of_a_symmetric_machine_is_the_same_for_rounding_errors(name: str) -> None:
+    """Its pose there is as good as singular, and the values that stay have not moved."""
+    instance = gspcli.example(name)
+    home = instance.home
+    R, T = np.tile(home.R(instance.units.angle.in_radians), (4, 1, 1)), np.tile(home.T, (4, 1))
+    T += 1e-15 * np.linalg.norm(T[0]) * np.random.default_rng(3).normal(size=T.shape)
+    found = each_drive_clearance(instance, R, T)
+    assert np.allclose([one.numbers for one in found], found[0].numbers, rtol=1e-6)
+    drives, one = Drives.of(instance), found[0]
+    J = drives.jacobian(one.R, one.T, one.numbers)
+    assert np.linalg.cond(J) > 1e4
+
+
+def test_values_that_stay_do_not_move_towards_a_fold() -> None:
+    instance = gspcli.example("three-prs")
+    home = instance.home
+    (found,) = each_drive_clearance(instance, np.eye(3)[None], np.array([home.T]))
+    assert np.abs(found.numbers[3:] - Drives.of(instance).inverse(np.eye(3), home.T)[3:]).max() == 0
+    assert found.upper == pytest.approx(0.6457513110, rel=1e-8)
+
+
+def test_a_dead_point_close_to_the_end_of_a_line_is_found() -> None:
+    instance = gspcli.example("reachy-mini-head")
+    home = instance.home
+    (found,) = each_drive_clearance(instance, home.R(1.0)[None], np.array([home.T]))
+    assert found.dead_point == pytest.approx(0.774095, abs=1e-5)
