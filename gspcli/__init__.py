@@ -80,7 +80,7 @@ if TYPE_CHECKING:
     from gspcli.motion.singularities.scans import scan as scan
     from gspcli.motion.statics.freedoms import freedoms as freedoms
     from gspcli.motion.workspace.box_division import workspace as workspace
-    from gspcli.paper.comparison import table as table
+    from gspcli.paper.tables import table as table
     from gspcli.pictures.page import notebook_view as notebook_view
     from gspcli.pictures.whole_views import view as view
     from gspcli.reality.real_distribution import sample as sample
@@ -185,7 +185,7 @@ _HOMES = {
     "solve": "gspcli.solver",
     "solve_batch": "gspcli.solver",
     "solve_values": "gspcli.solver",
-    "table": "gspcli.paper.comparison",
+    "table": "gspcli.paper.tables",
     "track": "gspcli.motion",
     "type_bounds": "gspcli.catalogue.bounds",
     "view": "gspcli.pictures.whole_views",

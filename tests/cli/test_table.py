@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 import pytest
 
-from gspcli.paper import table2
+from gspcli.paper import tables
 
 Run = Callable[..., object]
 
@@ -42,9 +42,9 @@ def test_errata_alone(gsp: Run) -> None:
 def test_a_difference_without_an_erratum_exits_with_1(
     gsp: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    rows = table2.printed()
+    rows = tables.printed_table(2)
     rows[4]["z"] = "7"
-    monkeypatch.setattr(table2, "compute", lambda: rows)
+    monkeypatch.setattr(tables, "table_2", lambda: rows)
     monkeypatch.setattr("gspcli.paper.errata.prove", lambda erratum: erratum.key)
     outcome = gsp("table", "2", "--check")
     assert outcome.code == 1

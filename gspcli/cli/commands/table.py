@@ -15,9 +15,8 @@ from gspcli.cli.streams import progress, working
 from gspcli.errors import CheckFailed
 
 if TYPE_CHECKING:
-    from gspcli.paper.comparison import Comparison
     from gspcli.paper.errata import Erratum
-    from gspcli.paper.printed import Difference
+    from gspcli.paper.tables import Comparison, Difference
 
 FIELDS = Fields("table")
 
@@ -50,8 +49,8 @@ def command(o: Options) -> None:
       gsp table 1 --format latex
       gsp table errata --check --format markdown
     """
-    from gspcli.paper.comparison import table
-    from gspcli.paper.errata import ERRATA, erratum_of, prove
+    from gspcli.paper.errata import ERRATA, prove
+    from gspcli.paper.tables import erratum_of, table
 
     numbers = _TABLES if o.which == "all" else (int(o.which),) if o.which.isdigit() else ()
     with working("computing"):
@@ -86,7 +85,7 @@ def command(o: Options) -> None:
 
 
 def _confirm() -> str:
-    from gspcli.paper.confirmation import confirm
+    from gspcli.paper.errata import confirm
 
     done = confirm(progress=progress)
     return (
@@ -126,7 +125,7 @@ def _compared(
 
 
 def _errata_named(differences: Iterable[Difference]) -> list[str]:
-    from gspcli.paper.errata import erratum_of
+    from gspcli.paper.tables import erratum_of
 
     return sorted({erratum_of(difference) or "none" for difference in differences})
 

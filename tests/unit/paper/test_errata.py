@@ -7,10 +7,9 @@ import re
 import pytest
 
 from gspcli.errors import CheckFailed
-from gspcli.paper import table1
-from gspcli.paper.comparison import table
-from gspcli.paper.errata import ERRATA, Erratum, erratum_of, prove
-from gspcli.paper.printed import Difference
+from gspcli.paper import errata
+from gspcli.paper.errata import ERRATA, Erratum, prove
+from gspcli.paper.tables import Difference, erratum_of, table, table_1
 
 
 @pytest.mark.parametrize("erratum", ERRATA, ids=lambda erratum: erratum.key)
@@ -46,7 +45,7 @@ def test_keys_are_unique() -> None:
 
 def test_a_proof_fails_when_the_print_is_right(monkeypatch: pytest.MonkeyPatch) -> None:
     (sign,) = (erratum for erratum in ERRATA if erratum.key == "table-1-sign")
-    right = table1.compute()
-    monkeypatch.setattr(table1, "printed", lambda: right)
+    right = table_1()
+    monkeypatch.setattr(errata, "printed_table", lambda number: right)
     with pytest.raises(CheckFailed, match="table-1-sign is not proved"):
         prove(sign)
