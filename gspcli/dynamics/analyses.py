@@ -347,8 +347,7 @@ def _loads(
         places = drives.readings(given.q)
         weights = inverse_dynamics(instance, given.R, given.T, drives=places)
         turns = np.array([unit == "N m" for unit in weights.torque_units])
-        moved = weights.forces if weights.torques is None else weights.torques
-        moved = moved / np.where(turns, METRES[instance.units.length], 1.0)
+        moved = weights.torques / np.where(turns, METRES[instance.units.length], 1.0)
         reactions = weights.in_file_units + (0.0 if reactions is None else reactions)
         torques = moved + (0.0 if torques is None else torques)
     return reactions, torques

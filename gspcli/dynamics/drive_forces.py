@@ -8,15 +8,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from gspcli.dynamics.actuation import Actuation, Flags, numbers_at
 from gspcli.dynamics.arrays import by_chunks, checked_array, checked_rows, make_read_only, plain
-from gspcli.dynamics.drives import DrivesAtPoses, Flags
 from gspcli.dynamics.mass_model import MassModel, named_drives
-from gspcli.dynamics.moved_points import given_numbers
 from gspcli.dynamics.moving_bodies import MovingBodies
-from gspcli.dynamics.shared_drives import check_shared
 from gspcli.dynamics.trajectories import PoseRates, at_rest, spline_motion
 from gspcli.errors import ArgumentError
-from gspcli.geometry.drives import Drives, is_driven
+from gspcli.geometry.drives import Drives
 from gspcli.geometry.instance import METRES, Instance
 from gspcli.geometry.quaternions import apply
 from gspcli.motion import measure
@@ -70,9 +68,8 @@ class DriveForces(EqualByContent):
         The condition numbers of those above 1e8, where as many digits of the forces are lost; else
         NaN, shape (n,).
     torques
-        What the drives do if some are cranks or slides: torques of cranks, N m, forces of slides
-        and of distances, N, shape (n, m), with the weights and inertias of arms and carriages; None
-        if all drives are values.
+        What the m drives do: torques of cranks and angles, N m, forces of slides and of distances,
+        N, shape (n, m), with the weights and inertias of arms and carriages.
     """
 
     instance: Instance
@@ -85,7 +82,7 @@ class DriveForces(EqualByContent):
     powers: Array
     singular: Flags
     nearly_singular: Array
-    torques: Array | None = None
+    torques: Array
 
     def __post_init__(self) -> None:
         make_read_only(self)
@@ -106,20 +103,14 @@ class DriveForces(EqualByContent):
         return tuple("N" if row.kind.is_distance else "N m" for row in self.instance.constraints)
 
     @cached_property
-    def drives(self) -> Drives | None:
-        """The cranks and slides; None if all drives are values."""
-        return Drives.of(self.instance) if is_driven(self.instance) else None
+    def drives(self) -> Drives:
+        """The drives."""
+        return Drives.of(self.instance)
 
     @property
     def torque_units(self) -> tuple[str, ...]:
         """The unit of each torque: N m for cranks and angles, N for slides and distances."""
-        if self.drives is None:
-            return self.units
-        known = {"crank": "N m", "slide": "N"}
-        return tuple(
-            known.get(sort, self.units[self.drives.users(k)[0]])
-            for k, sort in enumerate(self.drives.sorts)
-        )
+        return tuple("N m" if turns else "N" for turns in self.drives.turns)
 
     @property
     def in_file_units(self) -> Array:
@@ -141,10 +132,9 @@ class DriveForces(EqualByContent):
     @property
     def _torque_facts(self) -> dict[str, Any]:
         """The facts about the torques of all rows, for JSON."""
-        worst = self.worst_torque
-        if self.torques is None:
+        worst, found = self.worst_torque, None
+        if not self.drives.moved.any():
             return {}
-        found = None
         if worst is not None:
             found = {"row": worst.row + 1, "drive": worst.drive + 1, "torque": worst.force}
         return {"torque_units": list(self.torque_units), "worst_torque": found}
@@ -152,7 +142,7 @@ class DriveForces(EqualByContent):
     @property
     def torque_columns(self) -> dict[str, Array]:
         """What each drive does, by the names of its column; nothing if all drives are values."""
-        if self.drives is None or self.torques is None:
+        if not self.drives.moved.any():
             return {}
         names = [f"torque.{name}" for name in self.drives.names]
         return dict(zip(names, self.torques.T, strict=True))
@@ -166,8 +156,6 @@ class DriveForces(EqualByContent):
     @property
     def worst_torque(self) -> WorstForce | None:
         """The largest torque of a crank, or force of a slide without cranks; None without both."""
-        if self.drives is None or self.torques is None:
-            return None
         sorts = self.drives.sorts
         chosen = np.array([sort == ("crank" if "crank" in sorts else "slide") for sort in sorts])
         sizes = np.where(np.isnan(self.torques) | ~chosen, -1.0, np.abs(self.torques))
@@ -203,7 +191,7 @@ class DriveForces(EqualByContent):
         parts = [self.forces, self.powers, self.power, self.nearly_singular]
         columns = [range(1, count + 1), times, *map(plain, parts), self.singular.tolist()]
         keys = ["row", "t", "forces", "powers", "power", "nearly_singular", "singular"]
-        if self.torques is not None:
+        if self.drives.moved.any():
             keys.append("torques")
             columns.append(plain(self.torques))
         found = None
@@ -280,15 +268,14 @@ def inverse_dynamics(
     """
     model = MassModel.of(instance)
     R, T = checked_rows(R, T)
-    numbers = given_numbers(model, R, T * model.metre, drives)
+    q = numbers_at(model, R, T, drives)
     times = None if t is None else checked_array(t, (len(R),), "t")
     motion = _motion(R, T, times, twists, accelerations)
     wrench = checked_array(load, (len(R), 6), "load")
 
     def some(rows: slice) -> tuple[Any, ...]:
         moving = PoseRates(motion.twists[rows], motion.accelerations[rows])
-        own = None if numbers is None else numbers[rows]
-        return _forces(model, (R[rows], T[rows]), moving, wrench[rows], own)
+        return _forces(model, R[rows], T[rows] * model.metre, q[rows], moving, wrench[rows])
 
     return DriveForces(instance, times, R, T, *motion, *by_chunks(len(R), _CHUNK, some))
 
@@ -309,34 +296,23 @@ def _motion(
 
 
 def _forces(
-    model: MassModel,
-    pose: tuple[Array, Array],
-    motion: PoseRates,
-    load: Array,
-    numbers: Array | None,
+    model: MassModel, R: Array, T: Array, q: Array, motion: PoseRates, load: Array
 ) -> tuple[Any, ...]:
-    """Return forces, powers, singular poses, conditions of nearly singular, torques if any."""
-    R, T = pose
+    """Return forces, powers, singular poses, conditions of nearly singular, and torques."""
     twists, accelerations = model.in_metres(motion.twists), model.in_metres(motion.accelerations)
-    T = T * model.metre
-    drives = DrivesAtPoses(model, R, T, numbers)
-    bodies = MovingBodies(model, R, T, drives.points)
-    needed = bodies.wrenches(twists, accelerations, model.gravity)
-    wrench = needed.on_platform - load
-    singular, conditions = drives.conditions()
-    columns = np.swapaxes(drives.rows, -1, -2)
+    acting, machine = Actuation(model, R, T, q), model.machine
+    needed = MovingBodies(model, acting.at).wrenches(twists, accelerations, model.gravity)
+    acting.check_rates(twists)
+    singular, conditions = acting.conditions()
+    columns = np.swapaxes(acting.at.jacobian, -1, -2)
     columns = np.where(singular[:, None, None], np.eye(6), columns)
+    wrench = needed.on_platform - load
     forces = np.asarray(np.linalg.solve(columns, wrench[..., None])[..., 0], float)
-    if drives.points is None or needed.on_drives is None:
-        forces += drives.inertial(twists, accelerations)
-        forces[singular] = np.nan
-        powers: Array = forces * apply(drives.rows, twists)
-        return forces, powers, singular, conditions
-    check_shared(drives, twists)
-    torques = drives.points.gains * forces + needed.on_drives
-    torques += drives.inertial(twists, accelerations)
+    torques = (acting.at.gains * forces + needed.on_drives) @ model.users
+    if model.rotors.any():
+        torques += model.rotors * acting.at.rates(twists, accelerations)[1][..., machine.first]
     forces[singular], torques[singular] = np.nan, np.nan
-    values = ~drives.points.drives.driven
-    forces[:, values] = torques[:, values]
-    powers = model.of_drives(torques * apply(drives.pulls, twists))
-    return forces, powers, singular, conditions, model.of_drives(torques)
+    values = ~machine.driven
+    forces[:, values] = torques[:, machine.index[values]]
+    powers: Array = torques * machine.per_drive(apply(acting.pulls, twists))
+    return forces, powers, singular, conditions, torques

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -14,7 +13,7 @@ from gspcli.catalogue.kinds import DPP
 from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.checking import checked
-from gspcli.geometry.drives import Drives, is_driven
+from gspcli.geometry.drives import Drives
 from gspcli.geometry.instance import METRES, Instance
 from gspcli.geometry.masses import Arm, Carriage, Dynamics, Leg
 from gspcli.geometry.numbers import Number
@@ -42,10 +41,10 @@ class LegMasses(NamedTuple):
 
 
 class CarrierMasses(NamedTuple):
-    """Arms of cranks and carriages in SI units, by constraints: zero but for a drive's first."""
+    """Arms of cranks and carriages in SI units, by drives; zero where there is none."""
 
     mass: Array
-    """Shape (6,), as all."""
+    """Shape (m,), as all."""
     share: Array
     """Where the centre of mass is, as a part of the way from the axis to the point; 1 of slides."""
     inertia: Array
@@ -64,28 +63,24 @@ class MassModel:
         The platform.
     metre
         Its unit of length in metres.
-    bodies
-        Its primitives, with lengths in metres.
     mass, centre, inertia
         Of the platform: centre shape (3,), matrix about the centre (3, 3), in its frame.
     legs
         The legs that weigh something.
     rotors
-        Inertias of the drives, kg and kg m^2, shape (6,): by constraints, and zero but for the
-        first one of a drive that several share.
+        Inertias of the m drives, kg and kg m^2, shape (m,).
     stiffness
         Of the m drives, N/m and N m/rad, shape (m,); None if it is not stated.
     gravity
         The acceleration of what falls, shape (3,).
-    drives
-        What moves the points of distances, in length units; None if all drives are values.
+    machine
+        The m drives, with lengths in metres.
     carriers
-        What it moves beside the rods; None if that weighs nothing.
+        What they move beside the rods.
     """
 
     instance: Instance
     metre: float
-    bodies: Arrangement
     mass: float
     centre: Array
     inertia: Array
@@ -93,8 +88,8 @@ class MassModel:
     rotors: Array
     stiffness: Array | None
     gravity: Array
-    drives: Drives | None = None
-    carriers: CarrierMasses | None = None
+    machine: Drives
+    carriers: CarrierMasses
 
     @classmethod
     def of(cls, instance: Instance) -> MassModel:
@@ -113,65 +108,32 @@ class MassModel:
             )
             raise ArgumentError(message, "dynamics")
         metre = METRES[instance.units.length]
-        numbers = Arrangement.of(instance)
-        distances = np.array([kind.is_distance for kind in numbers.kinds])
-        values = np.where(distances, metre, 1.0) * numbers.values
         body, drives = stated.platform, stated.drives
-        moved = Drives.of(instance) if is_driven(instance) else None
-        turns = ~distances if moved is None else _turns(moved, distances)
-        if moved is not None:
-            _check_driven(instance, moved)
+        machine = Drives.of(instance).scaled(metre)
+        rotors = _each(drives.inertia, machine)
         return cls(
             instance,
             metre,
-            replace(numbers, y=numbers.y * metre, x=numbers.x * metre, values=values),
             body.mass.value,
             as_array(body.centre) * metre,
             body.matrix * metre**2,
             _leg_masses(instance, stated.legs, metre),
-            _six(drives.inertia, moved) * np.where(turns, metre**2, 1.0),
-            None if drives.stiffness is None else _each(drives.stiffness, moved),
+            rotors * np.where(machine.turns, metre**2, 1.0),
+            None if drives.stiffness is None else _each(drives.stiffness, machine),
             as_array(stated.gravity),
-            moved,
-            None if moved is None else _carriers(stated, moved, metre),
+            machine,
+            _carriers(stated, machine, metre),
         )
 
-    @cached_property
-    def turns(self) -> NDArray[np.bool_]:
-        """Which constraints are driven by a crank, shape (6,)."""
-        assert self.drives is not None
-        return np.array([self.drives.sorts[k] == "crank" for k in self.drives.index])
-
-    @cached_property
-    def drive_metres(self) -> Array:
-        """The units of the numbers of drives in SI units, by constraints: of slides the metre."""
-        assert self.drives is not None
-        return np.where(self.turns, 1.0, self.metre)
-
-    @cached_property
-    def sharing(self) -> Array | None:
-        """Which constraint, of six, each of m drives has, shape (6, m); None unless some share."""
-        if self.drives is None or len(self.drives.names) == len(self.drives.index):
-            return None
-        return np.asarray(np.eye(len(self.drives.names))[self.drives.index])
-
     @property
-    def drive_count(self) -> int:
-        """How many drives there are."""
-        return len(self.bodies.kinds) if self.drives is None else len(self.drives.names)
+    def bodies(self) -> Arrangement:
+        """The primitives where they are stated, with lengths in metres."""
+        return self.machine.stated_arrangement
 
-    def by_constraints(self, numbers: Array) -> Array:
-        """Return numbers of m drives by constraints, (..., m) -> (..., 6).
-
-        Those of a drive that several rods share stand at its first one; the others have zero.
-        """
-        if self.drives is None:
-            return numbers
-        return np.asarray(numbers[..., self.drives.index] * _first(self.drives))
-
-    def of_drives(self, numbers: Array) -> Array:
-        """Return sums over the constraints of each drive, (..., 6) -> (..., m)."""
-        return numbers if self.sharing is None else np.asarray(numbers @ self.sharing)
+    @cached_property
+    def users(self) -> Array:
+        """Which constraint, of six, each of m drives has, shape (6, m): ones and zeros."""
+        return np.asarray(np.eye(self.machine.count)[self.machine.index])
 
     def in_metres(self, twists: Array) -> Array:
         """Return twists, or their derivatives, with lengths in metres, shape (..., 6)."""
@@ -180,59 +142,31 @@ class MassModel:
 
 def named_drives(instance: Instance) -> dict[str, Any]:
     """Return the names of the drives for JSON; nothing where all are values."""
-    return {"drives": list(Drives.of(instance).names)} if is_driven(instance) else {}
+    drives = Drives.of(instance)
+    return {"drives": list(drives.names)} if drives.moved.any() else {}
 
 
-def _six(numbers: tuple[Number, ...], drives: Drives | None) -> Array:
-    """Return numbers of drives by constraints: those of a shared drive at its first one."""
-    each = _each(numbers, drives)
-    return each if drives is None else np.asarray(each[drives.index] * _first(drives))
-
-
-def _each(numbers: tuple[Number, ...], drives: Drives | None) -> Array:
+def _each(numbers: tuple[Number, ...], drives: Drives) -> Array:
     """Return numbers of the m drives, shape (m,)."""
-    count = 6 if drives is None else len(drives.names)
-    return np.array([number.value for number in numbers]) * np.ones(count)
+    return np.array([number.value for number in numbers]) * np.ones(drives.count)
 
 
-def _first(drives: Drives) -> NDArray[np.bool_]:
-    """Return which constraints are the first ones of their drives, shape (6,)."""
-    index = drives.index.tolist()
-    return np.array([index.index(drive) == k for k, drive in enumerate(index)])
-
-
-def _turns(drives: Drives, distances: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Return whose drive is an angle, shape (6,): of the value, or of a crank."""
-    sorts = [drives.sorts[drive] for drive in drives.index]
-    return np.array([sort == "crank" for sort in sorts]) | (~drives.driven & ~distances)
-
-
-def _check_driven(instance: Instance, drives: Drives) -> None:
-    for row, driven in zip(instance.constraints, drives.driven, strict=True):
-        if driven and row.kind is not DPP:
-            name = row.kind.name
-            message = f"found a {name} with a crank or slide, expected distances of two points"
-            raise ArgumentError(message, "dynamics")
-
-
-def _carriers(stated: Dynamics, drives: Drives, metre: float) -> CarrierMasses | None:
-    """Return the arms and carriages in the order of the drives."""
-    if not (stated.arms or stated.carriages):
-        return None
-    mass, share, inertia, moment = np.zeros((4, 6))
+def _carriers(stated: Dynamics, drives: Drives, metre: float) -> CarrierMasses:
+    """Return the arms and carriages in the order of the drives, whose lengths are in metres."""
+    mass, share, inertia, moment = np.zeros((4, drives.count))
     groups: tuple[tuple[str, Sequence[Arm | Carriage]], ...]
     groups = ("crank", stated.arms), ("slide", stated.carriages)
     for sort, bodies in groups:
-        which = [k for k in np.flatnonzero(_first(drives)) if drives.sorts[drives.index[k]] == sort]
+        which = [k for k, one in enumerate(drives.sorts) if one == sort]
         each = [*bodies] * (len(which) if len(bodies) == 1 else 1)
         for k, body in zip(which, each, strict=False):
             mass[k], share[k] = body.mass.value, 1.0
             moment[k] = mass[k]
             if isinstance(body, Arm):
-                share[k] = body.centre.value / drives.arms[k]
+                share[k] = body.centre.value * metre / drives.arms[drives.first[k]]
                 inertia[k] = body.inertia.value * metre**2
                 moment[k] = inertia[k] + mass[k] * (body.centre.value * metre) ** 2
-    if (mass[drives.on_platform] > 0).any():
+    if (mass[drives.index[drives.on_platform]] > 0).any():
         message = "found arms with mass on the platform, expected them on the base"
         raise ArgumentError(message, "dynamics.arms")
     return CarrierMasses(mass, share, inertia, moment)

@@ -7,10 +7,10 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.dynamics.drives import DrivesAtPoses
+from gspcli.dynamics.actuation import Actuation
 from gspcli.dynamics.mass_model import MassModel
 from gspcli.dynamics.trajectories import ACCELERATION, VELOCITY, PoseRates, motion_of_platform
-from gspcli.geometry.drives import Drives, is_driven
+from gspcli.geometry.drives import Drives
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.readings import factors
 from gspcli.motion import PoseFormat, read_poses, read_values
@@ -57,14 +57,14 @@ class ValueRows:
     second_rates: Array | None
     coordinates: Mapping[str, Array]
 
-    def drives(self, instance: Instance) -> Array | None:
-        """Return the readings of all drives, shape (n, m); None if all drives are values."""
-        if not is_driven(instance):
-            return None
+    def drives(self, instance: Instance) -> Array:
+        """Return the readings of all drives, shape (n, m)."""
         drives = Drives.of(instance)
-        found = np.array(drives.readings(np.zeros((len(self.values), len(drives.names)))))
-        for k, name in enumerate(drives.names):
-            if name in self.coordinates:
+        found = np.array(drives.readings(np.zeros((len(self.values), drives.count))))
+        for k, (name, moved) in enumerate(zip(drives.names, drives.moved, strict=True)):
+            if not moved:
+                found[:, k] = self.values[:, drives.first[k]]
+            elif name in self.coordinates:
                 found[:, k] = self.coordinates[name]
         return found
 
@@ -87,7 +87,8 @@ def read_rows(text: str, name: str, instance: Instance, form: PoseFormat) -> Pos
     if names_poses(table):
         return _pose_rows(table, instance, form)
     values = read_values(text, name, instance, form)
-    names = Drives.of(instance).names if is_driven(instance) else ()
+    drives = Drives.of(instance)
+    names = [name for name, moved in zip(drives.names, drives.moved, strict=True) if moved]
     other = [name for name in values.coordinates if name not in names]
     if other:
         expected = "only values and drives" if names else "only values"
@@ -142,16 +143,17 @@ def motion_of_values(
     At singular poses, where that is not known, it is at rest.
     """
     model = MassModel.of(instance)
-    drives = DrivesAtPoses(model, R, T * model.metre)
+    T = T * model.metre
+    acting = Actuation(model, R, T, model.machine.inverse(R, T))
     distances = np.array([row.kind.is_distance for row in instance.constraints])
     unit = np.where(distances, model.metre, instance.units.angle.in_radians) * factors(instance)
-    singular, _ = drives.conditions()
-    rows = np.where(singular[:, None, None], np.eye(6), drives.rows)
+    singular, _ = acting.conditions()
+    rows = np.where(singular[:, None, None], np.eye(6), acting.at.jacobian)
 
     def solved(right: Array) -> Array:
         return np.where(singular[:, None], 0.0, np.linalg.solve(rows, right[..., None])[..., 0])
 
     twists = solved(rates * unit)
-    accelerations = solved(second_rates * unit - drives.bends(twists))
+    accelerations = solved(second_rates * unit - acting.at.rates(twists, np.zeros(6))[1])
     lengths = np.repeat([1.0, model.metre], 3)
     return PoseRates(twists / lengths, accelerations / lengths)

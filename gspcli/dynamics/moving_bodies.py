@@ -16,7 +16,7 @@ c (u x e) . e' / (1 - c^2) with c = u . e. A wrench follows from forces on p and
 power: p' = omega x R y + v and e' = (1 - e e^T) p' / l.
 
 A crank or slide moves x, or R y: its number q follows from the pose, since the rod keeps its
-length (`gspcli.dynamics.moved_points`). Then e' = (1 - e e^T) (p' - x') / l. Forces on x, on the
+length. Then e' = (1 - e e^T) (p' - x') / l. Forces on x, on the
 arm and on the carriage act on q, too. The torque of the drive is their sum and the gain times the
 force along the rod. On the pose they act by the derivative of q.
 """
@@ -30,7 +30,7 @@ from numpy.typing import NDArray
 
 from gspcli.dynamics.arrays import RowError
 from gspcli.dynamics.mass_model import MassModel
-from gspcli.dynamics.moved_points import DriveMotion, MovedPoints
+from gspcli.geometry.drives import MachineAtPoses
 from gspcli.geometry.quaternions import apply, cross, dot
 
 Array = NDArray[np.float64]
@@ -46,8 +46,8 @@ class LegMotion(NamedTuple):
     """Shape (..., m, 3), as all."""
     turning_rate: Array
     end_rate: Array
-    start_rate: Array | float
-    """Of the base's points: zero if they stand still."""
+    start_rate: Array
+    """Of the base's points."""
 
 
 class BodyWrenches(NamedTuple):
@@ -55,12 +55,12 @@ class BodyWrenches(NamedTuple):
 
     on_platform: Array
     """About the origin of the platform with the drives still: moment and force, (..., 6)."""
-    on_drives: Array | None
-    """By the numbers of the drives, by constraints, (..., 6); None if all are values."""
+    on_drives: Array
+    """By what constraints ask of drives, (..., 6): carriers at the first one of their drive."""
 
 
 class MovingBodies:
-    """The bodies of a platform at poses, shapes (..., 3, 3) and (..., 3), in metres.
+    """The bodies of a platform whose machine is at poses, in metres.
 
     Raises
     ------
@@ -68,21 +68,14 @@ class MovingBodies:
         If a leg lies along the first axis of its universal joint, where that locks.
     """
 
-    def __init__(
-        self, model: MassModel, R: Array, T: Array, points: MovedPoints | None = None
-    ) -> None:
-        self.model = model
-        self.R, self.T = R, T
-        self.centre = apply(R, model.centre)
-        self.inertia = R @ model.inertia @ np.swapaxes(R, -1, -2)
+    def __init__(self, model: MassModel, at: MachineAtPoses) -> None:
+        self.model, self.at = model, at
+        self.centre = apply(at.R, model.centre)
+        self.inertia = at.R @ model.inertia @ np.swapaxes(at.R, -1, -2)
         rows = model.legs.rows
-        self.points = points
-        if points is None:
-            self.arm = model.bodies.y[rows] @ np.swapaxes(R, -1, -2)
-            along = self.arm + T[..., None, :] - model.bodies.x[rows]
-        else:
-            self.arm = points.ends[..., rows, :]
-            along = points.along[..., rows, :]
+        self.arm, along = at.placed.arm[..., rows, :], at.placed.r[..., rows, :]
+        self.ways, self.bends = at.ways[..., rows, :], at.bends[..., rows, :]
+        self.on_platform = model.machine.on_platform[rows, None]
         self.length = np.sqrt(dot(along, along))[..., None]
         self.e = along / self.length
         if model.legs.axial.any():
@@ -112,12 +105,8 @@ class MovingBodies:
         With the numbers of the drives as they follow from the pose. Parameters as `wrenches`.
         """
         found = self.wrenches(twists, accelerations, gravity)
-        if found.on_drives is None or self.points is None:
-            return found.on_platform
-        shares = (found.on_drives / self.points.gains)[..., None]
-        f, ends = self.points.f, self.points.ends
-        at_ends = np.concatenate((cross(ends, f), np.broadcast_to(f, ends.shape)), axis=-1)
-        return np.asarray(found.on_platform + (shares * at_ends).sum(axis=-2))
+        columns = np.swapaxes(self.at.jacobian, -1, -2)
+        return np.asarray(found.on_platform + apply(columns, found.on_drives / self.at.gains))
 
     def wrenches(self, twists: Array, accelerations: Array, gravity: Array) -> BodyWrenches:
         """Return what moves the bodies so.
@@ -133,44 +122,45 @@ class MovingBodies:
         force = self.model.mass * (self._centre_rate(twists, accelerations) - gravity)
         spin = apply(self.inertia, alpha) + cross(omega, apply(self.inertia, omega))
         moment = cross(self.centre, force) + spin
-        points, on_drives, driven = self.points, None, None
-        if points is not None:
-            driven = points.motion(twists, accelerations)
-            on_drives = self._on_carriers(driven.second_rates, gravity)
+        rates, second_rates = self._rates(twists, accelerations)
+        on_drives = self._on_carriers(second_rates, gravity)
         if len(self.model.legs.rows):
-            at_end, at_start = self._on_ends(self._legs(twists, accelerations, driven), gravity)
+            motion = self._legs(twists, accelerations, rates, second_rates)
+            at_end, at_start = self._on_ends(motion, gravity)
             force = force + at_end.sum(axis=-2)
             moment = moment + cross(self.arm, at_end).sum(axis=-2)
-            if points is not None and on_drives is not None:
-                rows = self.model.legs.rows
-                own = points.drives.on_platform[rows, None]
-                by_drive = dot(np.where(own, at_end, -at_start), points.ways[..., rows, :])
-                on_drives[..., rows] += by_drive
-        return BodyWrenches(np.concatenate((moment, force), axis=-1), on_drives)
+            by_drive = dot(np.where(self.on_platform, at_end, -at_start), self.ways)
+            on_drives[..., self.model.legs.rows] += by_drive
+        on_platform = np.concatenate((moment, force), axis=-1)
+        return BodyWrenches(on_platform, on_drives)
+
+    def _rates(self, twists: Array, accelerations: Array) -> tuple[Array, Array]:
+        """Return the rates of what moves points, (..., 6), and their derivatives; zero for none."""
+        if self.model.machine.driven.any():
+            return self.at.rates(twists, accelerations)
+        still = np.zeros(np.broadcast_shapes(self.at.gains.shape, (*twists.shape[:-1], 1)))
+        return still, still
 
     def _on_carriers(self, second_rates: Array, gravity: Array) -> Array:
-        """Return what moves arms and carriages, by the numbers of their drives, (..., 6)."""
-        carriers, points = self.model.carriers, self.points
-        assert points is not None
-        if carriers is None:
-            shape = np.broadcast_shapes(second_rates.shape, (*gravity.shape[:-1], 1))
-            return np.zeros(shape)
+        """Return what moves arms and carriages, by the first constraints of drives, (..., 6)."""
+        carriers, first = self.model.carriers, self.model.machine.first
         # The ways are those of the rods: against the points of the base.
-        fall = (points.ways * gravity[..., None, :]).sum(axis=-1)
-        return np.asarray(carriers.moment * second_rates + carriers.mass * carriers.share * fall)
+        fall = (self.at.ways[..., first, :] * gravity[..., None, :]).sum(axis=-1)
+        weights = carriers.mass * carriers.share * fall
+        found = np.zeros(np.broadcast_shapes(second_rates.shape, (*gravity.shape[:-1], 1)))
+        found[..., first] = carriers.moment * second_rates[..., first] + weights
+        return found
 
     def potential_bend(self, twists: Array) -> Array:
         """Return the second derivative of the potential energy along constant twists, (...)."""
         legs, gravity, still = self.model.legs, self.model.gravity, np.zeros(6)
+        carriers, first = self.model.carriers, self.model.machine.first
         fall = self.model.mass * (self._centre_rate(twists, still) @ gravity)
-        points, carriers = self.points, self.model.carriers
-        driven = None if points is None else points.motion(twists, still)
-        if points is not None and driven is not None and carriers is not None:
-            bent = points.ways * driven.second_rates[..., None]
-            bent = bent + points.bends * driven.rates[..., None] ** 2
-            fall = fall - (bent @ gravity) @ (carriers.mass * carriers.share)
+        rates, second_rates = self._rates(twists, still)
+        bent = self.at.ways * second_rates[..., None] + self.at.bends * rates[..., None] ** 2
+        fall = fall - (bent[..., first, :] @ gravity) @ (carriers.mass * carriers.share)
         if len(legs.rows):
-            motion = self._legs(twists, still, driven)
+            motion = self._legs(twists, still, rates, second_rates)
             cylinder = legs.cylinder[0] * legs.cylinder[1] * motion.turning_rate
             cylinder = cylinder + legs.cylinder[0] * motion.start_rate
             rod = legs.rod[0] * (motion.end_rate - legs.rod[1] * motion.turning_rate)
@@ -184,55 +174,28 @@ class MovingBodies:
         rate: Array = cross(accelerations[..., :3], self.centre) + accelerations[..., 3:] + bend
         return rate
 
-    def _legs(self, twists: Array, accelerations: Array, driven: DriveMotion | None) -> LegMotion:
+    def _legs(
+        self, twists: Array, accelerations: Array, rates: Array, second_rates: Array
+    ) -> LegMotion:
+        """Return how the legs move with the platform, and with their drives: rates (..., 6)."""
         t, a = twists[..., None, :], accelerations[..., None, :]
-        omega, e = t[..., :3], self.e
+        omega, e, rows = t[..., :3], self.e, self.model.legs.rows
         turned = cross(omega, self.arm)
+        q, second = rates[..., rows, None], second_rates[..., rows, None]
+        way, change = self.ways * q, self.ways * second + self.bends * q * q
         end_rate = cross(a[..., :3], self.arm) + a[..., 3:] + cross(omega, turned)
-        moving = turned + t[..., 3:]
-        apart, start_rate = end_rate, None
-        if driven is not None:
-            way, end_rate, start_rate = self._driven_rates(omega, driven, end_rate)
-            moving, apart = moving + way, end_rate - start_rate
+        end_rate = end_rate + np.where(self.on_platform, 2 * cross(omega, way) + change, 0.0)
+        start_rate = np.where(self.on_platform, 0.0, -change)
+        moving, apart = turned + t[..., 3:] + way, end_rate - start_rate
         speed = dot(e, moving)[..., None]
         turning = (moving - speed * e) / self.length
         # From p - x = l e: p'' - x'' = l'' e + 2 l' e' + l e'', l'' = e . (p'' - x'') + l |e'|^2.
         across = apart - dot(e, apart)[..., None] * e - 2 * speed * turning
         rate = across / self.length - dot(turning, turning)[..., None] * e
-        return LegMotion(turning, rate, end_rate, 0.0 if start_rate is None else start_rate)
+        return LegMotion(turning, rate, end_rate, start_rate)
 
-    def _driven_rates(
-        self, omega: Array, driven: DriveMotion, end_rate: Array
-    ) -> tuple[Array, Array, Array]:
-        """Return velocities and accelerations of the ends of legs by the drives, each (..., m, 3).
-
-        First the velocity of the platform's ends against the base's, then both accelerations.
-
-        Parameters
-        ----------
-        omega
-            The angular velocity of the platform, shape (..., 1, 3).
-        driven
-            How the numbers of the drives change.
-        end_rate
-            The acceleration of the platform's ends with the drives still, shape (..., m, 3).
-        """
-        points, rows = self.points, self.model.legs.rows
-        assert points is not None
-        q, second = driven.rates[..., rows, None], driven.second_rates[..., rows, None]
-        way = points.ways[..., rows, :] * q
-        change = points.ways[..., rows, :] * second + points.bends[..., rows, :] * q * q
-        own = points.drives.on_platform[rows, None]
-        if not own.any():
-            return way, end_rate, -change
-        with_arms = 2 * cross(omega, way) + change
-        return way, end_rate + np.where(own, with_arms, 0.0), np.where(own, 0.0, -change)
-
-    def _on_ends(self, motion: LegMotion, gravity: Array) -> tuple[Array, Array | float]:
-        """Return the forces at both ends of the legs that this motion needs, each (..., m, 3).
-
-        Those at the base are zero if its points stand still: then no other number needs them.
-        """
+    def _on_ends(self, motion: LegMotion, gravity: Array) -> tuple[Array, Array]:
+        """Return the forces at both ends of the legs that this motion needs, each (..., m, 3)."""
         legs, rate = self.model.legs, motion.turning_rate
         (mass, place), (rod, below) = legs.cylinder, legs.rod
         fall = gravity[..., None, :]
@@ -244,8 +207,7 @@ class MovingBodies:
         on_direction = on_direction - below * on_rod
         across = on_direction - dot(self.e, on_direction)[..., None] * self.e
         across = across / self.length
-        at_start = 0.0 if self.points is None else mass * on_cylinder - across
-        return np.asarray(on_rod + across), at_start
+        return np.asarray(on_rod + across), np.asarray(mass * on_cylinder - across)
 
     def _spinning(self, motion: LegMotion) -> Array:
         """Return the forces on directions by unit inertias about legs that spin, (..., m, 3)."""
@@ -259,28 +221,23 @@ class MovingBodies:
 
 
 def equation_of_motion(
-    model: MassModel, R: Array, T: Array, twists: Array, numbers: Array | None = None
+    model: MassModel, R: Array, T: Array, q: Array, twists: Array
 ) -> tuple[Array, Array]:
     """Return M and h - G without the drives, shapes (..., 6, 6) and (..., 6).
 
     Parameters
     ----------
-    model, R, T
-        The platform, and poses in metres.
+    model, R, T, q
+        The platform, poses in metres and the numbers of the drives there.
     twists
         How it moves there, shape (..., 6).
-    numbers
-        Those of the drives (`driven_numbers`), shape (..., 6).
     """
     # One after the other: as it moves with gravity, then six unit accelerations at rest.
     moving = np.zeros((*twists.shape[:-1], 7, 6))
     moving[..., 0, :] = twists
     gravity = np.zeros((7, 3))
     gravity[0] = model.gravity
-    R, T, points = R[..., None, :, :], T[..., None, :], None
-    if numbers is not None:
-        points = MovedPoints(model, R, T, numbers[..., None, :])
-    bodies = MovingBodies(model, R, T, points)
-    rows = bodies.wrench(moving, np.eye(7, 6, -1), gravity)
+    at = model.machine.at(R[..., None, :, :], T[..., None, :], q[..., None, :])
+    rows = MovingBodies(model, at).wrench(moving, np.eye(7, 6, -1), gravity)
     columns = rows[..., 1:, :]
     return (columns + np.swapaxes(columns, -1, -2)) / 2, rows[..., 0, :]

@@ -13,10 +13,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from gspcli.dynamics.actuation import PAIRS, Actuation, Flags, numbers_at, polarized
 from gspcli.dynamics.arrays import by_chunks, checked_array, checked_rows, make_read_only, plain
-from gspcli.dynamics.drives import PAIRS, DrivesAtPoses, Flags, polarized
 from gspcli.dynamics.mass_model import MassModel, named_drives
-from gspcli.dynamics.moved_points import MovedPoints, given_numbers
 from gspcli.dynamics.moving_bodies import MovingBodies, equation_of_motion
 from gspcli.errors import ArgumentError
 from gspcli.geometry.instance import Instance
@@ -61,8 +60,7 @@ class NaturalModes(EqualByContent):
         The condition number where it is above 1e8, and about as many digits of the preload are lost
         as it has; else NaN; shape (n,).
     torques
-        Torques and forces of the drives against gravity, N m and N, shape (n, m), if some are
-        cranks or slides; else None.
+        Torques and forces of the m drives against gravity, N m and N, shape (n, m).
     """
 
     instance: Instance
@@ -73,7 +71,7 @@ class NaturalModes(EqualByContent):
     preload: Array
     singular: Flags
     nearly_singular: Array
-    torques: Array | None = None
+    torques: Array
 
     def __post_init__(self) -> None:
         make_read_only(self)
@@ -107,7 +105,7 @@ class NaturalModes(EqualByContent):
         parts = [self.frequencies, self.shapes, self.preload, self.nearly_singular]
         columns = [range(1, len(self.T) + 1), *map(plain, parts), self.singular.tolist()]
         keys = ["row", "frequencies", "shapes", "preload", "nearly_singular", "singular"]
-        if self.torques is not None:
+        if named_drives(self.instance):
             keys.append("torques")
             columns.append(plain(self.torques))
         return {
@@ -156,7 +154,7 @@ def natural_modes(
     R, T = checked_rows(R, T)
     given = model.stiffness
     if stiffness is not None:
-        given = checked_array(stiffness, (model.drive_count,), "stiffness")
+        given = checked_array(stiffness, (model.machine.count,), "stiffness")
     if given is None:
         message = (
             "found no stiffness: state drives: {stiffness: ...} under `dynamics` in the instance "
@@ -167,33 +165,29 @@ def natural_modes(
         message = f"found {given.min():g}, expected stiffnesses above 0"
         raise ArgumentError(message, "stiffness")
 
-    constants = model.by_constraints(given)
-    numbers = given_numbers(model, R, T * model.metre, drives)
+    q = numbers_at(model, R, T, drives)
 
     def some(rows: slice) -> tuple[Any, ...]:
-        own = None if numbers is None else numbers[rows]
-        return _modes(model, R[rows], T[rows] * model.metre, constants, own)
+        return _modes(model, R[rows], T[rows] * model.metre, q[rows], given)
 
     return NaturalModes(instance, R, T, *by_chunks(len(R), _CHUNK, some))
 
 
-def _modes(
-    model: MassModel, R: Array, T: Array, stiffness: Array, numbers: Array | None
-) -> tuple[Any, ...]:
+def _modes(model: MassModel, R: Array, T: Array, q: Array, stiffness: Array) -> tuple[Any, ...]:
     """Return squares, shapes, preload, what is singular and torques, as `NaturalModes` has them."""
-    drives = DrivesAtPoses(model, R, T, numbers)
-    singular, conditions = drives.conditions()
-    J, still = drives.pulls, np.zeros((len(T), 6))
-    columns = np.where(singular[:, None, None], np.eye(6), np.swapaxes(J, -1, -2))
-    mass, weights = equation_of_motion(model, R, T, still, numbers)
-    held = np.asarray(np.linalg.solve(columns, weights[..., None])[..., 0], float)
+    acting, still = Actuation(model, R, T, q), np.zeros((len(T), 6))
+    singular, conditions = acting.conditions()
+    pulls = np.where(singular[:, None, None], np.eye(6), acting.pulls)
+    mass, weights = equation_of_motion(model, R, T, q, still)
+    held = _solved(pulls, weights)
+    # The rates of the drives by the twist: of those that several rods share the first one's.
+    J = acting.pulls[:, model.machine.first]
     K = np.einsum("nki,k,nkj->nij", J, stiffness, J)
-    bend = _weight_stiffness(model, R, T, numbers)
-    K = K - np.einsum("nk,nkij->nij", held, drives.second) + bend
+    K = K - np.einsum("nk,nkij->nij", held, acting.second) + _weight_stiffness(acting)
     M = mass + np.einsum("nki,k,nkj->nij", J, model.rotors, J)
-    basis = None
-    if model.sharing is not None:
-        basis = np.linalg.solve(np.swapaxes(columns, -1, -2), model.sharing)
+    basis: Array = np.eye(6)
+    if model.machine.count < len(basis):
+        basis = np.asarray(np.linalg.solve(pulls, model.users), float)
         K, M = (np.swapaxes(basis, -1, -2) @ matrix @ basis for matrix in (K, M))
     # M = C C^T turns K x = w^2 M x into a symmetric problem.
     C = np.linalg.cholesky(M)
@@ -201,8 +195,7 @@ def _modes(
     squares: Array
     squares, vectors = np.linalg.eigh((half + np.swapaxes(half, -1, -2)) / 2)
     vectors = _chosen_basis(squares, vectors)
-    turned = np.linalg.solve(np.swapaxes(C, -1, -2), vectors)
-    shapes: Array = np.swapaxes(turned if basis is None else basis @ turned, -1, -2)
+    shapes: Array = np.swapaxes(basis @ np.linalg.solve(np.swapaxes(C, -1, -2), vectors), -1, -2)
     weighted = shapes * np.repeat([model.bodies.length, 1.0], 3)
     sizes = np.abs(weighted)
     # The first of the largest entries, up to rounding errors; its quotient is exactly one.
@@ -211,15 +204,18 @@ def _modes(
     shapes = weighted * np.repeat([1.0, model.bodies.length / model.metre], 3)
     # Entries that are rounding errors become zero, without a sign.
     shapes = np.where(np.abs(weighted) < ALIKE, 0.0, shapes)
-    squares[singular], shapes[singular], held[singular] = np.nan, np.nan, np.nan
-    if numbers is None:
-        return squares, shapes, held, singular, conditions
-    bodies = MovingBodies(model, R, T, drives.points)
-    at_rest = bodies.wrenches(still, still, model.gravity)
-    along = np.where(singular[:, None, None], np.eye(6), np.swapaxes(drives.rows, -1, -2))
-    preload = np.linalg.solve(along, at_rest.on_platform[..., None])[..., 0]
-    preload[singular] = np.nan
-    return squares, shapes, preload, singular, conditions, model.of_drives(held)
+    at_rest = MovingBodies(model, acting.at).wrenches(still, still, model.gravity)
+    rows = np.where(singular[:, None, None], np.eye(6), acting.at.jacobian)
+    preload = _solved(rows, at_rest.on_platform)
+    for part in (squares, shapes, preload, held):
+        part[singular] = np.nan
+    return squares, shapes, preload, singular, conditions, held @ model.users
+
+
+def _solved(rows: Array, wrenches: Array) -> Array:
+    """Return the forces whose wrenches are given, (n, 6, 6), (n, 6) -> (n, 6)."""
+    columns = np.swapaxes(rows, -1, -2)
+    return np.asarray(np.linalg.solve(columns, wrenches[..., None])[..., 0], float)
 
 
 def _chosen_basis(squares: Array, vectors: Array) -> Array:
@@ -236,9 +232,8 @@ def _chosen_basis(squares: Array, vectors: Array) -> Array:
     return vectors
 
 
-def _weight_stiffness(model: MassModel, R: Array, T: Array, numbers: Array | None) -> Array:
+def _weight_stiffness(acting: Actuation) -> Array:
     """Return the second derivatives of the potential energy of the weights, (n, 6, 6)."""
-    R, T, points = R[:, None, None], T[:, None, None], None
-    if numbers is not None:
-        points = MovedPoints(model, R, T, numbers[:, None, None])
-    return polarized(MovingBodies(model, R, T, points).potential_bend(PAIRS))
+    R, T, q = (part[:, None] for part in (acting.R, acting.T, acting.q))
+    bodies = MovingBodies(acting.model, acting.model.machine.at(R, T, q))
+    return polarized(bodies.potential_bend(PAIRS))

@@ -101,7 +101,7 @@ class SimulatedMasses:
         own = _ROTOR * self.link.mass * (1.0 if kind == "slide" else self.size**2)
         if constraint is None or self.model is None:
             return own
-        return own + float(self.model.rotors[constraint])
+        return own + float(self.model.rotors[self.model.machine.index[constraint]])
 
     def stiffness(self, constraint: int, *, lever: float = 1.0) -> float:
         """Return how stiff the drive of a constraint is, N/m or N m/rad.
@@ -114,7 +114,7 @@ class SimulatedMasses:
             1 for a force; of a torque the length at which it pulls at the platform.
         """
         if self.model is not None and self.model.stiffness is not None:
-            return float(self.model.by_constraints(self.model.stiffness)[constraint])
+            return float(self.model.stiffness[self.model.machine.index[constraint]])
         pull = float(np.linalg.norm(self.gravity(None)))
         of_a_kilogramme = min(max(_SOFT, pull / (_SAG * self.size)), _STIFF)
         return of_a_kilogramme * self.platform.mass * lever**2
@@ -178,11 +178,12 @@ class SimulatedMasses:
             The arm of a crank in the frame of its body, in length units, shape (3,).
         """
         model = self.model
-        if model is None or model.carriers is None or not model.carriers.mass[constraint]:
+        drive = 0 if model is None else model.machine.index[constraint]
+        if model is None or not model.carriers.mass[drive]:
             return self.link
-        mass = float(model.carriers.mass[constraint])
-        moment = max(float(model.carriers.inertia[constraint]), _SLENDER * mass * self.size**2)
-        centre = float(model.carriers.share[constraint]) * across * model.metre
+        mass = float(model.carriers.mass[drive])
+        moment = max(float(model.carriers.inertia[drive]), _SLENDER * mass * self.size**2)
+        centre = float(model.carriers.share[drive]) * across * model.metre
         return Inertial(mass, centre, moment * np.eye(3))
 
     def _leg(self, constraint: int) -> Leg:

@@ -30,7 +30,14 @@ from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.coordinates import BODIES
 from gspcli.geometry.instance import Constraint, Instance, Side
-from gspcli.geometry.measurement import by_twist, curvature, gradients, jacobian, measured
+from gspcli.geometry.measurement import (
+    by_twist,
+    curvature,
+    gradients,
+    jacobian,
+    measured,
+    value_signs,
+)
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Crank, Point, Slide, as_array
 from gspcli.geometry.quaternions import apply, cross, dot
@@ -157,6 +164,11 @@ class Drives:
         return np.array([self.sorts[k] == "crank" for k in self.index])
 
     @cached_property
+    def first(self) -> NDArray[np.int64]:
+        """The first constraint of each drive, shape (m,)."""
+        return np.array([self.users(k)[0] for k in range(self.count)])
+
+    @cached_property
     def moved(self) -> NDArray[np.bool_]:
         """Which drives are cranks or slides, shape (m,)."""
         return np.array([sort != "value" for sort in self.sorts])
@@ -165,7 +177,7 @@ class Drives:
     def turns(self) -> NDArray[np.bool_]:
         """Which drives are angles, of cranks or of values, shape (m,)."""
         angles = [not row.kind.is_distance for row in self.instance.constraints]
-        of_values = [angles[self.users(k)[0]] for k in range(self.count)]
+        of_values = np.array(angles)[self.first]
         cranks = np.array([sort == "crank" for sort in self.sorts])
         return np.asarray(cranks | (~self.moved & of_values))
 
@@ -193,7 +205,8 @@ class Drives:
         return np.asarray(~self.driven | (self.planes & ~self._cranked))
 
     @cached_property
-    def _arrangement(self) -> Arrangement:
+    def stated_arrangement(self) -> Arrangement:
+        """The platform with all points where they are stated."""
         return Arrangement.of(self.instance)
 
     def user(self, k: int) -> str:
@@ -252,8 +265,8 @@ class Drives:
         As it is stated, without batch axes, if no drive moves a point.
         """
         if not self.driven.any():
-            return self._arrangement
-        points, stated = self.points(q), self._arrangement
+            return self.stated_arrangement
+        points, stated = self.points(q), self.stated_arrangement
         shape = points.shape
         moves = [self.driven & self.on_platform, self.driven & ~self.on_platform]
         y, x = (
@@ -261,6 +274,35 @@ class Drives:
             for moved, own in zip(moves, (stated.y, stated.x), strict=True)
         )
         return stated.with_points(y, x)
+
+    def at(self, R: ArrayLike, T: ArrayLike, q: ArrayLike) -> MachineAtPoses:
+        """Return the machine at poses, (..., 3, 3) and (..., 3), and at numbers, (..., m)."""
+        return MachineAtPoses(self, np.asarray(R, float), np.asarray(T, float), q)
+
+    def scaled(self, factor: float) -> Drives:
+        """Return the machine with its lengths times a factor: in another unit of length."""
+        lengths, arms = np.where(self.turns, 1.0, factor), np.where(self._cranked, factor, 1.0)
+        low, high, tolerances = (x * lengths for x in (self.low, self.high, self.tolerances))
+        found = replace(
+            self,
+            units=self.units * lengths,
+            low=low,
+            high=high,
+            tolerances=tolerances,
+            middle=self.middle * factor,
+            across=self.across * factor,
+            beside=self.beside * arms[:, None],
+            arms=self.arms * arms,
+            rods=self.rods * factor,
+        )
+        stated, home = self.stated_arrangement, self._home
+        values = stated.values.copy()
+        values[stated.distances] *= factor
+        found.__dict__["stated_arrangement"] = replace(
+            stated, y=stated.y * factor, x=stated.x * factor, values=values
+        )
+        found.__dict__["_home"] = None if home is None else (home[0], home[1] * factor)
+        return found
 
     def ends(self, R: ArrayLike, T: ArrayLike, q: ArrayLike) -> tuple[Array, Array, Array]:
         """Return base points, the turned platform points R y and the vectors of the rods.
@@ -280,20 +322,9 @@ class Drives:
 
     def gains(self, R: ArrayLike, T: ArrayLike, q: ArrayLike) -> Array:
         """Return the gains of the drives at their constraints, shape (..., 6)."""
-        R, T = np.asarray(R, float), np.asarray(T, float)
         if not self.driven.any():
-            return np.ones((*T.shape[:-1], len(self.index)))
-        arrangement = self.arrangement(q)
-        ways = self._in_base(R, self.velocities(q))
-        return self._gains(gradients(arrangement, arrangement.placed(R, T)).r, ways)
-
-    def _gains(self, f: Array, ways: Array) -> Array:
-        return np.where(self.driven, -dot(f, ways), 1.0)
-
-    def _in_base(self, R: Array, derivatives: Array) -> Array:
-        """Return derivatives of r by the drives from those of `points`, in the axes of the base."""
-        turned = derivatives @ np.swapaxes(R, -1, -2)
-        return np.where(self.on_platform[:, None], turned, -derivatives)
+            return np.ones((*np.shape(T)[:-1], len(self.index)))
+        return self.at(R, T, q).gains
 
     def matrix(self, gains: Array) -> Array:
         """Return D with ``J t = D q'`` and ``tau = D^T F``, ``(..., 6) -> (..., 6, m)``."""
@@ -330,25 +361,12 @@ class Drives:
         q', q''
             Shapes (..., m); infinite or NaN at a dead point. The mean where constraints share.
         """
-        R, T, t = (np.asarray(part, float) for part in (R, T, twist))
+        t = np.asarray(twist, float)
         a = np.zeros_like(t) if change is None else np.asarray(change, float)
-        arrangement = self.arrangement(q)
-        placed = arrangement.placed(R, T)
-        by = gradients(arrangement, placed)
-        J = by_twist(by, placed.arm, placed.w)
-        ways, bends = (self._in_base(R, part) for part in (self.velocities(q), self.bends(q)))
-        with np.errstate(all="ignore"):
-            g = self._gains(by.r, ways)
-            first = apply(J, t) / g
-            slip = ways * first[..., None]
-            bent = bends * first[..., None] ** 2
-            spin = np.broadcast_to(t[..., None, :3], slip.shape)
-            bent = bent + np.where(self.on_platform[:, None], 2 * cross(spin, slip), 0.0)
-            bent = curvature(arrangement, R, T, t, np.stack((slip, bent)))
-            second = (apply(J, a) + bent) / g
-        return self._per_drive(first), self._per_drive(second)
+        first, second = self.at(R, T, q).rates(t, a)
+        return self.per_drive(first), self.per_drive(second)
 
-    def _per_drive(self, of_constraints: Array) -> Array:
+    def per_drive(self, of_constraints: Array) -> Array:
         """Return the means over the constraints of each drive, ``(..., 6) -> (..., m)``."""
         parts = [of_constraints[..., self.users(k)].mean(axis=-1) for k in range(self.count)]
         return np.stack(parts, axis=-1)
@@ -368,7 +386,7 @@ class Drives:
             to a plane on a chosen side.
         """
         R, T = np.asarray(R, float), np.asarray(T, float)
-        stated = self._arrangement
+        stated = self.stated_arrangement
         values = measured(stated, R, T)
         skew = [kind is DLL for kind in stated.kinds]
         values[..., skew] = np.abs(values[..., skew])
@@ -475,12 +493,15 @@ class Drives:
         return _nearer(both, self.driven)
 
     @cached_property
+    def _home(self) -> tuple[Array, Array] | None:
+        """The stated home pose, shapes (3, 3) and (3,), or None if the file states none."""
+        home = self.instance.home
+        return None if home is None else (home.R(self.stated_arrangement.in_radians), home.T)
+
+    @cached_property
     def home_knees(self) -> NDArray[np.int64] | None:
         """The knees at the stated home pose, or None if the file states none; as `knees`."""
-        home = self.instance.home
-        if home is None:
-            return None
-        return self.knees(home.R(self._arrangement.in_radians), home.T, "the home pose")
+        return None if self._home is None else self.knees(*self._home, "the home pose")
 
     def on_other_knees(self, R: Array, T: Array) -> NDArray[np.bool_]:
         """Return which drives have another knee at poses than at home, shape (n, 6).
@@ -488,10 +509,9 @@ class Drives:
         With all drives at zero at the poses and at the stated home. A gain of nearly zero has no
         sign that is known, and is on no other knee.
         """
-        home = self.instance.home
-        assert home is not None
+        assert self._home is not None
         zero = np.zeros(self.count)
-        stated = self.gains(home.R(self._arrangement.in_radians), home.T, zero)
+        stated = self.gains(*self._home, zero)
         gains = self.gains(R, T, zero)
         known = np.minimum(np.abs(gains), np.abs(stated)) > _DEAD * self.arms
         return known & (gains * stated < 0)
@@ -511,7 +531,7 @@ class Drives:
 
         Lengths and radians, signed on a chosen side, the modulus on both; infinite for others.
         """
-        a = self._arrangement
+        a = self.stated_arrangement
         stated = np.where(a.sides < 0, -a.targets, a.targets)
         room = np.full(len(stated), _SAME * a.length)
         room[a.angles] = _SAME
@@ -520,7 +540,7 @@ class Drives:
 
     def _kept(self, wanted: Array) -> Array:
         """Return what constraints ask for, NaN for values that must stay and do not."""
-        a, (low, high) = self._arrangement, self.held
+        a, (low, high) = self.stated_arrangement, self.held
         values = np.where(a.sided & (a.sides == 0), np.abs(wanted), wanted)
         off = (values < low) | (values > high)
         return np.where(self.stays & off, np.nan, wanted)
@@ -546,8 +566,8 @@ class Drives:
 
     def stated(self, R: ArrayLike, T: ArrayLike) -> Array:
         """Return the numbers at poses with all points where they are stated, shape (..., m)."""
-        values = measured(self._arrangement, np.asarray(R, float), np.asarray(T, float))
-        return self._per_drive(np.where(self.driven, 0.0, values))
+        values = measured(self.stated_arrangement, np.asarray(R, float), np.asarray(T, float))
+        return self.per_drive(np.where(self.driven, 0.0, values))
 
     def nearest(self, R: ArrayLike, T: ArrayLike) -> Array:
         """Return at each pose the numbers nearer to zero, on any knee, shape (..., m)."""
@@ -559,8 +579,10 @@ class Drives:
         """Return what all constraints of each drive ask for, NaN where they differ, (..., m)."""
         if self.count == len(self.index):
             return wanted
-        q = self._per_drive(wanted)
-        off = np.abs(wanted - q[..., self.index]) * self.arms > _SAME * self._arrangement.length
+        q = self.per_drive(wanted)
+        off = (
+            np.abs(wanted - q[..., self.index]) * self.arms > _SAME * self.stated_arrangement.length
+        )
         return np.where(self.matrix(off.astype(float)).any(axis=-2), np.nan, q)
 
     def with_points_at(self, q: ArrayLike) -> Instance:
@@ -568,7 +590,7 @@ class Drives:
 
         Its coordinates there are doubles; it has no cranks, no slides and no masses.
         """
-        numbers = np.asarray(q, float).tolist()
+        numbers = (np.asarray(q, float) / np.where(self.turns, 1.0, self.units)).tolist()
         rows = list(self.instance.constraints)
         for k in np.flatnonzero(self.driven).tolist():
             body = BODIES[0] if self.on_platform[k] else BODIES[1]
@@ -598,6 +620,66 @@ class Drives:
     def from_readings(self, readings: ArrayLike) -> Array:
         """Return q of readings, shape (..., m)."""
         return (np.asarray(readings, float) * self.factors + self.offsets) * self.units
+
+
+class MachineAtPoses:
+    """A machine at poses, shapes (..., 3, 3) and (..., 3), with its drives at q, shape (..., m).
+
+    Attributes
+    ----------
+    arrangement, placed
+        The platform with its points at q, and its vectors in the axes of the base.
+    by
+        Derivatives of the values by these vectors; not finite where there is none.
+    ways, bends
+        The first and second derivatives of r by the number of the drive of each constraint, in the
+        axes of the base, shape (..., 6, 3); zero where that is the value.
+    gains
+        Of the drives at their constraints, shape (..., 6).
+    """
+
+    def __init__(self, machine: Drives, R: Array, T: Array, q: ArrayLike) -> None:
+        self.machine, self.R, self.T = machine, R, T
+        self.arrangement = machine.arrangement(q)
+        self.placed = self.arrangement.placed(R, T)
+        with np.errstate(all="ignore"):
+            self.by = gradients(self.arrangement, self.placed)
+        turned, on_platform = np.swapaxes(R, -1, -2), machine.on_platform[:, None]
+        self.ways, self.bends = (
+            np.where(on_platform, part @ turned, -part)
+            for part in (machine.velocities(q), machine.bends(q))
+        )
+        self.gains: Array = np.where(machine.driven, -dot(self.by.r, self.ways), 1.0)
+
+    @cached_property
+    def _signs(self) -> Array:
+        return value_signs(self.arrangement, self.R, self.T)
+
+    @cached_property
+    def jacobian(self) -> Array:
+        """Derivatives of the values by a twist with all drives still, shape (..., 6, 6).
+
+        Those of the values of `gsp measure`: distances of two lines are not negative.
+        """
+        rows = by_twist(self.by, self.placed.arm, self.placed.w)
+        return np.asarray(self._signs[..., None] * rows)
+
+    def rates(self, twist: Array, change: Array) -> tuple[Array, Array]:
+        """Return the derivatives of what each constraint asks of its drive, each (..., 6).
+
+        The first and the second by the time, where the platform moves with a twist and its
+        derivative, shapes (..., 6); infinite or NaN at a dead point.
+        """
+        machine, slip = self.machine, None
+        with np.errstate(all="ignore"):
+            first = apply(self.jacobian, twist) / self.gains
+            if machine.driven.any():
+                moved = self.ways * first[..., None]
+                bent = self.bends * first[..., None] ** 2
+                turning = 2 * cross(twist[..., None, :3], moved)
+                slip = moved, bent + np.where(machine.on_platform[:, None], turning, 0.0)
+            second = self._signs * curvature(self.arrangement, self.R, self.T, twist, slip)
+            return first, (apply(self.jacobian, change) + second) / self.gains
 
 
 def _pair(half: Array) -> Array:

@@ -11,18 +11,21 @@ the axes of the base about the origin of the platform, and a translation.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cache
 
 import numpy as np
 
-from gspcli.catalogue.kinds import DPL, Kind, Law
-from gspcli.geometry.arrangement import Bodies, Placed
-from gspcli.geometry.constraint_polynomials import COSINE, Gradient, Hessian, polynomial
+from gspcli.catalogue.kinds import DLL, DPL, Kind, Law, Primitive
+from gspcli.geometry.arrangement import Arrangement, Bodies, Placed
+from gspcli.geometry.constraint_polynomials import COSINE, Gradient, polynomial
 from gspcli.geometry.quaternions import Field, apply, cross, dot
 from gspcli.geometry.tolerances import PARALLEL_SINE
 
 #: A complex unit vector with a larger entry is long: its entries cancel in double precision.
 _LONG = 2.0
+#: Lines nearer than this part of the typical length meet up to rounding.
+_MEETING = 1e-12
 _IDENTITY = np.eye(3)
 
 
@@ -51,6 +54,29 @@ def jacobian(bodies: Bodies, R: Field, T: Field) -> Field:
     return by_twist(gradients(bodies, placed), placed.arm, placed.w)
 
 
+def value_signs(arrangement: Arrangement, R: Field, T: Field) -> Field:
+    """Return the signs that convert measured numbers to values of `measure`, shape (..., 6).
+
+    A distance of two lines is the modulus of a distance with the sign of their orientation; this
+    sign is returned. Where the lines meet the modulus has no derivative, and 1 is returned. All
+    other signs are 1.
+    """
+    signs = np.ones((*T.shape[:-1], len(arrangement.kinds)))
+    skew = [kind is DLL for kind in arrangement.kinds]
+    if any(skew):
+        away = measured(arrangement, R, T)[..., skew] < -_MEETING * arrangement.length
+        signs[..., skew] = np.where(away, -1.0, 1.0)
+    return signs
+
+
+def value_slopes(arrangement: Arrangement, R: Field, T: Field) -> Field:
+    """Return the derivatives of the values of `measure` by a twist, shape (..., 6, 6).
+
+    In lengths and radians. Not finite where a value has no derivative.
+    """
+    return np.asarray(value_signs(arrangement, R, T)[..., None] * jacobian(arrangement, R, T))
+
+
 def gradients(bodies: Bodies, placed: Placed) -> Gradient:
     """Return the derivatives of `measured` by r, w and v, each ``(..., n, 3)``.
 
@@ -67,50 +93,35 @@ def gradients(bodies: Bodies, placed: Placed) -> Gradient:
     return found
 
 
-def hessian(bodies: Bodies, R: Field, T: Field) -> Field:
-    """Return the second derivatives of `measured` with respect to a twist, ``(..., n, 6, 6)``.
-
-    H is the symmetric matrix such that ``t.H t`` is the second derivative by s for each twist t.
-    It is not finite where the value has no second derivative: at a distance or sine of zero and
-    for parallel lines.
-    """
-    r, w, arm = bodies.placed(R, T)
-    v = np.broadcast_to(bodies.v, w.shape)
-    matrices: Field = np.zeros((*r.shape[:-1], 6, 6), dtype=r.dtype)
-    for kind, k in _alike(bodies.kinds):
-        vectors = r[..., k, :], w[..., k, :], v[..., k, :]
-        first, second = _gradient(kind, *vectors), _hessian(kind, *vectors)
-        matrices[..., k, :, :] = by_twist_twice(first, second, arm[..., k, :], vectors[1])
-    return matrices
-
-
 def curvature(
-    bodies: Bodies, R: Field, T: Field, twists: Field, slip: Field | None = None
+    bodies: Bodies, R: Field, T: Field, twists: Field, slip: tuple[Field, Field] | None = None
 ) -> Field:
     """Return the second derivatives of `measured` along constant twists, ``(..., 6) -> (..., n)``.
+
+    Poses are broadcast with them. Not finite at a distance or sine of zero and for parallel lines,
+    which have none.
 
     Parameters
     ----------
     slip
-        The velocity of r and its derivative when points move in their bodies, too, shape
-        (2, ..., n, 3). Without it these are ``t.H t`` with the matrices of `hessian`, in a seventh
-        of the time.
+        The velocity of r and its derivative when points move in their bodies, too, each of shape
+        (..., n, 3).
     """
     r, w, arm = bodies.placed(R, T)
     v = np.broadcast_to(bodies.v, w.shape)
-    omega = np.broadcast_to(twists[..., None, :3], arm.shape)
+    omega = twists[..., None, :3]
     turned, w_moves = cross(omega, arm), cross(omega, w)
     r_moves, r_bends = turned + twists[..., None, 3:], cross(omega, turned)
     if slip is not None:
         r_moves, r_bends = r_moves + slip[0], r_bends + slip[1]
     w_bends = cross(omega, w_moves)
-    found: Field = np.zeros(r.shape[:-1], dtype=r.dtype)
+    found: Field = np.zeros(r_moves.shape[:-1], dtype=r.dtype)
     for kind, k in _alike(bodies.kinds):
-        vectors = r[..., k, :], w[..., k, :], v[..., k, :]
-        first, second = _gradient(kind, *vectors), _hessian(kind, *vectors)
-        a, b = r_moves[..., k, :], w_moves[..., k, :]
-        bent = dot(a, apply(second.rr, a) + 2 * apply(second.rw, b)) + dot(b, apply(second.ww, b))
-        found[..., k] = bent + dot(first.r, r_bends[..., k, :]) + dot(first.w, w_bends[..., k, :])
+        vectors, moves, bends = (
+            [part[..., k, :] for part in parts]
+            for parts in ((r, w, v), (r_moves, w_moves), (r_bends, w_bends))
+        )
+        found[..., k] = _bent(kind, vectors, moves, bends)
     return found
 
 
@@ -128,20 +139,6 @@ def by_twist(gradient: Gradient, arm: Field, w: Field) -> Field:
     return np.concatenate((turning, gradient.r), axis=-1)
 
 
-def by_twist_twice(gradient: Gradient, hessian: Hessian, arm: Field, w: Field) -> Field:
-    """Return the second derivative by a twist of a function of r and w, shape (..., 6, 6)."""
-    r_moves, w_moves = velocities(arm, w)
-    mixed = _between(r_moves, hessian.rw, w_moves)
-    matrix = _between(r_moves, hessian.rr, r_moves) + _between(w_moves, hessian.ww, w_moves)
-    matrix = matrix + mixed + np.swapaxes(mixed, -1, -2)
-    # The acceleration of r is omega x (omega x arm), that of w is omega x (omega x w).
-    for a, f in ((arm, gradient.r), (w, gradient.w)):
-        outer = a[..., :, None] * f[..., None, :]
-        bent = (outer + np.swapaxes(outer, -1, -2)) / 2 - dot(a, f)[..., None, None] * _IDENTITY
-        matrix[..., :3, :3] += bent
-    return matrix
-
-
 def velocities(arm: Field, w: Field) -> tuple[Field, Field]:
     """Return the derivatives of r and of w by a twist, each ``(..., 3) -> (..., 3, 6)``.
 
@@ -154,11 +151,6 @@ def velocities(arm: Field, w: Field) -> tuple[Field, Field]:
     r, w = (np.concatenate((turn, np.zeros_like(turn)), axis=-1) for turn in turns)
     r[..., 3:] = _IDENTITY
     return r, w
-
-
-def _between(a: Field, matrix: Field, b: Field) -> Field:
-    product: Field = np.swapaxes(a, -1, -2) @ matrix @ b
-    return product
 
 
 @cache
@@ -242,28 +234,44 @@ def _falling(law: Law) -> float:
     return -law.sign if law.is_cosine else law.sign
 
 
-def _hessian(kind: Kind, r: Field, w: Field, v: Field) -> Hessian:
-    """Return the second derivatives of what is measured by r and w."""
-    gradient = polynomial(kind).gradient(r, w, v)
-    hessian = polynomial(kind).hessian(r, w, v)
+def _bent(
+    kind: Kind, vectors: Sequence[Field], moves: Sequence[Field], bends: Sequence[Field]
+) -> Field:
+    """Return the second derivative of what is measured, where r and w move and bend so."""
+    p, (first, second) = polynomial(kind).value(*vectors), _along(kind, vectors, moves, bends)
     if kind.law is Law.SQUARE:
-        # The root f of p: f' = p' / 2f, f'' = p'' / 2f - p' p' / 4f^3.
-        f = _root(polynomial(kind).value(r, w, v))
-        return _sum(_times_all(0.5 / f, hessian), _squared(-0.25 / f**3, gradient, gradient))
+        # The root f of p: f'' = p'' / 2f - p'^2 / 4f^3.
+        f = _root(p)
+        return np.asarray(second / (2 * f) - first**2 / (4 * f**3))
     if kind.law is Law.SIGNED:
-        return hessian
-    if kind.law is Law.MOMENT:
-        # The moment m over the sine s = (1 - c^2)^(1/2): with k = 1 / s by c, k' = c / s^3 and
-        # k'' = (1 + 2 c^2) / s^5.
-        m, c = polynomial(kind).value(r, w, v), COSINE.value(r, w, v)
-        square, parallel = _sine_square(w, v)
-        s = np.sqrt(np.where(parallel, np.nan, square))
-        turning = COSINE.gradient(r, w, v)
-        both = _squared(c / s**3, gradient, turning), _squared(c / s**3, turning, gradient)
-        last = _squared(m * (1 + 2 * c**2) / s**5, turning, turning)
-        return _sum(_times_all(1 / s, hessian), *both, last)
-    c, s = COSINE.value(r, w, v), _root(_sine_square(w, v)[0])
-    return _squared(_falling(kind.law) * c / s**3, gradient, gradient)
+        return second
+    _, w, v = vectors
+    c, (square, parallel) = COSINE.value(*vectors), _sine_square(w, v)
+    if kind.law is not Law.MOMENT:
+        s = _root(square)
+        return np.asarray(_falling(kind.law) * (second / s + c * first**2 / s**3))
+    # The moment m over the sine s = (1 - c^2)^(1/2): with k = 1 / s by c, k' = c / s^3 and
+    # k'' = (1 + 2 c^2) / s^5.
+    s = np.sqrt(np.where(parallel, np.nan, square))
+    turning, bending = _along(None, vectors, moves, bends)
+    mixed = c * (2 * first * turning + p * bending)
+    bent: Field = second / s + mixed / s**3 + p * (1 + 2 * c**2) * turning**2 / s**5
+    return bent
+
+
+def _along(
+    kind: Kind | None, vectors: Sequence[Field], moves: Sequence[Field], bends: Sequence[Field]
+) -> tuple[Field, Field]:
+    """Return two derivatives of the polynomial of a kind, or of the cosine, where r and w move."""
+    form = COSINE if kind is None else polynomial(kind)
+    (a, b), (p, q) = moves, bends
+    first, second = form.gradient(*vectors), form.hessian(*vectors)
+    change, bent = dot(first.r, a), dot(first.r, p) + dot(a, apply(second.rr, a))
+    if kind is None or kind.platform is not Primitive.POINT:
+        change = change + dot(first.w, b)
+        bent = bent + 2 * dot(a, apply(second.rw, b)) + dot(b, apply(second.ww, b))
+        bent = bent + dot(first.w, q)
+    return change, bent
 
 
 def _times(factor: Field, gradient: Gradient) -> Gradient:
@@ -272,17 +280,3 @@ def _times(factor: Field, gradient: Gradient) -> Gradient:
 
 def _plus(a: Gradient, b: Gradient) -> Gradient:
     return Gradient(*(p + q for p, q in zip(a, b, strict=True)))
-
-
-def _times_all(factor: Field, hessian: Hessian) -> Hessian:
-    return Hessian(*(factor[..., None, None] * part for part in hessian))
-
-
-def _squared(factor: Field, a: Gradient, b: Gradient) -> Hessian:
-    """Return the part of second derivatives that is a multiple of ``a b^T``."""
-    pairs = ((a.r, b.r), (a.r, b.w), (a.w, b.w))
-    return Hessian(*(factor[..., None, None] * p[..., :, None] * q[..., None, :] for p, q in pairs))
-
-
-def _sum(*parts: Hessian) -> Hessian:
-    return Hessian(*(sum(blocks[1:], blocks[0]) for blocks in zip(*parts, strict=True)))

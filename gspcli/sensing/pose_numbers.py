@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance, Side
+from gspcli.geometry.measurement import value_slopes
 from gspcli.geometry.quaternions import rotation_from_vector
-from gspcli.motion.poses.inverse_kinematics import value_slopes, values_at
+from gspcli.motion.poses.inverse_kinematics import values_at
 from gspcli.records import dataclass
 from gspcli.sensing.sensor_kinds import Inclinometer, JointSensor, SensorReading, verticals
 from gspcli.wording import listed, shown

@@ -12,7 +12,6 @@ import pytest
 
 from gspcli.catalogue.types import all_types
 from gspcli.dynamics import drive_forces as forces_module
-from gspcli.dynamics import drives as drives_module
 from gspcli.dynamics import inverse_dynamics, natural_modes
 from gspcli.dynamics import moving_bodies as bodies_module
 from gspcli.geometry.arrangement import Arrangement
@@ -114,7 +113,7 @@ MUTATIONS = [
     (bodies_module, "on_direction - below * on_rod", "on_direction"),
     (bodies_module, "legs.across * rate", "0 * rate"),
     (bodies_module, "+ cross(omega, turned)", ""),
-    (drives_module, "+ self.bends(twists)", ""),
+    (forces_module, "torques += model.rotors *", "torques += 0 *"),
 ]
 
 
@@ -132,7 +131,7 @@ def _mutated(module, old, new):
 
 @pytest.mark.parametrize(("module", "old", "new"), MUTATIONS, ids=[m[1] for m in MUTATIONS])
 def test_wrong_formulas_are_seen(module, old, new, monkeypatch):
-    name = "MovingBodies" if module is bodies_module else "DrivesAtPoses"
+    name = "MovingBodies" if module is bodies_module else "_forces"
     monkeypatch.setattr(forces_module, name, getattr(_mutated(module, old, new), name))
     rng = np.random.default_rng(4)
     instance, R, T = random_platform("6DPP", rng)

@@ -11,9 +11,8 @@ import numpy as np
 from scipy.linalg import eigh
 
 from gspcli.dynamics import natural_modes
-from gspcli.dynamics.drives import DrivesAtPoses
+from gspcli.dynamics.actuation import Actuation
 from gspcli.dynamics.mass_model import MassModel
-from gspcli.dynamics.moved_points import driven_numbers
 from gspcli.dynamics.moving_bodies import equation_of_motion
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.drives import Drives
@@ -99,15 +98,15 @@ def mass_off(tree, name, seed):
     """Return how far the mass matrix of a machine with cranks or slides is off, as a share."""
     rng = np.random.default_rng(seed)
     instance = weighed(driven(name), rng)
-    R, T, q = some_pose(instance, rng)
+    R, T, numbers = some_pose(instance, rng)
     model = MassModel.of(instance)
     at = R[None], T[None] * model.metre
-    numbers = driven_numbers(model, *at)
-    mass, _ = equation_of_motion(model, *at, np.zeros((1, 6)), numbers)
-    pulls = DrivesAtPoses(model, *at, numbers).pulls[0]
-    twists = np.eye(6)[list(_free(len(q)))]
+    q = model.machine.inverse(*at)
+    mass, _ = equation_of_motion(model, *at, q, np.zeros((1, 6)))
+    pulls = Actuation(model, *at, q).pulls[0, model.machine.first]
+    twists = np.eye(6)[list(_free(len(numbers)))]
     found = twists @ (mass[0] + pulls.T * model.rotors @ pulls) @ twists.T
-    expected = tree(rebased(instance, q), R, T).mass(twists)
+    expected = tree(rebased(instance, numbers), R, T).mass(twists)
     return np.abs(found - expected).max() / np.abs(expected).max()
 
 

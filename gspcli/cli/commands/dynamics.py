@@ -164,8 +164,8 @@ def _forces(
         which = [k for k, one in enumerate(found.units) if one == unit]
         if which:
             known[name] = QuantityParts(np.abs(found.forces[:, which]), [names[k] for k in which])
-    if found.torques is not None and found.drives is not None:
-        moved = [k for k, sort in enumerate(found.drives.sorts) if sort != "value"]
+    if found.torque_columns:
+        moved = np.flatnonzero(found.drives.moved)
         called = [found.drives.names[k] for k in moved]
         known["torque"] = QuantityParts(np.abs(found.torques[:, moved]), called)
     rows = force_rows(found, asked)
@@ -239,10 +239,10 @@ def _modes(
     output: Output,
 ) -> None:
     from gspcli.dynamics import natural_modes
-    from gspcli.geometry.drives import Drives, is_driven
+    from gspcli.geometry.drives import Drives
     from gspcli.motion.files.number_tables import numbers_of
 
-    count = len(Drives.of(instance).names) if is_driven(instance) else 6
+    count = Drives.of(instance).count
     given = None if stiffness is None else numbers_of(stiffness, (1, count), "--stiffness")
     found = natural_modes(instance, asked.R, asked.T, stiffness=given, drives=asked.drives)
     rows = mode_rows(found, asked)
@@ -407,7 +407,7 @@ def force_table(
     if torques:
         notes.append("F1 ... F6 act along the rods; before them: what the drives do")
     most = found.worst_torque
-    if most is not None and found.drives is not None:
+    if most is not None:
         unit, name = found.torque_units[most.drive], found.drives.names[most.drive]
         notes.append(f"worst: {most.force:.6g} {unit} by {name} {asked.place(most.row)}")
     worst = None if torques else found.worst

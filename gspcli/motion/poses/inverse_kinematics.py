@@ -14,7 +14,7 @@ from gspcli.geometry.checking import real_array
 from gspcli.geometry.coordinates import Coordinate, coordinates
 from gspcli.geometry.drives import Drives
 from gspcli.geometry.instance import Instance
-from gspcli.geometry.measurement import jacobian, measured
+from gspcli.geometry.measurement import measured
 from gspcli.geometry.readings import readings_of
 
 Array = NDArray[np.float64]
@@ -23,8 +23,6 @@ Array = NDArray[np.float64]
 _CHUNK = 2000
 #: Largest entry of R R^T - 1 for a rotation whose entries are rounded to three decimals.
 _ROTATION = 4e-3
-#: Lines nearer than this part of the typical length meet up to rounding.
-_MEETING = 1e-12
 
 
 def measure(instance: Instance, R: Any, T: ArrayLike | None = None) -> Array:
@@ -66,40 +64,10 @@ def values_at(instance: Instance, R: Any, T: ArrayLike | None = None) -> Array:
     for start in range(0, len(rotations), _CHUNK):
         rows = slice(start, start + _CHUNK)
         values[rows] = measured(arrangement, rotations[rows], translations[rows])
-    skew = _between_lines(arrangement)
+    skew = [kind is DLL for kind in arrangement.kinds]
     values[:, skew] = np.abs(values[:, skew])
     values[:, arrangement.angles] /= arrangement.in_radians
     return values.reshape(*T.shape[:-1], len(arrangement.kinds))
-
-
-def value_signs(arrangement: Arrangement, R: Array, T: Array) -> Array:
-    """Return the signs that convert measured numbers to values of `measure`, shape (..., 6).
-
-    A distance of two lines is the modulus of a distance with the sign of their orientation; this
-    sign is returned. Where the lines meet the modulus has no derivative, and 1 is returned. All
-    other signs are 1.
-    """
-    signs = np.ones((*T.shape[:-1], len(arrangement.kinds)))
-    skew = _between_lines(arrangement)
-    if skew.any():
-        away = measured(arrangement, R, T)[..., skew] < -_MEETING * arrangement.length
-        signs[..., skew] = np.where(away, -1.0, 1.0)
-    return signs
-
-
-def value_slopes(arrangement: Arrangement, R: Array, T: Array) -> Array:
-    """Return the derivatives of the values of `measure` by a twist, shape (..., 6, 6).
-
-    In lengths and radians; a twist is that of `gspcli.geometry.measurement`. Not finite where a
-    value has no derivative.
-    """
-    slopes: Array = value_signs(arrangement, R, T)[..., None] * jacobian(arrangement, R, T)
-    return slopes
-
-
-def _between_lines(arrangement: Arrangement) -> NDArray[np.bool_]:
-    """Return which constraints are distances of two lines, shape (6,)."""
-    return np.array([kind is DLL for kind in arrangement.kinds])
 
 
 def pose_parts(pose: Any, name: str) -> tuple[Any, Any]:

@@ -12,7 +12,7 @@ from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.enclosures import ROUND, Enclosure, Jet, Matrix
 from gspcli.geometry.instance import Instance
-from gspcli.geometry.measurement import gradients
+from gspcli.geometry.measurement import gradients, value_signs
 from gspcli.geometry.primitives import Geometry, Point
 from gspcli.geometry.quaternions import (
     ROTATION_FORMS,
@@ -22,7 +22,7 @@ from gspcli.geometry.quaternions import (
     quaternion_product,
 )
 from gspcli.motion.following.branch_follower import MovingPlatform, apart
-from gspcli.motion.poses.inverse_kinematics import value_signs, values_at
+from gspcli.motion.poses.inverse_kinematics import values_at
 from gspcli.motion.singularities.neighbourhoods import SIGNS, Neighbourhood, corners
 from gspcli.motion.statics.wrenches import Wrenches
 from gspcli.records import dataclass

@@ -22,9 +22,9 @@ from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.drives import Drives
 from gspcli.geometry.instance import Instance
+from gspcli.geometry.measurement import value_slopes
 from gspcli.geometry.quaternions import apply, cross
 from gspcli.geometry.residuals import condition_numbers, without_derivative
-from gspcli.motion.poses.inverse_kinematics import value_slopes
 from gspcli.records import dataclass
 from gspcli.ties import first_largest
 

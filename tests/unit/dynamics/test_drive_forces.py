@@ -71,7 +71,8 @@ def test_weights_of_the_platform_are_held_as_analyze_says(name):
 def test_the_mass_matrix_is_positive_definite(name):
     rng = np.random.default_rng(3)
     instance, R, T = random_platform(name, rng)
-    M, _ = equation_of_motion(MassModel.of(instance), R, T, np.zeros(6))
+    model = MassModel.of(instance)
+    M, _ = equation_of_motion(model, R, T, model.machine.inverse(R, T), np.zeros(6))
     assert np.array_equal(M, M.T)
     assert np.linalg.eigvalsh(M).min() > 0
 

@@ -8,12 +8,12 @@ import pytest
 import gspcli
 from gspcli.catalogue.types import all_types
 from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.measurement import value_slopes
 from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.geometry.random_instances import random_instance
 from gspcli.motion import FollowerStatus, MovingPlatform, crank_angles, measure
 from gspcli.motion.following.branch_follower import Stop
 from gspcli.motion.following.platform_numbers import platform_numbers
-from gspcli.motion.poses.inverse_kinematics import value_slopes
 from gspcli.resources import instance_files
 from tests.support.independent_machines import upside_down
 
