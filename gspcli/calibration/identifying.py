@@ -18,6 +18,7 @@ from gspcli.geometry.building import distance
 from gspcli.geometry.building import instance as instance_of
 from gspcli.geometry.euler import rotation_from_euler
 from gspcli.geometry.instance import METRES, HomePose, Instance
+from gspcli.geometry.least_squares import descend
 from gspcli.geometry.primitives import Point
 from gspcli.geometry.quaternions import apply, quaternion_from_rotation
 from gspcli.motion.files.headings import FileUnits, order_of
@@ -175,15 +176,15 @@ def _rotations(table: NumberTable, columns: Sequence[str], numbers: Array) -> Ar
 # The square of a length l is linear in the unknown joints p (platform) and b (base): ``l^2 - T.T =
 # (p.p + b.b) + 2 U.p - 2 T.b - 2 R:(b p^T)`` with ``U = R^T T``, 16 unknowns a leg if the products
 # of p and b count as unknowns of their own. A constant that is missing in the lengths is one more.
-# If the log does not determine all of these, the solution of least norm is still a start: Gauss and
-# Newton's method for the six or seven numbers of a leg follows.
+# If the log does not determine all of these, the solution of least norm is still a start of a
+# descent for the six or seven numbers of a leg.
 
 
 #: Unknowns of a leg in the linear equations, without the missing constant.
 UNKNOWNS = 16
 #: Singular values below this part of the largest are zero; the starts leave out more of them.
 _ROUNDING, _KEPT = 1e-10, (16, 13, 10, 7)
-_STEPS, _DECREASE = 40, 1e-6
+_STEPS = 40
 
 #: Of a robust fit rows are left out with residuals of more than this many times the median.
 _ROUNDS, _FAR_OUT = 40, 10.0
@@ -302,31 +303,16 @@ def all_fitted(
     With weights of lengths, shape (6, n), the residuals are multiplied by them.
     """
     count = 7 if offsets else 6
-    found = starts.copy()
-    damping = np.full(found.shape[:2], 1e-3)
-    left, slopes = _equations(R, T, lengths, found, weights)
-    cost = (left**2).sum(axis=-1)
-    for _ in range(_STEPS):
-        J = slopes[..., :count]
-        normal = np.swapaxes(J, -1, -2) @ J
-        diagonal = np.diagonal(normal, axis1=-2, axis2=-1)
-        ridge = damping[..., None] * (diagonal + 1e-12 * diagonal.max(axis=-1, keepdims=True))
-        right = np.swapaxes(J, -1, -2) @ left[..., None]
-        step = np.linalg.solve(normal + ridge[..., None] * np.eye(count), right)[..., 0]
-        tried = found.copy()
-        tried[..., :count] -= step
-        after, by = _equations(R, T, lengths, tried, weights)
-        costs = (after**2).sum(axis=-1)
-        better = costs <= cost
-        small = better & (cost - costs <= _DECREASE * cost)
-        found = np.where(better[..., None], tried, found)
-        left = np.where(better[..., None], after, left)
-        slopes = np.where(better[..., None, None], by, slopes)
-        cost = np.where(better, costs, cost)
-        damping = np.clip(np.where(better, damping / 10, damping * 10), 1e-15, 1e8)
-        if small.all():
-            break
-    return found, left
+
+    def equations(joints: Array) -> tuple[Array, Array]:
+        left, slopes = _equations(R, T, lengths, joints, weights)
+        return left, slopes[..., :count]
+
+    def moved(step: Array, joints: Array) -> tuple[Array]:
+        return (joints + np.pad(step, ((0, 0), (0, 0), (0, 7 - count))),)
+
+    ends = descend(equations, moved, (starts,), steps=_STEPS)
+    return ends.point[0], ends.residuals
 
 
 def without_far(

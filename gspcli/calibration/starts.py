@@ -3,7 +3,7 @@
 A pose that was measured whole is its own start. Of others with six readings all real poses for the
 readings with the stated geometry are found, and the one is taken that agrees best with what was
 measured. Rows of less start at the pose of another row, or a mode of the stated values, from which
-Newton's method comes nearest to what they tell.
+least squares lead to what they tell.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ from gspcli.calibration.model import Model
 from gspcli.errors import GspError
 from gspcli.geometry.drives import Drives
 from gspcli.geometry.instance import Instance, Side
+from gspcli.geometry.least_squares import descend
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.quaternions import apply, rotation_from_vector, vector_from_rotation
 from gspcli.geometry.readings import values_of, without_corrections
@@ -31,9 +32,9 @@ Array = NDArray[np.float64]
 #: Poses R, T of a row.
 Poses = tuple[Array, Array]
 
-#: Rows with fewer numbers start at this many poses of others and take this many steps, none longer
-#: than this part of a typical length; in the end they may be off by this part.
-_STARTS, _STEPS, _LONGEST, _AGREES = 8, 30, 0.3, 0.05
+#: Rows with fewer numbers start at this many poses of others and take this many steps; in the end
+#: they may be off by this part of a typical length.
+_STARTS, _STEPS, _AGREES = 8, 30, 0.05
 
 
 class FitStart(NamedTuple):
@@ -166,24 +167,19 @@ def _costs(rows: WhitenedRows) -> Array:
 def _settled(
     model: Model, seen: Measurements, R: Array, T: Array, noise: Noise
 ) -> tuple[Array, Array]:
-    """Return the poses of least squares for each row, from poses near them, by Newton's method."""
-    sizes = np.array([1 / model.length] * 3 + [1.0] * 3)
-    costs = _costs(seen.rows(model, R, T, noise))
-    scale = np.ones(len(R))
-    for _ in range(_STEPS):
+    """Return the poses of least squares for each row, from poses near them."""
+    sizes = np.array([1.0] * 3 + [model.length] * 3)
+
+    def equations(R: Array, T: Array) -> tuple[Array, Array]:
         r, _, P = seen.rows(model, R, T, noise)
         there = np.isfinite(r)
-        slopes = np.where(there[..., None], P, 0.0) * sizes
-        inverse = np.linalg.pinv(np.nan_to_num(slopes), rcond=1e-9)
-        twist = -(inverse @ np.where(there, r, 0.0)[..., None])[..., 0] * sizes * scale[:, None]
-        size = np.abs(twist / sizes).max(axis=1, initial=0.0)
-        twist /= np.maximum(size / (_LONGEST * model.length), 1.0)[:, None]
-        tried = rotation_from_vector(twist[:, :3]) @ R, T + twist[:, 3:]
-        after = _costs(seen.rows(model, *tried, noise))
-        better = after <= costs
-        R = np.where(better[:, None, None], tried[0], R)
-        T = np.where(better[:, None], tried[1], T)
-        costs, scale = np.where(better, after, costs), np.where(better, 1.0, scale / 4)
+        return np.where(there, r, 0.0), np.where(there[..., None], P, 0.0) * sizes
+
+    def moved(step: Array, R: Array, T: Array) -> tuple[Array, Array]:
+        twist = step * sizes
+        return rotation_from_vector(twist[:, :3]) @ R, T + twist[:, 3:]
+
+    R, T = descend(equations, moved, (R, T), steps=_STEPS, noise=1.0).point
     return R, T
 
 

@@ -1,8 +1,8 @@
 """Why a platform has no real pose: the fewest of its constraints that contradict each other.
 
-Subsystems are solved by minimization (Levenberg and Marquardt) from many random poses: numerical
-evidence, which can miss a pose, and is called so wherever it is shown. A distance of points is not
-smooth where it is zero; so the shortest one is also held exactly while the others are minimized.
+Subsystems are solved by minimization from many random poses: numerical evidence, which can miss a
+pose, and is called so wherever it is shown. The distance of a point from a point or a line is not
+smooth where it is zero; so a short one is a vector of its length whose direction is unknown.
 """
 
 from __future__ import annotations
@@ -12,28 +12,27 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.catalogue.kinds import DPP
+from gspcli.catalogue.kinds import DLP, DPL, DPP
 from gspcli.defaults import SEED
 from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.least_squares import Point, descend
 from gspcli.geometry.measurement import jacobian, measured
 from gspcli.geometry.quaternions import (
+    cross,
     rotation_from_quaternion,
     rotation_from_vector,
     unit_quaternion,
 )
+from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
 
-#: Random poses that each subsystem is tried from.
-STARTS = 100
-_STEPS = 60
+#: Random poses that each subsystem is tried from, and the steps from each.
+STARTS, _STEPS = 100, 60
 #: A subsystem is solved when all values are right to this, lengths by the platform's.
 _SOLVED = 1e-7
-_FIRST_DAMPING, _LESS, _MORE = 1e-2, 0.2, 5.0
-_LARGEST_DAMPING = 1e10
-#: The damping is at least this part of the trace of the matrix, so that rounding errors, at most
-#: some 1e-15 of the trace, cannot make the matrix singular.
-_LEAST_DAMPING = 1e-12
+#: A distance is short when it is at most this part of the platform's length.
+_SHORT = 0.3
 
 
 def contradiction(arrangement: Arrangement, *, seed: int = SEED) -> tuple[int, ...]:
@@ -80,65 +79,97 @@ def _is_satisfied(platform: Arrangement, chosen: list[int], seed: int) -> bool:
     free = np.array([kind.is_distance for kind in part.kinds]) & (part.signs == 0)
     signs = np.where(free, rng.choice((-1.0, 1.0), (STARTS, len(chosen))), 1.0)
     targets = part.targets * np.where(part.signs < 0, -1.0, signs)
-    unsigned = np.array([kind.name in ("DPP", "DPL", "DLP") for kind in part.kinds])
+    unsigned = np.array([kind in (DPP, DPL, DLP) for kind in part.kinds])
     targets = np.where(unsigned, np.abs(targets), targets)
-    if _least(part, R, T, targets).min() < _SOLVED:
-        return True
-    legs = [k for k, kind in enumerate(part.kinds) if kind is DPP]
-    if not legs:
-        return False
-    held = min(legs, key=lambda k: float(targets[0, k]))
-    T = _closed(part, held, R, rng.standard_normal((STARTS, 3)), targets)
-    return bool(_least(part, R, T, targets, held).min() < _SOLVED)
+    short = np.flatnonzero(unsigned & (targets[0] <= _SHORT))
+    search = _Search(part, targets, short)
+    ends = descend(
+        search.equations,
+        search.moved,
+        (R, T, search.directions(rng)),
+        steps=_STEPS,
+        enough=_SOLVED**2,
+    )
+    return bool(ends.squares.min() <= _SOLVED**2)
 
 
-def _closed(part: Arrangement, held: int, R: Array, directions: Array, targets: Array) -> Array:
-    """Return the translations that put a leg of its length along each direction, shape (n, 3)."""
-    units = directions / np.linalg.norm(directions, axis=1, keepdims=True)
-    return np.asarray(part.x[held] + targets[:, held, None] * units - R @ part.y[held])
+@dataclass(frozen=True, eq=False)
+class _Search:
+    """The equations of a minimization, where some distances are vectors of unknown direction.
 
-
-def _least(part: Arrangement, R: Array, T: Array, targets: Array, held: int | None = None) -> Array:
-    """Return the largest deviation of the values where each start ends, shape (n,).
-
-    A leg that is held keeps its length: the platform turns about its end, and it about its foot.
+    Attributes
+    ----------
+    part
+        The constraints.
+    targets
+        Their values with signs, for each start, shape (n, m).
+    short
+        Which of them are vectors, s indices.
     """
-    damping = np.full(len(R), _FIRST_DAMPING)
-    values = measured(part, R, T) - targets
-    with np.errstate(all="ignore"):
-        for _ in range(_STEPS):
-            J = np.nan_to_num(jacobian(part, R, T), posinf=0.0, neginf=0.0)
-            if held is not None:
-                arm = R @ part.y[held]
-                leg = arm + T - part.x[held]
-                J = _by_turns(J, arm, leg)
-            transposed = np.swapaxes(J, -1, -2)
-            matrix = transposed @ J
-            least = _LEAST_DAMPING * np.trace(matrix, axis1=1, axis2=2)
-            matrix += np.maximum(damping, least)[:, None, None] * np.eye(6)
-            step = -np.linalg.solve(matrix, (transposed @ values[..., None]))[..., 0]
-            moved_R = rotation_from_vector(step[:, :3]) @ R
-            if held is None:
-                moved_T = T + step[:, 3:]
-            else:
-                turned = (rotation_from_vector(step[:, 3:]) @ leg[..., None])[..., 0]
-                moved_T = part.x[held] + turned - moved_R @ part.y[held]
-            moved = measured(part, moved_R, moved_T) - targets
-            better = (moved**2).sum(axis=1) < (values**2).sum(axis=1)
-            R = np.where(better[:, None, None], moved_R, R)
-            T = np.where(better[:, None], moved_T, T)
-            values = np.where(better[:, None], moved, values)
-            damping = np.minimum(damping * np.where(better, _LESS, _MORE), _LARGEST_DAMPING)
-            if np.abs(values).max(axis=1).min() < _SOLVED:
-                break
-    return np.asarray(np.abs(values).max(axis=1))
+
+    part: Arrangement
+    targets: Array
+    short: NDArray[np.intp]
+
+    @property
+    def _axes(self) -> Array:
+        """The direction of the line of each short distance, zero between points, shape (s, 3)."""
+        return np.asarray(self.part.u[self.short] + self.part.v[self.short])
+
+    @property
+    def _turns(self) -> Array:
+        """Which turns its vector can make: all, or those about the line, shape (s, 3, 3)."""
+        axes = self._axes
+        along = axes[:, :, None] * axes[:, None, :]
+        return np.where(np.any(axes != 0, axis=1, keepdims=True)[..., None], along, np.eye(3))
+
+    def directions(self, rng: np.random.Generator) -> Array:
+        """Return random directions of the vectors, across the lines, shape (n, s, 3)."""
+        across = rng.standard_normal((len(self.targets), len(self.short), 3))
+        across -= (across * self._axes).sum(axis=-1, keepdims=True) * self._axes
+        return np.asarray(across / np.linalg.norm(across, axis=-1, keepdims=True))
+
+    def moved(self, step: Array, R: Array, T: Array, directions: Array) -> Point:
+        """Return a pose and directions after a twist and turns."""
+        turns = (self._turns @ step[:, 6:].reshape(directions.shape)[..., None])[..., 0]
+        turned = (rotation_from_vector(turns) @ directions[..., None])[..., 0]
+        return rotation_from_vector(step[:, :3]) @ R, T + step[:, 3:6], turned
+
+    def equations(self, R: Array, T: Array, directions: Array) -> tuple[Array, Array]:
+        """Return how far the values and vectors are from the wanted ones, and the derivatives."""
+        n, s = directions.shape[:2]
+        long = np.delete(np.arange(len(self.part.kinds)), self.short)
+        values = (measured(self.part, R, T) - self.targets)[:, long]
+        by_pose = jacobian(self.part, R, T)[:, long]
+        by_turns = np.zeros((n, len(long), 3 * s))
+        if s:
+            vectors, slopes = self._vectors(R, T)
+            wanted = self.targets[:, self.short, None]
+            values = np.hstack((values, (vectors - wanted * directions).reshape(n, -1)))
+            by_pose = np.concatenate((by_pose, slopes.reshape(n, -1, 6)), axis=1)
+            blocks = np.zeros((n, s, 3, s, 3))
+            k = np.arange(s)
+            blocks[:, k, :, k] = np.swapaxes(
+                wanted[..., None] * (_crossed(directions) @ self._turns), 0, 1
+            )
+            by_turns = np.concatenate((by_turns, blocks.reshape(n, 3 * s, 3 * s)), axis=1)
+        return values, np.concatenate((by_pose, by_turns), axis=-1)
+
+    def _vectors(self, R: Array, T: Array) -> tuple[Array, Array]:
+        """Return the vectors of short distances, (n, s, 3), and derivatives by a twist.
+
+        In the frame of the line: the platform's for a line there, else the base's.
+        """
+        r, _, arm = (part[:, self.short] for part in self.part.placed(R, T))
+        lines = np.array([self.part.kinds[k] is DLP for k in self.short])[:, None, None]
+        frames = np.where(lines, np.swapaxes(R, 1, 2)[:, None], np.eye(3))
+        axes = self._axes
+        frames = (np.eye(3) - axes[:, :, None] * axes[:, None, :]) @ frames
+        about = np.where(lines[:, 0], arm - r, arm)
+        slopes = np.concatenate((-frames @ _crossed(about), frames), axis=-1)
+        return (frames @ r[..., None])[..., 0], slopes
 
 
-def _by_turns(J: Array, arm: Array, leg: Array) -> Array:
-    """Return the derivatives by a turn of the platform about the leg's end and one of the leg.
-
-    Together they translate the platform by ``leg_turn x leg - platform_turn x arm``.
-    """
-    by_T = J[..., 3:]
-    by_platform = J[..., :3] - np.cross(arm[:, None, :], by_T)
-    return np.concatenate((by_platform, np.cross(leg[:, None, :], by_T)), axis=-1)
+def _crossed(a: Array) -> Array:
+    """Return the matrices of ``a x``, (..., 3) -> (..., 3, 3)."""
+    return np.asarray(np.stack([cross(a, np.broadcast_to(e, a.shape)) for e in np.eye(3)], axis=-1))

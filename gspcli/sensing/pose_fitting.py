@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from gspcli.errors import GspError
 from gspcli.geometry.checking import checked
 from gspcli.geometry.instance import Instance
+from gspcli.geometry.least_squares import Ends, descend
 from gspcli.geometry.quaternions import rotation_from_vector, vector_from_rotation
 from gspcli.sensing.choices import candidates_of, next_choice, platform_of
 from gspcli.sensing.fitted_poses import FittedPose, PoseFit, Without
@@ -25,9 +26,8 @@ Array = NDArray[np.float64]
 
 #: At most this many choices of six measurements are solved.
 CHOICES = 8
-#: Levenberg and Marquardt's method: its steps; it ends where the sum of squares would fall by less
-#: than this part with little damping, or where steps are rounding.
-_STEPS, _SHORT, _SMALL, _FREE, _ROUNDING = 100, 10, 1e-14, 1e-6, 1e-13
+#: Descents take at most this many steps; short ones, which choose measurements, this many.
+_STEPS, _SHORT = 100, 10
 #: Newton's method then takes this many steps, with central differences of this much.
 _POLISH, _APART = 4, 1e-4
 #: Sums of squares that differ by less than this part, or than this, are equal: rounding decides.
@@ -160,21 +160,19 @@ def _real_starts(result: SolveResult) -> tuple[Array, Array]:
 
 def _near_best(numbers: PoseNumbers, R: Array, T: Array, size: Array) -> tuple[Array, Array]:
     """Return where the best of some short descents ends."""
-    with np.errstate(all="ignore"):
-        R, T, cost, _ = _descended(numbers, R, T, size, _SHORT)
-    best = _in_order(cost)[0]
-    return R[best], T[best]
+    ends = _descended(numbers, R, T, size, _SHORT)
+    best = _in_order(ends.squares)[0]
+    return ends.point[0][best], ends.point[1][best]
 
 
 def _minima(numbers: PoseNumbers, R: Array, T: Array) -> Minima:
-    """Return the distinct ends of Levenberg and Marquardt's method from poses, the best first."""
+    """Return the distinct ends of descents from poses, the best first."""
     size = pose_sizes(numbers.instance)
-    with np.errstate(all="ignore"):
-        R, T, cost, ended = _descended(numbers, R, T, size)
-    order = _in_order(cost)
+    ends = _descended(numbers, R, T, size)
+    (R, T), cost = ends.point, ends.squares
     kept: list[int] = []
-    for k in order:
-        if not ended[k] or not np.isfinite(cost[k]):
+    for k in _in_order(cost):
+        if not ends.ended[k] or not np.isfinite(cost[k]):
             continue
         turns = np.linalg.norm(vector_from_rotation(R[kept] @ R[k].T), axis=-1) if kept else []
         moves = np.linalg.norm(T[kept] - T[k], axis=-1) / size[-1] if kept else []
@@ -233,46 +231,18 @@ def _polished(numbers: PoseNumbers, R: Array, T: Array, size: Array) -> tuple[Ar
     return R, T, (numbers.residuals(R, T) ** 2).sum(axis=1)
 
 
-def _descended(
-    numbers: PoseNumbers, R: Array, T: Array, size: Array, most: int = _STEPS
-) -> tuple[Array, Array, Array, NDArray[np.bool_]]:
-    """Return where descents end, their sums of squares, and which came to an end."""
-    residual = numbers.residuals(R, T)
-    cost = (residual**2).sum(axis=1)
-    slopes = numbers.slopes(R, T) * size
-    damping, ended = np.full(len(R), 1e-3), np.zeros(len(R), bool)
-    for _ in range(most):
-        normal = np.swapaxes(slopes, 1, 2) @ slopes
-        largest = np.abs(np.diagonal(normal, axis1=1, axis2=2)).max(axis=1)
-        normal = normal + (damping * largest)[:, None, None] * np.eye(6)
-        right = np.einsum("nmk,nm->nk", slopes, residual)
-        step = _solved(normal, right)
-        tried = rotation_from_vector(step[:, :3]) @ R, T + step[:, 3:] * size[3:]
-        after = numbers.residuals(*tried)
-        costs = (after**2).sum(axis=1)
-        better = costs <= cost
-        # The square of the step in standard deviations, unless damping has made it short.
-        gain = np.abs((right * step).sum(axis=1))
-        ended |= (damping <= _FREE) & (gain <= _SMALL * (1 + cost))
-        ended |= np.abs(step).max(axis=1) <= _ROUNDING
-        R = np.where(better[:, None, None], tried[0], R)
-        T = np.where(better[:, None], tried[1], T)
-        residual = np.where(better[:, None], after, residual)
-        cost = np.where(better, costs, cost)
-        damping = np.clip(np.where(better, damping / 10, damping * 10), 1e-18, 1e6)
-        if ended.all():
-            break
-        slopes = np.where(better[:, None, None], numbers.slopes(R, T) * size, slopes)
-    return R, T, cost, ended
+def _descended(numbers: PoseNumbers, R: Array, T: Array, size: Array, steps: int = _STEPS) -> Ends:
+    """Return where descents from poses end, with steps in radians and typical lengths."""
 
+    def equations(R: Array, T: Array) -> tuple[Array, Array]:
+        # A residual is the reading less the value at the pose.
+        return numbers.residuals(R, T), -numbers.slopes(R, T) * size
 
-def _solved(normal: Array, right: Array) -> Array:
-    """Return the solutions of small systems, of least norm where one is singular."""
-    try:
-        found = np.linalg.solve(normal, right[..., None])
-    except np.linalg.LinAlgError:
-        found = np.linalg.pinv(np.nan_to_num(normal)) @ np.nan_to_num(right)[..., None]
-    return np.asarray(np.nan_to_num(found[..., 0]), float)
+    def moved(step: Array, R: Array, T: Array) -> tuple[Array, Array]:
+        return rotation_from_vector(step[:, :3]) @ R, T + step[:, 3:] * size[3:]
+
+    # Residuals are in standard deviations.
+    return descend(equations, moved, (R, T), steps=steps, noise=1.0)
 
 
 def _pose(numbers: PoseNumbers, R: Array, T: Array, cost: float) -> FittedPose:

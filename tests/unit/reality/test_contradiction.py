@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from gspcli.catalogue.kinds import DPP
+from gspcli.catalogue.kinds import DLP, DPL, DPP, KINDS_BY_NAME
 from gspcli.catalogue.names import parse_type
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.measurement import measured
@@ -112,20 +112,35 @@ def test_legs_that_a_pose_meets_beside_a_short_one_are_no_contradiction(short: f
     )
 
 
-@pytest.mark.parametrize("count", [3, 4])
-@pytest.mark.parametrize("short", [0.0, 0.01])
-def test_a_short_leg_beside_long_ones_that_are_met(short: float, count: int) -> None:
-    """Of random platforms only some legs are kept, which a pose meets: nothing contradicts."""
-    for seed in range(10):
+#: Kinds of short distances of platforms whose other distances are legs.
+SHORT = ["DPP", "DPP DPP", "DPL DPL", "DLP DLP", "DPP DPL", "DPP DPL DLP"]
+
+
+@pytest.mark.parametrize("count", [4, 5])
+@pytest.mark.parametrize("short", [0.0, 0.01, 0.1])
+@pytest.mark.parametrize("names", SHORT)
+def test_short_distances_beside_long_legs_that_are_met(names, short: float, count: int) -> None:
+    """Of random platforms with only some constraints, which a pose meets: nothing contradicts."""
+    kinds = [KINDS_BY_NAME[name] for name in names.split()]
+    kinds += [DPP] * (count - len(kinds))
+    for seed in range(5):
         rng = np.random.default_rng(seed)
-        y = rng.uniform(-100, 100, (count, 3))
         R = rotation_from_quaternion(unit_quaternion(rng.standard_normal(4)))
+        y = rng.uniform(-100, 100, (count, 3))
+        lines = unit_quaternion(rng.standard_normal((count, 3)))
+        v = lines * np.array([[kind is DPL] for kind in kinds])
+        w = lines * np.array([[kind is DLP] for kind in kinds])
         legs = (rng.uniform(0.2, 0.6, (count, 1)) * (y - y[0])) @ R.T
         legs += 3 * rng.standard_normal((count, 3))
-        legs[0] = short * unit_quaternion(rng.standard_normal(3))
+        for k in range(len(names.split())):
+            axis = v[k] + w[k]
+            across = rng.standard_normal(3)
+            across = unit_quaternion(across - axis * (axis @ across))
+            legs[k] = short * across + axis * rng.uniform(-50, 50)
         given = _arrangement("dietmaier")
-        keep = {name: getattr(given, name)[:count] for name in ("u", "v", "values", "sides")}
-        platform = replace(given, kinds=(DPP,) * count, y=y, x=y @ R.T - legs, **keep)
-        assert measured(platform, R, np.zeros(3))[0] == pytest.approx(short, abs=1e-12)
+        keep = {name: getattr(given, name)[:count] for name in ("values", "sides")}
+        geometry = {"kinds": tuple(kinds), "y": y, "x": y @ R.T - legs, "u": w @ R, "v": v}
+        platform = replace(given, **geometry, **keep)
         met = platform.with_values(measured(platform, R, np.zeros(3)))
+        assert met.values[0] == pytest.approx(short, abs=1e-12)
         assert contradiction(met) == ()
