@@ -12,6 +12,7 @@ from one_hexapod import BASE, LENGTHS, PLATFORM, UP, Write, same
 import gspcli
 from gspcli.errors import GspError, SpecError
 from gspcli.machines.api import import_machine
+from gspcli.machines.graph import roll_pitch_yaw
 
 # -- SDF --------------------------------------------------------------------------------------
 
@@ -196,6 +197,37 @@ def test_urdf_with_loop_joints_and_drives(read: Write) -> None:
     )
     drives = "".join(f'<transmission><joint name="s{i}"/></transmission>' for i in range(6))
     found = read("robot.urdf", urdf(extra=loops + drives))
+    same(found, 1e-3)
+    assert not found.notes
+
+
+@pytest.mark.parametrize("kind", ["fixed", "spherical"])
+def test_urdf_with_loops_whose_frames_are_both_moved(read: Write, kind: str) -> None:
+    """Frames of loops may lie anywhere in their links, turned: the same points meet.
+
+    A fixed loop follows a ball at the end of the leg, whose link has its frame far from the ball.
+    """
+    rng = np.random.default_rng(5)
+    extra = "".join(f'<transmission><joint name="s{i}"/></transmission>' for i in range(6))
+    for i in range(1, 6):
+        turns, place = rng.uniform(-3, 3, (2, 3)), PLATFORM[i] * 1e-3
+        first, second = map(roll_pitch_yaw, turns)
+        if kind == "fixed":
+            extra += (
+                f'<link name="tip{i}"/><joint name="ball{i}" type="spherical">'
+                f'<parent link="end{i}"/><child link="tip{i}"/></joint>'
+            )
+            own = rng.uniform(-1, 1, 3)
+            ends = (f"tip{i}", own), ("plate", place + second @ first.T @ own)
+        else:
+            length = LENGTHS[i] * 1e-3
+            ends = (f"upper{i}", np.array([length, 0, 0])), ("plate", place)
+        extra += f'<loop_joint name="l{i}" type="{kind}">'
+        for k, (link, xyz) in enumerate(ends):
+            extra += f'<link{k + 1} link="{link}" xyz="{models.row(xyz)}" '
+            extra += f'rpy="{models.row(turns[k])}"/>'
+        extra += "</loop_joint>"
+    found = read("robot.urdf", urdf(extra=extra))
     same(found, 1e-3)
     assert not found.notes
 
