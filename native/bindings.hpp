@@ -1,4 +1,5 @@
-// What the Python bindings share: arrays that own their data, and checks of arguments.
+// What the Python bindings share: arrays that own their data, checks of arguments, and the parts of the
+// module that have one build (modules.hpp has the others).
 #pragma once
 
 #include <nanobind/nanobind.h>
@@ -27,5 +28,11 @@ nb::ndarray<nb::numpy, T> owned(std::unique_ptr<T[]> data,
 inline void require(bool condition, const char* message) {
   if (!condition) throw std::invalid_argument(message);
 }
+
+void bind_bodies(nb::module_& m);
+void bind_controller(nb::module_& m);
+void bind_gaps(nb::module_& m);
+void bind_ordering(nb::module_& m);
+void bind_reach(nb::module_& m);
 
 }  // namespace gsp

@@ -1,6 +1,4 @@
 // The points of both bodies, and exact numbers as doubles: small loops that every solve begins with.
-#include "modules.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <vector>

@@ -1,5 +1,3 @@
-#include "modules.hpp"
-
 #include <algorithm>
 #include <memory>
 

@@ -1,5 +1,5 @@
 // Python bindings of gaps.hpp.
-#include "modules.hpp"
+#include "bindings.hpp"
 
 #include <cstdint>
 

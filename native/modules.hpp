@@ -1,5 +1,5 @@
-// The parts of the Python module, for module.cpp: `choose` gives the build of a name, the best one for
-// an empty name.
+// The parts of the Python module that have builds: `choose` gives that of a name, the best one for an
+// empty name. The others are declared in bindings.hpp.
 #pragma once
 
 #include <nanobind/nanobind.h>
@@ -15,17 +15,12 @@
 
 namespace gsp {
 
-void bind_bodies(nanobind::module_& m);
 typedef Follow* ChooseFollow(const std::string&);
 
 void bind_branches(nanobind::module_&, ChooseFollow*);
 void bind_closed_form(nanobind::module_& m, Intersect* (*choose)(const std::string& build));
-void bind_controller(nanobind::module_& m);
 void bind_ends(nanobind::module_& m, Decide* (*choose)(const std::string& build));
 void bind_far_poses(nanobind::module_& m, FarBuild (*choose)(const std::string& build));
-void bind_gaps(nb::module_& m);
-void bind_ordering(nanobind::module_& m);
-void bind_reach(nb::module_& m);
 void bind_reduced(nanobind::module_& m, TrackValues* (*choose)(const std::string& build));
 
 }  // namespace gsp

@@ -1,6 +1,4 @@
 // The order of poses that does not depend on how they were found.
-#include "modules.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -1,5 +1,5 @@
 // Python bindings of reach.hpp.
-#include "modules.hpp"
+#include "bindings.hpp"
 
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
