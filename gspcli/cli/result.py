@@ -173,7 +173,7 @@ def _field(line: str) -> Field:
         int(words["decimals"]) if "decimals" in words else None,
         meaning=meaning,
         type=kind,
-        path="" if "table" in words else path,
+        path="" if "table" in words else path.partition("@")[0],
         is_column=is_row or "table" in words,
         within=words.get("in", ""),
     )
@@ -225,7 +225,8 @@ class Result:
                     entry.setdefault(within[key], []).append(value)
                 else:
                     entry[key] = value
-            rows.append(entry)
+            empty = (one.key for one in self.columns if not one.within and one.key not in entry)
+            rows.append(entry | dict.fromkeys(empty))
         platform = {} if self.instance is None else self.instance.to_json()
         named = {self.name or self.part: rows}
         return {"schema": f"gsp.{self.schema}/1", **platform, **named, **self.head}

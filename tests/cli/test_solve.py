@@ -458,9 +458,9 @@ def test_changes_and_options_are_for_all(gsp, instances):
     both = answers(gsp("solve", instances, "--set", "1=1.1", "--format", "jsonl"))
     alone = json.loads(gsp("solve", "@octahedral-3-3", "--set", "1=1.1", "--format", "json").out)
     assert all(one["solutions"] == alone["solutions"] for one in both)
-    run = gsp("solve", instances, "--near", "0,0,1,1,0,0,0", "--fit")
+    run = gsp("solve", instances, "--near", "0,0,1,1,0,0,0", "--reading", "leg P1 B3 = 2 ± 1")
     assert run.code == 2
-    assert "--near and --fit: for one SPEC" in run.err
+    assert "--near and --reading: for one SPEC" in run.err
     assert gsp("solve", "-", "-").code == 2
     empty = instances.with_name("empty.jsonl")
     empty.write_text("\n", encoding="utf-8")

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from gspcli.cli.commands.solve import DECIMALS, digit_cells, digit_table, digits_option, refined
 from gspcli.cli.options import (
     Command,
     Options,
@@ -16,7 +17,6 @@ from gspcli.cli.options import (
     value_options,
 )
 from gspcli.cli.pose_options import text_of
-from gspcli.cli.pose_tables import DECIMALS, digit_cells, digit_table, digits_option, refined
 from gspcli.cli.render import emit
 from gspcli.cli.result import Field, Fields, Result
 from gspcli.cli.streams import working

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from functools import partial
+from functools import cached_property, partial
 from itertools import chain, islice
 from typing import TYPE_CHECKING, Any
 
 import click
 import numpy as np
 
+from gspcli.catalogue.kinds import DLL
+from gspcli.catalogue.types import MAX_ANGLES
 from gspcli.cli.options import (
     FORMATS,
     RELATIVE,
@@ -28,23 +31,8 @@ from gspcli.cli.options import (
     without,
 )
 from gspcli.cli.pose_options import frame_note, near_option, pose_options
-from gspcli.cli.pose_tables import (
-    Shown,
-    add_expressed,
-    data_table,
-    digit_cells,
-    digit_table,
-    digits_option,
-    fixed,
-    lone_tables,
-    pose_field,
-    pose_tables,
-    refined,
-    remarks,
-    summary,
-)
 from gspcli.cli.render import emit, write
-from gspcli.cli.result import Fields, Result
+from gspcli.cli.result import Field, Fields, Result
 from gspcli.cli.specs import spec_source, standard_deviations
 from gspcli.cli.streams import progress, say, working
 from gspcli.errors import (
@@ -58,12 +46,27 @@ from gspcli.errors import (
 )
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.euler import MAKERS
-from gspcli.solver.result import TRANSLATION, PoseColumn, expressed, rotation_columns
-from gspcli.wording import listed, named
-from gspcli.wording import shown as quoted
+from gspcli.geometry.frames import PoseFrame
+from gspcli.geometry.primitives import Line
+from gspcli.geometry.printed_numbers import printed_residual
+from gspcli.geometry.quaternions import quaternion_from_rotation
+from gspcli.geometry.tolerances import PARALLEL_SINE
+from gspcli.records import dataclass
+from gspcli.solver.poses import CountKind
+from gspcli.solver.result import (
+    FACTS,
+    TRANSLATION,
+    PoseColumn,
+    expressed,
+    expressed_columns,
+    rotation_columns,
+)
+from gspcli.wording import counted, listed, named, shown
 
 if TYPE_CHECKING:
-    from gspcli.geometry.frames import PoseFrame
+    from numpy.typing import NDArray
+
+    from gspcli.certification import Certificate
     from gspcli.geometry.instance import Instance
     from gspcli.motion.poses.mode_filters import Condition
     from gspcli.sensing import PoseFit, ReadingFit
@@ -78,11 +81,31 @@ LINES = "jsonl"
 #: This process solves this many instances before it starts others: a start takes as long as solving
 #: them.
 _HERE_FIRST = 16
-_COLUMNS = FIELDS.of("instance name type real found certified verdict exit_code message")
 #: Decimals of residuals and of chi-squared: further decimals are rounding errors.
 _DECIMALS = 3
 #: Residuals larger than this many deviations are marked.
 _LARGE = 3.0
+#: Parts of a pose smaller than this are shown as zero, lengths by the platform's.
+_ZERO = 1e-12
+#: Components of quaternions that differ by less are of one orientation.
+_SAME = 1e-9
+#: Significant digits of condition numbers.
+_DIGITS = 3
+#: Poses that are this many lengths away are called nearly infinite.
+_FAR = 1e5
+#: The columns of a refined pose, real parts first.
+DECIMALS = tuple(
+    f"refined_{name}{suffix}"
+    for suffix in ("", "_imag")
+    for name in (*(f"R{i}{j}" for i in "123" for j in "123"), "Tx", "Ty", "Tz")
+)
+
+digits_option = click.option(
+    "--digits",
+    type=click.IntRange(1, 100_000),
+    metavar="N",
+    help="Also print each certified solution to N proved digits.",
+)
 
 
 def _conditions(_: click.Context, __: click.Parameter, texts: Sequence[str]) -> list[Condition]:
@@ -228,46 +251,25 @@ def command(o: Options) -> int:
         )
     if len(o.specs) > 1 or o.output.format == LINES or _has_lines(o, o.specs[0]):
         return _solve_many(o)
-    from gspcli.solver import solve
-
     o.spec = o.specs[0]
-    readings, frame, fit = _readings(o), o.frame_of(o.instance), None
+    readings, frame = _readings(o), o.frame_of(o.instance)
     if o.fitting:
         return _show_fit(o, readings, columns, frame)
     goal = None if o.near is None else o.near.read(o.form)
     with working("solving"):
-        result, left = _filtered(solve(o.instance, seed=o.seed, jobs=o.jobs, prove=o.prove), o)
-        shown = Shown(_indices(result, o), columns, o.decimals, frame=frame, left=left)
+        answer = _answered(o, o.instance, frame, columns, o.jobs)
         if goal is not None:
-            shown = _sorted(result, shown, *goal)
+            answer = answer.sorted_by_distance(*goal)
         if readings:
             from gspcli.sensing import fit_readings
 
-            fit = fit_readings(result, readings)
-            shown = replace(shown, fits=fit.rows())
-        proved = _refined(result, shown, o.digits)
-        contradicting = _contradicting(result)
-    lines = [*summary(result, contradicting=contradicting), *shown.left_sentences(result)]
-    lines += [] if fit is None else [fit.sentence]
-    if o.output.format == "json":
-        document = _document(result, shown, proved, contradicting, fit, everything=o.everything)
-        emit(o.output, (), document=document)
-    elif o.output.format == "csv":
-        flat = [digit_cells(pose or {}) for pose in proved]
-        emit(o.output, data_table(result, shown, flat, imaginary=o.everything, summary=lines))
-    else:
-        notes = [*frame_note(frame), *remarks(result, shown.numbers)]
-        if not o.everything and (others := len(result.R) - result.counts.real):
-            notes.append(f"{others} more are not real: --all shows them")
-        if goal is not None:
-            notes.append("nearest: by the translation and the turn times the platform's size")
-        tables = pose_tables(result, shown, summary=lines, notes=notes)
-        rows = [
-            {"number": number, **digit_cells(pose or {})}
-            for number, pose in zip(shown.numbers, proved, strict=bool(proved))
-        ]
-        digits = [digit_table(rows)] if any(proved) else []
-        emit(o.output, [*tables, *lone_tables(result, shown), *digits])
+            answer = replace(answer, fit=fit_readings(answer.result, readings))
+        lines = answer.sentences
+        if o.output.format == "json":
+            emit(o.output, (), document=answer.document)
+        else:
+            emit(o.output, answer.csv(lines) if o.output.format == "csv" else answer.tables(lines))
+    result, fit = answer.result, answer.fit
     if result.home is not None and result.home.doubt and not o.changes.given:
         say(f"warning: {result.home.doubt}")
     _complain(result)
@@ -286,104 +288,543 @@ def command(o: Options) -> int:
 
 def _readings(o: Options) -> list[SensorReading]:
     """Return the readings that are given; with `--fit` they may be those of constraints, too."""
+    if not o.readings:
+        return []
     from gspcli.sensing.sensor_kinds import parse_reading
 
-    found = []
+    readings = []
     for text in o.readings:
         try:
-            found.append(parse_reading(text, o.instance, repeated=o.fitting))
+            readings.append(parse_reading(text, o.instance, repeated=o.fitting))
         except GspError as error:
-            raise GspError(f"--reading {quoted(text)}, {error}") from None
-    return found
+            raise GspError(f"--reading {shown(text)}, {error}") from None
+    return readings
 
 
-def _filtered(result: SolveResult, o: Options) -> tuple[SolveResult, dict[str, list[int]] | None]:
-    """Return the result without the poses that are left out as home, and their numbers."""
-    if not (o.where or o.within_limits or o.above):
-        return result, None
-    from gspcli.motion.poses.mode_filters import ModeFilter
+def _answered(
+    o: Options, instance: Instance, frame: PoseFrame, turns: Sequence[PoseColumn], jobs: int
+) -> Answer:
+    """Solve an instance, and choose the poses that are shown; the others are not home."""
+    from gspcli.solver import solve
 
-    form = o.form_of(result.instance)
-    asked = ModeFilter(o.where, o.within_limits, o.above, form.pivot_frame, form.euler or "ZYX")
-    try:
-        left = asked.left_out(result)
-    except ArgumentError as error:
-        raise GspError(f"--{error.where.replace('_', '-')}: {error.message}") from None
-    return replace(result, left_out=tuple(sorted(k - 1 for ks in left.values() for k in ks))), left
+    result, omitted = solve(instance, seed=o.seed, jobs=jobs, prove=o.prove), None
+    if o.where or o.within_limits or o.above:
+        from gspcli.motion.poses.mode_filters import ModeFilter
 
-
-def _indices(result: SolveResult, o: Options) -> Sequence[int]:
-    """Return which poses are shown: the real ones are the first."""
+        form = o.form_of(instance)
+        asked = ModeFilter(o.where, o.within_limits, o.above, form.pivot_frame, form.euler or "ZYX")
+        try:
+            omitted = asked.left_out(result)
+        except ArgumentError as error:
+            raise GspError(f"--{error.where.replace('_', '-')}: {error.message}") from None
+        numbers = sorted(k - 1 for those in omitted.values() for k in those)
+        result = replace(result, left_out=tuple(numbers))
     poses = range(len(result.R) if o.everything else result.counts.real)
-    return [k for k in poses if k not in result.left_out] if result.left_out else poses
+    indices = [k for k in poses if k not in result.left_out]
+    columns = expressed_columns((*TRANSLATION, *turns), frame)
+    return Answer(result, o, columns, frame, indices, omitted)
 
 
-def _sorted(result: SolveResult, shown: Shown, R: Any, T: Any) -> Shown:
-    """Return the poses by their distance from one, and the distances."""
-    from gspcli.geometry.home_mode import distances
+@dataclass(frozen=True, eq=False)
+class Answer:
+    """A result, and which of its poses are shown, and how.
 
-    chosen = np.array([k for k in shown.indices if result.real[k]], dtype=int)
-    moved, turned = distances(result.R[chosen].real, result.T[chosen].real, R, T)
-    order = np.argsort(np.hypot(moved, result.arrangement.length * turned), kind="stable")
-    pairs = np.stack((moved, turned / result.arrangement.in_radians), axis=1)[order]
-    return replace(
-        shown, indices=chosen[order].tolist(), distances=list(map(tuple, pairs.tolist()))
-    )
+    Attributes
+    ----------
+    result, o, frame
+        The result, the options, and the frame in which poses are expressed.
+    columns
+        Those of positions and rotations, as they are expressed.
+    indices
+        The poses in the order of the table; the real ones are the first.
+    omitted
+        The numbers of the real poses that are not shown, by reasons; None without a filter.
+    distances
+        For each pose of the table its distance from the pose of ``--near``: the translation and the
+        angle, in the units of the instance; None without the option.
+    fit
+        How the readings fit the modes, if there are any.
+    """
+
+    result: SolveResult
+    o: Options
+    columns: Sequence[PoseColumn]
+    frame: PoseFrame
+    indices: Sequence[int]
+    omitted: Mapping[str, list[int]] | None = None
+    distances: Sequence[tuple[float, float]] | None = None
+    fit: ReadingFit | None = None
+
+    def sorted_by_distance(self, R: Any, T: Any) -> Answer:
+        """Return the real poses by their distance from one, and the distances."""
+        from gspcli.geometry.home_mode import distances
+
+        result = self.result
+        chosen = np.array([k for k in self.indices if result.real[k]], dtype=int)
+        moved, turned = distances(result.R[chosen].real, result.T[chosen].real, R, T)
+        order = np.argsort(np.hypot(moved, result.arrangement.length * turned), kind="stable")
+        pairs = np.stack((moved, turned / result.arrangement.in_radians), axis=1)[order]
+        sorted_ = chosen[order].tolist()
+        return replace(self, indices=sorted_, distances=list(map(tuple, pairs.tolist())))
+
+    @cached_property
+    def digits(self) -> list[dict[str, Any] | None]:
+        """Each pose with proved digits, if they are asked for; None if it is not certified."""
+        result, indices, digits = self.result, list(self.indices), self.o.digits
+        if digits is None or not indices:
+            return []
+        from gspcli.certification import certify
+
+        sides = result.sides[indices]
+        proofs = certify(result.instance, result.R[indices], result.T[indices], sides=sides)
+        return [refined(result.instance, one, digits) if one.certified else None for one in proofs]
+
+    @cached_property
+    def contradicting(self) -> list[int]:
+        """The numbers of constraints that contradict each other, if that is why none is real."""
+        if self.result.counts.real or self.result.verdict != "complete":
+            return []
+        from gspcli.reality.contradiction import contradiction
+
+        return [k + 1 for k in contradiction(self.result.arrangement)]
+
+    @property
+    def sentences(self) -> list[str]:
+        """The result in sentences, with what is omitted and which modes fit."""
+        lines = summary(self.result, contradicting=self.contradicting)
+        if self.omitted is not None:
+            parts = [f"{len(those)} by {reason}" for reason, those in self.omitted.items()]
+            real = self.result.counts.real
+            kept = real - sum(map(len, self.omitted.values()))
+            what = ", ".join(parts) or "none"
+            lines.append(f"{kept} of {counted(real, 'real pose')} kept; left out: {what}")
+        return lines if self.fit is None else [*lines, self.fit.sentence]
+
+    @property
+    def document(self) -> dict[str, Any]:
+        """The result for JSON, with the digits and readings that were asked for."""
+        document = self.result.to_json(everything=self.o.everything)
+        entries = [document["solutions"][k] for k in self.indices]
+        for entry, pose in zip(entries, self.digits, strict=False):
+            entry["refined"] = pose
+        for entry, (length, angle) in zip(entries, self.distances or (), strict=False):
+            entry["distance"] = {"translation": length, "turn": angle}
+        if not self.frame.is_identity:
+            document["frames"] = self.frame.to_json()
+            for entry, k in zip(entries, self.indices, strict=True):
+                if self.result.real[k]:
+                    entry["expressed"] = self._expressed(k)
+        if self.omitted is not None:
+            modes = sorted(number for those in self.omitted.values() for number in those)
+            reasons = [{"reason": why, "modes": those} for why, those in self.omitted.items()]
+            document["left_out"] = {"modes": modes, "reasons": reasons}
+        document["solutions"] = entries
+        if self.contradicting:
+            document["contradicting"] = self.contradicting
+        if self.fit is not None:
+            document |= self.fit.to_json()
+            for entry, k in zip(entries, self.indices, strict=True):
+                if k < len(self.fit.off) and self.fit.result.counts.real:
+                    entry |= self.fit.of_mode(k)
+        return document
+
+    def _expressed(self, k: int) -> dict[str, Any]:
+        R, T = self.frame.from_platform(self.result.R[k].real, self.result.T[k].real)
+        return {"position": T.tolist(), "quaternion": quaternion_from_rotation(R).tolist()}
+
+    def _rows(self) -> list[dict[str, Any]]:
+        """Return all numbers of each pose, those of poses that are not real as complex ones."""
+        read = {column.key: column.read(self.result) for column in (*self.columns, *FACTS)}
+        rows = [
+            {"number": k + 1, **{key: _plain(values[k]) for key, values in read.items()}}
+            for k in self.indices
+        ]
+        for row, (length, angle) in zip(rows, self.distances or (), strict=False):
+            row |= {"distance": length, "turn": angle}
+        fits = [] if self.fit is None else self.fit.rows()
+        for row, k in zip(rows, self.indices, strict=True):
+            if k < len(fits) and self.result.real[k]:
+                row |= fits[k]
+        for row, pose in zip(rows, self.digits, strict=False):
+            row |= digit_cells(pose or {})
+        return rows
+
+    def csv(self, lines: Sequence[str]) -> Result:
+        """Return every column of the poses, for programs."""
+        rows = []
+        for row in self._rows():
+            numbers = {key: x for key, x in row.items() if isinstance(x, complex)}
+            rows.append(row | {key: x.real for key, x in numbers.items()})
+            if not row["real"]:
+                rows[-1] |= {f"{key}_imag": x.imag for key, x in numbers.items()}
+        keys = ["number", *(column.key for column in (*self.columns, *FACTS))]
+        keys += [] if self.distances is None else ["distance", "turn"]
+        keys += [] if self.fit is None else ["off", "fits"]
+        keys += [f"{column.key}_imag" for column in self.columns] if self.o.everything else []
+        keys += [key for key in DECIMALS if any(key in row for row in rows)]
+        return Result([Field(key) for key in keys], rows, summary=lines, part="poses")
+
+    def tables(self, lines: Sequence[str]) -> list[Result]:
+        """Return the result for people: poses, those that cannot move, proved digits."""
+        result = self.result
+        notes = [*frame_note(self.frame), *remarks(result, [k + 1 for k in self.indices])]
+        if not self.o.everything and (others := len(result.R) - result.counts.real):
+            notes.append(f"{others} more are not real: --all shows them")
+        if self.distances is not None:
+            notes.append("nearest: by the translation and the turn times the platform's size")
+        tables = [*self._pose_tables(lines, notes), *self._lone_tables()]
+        if any(self.digits):
+            tables.append(digit_table(self._rows()))
+        return tables
+
+    def _lone_tables(self) -> list[Result]:
+        """Return the real poses that are isolated over the real but not over the complex numbers.
+
+        As equations over the complex numbers the constraints are singular there.
+        """
+        lone = self.result.lone
+        if not len(lone.R):
+            return []
+        indices = range(len(lone.R))
+        alone = replace(self, result=lone, indices=indices, distances=None, fit=None)
+        notes = [
+            "none of these real poses can move, and there are no others: known by exact counts. "
+            "That all constraints hold there is checked to 50 decimals; to 9 where poses meet, and "
+            "for the distance of parallel lines"
+        ]
+        return [
+            replace(
+                table,
+                title="real poses",
+                columns=[one for one in table.columns if one.key not in ("condition", "residual")],
+            )
+            for table in alone._pose_tables([], notes)
+        ]
+
+    def _pose_tables(self, lines: Sequence[str], notes: Sequence[str]) -> list[Result]:
+        """Return the poses: units in the headings, exceptions marked."""
+        instance = self.result.instance
+        title, units = instance.title, instance.units
+        if not self.indices:
+            return [Result([], [], title, notes, lines)]
+        rows, number = self._rows_for_people(), FIELDS["number"]
+        poses = [pose_field(column, instance, self.o.decimals) for column in self.columns]
+        sided = np.flatnonzero(self.result.arrangement.sided) + 1
+        last = [
+            FIELDS["distance"].but(title=f"distance [{units.length}]"),
+            FIELDS["turn"].but(title=f"turn [{units.angle.value}]"),
+            FIELDS["off@2"],
+            FIELDS["sides"].but(title=f"sides {','.join(map(str, sided))}"),
+            *FIELDS.of("residual condition remarks@2"),
+        ]
+        last = [column for column in last if any(row.get(column.key) is not None for row in rows)]
+        orientations = self._orientations()
+        if not orientations:
+            return [Result([number, *poses, *last], rows, title, notes, lines, "poses")]
+        by_number = {row["number"]: row for row in rows}
+        leaders = []
+        for letter, group in orientations.items():
+            for k in group:
+                by_number[k + 1]["orientation"] = letter
+            leaders.append(by_number[group[0] + 1] | {"positions": len(group)})
+        of_each = [FIELDS["orientation"], *poses[3:], FIELDS["positions"]]
+        columns = [number, FIELDS["orientation"], *poses[:3], *last]
+        return [
+            Result(of_each, leaders, title, (), lines, "orientations"),
+            Result(columns, rows, notes=notes, part="poses"),
+        ]
+
+    def _rows_for_people(self) -> list[dict[str, Any]]:
+        """Return the rows with few digits, and in words what is not the rule."""
+        result = self.result
+        length, known = result.arrangement.length, proved(result)
+        all_stated = (result.arrangement.signs != 0)[result.arrangement.sided].all()
+        same = len({tuple(one.sides.items()) for one in result.solutions}) == 1 and all_stated
+        lengths = [column.key for column in self.columns if column.unit == "length"]
+        rows = self._rows()
+        for place, (row, index) in enumerate(zip(rows, self.indices, strict=True)):
+            pose, many = result.solutions[index], row["multiplicity"]
+            for column in self.columns:
+                smallest = _ZERO * length if column.key in lengths else _ZERO
+                row[column.key] = _rounded(row[column.key], smallest)
+            sides = ["+" if side == "positive" else "-" for side in pose.sides.values()]
+            row["sides"] = "".join(sides) if sides and not same else None
+            row["condition"] = float(f"{pose.condition:.{_DIGITS}g}")
+            row["residual"] = None if known[index] else printed_residual(pose.residual, length)
+            if "off" in row:
+                row["off"] = float(f"{row['off']:.3g}")
+            said = {
+                "home": pose.home,
+                "nearest": self.distances is not None and place == 0,
+                "fits": row.get("fits"),
+                "not real": not pose.real,
+                "double" if many == 2 else f"multiplicity {many}": many > 1,
+                "not proved": not known[index] and known.any(),
+            }
+            row["remarks"] = ", ".join(what for what, holds in said.items() if holds) or None
+        return rows
+
+    def _orientations(self) -> dict[str, list[int]]:
+        """Return the poses by orientation, which three angles determine; empty if it is no help."""
+        result = self.result
+        if len(result.arrangement.angles) != MAX_ANGLES or self.distances is not None:
+            return {}
+        if not result.real[list(self.indices)].all():
+            return {}
+        groups: list[list[int]] = []
+        for index in self.indices:
+            q = result.quaternions[index]
+            if groups and np.abs(q - result.quaternions[groups[-1][0]]).max() < _SAME:
+                groups[-1].append(index)
+            else:
+                groups.append([index])
+        if len(groups) == len(self.indices):
+            return {}
+        alphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZ"
+        letters = chain(alphabet, map("".join, itertools.product(alphabet, repeat=2)))
+        return dict(zip(letters, groups, strict=False))
 
 
-def _contradicting(result: SolveResult) -> list[int]:
-    """Return the numbers of constraints that contradict each other, if that is why none is real."""
-    if result.counts.real or result.verdict != "complete":
-        return []
-    from gspcli.reality.contradiction import contradiction
-
-    return [k + 1 for k in contradiction(result.arrangement)]
+def pose_field(column: PoseColumn, instance: Instance, decimals: int | None) -> Field:
+    """Return a column of poses for people, with its unit in the heading."""
+    units = {"": "", "length": instance.units.length, "angle": instance.units.angle.value}
+    heading = f"{column.key} [{units[column.unit]}]" if column.unit else column.key
+    return Field(column.key, heading, "right", essential=True, aligned=True, decimals=decimals)
 
 
-def _refined(result: SolveResult, shown: Shown, digits: int | None) -> list[dict[str, Any] | None]:
-    """Return each pose with proved digits; None for those that cannot be certified."""
-    indices = list(shown.indices)
-    if digits is None or not indices:
-        return []
-    from gspcli.certification import certify
-
-    proved = certify(
-        result.instance, result.R[indices], result.T[indices], sides=result.sides[indices]
-    )
-    return [refined(result.instance, one, digits) if one.certified else None for one in proved]
+def _plain(value: Any) -> Any:
+    return value.item() if isinstance(value, np.generic) else value
 
 
-def _document(
-    result: SolveResult,
-    shown: Shown,
-    proved: Sequence[dict[str, Any] | None],
-    contradicting: Sequence[int],
-    fit: ReadingFit | None,
-    *,
-    everything: bool,
-) -> dict[str, Any]:
-    """Return the result for JSON, with the digits and readings that were asked for."""
-    document = result.to_json(everything=everything)
-    entries = [document["solutions"][k] for k in shown.indices]
-    for entry, pose in zip(entries, proved, strict=False):
-        entry["refined"] = pose
-    for entry, (length, angle) in zip(entries, shown.distances or (), strict=False):
-        entry["distance"] = {"translation": length, "turn": angle}
-    if not shown.frame.is_identity:
-        add_expressed(document, result, shown)
-    if shown.left is not None:
-        from gspcli.motion.poses.mode_filters import left_out_json
+def _rounded(value: Any, smallest: float) -> float | complex:
+    """Return a number with rounding errors about zero taken away, real if it is."""
+    number = complex(value)
+    parts = [part if abs(part) > smallest else 0.0 for part in (number.real, number.imag)]
+    return parts[0] if parts[1] == 0 else complex(*parts)
 
-        document["left_out"] = left_out_json(shown.left)
-    document["solutions"] = entries
+
+def summary(result: SolveResult, *, contradicting: Sequence[int] = ()) -> list[str]:
+    """Return the result in a sentence: the real poses, what is proved, whether these are all."""
+    lines = [f"{_real_words(result)}; {_completeness(result)}"]
+    if fixed(result):
+        one = result.counts.real == 1
+        poses, them = ("the isolated real pose", "it") if one else ("these real poses", "them")
+        lines.append(
+            f"the platform cannot move from {poses}: the infinitely many others are another "
+            f"component, apart from {them}"
+        )
     if contradicting:
-        document["contradicting"] = list(contradicting)
-    if fit is not None:
-        document |= fit.to_json()
-        for entry, index in zip(entries, shown.indices, strict=True):
-            if index < len(fit.off) and fit.result.counts.real:
-                entry |= fit.of_mode(index)
-    return document
+        lines.append(_reason(result, contradicting))
+    return lines
+
+
+def _real_words(result: SolveResult) -> str:
+    real = result.counts.real
+    # Those of a motion are real, too, and not counted.
+    which = "isolated real" if result.verdict == "infinite" else "real"
+    text = f"{real or 'no'} {which} pose{'s' * (real > 1)}"
+    if lone := len(result.lone.R):
+        return f"{lone} real pose{'s' * (lone > 1)} that cannot move"
+    if not result.counts.found:
+        return text
+    # Without a real pose the certificates of the others prove that.
+    known = proved(result)[:real] if real else proved(result)
+    if known.all():
+        return text + (", all proved different" if real > 1 else ", proved")
+    if real == 0:
+        return text
+    return text + (f", {known.sum()} of them proved" if known.any() else ", not proved")
+
+
+def fixed(result: SolveResult) -> bool:
+    """Return whether poses are infinitely many, and all isolated real ones are proved isolated.
+
+    A simple solution is in no larger set of them: no motion passes through it.
+    """
+    real = result.counts.real
+    return result.verdict == "infinite" and real > 0 and bool(result.certified[:real].all())
+
+
+def proved(result: SolveResult) -> NDArray[np.bool_]:
+    """Return which poses are proved: by certificates, multiple ones by the exact count."""
+    counted = result.proof is not None and result.proof.by is CountKind.EXACT
+    return result.certified | (counted & (result.multiplicity > 1))
+
+
+def _completeness(result: SolveResult) -> str:
+    """Return the verdict, and how the paths end if not every one ends at a pose."""
+    ends, found = result.account, result.counts.found
+    verdict = f"{result.verdict}, {result.proof.words}" if result.proof else result.verdict
+    if result.verdict == "complete" and found == result.expected:
+        return f"{verdict}: all {found} of the type, real or not"
+    poses = f"{found} pose{'s' * (found != 1)}, real or not"
+    if result.verdict == "infinite":
+        isolated = f"{found or 'no'} isolated one{'s' * (found != 1)}"
+        where = " over the complex numbers" if len(result.lone.R) else ""
+        return (
+            f"{verdict}: infinitely many poses{where} and {isolated}; "
+            f"the type can have {result.expected}"
+        )
+    if ends.found != found:
+        poses += f", {ends.found} with multiplicities"
+    named = {
+        "at infinity": ends.at_infinity,
+        "on curves": ends.on_curves,
+        "where parallel lines have another distance": ends.spurious,
+        "lost": ends.lost,
+    }
+    others = [f"{count} {where}" for where, count in named.items() if count]
+    where = "".join(f", {other}" for other in others)
+    geometry = result.geometry_count
+    if geometry is None:
+        return f"{verdict}: {poses}{where}, of the type's {result.expected}"
+    # The causes for which the geometry has fewer poses than the type are not listed.
+    gone = ends.on_curves + ends.spurious + ends.lost
+    if geometry < ends.found:
+        # A platform of this geometry with other values has fewer poses.
+        return f"{verdict}: {poses}; the type can have {result.expected}"
+    whole = f"this geometry's {geometry}; the type can have {result.expected}"
+    if geometry == result.expected:
+        whole = f"the type's {geometry}"
+    return f"{verdict}: {poses}{where if gone else ''}, of {whole}"
+
+
+def _reason(result: SolveResult, contradicting: Sequence[int]) -> str:
+    constraints = result.instance.constraints
+    kinds = {constraints[k - 1].kind.is_distance for k in contradicting}
+    what = "constraint" if len(kinds) > 1 else "distance" if kinds == {True} else "angle"
+    if len(contradicting) == 1:
+        return f"no pose was found for {what} {contradicting[0]} alone"
+    if len(contradicting) == len(constraints):
+        return "any five of the constraints have common poses, all six have none"
+    *first, last = map(str, contradicting)
+    return (
+        f"{what}s {', '.join(first)} and {last} contradict each other: "
+        "no pose was found for them without the others"
+    )
+
+
+def remarks(result: SolveResult, numbers: Sequence[int]) -> list[str]:
+    """Return notes on the poses shown, whose numbers count from 1."""
+    if not numbers:
+        return [*_far(result), *_parallel(result), *_reservation(result)]
+    limits = _limits(result, numbers)
+    shown = [number - 1 for number in numbers]
+    residual = printed_residual(float(result.residuals[shown].max()), result.arrangement.length)
+    notes = [f"residuals at most {residual:.0e}"]
+    # Mirrored poses differ in the last digits. Of poses with equal rounded numbers the first is
+    # named.
+    condition = np.array([float(f"{x:.{_DIGITS}g}") for x in result.conditions[shown]])
+    best, worst = int(np.argmin(condition)), int(np.argmax(condition))
+    lowest, highest = (f"{condition[k]:.{_DIGITS}g}" for k in (best, worst))
+    if len(numbers) > 1 and lowest != highest:
+        notes.append(
+            f"best conditioned: pose {numbers[best]} ({lowest}); "
+            f"worst: pose {numbers[worst]} ({highest})"
+        )
+    if len(numbers) > 1 and lowest == highest:
+        notes.append(f"every pose has condition {lowest}")
+    home = [result.home.text] if result.home and result.counts.real else []
+    causes = [*_far(result), *_parallel(result), *_reservation(result)]
+    return ["; ".join(notes), *home, *limits, *causes]
+
+
+def _limits(result: SolveResult, numbers: Sequence[int]) -> list[str]:
+    """Say which of the real poses shown are outside the ranges and cones of the machine."""
+    left = {number: result.solutions[number - 1].limits for number in numbers}
+    ranges = {
+        one.constraint for limits in left.values() for one in limits or () if one.kind == "range"
+    }
+    notes = [
+        f"constraint {k + 1} is outside its range: the machine can take none of these poses"
+        for k in sorted(ranges)
+    ]
+    beyond = [n for n, limits in left.items() if any(one.kind == "cone" for one in limits or ())]
+    if beyond:
+        names = ", ".join(map(str, beyond))
+        notes.append(f"a leg leaves the cone of a joint in pose{'s' * (len(beyond) > 1)} {names}")
+    beyond = [n for n, limits in left.items() if any(one.kind == "knee" for one in limits or ())]
+    if beyond:
+        names = ", ".join(map(str, beyond))
+        notes.append(
+            f"an arm or carriage is on the other side of its dead point than at home in "
+            f"pose{'s' * (len(beyond) > 1)} {names}"
+        )
+    return notes
+
+
+def _far(result: SolveResult) -> list[str]:
+    """Say how many poses are nearly at infinity."""
+    arrangement = result.arrangement
+    offset = result.R @ arrangement.platform_centre + result.T - arrangement.base_centre
+    far = int((np.abs(offset).max(axis=1) > _FAR * arrangement.length).sum())
+    if not far:
+        return []
+    return [
+        f"{far} of the {result.counts.found} poses lie beyond {_FAR:.0e} lengths: "
+        "caused by rounded coordinates, harmless"
+    ]
+
+
+def _parallel(result: SolveResult) -> list[str]:
+    """Say which lines are parallel at all poses, if the poses are complete."""
+    if result.verdict != "complete" or not result.account.spurious or not len(result.R):
+        return []
+    numbers = [
+        str(number)
+        for number, row in enumerate(result.instance.constraints, 1)
+        if isinstance(row.platform, Line) and isinstance(row.base, Line) and row.kind is DLL
+        if np.abs(np.cross(result.R @ row.platform.unit, row.base.unit)).max() < PARALLEL_SINE
+    ]
+    if not numbers:
+        return []
+    several = len(numbers) > 1
+    names = f"s {', '.join(numbers[:-1])} and {numbers[-1]}" if several else f" {numbers[0]}"
+    return [
+        f"the lines of constraint{names} are parallel at every pose: "
+        "a point of one has its distance from the other"
+    ]
+
+
+def _reservation(result: SolveResult) -> list[str]:
+    """Return that the proof is up to a random prime, in words, if it is."""
+    said = "" if result.proof is None else result.proof.reservation
+    return [said] if said else []
+
+
+def refined(instance: Instance, certificate: Certificate, digits: int) -> dict[str, Any]:
+    """Return R and T of a certified pose as decimal strings with proved digits, for JSON."""
+    from gspcli.certification import refine
+
+    pose = refine(instance, certificate, digits)
+    return {
+        key: value
+        for key in ("R", "T", "R_imag", "T_imag")
+        if (value := getattr(pose, key)) is not None
+    }
+
+
+def digit_cells(pose: Mapping[str, Any]) -> dict[str, str]:
+    """Return a refined pose by the `DECIMALS` columns; nothing of an empty one."""
+    flat = [
+        text
+        for suffix in ("", "_imag")
+        if "R" + suffix in pose
+        for text in [*(x for row in pose["R" + suffix] for x in row), *pose["T" + suffix]]
+    ]
+    return dict(zip(DECIMALS, flat, strict=False))
+
+
+def digit_table(rows: Sequence[Mapping[str, Any]]) -> Result:
+    """Return one number a line, for people: fifty digits do not fit beside each other."""
+    lines = [
+        {"number": row["number"], "entry": key.removeprefix("refined_"), "value": row[key]}
+        for row in rows
+        for key in DECIMALS
+        if key in row
+    ]
+    columns = FIELDS.of("number entry value")
+    return Result(columns, lines, title="Proved digits", part="digits")
 
 
 def _complain(result: SolveResult) -> None:
@@ -474,7 +915,8 @@ def _solve_many(o: Options) -> int:
     parts = ", ".join(f"{count} {what}" for what, count in counts.items() if count)
     said = f"{len(rows)} instances: {parts}"
     if not as_lines:
-        emit(o.output, Result(_COLUMNS, rows, notes=[said]))
+        columns = FIELDS.of("instance name type real@2 found certified@2 verdict exit_code message")
+        emit(o.output, Result(columns, rows, notes=[said], schema="solve-list", name="rows"))
     elif not streamed:
         write(o.output, "".join(texts))
     if as_lines and max(codes):
@@ -520,21 +962,16 @@ def _answer(o: Options, source: tuple[str, str | None]) -> tuple[dict[str, Any],
 
     A source is the name of an instance, and its text; None if it is the name of a file.
     """
-    from gspcli.solver import solve
-
     name, text = source
     row: dict[str, Any] = {"verdict": "no answer"}
     document: dict[str, Any] = {}
     said: dict[str, Any] = {"instance": name, "exit_code": 0, "message": None}
     try:
         instance = o.changes.of(_instance(name, text))
-        frame = o.frame_of(instance)
-        found = solve(instance, seed=o.seed, jobs=1, prove=o.prove)
-        result, left = _filtered(found, o)
+        answer = _answered(o, instance, o.frame_of(instance), (), 1)
+        result = answer.result
         if o.output.format == LINES:
-            shown = Shown(_indices(result, o), (), None, frame=frame, left=left)
-            more = _refined(result, shown, o.digits), _contradicting(result)
-            document = _document(result, shown, *more, None, everything=o.everything)
+            document = answer.document
         counts = result.counts
         row = {
             "name": instance.name or None,

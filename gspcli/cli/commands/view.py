@@ -102,7 +102,7 @@ def command(o: Options) -> None:
         raise click.UsageError("SPEC and --track cannot both be standard input")
     if o.live and (o.track is not None or o.output.format != _PAGE):
         raise click.UsageError(f"--live makes a page ({_PAGE}) of a platform, without --track")
-    from gspcli.cli.pose_tables import summary
+    from gspcli.cli.commands.solve import summary
     from gspcli.pictures.tracks import read_tracks
     from gspcli.pictures.whole_views import viewed
     from gspcli.solver import solve
