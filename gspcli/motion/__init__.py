@@ -11,9 +11,8 @@ from gspcli.motion.poses.inverse_kinematics import crank_angles, drive_values, m
 if TYPE_CHECKING:
     from gspcli.motion.collisions.compared import Gaps, gaps
     from gspcli.motion.following.branch_follower import FollowOptions, MovingPlatform
-    from gspcli.motion.following.departures import Departure, departures
     from gspcli.motion.following.follower import Follower, FollowerReport, FollowerStatus
-    from gspcli.motion.following.tracks import Event, Track
+    from gspcli.motion.following.tracks import Departure, Event, Track, departures
     from gspcli.motion.following.trajectories import track
     from gspcli.motion.paths.api import mode_groups, path
     from gspcli.motion.paths.mode_groups import ModeGroups
@@ -24,7 +23,7 @@ if TYPE_CHECKING:
 #: Names that are imported when they are used: following of modes and workspaces each take a third
 #: of the time that the rest of this room takes to import.
 _HOMES = {
-    "Departure": "following.departures",
+    "Departure": "following.tracks",
     "Event": "following.tracks",
     "FollowOptions": "following.branch_follower",
     "Follower": "following.follower",
@@ -37,7 +36,7 @@ _HOMES = {
     "Track": "following.tracks",
     "Travel": "workspace.travels",
     "Workspace": "workspace.workspaces",
-    "departures": "following.departures",
+    "departures": "following.tracks",
     "gaps": "collisions.compared",
     "mode_groups": "paths.api",
     "path": "paths.api",

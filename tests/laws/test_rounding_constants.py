@@ -47,21 +47,20 @@ LISTED = {
     "motion/files/value_files.py": (1, "values as they are typed"),
     "certification/poses/many_values.py": (1, "a bit of a mask: no bound"),
     "continuation/endpoints.py": (1, "steps of Newton's method"),
-    "motion/following/departures.py": (1, "poses as they are typed"),
+    "motion/following/tracks.py": (1, "poses as they are typed"),
     "motion/singularities/scans.py": (1, "a step of differences"),
     "motion/statics/wrenches.py": (1, "forces that are printed"),
     "motion/workspace/travels.py": (1, "the smallest interval: no bound"),
     "motion/workspace/workspaces.py": (1, "volumes that are printed"),
     # What the constants of the type are used for elsewhere.
-    "motion/paths/condition_bounds.py": (1, "a quotient, after the last enclosure"),
-    "motion/paths/drive_guide.py": (1, "half widths of boxes"),
-    "motion/paths/sheets.py": (1, "half widths of boxes"),
+    "motion/paths/guides.py": (1, "half widths of boxes"),
+    "motion/paths/value_ways.py": (1, "half widths of boxes"),
     "motion/singularities/neighbourhoods.py": (1, "norms and the Kantorovich number"),
     "motion/singularities/pose_clearances.py": (1, "the theorem of Perron and Frobenius"),
     "motion/statics/accuracy.py": (1, "entries of a quadric"),
     # To be converted.
     "motion/collisions/compared.py": (4, "sums of moduli"),
-    "motion/paths/between.py": (3, "half widths of boxes, and the shortest piece"),
+    "motion/paths/between.py": (4, "half widths of boxes, the shortest piece, and a quotient"),
     "motion/workspace/pose_boxes.py": (3, "half widths of boxes, readings at the end of a range"),
 }
 

@@ -56,7 +56,7 @@ if TYPE_CHECKING:
     from gspcli.geometry.instance import Instance
     from gspcli.motion import Track, ValueTable
     from gspcli.motion.files.requirements import Requirement
-    from gspcli.motion.following.departures import Departure
+    from gspcli.motion.following.tracks import Departure
     from gspcli.motion.paths.limit_events import LimitEvent
 
     Array = NDArray[np.float64]

@@ -16,8 +16,12 @@ import numpy as np
 from gspcli.errors import ArgumentError
 from gspcli.geometry.frames import PoseFrame
 from gspcli.geometry.instance import Instance
-from gspcli.motion.following.limit_numbers import LimitNumbers, limit_numbers
-from gspcli.motion.following.platform_numbers import PlatformNumbers, platform_numbers
+from gspcli.motion.following.platform_numbers import (
+    LimitNumbers,
+    PlatformNumbers,
+    limit_numbers,
+    platform_numbers,
+)
 from gspcli.solver import Solution
 from gspcli.spec import dumps
 from gspcli.wording import shown

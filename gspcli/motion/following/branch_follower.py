@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from dataclasses import replace
 from enum import IntEnum
 from functools import cached_property
 
@@ -21,7 +22,7 @@ from gspcli.certification.branches.taylor import MovingSystem, equations_at
 from gspcli.certification.equations.local_frames import LocalFrames
 from gspcli.continuation.tracker import helpful
 from gspcli.geometry.coordinates import Coordinate
-from gspcli.geometry.instance import Instance
+from gspcli.geometry.instance import Instance, Side
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.quaternions import pose_from_study, study_from_pose
 from gspcli.records import dataclass
@@ -299,3 +300,54 @@ class MovingPlatform(StudyUnits):
             np.where(angles, -1.0, low - outward),
             np.where(angles, 1.0, high + outward),
         )
+
+
+def over_rows(instance: Instance, rows: Array) -> Instance:
+    """Return the instance for following along rows; a value is zero if it is so at all rows."""
+    values = rows[:, :6]
+    return at_values(instance, values[np.abs(values).argmax(axis=0), np.arange(6)])
+
+
+def at_values(instance: Instance, values: Array) -> Instance:
+    """Return an instance with other values; a signed distance to a plane becomes a side."""
+    constraints = []
+    for constraint, value in zip(instance.constraints, values[:6].tolist(), strict=True):
+        side = constraint.side
+        if constraint.kind.has_sides:
+            side = Side.NEGATIVE if value < 0 else Side.POSITIVE
+            value = abs(value)
+        constraints.append(replace(constraint, value=Number.of(value), side=side))
+    return replace(instance, constraints=tuple(constraints))
+
+
+def along_rows(instance: Instance, rows: Array, R: Array) -> Instance:
+    """Return the instance for following along rows, with points for lines that stay parallel.
+
+    Lines are replaced if only values of DLL change and the lines are parallel at every pose that
+    satisfies the other constraints: a plate that slides on a table. Lines that only pass through
+    parallel positions are not replaced: their distance jumps there.
+
+    Parameters
+    ----------
+    instance
+        The platform.
+    rows
+        The values, shape (r, 6).
+    R
+        The rotations at the first row, shape (n, 3, 3).
+    """
+    return over_rows(_with_points(at_values(instance, rows[0]), rows[:, :6], R), rows)
+
+
+def _with_points(instance: Instance, values: Array, R: Array) -> Instance:
+    lines = np.array([row.kind is DLL for row in instance.constraints])
+    still = (np.ptp(values[:, ~lines], axis=0) == 0).all()
+    if not (lines.any() and still and len(R)):
+        return instance
+    # Counting is imported only here: few platforms have such lines.
+    from gspcli.certification.counting import with_points_for_lines
+    from gspcli.certification.poses.multiple import nearly_parallel
+
+    if not nearly_parallel(instance, R.astype(complex)).any(axis=1).all():
+        return instance
+    return with_points_for_lines(instance) or instance

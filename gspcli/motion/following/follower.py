@@ -13,8 +13,7 @@ from gspcli.errors import ArgumentError
 from gspcli.geometry.frames import PoseFrame
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.quaternions import quaternion_from_rotation, rotation_from_quaternion
-from gspcli.motion.following.limit_numbers import limit_numbers
-from gspcli.motion.following.platform_numbers import platform_numbers
+from gspcli.motion.following.platform_numbers import limit_numbers, platform_numbers
 from gspcli.motion.poses.inverse_kinematics import checked_poses
 from gspcli.records import dataclass
 from gspcli.wording import shortened

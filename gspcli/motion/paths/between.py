@@ -4,6 +4,11 @@ A way is cut into pieces. All poses of a piece are near to the one in its middle
 or drives by the proved chords that it is followed on, on a way of poses since position and angles
 are linear. Each quantity has a measure: its number in the middle of a piece, and by how much it
 can change on the piece. Where that does not suffice the piece is halved.
+
+For condition numbers the rows of the Jacobian matrix, (moment / L, force) of norm one, are enclosed
+by the formulas for screws: all arms, offsets and directions are in balls. The singular values of
+all matrices of such rows are bounded. For drives along straight ways of poses all vectors are
+enclosed as functions of one parameter of the way.
 """
 
 from __future__ import annotations
@@ -14,8 +19,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, DPP
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.drives import Drives
+from gspcli.geometry.enclosures import OUT, Enclosure, joined, singular_values, size
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.limits import cone_shares, joint_cones, tilts
 from gspcli.geometry.quaternions import apply
@@ -23,11 +30,10 @@ from gspcli.geometry.residuals import condition_numbers
 from gspcli.motion.collisions.compared import ComparedShapes, slips_near
 from gspcli.motion.following.followed_rows import ROUNDING, RowFollower, Segments
 from gspcli.motion.following.moving_geometry import MovingGeometry
-from gspcli.motion.paths.condition_bounds import condition_bounds
-from gspcli.motion.paths.drive_travels import drive_travels
 from gspcli.motion.paths.motors import Motors
 from gspcli.motion.paths.pose_ways import PoseWays
 from gspcli.motion.paths.value_ways import ValueWays
+from gspcli.motion.screws import screw
 from gspcli.motion.singularities.clearances import (
     clearances,
     drive_clearances,
@@ -38,7 +44,6 @@ from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
-
 #: How often a piece is halved at most; clearances of drives take long.
 HALVINGS, CLEARANCE_HALVINGS, _DRIVE_HALVINGS = 14, 8, 3
 #: Most pieces that are judged together: beyond that the search ends.
@@ -54,6 +59,9 @@ _ROUNDING = 2.0**-44
 _STEPS_AGAIN = 8
 #: Signs: the shortest piece of a way, how often pieces are divided, and most pieces at a time.
 _SHORTEST, _SIGN_HALVINGS, _MOST_SIGNS = 2.0**-36, 60, 20_000
+#: Parts of a way.
+_PARTS = 16
+_AXES = np.eye(3)
 
 
 @dataclass(frozen=True, eq=False)
@@ -702,3 +710,193 @@ def _divided(
             there = begin < end
             new.append((finer[there], begin[there], end[there]))
         part, low, high = (np.concatenate(column) for column in zip(*new, strict=True))
+
+
+def condition_bounds(
+    arrangement: Arrangement,
+    R: Array,
+    T: Array,
+    shifts: Array,
+    turns: Array,
+    length: float,
+    slips: Array | None = None,
+) -> Array:
+    """Return upper bounds of the condition numbers of poses near to given ones, shape (n,).
+
+    Infinite where nothing is proved.
+
+    Parameters
+    ----------
+    arrangement
+        The geometry.
+    R, T
+        The poses, shapes (n, 3, 3) and (n, 3).
+    shifts, turns
+        How far the centre of the platform moves and by which angle, in radians, the platform turns,
+        at most; shapes (n,).
+    length
+        The typical length, as for `condition_numbers`.
+    slips
+        How far cranks and slides move the points of constraints in their bodies, at most: those of
+        the platform and those of the base, shape (2, n, 6); None if no point moves.
+    """
+    with np.errstate(all="ignore"):
+        rows = rows_near(arrangement, R, T, shifts, turns, length, slips)
+        known = np.asarray(
+            np.isfinite(rows.rad).all(axis=1) & np.isfinite(rows.mid).all(axis=(1, 2))
+        )
+        safe = np.where(known[:, None, None], rows.mid, np.eye(6))
+        least, most = singular_values(Enclosure(safe, rows.rad))
+        return np.where(known & (least > 0), most / least * OUT, np.inf)
+
+
+def rows_near(
+    a: Arrangement,
+    R: Array,
+    T: Array,
+    shifts: Array,
+    turns: Array,
+    length: float,
+    slips: Array | None = None,
+) -> Enclosure:
+    """Enclose (moment / L, force) about the centre, of norm one, shape (n, 6, 6)."""
+    chord = 2 * np.sin(np.minimum(turns, np.pi) / 2) * OUT
+    own, other = np.zeros((2, len(T), 6)) if slips is None else slips
+    centre = a.platform_centre
+
+    def turned(vectors: Array) -> Enclosure:
+        placed = Enclosure.rounded(apply(R[:, None], vectors), size(vectors) + size(centre))
+        return placed.widened(chord[:, None] * size(vectors))
+
+    arm = turned(a.y - centre).widened(own)
+    at = T + apply(R, np.broadcast_to(centre, T.shape))
+    far = size(T)[:, None] + size(centre) + size(a.x)
+    offset = Enclosure.rounded(at[:, None] - a.x, far).widened(shifts[:, None] + other)
+    w = turned(a.u)
+    v = Enclosure.rounded(np.broadcast_to(a.v, w.mid.shape))
+    mid, rad = np.zeros((len(T), 6, 6)), np.zeros((len(T), 6))
+    for kind in set(a.kinds):
+        k = [i for i, one in enumerate(a.kinds) if one is kind]
+        moment, force = screw(kind, *(part.take(slice(None), k) for part in (arm, offset, w, v)))
+        moment = (1 / length) * moment
+        row = joined(moment, force or Enclosure(0 * moment.mid)).unit()
+        mid[:, k], rad[:, k] = row.mid, row.rad
+    return Enclosure(mid, rad)
+
+
+def drive_travels(ways: PoseWays, begins: Array, ends: Array) -> Array:
+    """Bound how far drives move on straight ways in position and angles, shape (n, m).
+
+    Lengths and radians; infinite where nothing is proved.
+
+    Parameters
+    ----------
+    ways
+        The platform, with its drives on their knees.
+    begins, ends
+        Parameters of poses, shape (n, 6).
+    """
+    half = (ends - begins) / (2 * _PARTS)
+    middles = begins[:, None] + (2 * np.arange(_PARTS)[:, None] + 1) * half[:, None]
+    far = np.repeat(size(begins) + size(ends), _PARTS)
+    near = _Vectors(ways, middles.reshape(-1, 6), np.repeat(half, _PARTS, axis=0), far)
+    with np.errstate(all="ignore"):
+        found = near.moves().reshape(len(half), _PARTS, -1)
+    # From one end of a part to the other it is at most twice as far as from the middle.
+    return np.asarray(2 * found.sum(axis=1))
+
+
+class _Vectors:
+    """The vectors of a platform on parts of ways, enclosed.
+
+    Middles and half changes have shape (n, 6), sizes of all parameters (n,).
+    """
+
+    def __init__(self, ways: PoseWays, middles: Array, halves: Array, far: Array) -> None:
+        self.ways, self.arrangement = ways, Arrangement.of(ways.instance)
+        rad = Enclosure.rounded(middles, far).rad
+        self.place = Enclosure(middles[:, :3], rad, halves[:, :3, None])
+        angles = [
+            Enclosure(middles[:, k : k + 1], rad, halves[:, k : k + 1, None]) for k in (3, 4, 5)
+        ]
+        self.turns = [(one.cos(), one.sin()) for one in angles]
+        sequence = ways.boxes.sequence
+        letters = sequence if sequence.isupper() else sequence[::-1]
+        self.axes = ["xyz".index(letter) for letter in letters.lower()]
+        self.count = len(middles)
+
+    def fixed(self, vector: Array) -> Enclosure:
+        return Enclosure.rounded(np.broadcast_to(vector, (self.count, 3)))
+
+    def turned(self, x: Enclosure, *, back: bool = False) -> Enclosure:
+        """Return vectors turned from the platform to the base, or back."""
+        for axis in self.axes if back else self.axes[::-1]:
+            cos, sin = self.turns[axis]
+            along = np.outer(_AXES[axis], _AXES[axis])
+            across = np.cross(_AXES[axis], _AXES).T * (-1.0 if back else 1.0)
+            x = x.under(along) + x.under(np.eye(3) - along) * cos + x.under(across) * sin
+        return x
+
+    def moves(self) -> Array:
+        """Bound how far each drive moves from where it is in the middle, shape (n, m)."""
+        motors = self.ways.motors
+        if motors is None:
+            columns = [self._of_value(k) for k in range(6)]
+        else:
+            drives = motors.drives
+            drives.refuse_planes("how far drives move on a path")
+            first = [drives.users(k)[0] for k in range(drives.count)]
+            columns = [self._of_drive(k) if drives.driven[k] else self._of_value(k) for k in first]
+        return np.stack(columns, axis=1)
+
+    def _of_value(self, k: int) -> Array:
+        a = self.arrangement
+        kind = a.kinds[k]
+        w, v = self.turned(self.fixed(a.u[k])), self.fixed(a.v[k])
+        if not kind.is_distance:
+            return _angle(w)
+        r = self.place + self.turned(self.fixed(a.y[k] - self.ways.pivot)) - self.fixed(a.x[k])
+        if kind is DLL:
+            normal = w.cross(v)
+            return _moved(r.dot(normal) * normal.norm().inverse())
+        if kind in (DPH, DHP):
+            return _moved(r.dot(v if kind is DPH else w))
+        across = {DPP: r, DPL: r.cross(v), DLP: r.cross(w)}[kind]
+        return _moved(across.norm())
+
+    def _of_drive(self, k: int) -> Array:
+        """Bound how far a crank turns, or a slide moves."""
+        motors, a = self.ways.motors, self.arrangement
+        assert motors is not None
+        drives, knee = motors.drives, float(motors.knees[k])
+        if drives.on_platform[k]:
+            away = self.fixed(a.x[k]) - self.place
+            other = self.turned(away, back=True) + self.fixed(self.ways.pivot)
+        else:
+            other = self.place + self.turned(self.fixed(a.y[k] - self.ways.pivot))
+        w = other - self.fixed(drives.middle[k])
+        along, beside = w.dot(self.fixed(drives.across[k])), w.dot(self.fixed(drives.beside[k]))
+        rod, square = self._number(drives.rods[k]), w.dot(w)
+        if drives.sorts[drives.index[k]] == "slide":
+            return _moved(beside - knee * (rod * rod - square + beside * beside).sqrt())
+        # The angle between w, in the plane of the crank, and the arm; both as unit vectors.
+        arm, both = self._number(drives.arms[k]), joined(along, beside)
+        far = both.norm()
+        cosine = 0.5 * ((square + arm * arm - rod * rod) * far.inverse())
+        sine = (self._number(1.0) - cosine * cosine).sqrt()
+        direction, left = both.unit(), joined(beside, -along).unit()
+        return _angle(direction * cosine + knee * (left * sine))
+
+    def _number(self, value: float) -> Enclosure:
+        return Enclosure.rounded(np.full((self.count, 1), value))
+
+
+def _moved(x: Enclosure) -> Array:
+    """Bound how far vectors move from where they are in the middle."""
+    return np.asarray(x.slope + 2 * x.rad)
+
+
+def _angle(unit: Enclosure) -> Array:
+    """Bound by which angles unit vectors turn from where they are in the middle."""
+    chord = _moved(unit)
+    return np.where(chord < 2, 2 * np.arcsin(np.minimum(chord / 2, 1.0)), np.inf)

@@ -17,10 +17,9 @@ from numpy.typing import NDArray
 from gspcli.defaults import SEED
 from gspcli.motion.paths.ends import Modes, PathEnd
 from gspcli.motion.paths.guides import PROVED_ROWS, ValueGuide
+from gspcli.motion.paths.maps import PoseMap, ValueMap
 from gspcli.motion.paths.mode_groups import fills_ranges, map_of_poses, map_of_values
 from gspcli.motion.paths.planner import Planner
-from gspcli.motion.paths.pose_map import PoseMap
-from gspcli.motion.paths.value_map import ValueMap
 from gspcli.solver.result import SolveResult
 
 Array = NDArray[np.float64]

@@ -10,12 +10,10 @@ import numpy as np
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.limits import has_limits
 from gspcli.motion.paths.classes import PoseClass
-from gspcli.motion.paths.connections import Connections
 from gspcli.motion.paths.ends import Modes, PathEnd
+from gspcli.motion.paths.maps import Connections, PoseMap, ValueMap
 from gspcli.motion.paths.planner import Planner
-from gspcli.motion.paths.pose_map import PoseMap
-from gspcli.motion.paths.sheets import Sheet, whole_sheet
-from gspcli.motion.paths.value_map import ValueMap
+from gspcli.motion.paths.value_ways import Sheet, whole_sheet
 from gspcli.records import dataclass
 from gspcli.wording import counted
 

@@ -4,10 +4,18 @@ What costs least is tried first:
 
 - the limits at the ends, and the signs that a regular path cannot change (`classes`);
 - the straight way of values, and the straight way in position and angles;
-- the proof that the mode fills its ranges (`sheets`);
-- a map (`value_map`, `pose_map`), and a smoother path.
+- the proof that the mode fills its ranges (`value_ways`);
+- a map (`maps`), and a smoother path.
 
 Last the rows that are returned are proved.
+
+Paths are made smoother by short cuts and moves of corners, each proved. The cost of a path is the
+integral of its condition number by its length, in lengths of the platform. The length is that of
+the way of the platform's points, as a root mean square. A change is kept if the new path is proved
+and costs less. While a path is longer than three times the straight way, more tries follow in which
+the condition number counts less. The numbers of tries are fixed, so that the result does not depend
+on the speed of the computer. A change must save a thousandth of the cost, so that the result does
+not depend on last digits either.
 """
 
 from __future__ import annotations
@@ -21,37 +29,48 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gspcli.defaults import PATH_SECONDS, SEED
-from gspcli.errors import ArgumentError
+from gspcli.errors import ArgumentError, IncompleteError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.drives import is_driven
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.limits import has_limits
 from gspcli.geometry.readings import without_corrections
-from gspcli.motion.collisions.compared import NO_SHAPES
+from gspcli.motion.collisions.compared import NO_SHAPES, ComparedShapes
+from gspcli.motion.paths.between import least_clearances, least_gaps
 from gspcli.motion.paths.classes import Classes
-from gspcli.motion.paths.drive_guide import DriveGuide
 from gspcli.motion.paths.ends import PathEnd
-from gspcli.motion.paths.finished_paths import finished
-from gspcli.motion.paths.guides import PROVED_ROWS, Guide, PoseGuide, ValueGuide
+from gspcli.motion.paths.guides import (
+    PROVED_ROWS,
+    DriveGuide,
+    Guide,
+    GuideRows,
+    PoseGuide,
+    ValueGuide,
+)
+from gspcli.motion.paths.maps import PoseMap, ValueMap
 from gspcli.motion.paths.motors import Motors
-from gspcli.motion.paths.planned_paths import PlannedPath
-from gspcli.motion.paths.pose_map import PoseMap
+from gspcli.motion.paths.planned_paths import PathPart, PlannedPath, cost, steps
 from gspcli.motion.paths.pose_ways import PoseWays
-from gspcli.motion.paths.sheets import Sheet, whole_sheet
-from gspcli.motion.paths.smoothing import smoothed
-from gspcli.motion.paths.timing import PathLimits
-from gspcli.motion.paths.value_map import ValueMap
-from gspcli.motion.paths.value_ways import ValueWays
+from gspcli.motion.paths.timing import PathLimits, timed
+from gspcli.motion.paths.value_ways import Sheet, ValueWays, whole_sheet
 from gspcli.motion.workspace.travels import too_near, violations
 
 Array = NDArray[np.float64]
-
-
 #: Yields None while it goes on, and at last a path with what proves it.
 Search = Iterator[tuple[Guide, Array] | None]
-
 #: How many times as many rows of a way of values are tried as places of straight ways of poses.
 _FINER = (1, 4, 16)
+#: Random tries, at first and with each of the other powers of the condition number.
+_TRIES, _MORE, _POWERS = 400, 300, (0.5, 0.25)
+#: Random tries where each proof has clearances or gaps, which take long.
+_SLOW_TRIES = 40
+#: A path that is this many times as long as the straight way is long.
+LONG = 3.0
+_ROWS = np.array([PROVED_ROWS])
+#: How far corners are moved, by their ranges, and what a change must be worth.
+_MOVES, _WORTH = (0.02, 0.08, 0.25), 1e-3
+#: How far a platform moves from row to row, in its lengths; how many rows a part has.
+_STEP, _LEAST, _MOST = 0.03, 4, 200
 
 
 class Planner:
@@ -397,3 +416,224 @@ def _check_gap(instance: Instance, gap: float) -> None:
         raise ArgumentError(message, "gap")
     if instance.shapes is None:
         raise ArgumentError(NO_SHAPES, "gap")
+
+
+def smoothed(instance: Instance, guide: Guide, corners: Array, seed: int) -> Array:
+    """Return the corners of a path that costs less, shape (k, 6).
+
+    Parameters
+    ----------
+    instance
+        The platform.
+    guide
+        Proves paths.
+    corners
+        Those of a proved path.
+    seed
+        Of the tries.
+    """
+    draw = np.random.default_rng(seed)
+    slow = bool(guide.clear) or guide.gap is not None
+    corners = _cheaper(instance, guide, corners, draw, 1.0, _SLOW_TRIES if slow else _TRIES)
+    for power in () if slow else _POWERS:
+        if len(corners) == 2 or stretch(instance, guide, corners) <= LONG:
+            break
+        corners = _cheaper(instance, guide, corners, draw, power, _MORE)
+    return corners
+
+
+def stretch(instance: Instance, guide: Guide, corners: Array) -> float:
+    """Return how many times a path is as long as the straight way."""
+    trace = guide.trace(corners, np.full(len(corners) - 1, PROVED_ROWS))
+    if trace is None:
+        return 0.0
+    ends = [0, -1]
+    straight = float(steps(instance, trace.R[ends], trace.T[ends])[0])
+    length = float(steps(instance, trace.R, trace.T).sum())
+    return length / straight if straight > 0 else np.inf
+
+
+def _cheaper(
+    instance: Instance,
+    guide: Guide,
+    corners: Array,
+    draw: np.random.Generator,
+    power: float,
+    tries: int,
+) -> Array:
+    """Return the corners of a path that costs less with a power of the condition number."""
+    #: What straight parts cost whose poses are known without a proof.
+    parts: dict[tuple[bytes, bytes], float] = {}
+
+    def part(first: Array, last: Array) -> float | None:
+        """Return the cost of a straight part; None if its poses depend on the parts before."""
+        key = first.tobytes(), last.tobytes()
+        if key not in parts:
+            poses = guide.unproved(np.stack((first, last)), _ROWS)
+            if poses is None:
+                return None
+            parts[key] = cost(instance, *poses, power)
+        return parts[key]
+
+    def value(tried: Array, below: float) -> float:
+        """Return the cost of a path if it is proved and costs less, else infinity."""
+        rows = np.full(len(tried) - 1, PROVED_ROWS)
+        known = 0.0
+        for first, last in pairwise(tried):
+            one = part(first, last)
+            if one is None:
+                trace = guide.trace(tried, rows)
+                found = np.inf if trace is None else cost(instance, trace.R, trace.T, power)
+                return found if found < below else np.inf
+            known += one
+            if not known < below:
+                return np.inf
+        return known if guide.trace(tried, rows) is not None else np.inf
+
+    best = value(corners, np.inf)
+    corners, best = _short_cuts(corners, best, value)
+    for _ in range(tries):
+        tried = _changed(guide, corners, draw)
+        if tried is not None:
+            new = value(tried, best * (1 - _WORTH))
+            if new < np.inf:
+                corners, best = tried, new
+    return corners
+
+
+def _short_cuts(
+    corners: Array, best: float, value: Callable[[Array, float], float]
+) -> tuple[Array, float]:
+    """Leave out corners, the longest short cuts first, where that costs less."""
+    begin = 0
+    while begin + 2 < len(corners):
+        for end in range(len(corners) - 1, begin + 1, -1):
+            tried = np.concatenate((corners[: begin + 1], corners[end:]))
+            new = value(tried, best * (1 - _WORTH))
+            if new < np.inf:
+                corners, best = tried, new
+                break
+        begin += 1
+    return corners, best
+
+
+def _changed(guide: Guide, corners: Array, draw: np.random.Generator) -> Array | None:
+    """Return a random change of a path, or None if there is none of the sort drawn."""
+    count, sort = len(corners), draw.random()
+    noise = draw.normal(size=6) * guide.sizes
+    width = float(draw.choice(_MOVES))
+    if sort < 0.2:
+        if count < 3:
+            return None
+        first = int(draw.integers(0, count - 2))
+        last = int(draw.integers(first + 2, count))
+        return np.concatenate((corners[: first + 1], corners[last:]))
+    if sort < 0.45:
+        if count < 3:
+            return None
+        # From a place on one part to a place on another.
+        places = np.sort(draw.random(2) * (count - 1))
+        i, j = places.astype(int).tolist()
+        if i == j:
+            return None
+        parts = zip((i, j), places.tolist(), strict=True)
+        ends = [
+            guide.placed(corners[k] + (corners[k + 1] - corners[k]) * (x - k)) for k, x in parts
+        ]
+        return np.concatenate((corners[: i + 1], ends, corners[j + 1 :]))
+    if sort < 0.85:
+        if count < 3:
+            return None
+        k = int(draw.integers(1, count - 1))
+        tried = corners.copy()
+        tried[k] = guide.placed(tried[k] + noise * width)
+        return tried
+    k = int(draw.integers(0, count - 1))
+    middle = (corners[k] + corners[k + 1]) / 2
+    return np.insert(corners, k + 1, guide.placed(middle + noise * 0.1), axis=0)
+
+
+def finished(
+    given: Instance,
+    guide: Guide,
+    corners: Array,
+    start: PathEnd,
+    goal: PathEnd,
+    limits: PathLimits | None = None,
+) -> PlannedPath:
+    """Return a path with its rows.
+
+    Parameters
+    ----------
+    given
+        The platform, with offsets of readings.
+    guide
+        Proves paths.
+    corners
+        Those of a proved path, shape (k + 1, 6).
+    start, goal
+        Its ends.
+    limits
+        Of speeds and accelerations, if the path has a time.
+
+    Raises
+    ------
+    IncompleteError
+        If the rows cannot be proved, though the path was.
+    """
+    proved = np.full(len(corners) - 1, PROVED_ROWS)
+    trace = guide.trace(corners, proved)
+    timing, t = None, None
+    if trace is not None:
+        length = Arrangement.of(given).length
+        wanted = np.ceil(_lengths(given, trace) / (_STEP * length))
+        rows = np.clip(wanted, _LEAST, _MOST).astype(np.int64)
+        # Long steps near singular poses are not proved; those of the search are.
+        for tried in (rows, np.maximum(rows, proved)):
+            if limits is not None:
+                found = timed(guide, corners, limits, tried)
+                if found is not None:
+                    trace, t, timing = found
+                    break
+            elif (rowed := guide.trace(corners, tried)) is not None:
+                trace = rowed
+                break
+    if trace is None or (limits is not None and timing is None):
+        message = "the path that was found could not be proved again: try another seed"
+        raise IncompleteError(message)
+    # Those of drives take long.
+    if guide.clear or trace.rows.motors is None:
+        at, between = least_clearances(trace.rows, guide.clear)
+    else:
+        at, between = np.zeros(len(trace.T)), np.zeros(len(trace.T) - 1)
+    conditions = trace.rows.conditions()
+    gaps = None if guide.gap is None else least_gaps(trace.rows, guide.gap)[1]
+    first = np.searchsorted(trace.part, np.arange(len(trace.proofs)))
+    last = np.append(first[1:], len(trace.part) - 1)
+    lengths = _lengths(given, trace)
+    parts = tuple(
+        PathPart(
+            int(a),
+            int(b),
+            int(trace.proofs[k]),
+            float(lengths[k]),
+            float(conditions[a : b + 1].max()),
+            float(between[a:b].min()),
+            gap=None if gaps is None else float(gaps[a:b].min()),
+        )
+        for k, (a, b) in enumerate(zip(first.tolist(), last.tolist(), strict=True))
+    )
+    return PlannedPath(
+        given, start.name, goal.name, "proved", "", guide.along,
+        trace.part + trace.fraction if t is None else t,
+        trace.values, trace.R, trace.T, conditions, at, parts, timing, trace.drives,
+        None if gaps is None else ComparedShapes(given).gaps(trace.R, trace.T).min(axis=1),
+    )  # fmt: skip
+
+
+def _lengths(instance: Instance, trace: GuideRows) -> Array:
+    """Return the length of each straight part."""
+    moved = steps(instance, trace.R, trace.T)
+    return np.asarray(
+        np.bincount(trace.part[:-1], weights=moved, minlength=len(trace.proofs)), float
+    )

@@ -2,7 +2,8 @@
 
 Of straight ways of values the motors move linearly, so their limits hold exactly. On straight ways
 of poses the speeds and accelerations of motors, and of the turn of the platform, are those at
-samples, with a margin. The platform stops at corners.
+samples, with a margin. The platform stops at corners: on each straight part its
+speed rises, stays and falls.
 """
 
 from __future__ import annotations
@@ -16,13 +17,11 @@ from numpy.typing import NDArray
 
 from gspcli.errors import ArgumentError
 from gspcli.motion.paths.guides import Guide, GuideRows, PoseGuide, RowsOnWay
-from gspcli.motion.paths.moves import LineMove, Moves, moves_of
 from gspcli.motion.paths.pose_ways import PoseWays
 from gspcli.motion.poses.inverse_kinematics import values_at
 from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
-
 #: What can be limited: each motor, the pivot, the turn of the platform.
 MOTORS, PLATFORM, TURN = NAMES = ("motors", "platform", "turn")
 #: The least rows of a part.
@@ -278,3 +277,64 @@ def timed(
     fraction = (t - moves.begins[part]) / np.diff(moves.begins)[part]
     trace = guide.through(RowsOnWay(np.asarray(part, np.int64), fraction, numbers))
     return None if trace is None else TimedTrace(trace, t, Timing(limits, moves))
+
+
+class LineMove(NamedTuple):
+    """A straight part with its limits."""
+
+    way: Array
+    """From its first to its last corner, shape (d,), not zero."""
+    duration: float
+    """How long it takes at the full velocity ``way / duration``."""
+    rise: float
+    """How quickly the rate, 1 at the full velocity, may change, a second."""
+
+
+@dataclass(frozen=True, eq=False)
+class Moves:
+    """Straight parts, one after the other, each from rest to rest.
+
+    Attributes
+    ----------
+    begins
+        When each part begins, and at last when all end, shape (k + 1,).
+    places, ways
+        Where each begins, and where it leads from there, shapes (k, d).
+    tops, rises
+        Its largest rate, and how quickly the rate changes, shape (k,).
+    """
+
+    begins: Array
+    places: Array
+    ways: Array
+    tops: Array
+    rises: Array
+
+    @property
+    def seconds(self) -> float:
+        """How long all moves take."""
+        return float(self.begins[-1])
+
+    def at(self, times: Array) -> tuple[Array, NDArray[np.intp]]:
+        """Return the places at times, shape (r, d), and on which parts they are."""
+        part = np.searchsorted(self.begins[1:-1], times, side="right")
+        span = np.diff(self.begins)[part]
+        up = self.tops[part] / self.rises[part]
+        since = times - self.begins[part]
+        near = np.minimum(since, span - since)
+        # The way from the nearer end, by the whole way: a parabola, then a line.
+        gone = self.rises[part] * np.minimum(near, up) ** 2 / 2
+        gone = gone + self.tops[part] * np.maximum(near - up, 0.0)
+        whole = self.tops[part] * (span - up)
+        share = np.where(since <= span / 2, gone, whole - gone) / whole
+        return self.places[part] + self.ways[part] * share[:, None], part
+
+
+def moves_of(places: Array, lines: list[LineMove]) -> Moves:
+    """Return the moves along straight parts; the corners are of shape (k + 1, d)."""
+    durations = np.array([line.duration for line in lines])
+    rises = np.array([line.rise for line in lines])
+    tops = np.minimum(1.0, np.sqrt(rises * durations))
+    spans = durations / tops + tops / rises
+    ways = np.array([line.way for line in lines])
+    return Moves(np.append(0.0, np.cumsum(spans)), places[:-1], ways, tops, rises)

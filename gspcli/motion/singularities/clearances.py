@@ -31,9 +31,8 @@ from gspcli.geometry.drives import Drives, is_driven
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.readings import readings_of
 from gspcli.geometry.residuals import condition_numbers
-from gspcli.motion.following.branch_follower import MovingPlatform, Stop, apart
+from gspcli.motion.following.branch_follower import MovingPlatform, Stop, apart, over_rows
 from gspcli.motion.following.followed_rows import FollowedMode, RowFollower
-from gspcli.motion.following.row_instances import over_rows
 from gspcli.motion.following.trajectories import track_from
 from gspcli.motion.poses.inverse_kinematics import checked_poses, drive_values, measure, values_at
 from gspcli.motion.singularities.neighbourhoods import DrivenNeighbourhood, Neighbourhood

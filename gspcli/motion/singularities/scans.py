@@ -27,10 +27,9 @@ from gspcli.geometry.readings import factors, offsets, without_corrections
 from gspcli.geometry.residuals import condition_numbers
 from gspcli.motion.files.pose_files import PoseFormat, pose_columns, poses_of
 from gspcli.motion.files.value_files import nominal_values
-from gspcli.motion.following.branch_follower import FollowOptions, MovingPlatform
+from gspcli.motion.following.branch_follower import FollowOptions, MovingPlatform, at_values
 from gspcli.motion.following.branch_runs import NEARLY_SINGULAR, Run
 from gspcli.motion.following.moving_geometry import MovingGeometry
-from gspcli.motion.following.row_instances import at_values
 from gspcli.motion.following.tracks import Event, Track
 from gspcli.motion.following.trajectories import track
 from gspcli.motion.poses.inverse_kinematics import drive_values

@@ -11,7 +11,7 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.enclosures import Enclosure
 from gspcli.geometry.measurement import jacobian
 from gspcli.geometry.random_instances import random_instance
-from gspcli.motion.paths.condition_bounds import rows_near
+from gspcli.motion.paths.between import rows_near
 from gspcli.motion.screws import screw
 from tests.support.enclosures import Exact, outside
 

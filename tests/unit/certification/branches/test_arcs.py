@@ -13,7 +13,7 @@ from gspcli.certification.branches.taylor import MovingSystem
 from gspcli.geometry.coordinates import choose
 from gspcli.geometry.random_instances import random_instance
 from gspcli.motion import MovingPlatform
-from gspcli.motion.following.row_instances import at_values
+from gspcli.motion.following.branch_follower import at_values
 from gspcli.resources import data_path
 
 NOW = [*[arb(0)] * 8, arb(1)]

@@ -10,7 +10,7 @@ from gspcli.defaults import SEED
 from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.geometry.random_instances import random_instance
 from gspcli.motion import MovingPlatform, measure, track
-from gspcli.motion.following.row_instances import at_values
+from gspcli.motion.following.branch_follower import at_values
 from gspcli.resources import data_path
 
 #: The two modes of the example meet and vanish on the way.

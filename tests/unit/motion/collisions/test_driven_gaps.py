@@ -12,8 +12,8 @@ from gspcli.geometry.drives import Drives
 from gspcli.geometry.instance import Instance, Shapes
 from gspcli.motion.collisions.compared import ComparedShapes
 from gspcli.motion.paths.api import path
-from gspcli.motion.paths.drive_guide import DriveGuide
 from gspcli.motion.paths.ends import PathEnd
+from gspcli.motion.paths.guides import DriveGuide
 from gspcli.motion.paths.motors import Motors
 from gspcli.motion.paths.pose_ways import PoseWays
 from gspcli.motion.workspace.box_division import workspace

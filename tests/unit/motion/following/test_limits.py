@@ -24,9 +24,7 @@ from gspcli.geometry.quaternions import (
 from gspcli.motion import measure, track
 from gspcli.motion.following.branch_follower import FollowOptions
 from gspcli.motion.following.followed_rows import RowFollower
-from gspcli.motion.following.limit_numbers import limit_numbers
-from gspcli.motion.following.limit_search import MARGIN, LimitSearch
-from gspcli.motion.following.platform_numbers import platform_numbers
+from gspcli.motion.following.platform_numbers import limit_numbers, platform_numbers
 from gspcli.motion.following.tracks import Track
 from gspcli.motion.following.trajectories import track_from
 from gspcli.motion.paths.between import (
@@ -38,6 +36,7 @@ from gspcli.motion.paths.between import (
     cones_kept,
 )
 from gspcli.motion.paths.limit_events import limit_events
+from gspcli.motion.paths.nearest_poses import MARGIN, LimitSearch
 from gspcli.motion.paths.value_ways import ValueWays
 from tests.support.independent_machines import Machine, machines
 from tests.support.limited import limited, one_leg, study

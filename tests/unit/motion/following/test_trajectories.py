@@ -10,8 +10,8 @@ from gspcli.errors import GspError
 from gspcli.geometry.quaternions import rotation_from_quaternion, rotation_from_vector
 from gspcli.geometry.random_instances import random_instance
 from gspcli.motion import FollowOptions, MovingPlatform, measure, track
+from gspcli.motion.following.branch_follower import at_values
 from gspcli.motion.following.branch_runs import Run
-from gspcli.motion.following.row_instances import at_values
 from gspcli.motion.singularities.clearances import clearances
 from gspcli.resources import data_path
 

@@ -12,8 +12,12 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.quaternions import rotation_from_quaternion
 from gspcli.geometry.residuals import condition_numbers
 from gspcli.motion.following.trajectories import track_from
-from gspcli.motion.paths.between import PathRows, largest_conditions, least_clearances
-from gspcli.motion.paths.condition_bounds import condition_bounds
+from gspcli.motion.paths.between import (
+    PathRows,
+    condition_bounds,
+    largest_conditions,
+    least_clearances,
+)
 from gspcli.motion.paths.pose_ways import PoseWays
 from gspcli.motion.paths.track_bounds import can_be_bounded, worst_between
 from gspcli.motion.paths.value_ways import ValueWays

@@ -10,7 +10,7 @@ from gspcli.geometry.drives import Drives
 from gspcli.geometry.limits import out_of_motor_range
 from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.motion import mode_groups
-from gspcli.motion.following.departures import departures
+from gspcli.motion.following.tracks import departures
 from gspcli.motion.paths.between import PathRows
 from gspcli.motion.paths.motors import Motors
 from gspcli.motion.paths.pose_ways import PoseWays

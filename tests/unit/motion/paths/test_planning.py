@@ -13,7 +13,7 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.limits import within_limits
 from gspcli.geometry.numbers import Number
 from gspcli.motion import mode_groups
-from gspcli.motion.following.departures import departures
+from gspcli.motion.following.tracks import departures
 from gspcli.motion.following.trajectories import track_from
 from gspcli.motion.paths import planner
 from gspcli.motion.paths.guides import ValueGuide

@@ -11,7 +11,7 @@ import gspcli
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.limits import within_limits
 from gspcli.geometry.residuals import condition_numbers
-from gspcli.motion.paths.pose_map import PoseMap
+from gspcli.motion.paths.maps import PoseMap
 from gspcli.motion.paths.pose_ways import PoseWays
 from gspcli.motion.poses.inverse_kinematics import values_at
 

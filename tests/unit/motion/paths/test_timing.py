@@ -8,13 +8,11 @@ import pytest
 import gspcli
 from gspcli.errors import ArgumentError
 from gspcli.geometry.euler import rotation_from_euler
-from gspcli.motion.following.departures import departures
+from gspcli.motion.following.tracks import departures
 from gspcli.motion.following.trajectories import track_from
 from gspcli.motion.paths.ends import PathEnd
-from gspcli.motion.paths.finished_paths import finished
-from gspcli.motion.paths.moves import LineMove, moves_of
-from gspcli.motion.paths.planner import Planner
-from gspcli.motion.paths.timing import PathLimits
+from gspcli.motion.paths.planner import Planner, finished
+from gspcli.motion.paths.timing import LineMove, PathLimits, moves_of
 from gspcli.motion.poses.inverse_kinematics import values_at
 
 SPEED, ACCELERATION = 50.0, 200.0

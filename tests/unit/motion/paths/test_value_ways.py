@@ -9,8 +9,7 @@ import gspcli
 from gspcli.geometry.limits import out_of_cone
 from gspcli.motion.paths.between import PathRows, cones_kept
 from gspcli.motion.paths.ends import Modes
-from gspcli.motion.paths.sheets import Sheet, whole_sheet
-from gspcli.motion.paths.value_ways import ValueWays
+from gspcli.motion.paths.value_ways import Sheet, ValueWays, whole_sheet
 from gspcli.motion.poses.inverse_kinematics import values_at
 
 
