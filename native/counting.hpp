@@ -8,7 +8,7 @@
 namespace gsp {
 
 // The functions of a motion: 1, R (by rows), T, U, rho and T x R (by rows), as in
-// gspcli.certification.equations.study without e.f; further ones (moments) follow them.
+// gspcli.geometry.study without e.f; further ones (moments) follow them.
 constexpr int kFunctions = 26;
 
 // Blocks of coordinates besides R and the moments.

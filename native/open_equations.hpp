@@ -1,6 +1,6 @@
 // The equations of a geometry with its values left open, from numbers of 32 digits; plain data.
 //
-// The forms are those of gspcli.certification.equations.study, what is made of them that of
+// The forms are those of gspcli.geometry.study, what is made of them that of
 // gspcli.certification.equations.ball_system: here in doubled precision, with a bound of what is lost.
 #pragma once
 

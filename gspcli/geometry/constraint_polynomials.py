@@ -6,11 +6,9 @@ those of the paper's Section 4, in three vectors: ``r = R y + T - x`` from the p
 to that of the platform; the direction or normal of the platform, ``w = R u``; and that of the base,
 v. The vectors w and v are unit vectors. All functions take leading batch axes and complex numbers.
 
-Three other statements exist on purpose. They are evidence that does not use this one:
-`gspcli.certification` (the exact equations in ball arithmetic), `tools.atlas.groebner`
-(modulo a prime), and the programs in benchmarks and tools. The quadrics that paths are tracked on
-(`gspcli.solver.study_systems`, `Measures` below) are the same polynomials in Study
-coordinates.
+In the functions of a motion, over any numbers, the kinds are stated in `gspcli.geometry.study`.
+This statement, and that of `tools.atlas.groebner` modulo a prime, are evidence that does not use
+it.
 """
 
 from __future__ import annotations
@@ -24,10 +22,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, DPP, Kind
+from gspcli.geometry import study
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.quaternions import (
     BODY_TRANSLATION_FORMS,
-    ROTATION_FORMS,
     TRANSLATION_FORMS,
     Field,
     cross,
@@ -252,29 +250,21 @@ def measures(arrangement: Arrangement) -> Measures:
     for j, i in enumerate(indices):
         kind = given.kinds[i]
         y, x, u, v = (part[i].tolist() for part in (given.y, given.x, given.u, given.v))
-        if kind is DPH:
-            heights.append((j, _base_height(y, x, v)))
-        elif kind is DHP:
-            heights.append((j, [-number for number in _platform_height(y, x, u)]))
-        elif kind is DPP:
-            spheres.append((j, _square(y, x)))
-        elif kind is DLP:
-            cylinders.append((j, _square(y, x)))
-            axial.append(_platform_height(y, x, u))
-        elif kind is DPL:
-            cylinders.append((j, _square(y, x)))
-            axial.append(_base_height(y, x, v))
+        form, *further = study.forms_of(kind, y, x, u, v)
+        if kind.has_sides:
+            heights.append((j, _row(form)))
         elif kind is DLL:
             skew.append(len(heights))
-            heights.append((j, _moment(y, x, u, v)))
-            normals += [_combination(R=_of_rotation(_cross(v, axis), u)) for axis in _AXES]
+            heights.append((j, _row(form)))
+            normals += [_row(study.rotation_form(_product(v, axis), u)) for axis in _AXES]
         else:
-            raise ValueError(kind)
+            (cylinders if further else spheres).append((j, _row(form)))
+            axial += map(_row, further)
         sorts.add("q" if kind in (DHP, DLP) else "s" if kind is DPP else "p")
     flat = [j for j, _ in heights]
     rows = [row for _, row in (*heights, *spheres, *cylinders)] + axial + normals
     return Measures(
-        forms=(np.array(rows) @ _FORMS).reshape(-1, 4, 8),
+        forms=(np.array(rows) @ _FUNCTIONS).reshape(-1, 4, 8),
         skew=skew,
         flat=flat,
         curved=[j for j, _ in (*spheres, *cylinders)],
@@ -288,78 +278,26 @@ def measures(arrangement: Arrangement) -> Measures:
     )
 
 
-_ZEROS = [0.0] * 9
 _AXES = np.eye(3).tolist()
 
 
-def _combination(
-    one: float = 0.0,
-    R: _Vector = _ZEROS,
-    T: _Vector = _ZEROS[:3],
-    U: _Vector = _ZEROS[:3],
-    moment: _Vector = _ZEROS,
-) -> _Vector:
-    """Return the coefficients of a combination of 1, R, T, U and T x R, 25 numbers."""
-    return [one, *R, *T, *U, *moment]
+def _product(a: _Vector, b: _Vector) -> _Vector:
+    return [a[j] * b[k] - a[k] * b[j] for j, k in ((1, 2), (2, 0), (0, 1))]
+
+
+def _row(form: study.Form) -> _Vector:
+    return [form.get(place, 0.0) for place in range(study.STUDY)]
 
 
 def _function_forms() -> Array:
-    """Return the forms of N times 1, R, T, U and T x R, shape (25, 32)."""
-    forms = np.zeros((25, 4, 8))
-    forms[0, :, :4] = np.eye(4)
-    forms[1:10, :, :4] = ROTATION_FORMS.reshape(9, 4, 4)
-    forms[10:13, :, 4:] = TRANSLATION_FORMS
-    forms[13:16, :, 4:] = BODY_TRANSLATION_FORMS
-    # N R is quadratic in e, and N [T]x R is its derivative along f: twice the polar form.
-    forms[16:, :, 4:] = 2 * ROTATION_FORMS.reshape(9, 4, 4)
-    return forms.reshape(25, 32)
+    """Return the forms of N times each function but T.T, which is zero here, shape (26, 32)."""
+    forms = study.form_hessians()[: study.STUDY, :4].copy()
+    forms[:, :, :4] /= 2
+    forms[study.RHO] = 0
+    return forms.reshape(study.STUDY, 32)
 
 
-_FORMS = _function_forms()
-
-
-def _dot(a: _Vector, b: _Vector) -> float:
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-
-
-def _cross(a: _Vector, b: _Vector) -> _Vector:
-    return [
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    ]
-
-
-def _of_rotation(b: _Vector, a: _Vector, factor: float = 1.0) -> _Vector:
-    """Return the coefficients of R in ``factor b . R a``."""
-    return [factor * p * q for p in b for q in a]
-
-
-def _base_height(y: _Vector, x: _Vector, v: _Vector) -> _Vector:
-    """Return ``v . (R y + T - x)``."""
-    return _combination(-_dot(v, x), R=_of_rotation(v, y), T=v)
-
-
-def _platform_height(y: _Vector, x: _Vector, u: _Vector) -> _Vector:
-    """Return ``R u . (R y + T - x) = u . (y + U - R^T x)``."""
-    return _combination(_dot(u, y), R=_of_rotation(x, u, -1.0), U=u)
-
-
-def _moment(y: _Vector, x: _Vector, u: _Vector, v: _Vector) -> _Vector:
-    """Return ``(R y + T - x) . (R u x v)``."""
-    about_base = _of_rotation(_cross(v, x), u)
-    turned = [p - q for p, q in zip(_of_rotation(v, _cross(y, u)), about_base, strict=True)]
-    return _combination(R=turned, moment=_of_rotation(v, u))
-
-
-def _square(y: _Vector, x: _Vector) -> _Vector:
-    """Return ``|R y + T - x|^2`` but for ``T.T``."""
-    return _combination(
-        _dot(x, x) + _dot(y, y),
-        R=_of_rotation(x, y, -2.0),
-        T=[-2.0 * number for number in x],
-        U=[2.0 * number for number in y],
-    )
+_FUNCTIONS = _function_forms()
 
 
 @cache

@@ -12,17 +12,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from functools import cache, lru_cache
-from itertools import product
+from itertools import chain, product
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.catalogue.kinds import ANGLE_KINDS, DHP, DLL, DLP, DPH, DPL, DPP, Kind
+from gspcli.catalogue.kinds import DLL, DLP, DPL, DPP, Kind
 from gspcli.continuation.quadrics import BASES, COEFFICIENTS, NORM
 from gspcli.continuation.systems import EQUATIONS, Coefficients, Structure, System
+from gspcli.geometry import study
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.quaternions import cross, dot
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -180,26 +180,25 @@ def equation(kind: Kind, y: Array, x: Array, u: Array, v: Array, value: Scalars)
         The distance, signed if the kind has sides, or for an angle the value of ``R u . v``;
         shape (...). Lines at a distance of zero have one quadric, so all of them or none.
     """
-    if kind is DPP:
-        return QuadricEquation("s", _point_point(y, x) - _constant(value**2))
-    if kind is DPH:
-        return QuadricEquation("p", _point_plane(y, x, v) - _constant(value))
-    if kind is DHP:
-        return QuadricEquation("q", _plane_point(y, x, u) - _constant(value))
-    if kind is DPL:
-        a, b = _across(v)
-        return _factors("p", _point_plane(y, x, a), _point_plane(y, x, b), value)
-    if kind is DLP:
-        a, b = _across(u)
-        return _factors("q", _plane_point(y, x, a), _plane_point(y, x, b), value)
-    if kind is DLL:
-        moment = _mutual_moment(y, x, u, v)
-        if (value == 0).all():
-            return QuadricEquation("l", moment)
-        return _factors("l", moment, value[..., None] * _turned(u, v), value)
-    if kind in ANGLE_KINDS:
-        return QuadricEquation("a", _turned(u, v) - _constant(value))
-    raise ValueError(kind)
+    # Components first, as `forms_of` takes vectors.
+    a, b = np.moveaxis(y, -1, 0), np.moveaxis(x, -1, 0)
+    form, *further = study.forms_of(kind, a, b, np.moveaxis(u, -1, 0), np.moveaxis(v, -1, 0))
+    letter = kind.space
+    if kind in (DPL, DLP):
+        height, direction = (study.base_height, v) if kind is DPL else (_plane_point, u)
+        normals = (np.moveaxis(normal, -1, 0) for normal in _across(direction))
+        first, second = (_quadric(letter, height(a, b, normal)) for normal in normals)
+        return _factors(letter, first, second, value)
+    quadric = _quadric(letter, form)
+    if kind is not DLL:
+        return QuadricEquation(letter, quadric - _constant(value**2 if kind is DPP else value))
+    if (value == 0).all():
+        return QuadricEquation(letter, quadric)
+    return _factors(letter, quadric, value[..., None] * _quadric(letter, *further), value)
+
+
+def _plane_point(y: Scalars, x: Scalars, u: Scalars) -> study.Form:
+    return study.scaled(study.platform_height(y, x, u), -1)
 
 
 def _factors(letter: str, a: Scalars, b: Scalars, distance: Scalars) -> QuadricEquation:
@@ -221,47 +220,21 @@ def _across(direction: Array) -> tuple[Array, Array]:
     return rows[..., 0, :], rows[..., 1, :]
 
 
-def _outer(b: Array, a: Array) -> Array:
-    """Return the coefficients of the entries of R in ``b . R a``, shape (..., 9)."""
-    return np.asarray((b[..., :, None] * a[..., None, :]).reshape(*b.shape[:-1], 9))
+#: The functions that span each space, in the order of its basis.
+_ROTATION = (study.NORM, *chain(*study.ROTATION))
+_SPACES = {
+    "a": _ROTATION,
+    "p": (*_ROTATION, *study.TRANSLATION),
+    "q": (*_ROTATION, *study.BODY),
+    "l": (*_ROTATION, *chain(*study.MOMENT)),
+    "s": (*_ROTATION, *study.TRANSLATION, *study.BODY, study.RHO),
+}
 
 
-def _combined(letter: str, *coefficients: Array) -> Array:
-    """Return a combination of the functions of a space, given by parts of (..., k)."""
-    return _times(np.concatenate(coefficients, axis=-1), BASES[letter])
-
-
-def _turned(a: Array, b: Array) -> Array:
-    """Return the quadric of ``R a . b``."""
-    return _times(_outer(b, a), BASES["a"][1:])
-
-
-def _point_plane(y: Array, x: Array, v: Array) -> Array:
-    """Return the quadric of ``v . (R y + T - x)``."""
-    return _combined("p", -dot(v, x)[..., None], _outer(v, y), v)
-
-
-def _plane_point(y: Array, x: Array, u: Array) -> Array:
-    """Return the quadric of ``R u . (x - R y - T) = u . (R^T x - y - U)``."""
-    return _combined("q", -dot(u, y)[..., None], _outer(x, u), -u)
-
-
-def _mutual_moment(y: Array, x: Array, u: Array, v: Array) -> Array:
-    """Return the quadric of ``(R y + T - x) . (R u x v)``."""
-    turned = _outer(v, cross(y, u)) - _outer(cross(v, x), u)
-    return _combined("l", np.zeros_like(turned[..., :1]), turned, _outer(v, u))
-
-
-def _point_point(y: Array, x: Array) -> Array:
-    """Return the quadric of ``|R y + T - x|^2``."""
-    rows = np.empty((*y.shape[:-1], len(BASES["s"])), y.dtype)
-    rows[..., 0] = dot(y, y) + dot(x, x)
-    twice = -2 * x
-    rows[..., 1:10] = _outer(twice, y)
-    rows[..., 10:13] = twice
-    rows[..., 13:16] = 2 * y
-    rows[..., 16] = 1
-    return _times(rows, BASES["s"])
+def _quadric(letter: str, form: study.Form) -> Scalars:
+    """Return the quadric of a combination of the functions of a space, shape (..., 27)."""
+    entries = [form.get(place, 0.0) for place in _SPACES[letter]]
+    return _times(np.stack(np.broadcast_arrays(*entries), axis=-1), BASES[letter])
 
 
 def _times(rows: Scalars, basis: NDArray[np.float64]) -> Scalars:

@@ -18,15 +18,15 @@ from pathlib import Path
 from random import Random
 
 from gspcli.catalogue.kinds import ALL, DHP, DLL, DLP, DPH, DPL, DPP, Kind
-from gspcli.certification.equations import study
 from gspcli.errors import GspError, IncompleteError, NotFiniteError
 from gspcli.export.formats import msolve_input
+from gspcli.geometry import study
 from gspcli.records import dataclass
 
 # Random platforms modulo a prime, as equations in Study coordinates.
 #
 # A linear function of the motion is a list of 26 coefficients, those of 1, R (by rows), T, U, rho
-# and T x R in the order of `gspcli.certification.equations.study`, whose forms are N times these
+# and T x R in the order of `gspcli.geometry.study`, whose forms are N times these
 # functions. Integers represent their residue classes modulo the prime. No code is shared with the
 # equations of the path tracker or with `gspcli.geometry.constraint_polynomials`, so the two ways of
 # counting are independent.

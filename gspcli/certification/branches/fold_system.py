@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from gspcli.certification.branches.parametric_quadrics import Shape
 from gspcli.certification.branches.taylor import Element, MovingSystem, coefficient
-from gspcli.certification.equations import study
+from gspcli.geometry import study
 from gspcli.records import dataclass
 
 Array = NDArray[np.float64]

@@ -7,8 +7,7 @@ import numpy as np
 from flint import arb
 from numpy.typing import NDArray
 
-from gspcli.certification.equations import study
-from gspcli.certification.equations.quadratic_forms import rotation_form, scaled
+from gspcli.geometry import study
 
 Array = NDArray[np.float64]
 
@@ -38,7 +37,7 @@ def moved_quadric(v: Array, other: Array, norm: float, *, on_platform: bool) -> 
     with flint.ctx.workprec(_PRECISION):
         change, fixed = ([arb(x) for x in part.tolist()] for part in (v, other))
         pair = (fixed, change) if on_platform else (change, fixed)
-        form = scaled(rotation_form(*pair), arb(-2))
+        form = study.scaled(study.rotation_form(*pair), -2)
         form[study.NORM] = arb(2 * norm)
         places = study.BODY if on_platform else study.TRANSLATION
         for k in range(3):

@@ -21,12 +21,11 @@ from numpy.typing import NDArray
 
 from gspcli.catalogue import kinds
 from gspcli.catalogue.kinds import Kind
-from gspcli.certification.equations import study
 from gspcli.certification.equations.local_frames import length_scale
-from gspcli.certification.equations.quadratic_forms import Form, forms_of
 from gspcli.certification.equations.statement import statements
 from gspcli.certification.numbers.balls import norm
 from gspcli.certification.numbers.rounding import OUTWARD, TINY
+from gspcli.geometry import study
 from gspcli.geometry.instance import Instance
 from gspcli.records import dataclass
 
@@ -129,7 +128,7 @@ def moving_equations(instance: Instance) -> MovingEquations:
 
 
 #: Shape, law, sign of c, and the quadrics.
-Equation = tuple[Shape, ValueFunction, float, list[Form]]
+Equation = tuple[Shape, ValueFunction, float, list[study.Form]]
 
 
 def ball_equations(instance: Instance) -> tuple[list[Equation], list[arb]]:
@@ -165,7 +164,9 @@ def moving_equation(
     is_zero
         Whether the value is always zero.
     """
-    forms = forms_of(kind, a, b, u, v, arb(0))
+    forms = study.forms_of(kind, a, b, u, v)
+    if study.RHO in forms[0]:
+        forms[0][study.RHO] = arb(1)
     if not kind.is_distance:
         law = ValueFunction.COSINE if kind.law.is_cosine else ValueFunction.SINE
         return Shape.PLAIN, law, float(kind.law.sign), forms

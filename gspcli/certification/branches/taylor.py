@@ -22,9 +22,9 @@ from gspcli.certification.branches.parametric_quadrics import (
     ValueFunction,
     moving_equation,
 )
-from gspcli.certification.equations import study
 from gspcli.certification.equations.local_frames import length_scale
 from gspcli.certification.numbers.balls import cross, dot, norm
+from gspcli.geometry import study
 from gspcli.geometry.coordinates import Body, Coordinate
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance
 from gspcli.geometry.primitives import Crank, Line, Plane, Point, Slide

@@ -31,9 +31,9 @@ from gspcli.certification.counting.motion_equations import (
 )
 from gspcli.certification.counting.platform_counts import work_limit
 from gspcli.certification.counting.residue_counts import EliminationTrace, Ending, Step, trace
-from gspcli.certification.equations import study
 from gspcli.certification.numbers.balls import power_of_two, rotated
 from gspcli.defaults import COUNT_LIMIT, SEED
+from gspcli.geometry import study
 from gspcli.geometry.instance import AngleUnit, Instance
 from gspcli.geometry.numbers import Number
 from gspcli.records import dataclass

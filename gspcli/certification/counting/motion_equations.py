@@ -1,7 +1,7 @@
 """The constraints as equations in functions of a motion, in any exact arithmetic.
 
 The functions are 1, R (by rows), T, U, rho and T x R, in the order of
-`gspcli.certification.equations.study`, and the mutual moments of the line pairs behind them. An
+`gspcli.geometry.study`, and the mutual moments of the line pairs behind them. An
 equation is ``F + w1 G1^2 + w2 G2^2 + ... = 0`` with linear combinations F, G of them: PL and LP say
 ``|X x v|^2 = d^2 |v|^2`` and LL ``M^2 + d^2 C^2 = d^2 |u|^2 |v|^2`` (paper, Section 4).
 """
@@ -15,8 +15,8 @@ from typing import Any
 
 from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, DPP, Kind
 from gspcli.certification.counting.exact_platform import EvaluatedConstraint
-from gspcli.certification.equations import study
 from gspcli.certification.numbers.balls import cross, dot
+from gspcli.geometry import study
 from gspcli.records import dataclass
 
 
@@ -53,8 +53,7 @@ def choose(kinds: Sequence[Kind]) -> Blocks:
 
 
 #: A linear combination: coefficients of the functions, by their position.
-Function = dict[int, Any]
-
+Function = study.Form
 #: The number of functions without moments.
 FUNCTIONS = study.COUNT - 1
 
@@ -98,7 +97,7 @@ def equations(constraints: Sequence[EvaluatedConstraint]) -> MotionEquations:
     for row in constraints:
         if row.kind is DLL:
             position = FUNCTIONS + len(moments)
-            moments.append(_moment(row))
+            moments.append(study.mutual_moment(row.a, row.b, row.u, row.v))
             result.append(_distance_of_lines(row, position))
         else:
             result.append(_equation(row))
@@ -127,38 +126,23 @@ def parallel_lines(
     in_base
         Whether to measure the distance between parallel lines by T, else by U.
     """
-    crossing = MotionEquation(_rotation(cross(row.v, weights), row.u))
-    if in_base:
-        axis, heights = row.v, [_base_height(row.a, row.b, n) for n in _normals(row.v)]
-    else:
-        axis, heights = row.u, [_platform_height(row.a, row.b, n) for n in _normals(row.u)]
-    distance = MotionEquation({study.NORM: -row.value * dot(axis, axis)}, [(1, h) for h in heights])
-    return crossing, distance
+    crossing = MotionEquation(study.rotation_form(cross(row.v, weights), row.u))
+    return crossing, _distance_from_line(row, in_base=in_base)
 
 
 def _equation(row: EvaluatedConstraint) -> MotionEquation:
-    kind, a, b, u, v, value = row.kind, row.a, row.b, row.u, row.v, row.value
-    if not kind.is_distance:
-        return MotionEquation({study.NORM: -value} | _rotation(v, u))
-    if kind is DPP:
-        function = {study.NORM: dot(a, a) + dot(b, b) - value, study.RHO: 1}
-        function |= _rotation([-2 * x for x in b], a)
-        for k in range(3):
-            function[study.TRANSLATION[k]] = -2 * b[k]
-            function[study.BODY[k]] = 2 * a[k]
-        return MotionEquation(function)
-    if kind in (DPH, DHP):
-        function = _base_height(a, b, v) if kind is DPH else _platform_height(a, b, u)
-        function[study.NORM] -= value
-        return MotionEquation(function)
-    if kind is DPL:
-        heights = [_base_height(a, b, normal) for normal in _normals(v)]
-        return MotionEquation({study.NORM: -value * dot(v, v)}, [(1, height) for height in heights])
-    if kind is DLP:
-        heights = [_platform_height(a, b, normal) for normal in _normals(u)]
-        return MotionEquation({study.NORM: -value * dot(u, u)}, [(1, height) for height in heights])
-    message = f"no equation of {kind.name}"
-    raise ValueError(message)
+    if row.kind in (DPL, DLP):
+        return _distance_from_line(row, in_base=row.kind is DPL)
+    (function,) = study.forms_of(row.kind, row.a, row.b, row.u, row.v)
+    function[study.NORM] = function.get(study.NORM, 0) - row.value
+    return MotionEquation(function)
+
+
+def _distance_from_line(row: EvaluatedConstraint, *, in_base: bool) -> MotionEquation:
+    """Return the equation of the distance of a point from the line of the base or the platform."""
+    height, axis = (study.base_height, row.v) if in_base else (study.platform_height, row.u)
+    squares = [(1, height(row.a, row.b, normal)) for normal in _normals(axis)]
+    return MotionEquation({study.NORM: -row.value * dot(axis, axis)}, squares)
 
 
 def _normals(axis: Sequence[Any]) -> list[list[Any]]:
@@ -167,38 +151,11 @@ def _normals(axis: Sequence[Any]) -> list[list[Any]]:
     return [[0 * x, z, -y], [-z, 0 * x, x], [y, -x, 0 * x]]
 
 
-def _rotation(left: Sequence[Any], right: Sequence[Any]) -> Function:
-    """Return ``left . R right``."""
-    return {study.ROTATION[i][j]: left[i] * right[j] for i in range(3) for j in range(3)}
-
-
-def _base_height(a: Sequence[Any], b: Sequence[Any], normal: Sequence[Any]) -> Function:
-    """Return ``normal . (R a + T - b)``."""
-    function = {study.NORM: -dot(normal, b)} | _rotation(normal, a)
-    return function | dict(zip(study.TRANSLATION, normal, strict=True))
-
-
-def _platform_height(a: Sequence[Any], b: Sequence[Any], normal: Sequence[Any]) -> Function:
-    """Return ``R normal . (b - R a - T)``."""
-    function = {study.NORM: -dot(normal, a)} | _rotation(b, normal)
-    return function | dict(zip(study.BODY, (-x for x in normal), strict=True))
-
-
-def _moment(row: EvaluatedConstraint) -> Function:
-    """Return the mutual moment ``(R a + T - b) . (R u x v)``."""
-    function = _rotation(row.v, cross(row.a, row.u))
-    for index, coefficient in _rotation(cross(row.v, row.b), row.u).items():
-        function[index] -= coefficient
-    for i in range(3):
-        for j in range(3):
-            function[study.MOMENT[i][j]] = row.v[i] * row.u[j]
-    return function
-
-
 def _distance_of_lines(row: EvaluatedConstraint, moment: int) -> MotionEquation:
     if row.is_zero:
         return MotionEquation({moment: 1})
     size = dot(row.u, row.u) * dot(row.v, row.v)
     return MotionEquation(
-        {study.NORM: -row.value * size}, [(1, {moment: 1}), (row.value, _rotation(row.v, row.u))]
+        {study.NORM: -row.value * size},
+        [(1, {moment: 1}), (row.value, study.rotation_form(row.v, row.u))],
     )

@@ -40,7 +40,7 @@ from gspcli.certification.counting.motion_equations import (
     with_moments,
 )
 from gspcli.certification.counting.residue_counts import Ending, ResidueCount, count
-from gspcli.certification.equations import study
+from gspcli.geometry import study
 from gspcli.geometry.instance import Constraint, Instance
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Point

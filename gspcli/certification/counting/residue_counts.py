@@ -18,7 +18,7 @@ from gspcli.certification.counting.motion_equations import (
     MotionEquation,
     MotionEquations,
 )
-from gspcli.certification.equations import study
+from gspcli.geometry import study
 from gspcli.records import dataclass
 
 #: The most residues that are kept together (1 GB).

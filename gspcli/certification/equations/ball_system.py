@@ -11,7 +11,7 @@ the constraint as stated wherever ``N != 0``:
 
 No direction is normalized, so only square roots of lengths, cosines of angles and irrational
 numbers of the input are irrational. These equations are independent of those that are solved
-(`gspcli.geometry.constraint_polynomials`, `gspcli.solver.study_systems`): a mistake there leads to
+: a mistake there leads to
 no wrong certificate.
 """
 
@@ -28,13 +28,12 @@ from flint import acb, acb_mat, arb, arb_mat, fmpz_mat
 from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import Law
-from gspcli.certification.equations import study
 from gspcli.certification.equations.local_frames import length_scale
 from gspcli.certification.equations.pose_balls import PoseBall
-from gspcli.certification.equations.quadratic_forms import Form, forms_of, heights, scaled
 from gspcli.certification.equations.statement import Statement, statements
-from gspcli.certification.numbers.balls import dot, floats_above, norm
+from gspcli.certification.numbers.balls import cross, dot, floats_above, norm
 from gspcli.certification.numbers.rounding import OUTWARD
+from gspcli.geometry import study
 from gspcli.geometry.instance import Instance, Side
 from gspcli.records import dataclass
 
@@ -71,6 +70,25 @@ class OpenEquation(NamedTuple):
     """The square of the distance c."""
 
 
+def heights(a: list[arb], b: list[arb], u: list[arb], v: list[arb]) -> list[study.Form]:
+    """Return N times two coordinates across a line, whose squares add up to that of the distance.
+
+    Their axes and the direction of the line are right-handed.
+
+    Parameters
+    ----------
+    a, b
+        The point, and a point of the line: that of the platform first.
+    u, v
+        The direction of the line if it is the platform's or the base's; empty for the other.
+    """
+    axis = u or v
+    least = min(range(3), key=lambda k: abs(float(axis[k].mid())))
+    across = cross(axis, [arb(int(k == least)) for k in range(3)])
+    units = [[x / norm(w) for x in w] for w in (across, cross(axis, across))]
+    return [study.platform_height(a, b, w) if u else study.base_height(a, b, w) for w in units]
+
+
 class BallSystem:
     """The equations of an instance at the working precision.
 
@@ -95,7 +113,7 @@ class BallSystem:
         self.scale = length_scale(instance)
         self.statements = statements(instance) if given is None else given
         #: The quadrics: N, e . f, and those of the constraints.
-        self.forms: list[Form] = [{study.NORM: arb(1)}, {study.STUDY: arb(1)}]
+        self.forms: list[study.Form] = [{study.NORM: arb(1)}, {study.STUDY: arb(1)}]
         #: For each constraint its equation, or those of its positive and its negative side.
         self.equations = tuple(self._equations(statement) for statement in self.statements)
         self._single: dict[tuple[int, ...], acb_mat | None] = {}
@@ -107,7 +125,7 @@ class BallSystem:
         An `acb_mat` if points or directions are complex, else an `arb_mat`.
         """
         rows = [[form.get(k, arb(0)) for k in range(study.COUNT)] for form in self.forms]
-        is_real = all(isinstance(entry, arb) for entry in chain(*rows))
+        is_real = not any(isinstance(entry, acb) for entry in chain(*rows))
         return arb_mat(rows) if is_real else acb_mat(rows)
 
     @cached_property
@@ -143,19 +161,20 @@ class BallSystem:
 
     def _equations(self, given: Statement) -> tuple[BallEquation, ...]:
         law, u, v, d = given.kind.law, given.u, given.v, given.value
-        form, *others = forms_of(given.kind, given.a, given.b, u, v, d)
+        form, *others = study.forms_of(given.kind, given.a, given.b, u, v)
         if not given.kind.is_distance:
             form[study.NORM] = -given.cosine * norm(u) * norm(v)
             return (BallEquation(self._add(form)),)
         if law is Law.MOMENT:
             if given.is_zero:
                 return (BallEquation(self._add(form)),)
-            main: Form = {study.NORM: d * d * dot(u, u) * dot(v, v)}
-            cosine = scaled(others[0], d)
+            main: study.Form = {study.NORM: d * d * dot(u, u) * dot(v, v)}
+            cosine = study.scaled(others[0], d)
             return (BallEquation(self._add(main), (self._add(form), self._add(cosine))),)
         axis = u or v
         if law is Law.SQUARE:
-            form = scaled(form, dot(axis, axis)) if axis else form
+            form[study.NORM] = form[study.NORM] - d * d
+            form = study.scaled(form, dot(axis, axis)) if axis else form
             return (BallEquation(self._add(form), tuple(map(self._add, others))),)
         value = d * norm(axis)
         return tuple(
@@ -163,7 +182,7 @@ class BallSystem:
             for sign in (_SIGNS[given.side] if not given.is_zero else (1,))
         )
 
-    def _add(self, form: Form) -> int:
+    def _add(self, form: study.Form) -> int:
         self.forms.append(form)
         return len(self.forms) - 1
 

@@ -9,8 +9,8 @@ import numpy as np
 from flint import acb, arb
 from numpy.typing import NDArray
 
-from gspcli.certification.equations import study
 from gspcli.certification.numbers.balls import largest
+from gspcli.geometry import study
 from gspcli.records import dataclass
 
 

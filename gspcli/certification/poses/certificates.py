@@ -18,7 +18,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from gspcli.catalogue.kinds import DLL
 from gspcli.certification.counting import by_points, with_points_for_lines
-from gspcli.certification.equations import study
 from gspcli.certification.equations.ball_system import BallSystem
 from gspcli.certification.equations.local_frames import (
     FAR,
@@ -38,6 +37,7 @@ from gspcli.certification.poses.isolation import Isolation, close_pairs, refine_
 from gspcli.certification.poses.multiple import Complex, nearly_parallel, where_parallel
 from gspcli.defaults import MAX_PRECISION, TOLERANCE
 from gspcli.errors import ArgumentError, IncompleteError
+from gspcli.geometry import study
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.checking import checked
 from gspcli.geometry.instance import Instance, Side

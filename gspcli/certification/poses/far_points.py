@@ -25,13 +25,12 @@ import numpy as np
 from flint import acb, acb_mat, arb, arb_mat, ctx
 from numpy.typing import NDArray
 
-from gspcli.certification.equations import study
-from gspcli.certification.equations.ball_system import BallSystem, monomials
+from gspcli.certification.equations.ball_system import BallSystem, heights, monomials
 from gspcli.certification.equations.mirror_images import has_mirror_images, mirrored
-from gspcli.certification.equations.quadratic_forms import heights
 from gspcli.certification.equations.statement import Statement
 from gspcli.certification.numbers.balls import largest
 from gspcli.certification.poses.locator import LAST_PRECISION, Complex, Locator
+from gspcli.geometry import study
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.quaternions import Field
 

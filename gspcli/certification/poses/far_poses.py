@@ -23,7 +23,6 @@ from numpy.typing import NDArray
 
 from gspcli import _kernel
 from gspcli.catalogue.kinds import DHP, DLP, DPH, DPL, DPP
-from gspcli.certification.equations import study
 from gspcli.certification.equations.ball_system import OpenEquation
 from gspcli.certification.equations.local_frames import OWN
 from gspcli.certification.numbers.doubled import ERROR, Doubled, two_sum
@@ -32,6 +31,7 @@ from gspcli.certification.poses.isolation import all_different
 from gspcli.certification.poses.locator import Located, Locator
 from gspcli.certification.poses.many_values import OF_POSES, ProvedPoses, ValueProofs, proved_bits
 from gspcli.defaults import TOLERANCE
+from gspcli.geometry import study
 from gspcli.geometry.quaternions import quaternion_product
 from gspcli.records import dataclass
 

@@ -17,7 +17,6 @@ import numpy as np
 from flint import acb, ctx
 from numpy.typing import NDArray
 
-from gspcli.certification.equations import study
 from gspcli.certification.equations.ball_system import BallSystem
 from gspcli.certification.equations.local_frames import StudyFrames, length_scale
 from gspcli.certification.equations.measures import satisfies_constraints
@@ -26,6 +25,7 @@ from gspcli.certification.equations.pose_balls import PoseBall, pose_of_point
 from gspcli.certification.numbers.balls import largest
 from gspcli.certification.numbers.correct_rounding import accurate, rounded
 from gspcli.certification.poses.isolation import Isolation, refine_point, step_length
+from gspcli.geometry import study
 from gspcli.geometry.instance import Instance, Side
 from gspcli.geometry.quaternions import canonical_sign
 from gspcli.records import dataclass

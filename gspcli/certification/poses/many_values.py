@@ -35,7 +35,6 @@ from gspcli.certification.equations.local_frames import (
 )
 from gspcli.certification.equations.mirror_images import mirrored, mirrored_pose
 from gspcli.certification.equations.skew_lines import are_skew
-from gspcli.certification.equations.study import form_hessians
 from gspcli.certification.numbers.doubled import (
     ERROR,
     SINE_ERROR,
@@ -59,6 +58,7 @@ from gspcli.geometry.instance import AngleUnit, Constraint, Instance
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Point
 from gspcli.geometry.quaternions import canonical_sign
+from gspcli.geometry.study import form_hessians
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]

@@ -15,12 +15,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from gspcli.catalogue.kinds import DLL
 from gspcli.certification.counting import by_points
-from gspcli.certification.equations import study
 from gspcli.certification.equations.ball_system import BallSystem
 from gspcli.certification.equations.local_frames import StudyFrames
 from gspcli.certification.equations.statement import Statement
 from gspcli.certification.numbers.balls import cross, dot, largest, rotated
 from gspcli.certification.poses.locator import Located, Locator, dot4
+from gspcli.geometry import study
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.primitives import Line

@@ -7,7 +7,7 @@ from random import Random
 import pytest
 
 from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, DPP, KINDS, Kind
-from gspcli.certification.equations import study
+from gspcli.geometry import study
 from tools.atlas.groebner import (
     FramedPrimitive,
     equation,

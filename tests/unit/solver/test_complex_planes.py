@@ -9,13 +9,12 @@ from flint import acb_mat, arb_mat
 import gspcli.certification.poses.far_points
 from gspcli.catalogue.kinds import DLP, DPL, DPP
 from gspcli.catalogue.names import parse_type
-from gspcli.certification.equations import study
-from gspcli.certification.equations.ball_system import BallSystem
-from gspcli.certification.equations.quadratic_forms import heights
+from gspcli.certification.equations.ball_system import BallSystem, heights
 from gspcli.certification.poses.far_points import _Equations, far_points
 from gspcli.certification.poses.locator import Located
 from gspcli.continuation.quadrics import evaluate
 from gspcli.continuation.tracked_paths import TrackedPaths
+from gspcli.geometry import study
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Units
 from gspcli.geometry.numbers import Number

@@ -9,7 +9,7 @@ from gspcli.certification.counting.motion_equations import (
     MotionEquations,
 )
 from gspcli.certification.counting.residue_counts import Ending, count
-from gspcli.certification.equations import study
+from gspcli.geometry import study
 
 PRIMES = (2**30 - 35, 2**60 + 33, 2**61 - 1)
 T = Blocks.TRANSLATION

@@ -11,11 +11,11 @@ from gspcli.catalogue.kinds import DPL, KINDS
 from gspcli.certification.equations.ball_system import BallSystem
 from gspcli.certification.equations.measures import measure, residual
 from gspcli.certification.equations.pose_balls import PoseBall, pose_of_point
-from gspcli.certification.equations.study import product
 from gspcli.certification.numbers.balls import float_above
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side, Units
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Line, Point, vector
+from gspcli.geometry.study import product
 
 SINGLE = "DPP DPH DHP DPP ALL ALH"
 MIXED = [

@@ -1,21 +1,23 @@
-"""Study coordinates of rigid motions: poses to points and back, and the forms of Section 4.
+"""Study coordinates of rigid motions, and the constraints as quadrics in them.
 
 A pose (R, T) is a point (e0..e3, f0..f3) with ``e . f = 0`` and ``N = e . e != 0``, up to a
 common factor: e is the quaternion of R, scalar first, and ``f = T e / 2``. Then N times each of
 the entries of R, T, ``U = R^T T``, ``rho = T . T`` and ``T x R`` is a quadratic form, and every
-constraint is made of these forms.
+constraint is made of these forms. Each kind is stated here, in `forms_of`, over any numbers: floats
+and arrays of them, sums of doubles, balls, fractions, residues.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cache
 from itertools import chain
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
+from gspcli.catalogue.kinds import ANGLE_KINDS, DHP, DLL, DLP, DPH, DPL, DPP, Kind
 from gspcli.geometry.quaternions import Field
 
 #: Positions of the forms in the list that `forms` returns: N, then N times R (rows), T, U, rho
@@ -148,3 +150,97 @@ def _product(x: Field, y: Field) -> Field:
     found.real = x.real * y.real - x.imag * y.imag
     found.imag = x.real * y.imag + x.imag * y.real
     return found
+
+
+#: A combination of the forms: coefficients by their position.
+Form = dict[int, Any]
+#: Three numbers; of arrays, their components are along the first axis.
+Vector: TypeAlias = "Sequence[Any] | NDArray[Any]"
+
+
+def scaled(form: Form, factor: Any) -> Form:
+    """Return a multiple of a form."""
+    return {position: coefficient * factor for position, coefficient in form.items()}
+
+
+def rotation_form(left: Vector, right: Vector) -> Form:
+    """Return N ``left . R right``."""
+    return {ROTATION[i][j]: left[i] * right[j] for i in range(3) for j in range(3)}
+
+
+def square_distance(a: Vector, b: Vector) -> Form:
+    """Return N ``|R a + T - b|^2``, the paper's equation (6)."""
+    form = scaled(rotation_form(b, a), -2)
+    form[NORM] = _dot(a, a) + _dot(b, b)
+    form[RHO] = 1
+    for k in range(3):
+        form[BODY[k]] = 2 * a[k]
+        form[TRANSLATION[k]] = -2 * b[k]
+    return form
+
+
+def base_height(a: Vector, b: Vector, v: Vector) -> Form:
+    """Return N ``v . (R a + T - b)`` with v fixed in the base."""
+    return rotation_form(v, a) | {NORM: -_dot(v, b)} | dict(zip(TRANSLATION, v, strict=True))
+
+
+def platform_height(a: Vector, b: Vector, u: Vector) -> Form:
+    """Return N ``R u . (R a + T - b)`` with u fixed in the platform."""
+    turned = scaled(rotation_form(b, u), -1)
+    return turned | {NORM: _dot(u, a)} | dict(zip(BODY, u, strict=True))
+
+
+def mutual_moment(a: Vector, b: Vector, u: Vector, v: Vector) -> Form:
+    """Return N ``(R a + T - b) . (R u x v)``."""
+    # It is v . R (a x u) + v . (T x R u) - (v x b) . R u.
+    form = rotation_form(v, _cross(a, u))
+    for position, coefficient in rotation_form(_cross(v, b), u).items():
+        form[position] = form[position] - coefficient
+    return form | {MOMENT[i][j]: v[i] * u[j] for i in range(3) for j in range(3)}
+
+
+def _directions(a: Vector, b: Vector, u: Vector, v: Vector) -> list[Form]:
+    return [rotation_form(v, u)]
+
+
+_FORMS: dict[Kind, Callable[[Vector, Vector, Vector, Vector], list[Form]]] = {
+    DPP: lambda a, b, u, v: [square_distance(a, b)],
+    DPL: lambda a, b, u, v: [square_distance(a, b), base_height(a, b, v)],
+    DLP: lambda a, b, u, v: [square_distance(a, b), platform_height(a, b, u)],
+    DPH: lambda a, b, u, v: [base_height(a, b, v)],
+    DHP: lambda a, b, u, v: [scaled(platform_height(a, b, u), -1)],
+    DLL: lambda a, b, u, v: [mutual_moment(a, b, u, v), rotation_form(v, u)],
+    **dict.fromkeys(ANGLE_KINDS, _directions),
+}
+
+
+def forms_of(kind: Kind, a: Vector, b: Vector, u: Vector, v: Vector) -> list[Form]:
+    """Return the quadrics of a constraint without its value, one or two.
+
+    For an angle it is the product of the directions, for a plane the height of the point. For two
+    points it is the square of their distance. A point and a line have this square and the height
+    along the line. Two lines have the mutual moment and the product of the directions.
+
+    Parameters
+    ----------
+    kind
+        Of the constraint.
+    a, b
+        A point of the platform and of the base primitive.
+    u, v
+        Their directions or normals; those of points are not used.
+
+    Raises
+    ------
+    KeyError
+        If the kind is not one of the ten.
+    """
+    return _FORMS[kind](a, b, u, v)
+
+
+def _dot(a: Vector, b: Vector) -> Any:
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def _cross(a: Vector, b: Vector) -> list[Any]:
+    return [a[j] * b[k] - a[k] * b[j] for j, k in ((1, 2), (2, 0), (0, 1))]

@@ -8,7 +8,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from gspcli.certification.equations import study
+from gspcli.geometry import study
 from gspcli.geometry.quaternions import pose_from_study
 
 
@@ -75,7 +75,7 @@ def test_few_forms_have_a_monomial_in_common() -> None:
 _DIGEST = """
 import numpy as np
 from hashlib import sha256
-from gspcli.certification.equations.study import study_points
+from gspcli.geometry.study import study_points
 source = np.random.default_rng(0)
 R, T = (source.normal(size=(60, 3, k, 2)) @ [1, 1j] for k in (3, 1))
 print(sha256(study_points(R, T[..., 0])[0].tobytes()).hexdigest())
