@@ -149,7 +149,7 @@ def test_planned_poses_keep_what_is_required(gsp, tmp_path, monkeypatch):
     assert wild.code == 2
     assert "home does not keep what is required of planned poses: require less" in wild.err
     alone = gsp("calibrate", "@workspace-study", MEASURED, "--require", required)
-    assert "--require is for the poses of --plan only" in alone.err
+    assert "--require is for --plan: give it, too" in alone.err
 
 
 HEAD = "t,1,2,3,4,5,6,x,y,z,qw,qx,qy,qz\n"
@@ -192,7 +192,7 @@ def test_mistakes_have_their_place(gsp, tmp_path, monkeypatch, text, message):
         ((MEASURED, "--sigma", "valu=1"), "found 'valu', expected value, angle, position"),
         ((MEASURED, "--hold", "P1"), "found 'P1', expected offsets, scales, frames"),
         ((MEASURED, "--target", "Q=1,2"), "--target: found 'Q=1,2', expected NAME=X,Y,Z"),
-        ((MEASURED, "--mode", "1"), "give it with --plan"),
+        ((MEASURED, "--mode", "1"), "--mode is for --plan: give it, too"),
         (("--plan", "3", "-o", "plan.yaml"), "a plan cannot be written as yaml"),
     ],
 )
@@ -281,10 +281,10 @@ def test_a_log_that_tells_no_machine(gsp, tmp_path):
 
 def test_wrong_use_of_from(gsp):
     for words, message in (
-        (("calibrate", MACHINE, "--from", LOG), "--from LOG needs no SPEC"),
-        (("calibrate", "--from", LOG, "--plan", "3"), "--from LOG needs no SPEC"),
+        (("calibrate", MACHINE, "--from", LOG), "give either SPEC or --from"),
+        (("calibrate", "--from", LOG, "--plan", "3"), "--plan: not with --from"),
         (("calibrate",), "give SPEC and DATA, or --from LOG"),
-        (("calibrate", "--from", LOG, "--mode", "1"), "--mode says about which pose to plan"),
+        (("calibrate", "--from", LOG, "--mode", "1"), "--mode is for --plan: give it, too"),
     ):
         run = gsp(*words)
         assert run.code == 2

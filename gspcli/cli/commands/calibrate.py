@@ -15,22 +15,25 @@ from gspcli.cli.options import (
     Options,
     Positive,
     Whole,
+    exclusive,
+    needs,
     output_options,
     seed_option,
+    without,
 )
 from gspcli.cli.pose_options import (
-    Mode,
     column_options,
     frame_note,
     mode_option,
+    one_mode,
     pose_options,
     text_of,
 )
-from gspcli.cli.render import Output, emit, write
+from gspcli.cli.render import emit, write
 from gspcli.cli.requirements import measured_quantities, require_option, required
-from gspcli.cli.result import Field, Fields, Result, pose_columns
+from gspcli.cli.result import Fields, Result, pose_columns
 from gspcli.cli.specs import standard_deviations
-from gspcli.cli.streams import working
+from gspcli.cli.streams import say, working
 from gspcli.errors import CheckFailed
 from gspcli.wording import counted, listed, named
 
@@ -40,23 +43,28 @@ if TYPE_CHECKING:
 
     from gspcli.calibration import Calibration
     from gspcli.calibration import Options as FitOptions
+    from gspcli.calibration.identifying import Identification
     from gspcli.calibration.measurements import Measurements
+    from gspcli.calibration.planning import Plan
     from gspcli.geometry.frames import PoseFrame
     from gspcli.geometry.instance import Instance
     from gspcli.motion.files.requirements import Requirement
 
     Array = NDArray[np.float64]
-    from gspcli.calibration.planning import Plan
-    from gspcli.motion import PoseFormat
 
 FIELDS = Fields("calibrate")
 
 #: The most poses of a plan. More poses take hours to choose, and determine the numbers hardly
 #: better than as many random poses.
 _MOST_PLANNED = 300
+_POSE = ("x", "y", "z", "qw", "qx", "qy", "qz")
 
 
 @click.command(cls=Command)
+@exclusive("SPEC", "--from")
+@without("--from", "--plan", "--target")
+@needs("--mode", "--plan")
+@needs("--require", "--plan")
 @click.argument("spec", metavar="[SPEC]", required=False)
 @click.argument("data", metavar="[DATA]", required=False)
 @click.option(
@@ -154,8 +162,7 @@ def command(o: Options) -> None:
     columns that are exchanged, rotations that are transposed. Then the exit code is 1 and no
     instance file is written, unless --accept is given.
 
-    With -o FILE.yaml the result is an instance file with `offset` and `scale` at constraints,
-    which
+    With -o FILE.yaml the result is an instance file with `offset` and `scale` at constraints, which
     every command uses. JSON has the covariance; a picture shows the residuals.
 
     --plan N fits nothing. It chooses N poses within ranges and cones (and --require) whose
@@ -180,79 +187,34 @@ def command(o: Options) -> None:
       gsp calibrate machine.yaml measured.csv --plan 6
       gsp calibrate --from controller-log.csv -o machine.yaml
     """
-    _check_usage(o.spec, o.data, o.log, o.plan, o.mode, o.require, o.targets, o.output)
+    if o.log is None and o.spec is None:
+        raise click.UsageError("give SPEC and DATA, or --from LOG without a file to start from")
+    if o.log is None and o.data is None and o.plan is None:
+        raise click.UsageError("give DATA, or --plan N for which poses to measure")
+    if o.plan is not None and o.output.format in ("yaml", *DRAWINGS):
+        wrong = f"a plan cannot be written as {o.output.format}: use one of {', '.join(FORMATS)}"
+        raise click.UsageError(wrong)
     from gspcli.calibration import Options as FitOptions
     from gspcli.calibration import calibrate_rows
     from gspcli.calibration.measurements import read_measurements, targets_of
 
-    noise, options = (
-        standard_deviations(o.sigmas),
-        FitOptions(o.estimate, o.hold, o.robust, o.prior, o.hold_unknown),
-    )
+    noise = standard_deviations(o.sigmas)
+    options = FitOptions(o.estimate, o.hold, o.robust, o.prior, o.hold_unknown)
     if o.log is not None:
-        identified(o.log, o.form_of(None), noise, options, o.output, accept=o.accept)
+        _identify(o, noise, options)
         return
-    assert o.spec is not None
-    instance = o.instance
-    form = o.form
     places, seen = targets_of(o.targets), None
     if o.data is not None:
-        seen = read_measurements(*text_of(o.data), instance, form, places)
+        seen = read_measurements(*text_of(o.data), o.instance, o.form, places)
     if o.plan is not None:
-        wanted = required(o.require)
-        _plan(instance, seen, noise, options, o.plan, o.mode, wanted, o.seed, form.frame, o.output)
+        plan = _planned(o, seen, noise, options)
+        emit(o.output, plan_table(plan, o.form.frame), document=_document(plan))
         return
     assert seen is not None
     with working("fitting"):
-        result = calibrate_rows(instance, seen, noise, options)
-    _show(result, o.output, accept=o.accept)
-
-
-def _check_usage(
-    spec: str | None,
-    data: str | None,
-    log: str | None,
-    plan: int | None,
-    mode: Mode | None,
-    require: str | None,
-    targets: tuple[str, ...],
-    output: Output,
-) -> None:
-    """Raise if arguments and options do not go together."""
-    message = ""
-    if log is not None:
-        if spec is not None or plan is not None or targets:
-            message = "--from LOG needs no SPEC and no DATA, and takes no --plan and no --target"
-    elif spec is None:
-        message = "give SPEC and DATA, or --from LOG without a file to start from"
-    elif data is None and plan is None:
-        message = "give DATA, or --plan N for which poses to measure"
-    if not message and mode is not None and plan is None:
-        message = "--mode says about which pose to plan: give it with --plan"
-    elif not message and require is not None and plan is None:
-        message = "--require is for the poses of --plan only"
-    elif not message and plan is not None and output.format in ("yaml", *DRAWINGS):
-        message = f"a plan cannot be written as {output.format}: use one of {', '.join(FORMATS)}"
-    if message:
-        raise click.UsageError(message)
-
-
-def _show(result: Calibration, output: Output, *, accept: bool) -> None:
-    """Write the new numbers, the residuals or the table of both."""
-    refused = bool(result.doubts) and not accept
-    if output.format == "yaml":
-        from gspcli.calibration.calibrating import calibrated_text
-
-        if not refused:
-            write(output, calibrated_text(result))
-    elif output.format in DRAWINGS:
-        from gspcli.pictures.charts import residual_chart
-
-        write(output, residual_chart(result, output.format))
-    else:
-        document = calibration_document(result) if output.format == "json" else None
-        emit(output, calibration_table(result), document=document)
-    if refused:
+        result = calibrate_rows(o.instance, seen, noise, options)
+    _show(o, result, result)
+    if result.doubts and not o.accept:
         what = [f"the data do not fit the machine: {result.doubts[0]}"]
         what += [result.cause] if result.cause else []
         robust = "" if result.options.robust else ", or try --robust"
@@ -263,46 +225,64 @@ def _show(result: Calibration, output: Output, *, accept: bool) -> None:
         raise CheckFailed("\n".join(what))
 
 
-def _plan(
-    instance: Instance,
-    seen: Measurements | None,
-    noise: dict[str, float],
-    options: FitOptions,
-    count: int,
-    mode: Mode | None,
-    requirements: list[Requirement],
-    seed: int,
-    frame: PoseFrame,
-    output: Output,
-) -> None:
-    """Write which poses to measure."""
-    from gspcli.calibration.planning import planned
-    from gspcli.cli.commands.workspace import home_pose
-    from gspcli.motion import PoseFormat
+def _document(found: Calibration | Identification | Plan) -> dict[str, Any]:
+    return {"schema": "gsp.calibrate/1", **found.to_json()}
 
-    home = home_pose(
-        instance,
-        PoseFormat(),
-        mode=mode,
-        pose=None,
-        orientation=None,
-        position=None,
-        needed=True,
-    )
-    with working("choosing poses"):
-        found = planned(
-            instance,
-            count,
-            home.R,
-            home.T,
-            seen=seen,
-            sigma=noise,
-            options=options,
-            seed=seed,
-            allowed=partial(_allowed, instance, requirements) if requirements else None,
+
+def _identify(o: Options, noise: dict[str, float], options: FitOptions) -> None:
+    """Find a hexapod from a log, and write its numbers, its instance file or the residuals."""
+    import numpy as np
+
+    from gspcli.calibration.identifying import identify_log, read_log
+
+    form = o.form_of(None)
+    log = read_log(*text_of(o.log), form.ignore, form.columns)
+    with working("finding the machine"):
+        found = identify_log(log, form.euler, np.array(form.pivot), noise, options)
+    _show(o, found, found.calibration, found.sentences)
+    if found.doubts and not o.accept:
+        raise CheckFailed(
+            f"the log does not fit a machine with six legs: {found.doubts[0]}\n"
+            "look for wrong rows, or try --robust; --accept takes the result unchanged"
         )
-    document = plan_document(found) if output.format == "json" else None
-    emit(output, plan_table(found, frame), document=document)
+
+
+def _show(
+    o: Options,
+    found: Calibration | Identification,
+    result: Calibration,
+    remarks: Sequence[str] | None = None,
+) -> None:
+    """Write the new numbers, the residuals or the table of both; of a log also the remarks."""
+    if o.output.format == "yaml":
+        from gspcli.calibration.calibrating import calibrated_text
+
+        comments = [] if remarks is None else [f"from {named(o.log)}", *remarks]
+        if o.accept or not found.doubts:
+            write(o.output, calibrated_text(result, comments))
+    elif o.output.format in DRAWINGS:
+        from gspcli.pictures.charts import residual_chart
+
+        write(o.output, residual_chart(result, o.output.format))
+    else:
+        emit(o.output, calibration_table(result, remarks), document=_document(found))
+        return
+    for sentence in remarks or ():
+        say(sentence)
+
+
+def _planned(
+    o: Options, seen: Measurements | None, noise: dict[str, float], options: FitOptions
+) -> Plan:
+    """Return which poses to measure."""
+    from gspcli.calibration.planning import planned
+
+    requirements = required(o.require)
+    allowed = partial(_allowed, o.instance, requirements) if requirements else None
+    _, R, T = one_mode(o.instance, o.mode)
+    given = {"seen": seen, "sigma": noise, "options": options, "seed": o.seed, "allowed": allowed}
+    with working("choosing poses"):
+        return planned(o.instance, o.plan, R[0], T[0], **given)
 
 
 def _allowed(
@@ -316,45 +296,18 @@ def _allowed(
     return keeping(requirements, measured_quantities(instance, requirements, values, R, T))
 
 
-_POSE = ("x", "y", "z", "qw", "qx", "qy", "qz")
-
-
 def calibration_table(result: Calibration, remarks: Sequence[str] | None = None) -> Result:
     """Return the numbers found beside those stated; of a log, with `remarks`, none are stated."""
-    rows = [
-        {
-            "number": name,
-            "stated": before,
-            "found": after,
-            "sigma": float(f"{sigma:.3g}"),
-            "change/sigma": float(f"{(after - before) / sigma:.4g}") if sigma > 0 else None,
-        }
-        for name, before, after, sigma in zip(
-            result.names,
-            result.before.tolist(),
-            result.after.tolist(),
-            result.sigma.tolist(),
-            strict=True,
-        )
-    ]
-    columns = [
-        FIELDS["number"],
-        *(Field(key, align="right", essential=True, aligned=True) for key in ("stated", "found")),
-        *FIELDS.of("sigma change/sigma"),
-    ]
-    if remarks is not None:
-        columns = [one for one in columns if one.key not in ("stated", "change/sigma")]
-        rows = [{one.key: row[one.key] for one in columns} for row in rows]
-    units = result.stated.units
-    return Result(
-        columns,
-        rows,
-        title=result.stated.title,
-        summary=[*(remarks or ()), *_summary(result)],
-        notes=[
-            f"lengths in {units.length}, angles in {units.angle.value}; scales and directions plain"
-        ],
-    )
+    units, rows = result.stated.units, []
+    numbers = (result.before.tolist(), result.after.tolist(), result.sigma.tolist())
+    for name, before, after, sigma in zip(result.names, *numbers, strict=True):
+        row = {"number": name, "stated": before, "found": after, "sigma": float(f"{sigma:.3g}")}
+        row["change/sigma"] = float(f"{(after - before) / sigma:.4g}") if sigma > 0 else None
+        rows.append(row)
+    keys = "number found sigma" if remarks is not None else "number stated found sigma change/sigma"
+    note = f"lengths in {units.length}, angles in {units.angle.value}; scales and directions plain"
+    summary = [*(remarks or ()), *_summary(result)]
+    return Result(FIELDS.of(keys), rows, result.stated.title, [note], summary)
 
 
 def _summary(result: Calibration) -> list[str]:
@@ -378,8 +331,7 @@ def _summary(result: Calibration) -> list[str]:
             f"between {quantile(freedom, -1.96):.4g} and {quantile(freedom, 1.96):.4g} in 95 %"
         )
     else:
-        units, noise = result.stated.units, f"{result.noise.value * result.scatter:.2g}"
-        noise += f" {units.length}"
+        noise = f"{result.noise.value * result.scatter:.2g} {result.stated.units.length}"
         if result.seen.rods.all():
             # Nothing is read but drives.
             noise = _noise_of_drives(result)
@@ -423,106 +375,33 @@ def _noise_of_drives(result: Calibration) -> str:
     """Return the deviations of the readings of cranks and slides by the scatter."""
     units, sorts = result.stated.units, {drive.sort for drive in result.fit.model.drives}
     crank = result.noise.crank / units.angle.in_radians * result.scatter
-    parts = []
-    if "crank" in sorts:
-        parts.append(f"{crank:.2g} {units.angle.value} of cranks")
-    if "slide" in sorts:
-        parts.append(f"{result.noise.slide * result.scatter:.2g} {units.length} of slides")
-    return listed(parts, "and")
-
-
-def calibration_document(result: Calibration) -> dict[str, Any]:
-    """Return the JSON document of a calibration."""
-    return {"schema": "gsp.calibrate/1", **result.to_json()}
+    slide = result.noise.slide * result.scatter
+    parts = {
+        "crank": f"{crank:.2g} {units.angle.value} of cranks",
+        "slide": f"{slide:.2g} {units.length} of slides",
+    }
+    return listed([said for sort, said in parts.items() if sort in sorts], "and")
 
 
 def plan_table(plan: Plan, frame: PoseFrame) -> Result:
     """Return poses to measure, as expressed in a frame, with what the machine reads there."""
     from gspcli.geometry.arrangement import Arrangement
 
-    columns = FIELDS.of("t")
-    columns += pose_columns(_POSE, Arrangement.of(plan.instance).length)
-    columns += [
-        Field(str(k), f"{k} {row.kind.name}", align="right", aligned=True, minor=1)
+    titles = {
+        str(k): f"{k} {row.kind.name}"
         for k, row in enumerate(plan.instance.constraints, 1)
         if k - 1 not in plan.driven
+    } | dict.fromkeys(plan.drive_names, "")
+    columns = FIELDS.of("t") + pose_columns(_POSE, Arrangement.of(plan.instance).length)
+    columns += [FIELDS["1…6"].but(key=key, title=title) for key, title in titles.items()]
+    numbers = zip(plan.expressed(frame), plan.readings, plan.drives, strict=True)
+    keys = (*_POSE, *map(str, range(1, 7)), *plan.drive_names)
+    rows = [
+        {"t": k, **dict(zip(keys, [x for part in parts for x in part.tolist()], strict=True))}
+        for k, parts in enumerate(numbers, 1)
     ]
-    columns += [Field(name, align="right", aligned=True, minor=1) for name in plan.drive_names]
-    read = [column.key for column in columns[1 + len(_POSE) :]]
-    return Result(
-        columns,
-        [
-            {
-                "t": k,
-                **dict(zip(_POSE, pose, strict=True)),
-                **{str(j): value for j, value in enumerate(readings, 1)},
-                **dict(zip(plan.drive_names, angles, strict=True)),
-            }
-            for k, (pose, readings, angles) in enumerate(
-                zip(
-                    plan.expressed(frame).tolist(),
-                    plan.readings.tolist(),
-                    plan.drives.tolist(),
-                    strict=True,
-                ),
-                1,
-            )
-        ],
-        title=plan.instance.title,
-        summary=plan.sentences,
-        notes=[
-            f"{listed(read, 'and')} are readings with the geometry as stated: replace them by what "
-            "is read",
-            *frame_note(frame),
-        ],
+    note = (
+        f"{listed(titles, 'and')} are readings with the geometry as stated: replace them by what "
     )
-
-
-def plan_document(plan: Plan) -> dict[str, Any]:
-    """Return the JSON document of a plan."""
-    return {"schema": "gsp.calibrate/1", **plan.to_json()}
-
-
-def identified(
-    path: str,
-    form: PoseFormat,
-    noise: dict[str, float],
-    options: FitOptions,
-    output: Output,
-    *,
-    accept: bool,
-) -> None:
-    """Find a hexapod from a log, and write its numbers, its instance file or the residuals."""
-    import numpy as np
-
-    from gspcli.calibration.identifying import identify_log, read_log
-
-    log = read_log(*text_of(path), form.ignore, form.columns)
-    with working("finding the machine"):
-        found = identify_log(log, form.euler, np.array(form.pivot), noise, options)
-    result, said = found.calibration, found.sentences
-    refused = bool(found.doubts) and not accept
-    if output.format == "yaml":
-        from gspcli.calibration.calibrating import calibrated_text
-
-        if not refused:
-            write(output, calibrated_text(result, [f"from {named(path)}", *said]))
-    elif output.format in DRAWINGS:
-        from gspcli.pictures.charts import residual_chart
-
-        write(output, residual_chart(result, output.format))
-    else:
-        document = {"schema": "gsp.calibrate/1", **found.to_json()}
-        emit(
-            output,
-            calibration_table(result, said),
-            document=document if output.format == "json" else None,
-        )
-    if output.format in ("yaml", *DRAWINGS):
-        for sentence in said:
-            click.echo(sentence, err=True)
-    if refused:
-        raise CheckFailed(
-            f"the log does not fit a machine with six legs: {found.doubts[0]}\n"
-            "look for wrong rows, or try --robust; --accept takes the result unchanged"
-        )
+    notes = [f"{note}is read", *frame_note(frame)]
+    return Result(columns, rows, plan.instance.title, notes, plan.sentences)
