@@ -33,8 +33,8 @@ from numpy.typing import NDArray
 import gspcli
 from benchmarks.processes import Finished, run
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.drives import is_driven
 from gspcli.geometry.instance import Instance
+from gspcli.geometry.machine import is_driven
 from gspcli.geometry.quaternions import quaternion_from_rotation, rotation_from_vector
 from gspcli.motion import drive_values, measure
 from gspcli.resources import data_path, instance_files

@@ -23,8 +23,8 @@ from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import Kind, Primitive
 from gspcli.geometry.arrangement import Arrangement, Bodies
-from gspcli.geometry.drives import Drives
 from gspcli.geometry.instance import Constraint, Instance, as_read
+from gspcli.geometry.machine import Machine
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import (
     Crank,
@@ -313,7 +313,7 @@ class Model:
             If both points of a constraint have drives.
         """
         if drives:
-            Drives.of(instance)
+            Machine.of(instance)
         arrangement = Arrangement.of(instance)
         shifts = offsets(instance)
         shifts[arrangement.angles] *= arrangement.in_radians

@@ -26,7 +26,6 @@ from gspcli.calibration.starts import started
 from gspcli.defaults import SEED
 from gspcli.errors import ArgumentError, IncompleteError
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.drives import Drives, is_driven
 from gspcli.geometry.euler import rotation_from_euler
 from gspcli.geometry.frames import IDENTITY, PoseFrame
 from gspcli.geometry.instance import Instance
@@ -37,6 +36,7 @@ from gspcli.geometry.limits import (
     out_of_range,
     within_limits,
 )
+from gspcli.geometry.machine import Machine, is_driven
 from gspcli.geometry.measurement import jacobian, measured
 from gspcli.geometry.quaternions import (
     apply,
@@ -193,8 +193,8 @@ def _box(instance: Instance, model: Model, R: Array, T: Array) -> tuple[Array, A
 def _reaches(instance: Instance, model: Model) -> list[float]:
     """Return the lengths of the arms of cranks, and how far slides go at most."""
     points = {(b.body, b.name): b.point for b in model.blocks if b.sort == "point"}
-    low, high = _spans(Drives.of(instance), model.length)
-    numbers = _columns(Drives.of(instance), model)
+    low, high = _spans(Machine.of(instance), model.length)
+    numbers = _columns(Machine.of(instance), model)
     found = []
     for drive, k in zip(model.drives, numbers, strict=True):
         if drive.sort == "slide":
@@ -205,7 +205,7 @@ def _reaches(instance: Instance, model: Model) -> list[float]:
     return found
 
 
-def _spans(drives: Drives, length: float) -> tuple[Array, Array]:
+def _spans(drives: Machine, length: float) -> tuple[Array, Array]:
     """Return between which numbers drives move, shapes (m,): their ranges, or as far as here."""
     usual = {"crank": CRANK_TURN, "slide": SLIDE_SHIFT * length, "value": np.inf}
     far = np.array([usual[sort] for sort in drives.sorts])
@@ -215,7 +215,7 @@ def _spans(drives: Drives, length: float) -> tuple[Array, Array]:
     )
 
 
-def _columns(drives: Drives, model: Model) -> list[int]:
+def _columns(drives: Machine, model: Model) -> list[int]:
     """Return which of the drives each drive of the model is."""
     return [drives.names.index(one.drive_name) for one in model.drives]
 
@@ -229,7 +229,7 @@ def _kept(instance: Instance, model: Model, R: Array, T: Array) -> Places:
 
 
 def _allowed_by_drives(
-    instance: Instance, model: Model, drives: Drives, R: Array, T: Array, q: Array
+    instance: Instance, model: Model, drives: Machine, R: Array, T: Array, q: Array
 ) -> Places:
     """Return those of some poses, with the drives at q, that ranges and cones allow."""
     low, high = _spans(drives, model.length)
@@ -394,7 +394,7 @@ class Plan:
 
     def _how_far(self) -> str:
         """Return which drives there are, and how far those without a range move."""
-        drives = Drives.of(self.instance)
+        drives = Machine.of(self.instance)
         free = ~(np.isfinite(drives.low) & np.isfinite(drives.high))
         open_ended = {sort for sort, one in zip(drives.sorts, free, strict=True) if one}
         sorts = [sort for sort in ("crank", "slide") if sort in drives.sorts]

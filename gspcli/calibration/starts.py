@@ -19,9 +19,9 @@ from gspcli.calibration.fitting import Fit, fit
 from gspcli.calibration.measurements import Measurements, Noise, WhitenedRows, value_rows
 from gspcli.calibration.model import Model
 from gspcli.errors import GspError
-from gspcli.geometry.drives import Drives
 from gspcli.geometry.instance import Instance, Side
 from gspcli.geometry.least_squares import descend
+from gspcli.geometry.machine import Machine
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.quaternions import apply, rotation_from_vector, vector_from_rotation
 from gspcli.geometry.readings import values_of, without_corrections
@@ -217,7 +217,7 @@ def _solved(
     if seen.drives is None or not model.drives:
         yield from solve_values(_both_sides(instance), values)
         return
-    drives = Drives.of(instance)
+    drives = Machine.of(instance)
     q = np.zeros((len(seen), drives.count))
     for one, readings in zip(model.drives, seen.drives.T, strict=True):
         q[:, drives.names.index(one.drive_name)] = one.numbers(readings)

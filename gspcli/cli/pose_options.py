@@ -102,7 +102,7 @@ def warn_of_range(instance: Instance, t: Sequence[float], values: Array) -> None
 
     The rods of cranks and slides are left out: their lengths do not change.
     """
-    from gspcli.geometry.drives import driven_points
+    from gspcli.geometry.machine import driven_points
     from gspcli.geometry.readings import values_of
     from gspcli.motion import out_of_range
 
@@ -383,15 +383,15 @@ class AskedPoses:
 
         None without cranks and slides, and for poses that are no modes.
         """
-        from gspcli.geometry.drives import is_driven
+        from gspcli.geometry.machine import is_driven
 
         if not is_driven(instance) or None in self.modes:
             return None
         import numpy as np
 
-        from gspcli.geometry.drives import Drives
+        from gspcli.geometry.machine import Machine
 
-        drives = Drives.of(instance)
+        drives = Machine.of(instance)
         # A drive without a crank or slide is the value itself; it is not asked for here.
         return drives.readings(np.zeros((len(self.T), drives.count)))
 

@@ -17,8 +17,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from gspcli.geometry.arrangement import Arrangement
-    from gspcli.geometry.drives import Drives
     from gspcli.geometry.instance import Instance
+    from gspcli.geometry.machine import Machine
     from gspcli.motion.files.requirements import QuantityParts, Requirement, RequirementVerdict
 
     Array = NDArray[np.float64]
@@ -106,7 +106,7 @@ def _measured(
         from gspcli.geometry.residuals import condition_numbers
 
         return printed_conditions(condition_numbers(_arrangement(instance, R, T), R, T))
-    from gspcli.geometry.drives import is_driven
+    from gspcli.geometry.machine import is_driven
 
     if name == "clearance" and is_driven(instance):
         from gspcli.motion.singularities.clearances import drive_clearances
@@ -146,7 +146,7 @@ def gaps_of(instance: Instance, R: Array, T: Array, q: Array | None = None) -> Q
 def _arrangement(instance: Instance, R: Array, T: Array) -> Arrangement:
     """Return the platform at poses, with the points that its drives move there."""
     from gspcli.geometry.arrangement import Arrangement
-    from gspcli.geometry.drives import is_driven
+    from gspcli.geometry.machine import is_driven
 
     if not is_driven(instance):
         return Arrangement.of(instance)
@@ -162,7 +162,7 @@ def limits_of(
     values: Array,
     R: Array,
     T: Array,
-    at: tuple[Drives, Array] | None = None,
+    at: tuple[Machine, Array] | None = None,
 ) -> QuantityParts:
     """Return shares of ranges or cones, or transmissions, of n poses.
 
@@ -181,8 +181,8 @@ def limits_of(
     GspError
         If the instance states no such limit.
     """
-    from gspcli.geometry.drives import is_driven
     from gspcli.geometry.limits import cone_shares, joint_cones, range_shares
+    from gspcli.geometry.machine import is_driven
     from gspcli.motion.files.requirements import QuantityParts
 
     drives, q = (None, None) if at is None else at
@@ -210,7 +210,9 @@ def limits_of(
     return parts
 
 
-def _with_motors(drives: Drives, q: Array, parts: QuantityParts) -> tuple[list[str], QuantityParts]:
+def _with_motors(
+    drives: Machine, q: Array, parts: QuantityParts
+) -> tuple[list[str], QuantityParts]:
     """Return shares of ranges with those of cranks and slides; infinite out of reach."""
     import numpy as np
 
@@ -226,7 +228,7 @@ def _with_motors(drives: Drives, q: Array, parts: QuantityParts) -> tuple[list[s
 
 
 def _transmissions(
-    drives: Drives | None, q: Array | None, R: Array, T: Array
+    drives: Machine | None, q: Array | None, R: Array, T: Array
 ) -> tuple[list[str], QuantityParts]:
     import numpy as np
 

@@ -1,6 +1,6 @@
 """Forces and natural frequencies of platforms with masses."""
 
-from gspcli.dynamics.drive_forces import DriveForces, inverse_dynamics
+from gspcli.dynamics.forces import DriveForces, inverse_dynamics
 from gspcli.dynamics.vibrations import NaturalModes, natural_modes
 
 __all__ = [

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from gspcli.catalogue.kinds import DLL, DLP, DPL, DPP
 from gspcli.dynamics.arrays import RowError, checked_array
 from gspcli.dynamics.mass_model import MassModel
-from gspcli.geometry.drives import Drives
+from gspcli.geometry.machine import Machine
 from gspcli.geometry.measurement import measured
 from gspcli.geometry.quaternions import apply, cross, dot
 from gspcli.geometry.residuals import condition_numbers
@@ -58,7 +58,7 @@ def numbers_at(model: MassModel, R: Array, T: Array, given: ArrayLike | None) ->
     """
     machine = model.machine
     if given is None:
-        stated = Drives.of(model.instance)
+        stated = Machine.of(model.instance)
         q = stated.inverse(R, T)
         if missing := refusals(stated, R, T, q):
             row = min(missing)

@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gspcli.dynamics.arrays import make_read_only
-from gspcli.dynamics.drive_forces import inverse_dynamics
+from gspcli.dynamics.forces import inverse_dynamics
 from gspcli.errors import ArgumentError
-from gspcli.geometry.drives import Drives
 from gspcli.geometry.instance import METRES, Instance
+from gspcli.geometry.machine import Machine
 from gspcli.geometry.printed_numbers import printed_condition, printed_conditions
 from gspcli.motion.files.requirements import QuantityParts
 from gspcli.motion.poses.inverse_kinematics import checked_poses, drive_values, refusals
@@ -310,7 +310,7 @@ def analyze(
 
 def _places(
     instance: Instance, R: Array, T: Array, given: ArrayLike | None
-) -> tuple[Drives, Array]:
+) -> tuple[Machine, Array]:
     """Return the drives and where they are at poses, shape (n, m).
 
     Raises
@@ -324,7 +324,7 @@ def _places(
             row = min(missing)
             raise ArgumentError(missing[row], f"pose {row + 1} of {len(T)}")
         return drives, q
-    drives = Drives.of(instance)
+    drives = Machine.of(instance)
     q = drives.from_readings(np.asarray(given, float))
     return drives, np.array(np.broadcast_to(q, (len(T), drives.count)))
 
@@ -353,7 +353,7 @@ def _loads(
     return reactions, torques
 
 
-def _motor_stiffness(instance: Instance, drives: Drives) -> Array | None:
+def _motor_stiffness(instance: Instance, drives: Machine) -> Array | None:
     """Return the stiffness of m drives if an instance states it: in N and its unit of length."""
     if instance.dynamics is None or instance.dynamics.drives.stiffness is None:
         return None

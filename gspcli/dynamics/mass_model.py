@@ -13,8 +13,8 @@ from gspcli.catalogue.kinds import DPP
 from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.checking import checked
-from gspcli.geometry.drives import Drives
 from gspcli.geometry.instance import METRES, Instance
+from gspcli.geometry.machine import Machine
 from gspcli.geometry.masses import Arm, Carriage, Dynamics, Leg
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import as_array, unit_vectors
@@ -88,7 +88,7 @@ class MassModel:
     rotors: Array
     stiffness: Array | None
     gravity: Array
-    machine: Drives
+    machine: Machine
     carriers: CarrierMasses
 
     @classmethod
@@ -109,7 +109,7 @@ class MassModel:
             raise ArgumentError(message, "dynamics")
         metre = METRES[instance.units.length]
         body, drives = stated.platform, stated.drives
-        machine = Drives.of(instance).scaled(metre)
+        machine = Machine.of(instance).scaled(metre)
         rotors = _each(drives.inertia, machine)
         return cls(
             instance,
@@ -142,16 +142,16 @@ class MassModel:
 
 def named_drives(instance: Instance) -> dict[str, Any]:
     """Return the names of the drives for JSON; nothing where all are values."""
-    drives = Drives.of(instance)
+    drives = Machine.of(instance)
     return {"drives": list(drives.names)} if drives.moved.any() else {}
 
 
-def _each(numbers: tuple[Number, ...], drives: Drives) -> Array:
+def _each(numbers: tuple[Number, ...], drives: Machine) -> Array:
     """Return numbers of the m drives, shape (m,)."""
     return np.array([number.value for number in numbers]) * np.ones(drives.count)
 
 
-def _carriers(stated: Dynamics, drives: Drives, metre: float) -> CarrierMasses:
+def _carriers(stated: Dynamics, drives: Machine, metre: float) -> CarrierMasses:
     """Return the arms and carriages in the order of the drives, whose lengths are in metres."""
     mass, share, inertia, moment = np.zeros((4, drives.count))
     groups: tuple[tuple[str, Sequence[Arm | Carriage]], ...]

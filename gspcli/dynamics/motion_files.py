@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from gspcli.dynamics.actuation import Actuation
 from gspcli.dynamics.mass_model import MassModel
 from gspcli.dynamics.trajectories import ACCELERATION, VELOCITY, PoseRates, motion_of_platform
-from gspcli.geometry.drives import Drives
 from gspcli.geometry.instance import Instance
+from gspcli.geometry.machine import Machine
 from gspcli.geometry.readings import factors
 from gspcli.motion import PoseFormat, read_poses, read_values
 from gspcli.motion.files.number_tables import NumberTable
@@ -59,7 +59,7 @@ class ValueRows:
 
     def drives(self, instance: Instance) -> Array:
         """Return the readings of all drives, shape (n, m)."""
-        drives = Drives.of(instance)
+        drives = Machine.of(instance)
         found = np.array(drives.readings(np.zeros((len(self.values), drives.count))))
         for k, (name, moved) in enumerate(zip(drives.names, drives.moved, strict=True)):
             if not moved:
@@ -87,7 +87,7 @@ def read_rows(text: str, name: str, instance: Instance, form: PoseFormat) -> Pos
     if names_poses(table):
         return _pose_rows(table, instance, form)
     values = read_values(text, name, instance, form)
-    drives = Drives.of(instance)
+    drives = Machine.of(instance)
     names = [name for name, moved in zip(drives.names, drives.moved, strict=True) if moved]
     other = [name for name in values.coordinates if name not in names]
     if other:

@@ -30,7 +30,7 @@ from numpy.typing import NDArray
 
 from gspcli.dynamics.arrays import RowError
 from gspcli.dynamics.mass_model import MassModel
-from gspcli.geometry.drives import MachineAtPoses
+from gspcli.geometry.machine import MachineAtPoses
 from gspcli.geometry.quaternions import apply, cross, dot
 
 Array = NDArray[np.float64]

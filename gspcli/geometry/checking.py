@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from gspcli.catalogue.kinds import DPP, Kind
 from gspcli.catalogue.types import CONSTRAINTS, MAX_ANGLES
 from gspcli.errors import ArgumentError
-from gspcli.geometry.drives import driven_points
 from gspcli.geometry.instance import METRES, AngleUnit, Constraint, Instance, Shapes, Side
+from gspcli.geometry.machine import driven_points
 from gspcli.geometry.masses import (
     INERTIA_ENTRIES,
     Arm,

@@ -13,14 +13,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from gspcli.catalogue.kinds import DPP
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.drives import is_driven
 from gspcli.geometry.instance import Constraint, Instance, Side
+from gspcli.geometry.machine import is_driven
 from gspcli.geometry.primitives import Cone, Point
 from gspcli.geometry.quaternions import apply
 from gspcli.records import dataclass
 
 if TYPE_CHECKING:
-    from gspcli.geometry.drives import Drives
+    from gspcli.geometry.machine import Machine
 
 Array = NDArray[np.float64]
 
@@ -127,9 +127,9 @@ def tilts(instance: Instance, R: ArrayLike, T: ArrayLike, q: ArrayLike | None = 
     if q is None:
         r = arrangement.placed(R, T).r
     else:
-        from gspcli.geometry.drives import Drives
+        from gspcli.geometry.machine import Machine
 
-        drives = Drives.of(instance)
+        drives = Machine.of(instance)
         r = drives.ends(R, T, q)[2]
     cones = joint_cones(instance)
     found = np.empty((*T.shape[:-1], len(cones)))
@@ -198,7 +198,7 @@ def range_shares(instance: Instance, values: Array) -> Array:
     return shares
 
 
-def out_of_motor_range(drives: Drives, q: Array) -> NDArray[np.bool_]:
+def out_of_motor_range(drives: Machine, q: Array) -> NDArray[np.bool_]:
     """Return which numbers of cranks and slides are outside their ranges, shape (..., m).
 
     By more than the rounding of doubles. A number that is NaN, out of reach, is outside; those of
@@ -210,7 +210,7 @@ def out_of_motor_range(drives: Drives, q: Array) -> NDArray[np.bool_]:
     return ~inside & drives.moved
 
 
-def motor_shares(drives: Drives, q: Array) -> Array:
+def motor_shares(drives: Machine, q: Array) -> Array:
     """Return the position of each crank and slide in its range as a share, shape (..., m).
 
     As `range_shares`; infinite where the drive does not reach, NaN without a range and for values.
@@ -274,9 +274,9 @@ def left_limits(
     limits += [LeftLimit("cone", joint.constraint, joint.body) for joint in joint_cones(instance)]
     parts = [out_of_range(instance, values), out_of_cone(instance, R, T)]
     if instance.home is not None and is_driven(instance):
-        from gspcli.geometry.drives import Drives
+        from gspcli.geometry.machine import Machine
 
-        drives = Drives.of(instance)
+        drives = Machine.of(instance)
         bodies: Sequence[Literal["platform", "base"]] = ("base", "platform")
         limits += [
             LeftLimit("knee", k, bodies[on]) for k, on in enumerate(drives.on_platform.astype(int))

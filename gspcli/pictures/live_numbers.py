@@ -37,10 +37,10 @@ from gspcli.defaults import COUNT_LIMIT, SEED, TOLERANCE
 from gspcli.errors import ArgumentError, GspError
 from gspcli.geometry.checking import value_range
 from gspcli.geometry.coordinates import BODIES
-from gspcli.geometry.drives import Drives, driven_points, is_driven
 from gspcli.geometry.frames import IDENTITY, PoseFrame
 from gspcli.geometry.instance import AngleUnit, Instance
 from gspcli.geometry.limits import joint_cones
+from gspcli.geometry.machine import Machine, driven_points, is_driven
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Crank, Line, Point
 from gspcli.geometry.quaternions import quaternion_from_rotation
@@ -62,7 +62,7 @@ from gspcli.solver.study_systems import coefficients_of
 if TYPE_CHECKING:
     from gspcli.certification.counting import ExactCount
     from gspcli.certification.poses.many_values import ValueProofs
-    from gspcli.geometry.drives import MovedPoint
+    from gspcli.geometry.machine import MovedPoint
     from gspcli.geometry.primitives import Vector
     from gspcli.solver.result import SolveResult
 
@@ -114,7 +114,7 @@ def _within(instance: Instance) -> list[list[float] | None]:
     found = _pairs(readings_of(instance, ends, signed=False))
     if not is_driven(instance):
         return found
-    drives = Drives.of(instance)
+    drives = Machine.of(instance)
     moved = _pairs(drives.readings(np.stack((drives.low, drives.high))))
     return [
         moved[k] if sort != "value" else found[drives.users(k)[0]]
@@ -265,7 +265,7 @@ def counted(instance: Instance, start: Start) -> list[ExactCount | None]:
         joints, have moved, and the others are where the file has them. None: as many as the family
         has.
     """
-    names = [name for name in Drives.of(instance).names if "." in name]
+    names = [name for name in Machine.of(instance).names if "." in name]
     found: list[ExactCount | None] = [None] * 2 ** len(names)
     values = np.array([row.value.value for row in instance.constraints])
     for size in range(len(names)):
@@ -294,7 +294,7 @@ def apart(instance: Instance) -> Instance:
     return replace(instance, constraints=tuple(rows), dynamics=None)
 
 
-def terms(drives: Drives, start: Start) -> Coefficients:
+def terms(drives: Machine, start: Start) -> Coefficients:
     """Return the three quadrics of each rod, shape (3, 6, ...), multiplied as those of the start.
 
     Rows of values have no meaning.
@@ -346,7 +346,7 @@ class LiveMotors:
     """
 
     given: Instance
-    drives: Drives
+    drives: Machine
     family: Instance
 
     @classmethod
@@ -354,7 +354,7 @@ class LiveMotors:
         """Return the motors of a machine; None if they move no joints."""
         if not is_driven(given):
             return None
-        return cls(given, Drives.of(given), anywhere(given))
+        return cls(given, Machine.of(given), anywhere(given))
 
     def corrections(self, scale: Array, shift: Array) -> tuple[Array, Array]:
         """Return by which factors and offsets readings become numbers, shape (6,)."""
@@ -439,7 +439,7 @@ def _parts(samples: Any, cranked: Any, unit: float) -> Any:
     return np.where(cranked.reshape(shape), crank, slide)
 
 
-def joint_numbers(instance: Instance, drives: Drives, proofs: ValueProofs) -> list[Any]:
+def joint_numbers(instance: Instance, drives: Machine, proofs: ValueProofs) -> list[Any]:
     """Return the numbers of viewer/module/joints.cpp after the first."""
     scale = proofs.scale
     relations, primitives, forms, tiny = proofs.opened

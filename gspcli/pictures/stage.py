@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from gspcli.catalogue.kinds import DPP, Kind, Primitive
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.coordinates import BODIES, choose, moved
-from gspcli.geometry.drives import Drives, arms_of, is_driven
 from gspcli.geometry.instance import Constraint, Instance
+from gspcli.geometry.machine import Machine, arms_of, is_driven
 from gspcli.geometry.measurement import measured
 from gspcli.geometry.primitives import Geometry, Point
 from gspcli.geometry.printed_numbers import printed_residual
@@ -53,7 +53,7 @@ def with_drives(instance: Instance, poses: Poses) -> Poses:
     """
     if poses.coordinates or not len(poses.T) or not is_driven(instance):
         return poses
-    drives = Drives.of(instance)
+    drives = Machine.of(instance)
     moved = [k for k, sort in enumerate(drives.sorts) if sort != "value"]
     q = drives.inverse(poses.R, poses.T)[:, moved] / drives.units[moved]
     if np.isnan(q).any():
@@ -79,7 +79,7 @@ def arm_strokes(instance: Instance, poses: Poses, size: float) -> list[tuple[Str
     count = len(poses.T)
     if not is_driven(instance) or not count:
         return [()] * len(instance.constraints)
-    drives = Drives.of(instance)
+    drives = Machine.of(instance)
     q = np.zeros((count, drives.count))
     for name, column in zip(poses.coordinates, poses.places.T, strict=False):
         if name in drives.names:
@@ -112,12 +112,12 @@ def drawn_drives(instance: Instance) -> list[dict[str, Any] | None]:
     -------
     list
         None without one, else its ``sort``, the ``body`` of the point, ``middle``, ``across`` and
-        ``beside``, ``unit``, ``factor`` and ``offset`` (`gspcli.geometry.drives.Drives`), and its
+        ``beside``, ``unit``, ``factor`` and ``offset`` (`gspcli.geometry.machine.Drives`), and its
         ``range`` in radians or lengths, or None.
     """
     if not is_driven(instance):
         return [None] * len(instance.constraints)
-    drives = Drives.of(instance)
+    drives = Machine.of(instance)
     found: list[dict[str, Any] | None] = []
     for k, driven in enumerate(drives.driven.tolist()):
         drive = drives.index[k]
@@ -135,7 +135,7 @@ def drawn_drives(instance: Instance) -> list[dict[str, Any] | None]:
     return found
 
 
-def _rail(drives: Drives, k: int, size: float) -> tuple[float, float]:
+def _rail(drives: Machine, k: int, size: float) -> tuple[float, float]:
     """Return the ends of a rail from its stated point."""
     low, high = drives.low[drives.index[k]], drives.high[drives.index[k]]
     if np.isfinite([low, high]).all():

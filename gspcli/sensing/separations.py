@@ -21,8 +21,8 @@ from gspcli.defaults import SEED
 from gspcli.errors import ArgumentError, IncompleteError, NotFiniteError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.checking import checked
-from gspcli.geometry.drives import Drives, is_driven
 from gspcli.geometry.instance import Instance
+from gspcli.geometry.machine import Machine, is_driven
 from gspcli.geometry.quaternions import apply, vector_from_rotation
 from gspcli.geometry.readings import problems_of, readings_of, value_rows, values_of
 from gspcli.records import EqualByContent, dataclass
@@ -575,13 +575,13 @@ def _checked_rows(
         raise ArgumentError(message, f"values[{k}][{i}]")
     numbers = None
     if is_driven(instance):
-        drives = Drives.of(instance)
+        drives = Machine.of(instance)
         readings = np.array(drives.readings(np.zeros((len(rows), drives.count))))
         given = {str(k): column for k, column in enumerate(rows.T, 1)} | dict(coordinates)
         for k, name in enumerate(drives.names):
             readings[:, k] = given.get(name, readings[:, k])
         numbers = drives.from_readings(readings)
-    known = () if numbers is None else Drives.of(instance).names
+    known = () if numbers is None else Machine.of(instance).names
     for name in coordinates:
         if name not in known:
             message = f"found {name}, expected a drive"
@@ -597,7 +597,7 @@ def _modes(
 ) -> Iterator[ModeSets]:
     """Yield the modes at all sets, in blocks of sets."""
     if numbers is not None:
-        drives = Drives.of(instance)
+        drives = Machine.of(instance)
         for q in numbers:
             yield ModeSets.of_result(solve(drives.instance_at(q), seed=seed, jobs=jobs))
         return

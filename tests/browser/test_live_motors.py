@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
-from gspcli.geometry.drives import Drives
+from gspcli.geometry.machine import Machine
 from gspcli.pictures.stage import Poses, arm_strokes, convex_hull, drawn_drives
 from gspcli.resources import instance_files
 from gspcli.solver import solve
@@ -69,7 +69,7 @@ def test_arms_and_rails_are_those_of_other_pages_wherever_the_motors_are(
     run: Any, name: str
 ) -> None:
     instance = load(instance_files()[name])
-    drives, drawn = Drives.of(instance), drawn_drives(instance)
+    drives, drawn = Machine.of(instance), drawn_drives(instance)
     rng = np.random.default_rng(7)
     readings = rng.uniform(-1, 1, drives.count) * (30 if "crank" in drives.sorts else 1)
     places = readings[None]
@@ -101,7 +101,7 @@ def listed(browser: Browser) -> list[tuple[float, ...]]:
 def is_what_solve_says(browser: Browser, name: str, readings: list[float], places: int) -> None:
     """Compare the page with the machine whose joints are there."""
     instance = load(instance_files()[name])
-    drives = Drives.of(instance)
+    drives = Machine.of(instance)
     result = solve(drives.instance_at(drives.from_readings(readings)))
     real = result.counts.real
     # The joints there are rounded: machines with symmetry may get poses at infinity back.

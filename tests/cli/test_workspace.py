@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from gspcli import Point, example
-from gspcli.geometry.drives import Drives
+from gspcli.geometry.machine import Machine
 from gspcli.motion.singularities.clearances import clearance
 from gspcli.resources import instance_files
 from tests.support.independent_machines import machines
@@ -350,7 +350,7 @@ def test_clearances_have_the_joints_where_the_motors_have_them(gsp):
     # With the drives still where they are at the pose, the values are those of the rods.
     values = json.loads(gsp("clearance", head, *pose, "--of", "values", "--format", "json").out)
     machine, R, T = example("t-top-head"), np.eye(3), np.array([0, 0, 0.165])
-    drives = Drives.of(machine)
+    drives = Machine.of(machine)
     there = drives.instance_at(drives.inverse(R, T))
     alone = clearance(there, R[None], T[None], of="values").lower[0]
     assert values["modes"][0]["lower"] == pytest.approx(alone, rel=1e-6)

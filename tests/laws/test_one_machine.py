@@ -11,8 +11,8 @@ from scipy.spatial.transform import Rotation
 
 import gspcli
 from gspcli.dynamics import inverse_dynamics, natural_modes
-from gspcli.geometry.drives import Drives
 from gspcli.geometry.instance import METRES, Instance
+from gspcli.geometry.machine import Machine
 from gspcli.geometry.numbers import Number
 from tests.support.driven_machines import driven, some_pose, weighed
 from tests.support.restated import as_data, in_radians, in_unit, stated
@@ -37,7 +37,7 @@ def test_torques_speeds_and_frequencies_have_no_unit_of_length(heavy: Any, unit:
     machine, R, T = heavy
     other, metre = in_unit(machine, unit), METRES[unit]
     # Rods of one drive let the platform only shift.
-    turning = np.array([0.3, -0.2, 0.1]) * (Drives.of(machine).count == 6)
+    turning = np.array([0.3, -0.2, 0.1]) * (Machine.of(machine).count == 6)
     moving = np.array([0.05, 0.02, -0.04])
     answers = []
     for one, length in ((machine, 1.0), (other, metre)):
@@ -151,7 +151,7 @@ def test_where_a_crank_is_stated_changes_nothing_and_cones_turn_with_arms(
         machine,
         np.eye(3),
         HOME,
-        knees=Drives.of(cranked()).knees(np.eye(3), HOME),
+        knees=Machine.of(cranked()).knees(np.eye(3), HOME),
         tolerance=0.3,
     )
     assert found.volume == pytest.approx(whole, rel=1e-6)

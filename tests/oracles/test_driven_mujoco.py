@@ -9,7 +9,7 @@ import gspcli
 from gspcli.dynamics import inverse_dynamics
 from gspcli.export.mjcf import mjcf
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.drives import Drives
+from gspcli.geometry.machine import Machine
 from gspcli.geometry.quaternions import rotation_from_vector
 from tests.support.driven_machines import (
     MADE_UP,
@@ -36,7 +36,7 @@ _MOVING, _RESTING = 1500, 1500
 
 def _goal(instance, R, T, seed):
     """Return how far each drive is to go: a line along which no pose is nearly singular."""
-    drives, size = Drives.of(instance), Arrangement.of(instance).length
+    drives, size = Machine.of(instance), Arrangement.of(instance).length
     goal = np.random.default_rng(seed).uniform(-0.05, 0.05, drives.count)
     goal *= np.where([sort == "crank" for sort in drives.sorts], 1.0, size)
     while _followed(drives, R, T, goal) is None:
@@ -64,7 +64,7 @@ def _driven_to(instance, R, T, goal):
 
 def _ends_there(instance, R, T, seed):
     """Compare where a driven model ends with the proved pose for the same numbers of its drives."""
-    drives, size = Drives.of(instance), Arrangement.of(instance).length
+    drives, size = Machine.of(instance), Arrangement.of(instance).length
     reached, turned, moved = _driven_to(instance, R, T, _goal(instance, R, T, seed))
     expected = _followed(drives, R, T, reached)
     assert expected is not None

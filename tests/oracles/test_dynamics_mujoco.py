@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from gspcli.catalogue.types import all_types
-from gspcli.dynamics import drive_forces as forces_module
+from gspcli.dynamics import forces as forces_module
 from gspcli.dynamics import inverse_dynamics, natural_modes
 from gspcli.dynamics import moving_bodies as bodies_module
 from gspcli.geometry.arrangement import Arrangement

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import gspcli
-from gspcli.geometry.drives import Drives
+from gspcli.geometry.machine import Machine
 from gspcli.motion import gaps
 from tests.support.thick_legs import MACHINES, poses_near, thick
 
@@ -79,7 +79,7 @@ def test_gaps_of_a_machine_with_arms():
         rows.append(dataclasses.replace(row, base=dataclasses.replace(row.base, crank=crank)))
     shapes = gspcli.Shapes(0.006)
     instance = dataclasses.replace(plain, constraints=tuple(rows), shapes=shapes)
-    drives = Drives.of(instance)
+    drives = Machine.of(instance)
     R, T = poses_near(np.eye(3), np.array([0, 0, 0.17]), 25, 0.02, 0.3, 1)
     q = drives.inverse(R, T)
     reached = np.isfinite(q).all(axis=1)

@@ -10,8 +10,8 @@ import numpy as np
 from gspcli import example
 from gspcli.catalogue.kinds import DPP
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.drives import Drives
 from gspcli.geometry.instance import METRES, HomePose
+from gspcli.geometry.machine import Machine
 from gspcli.geometry.masses import Arm, Carriage, Dynamics, Leg, LegBody, RigidBody
 from gspcli.geometry.masses import Drives as DriveMasses
 from gspcli.geometry.primitives import Crank, Point, Slide
@@ -119,7 +119,7 @@ def driven(name):
 
 def weighed(instance, rng):
     """Return a machine with random masses of everything that can have one."""
-    numbers, drives = Arrangement.of(instance), Drives.of(instance)
+    numbers, drives = Arrangement.of(instance), Machine.of(instance)
     metre = METRES.get(instance.units.length, 1.0)
     size = numbers.length
     mass = float(rng.uniform(1, 3))
@@ -180,7 +180,7 @@ def _home(instance):
 
 def some_pose(instance, rng, spread=0.12, least=0.2):
     """Return a pose near home at which all drives are far from dead points, and their numbers."""
-    drives, size = Drives.of(instance), Arrangement.of(instance).length
+    drives, size = Machine.of(instance), Arrangement.of(instance).length
     R0, T0 = _home(instance)
     turns = drives.count == 6
     while True:
@@ -193,7 +193,7 @@ def some_pose(instance, rng, spread=0.12, least=0.2):
 
 def rebased(instance, q):
     """Return a machine stated with its drives at q, where their numbers are zero now."""
-    drives = Drives.of(instance)
+    drives = Machine.of(instance)
     rows = []
     for k, row in enumerate(instance.constraints):
         if drives.driven[k]:
@@ -215,6 +215,6 @@ def rebased(instance, q):
 def random_motion(instance, rng):
     """Return a twist and its derivative, of a machine with shared drives translations alone."""
     size = Arrangement.of(instance).length
-    turns = float(Drives.of(instance).count == 6)
+    turns = float(Machine.of(instance).count == 6)
     unit = np.repeat([turns, size], 3)
     return 3 * rng.normal(size=6) * unit, 20 * rng.normal(size=6) * unit

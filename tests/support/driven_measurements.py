@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from gspcli.calibration.model import Model
-from gspcli.geometry.drives import Drives
+from gspcli.geometry.machine import Machine
 from gspcli.geometry.measurement import jacobian, measured
 from gspcli.geometry.quaternions import rotation_from_vector
 from tests.support.driven_machines import driven, some_pose
@@ -24,7 +24,7 @@ def wrong_machine(name, rng, size=1e-3, **chosen):
 
 def reached(instance, truth, rng, count, spread=0.12):
     """Return readings of the drives (radians, lengths), legs (n, 6) and poses of a true machine."""
-    drives = Drives.of(instance)
+    drives = Machine.of(instance)
     places = [some_pose(instance, rng, spread) for _ in range(count)]
     R, T, q = (np.array(part) for part in zip(*places, strict=True))
     columns = [drives.names.index(one.drive_name) for one in truth.drives]

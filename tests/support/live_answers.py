@@ -22,8 +22,8 @@ import gspcli
 from gspcli.defaults import SEED
 from gspcli.errors import ArgumentError, GspError
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.drives import Drives, is_driven
 from gspcli.geometry.instance import Instance
+from gspcli.geometry.machine import Machine, is_driven
 from gspcli.geometry.residuals import condition_numbers
 from gspcli.motion.singularities.pose_clearances import (
     Displacements,
@@ -197,7 +197,7 @@ def _solved_together(instance: Instance, rows: Array) -> list[_Solved]:
 
 def _solved_anew(instance: Instance, rows: Array) -> list[_Solved]:
     """Return the poses with the joints where motors bring them, each solved alone."""
-    drives = Drives.of(instance)
+    drives = Machine.of(instance)
     found = []
     for q in drives.from_readings(rows):
         there = drives.instance_at(q)

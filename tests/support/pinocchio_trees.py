@@ -11,8 +11,8 @@ import numpy as np
 
 from gspcli.export.chains import chain
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.drives import Drives, is_driven
 from gspcli.geometry.instance import METRES
+from gspcli.geometry.machine import Machine, is_driven
 
 
 class PinocchioTree:
@@ -42,7 +42,7 @@ class PinocchioTree:
         )
         self.ends, self.others, self.rigid, self.values = [], [], [], []
         self.spins, legs = [], list(stated.legs)
-        self.drives = Drives.of(instance) if is_driven(instance) else None
+        self.drives = Machine.of(instance) if is_driven(instance) else None
         self.carriers, self.T = {}, T * self.metre
         self.weights = {"crank": list(stated.arms), "slide": list(stated.carriages)}
         for k, kind in enumerate(numbers.kinds):

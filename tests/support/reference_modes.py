@@ -15,8 +15,8 @@ from gspcli.dynamics.actuation import Actuation
 from gspcli.dynamics.mass_model import MassModel
 from gspcli.dynamics.moving_bodies import equation_of_motion
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.drives import Drives
 from gspcli.geometry.instance import METRES
+from gspcli.geometry.machine import Machine
 from gspcli.geometry.quaternions import rotation_from_vector
 from tests.support.driven_machines import driven, rebased, some_pose, weighed
 
@@ -79,7 +79,7 @@ def frequencies_off(tree, name, seed, hertz):
     R, T, q = some_pose(instance, rng, least=0.4)
     stiffness = soft_springs(instance, R, T, len(q), hertz)
     found = natural_modes(instance, R, T, stiffness=stiffness)
-    drives, numbers = Drives.of(instance), Arrangement.of(instance)
+    drives, numbers = Machine.of(instance), Arrangement.of(instance)
     knees = np.sign(drives.gains(R, T, q)).astype(int)
 
     def tree_at(R, T):

@@ -15,8 +15,8 @@ import yaml
 from numpy.typing import NDArray
 
 import gspcli
-from gspcli.geometry.drives import Drives
 from gspcli.geometry.instance import METRES, HomePose, Instance
+from gspcli.geometry.machine import Machine
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.quaternions import Field, quaternion_from_rotation
 
@@ -138,7 +138,7 @@ def in_unit(instance: Instance, unit: str) -> Instance:
         # A crank turns its rotor; a slide moves its own in kilogrammes.
         rotors["inertia"] = [
             scaled(x, powers[2]) if sort == "crank" else x
-            for x, sort in zip(rotors["inertia"], Drives.of(instance).sorts, strict=True)
+            for x, sort in zip(rotors["inertia"], Machine.of(instance).sorts, strict=True)
         ]
         found["dynamics"]["drives"] = rotors
     found["units"]["length"] = unit

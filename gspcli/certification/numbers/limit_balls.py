@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from gspcli.catalogue.kinds import AHH, AHL, ALH, ALL, DHP, DLL, DLP, DPH, DPL, DPP, Kind
 from gspcli.certification.numbers.balls import dot, norm, rotated
 from gspcli.certification.numbers.rounding import OUTWARD, TINY
-from gspcli.geometry.drives import MovedPoint, driven_points
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side
 from gspcli.geometry.limits import joint_cones
+from gspcli.geometry.machine import MovedPoint, driven_points
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Crank, Geometry, Point
 

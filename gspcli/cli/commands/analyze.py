@@ -41,8 +41,8 @@ from gspcli.errors import GspError
 if TYPE_CHECKING:
     from gspcli.cli.pose_options import AskedPoses
     from gspcli.dynamics.analyses import Analysis
-    from gspcli.geometry.drives import Drives
     from gspcli.geometry.instance import Instance
+    from gspcli.geometry.machine import Machine
     from gspcli.motion.statics.wrenches import Wrenches
 
 FIELDS = Fields("analyze")
@@ -314,7 +314,7 @@ def _explained(row: dict[str, Any], given: Wrenches) -> list[str]:
     return notes + _weights(given)
 
 
-def drives_table(entry: dict[str, Any], drives: Drives) -> Result:
+def drives_table(entry: dict[str, Any], drives: Machine) -> Result:
     """Return a line for each drive of one pose."""
     rows = []
     for k, name in enumerate(drives.names):

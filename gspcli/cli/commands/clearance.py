@@ -143,10 +143,10 @@ def _unit(instance: Instance, of: str, *, ranged: bool) -> str:
 
 
 def _drive_table(instance: Instance, rows: list[dict[str, Any]]) -> Result:
-    from gspcli.geometry.drives import Drives
+    from gspcli.geometry.machine import Machine
     from gspcli.motion.singularities.clearances import drive_weights
 
-    names, units = Drives.of(instance).names, instance.units
+    names, units = Machine.of(instance).names, instance.units
     columns = [
         *_name_columns(rows),
         *FIELDS.of("lower knees upper dead_point drive"),

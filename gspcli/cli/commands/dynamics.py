@@ -40,7 +40,7 @@ from gspcli.cli.requirements import (
 from gspcli.cli.result import Field, Fields, Result
 from gspcli.cli.streams import working
 from gspcli.dynamics.arrays import plain
-from gspcli.dynamics.drive_forces import FORCES
+from gspcli.dynamics.forces import FORCES
 from gspcli.dynamics.vibrations import FREQUENCIES
 from gspcli.errors import GspError, IncompleteError
 from gspcli.records import dataclass
@@ -239,10 +239,10 @@ def _modes(
     output: Output,
 ) -> None:
     from gspcli.dynamics import natural_modes
-    from gspcli.geometry.drives import Drives
+    from gspcli.geometry.machine import Machine
     from gspcli.motion.files.number_tables import numbers_of
 
-    count = Drives.of(instance).count
+    count = Machine.of(instance).count
     given = None if stiffness is None else numbers_of(stiffness, (1, count), "--stiffness")
     found = natural_modes(instance, asked.R, asked.T, stiffness=given, drives=asked.drives)
     rows = mode_rows(found, asked)

@@ -79,7 +79,7 @@ def _moved(instance: Instance, R: Any, T: Any) -> Instance:
     """
     import numpy as np
 
-    from gspcli.geometry.drives import is_driven
+    from gspcli.geometry.machine import is_driven
 
     if len(instance.constraints) != 6 or not is_driven(instance):
         return instance

@@ -277,7 +277,7 @@ def _motors(instance: Instance, table: PoseTable, t: list[float], *, cranks: boo
 
 def _nearest(instance: Instance, table: PoseTable, t: list[float], form: PoseFormat) -> Result:
     """Return the nearest pose to each pose of a table, from home and then from row to row."""
-    from gspcli.geometry.drives import Drives, is_driven
+    from gspcli.geometry.machine import Machine, is_driven
     from gspcli.geometry.quaternions import quaternion_from_rotation
     from gspcli.motion.paths.nearest_poses import NearestPoses
 
@@ -286,7 +286,7 @@ def _nearest(instance: Instance, table: PoseTable, t: list[float], form: PoseFor
     pivot = None if tool is None else tool.tolist()
     names = {str(k): f"{k} {row.kind.name}" for k, row in enumerate(instance.constraints, 1)}
     if is_driven(instance):
-        names = {name: name for name in Drives.of(instance).names}
+        names = {name: name for name in Machine.of(instance).names}
     rows: list[dict[str, Any]] = []
     found = NearestPoses(instance, R[0], T[0], pivot=pivot).along(table.R, table.T)
     for time, one in zip(t, found, strict=True):

@@ -125,7 +125,7 @@ def _driven_joints(names: Sequence[str]) -> list[str]:
     """Return the note that the cranks and slides of a file are in no chain, if there are some."""
     if len(names) != 1 or not is_file(names[0]):
         return []
-    from gspcli.geometry.drives import driven_points
+    from gspcli.geometry.machine import driven_points
 
     rows = load_instance(names[0]).constraints
     driven = [k for k, row in enumerate(rows) if driven_points(row)]

@@ -524,7 +524,7 @@ def _at_all_rows(result: Track, requirement: Requirement) -> Array | QuantityPar
     """Return a quantity of each pose, in the order of the rows; the geometry may move."""
     import numpy as np
 
-    from gspcli.geometry.drives import is_driven
+    from gspcli.geometry.machine import is_driven
     from gspcli.motion.files.requirements import QuantityParts
 
     name = requirement.quantity
@@ -557,10 +557,10 @@ def _of_drives(result: Track, name: str) -> QuantityParts:
     import numpy as np
 
     from gspcli.cli.requirements import limits_of
-    from gspcli.geometry.drives import Drives
+    from gspcli.geometry.machine import Machine
     from gspcli.motion.paths.limit_events import drive_rows
 
-    drives = Drives.of(result.instance)
+    drives = Machine.of(result.instance)
     rows, modes = np.nonzero(~np.isnan(result.T[..., 0].T))
     R, T = (array[modes, rows] for array in (result.R, result.T))
     at = drives, drive_rows(result, drives)[rows]
@@ -572,12 +572,12 @@ def _gaps(result: Track) -> QuantityParts:
     import numpy as np
 
     from gspcli.cli.requirements import gaps_of
-    from gspcli.geometry.drives import Drives
+    from gspcli.geometry.machine import Machine
     from gspcli.motion.paths.limit_events import drive_rows
 
     rows, modes = np.nonzero(~np.isnan(result.T[..., 0].T))
     R, T = (array[modes, rows] for array in (result.R, result.T))
-    q = drive_rows(result, Drives.of(result.instance))[rows]
+    q = drive_rows(result, Machine.of(result.instance))[rows]
     return gaps_of(result.instance, R, T, q)
 
 
@@ -743,9 +743,9 @@ def _of_drive(result: Track, event: LimitEvent, what: str) -> str:
         when = f"between t = {event.low:.10g} and {event.high:.10g}"
         subject = f"mode {event.mode}: rod {event.constraint + 1} passes a dead point"
         return f"{subject} of {event.drive} {when}"
-    from gspcli.geometry.drives import Drives
+    from gspcli.geometry.machine import Machine
 
-    drives = Drives.of(result.instance)
+    drives = Machine.of(result.instance)
     k = drives.names.index(event.drive)
     low, high = (f"{drives.readings(end)[k]:.10g}" for end in (drives.low, drives.high))
     when = f"at t = {event.low:.10g}"

@@ -39,8 +39,8 @@ from gspcli.cli.render import Output, emit, write
 from gspcli.cli.result import Field, Fields, Result, vector_text
 from gspcli.cli.streams import progress, say
 from gspcli.errors import GspError, IncompleteError
-from gspcli.geometry.drives import Drives, is_driven, shares_drives
 from gspcli.geometry.frames import IDENTITY, PoseFrame
+from gspcli.geometry.machine import Machine, is_driven, shares_drives
 from gspcli.records import dataclass
 from gspcli.wording import listed, shown
 
@@ -535,7 +535,7 @@ def show_travels(
 
 def _fixed_values(instance: Instance) -> list[str]:
     """Return which values no drive and no range changes, in words."""
-    fixed = [str(k) for k, stays in enumerate(Drives.of(instance).fixed, 1) if stays]
+    fixed = [str(k) for k, stays in enumerate(Machine.of(instance).fixed, 1) if stays]
     if not fixed:
         return []
     stay = "fixed value, which every pose keeps" if len(fixed) == 1 else "fixed values, kept by all"

@@ -24,8 +24,8 @@ from gspcli.catalogue.kinds import DPP
 from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.checking import refuse_shape_mistakes
-from gspcli.geometry.drives import Drives, arms_of, is_driven
 from gspcli.geometry.instance import Constraint, Instance
+from gspcli.geometry.machine import Machine, arms_of, is_driven
 from gspcli.geometry.primitives import Vector
 from gspcli.geometry.quaternions import apply
 from gspcli.motion.poses.inverse_kinematics import checked_poses, drive_values
@@ -35,7 +35,7 @@ from gspcli.ties import first_smallest
 if TYPE_CHECKING:
     import pandas as pd
 
-    from gspcli.geometry.drives import Drives
+    from gspcli.geometry.machine import Machine
 
 
 Array = NDArray[np.float64]
@@ -188,10 +188,10 @@ class ComparedShapes:
         return f"the arm of {getattr(row, f'{hull.body}_name') or f'rod {hull.arm + 1}'}"
 
     @cached_property
-    def _drives(self) -> Drives:
-        from gspcli.geometry.drives import Drives
+    def _drives(self) -> Machine:
+        from gspcli.geometry.machine import Machine
 
-        return Drives.of(self.instance)
+        return Machine.of(self.instance)
 
     @cached_property
     def _arrangement(self) -> Arrangement:
@@ -423,7 +423,7 @@ _FARTHER = 1 + 2.0**-30
 _LENGTH_ROUNDING = 2.0**-44
 
 
-def point_moves(drives: Drives, R: Array, T: Array, q: Array, moves: Array) -> Array:
+def point_moves(drives: Machine, R: Array, T: Array, q: Array, moves: Array) -> Array:
     """Return bounds of how far driven points move in their bodies, shape (n, 6).
 
     Parameters
@@ -480,7 +480,7 @@ def point_moves(drives: Drives, R: Array, T: Array, q: Array, moves: Array) -> A
 
 
 def slips_near(
-    drives: Drives, R: Array, T: Array, q: Array, shifts: Array, turns: Array, centre: Array
+    drives: Machine, R: Array, T: Array, q: Array, shifts: Array, turns: Array, centre: Array
 ) -> Array:
     """Return bounds of how far driven points move near poses, shape (n, 6); see `point_moves`.
 

@@ -19,8 +19,8 @@ from gspcli.geometry.coordinates import (
     drive_corrections,
 )
 from gspcli.geometry.coordinates import coordinates as all_coordinates
-from gspcli.geometry.drives import is_driven
 from gspcli.geometry.instance import Instance
+from gspcli.geometry.machine import is_driven
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.readings import readings_of, values_of
 from gspcli.motion.files.number_tables import NumberTable

@@ -17,9 +17,9 @@ from gspcli.catalogue.kinds import DPP, Primitive
 from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.checking import value_range
-from gspcli.geometry.drives import Drives, driven_points
 from gspcli.geometry.instance import Constraint, Instance, Side
 from gspcli.geometry.limits import joint_cones
+from gspcli.geometry.machine import Machine, driven_points
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Crank, Geometry, Line, Point, Slide
 from gspcli.geometry.readings import factors, offsets
@@ -146,7 +146,7 @@ def platform_numbers(
     added = np.where(driven, [_stated(m, "offset") for m in motors], offsets(instance))
     limits = _limits(instance, _LARGEST / unit, margin)
     least, most = (limit / scale for limit in limits)
-    drives = Drives.of(instance)
+    drives = Machine.of(instance)
     in_file = np.where(angles, instance.units.angle.in_radians, 1.0) * scale
     lowest, highest = (np.clip(held / in_file, -NEVER, NEVER) for held in drives.held)
     sided = [
@@ -406,7 +406,7 @@ def limit_numbers(
     """
     low, high = np.full(6, -NEVER), np.full(6, NEVER)
     radian = instance.units.angle.in_radians
-    stays = Drives.of(instance).stays
+    stays = Machine.of(instance).stays
     for k, (row, kind) in enumerate(zip(instance.constraints, numbers.kinds, strict=True)):
         motor = motor_of(row)
         limits = row.limits if motor is None else motor.limits

@@ -21,10 +21,10 @@ from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, DPP
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.drives import Drives
 from gspcli.geometry.enclosures import OUT, Enclosure, joined, singular_values, size
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.limits import cone_shares, joint_cones, tilts
+from gspcli.geometry.machine import Machine
 from gspcli.geometry.quaternions import apply
 from gspcli.geometry.residuals import condition_numbers
 from gspcli.motion.collisions.compared import ComparedShapes, slips_near
@@ -177,7 +177,7 @@ class MovingRows(NamedTuple):
     """The poses, shapes (r, 3, 3) and (r, 3)."""
     numbers: Array
     """The values, shape (r, 6), or all drives, lengths and radians, shape (r, m)."""
-    drives: Drives | None = None
+    drives: Machine | None = None
     """The cranks and slides, if they move."""
 
 
@@ -274,7 +274,7 @@ def least_transmissions(rows: PathRows, wanted: float) -> tuple[Array, Array]:
     return at, _least(rows, at, measure, wanted)
 
 
-def _transmissions(drives: Drives, near: Near, centre: Array) -> tuple[Array, Array]:
+def _transmissions(drives: Machine, near: Near, centre: Array) -> tuple[Array, Array]:
     """Return transmissions of the driven rods, and bounds of their changes, shapes (n, d).
 
     The transmission is ``|f.b|``: f is the unit vector of the rod r, b the velocity of the driven
@@ -305,7 +305,7 @@ def cones_kept(rows: PathRows) -> bool:
     return bool((_least(rows, 1 - shares.max(axis=1), measure, 0.0) >= 0).all())
 
 
-def cone_margins(instance: Instance, drives: Drives | None) -> Measure:
+def cone_margins(instance: Instance, drives: Machine | None) -> Measure:
     """Return the measure of cones: by how much less legs are tilted than allowed, in radians.
 
     A leg r that changes by at most d turns by at most the angle with the sine ``d / |r|``. It is
@@ -350,7 +350,7 @@ def _leg_moves(
     near
         The poses.
     ends
-        Points of the base, turned points of the platform, and r: of c legs, as `Drives.ends`.
+        Points of the base, turned points of the platform, and r: of c legs, as `Machine.ends`.
     on_platform
         Which legs are seen from the platform, shape (c,); the others are from the base.
     centre

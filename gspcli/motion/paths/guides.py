@@ -31,7 +31,7 @@ from gspcli.motion.paths.motors import Motors
 from gspcli.motion.paths.pose_ways import PoseWays
 from gspcli.motion.paths.value_ways import ValueWays
 from gspcli.motion.poses.inverse_kinematics import values_at
-from gspcli.motion.singularities.neighbourhoods import DrivenNeighbourhood
+from gspcli.motion.singularities.neighbourhoods import MachineNeighbourhood
 
 Array = NDArray[np.float64]
 #: Rows of each straight part while paths are searched for and made smoother.
@@ -400,7 +400,7 @@ class DriveGuide:
         """Return in how many boxes all knees are proved to be kept after a row; 0 without proof."""
         drives = self.motors.drives
         q = numbers * drives.units
-        near = DrivenNeighbourhood(drives, R, T, q[0])
+        near = MachineNeighbourhood(drives, R, T, q[0])
         widths = near.widths(np.abs(q[1] - q[0])[drives.index] * OUT)[None]
         if near.keeps_knees(widths, near.box(widths))[0]:
             return 1

@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 
 from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.drives import Drives, is_driven
 from gspcli.geometry.instance import Instance, Side
 from gspcli.geometry.limits import joint_cones, out_of_cone, out_of_motor_range, out_of_range
+from gspcli.geometry.machine import Machine, is_driven
 from gspcli.motion.following.followed_rows import RowFollower
 from gspcli.motion.following.tracks import Track
 from gspcli.motion.paths.between import MovingRows, ValueParts, cone_margins, signs
@@ -81,7 +81,7 @@ def limit_events(track: Track) -> list[LimitEvent]:
     """
     found = _ranges(track)
     if track.coordinates and is_driven(track.instance):
-        drives = Drives.of(track.instance)
+        drives = Machine.of(track.instance)
         q = drive_rows(track, drives)
         found += [*_drive_ranges(track, drives, q), *_dead_points(track, drives, q)]
     found += _cones(track)
@@ -111,7 +111,7 @@ def _outside(instance: Instance, k: int, values: Array) -> Mask:
     return out_of_range(instance, rows)[:, k]
 
 
-def drive_rows(track: Track, drives: Drives) -> Array:
+def drive_rows(track: Track, drives: Machine) -> Array:
     """Return the numbers of the drives in each row, lengths and radians, shape (r, m)."""
     q = np.zeros((len(track.t), drives.count))
     for k in range(drives.count):
@@ -123,7 +123,7 @@ def drive_rows(track: Track, drives: Drives) -> Array:
     return q
 
 
-def _drive_ranges(track: Track, drives: Drives, q: Array) -> list[LimitEvent]:
+def _drive_ranges(track: Track, drives: Machine, q: Array) -> list[LimitEvent]:
     def outside(k: int, numbers: Array) -> Mask:
         rows = np.tile(q[0], (len(numbers), 1))
         rows[:, k] = numbers
@@ -171,7 +171,7 @@ def crossings(
     yield from zip(times[changes].tolist(), now[changes].tolist(), strict=True)
 
 
-def _dead_points(track: Track, drives: Drives, q: Array) -> list[LimitEvent]:
+def _dead_points(track: Track, drives: Machine, q: Array) -> list[LimitEvent]:
     there = ~np.isnan(track.T[..., 0])
     gains = np.full((*track.T.shape[:2], len(drives.index)), np.nan)
     numbers = np.broadcast_to(q, (len(track.modes), *q.shape))
@@ -218,7 +218,7 @@ def _cones(track: Track) -> list[LimitEvent]:
 def _between_rows(track: Track) -> list[LimitEvent]:
     """Return the events of cones, proved between rows, too."""
     instance, rows, cones, found = track.followed, _followed(track), joint_cones(track.instance), []
-    drives = Drives.of(instance) if track.coordinates else None
+    drives = Machine.of(instance) if track.coordinates else None
     numbers = track.values if drives is None else drive_rows(track, drives)
     follower = RowFollower(instance, track.coordinates)
     measure, centre = cone_margins(instance, drives), Arrangement.of(instance).platform_centre

@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.drives import Drives, is_driven, shares_drives
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.limits import out_of_cone, out_of_motor_range, out_of_range
+from gspcli.geometry.machine import Machine, is_driven, shares_drives
 from gspcli.motion.poses.inverse_kinematics import values_at
 from gspcli.motion.workspace.pose_boxes import knees_of
 
@@ -37,7 +37,7 @@ class Motors:
         knees: NDArray[np.int64] | None = None,
     ) -> None:
         self.instance = instance
-        self.drives = Drives.of(instance)
+        self.drives = Machine.of(instance)
         self.knees = knees_of(instance, R, T) if knees is None else knees
         self.shared = shares_drives(instance)
 

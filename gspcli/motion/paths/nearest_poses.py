@@ -23,9 +23,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from gspcli import _kernel
 from gspcli.errors import ArgumentError
-from gspcli.geometry.drives import Drives, is_driven
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.limits import joint_cones
+from gspcli.geometry.machine import Machine, is_driven
 from gspcli.geometry.quaternions import (
     quaternion_from_rotation,
     rotation_from_quaternion,
@@ -130,7 +130,7 @@ class NearestPoses:
         self._motors = Motors.of(instance, self.R, self.T)
         self._still = self._motors is not None and self._motors.shared
         self._search = LimitSearch(instance, self.R, self.T, self.pivot, still=self._still)
-        drives = Drives.of(instance)
+        drives = Machine.of(instance)
         #: Which values have a range of one number, and so stay: shape (6,).
         self._fixed = (drives.low == drives.high)[drives.index] | drives.stays
         #: Poses are rounded unless doubles near to a pose are not near enough.
@@ -322,8 +322,8 @@ class LimitSearch:
         return self._kernel.slack(_numbers(R, T))[0]
 
     @cached_property
-    def _drives(self) -> Drives:
-        return Drives.of(self.instance)
+    def _drives(self) -> Machine:
+        return Machine.of(self.instance)
 
     def _name(self, slack: int, R: Array, T: Array) -> str:
         """Return the name of a limit: two of each constraint, then the cones."""

@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.drives import Drives, is_driven
 from gspcli.geometry.frames import IDENTITY, PoseFrame
 from gspcli.geometry.instance import Instance
+from gspcli.geometry.machine import Machine, is_driven
 from gspcli.geometry.printed_numbers import printed_conditions
 from gspcli.geometry.quaternions import quaternion_from_rotation
 from gspcli.geometry.readings import readings_of
@@ -166,12 +166,12 @@ class PlannedPath(EqualByContent):
     @property
     def motors(self) -> tuple[str, ...]:
         """The names of the columns of what the motors move: constraints, or cranks and slides."""
-        return tuple("123456") if self.drives is None else Drives.of(self.instance).names
+        return tuple("123456") if self.drives is None else Machine.of(self.instance).names
 
     def _readings(self) -> Array:
         if self.drives is None:
             return readings_of(self.instance, self.values)
-        return Drives.of(self.instance).readings(self.drives)
+        return Machine.of(self.instance).readings(self.drives)
 
     def rows(self, frame: PoseFrame = IDENTITY) -> list[dict[str, Any]]:
         """Return the rows as plain data: t, readings, pose, condition, clearance.
@@ -300,7 +300,7 @@ def _driven(instance: Instance, R: Array, T: Array) -> Arrangement:
     """Return the platform at poses: points of cranks and slides are where they reach them."""
     if not is_driven(instance):
         return Arrangement.of(instance)
-    drives = Drives.of(instance)
+    drives = Machine.of(instance)
     return drives.arrangement(drives.inverse(R, T))
 
 

@@ -31,9 +31,9 @@ from numpy.typing import ArrayLike, NDArray
 from gspcli.defaults import PATH_SECONDS, SEED
 from gspcli.errors import ArgumentError, IncompleteError
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.drives import is_driven
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.limits import has_limits
+from gspcli.geometry.machine import is_driven
 from gspcli.geometry.readings import without_corrections
 from gspcli.motion.collisions.compared import NO_SHAPES, ComparedShapes
 from gspcli.motion.paths.between import least_clearances, least_gaps

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.geometry.coordinates import coordinates, moved
-from gspcli.geometry.drives import Drives, arms_of
 from gspcli.geometry.frames import PoseFrame
+from gspcli.geometry.machine import Machine, arms_of
 from gspcli.geometry.readings import without_corrections
 from gspcli.motion.following.moving_geometry import MovingGeometry
 from gspcli.motion.following.tracks import Track
@@ -79,7 +79,7 @@ def moves_by_drives(track: Track) -> bool:
     instance = track.instance
     if not track.coordinates:
         return False
-    drives = Drives.of(instance)
+    drives = Machine.of(instance)
     rods = track.values[:, drives.driven] - drives.rods[drives.driven]
     return bool((np.abs(rods) <= _SAME * np.abs(drives.rods[drives.driven])).all())
 
@@ -149,7 +149,7 @@ def _of_drives(track: Track, k: int, there: NDArray[np.int64]) -> PathRows:
     """Return the rows of one mode of a track of drives."""
     instance = without_corrections(track.instance)
     R, T = track.R[k, there], track.T[k, there]
-    drives = Drives.of(instance)
+    drives = Machine.of(instance)
     numbers = drive_rows(track, drives)[there]
     # Where no home is stated the knees are those of the mode.
     gains = drives.gains(R[0], T[0], numbers[0])

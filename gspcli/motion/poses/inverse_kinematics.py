@@ -12,8 +12,8 @@ from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.checking import real_array
 from gspcli.geometry.coordinates import Coordinate, coordinates
-from gspcli.geometry.drives import Drives
 from gspcli.geometry.instance import Instance
+from gspcli.geometry.machine import Machine
 from gspcli.geometry.measurement import measured
 from gspcli.geometry.readings import readings_of
 
@@ -131,11 +131,11 @@ def checked_poses(R: Any, T: Any = None) -> tuple[Array, Array]:
 
 def drive_values(
     instance: Instance, R: ArrayLike, T: ArrayLike, *, along: bool = True
-) -> tuple[Drives, Array]:
+) -> tuple[Machine, Array]:
     """Return the drives of an instance and their numbers at poses, in lengths and radians.
 
     A crank or slide reaches a pose with two numbers. The knee of the stated home pose chooses one
-    of them (`gspcli.geometry.drives`). Without a stated home it is the knee of the first pose that
+    of them (`gspcli.geometry.machine`). Without a stated home it is the knee of the first pose that
     the drive reaches if poses are a path; otherwise at each pose the number nearer to zero.
 
     Parameters
@@ -162,7 +162,7 @@ def drive_values(
     """
     rotations, translations = checked_poses(R, T)
     rotations, translations = rotations.reshape(-1, 3, 3), translations.reshape(-1, 3)
-    drives = Drives.of(instance)
+    drives = Machine.of(instance)
     if along or drives.home_knees is not None:
         q = drives.inverse(rotations, translations)
     else:
@@ -175,13 +175,13 @@ def drive_values(
     return drives, q
 
 
-def changed_value(drives: Drives, k: int, value: float) -> str:
+def changed_value(drives: Machine, k: int, value: float) -> str:
     """Return in words that a value that stays is another one at a pose."""
     stated = drives.instance.constraints[k].value.value
     return f"value {k + 1} is {value:.6g} and stays at {stated:.6g}"
 
 
-def refusals(drives: Drives, R: Array, T: Array, q: Array) -> dict[int, str]:
+def refusals(drives: Machine, R: Array, T: Array, q: Array) -> dict[int, str]:
     """Return why a machine cannot take poses, by their rows.
 
     Parameters

@@ -27,15 +27,15 @@ from gspcli.certification.poses.multiple import nearly_parallel
 from gspcli.errors import ArgumentError
 from gspcli.geometry.checking import value_range
 from gspcli.geometry.coordinates import BODIES, coordinates
-from gspcli.geometry.drives import Drives, is_driven
 from gspcli.geometry.instance import Instance
+from gspcli.geometry.machine import Machine, is_driven
 from gspcli.geometry.readings import readings_of
 from gspcli.geometry.residuals import condition_numbers
 from gspcli.motion.following.branch_follower import MovingPlatform, Stop, apart, over_rows
 from gspcli.motion.following.followed_rows import FollowedMode, RowFollower
 from gspcli.motion.following.trajectories import track_from
 from gspcli.motion.poses.inverse_kinematics import checked_poses, drive_values, measure, values_at
-from gspcli.motion.singularities.neighbourhoods import DrivenNeighbourhood, Neighbourhood
+from gspcli.motion.singularities.neighbourhoods import MachineNeighbourhood, Neighbourhood
 from gspcli.motion.singularities.pose_clearances import PoseClearance, pose_clearance
 from gspcli.progress import Progress, silent
 from gspcli.records import EqualByContent, dataclass
@@ -88,7 +88,7 @@ def drive_weights(instance: Instance) -> tuple[Array, bool]:
 
     Also whether they are half the ranges; otherwise they are one in the unit of each drive.
     """
-    drives = Drives.of(instance)
+    drives = Machine.of(instance)
     half = (drives.high - drives.low) / 2
     ranged = bool(np.isfinite(half).all() and (half > 0).all())
     return (half if ranged else drives.units.copy()), ranged
@@ -175,7 +175,7 @@ def drive_clearances(
     knees
         The signs of the gains, shape (6,) or (n, 6), instead of those of the home pose.
     """
-    drives = Drives.of(instance)
+    drives = Machine.of(instance)
     units = drive_weights(instance)[0] if weights is None else np.asarray(weights, float)
     if units.shape != (drives.count,) or not (np.isfinite(units) & (units > 0)).all():
         message = f"found {units.tolist()}, expected {drives.count} positive numbers"
@@ -187,12 +187,12 @@ def drive_clearances(
 
 
 def _proved(
-    drives: Drives, R: Array, T: Array, units: Array, knees: NDArray[np.int64] | None = None
+    drives: Machine, R: Array, T: Array, units: Array, knees: NDArray[np.int64] | None = None
 ) -> tuple[float, float]:
     q = drives.inverse(R, T, knees)
     if np.isnan(q).any():
         return 0.0, 0.0
-    near = DrivenNeighbourhood(drives, R, T, q)
+    near = MachineNeighbourhood(drives, R, T, q)
     # Constraints that share a drive move together; it is proved for all their changes.
     widths = near.widths(units[drives.index])[None]
 
@@ -319,7 +319,7 @@ def each_drive_clearance(
     progress
         Receives each pose that is done.
     """
-    drives, units = Drives.of(instance), drive_weights(instance)[0]
+    drives, units = Machine.of(instance), drive_weights(instance)[0]
     # On the lines values that stay do so.
     stay = set(drives.index[drives.stays].tolist())
     corners = product(*((0.0,) if k in stay else (1.0, -1.0) for k in range(drives.count)))
@@ -420,7 +420,7 @@ class _DriveLines(_Lines):
         As for `_Lines`.
     """
 
-    def __init__(self, drives: Drives, start: Array, ways: Array, R: Array, T: Array) -> None:
+    def __init__(self, drives: Machine, start: Array, ways: Array, R: Array, T: Array) -> None:
         super().__init__(drives.instance, start, ways, R, T)
         self.drives, self.moved = drives, np.flatnonzero(drives.moved).tolist()
         owners = {(one.name, one.body): one for one in coordinates(drives.instance)}
@@ -701,7 +701,7 @@ def _row(instance: Instance, of: str, found: Clearance | PoseClearance) -> dict[
 
 def _of_drives(instance: Instance, found: Clearance) -> dict[str, Any]:
     """Return the bounds of the clearance of one pose in its drives."""
-    drives = Drives.of(instance)
+    drives = Machine.of(instance)
     q, R, T = (
         None if part is None else part.tolist() for part in (found.numbers, found.R, found.T)
     )

@@ -33,8 +33,8 @@ from numpy.typing import NDArray
 from gspcli.certification.branches.moved_quadrics import moved_quadric
 from gspcli.certification.branches.parametric_quadrics import Shape, ValueFunction
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.drives import Drives
 from gspcli.geometry.enclosures import OUT, ROUND, Enclosure, Jet, Matrix, size, spectral_norm
+from gspcli.geometry.machine import Machine
 from gspcli.motion.following.branch_follower import MovingPlatform, apart
 from gspcli.motion.poses.inverse_kinematics import values_at
 from gspcli.records import dataclass
@@ -368,7 +368,7 @@ class Norm:
         )
 
 
-class DrivenNeighbourhood(Neighbourhood):
+class MachineNeighbourhood(Neighbourhood):
     """The equations near one pose, with the drives that its poses have: cranks and slides.
 
     Of a constraint with a crank or a slide the quadric moves, and its value does not: when its
@@ -392,7 +392,7 @@ class DrivenNeighbourhood(Neighbourhood):
         The numbers of the drives there, shape (m,).
     """
 
-    def __init__(self, drives: Drives, R: Array, T: Array, q: Array) -> None:
+    def __init__(self, drives: Machine, R: Array, T: Array, q: Array) -> None:
         drives.refuse_planes("the clearance")
         placed = apart(drives.instance_at(q))
         platform = MovingPlatform(placed)
@@ -478,13 +478,13 @@ class DrivenNeighbourhood(Neighbourhood):
         return first * cosine + second * Enclosure(np.zeros((*d.shape, 1)), d)
 
 
-def _of_values(platform: MovingPlatform, drives: Drives) -> Array:
+def _of_values(platform: MovingPlatform, drives: Machine) -> Array:
     """Return the internal widths of widths of driven values, lengths and radians, shape (6,)."""
     units = drives.units[drives.index]
     return platform.internal(np.ones(6)) / units
 
 
-def _derivatives(drives: Drives, platform: MovingPlatform, q: Array) -> tuple[Array, Array]:
+def _derivatives(drives: Machine, platform: MovingPlatform, q: Array) -> tuple[Array, Array]:
     """Return the first and second derivatives of the quadrics by the numbers of their drives."""
     first, second = np.zeros((2, 6, 8, 8))
     scale = platform.scale

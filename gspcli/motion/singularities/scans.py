@@ -17,8 +17,8 @@ from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.checking import wrong_value
 from gspcli.geometry.coordinates import choose, drive_corrections, moved
-from gspcli.geometry.drives import Drives, is_driven
 from gspcli.geometry.instance import Instance, Side
+from gspcli.geometry.machine import Machine, is_driven
 from gspcli.geometry.measurement import jacobian
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.printed_numbers import printed_conditions
@@ -377,7 +377,7 @@ class ScanRows:
         if not self._chosen or not len(R):
             return clearances(self.instance, R, T, weights=range_weights(self.instance))
         machine = self._machine(row)
-        drives = Drives.of(machine)
+        drives = Machine.of(machine)
         q = np.zeros(drives.count)
         at = [drives.names.index(one.name) for one in self._chosen]
         q[at] = row[len(self._values) :] * drives.units[at]
@@ -571,7 +571,7 @@ def axis_of(instance: Instance, name: int | str, values: Sequence[float]) -> Axi
 
 def drive_names(instance: Instance) -> list[str]:
     """Return the names of the cranks and slides of an instance."""
-    drives = Drives.of(instance)
+    drives = Machine.of(instance)
     return [name for name, moves in zip(drives.names, drives.moved, strict=True) if moves]
 
 

@@ -4,9 +4,10 @@ A twist is (omega, v): the angular velocity, in radians, and the velocity of a s
 the axes of the base. A wrench is (force, moment) about that point. All functions take leading batch
 axes.
 
-With J t = D q' (`gspcli.geometry.drives`) a force F in the constraints needs the loads ``D^T F`` of
-the drives; of values D is the identity. Springs of drives and of rods are in series: the rods give
-by ``C = D k_q^-1 D^T + k_r^-1`` times F, so that the stiffness of the platform is ``J^T C^-1 J``.
+With J t = D q' (`gspcli.geometry.machine`) a force F in the constraints needs the loads ``D^T F``
+of the drives; of values D is the identity. Springs of drives and of rods are in series: the rods
+give by ``C = D k_q^-1 D^T + k_r^-1`` times F, so that the stiffness of the platform is
+``J^T C^-1 J``.
 It is finite at a dead point if the rods give. An error dq of the drives and dL of the rods moves
 the platform by ``J^-1 (dL + D dq)``.
 """
@@ -20,8 +21,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.drives import Drives
 from gspcli.geometry.instance import Instance
+from gspcli.geometry.machine import Machine
 from gspcli.geometry.measurement import value_slopes
 from gspcli.geometry.quaternions import apply, cross
 from gspcli.geometry.residuals import condition_numbers, without_derivative
@@ -67,7 +68,7 @@ class Wrenches:
     length: float
     jacobian: Array
     arrangement: Arrangement
-    drives: Drives
+    drives: Machine
     q: Array
 
     @cached_property
@@ -266,7 +267,7 @@ def wrenches(
     *,
     point: ArrayLike | None = None,
     length: float | None = None,
-    drives: Drives | None = None,
+    drives: Machine | None = None,
     q: Array | None = None,
 ) -> Wrenches:
     """Return the constraints at poses as wrenches.
@@ -296,7 +297,7 @@ def wrenches(
     """
     R, T = np.asarray(R, float), np.asarray(T, float)
     if drives is None or q is None:
-        drives = Drives.of(instance)
+        drives = Machine.of(instance)
         q = drives.stated(R, T)
     arrangement = drives.arrangement(q)
     if length is None:

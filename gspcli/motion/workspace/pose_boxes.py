@@ -13,10 +13,10 @@ from gspcli import _kernel
 from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.checking import value_range
-from gspcli.geometry.drives import Drives, driven_points, is_driven
 from gspcli.geometry.euler import check_sequence, rotation_from_euler
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.limits import joint_cones, out_of_range
+from gspcli.geometry.machine import Machine, driven_points, is_driven
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.quaternions import apply, quaternion_from_rotation, rotation_from_quaternion
 from gspcli.motion.collisions.compared import ComparedShapes
@@ -361,7 +361,7 @@ def _with_room(instance: Instance) -> tuple[Instance, int]:
 
     Also returned are the bits of these values.
     """
-    drives, rows = Drives.of(instance), list(instance.constraints)
+    drives, rows = Machine.of(instance), list(instance.constraints)
     room = _SAME * Arrangement.of(instance).length, _SAME / instance.units.angle.in_radians
     fixed = np.flatnonzero(drives.fixed).tolist()
     for k in fixed:
@@ -416,7 +416,7 @@ class DrivenBoxes:
         # Ball arithmetic takes long to import; it is needed for proofs of boxes only.
         from gspcli.certification.numbers.limit_balls import drive_balls
 
-        self.drives = drives = Drives.of(instance)
+        self.drives = drives = Machine.of(instance)
         drives.refuse_planes("the reach")
         self.rows: list[int] = np.flatnonzero(drives.driven).tolist()
         self.balls = drive_balls(instance, quaternion.tolist(), pivot.tolist(), knees.tolist())
@@ -515,7 +515,7 @@ def knees_of(
         If a drive does not reach the pose, or reaches it at two numbers equally near to the stated
         point.
     """
-    drives = Drives.of(instance)
+    drives = Machine.of(instance)
     stated = drives.home_knees
     if stated is not None:
         return stated
@@ -524,7 +524,7 @@ def knees_of(
     return drives.knees(R, np.asarray(T, float), "home")
 
 
-def _drive_name(drives: Drives, constraint: int) -> str:
+def _drive_name(drives: Machine, constraint: int) -> str:
     name: str = drives.names[drives.index[constraint]]
     return name.replace(".", " ")
 

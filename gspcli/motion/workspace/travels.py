@@ -9,7 +9,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.drives import Drives, is_driven
 from gspcli.geometry.euler import rotation_from_euler
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.limits import (
@@ -19,6 +18,7 @@ from gspcli.geometry.limits import (
     out_of_range,
     tilts,
 )
+from gspcli.geometry.machine import Machine, is_driven
 from gspcli.geometry.readings import readings_of
 from gspcli.motion.collisions.compared import ComparedShapes
 from gspcli.motion.poses.inverse_kinematics import changed_value, values_at
@@ -202,7 +202,7 @@ def violations(instance: Instance, R: Array, T: Array, knees: ArrayLike | None =
     found: list[str] = []
     moved = np.zeros(6, bool)
     if is_driven(instance):
-        drives = Drives.of(instance)
+        drives = Machine.of(instance)
         signs = knees_of(instance, R, T) if knees is None else np.asarray(knees)
         found += _of_drives(drives, signs, R, T)
         q = drives.inverse(R, T, signs)
@@ -230,7 +230,7 @@ def violations(instance: Instance, R: Array, T: Array, knees: ArrayLike | None =
     return found
 
 
-def _of_drives(drives: Drives, knees: NDArray[np.int64], R: Array, T: Array) -> Iterator[str]:
+def _of_drives(drives: Machine, knees: NDArray[np.int64], R: Array, T: Array) -> Iterator[str]:
     """Yield drives out of reach or range at a pose, and values that stay and do not, in words."""
     wanted = drives.wanted(R, T, knees)
     for k in np.flatnonzero(drives.driven).tolist():

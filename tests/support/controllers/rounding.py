@@ -14,8 +14,8 @@ from flint import arb
 from numpy.typing import NDArray
 
 from gspcli.certification.numbers.balls import cross, dot
-from gspcli.geometry.drives import driven_points
 from gspcli.geometry.instance import AngleUnit, Instance
+from gspcli.geometry.machine import driven_points
 from gspcli.motion.following.platform_numbers import PlatformNumbers
 
 Array = NDArray[np.float64]

@@ -13,7 +13,7 @@ from gspcli.calibration.judging import likely_cause
 from gspcli.calibration.measurements import Measurements, Noise, constant_rods, value_rows
 from gspcli.calibration.model import Model, calibrated, file_numbers
 from gspcli.errors import ArgumentError
-from gspcli.geometry.drives import Drives
+from gspcli.geometry.machine import Machine
 from gspcli.geometry.measurement import measured
 from tests.support.driven_machines import driven
 from tests.support.driven_measurements import SIGMA, noisy, reached, wrong_machine
@@ -227,8 +227,8 @@ def test_scales_and_zeros_of_rails():
     again = gspcli.loads(calibrated_text(found))
     assert again.constraints == found.instance.constraints
     assert again.constraints[0].base.slide.scale.value == pytest.approx(numbers[names[1]])
-    values = Drives.of(again).inverse(R, T)
-    assert np.abs(Drives.of(again).readings(values) - readings).max() < 1e-8
+    values = Machine.of(again).inverse(R, T)
+    assert np.abs(Machine.of(again).readings(values) - readings).max() < 1e-8
     kept = gspcli.calibrate(again, legs, R, T, drives=readings)
     assert kept.instance.constraints[0].base.slide.scale == again.constraints[0].base.slide.scale
     with pytest.raises(gspcli.GspError, match="do not determine"):

@@ -12,8 +12,8 @@ from gspcli.calibration.model import Model
 from gspcli.calibration.planning import candidates, d_optimal, planned, told_by
 from gspcli.errors import ArgumentError, IncompleteError
 from gspcli.geometry.coordinates import coordinates, moved
-from gspcli.geometry.drives import Drives
 from gspcli.geometry.limits import within_limits
+from gspcli.geometry.machine import Machine
 from gspcli.motion.poses.inverse_kinematics import values_at
 from gspcli.resources import data_path
 
@@ -81,7 +81,7 @@ def test_cranks_drive_a_rotary_machine():
     plan = planned(machine, 16, *home, sigma=sigma)
     chosen = tuple(one for one in coordinates(machine) if one.vector == "crank")
     assert plan.drive_names == tuple(f"crank.{one.primitive}" for one in chosen)
-    drives = Drives.of(machine)
+    drives = Machine.of(machine)
     assert (np.deg2rad(plan.drives) >= drives.low - 1e-9).all()
     assert (np.deg2rad(plan.drives) <= drives.high + 1e-9).all()
     assert np.abs(plan.drives).max() > 20

@@ -10,7 +10,7 @@ import pytest
 import gspcli
 from gspcli.dynamics import inverse_dynamics, natural_modes
 from gspcli.dynamics.arrays import RowError
-from gspcli.geometry.drives import Drives
+from gspcli.geometry.machine import Machine
 from gspcli.geometry.masses import Carriage
 from gspcli.geometry.numbers import Number
 from tests.support.driven_machines import (
@@ -36,7 +36,7 @@ def test_forces_of_rods_without_mass_give_the_torques(case):
     instance, R, T, q, _ = case
     bare = replace(instance.dynamics, legs=(), arms=(), carriages=(), drives=gspcli.Drives())
     found = inverse_dynamics(replace(instance, dynamics=bare), R, T)
-    drives = Drives.of(instance)
+    drives = Machine.of(instance)
     D = drives.matrix(drives.gains(R, T, q))
     assert np.allclose(found.torques[0], found.forces[0] @ D, rtol=1e-12)
     J = drives.jacobian(R, T, q)
@@ -48,7 +48,7 @@ def test_forces_of_rods_without_mass_give_the_torques(case):
 
 def test_drives_at_given_numbers_are_those_of_the_pose(case):
     instance, R, T, q, _ = case
-    drives = Drives.of(instance)
+    drives = Machine.of(instance)
     given = inverse_dynamics(instance, R, T, drives=q / drives.units)
     assert np.allclose(given.torques, inverse_dynamics(instance, R, T).torques, rtol=1e-9)
     other = (
@@ -81,7 +81,7 @@ def test_slides_under_planes_lift_a_bed():
         print_bed(),
         dynamics=gspcli.Dynamics(gspcli.RigidBody(2, [30, 40, 20], [1e4] * 3 + [0] * 3)),
     )
-    drives, R, T = Drives.of(bed), np.eye(3), np.zeros(3)
+    drives, R, T = Machine.of(bed), np.eye(3), np.zeros(3)
     found = inverse_dynamics(bed, R, T)
     J, D = drives.jacobian(R, T, np.zeros(3)), drives.matrix(drives.gains(R, T, np.zeros(3)))
     lifts = np.linalg.solve(J, D)
@@ -94,7 +94,7 @@ def test_a_hand_computed_crank():
     """A mass of 1 kg on an arm of 0.1 m that stands out level: the motor holds m g c."""
     instance = driven("reachy-mini-head")
     weighs = weighed(instance, np.random.default_rng(1)).dynamics
-    drives = Drives.of(instance)
+    drives = Machine.of(instance)
     home = instance.home
     T = np.array([x.value for x in home.position])
     with_arm, without = (
@@ -115,7 +115,7 @@ def test_a_pose_out_of_reach_and_a_dead_point_name_the_drive():
     with pytest.raises(RowError, match=r"row 2: the leg of slide\.B1 does not reach"):
         inverse_dynamics(instance, np.tile(np.eye(3), (2, 1, 1)), far)
     # Where the rod is across its rail the carriage cannot push.
-    drives = Drives.of(instance)
+    drives = Machine.of(instance)
     rod = drives.rods[0]
     rail = drives.beside[0]
     across = np.cross(rail, [1.0, 0.3, 0.2])
@@ -158,7 +158,7 @@ def test_modes_of_the_file_have_their_drives_at_zero():
 def test_what_is_told_of_torques():
     instance = weighed(driven("mixed"), np.random.default_rng(1))
     found = inverse_dynamics(instance, np.eye(3), [0, 0, 0.6])
-    names = Drives.of(instance).names
+    names = Machine.of(instance).names
     assert found.torque_units == ("N m", "N m", "N m", "N m", "N", "N")
     assert list(found.to_frame().columns) == [
         *("t", "F1", "F2", "F3", "F4", "F5", "F6"),
@@ -183,7 +183,7 @@ def test_what_is_told_of_torques():
 def test_a_crank_in_line_with_its_rod_is_at_a_dead_point():
     """The error of the gain there is the root of the rounding error, 2e-8 and more."""
     instance = weighed(driven("reachy-mini-head"), np.random.default_rng(1))
-    drives = Drives.of(instance)
+    drives = Machine.of(instance)
     first, *others = instance.constraints
     # Legs have motors if they have ranges.
     reach = (Number.of(0), Number.of(10))

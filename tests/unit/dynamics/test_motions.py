@@ -17,7 +17,7 @@ from gspcli.geometry.primitives import Plane, Point
 from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.motion import measure
 from tests.support.masses import random_platform
-from tests.unit.dynamics.test_drive_forces import hexapod
+from tests.unit.dynamics.test_forces import hexapod
 
 START = np.eye(3), np.array([0, 0, 150.0])
 

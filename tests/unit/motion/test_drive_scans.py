@@ -11,8 +11,8 @@ import gspcli
 from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.coordinates import choose, moved
-from gspcli.geometry.drives import Drives
 from gspcli.geometry.instance import HomePose
+from gspcli.geometry.machine import Machine
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.residuals import condition_numbers
 from gspcli.motion.files.pose_files import PoseFormat
@@ -50,7 +50,7 @@ def test_nodes_are_solved_with_the_joints_moved(name, drive):
 
 def test_a_motor_and_a_value_vary_together():
     machine = driven("mixed")
-    free = int(np.flatnonzero(~Drives.of(machine).driven)[0])
+    free = int(np.flatnonzero(~Machine.of(machine).driven)[0])
     value = machine.constraints[free].value.value
     found = scan(machine, {"crank.P1": [0.0, 30.0], free + 1: [value, 1.02 * value]})
     assert found.names == ["crank.P1", str(free + 1)]
@@ -169,7 +169,7 @@ def test_folds_are_told_as_readings():
 def test_the_clearance_of_a_node_is_the_least_of_its_modes(name, drive, places):
     machine = driven(name)
     found = scan(machine, {drive: places}, clearance=True)
-    drives = Drives.of(machine)
+    drives = Machine.of(machine)
     for place, clearance in zip(places, found.found.clearances, strict=True):
         readings = np.zeros(drives.count)
         readings[drives.names.index(drive)] = place
@@ -218,7 +218,7 @@ def test_determinants_at_poses_are_those_of_the_moved_joints():
     )
     assert np.isnan(found.determinants[0])
     assert found.singular == {}
-    drives = Drives.of(machine)
+    drives = Machine.of(machine)
     for k, x in ((1, 0.0), (2, 0.01)):
         R, T = np.eye(3), np.array([x, 0, z + 0.005])
         there = drives.instance_at(drives.inverse(R, T))

@@ -23,8 +23,8 @@ from gspcli.certification.numbers.doubled import ERROR, SINE_ERROR, SineNumbers
 from gspcli.certification.numbers.rounding import COMPLEX, ISOLATED, REAL, ROUNDED, ROUNDING
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.coordinates import choose, moved
-from gspcli.geometry.drives import Drives, driven_points
 from gspcli.geometry.instance import Instance
+from gspcli.geometry.machine import Machine, driven_points
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Crank, as_array
 from gspcli.geometry.quaternions import rotation_from_vector
@@ -211,7 +211,7 @@ def found_of(name: str) -> dict:
 @pytest.mark.parametrize("name", MACHINES)
 def test_joints_anywhere_are_in_the_plane_or_on_the_line_of_their_motor(name: str) -> None:
     instance = machine(name)
-    family, drives = anywhere(instance), Drives.of(instance)
+    family, drives = anywhere(instance), Machine.of(instance)
     stated = Arrangement.of(instance)
     moved = Arrangement.of(family)
     assert not any(row.base.drive for row in family.constraints)
@@ -228,7 +228,7 @@ def test_joints_anywhere_are_in_the_plane_or_on_the_line_of_their_motor(name: st
 
 def test_joints_of_one_motor_are_moved_alike() -> None:
     instance = machine("delta")
-    family, drives = anywhere(instance), Drives.of(instance)
+    family, drives = anywhere(instance), Machine.of(instance)
     for k in range(drives.count):
         one, two = drives.users(k)
         first, second = (as_array(family.constraints[i].base.position) for i in (one, two))
@@ -238,7 +238,7 @@ def test_joints_of_one_motor_are_moved_alike() -> None:
 
 def test_motors_that_are_held_leave_their_joints() -> None:
     instance = machine("t-top-head")
-    names = Drives.of(instance).names
+    names = Machine.of(instance).names
     family = anywhere(instance, frozenset(names[1:]))
     same = [
         a.base.position == b.base.position
@@ -295,7 +295,7 @@ def test_machines_without_motors_on_joints_have_none_of_it() -> None:
 @pytest.mark.parametrize("name", ["delta", "hexaglide"])
 def test_circles_are_those_of_the_drives_with_more_digits(name: str) -> None:
     instance = machine(name)
-    drives = Drives.of(instance)
+    drives = Machine.of(instance)
     row = instance.constraints[2]
     (one,) = driven_points(row)
     found = _circle(one, 2.0)
@@ -313,7 +313,7 @@ def test_circles_are_those_of_the_drives_with_more_digits(name: str) -> None:
 
 def test_each_rod_gets_a_motor_of_its_own() -> None:
     alone = apart(machine("delta"))
-    drives = Drives.of(alone)
+    drives = Machine.of(alone)
     assert drives.count == 6
     assert np.isinf(drives.low).all()
 

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 import gspcli
-from gspcli.geometry.drives import Drives
 from gspcli.geometry.instance import Shapes
+from gspcli.geometry.machine import Machine
 from gspcli.geometry.numbers import Number
 from gspcli.pictures.page import page
 from gspcli.pictures.scene import Scene, StrokeStyle
@@ -164,7 +164,7 @@ def test_arms_are_as_thick_as_stated() -> None:
 @pytest.mark.parametrize("name", ["reachy-mini-head", "mixed"])
 def test_rods_keep_their_lengths_along_poses_and_arms_end_at_their_joints(name) -> None:
     instance = driven(name)
-    drives, rng = Drives.of(instance), np.random.default_rng(1)
+    drives, rng = Machine.of(instance), np.random.default_rng(1)
     poses = [some_pose(instance, rng, spread=0.05)[:2] for _ in range(4)]
     R, T = (np.array(part) for part in zip(*poses, strict=True))
     scene = scene_of(gspcli.solve(instance), [Poses("Trajectory", "t", R, T)])
@@ -195,7 +195,7 @@ def test_rods_keep_their_lengths_along_poses_and_arms_end_at_their_joints(name) 
 
 def test_in_modes_the_arms_are_where_the_file_states_them() -> None:
     instance = driven("reachy-mini-head")
-    drives = Drives.of(instance)
+    drives = Machine.of(instance)
     modes = scene_of(gspcli.solve(instance)).series[0]
     for k, strokes in enumerate(modes.strokes):
         assert np.allclose(

@@ -11,8 +11,8 @@ import pytest
 
 import gspcli
 from gspcli.errors import ArgumentError, NotFiniteError
-from gspcli.geometry.drives import Drives
 from gspcli.geometry.euler import rotation_from_euler
+from gspcli.geometry.machine import Machine
 from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.motion import measure
 from gspcli.motion.singularities.scans import Axis, boundary, scan_grid
@@ -339,7 +339,7 @@ def test_a_point_and_a_line_tell_modes_apart():
 def test_rails_and_arms_move_and_rods_stay(name):
     """Each row is the machine with its joints moved: solving that gives the same modes."""
     machine = driven(name)
-    drives = Drives.of(machine)
+    drives = Machine.of(machine)
     home = gspcli.solve(machine).home
     q = drives.nearest(home.R, home.T)
     rows = np.tile([float(row.value.value) for row in machine.constraints], (2, 1))

@@ -21,11 +21,11 @@ from gspcli.cli.commands.solve import _complain
 from gspcli.errors import GspError, IncompleteError, SpecError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.building import hexapod
-from gspcli.geometry.drives import Drives
 from gspcli.geometry.euler import rotation_from_euler
 from gspcli.geometry.expressed_instances import expressed_instance
 from gspcli.geometry.frames import PoseFrame
 from gspcli.geometry.instance import AngleUnit, Frame, Frames, Shapes, Side
+from gspcli.geometry.machine import Machine
 from gspcli.geometry.measurement import measured
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Line, Plane, Point
@@ -691,7 +691,7 @@ def test_machines_are_at_home_with_all_drives_at_zero(name):
     reading = read_text(motor_file(sort, words.split()))
     assert not reading.warnings
     instance = reading.instance
-    drives = Drives.of(instance)
+    drives = Machine.of(instance)
     assert drives.count == count
     R, T = instance.home.R(1.0), instance.home.T
     q = drives.inverse(R, T)
@@ -706,7 +706,7 @@ def test_machines_are_at_home_with_all_drives_at_zero(name):
 
 def test_the_numbers_are_those_of_the_drawing():
     instance = read_text(motor_file("rotary", MACHINES["raised arms"][1].split())).instance
-    drives = Drives.of(instance)
+    drives = Machine.of(instance)
     points = drives.points(np.zeros(6))
     np.testing.assert_allclose(drives.arms, 24)
     np.testing.assert_allclose(drives.rods, 130)
@@ -724,7 +724,7 @@ def test_the_numbers_are_those_of_the_drawing():
 
 def test_rods_of_a_pair_of_a_delta_are_parallel_and_share_a_carriage():
     instance = read_text(motor_file("linear", MACHINES["delta"][1].split())).instance
-    drives = Drives.of(instance)
+    drives = Machine.of(instance)
     _, _, r = drives.ends(np.eye(3), instance.home.T, np.zeros(3))
     for k in range(3):
         first, second = drives.users(k)

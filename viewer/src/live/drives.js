@@ -1,5 +1,5 @@
 // Cranks and slides: where they bring a point of their body, and what is drawn of arm and rail
-// (gspcli/geometry/drives.py, gspcli/pictures/arms.py).
+// (gspcli/geometry/machine.py, gspcli/pictures/arms.py).
 import { turned } from "./rotations.js";
 import { add, times } from "./vectors.js";
 

@@ -9,10 +9,10 @@ import pytest
 
 import gspcli
 from gspcli.errors import ArgumentError, SpecError
-from gspcli.geometry.drives import Drives
 from gspcli.geometry.expressed_instances import expressed_instance
 from gspcli.geometry.frames import PoseFrame
 from gspcli.geometry.instance import Instance, Shapes
+from gspcli.geometry.machine import Machine
 from gspcli.motion.collisions.compared import ComparedShapes
 from gspcli.motion.paths.motors import Motors
 from tests.support.independent_machines import upside_down
@@ -57,7 +57,7 @@ def sampled_distance(a: np.ndarray, b: np.ndarray, c: np.ndarray, d: np.ndarray)
 def test_an_arm_leads_from_the_axis_to_the_point() -> None:
     instance, R, T = armed("t-top-head")
     compared = ComparedShapes(instance)
-    drives = Drives.of(instance)
+    drives = Machine.of(instance)
     R, T = poses_near(R, T, 4, 0.01, 0.1, 3)
     q = Motors(instance).numbers(R, T)
     found = compared.gaps(R, T, q)
@@ -91,7 +91,7 @@ def test_what_is_joined_is_compared_beyond_the_joint() -> None:
     compared = ComparedShapes(instance)
     k = names.index("leg 1 and the arm of B1")
     gap = compared.gaps(R[None], T[None])[0, k]
-    drives = Drives.of(instance)
+    drives = Machine.of(instance)
     b, _, r = drives.ends(R, T, np.zeros(6))
     out = drives.middle[0] - b[0]
     along, out = r[0] / np.linalg.norm(r[0]), out / np.linalg.norm(out)

@@ -8,8 +8,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from gspcli.geometry.drives import Drives
 from gspcli.geometry.instance import Instance, Shapes
+from gspcli.geometry.machine import Machine
 from gspcli.motion.collisions.compared import ComparedShapes
 from gspcli.motion.paths.api import path
 from gspcli.motion.paths.ends import PathEnd
@@ -22,7 +22,7 @@ from gspcli.solver import solve
 from gspcli.spec.reading import example
 
 #: Of the machine: the length of its rods.
-SIZE = Drives.of(example("reachy-mini-head")).rods.max()
+SIZE = Machine.of(example("reachy-mini-head")).rods.max()
 
 
 def thick_machine() -> tuple[Instance, np.ndarray, np.ndarray, float]:

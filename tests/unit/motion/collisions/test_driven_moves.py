@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from gspcli.geometry.drives import Drives
 from gspcli.geometry.instance import Instance, Shapes
+from gspcli.geometry.machine import Machine
 from gspcli.motion.collisions.compared import ComparedShapes, point_moves, slips_near
 from gspcli.motion.poses.inverse_kinematics import drive_values
 from gspcli.solver import solve
@@ -37,7 +37,7 @@ def reached(
 @pytest.mark.parametrize("move", [1e-2, 1e-5])
 def test_points_and_gaps_change_no_more_than_is_proved(name: str, move: float) -> None:
     instance, R0, T0 = at_home(name)
-    drives = Drives.of(instance)
+    drives = Machine.of(instance)
     size = float(drives.rods[drives.driven].max())
     instance = replace(instance, shapes=Shapes(size / 50, near_joint=size / 10))
     compared = ComparedShapes(instance)
@@ -70,7 +70,7 @@ def test_points_and_gaps_change_no_more_than_is_proved(name: str, move: float) -
 
 def test_nothing_is_proved_where_a_rod_may_not_reach() -> None:
     instance, R, T = at_home("reachy-mini-head")
-    drives = Drives.of(instance)
+    drives = Machine.of(instance)
     q = drive_values(instance, R[None], T[None])[1]
     far = np.full((1, 6), float(drives.arms.max()) * 10)
     assert np.isinf(point_moves(drives, R[None], T[None], q, far)).all()
@@ -78,7 +78,7 @@ def test_nothing_is_proved_where_a_rod_may_not_reach() -> None:
 
 def test_values_move_no_points() -> None:
     instance, R, T = at_home("three-prs")
-    drives = Drives.of(instance)
+    drives = Machine.of(instance)
     q = drive_values(instance, R[None], T[None])[1]
     found = point_moves(drives, R[None], T[None], q, np.full((1, 6), 1e-3))
     assert (found[0][~drives.driven] == 0).all()
@@ -88,7 +88,7 @@ def test_values_move_no_points() -> None:
 def test_the_wrong_knee_is_not_proved() -> None:
     """Of the other number of a crank the length passes its value in the other direction."""
     instance, R, T = at_home("reachy-mini-head")
-    drives = Drives.of(instance)
+    drives = Machine.of(instance)
     q = drive_values(instance, R[None], T[None])[1]
     moves = np.full((1, 6), 1e-4 * float(drives.arms.max()))
     assert np.isfinite(point_moves(drives, R[None], T[None], q, moves)).all()
@@ -101,7 +101,7 @@ def test_the_wrong_knee_is_not_proved() -> None:
 def test_points_near_dead_points_move_no_more_than_is_proved(name: str) -> None:
     """The platform moves straight, so all joints move as far; some rods then do not reach."""
     instance, R0, T0 = at_home(name)
-    drives = Drives.of(instance)
+    drives = Machine.of(instance)
     knees = drives.knees(R0, T0)
     size = float(drives.rods.max())
     R, T = poses_near(R0, T0, 400, 0.6 * size, 1.2, 4)
@@ -129,7 +129,7 @@ def test_points_near_dead_points_move_no_more_than_is_proved(name: str) -> None:
 
 def test_points_move_with_the_turn_of_the_platform() -> None:
     instance, R0, T0 = at_home("reachy-mini-head")
-    drives, turn = Drives.of(instance), 1e-3
+    drives, turn = Machine.of(instance), 1e-3
     R, T = poses_near(R0, T0, 200, 0.0, turn, 6)
     start = R0[None], T0[None], drives.inverse(R0[None], T0[None])
     found = slips_near(drives, *start, np.zeros(1), np.full(1, turn), np.zeros(3))[0]

@@ -9,7 +9,7 @@ import pytest
 
 import gspcli
 from gspcli.export.controller.writing import controller
-from gspcli.geometry.drives import Drives
+from gspcli.geometry.machine import Machine
 from gspcli.motion import FollowerStatus
 from gspcli.motion.following.platform_numbers import platform_numbers
 from tests.support.driven_machines import driven, some_pose
@@ -28,7 +28,7 @@ def swapped(instance):
 def test_a_step_reaches_the_pose_of_the_drives(name, turned) -> None:
     instance = driven(name)
     instance = swapped(instance) if turned else instance
-    drives, rng = Drives.of(instance), np.random.default_rng(2)
+    drives, rng = Machine.of(instance), np.random.default_rng(2)
     T0 = np.array([x.value for x in instance.home.position])
     for _ in range(5):
         R, T, q = some_pose(instance, rng, spread=0.05)
@@ -60,7 +60,7 @@ def test_a_range_and_readings_of_a_slide_are_kept() -> None:
     assert follower.forward(values) is FollowerStatus.RANGE
     values[2] = inside
     assert follower.forward(values) is FollowerStatus.PROVED
-    drives = Drives.of(instance)
+    drives = Machine.of(instance)
     q = drives.inverse(follower.R, follower.T)
     assert q == pytest.approx([0, 0, 0.0999, 0, 0, 0], abs=1e-12)
     with_margin = gspcli.Follower(instance, np.eye(3), [0, 0, 0.6], margin=0.01)
@@ -79,7 +79,7 @@ def test_the_end_of_what_a_rod_reaches_is_never_crossed() -> None:
         last = size
     else:
         pytest.fail("proved a metre apart")
-    drives = Drives.of(instance)
+    drives = Machine.of(instance)
     _, _, r = drives.ends(follower.R, follower.T, last * way)
     assert np.allclose(np.linalg.norm(r, axis=-1), drives.rods, rtol=1e-12)
     J = drives.jacobian(follower.R, follower.T, last * way)

@@ -11,9 +11,9 @@ import gspcli
 from gspcli.catalogue.kinds import DPH
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.coordinates import choose
-from gspcli.geometry.drives import Drives
 from gspcli.geometry.instance import Side
 from gspcli.geometry.limits import joint_cones, tilts
+from gspcli.geometry.machine import Machine
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Cone
 from gspcli.geometry.quaternions import (
@@ -38,18 +38,19 @@ from gspcli.motion.paths.between import (
 from gspcli.motion.paths.limit_events import limit_events
 from gspcli.motion.paths.nearest_poses import MARGIN, LimitSearch
 from gspcli.motion.paths.value_ways import ValueWays
-from tests.support.independent_machines import Machine, machines
+from tests.support import independent_machines
+from tests.support.independent_machines import machines
 from tests.support.limited import limited, one_leg, study
 
 LEGS = ["workspace-study-cones", "rubin-m2", "three-rps"]
 DRIVEN = ["reachy 60", "t-top 60", "paradex", "6-PUS", "mixed"]
 
 
-def machine_of(name: str) -> Machine:
+def machine_of(name: str) -> independent_machines.Machine:
     if name in LEGS:
         instance = gspcli.example(name)
         home = gspcli.solve(instance).home
-        return Machine(name, instance, home.R.real, home.T.real, (0, 0))
+        return independent_machines.Machine(name, instance, home.R.real, home.T.real, (0, 0))
     machine = machines()[name]()
     up, down = Cone((0, 0, 1), 60), Cone((0, 0, -1), 60)
     rows = tuple(
@@ -63,7 +64,7 @@ def machine_of(name: str) -> Machine:
     return replace(machine, instance=replace(machine.instance, constraints=rows))
 
 
-def about(machine: Machine, search: LimitSearch, draw, size: float):
+def about(machine: independent_machines.Machine, search: LimitSearch, draw, size: float):
     R = rotation_from_vector(size * draw.normal(size=3)) @ machine.R
     return R, machine.T + size * search.length * draw.normal(size=3)
 
@@ -94,7 +95,7 @@ def test_the_slopes_are_those_of_the_slack(name):
 def test_slacks_of_motors_and_cones_change_sign_at_their_limits(name):
     """By the numbers of the drives, and the tilts of cones that turn with the arms."""
     machine = machine_of(name)
-    instance, drives = machine.instance, Drives.of(machine.instance)
+    instance, drives = machine.instance, Machine.of(machine.instance)
     search = LimitSearch(instance, machine.R, machine.T, np.zeros(3))
     knees = drives.knees(machine.R, machine.T)
     draw = np.random.default_rng(4)
@@ -273,7 +274,7 @@ def near_poses(name, moved):
     else:
         solved = gspcli.solve(gspcli.example("t-top-head"))
         R, T = (x[solved.real][0].real for x in (solved.R, solved.T))
-        drives = Drives.of(machine)
+        drives = Machine.of(machine)
     return machine, R, T, drives, rng
 
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import gspcli
-from gspcli.geometry.drives import Drives
 from gspcli.geometry.limits import out_of_motor_range
+from gspcli.geometry.machine import Machine
 from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.motion import mode_groups
 from gspcli.motion.following.tracks import departures
@@ -15,7 +15,7 @@ from gspcli.motion.paths.between import PathRows
 from gspcli.motion.paths.motors import Motors
 from gspcli.motion.paths.pose_ways import PoseWays
 from gspcli.motion.singularities.clearances import drive_clearances, drive_weights
-from gspcli.motion.singularities.neighbourhoods import DrivenNeighbourhood
+from gspcli.motion.singularities.neighbourhoods import MachineNeighbourhood
 
 #: Machines with six freedoms; delta and three-prs have three.
 SIX = ("t-top-head", "reachy-mini-head", "hexaglide", "modified-paradex")
@@ -30,7 +30,7 @@ def home_of(instance):
 def near(instance, turn, shift, seed=0):
     R, T = home_of(instance)
     length = gspcli.geometry.arrangement.Arrangement.of(instance).length
-    if instance.type.id.count("DPP") < 6 or len(Drives.of(instance).names) < 6:
+    if instance.type.id.count("DPP") < 6 or len(Machine.of(instance).names) < 6:
         return R, T + shift * length * np.eye(3)[2]
     draw = np.random.default_rng(seed)
     turned = rotation_from_vector(turn * draw.normal(size=3)) @ R
@@ -128,7 +128,7 @@ def test_motors_are_not_quicker_than_asked():
 def test_without_a_proof_of_the_knees_there_is_no_straight_way_of_drives(monkeypatch):
     instance = gspcli.example("t-top-head")
     goal = near(instance, 0.05, 0.03)
-    monkeypatch.setattr(DrivenNeighbourhood, "keeps_knees", lambda *_: np.array([False]))
+    monkeypatch.setattr(MachineNeighbourhood, "keeps_knees", lambda *_: np.array([False]))
     assert gspcli.path(instance, "home", goal, along="values").verdict == "not found"
 
 

@@ -10,9 +10,9 @@ import pytest
 import gspcli
 from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.drives import Drives
 from gspcli.geometry.frames import PoseFrame
 from gspcli.geometry.instance import Shapes
+from gspcli.geometry.machine import Machine
 from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.geometry.residuals import condition_numbers
 from gspcli.motion.collisions.compared import ComparedShapes
@@ -37,7 +37,7 @@ def thick(name):
     """
     solved = gspcli.solve(gspcli.example(name))
     home = 0 if solved.home is None else solved.home.number - 1
-    size = float(Drives.of(solved.instance).rods[0])
+    size = float(Machine.of(solved.instance).rods[0])
     shapes = Shapes(size / 60, near_joint=size / 10)
     rows = []
     for row in solved.instance.constraints:
@@ -92,7 +92,7 @@ def rows_and_samples(name, along, seed=1, spread=0.05):
 
 def sampled(instance, R, T, q):
     """Return gaps, transmissions and condition numbers with a minus, at samples."""
-    drives = Drives.of(instance)
+    drives = Machine.of(instance)
     length = Arrangement.of(instance).length
     return {
         least_gaps: ComparedShapes(instance).bounds(R, T, q).high.min(axis=1),
@@ -180,7 +180,7 @@ def test_drives_that_stay_have_their_points_where_the_file_states_them():
     values = np.stack([base, base + 0.02 * size * np.array([1, -1, 1, -1, 1, -1])])
     track = gspcli.track(instance, values, near=(R0, T0))
     assert can_be_bounded(track)
-    drives = Drives.of(instance)
+    drives = Machine.of(instance)
     q = np.zeros((2, drives.count))
     ends = ComparedShapes(instance).bounds(track.R[0], track.T[0], q).low.min()
     found = worst_between(track, "gap", ends + size)

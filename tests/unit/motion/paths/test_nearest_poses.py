@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import gspcli
-from gspcli.geometry.drives import Drives
+from gspcli.geometry.machine import Machine
 from gspcli.geometry.quaternions import quaternion_from_rotation, rotation_from_vector
 from gspcli.motion.paths.nearest_poses import NearestPoses
 from tests.support.independent_machines import PlaneGeometry, machines
@@ -126,7 +126,7 @@ def test_what_a_motor_cannot_reach_is_named():
     nearest = NearestPoses(instance, home.R.real, home.T.real)
     found = nearest.of(nearest.R, nearest.T + np.array([0, 0, 0.3]))
     assert found.limits == tuple(f"reach of crank B{k}" for k in range(1, 7))
-    drives = Drives.of(instance)
+    drives = Machine.of(instance)
     both = drives.roots(found.R, found.T)
     assert np.isfinite(both).all()
     assert np.abs(both[:, 0] - both[:, 1]).max() < 0.01

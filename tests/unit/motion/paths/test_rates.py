@@ -7,7 +7,7 @@ import pytest
 
 import gspcli
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.drives import is_driven
+from gspcli.geometry.machine import is_driven
 from gspcli.motion.paths.between import drive_travels
 from gspcli.motion.paths.motors import Motors
 from gspcli.motion.paths.pose_ways import PoseWays

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import gspcli
-from gspcli.geometry.drives import Drives
+from gspcli.geometry.machine import Machine
 from gspcli.geometry.measurement import measured
 from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.motion.following.branch_follower import MovingPlatform
@@ -20,7 +20,7 @@ from gspcli.motion.singularities.clearances import (
     drive_weights,
     each_drive_clearance,
 )
-from gspcli.motion.singularities.neighbourhoods import Box, DrivenNeighbourhood, Norm
+from gspcli.motion.singularities.neighbourhoods import Box, MachineNeighbourhood, Norm
 from gspcli.spec import loads
 from tests.support.driven_clearances import examine
 from tests.support.independent_machines import machines
@@ -71,11 +71,11 @@ MACHINES = ("reachy 60", "paradex", "6-PUS", "mixed")
 
 
 @pytest.fixture(params=MACHINES, scope="module")
-def near(request) -> tuple[DrivenNeighbourhood, Drives, np.ndarray]:
+def near(request) -> tuple[MachineNeighbourhood, Machine, np.ndarray]:
     machine = machines()[request.param]()
-    drives = Drives.of(machine.instance)
+    drives = Machine.of(machine.instance)
     q = drives.inverse(machine.R, machine.T)
-    return DrivenNeighbourhood(drives, machine.R, machine.T, q), drives, q
+    return MachineNeighbourhood(drives, machine.R, machine.T, q), drives, q
 
 
 def moved_hessians(near, drives, q, step) -> np.ndarray:
@@ -209,7 +209,7 @@ def test_the_dead_point_is_the_nearest_on_the_lines_to_the_corners() -> None:
     instance = loads(MIXED)
     home = instance.home
     R, T = home.R(np.pi / 180), home.T
-    drives, units = Drives.of(instance), drive_weights(instance)[0]
+    drives, units = Machine.of(instance), drive_weights(instance)[0]
     found = each_drive_clearance(instance, R[None], T[None])[0]
     assert found.dead_point == pytest.approx(0.04324, abs=1e-5)
     assert drives.names[found.drive] == "slide.P2"
@@ -234,7 +234,7 @@ def test_the_fold_of_a_symmetric_machine_is_the_same_for_rounding_errors(name: s
     T += 1e-15 * np.linalg.norm(T[0]) * np.random.default_rng(3).normal(size=T.shape)
     found = each_drive_clearance(instance, R, T)
     assert np.allclose([one.numbers for one in found], found[0].numbers, rtol=1e-6)
-    drives, one = Drives.of(instance), found[0]
+    drives, one = Machine.of(instance), found[0]
     J = drives.jacobian(one.R, one.T, one.numbers)
     assert np.linalg.cond(J) > 1e4
 
@@ -243,7 +243,8 @@ def test_values_that_stay_do_not_move_towards_a_fold() -> None:
     instance = gspcli.example("three-prs")
     home = instance.home
     (found,) = each_drive_clearance(instance, np.eye(3)[None], np.array([home.T]))
-    assert np.abs(found.numbers[3:] - Drives.of(instance).inverse(np.eye(3), home.T)[3:]).max() == 0
+    there = Machine.of(instance).inverse(np.eye(3), home.T)
+    assert np.abs(found.numbers[3:] - there[3:]).max() == 0
     assert found.upper == pytest.approx(0.6457513110, rel=1e-8)
 
 

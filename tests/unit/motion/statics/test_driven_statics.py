@@ -7,7 +7,7 @@ import pytest
 
 from gspcli.dynamics.analyses import analyze
 from gspcli.errors import ArgumentError
-from gspcli.geometry.drives import Drives
+from gspcli.geometry.machine import Machine
 from gspcli.geometry.measurement import jacobian, measured
 from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.spec import loads
@@ -47,7 +47,7 @@ def turned_and_shifted(before, after, point):
 
 def test_torques_do_the_work_that_the_load_takes():
     instance = rotary()
-    drives = Drives.of(instance)
+    drives = Machine.of(instance)
     R, T = POSE, instance.home.T + np.array([4.0, -3, 2])
     load = np.array([1.0, -2, -10, 30, -20, 50])
     found = analyze(instance, R, T, load=load)
@@ -69,7 +69,7 @@ def test_of_a_delta_three_forces_hold_a_force():
     T = instance.home.T + np.array([10.0, 5, 3])
     found = analyze(instance, np.eye(3), T, load=[1, 2, -10], at=T)
     assert found.torques.shape == (1, 3)
-    drives = Drives.of(instance)
+    drives = Machine.of(instance)
     q = drives.inverse(np.eye(3), T)
     h = 1e-5
     slopes = [
@@ -83,7 +83,7 @@ def test_of_a_delta_three_forces_hold_a_force():
 
 def test_errors_of_drives_and_rods_are_those_of_the_corners():
     instance = rotary("tolerance: 0.02")
-    drives = Drives.of(instance)
+    drives = Machine.of(instance)
     R, T = POSE, instance.home.T
     found = analyze(instance, R, T, tolerance=0.005)
     q, off = drives.inverse(R, T), np.radians(0.02)
@@ -119,7 +119,7 @@ def test_stated_tolerances_of_drives_alone_give_errors():
 def test_errors_of_a_shared_carriage_are_common():
     text = motor_file("linear", DELTA.split()).replace("slide: {", "slide: {tolerance: 0.05, ")
     instance = loads(text)
-    drives = Drives.of(instance)
+    drives = Machine.of(instance)
     T = instance.home.T + np.array([8.0, -3, 4])
     found = analyze(instance, np.eye(3), T, point=T)
     q = drives.inverse(np.eye(3), T)
@@ -141,7 +141,7 @@ dynamics:
   drives: {stiffness: 20}
 """
     instance = loads(motor_file("rotary", ROTARY.split()) + masses)
-    drives = Drives.of(instance)
+    drives = Machine.of(instance)
     R, T = POSE, instance.home.T
     # 20 N m/rad are 2e4 N mm/rad.
     held, rods = 2e4, 3e3
@@ -160,7 +160,7 @@ def test_at_a_dead_point_a_platform_is_as_stiff_as_its_rods():
     # Each arm in line with its rod: home is at a dead point of all cranks.
     instance = rotary()
     T = instance.home.T
-    drives = Drives.of(instance)
+    drives = Machine.of(instance)
     up = np.array(
         [drives.roots(np.eye(3), T + np.array([0, 0, z]))[:, 0] for z in np.linspace(0, 40, 4001)]
     )

@@ -7,9 +7,9 @@ import pytest
 
 from gspcli import example
 from gspcli.errors import ArgumentError
-from gspcli.geometry.drives import Drives
 from gspcli.geometry.instance import Side
 from gspcli.geometry.limits import within_limits
+from gspcli.geometry.machine import Machine
 from gspcli.geometry.numbers import Number
 from gspcli.motion import measure
 from gspcli.motion.statics.wrenches import wrenches
@@ -88,7 +88,7 @@ def test_a_home_at_a_limit_goes_one_way():
 @pytest.mark.parametrize("machine", [example("three-rps"), tripod()], ids=["values", "cranks"])
 def test_an_axis_along_which_fixed_values_change_has_no_travel(machine):
     """The planes of a tripod leave one axis: up and down."""
-    fixed = np.flatnonzero(Drives.of(machine).fixed)
+    fixed = np.flatnonzero(Machine.of(machine).fixed)
     free = list(machine.constraints)
     for k in fixed:
         free[k] = replace(free[k], side=Side.BOTH, limits=(Number.of(-1), Number.of(100)))

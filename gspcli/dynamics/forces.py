@@ -14,8 +14,8 @@ from gspcli.dynamics.mass_model import MassModel, named_drives
 from gspcli.dynamics.moving_bodies import MovingBodies
 from gspcli.dynamics.trajectories import PoseRates, at_rest, spline_motion
 from gspcli.errors import ArgumentError
-from gspcli.geometry.drives import Drives
 from gspcli.geometry.instance import METRES, Instance
+from gspcli.geometry.machine import Machine
 from gspcli.geometry.quaternions import apply
 from gspcli.motion import measure
 from gspcli.records import EqualByContent, dataclass
@@ -103,9 +103,9 @@ class DriveForces(EqualByContent):
         return tuple("N" if row.kind.is_distance else "N m" for row in self.instance.constraints)
 
     @cached_property
-    def drives(self) -> Drives:
+    def drives(self) -> Machine:
         """The drives."""
-        return Drives.of(self.instance)
+        return Machine.of(self.instance)
 
     @property
     def torque_units(self) -> tuple[str, ...]:
@@ -238,7 +238,7 @@ def inverse_dynamics(
         the base, shape (n, 6) or (6,).
     drives
         Of a platform with cranks or slides: where its m drives are at the poses, shape (n, m) or
-        (m,), as readings. By default on the knees of home (`gspcli.geometry.drives`).
+        (m,), as readings. By default on the knees of home (`gspcli.geometry.machine`).
 
     Raises
     ------

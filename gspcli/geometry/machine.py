@@ -1,4 +1,4 @@
-"""Drives: what the motors of a platform move, and the poses that follow.
+"""The machine of a platform: what its drives move, and the poses that follow.
 
 A drive is the value of a constraint, or it moves a point of a distance: a crank turns the point, a
 slide shifts it along a rail. The numbers of the drives are q, in units of length and radians; zero
@@ -58,7 +58,7 @@ _TURN = 2 * np.pi
 
 
 @dataclass(frozen=True, eq=False)
-class Drives:
+class Machine:
     """The m drives of a platform, in the order of the first constraint that each moves.
 
     Attributes
@@ -115,7 +115,7 @@ class Drives:
     rods: Array
 
     @classmethod
-    def of(cls, instance: Instance) -> Drives:
+    def of(cls, instance: Instance) -> Machine:
         """Return the drives of an instance.
 
         Raises
@@ -279,7 +279,7 @@ class Drives:
         """Return the machine at poses, (..., 3, 3) and (..., 3), and at numbers, (..., m)."""
         return MachineAtPoses(self, np.asarray(R, float), np.asarray(T, float), q)
 
-    def scaled(self, factor: float) -> Drives:
+    def scaled(self, factor: float) -> Machine:
         """Return the machine with its lengths times a factor: in another unit of length."""
         lengths, arms = np.where(self.turns, 1.0, factor), np.where(self._cranked, factor, 1.0)
         low, high, tolerances = (x * lengths for x in (self.low, self.high, self.tolerances))
@@ -638,7 +638,7 @@ class MachineAtPoses:
         Of the drives at their constraints, shape (..., 6).
     """
 
-    def __init__(self, machine: Drives, R: Array, T: Array, q: ArrayLike) -> None:
+    def __init__(self, machine: Machine, R: Array, T: Array, q: ArrayLike) -> None:
         self.machine, self.R, self.T = machine, R, T
         self.arrangement = machine.arrangement(q)
         self.placed = self.arrangement.placed(R, T)

@@ -10,10 +10,10 @@ import pytest
 from gspcli.catalogue.kinds import DLP, DPH, DPL, DPP, KINDS_BY_NAME
 from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.drives import Drives, is_driven
 from gspcli.geometry.euler import rotation_from_euler
 from gspcli.geometry.instance import AngleUnit, Constraint, HomePose, Instance, Side, Units
 from gspcli.geometry.limits import motor_shares, out_of_motor_range, tilts
+from gspcli.geometry.machine import Machine, is_driven
 from gspcli.geometry.measurement import jacobian, measured
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Cone, Crank, Line, Plane, Point, Slide
@@ -112,7 +112,7 @@ def machines():
 
 @pytest.mark.parametrize("instance", machines(), ids=["mixed", "reachy", "t-top"])
 def test_poses_and_drives_agree(instance):
-    drives = Drives.of(instance)
+    drives = Machine.of(instance)
     size = instance.home.T[2] / 6
     R, T = poses(200, size / 20, instance.home.T)
     q = drives.inverse(R, T)
@@ -137,7 +137,7 @@ def test_poses_and_drives_agree(instance):
 
 @pytest.mark.parametrize("instance", machines(), ids=["mixed", "reachy", "t-top"])
 def test_rates_and_the_matrix_against_differences(instance):
-    drives = Drives.of(instance)
+    drives = Machine.of(instance)
     R, T = instance.home.R(1.0), instance.home.T
     twist = np.array([0.3, -0.2, 0.25, *(0.1 * T[2] * np.array([1.0, -2, 0.5]))])
     q = drives.inverse(R, T)
@@ -155,7 +155,7 @@ def test_rates_and_the_matrix_against_differences(instance):
 
 
 def test_the_change_of_the_twist_acts_on_the_second_derivative_as_the_twist_on_the_first():
-    drives = Drives.of(mixed())
+    drives = Machine.of(mixed())
     R, T = HOME.R(1.0), HOME.T
     q = drives.inverse(R, T)
     twist, change = np.random.default_rng(5).normal(size=(2, 6))
@@ -186,7 +186,7 @@ def test_gains_of_all_kinds_with_a_point_against_differences(name, sort):
     base = primitive(name[2], driven=name[1] != "P")
     rest = mixed().constraints[1:]
     instance = Instance((Constraint(kind, platform, base, Number.of(1)), *rest), UNITS)
-    drives = Drives.of(instance)
+    drives = Machine.of(instance)
     R, T = poses(1, 0.3)
     h, q = 1e-6, np.zeros((1, 6))
     step = np.eye(6)[0] * h
@@ -203,7 +203,7 @@ def test_gains_of_all_kinds_with_a_point_against_differences(name, sort):
             drives.inverse(R, T)
         for side in (Side.POSITIVE, Side.NEGATIVE):
             row = replace(instance.constraints[0], side=side, value=Number.of(0.05))
-            on_side = Drives.of(replace(instance, constraints=(row, *rest)))
+            on_side = Machine.of(replace(instance, constraints=(row, *rest)))
             both = on_side.roots(R, T)[:, 0]
             for j, sign in enumerate((1, -1)):
                 q = np.concatenate((both[:, j : j + 1], np.zeros((1, 5))), axis=1)
@@ -222,7 +222,7 @@ def test_gains_of_all_kinds_with_a_point_against_differences(name, sort):
 def test_balls_in_grooves_of_a_bed():
     """The bed for slides at -0.695, 1.052 and 0.328, by `gsp track`, has these numbers again."""
     machine = print_bed()
-    drives = Drives.of(machine)
+    drives = Machine.of(machine)
     slides = np.array([-0.695, 1.052, 0.328])
     there = drives.instance_at(slides)
     T = np.array([0.00531032, 0.000997795, -1.57703])
@@ -236,7 +236,7 @@ def test_balls_in_grooves_of_a_bed():
 
 def test_points_of_a_carriage_share_a_drive():
     instance = loads(DELTA)
-    drives = Drives.of(instance)
+    drives = Machine.of(instance)
     assert drives.names == ("slide.B1", "slide.B3", "slide.B5")
     assert drives.index.tolist() == [0, 0, 1, 1, 2, 2]
     R, T = np.eye(3), np.array([0.01, -0.005, -0.26])
@@ -265,7 +265,7 @@ def test_points_of_a_carriage_share_a_drive():
 def test_out_of_reach_is_nan_and_the_edge_is_reached():
     row = rod(Point([0, 0, 0]), Point([1, 0, 0], slide=Slide([0, 0, 1])), 1, HomePose([0, 0, 0.5]))
     instance = Instance((row, *mixed().constraints[1:]), UNITS, home=HomePose([0, 0, 0.5]))
-    drives = Drives.of(instance)
+    drives = Machine.of(instance)
     length = row.value.value
     for off, reached in ((1e-3, False), (1e-14, True), (-1e-3, True)):
         T = np.array([1 - length * (1 + off), 0, 0.2])
@@ -278,8 +278,8 @@ def test_out_of_reach_is_nan_and_the_edge_is_reached():
 def test_the_knee_is_that_of_home_or_of_the_first_pose():
     instance = load(instance_files()["t-top-head"])
     T = instance.home.T
-    drives = Drives.of(instance)
-    free = Drives.of(replace(instance, home=None))
+    drives = Machine.of(instance)
+    free = Machine.of(replace(instance, home=None))
     assert free.home_knees is None
     np.testing.assert_array_equal(free.inverse(np.eye(3), T), drives.inverse(np.eye(3), T))
     other = -drives.home_knees
@@ -301,9 +301,9 @@ def test_numbers_equally_near_to_the_stated_point_are_refused():
     with pytest.raises(
         ArgumentError, match=r"^crank.B1: home is reached at -30 and at 30, equally near"
     ):
-        Drives.of(instance).knees(np.eye(3), np.array([0.5, 0, 0]), "home")
+        Machine.of(instance).knees(np.eye(3), np.array([0.5, 0, 0]), "home")
     with pytest.raises(ArgumentError, match=r"^crank.B1: rod 1 does not reach home"):
-        Drives.of(instance).knees(np.eye(3), np.array([5, 0, 0]), "home")
+        Machine.of(instance).knees(np.eye(3), np.array([5, 0, 0]), "home")
 
 
 def test_two_drives_on_a_constraint_are_refused():
@@ -311,7 +311,7 @@ def test_two_drives_on_a_constraint_are_refused():
     row = rod(Point([0, 0, 0], slide=slide), Point([1, 0, 0], slide=slide), 1)
     instance = Instance((row, *mixed().constraints[1:]), UNITS)
     with pytest.raises(ArgumentError, match=r"constraint 1 has drives at both ends \(P1 and B1\)"):
-        Drives.of(instance)
+        Machine.of(instance)
 
 
 def test_ranges_tolerances_and_readings_have_the_units_of_the_file():
@@ -332,7 +332,7 @@ def test_ranges_tolerances_and_readings_have_the_units_of_the_file():
         limits=(Number.of(1), Number.of(3)),
     )
     instance = Instance((row, angle, plane, *mixed().constraints[3:]), UNITS)
-    drives = Drives.of(instance)
+    drives = Machine.of(instance)
     np.testing.assert_allclose(drives.low[:3], [-np.pi / 6, np.pi / 3, 1])
     np.testing.assert_allclose(drives.high[:3], [np.pi / 2, 2 * np.pi / 3, 3])
     np.testing.assert_allclose(drives.tolerances[:3], [np.pi / 360, np.pi / 180, np.nan])
@@ -344,7 +344,7 @@ def test_ranges_tolerances_and_readings_have_the_units_of_the_file():
 def test_angles_of_a_crank_with_a_range_are_nearest_to_its_middle():
     base = Point([0.1, 0, 0], crank=Crank([0, 0, 0], [0, 1, 0], limits=[100, 300]))
     row = rod(Point([0, 0, 0]), base, 1, HomePose([-0.5, 0.0, 0.3]))
-    drives = Drives.of(Instance((row, *mixed().constraints[1:]), UNITS))
+    drives = Machine.of(Instance((row, *mixed().constraints[1:]), UNITS))
     both = np.degrees(drives.roots(np.eye(3), np.array([-0.5, 0.01, 0.31]))[0])
     assert (both > 20).all()
     assert (both < 380).all()
@@ -362,7 +362,7 @@ def test_a_cone_turns_with_its_arm_and_a_carriage_leaves_it():
 def test_platforms_without_cranks_and_slides_have_their_values_as_drives():
     instance = load(instance_files()["nano-hexapod"])
     assert not is_driven(instance)
-    drives = Drives.of(instance)
+    drives = Machine.of(instance)
     assert drives.names == ("1", "2", "3", "4", "5", "6")
     R, T = np.eye(3), np.array([0.001, 0, 0.1])
     arrangement = Arrangement.of(instance)
@@ -378,7 +378,7 @@ def test_tilts_at_drives_are_those_of_the_moved_platform():
         replace(row, base=b, platform=p) for row, b, p in zip(rows, base, platform, strict=True)
     ]
     instance = replace(mixed(), constraints=tuple(rows))
-    drives = Drives.of(instance)
+    drives = Machine.of(instance)
     R, T = poses(1, 0.004)
     q = drives.inverse(R, T)[0]
     assert np.abs(q).max() > 0.05
@@ -389,7 +389,7 @@ def test_tilts_at_drives_are_those_of_the_moved_platform():
 
 def test_shares_of_motors_are_above_one_outside_and_infinite_out_of_reach():
     row = rod(Point([0, 0, 0]), Point([1, 0, 0], slide=Slide([0, 0, 1], [-0.2, 0.4])), 1)
-    drives = Drives.of(Instance((row, *mixed().constraints[1:]), UNITS))
+    drives = Machine.of(Instance((row, *mixed().constraints[1:]), UNITS))
     q = np.zeros((6, 6))
     q[:, 0] = [0.1, 0.4, 0.4 * (1 + 1e-14), 0.4001, -0.35, np.nan]
     shares = motor_shares(drives, q)
@@ -401,7 +401,7 @@ def test_shares_of_motors_are_above_one_outside_and_infinite_out_of_reach():
 def test_modes_on_another_knee_than_home_are_not_those_of_the_machine():
     instance = load(instance_files()["reachy-mini-head"])
     found = solve(instance)
-    drives = Drives.of(instance)
+    drives = Machine.of(instance)
     left = {
         k.number: {one.constraint for one in k.limits if one.kind == "knee"}
         for k in found.real_solutions
