@@ -36,6 +36,8 @@ from gspcli.records import EqualByContent, dataclass
 from gspcli.spec.document import text_of_table
 from gspcli.wording import counted, listed
 
+Array = NDArray[np.float64]
+
 LEGS = tuple("123456")
 _EXPECTED = "t, 1 ... 6, x y z, and qw qx qy qz, rx ry rz or r11 ... r33"
 #: Units of a log as they are read: lengths as written, angles in radians if the heading says so.
@@ -48,14 +50,10 @@ class Log:
 
     Attributes
     ----------
-    lengths
-        Of the six legs, shape (n, 6).
-    positions
-        Of one point of the platform, shape (n, 3).
-    angles
-        About x, y and z, shape (n, 3); None if the log has rotations.
-    rotations
-        Shape (n, 3, 3); None if the log has angles.
+    lengths, positions
+        Of the six legs, shape (n, 6), and of one point of the platform, shape (n, 3).
+    turns
+        Angles, shape (n, 3), or rotations, shape (n, 3, 3).
     leg_unit, place_unit
         Units that the heading names; empty if it names none.
     angle_unit
@@ -70,8 +68,7 @@ class Log:
 
     lengths: Array
     positions: Array
-    angles: Array | None
-    rotations: Array | None
+    turns: Array
     leg_unit: str
     place_unit: str
     angle_unit: str
@@ -80,17 +77,15 @@ class Log:
     lines: tuple[str, ...]
 
     @property
-    def turns(self) -> Array:
-        """The numbers of rotations, shape (n, 3) or (n, 9)."""
-        if self.rotations is not None:
-            return self.rotations.reshape(-1, 9)
-        assert self.angles is not None
-        return self.angles
+    def has_angles(self) -> bool:
+        """Whether rotations are stated by angles."""
+        return self.turns.ndim == 2
 
     @property
     def whole(self) -> NDArray[np.bool_]:
         """Which rows have six lengths and a full pose, shape (n,)."""
-        numbers = np.hstack((self.lengths, self.positions, self.turns))
+        turns = self.turns.reshape(len(self.turns), -1)
+        numbers = np.hstack((self.lengths, self.positions, turns))
         return np.asarray(np.isfinite(numbers).all(axis=1))
 
 
@@ -127,19 +122,17 @@ def read_log(
     lengths, positions, numbers = (
         table.numbers(group, blanks=True) for group in (legs, places, turns)
     )
-    rotations = None
     if turns != ANGLES:
-        rotations = _rotations(table, turns, numbers)
+        numbers = _rotations(table, turns, numbers)
     lines = [str(k + 1) for k in range(len(table))]
     if "t" in table.heading:
         lines = [text or line for text, line in zip(table.texts("t"), lines, strict=True)]
     table.check()
-    order = None if rotations is not None else order_of(table.names)
+    order = order_of(table.names) if turns == ANGLES else None
     return Log(
         lengths,
         positions,
-        numbers if rotations is None else None,
-        rotations,
+        numbers,
         units[0],
         units[1],
         "" if not units[2] else "rad" if units[2].lower().startswith("rad") else "deg",
@@ -171,6 +164,248 @@ def _rotations(table: NumberTable, columns: Sequence[str], numbers: Array) -> Ar
     return rotations
 
 
+# Conventions: which of them make the lengths those of six legs.
+
+#: Orders of the axes, about the axes of the platform; usual ones first. Those about the axes of the
+#: base are the same, written backwards.
+ORDERS = ("ZYX", "XYZ", "ZXY", "YXZ", "XZY", "YZX")
+#: About which axes the three columns turn: as named, in reverse (A B C of KUKA), the others.
+_AXES = ((0, 1, 2), (2, 1, 0), (0, 2, 1), (1, 0, 2), (1, 2, 0), (2, 0, 1))
+_SENSES = tuple((x, y, z) for x, y, z in product((1, -1), repeat=3))
+#: How long a unit of positions is in units of lengths of legs, and what these units may be.
+FACTORS = {
+    1.0: ("", ""),
+    1000.0: ("mm", "m"),
+    1e-3: ("m", "mm"),
+    10.0: ("mm", "cm"),
+    0.1: ("cm", "mm"),
+    100.0: ("cm", "m"),
+    1e-2: ("m", "cm"),
+    25.4: ("mm", "in"),
+    1 / 25.4: ("in", "mm"),
+}
+_DEGREE = float(np.pi / 180)
+
+
+@dataclass(frozen=True)
+class Turns:
+    """A convention of rotations.
+
+    Attributes
+    ----------
+    order
+        The order of the axes of angles, about those of the platform; empty for whole rotations.
+    senses
+        Of the angles about x, y and z: 1, or -1 for the opposite of the right-hand rule.
+    in_radians
+        The unit of angles.
+    transposed
+        Whether rotations are from the base's frame to the platform's.
+    axes
+        About which axis the angle of each column turns, 0 to 2 for x to z.
+    heads
+        The headings of these columns if they do not name axes, such as ``A``; empty otherwise.
+    unit
+        The unit of angles in the log, ``deg`` or ``rad``.
+    """
+
+    order: str = ""
+    senses: tuple[int, int, int] = (1, 1, 1)
+    in_radians: float = 1.0
+    transposed: bool = False
+    axes: tuple[int, int, int] = (0, 1, 2)
+    heads: tuple[str, ...] = ()
+    unit: str = ""
+
+    def rotations(self, log: Log, rows: NDArray[np.intp]) -> Array:
+        """Return the rotations of some rows of a log, shape (n, 3, 3)."""
+        found = log.turns[rows]
+        if not log.has_angles:
+            return np.swapaxes(found, 1, 2) if self.transposed else found
+        turned = np.empty((len(rows), 3))
+        turned[:, self.axes] = found
+        return rotation_from_euler(self.order, turned * np.array(self.senses) * self.in_radians)
+
+    @property
+    def unusual(self) -> int:
+        """How many senses are not those of the right-hand rule, and axes not in order."""
+        return self.senses.count(-1) + self.transposed + (self.axes != (0, 1, 2))
+
+    def words(self) -> str:
+        """Return the convention in words."""
+        if not self.order:
+            how = "base to platform (transposed)" if self.transposed else "platform to base"
+            return f"rotations from {how}"
+        said = f"--euler {self.order}, {'degrees' if self.unit == 'deg' else 'radians'}"
+        if self.axes != (0, 1, 2):
+            there = " ".join("xyz"[axis] for axis in self.axes)
+            said += f", {' '.join(self.heads)} about {there}"
+        wrong = [f"r{axis}" for axis, one in zip("xyz", self.senses, strict=True) if one < 0]
+        return f"{said}, {listed(wrong, 'and')} left-handed" if wrong else said
+
+
+def turns_of(log: Log, euler: str | None) -> Iterator[Turns]:
+    """Yield the conventions that rotations of a log may have, usual ones first.
+
+    Angles in a known order, as `rotation_from_euler` takes it, follow the right-hand rule.
+    """
+    if not log.has_angles:
+        yield Turns()
+        yield Turns(transposed=True)
+        return
+    orders: tuple[str, ...] = ORDERS
+    senses = _SENSES
+    if euler is not None:
+        orders, senses = (euler if euler.isupper() else euler[::-1].upper(),), _SENSES[:1]
+    elif log.order is not None:
+        orders = tuple(dict.fromkeys((log.order, *ORDERS)))
+    units = (1.0,) if log.angle_unit else (_DEGREE, 1.0)
+    axes = _AXES if log.heads else _AXES[:1]
+    for unit, columns, order, sense in product(units, axes, orders, senses):
+        said = log.angle_unit or ("rad" if unit == 1 else "deg")
+        yield Turns(order, sense, unit, axes=columns, heads=log.heads, unit=said)
+
+
+#: How many rows are used in linear equations, and in fits of joints; how many of the best
+#: conventions are fitted.
+_FIRST_ROWS, _ROWS, _FITTED = 200, 400, 16
+#: Of conventions, or machines, of which the data are not a thousand times as likely none is chosen.
+LIKELIER = float(2 * np.log(1000))
+#: The residuals of exact data, and of usual logs, in lengths.
+EXACT, USUAL = 1e-12, 1e-4
+#: This many starts at random, for this many conventions, where linear equations do not decide.
+_STARTS, _TRIED_AGAIN = 12, 4
+#: Legs longer than this are in millimetres if nothing says their unit.
+_MILLIMETRES = 10.0
+
+
+class Convention(NamedTuple):
+    """A convention of a log, and the legs that explain the lengths best with it."""
+
+    turns: Turns
+    factor: float
+    place: int
+    """Where it is among those that are tried, usual ones first."""
+    scatter: float
+    """Root mean square of the residuals of the lengths, in their unit."""
+    joints: Array
+    """Joints on the platform and on the base, and the missing constant, shape (6, 7)."""
+    residual: Array
+    """The residual of each length, shape (n, 6)."""
+
+    def poses(self, log: Log, rows: NDArray[np.intp]) -> tuple[Array, Array]:
+        """Return R and T of some rows, T in the unit of lengths."""
+        return self.turns.rotations(log, rows), log.positions[rows] * self.factor
+
+
+def conventions(
+    log: Log, rows: NDArray[np.intp], euler: str | None, *, offsets: bool
+) -> tuple[list[Convention], float]:
+    """Return conventions, the best first, and the scatter that any joints leave at least.
+
+    All are judged by linear equations, up to noise; the best by fits of joints.
+    """
+    first, factors = _spread(rows, _FIRST_ROWS), _factors(log)
+    tried = []
+    for place, turns in enumerate(turns_of(log, euler)):
+        R, T = turns.rotations(log, first), log.positions[first]
+        left = left_of_lengths(R, T, log.lengths[first], factors, offsets=offsets)
+        tried += [
+            Convention(turns, factor, place, one, np.zeros(0), np.zeros(0))
+            for factor, one in zip(factors.tolist(), left.tolist(), strict=True)
+        ]
+    tried.sort(key=lambda one: one.scatter)
+    found = [_fitted(log, rows, one, offsets=offsets) for one in tried[:_FITTED]]
+    if min(one.scatter for one in found) > USUAL * float(log.lengths[rows].mean()):
+        # Linear equations may tell too little to start from.
+        again = sorted(found, key=lambda one: one.scatter)[:_TRIED_AGAIN]
+        again += [one for one in tried[:_TRIED_AGAIN] if one.place not in {a.place for a in again}]
+        found += [_fitted(log, rows, one, offsets=offsets, random=True) for one in again]
+        found.sort(key=lambda one: -one.scatter)
+        found = list({(one.place, one.factor): one for one in found}.values())
+    # Of equal ones the more usual is taken.
+    least = min(one.scatter for one in found)
+    alike = [one for one in found if _as_good(one.scatter, least, 6 * len(rows))]
+    best = min(alike, key=lambda one: (one.turns.unusual, one.place))
+    rest = [one for one in found if one is not best]
+    return [best, *sorted(rest, key=lambda one: one.scatter)], tried[0].scatter
+
+
+def _spread(rows: NDArray[np.intp], count: int) -> NDArray[np.intp]:
+    """Return at most so many of some rows, from the first to the last."""
+    return np.asarray(rows[np.unique(np.linspace(0, len(rows) - 1, count).astype(int))])
+
+
+def _fitted(
+    log: Log, rows: NDArray[np.intp], one: Convention, *, offsets: bool, random: bool = False
+) -> Convention:
+    """Return a convention with the joints of least squares, each leg for itself."""
+    lengths, (R, T) = log.lengths[rows], one.poses(log, rows)
+    long = float(lengths.mean())
+    starts = linear_starts(R, T, lengths, offsets=offsets)
+    if random:
+        starts = np.concatenate((starts, random_starts(long)))
+    joints, left = fitted(R, T, lengths, starts, offsets=offsets)
+    best, legs = (left**2).sum(axis=-1).argmin(axis=0), np.arange(6)
+    residual = left[best, legs].T
+    freedom = max(lengths.size - 6 * (7 if offsets else 6), 1)
+    scatter = max(float(((residual**2).sum() / freedom) ** 0.5), EXACT * long)
+    return one._replace(scatter=scatter, joints=joints[best, legs], residual=residual)
+
+
+def _as_good(scatter: float, least: float, count: int) -> bool:
+    """Whether normal residuals with one scatter are about as likely as with the least."""
+    return 2 * count * float(np.log(scatter / least)) < LIKELIER
+
+
+def _factors(log: Log) -> Array:
+    """Return what positions may have to be multiplied by, to be in the unit of lengths."""
+    if log.leg_unit and log.place_unit:
+        return np.array([METRES[log.place_unit.lower()] / METRES[log.leg_unit.lower()]])
+    return np.array(list(FACTORS))
+
+
+def ambiguous(log: Log, rows: NDArray[np.intp], found: list[Convention]) -> list[str]:
+    """Return the conventions that fit as well as the best and differ in the log, in words."""
+    best, least = found[0], min(one.scatter for one in found)
+    here = best.turns.rotations(log, rows)
+    return [
+        words_of(one, best, log)
+        for one in found[1:]
+        if _as_good(one.scatter, least, 6 * len(rows))
+        and (
+            one.factor != best.factor or np.abs(one.turns.rotations(log, rows) - here).max() > EXACT
+        )
+    ]
+
+
+def words_of(one: Convention, best: Convention, log: Log) -> str:
+    """Return a convention in words, its units if they differ from the best."""
+    words = one.turns.words()
+    if one.factor != best.factor:
+        legs, places = units_of(log, one.factor)
+        words += f", legs in {legs} and positions in {places}"
+    return words
+
+
+def units_of(log: Log, factor: float) -> tuple[str, str]:
+    """Return the units of legs and of positions, as the heading says them or by their sizes."""
+    if log.leg_unit and log.place_unit:
+        return log.leg_unit, log.place_unit
+    for known, size in ((log.leg_unit, factor), (log.place_unit, 1 / factor)):
+        if known:
+            wanted = METRES[known.lower()] * size
+            other = next(
+                (unit for unit, metres in METRES.items() if abs(metres / wanted - 1) < 1e-9),
+                f"{size:g} {known}",
+            )
+            return (known, other) if log.leg_unit else (other, known)
+    if factor != 1.0:
+        return FACTORS[factor]
+    unit = "mm" if float(np.nanmean(np.abs(log.lengths))) > _MILLIMETRES else "m"
+    return unit, unit
+
+
 # Joints of legs from lengths at known poses, without a first guess.
 #
 # The square of a length l is linear in the unknown joints p (platform) and b (base): ``l^2 - T.T =
@@ -179,32 +414,13 @@ def _rotations(table: NumberTable, columns: Sequence[str], numbers: Array) -> Ar
 # If the log does not determine all of these, the solution of least norm is still a start of a
 # descent for the six or seven numbers of a leg.
 
-
 #: Unknowns of a leg in the linear equations, without the missing constant.
 UNKNOWNS = 16
 #: Singular values below this part of the largest are zero; the starts leave out more of them.
 _ROUNDING, _KEPT = 1e-10, (16, 13, 10, 7)
 _STEPS = 40
-
 #: Of a robust fit rows are left out with residuals of more than this many times the median.
 _ROUNDS, _FAR_OUT = 40, 10.0
-
-
-class Joints(NamedTuple):
-    """What explains the lengths of six legs best.
-
-    Units are those of the lengths.
-    """
-
-    numbers: Array
-    """Joints on the platform and on the base, and the missing constant, shape (6, 7)."""
-    residual: Array
-    """The residual of each length, shape (n, 6)."""
-
-    @property
-    def squares(self) -> float:
-        """The sum of the squares of the residuals."""
-        return float((self.residual**2).sum())
 
 
 def columns_of(R: Array, T: Array) -> Array:
@@ -271,25 +487,14 @@ def linear_starts(R: Array, T: Array, lengths: Array, *, offsets: bool) -> Array
     return starts
 
 
-def fitted(R: Array, T: Array, lengths: Array, starts: Array, *, offsets: bool) -> Joints:
-    """Return the joints of least squares from the best of some starts, each leg for itself.
-
-    Parameters
-    ----------
-    R, T, lengths
-        As for `left_of_lengths`.
-    starts
-        Shape (k, 6, 7).
-    offsets
-        Whether the missing constants are estimated; zero otherwise.
-    """
-    found, left = all_fitted(R, T, lengths, starts, offsets=offsets)
-    best = (left**2).sum(axis=-1).argmin(axis=0)
-    legs = np.arange(6)
-    return Joints(found[best, legs], left[best, legs].T)
+def random_starts(long: float) -> Array:
+    """Return joints at random, within about the length of legs, shape (k, 6, 7)."""
+    starts = np.zeros((_STARTS, 6, 7))
+    starts[..., :6] = long * np.random.default_rng(0).normal(size=(_STARTS, 6, 6))
+    return starts
 
 
-def all_fitted(
+def fitted(
     R: Array,
     T: Array,
     lengths: Array,
@@ -316,28 +521,22 @@ def all_fitted(
 
 
 def without_far(
-    R: Array, T: Array, lengths: Array, joints: Joints, *, offsets: bool
-) -> tuple[Joints, NDArray[np.bool_]]:
+    R: Array, T: Array, lengths: Array, best: Convention, *, offsets: bool
+) -> tuple[Convention, NDArray[np.bool_]]:
     """Return joints for which wrong lengths count little, and which rows have none of these.
 
     Repeated least squares with the weights of Cauchy's law, whose width is twice the median.
     """
-    found = joints.numbers
-    left = residuals(R, T, lengths, found)
+    joints, left = best.joints, best.residual.T
     for _ in range(_ROUNDS):
-        width = 2 * np.median(np.abs(left), axis=0) + 1e-15 * lengths.mean()
-        weights = (1 + (left / width) ** 2).T ** -0.5
-        ends, _ = all_fitted(R, T, lengths, found[None], offsets=offsets, weights=weights)
-        found = ends[0]
-        left = residuals(R, T, lengths, found)
-    far = _FAR_OUT * np.median(np.abs(left), axis=0)
-    return Joints(found, left), np.asarray((np.abs(left) <= far).all(axis=1))
-
-
-def residuals(R: Array, T: Array, lengths: Array, joints: Array) -> Array:
-    """Return the residuals of lengths, shape (n, 6), with joints of shape (6, 7)."""
-    left: Array = _equations(R, T, lengths, joints[None])[0][0].T
-    return left
+        width = 2 * np.median(np.abs(left), axis=1, keepdims=True) + 1e-15 * lengths.mean()
+        weights = (1 + (left / width) ** 2) ** -0.5
+        joints = fitted(R, T, lengths, joints[None], offsets=offsets, weights=weights)[0][0]
+        left = _equations(R, T, lengths, joints[None])[0][0]
+    near = np.abs(left) <= _FAR_OUT * np.median(np.abs(left), axis=1, keepdims=True)
+    kept = np.asarray(near.all(axis=0))
+    scatter = float(np.sqrt((left[:, kept] ** 2).mean()))
+    return best._replace(joints=joints, residual=left.T, scatter=scatter), kept
 
 
 def _equations(
@@ -353,262 +552,6 @@ def _equations(
     if weights is not None:
         left, slopes = left * weights, slopes * weights[..., None]
     return left, slopes
-
-
-#: Orders of the axes, about the axes of the platform; usual ones first. Those about the axes of the
-#: base are the same, written backwards.
-ORDERS = ("ZYX", "XYZ", "ZXY", "YXZ", "XZY", "YZX")
-#: About which axes the three columns turn: as named, in reverse (A B C of KUKA), the others.
-_AXES = ((0, 1, 2), (2, 1, 0), (0, 2, 1), (1, 0, 2), (1, 2, 0), (2, 0, 1))
-_SENSES = tuple((x, y, z) for x, y, z in product((1, -1), repeat=3))
-#: How long a unit of positions is in units of lengths of legs, and what these units may be.
-FACTORS = {
-    1.0: ("", ""),
-    1000.0: ("mm", "m"),
-    1e-3: ("m", "mm"),
-    10.0: ("mm", "cm"),
-    0.1: ("cm", "mm"),
-    100.0: ("cm", "m"),
-    1e-2: ("m", "cm"),
-    25.4: ("mm", "in"),
-    1 / 25.4: ("in", "mm"),
-}
-_DEGREE = float(np.pi / 180)
-
-
-@dataclass(frozen=True)
-class Turns:
-    """A convention of rotations.
-
-    Attributes
-    ----------
-    order
-        The order of the axes of angles, about those of the platform; empty for whole rotations.
-    senses
-        Of the angles about x, y and z: 1, or -1 for the opposite of the right-hand rule.
-    in_radians
-        The unit of angles.
-    transposed
-        Whether rotations are from the base's frame to the platform's.
-    axes
-        About which axis the angle of each column turns, 0 to 2 for x to z.
-    heads
-        The headings of these columns if they do not name axes, such as ``A``; empty otherwise.
-    unit
-        The unit of angles in the log, ``deg`` or ``rad``.
-    """
-
-    order: str = ""
-    senses: tuple[int, int, int] = (1, 1, 1)
-    in_radians: float = 1.0
-    transposed: bool = False
-    axes: tuple[int, int, int] = (0, 1, 2)
-    heads: tuple[str, ...] = ()
-    unit: str = ""
-
-    def rotations(self, log: Log, rows: NDArray[np.intp]) -> Array:
-        """Return the rotations of some rows of a log, shape (n, 3, 3)."""
-        if log.rotations is not None:
-            found = log.rotations[rows]
-            return np.swapaxes(found, 1, 2) if self.transposed else found
-        assert log.angles is not None
-        turned = np.empty((len(rows), 3))
-        turned[:, self.axes] = log.angles[rows]
-        turned *= np.array(self.senses) * self.in_radians
-        return rotation_from_euler(self.order, turned)
-
-    @property
-    def unusual(self) -> int:
-        """How many senses are not those of the right-hand rule, and axes not in order."""
-        return self.senses.count(-1) + self.transposed + (self.axes != (0, 1, 2))
-
-    def words(self, *, unit: bool = True) -> str:
-        """Return the convention in words."""
-        if not self.order:
-            how = "base to platform (transposed)" if self.transposed else "platform to base"
-            return f"rotations from {how}"
-        names = ("rx", "ry", "rz")
-        wrong = [name for name, one in zip(names, self.senses, strict=True) if one < 0]
-        of = "degrees" if self.unit == "deg" else "radians"
-        said = f"--euler {self.order}"
-        said += f", {of}" if unit else ""
-        if self.axes != (0, 1, 2):
-            there = " ".join("xyz"[axis] for axis in self.axes)
-            said += f", {' '.join(self.heads)} about {there}"
-        return f"{said}, {listed(wrong, 'and')} left-handed" if wrong else said
-
-
-def turns_of(log: Log, euler: str | None) -> Iterator[Turns]:
-    """Yield the conventions that rotations of a log may have.
-
-    Parameters
-    ----------
-    log
-        The log.
-    euler
-        The order of the axes if it is known, as `rotation_from_euler` takes it; angles then follow
-        the right-hand rule.
-    """
-    if log.rotations is not None:
-        yield Turns()
-        yield Turns(transposed=True)
-        return
-    units = (1.0,) if log.angle_unit else (_DEGREE, 1.0)
-    orders: tuple[str, ...] = ORDERS
-    senses = _SENSES
-    if euler is not None:
-        orders = (euler if euler.isupper() else euler[::-1].upper(),)
-        senses = ((1, 1, 1),)
-    elif log.order is not None:
-        orders = tuple(dict.fromkeys((log.order, *ORDERS)))
-    for unit, axes, order, sense in product(
-        units, _AXES if log.heads else _AXES[:1], orders, senses
-    ):
-        said = log.angle_unit or ("rad" if unit == 1 else "deg")
-        yield Turns(order, sense, unit, axes=axes, heads=log.heads, unit=said)
-
-
-#: How many rows are used in linear equations, and how many of the best conventions are fitted.
-_FIRST_ROWS, _FITTED = 200, 16
-#: Of conventions, or machines, of which the data are not a thousand times as likely none is chosen.
-LIKELIER = float(2 * np.log(1000))
-#: The residuals of exact data, and of usual logs, in lengths.
-EXACT, USUAL = 1e-12, 1e-4
-#: This many starts at random, for this many conventions, where linear equations do not decide.
-_STARTS, _TRIED_AGAIN = 12, 4
-#: Legs longer than this are in millimetres if nothing says their unit.
-_MILLIMETRES = 10.0
-
-
-class ConventionFit(NamedTuple):
-    """A convention of a log, and how well it fits."""
-
-    turns: Turns
-    factor: float
-    scatter: float
-    """Root mean square of the residuals of the lengths, in their unit."""
-    place: int
-    """Where it is among those that are tried, usual ones first."""
-
-
-def readings_of(
-    log: Log, rows: NDArray[np.intp], euler: str | None, *, offsets: bool
-) -> tuple[list[ConventionFit], Joints, float]:
-    """Return conventions, the best first, its joints, and what any joints leave at least.
-
-    The last is by linear equations, up to noise.
-    """
-    factors = _factors(log)
-    first = rows[np.unique(np.linspace(0, len(rows) - 1, _FIRST_ROWS).astype(int))]
-    tried = []
-    for place, turns in enumerate(turns_of(log, euler)):
-        R, T = turns.rotations(log, first), log.positions[first]
-        left = left_of_lengths(R, T, log.lengths[first], factors, offsets=offsets)
-        tried += [
-            ConventionFit(turns, factor, one, place)
-            for factor, one in zip(factors.tolist(), left.tolist(), strict=True)
-        ]
-    tried.sort(key=lambda one: one.scatter)
-    found = _fits(log, rows, tried[:_FITTED], offsets=offsets, random=False)
-    least, long = min(one.scatter for one, _ in found), float(log.lengths[rows].mean())
-    if least > USUAL * long:
-        # Linear equations may tell too little to start from.
-        again = [one for one, _ in sorted(found, key=lambda pair: pair[0].scatter)[:_TRIED_AGAIN]]
-        again += [one for one in tried[:_TRIED_AGAIN] if one.place not in {a.place for a in again}]
-        found += _fits(log, rows, again, offsets=offsets, random=True)
-        found = list(
-            {
-                (one.place, one.factor): (one, joints)
-                for one, joints in sorted(found, key=lambda pair: -pair[0].scatter)
-            }.values()
-        )
-        least = min(one.scatter for one, _ in found)
-    # Of equal ones the more usual is taken.
-    count = 6 * len(rows)
-    alike = [pair for pair in found if _as_good(pair[0].scatter, least, count)]
-    best = min(alike, key=lambda pair: (pair[0].turns.unusual, pair[0].place))
-    rest = sorted((one for one, _ in found if one != best[0]), key=lambda one: one.scatter)
-    return [best[0], *rest], best[1], tried[0].scatter
-
-
-def _fits(
-    log: Log, rows: NDArray[np.intp], tried: list[ConventionFit], *, offsets: bool, random: bool
-) -> list[tuple[ConventionFit, Joints]]:
-    """Return conventions with their scatter after a fit, and the joints."""
-    lengths = log.lengths[rows]
-    freedom = max(lengths.size - 6 * (7 if offsets else 6), 1)
-    long = float(lengths.mean())
-    found = []
-    for one in tried:
-        R, T = one.turns.rotations(log, rows), log.positions[rows] * one.factor
-        starts = linear_starts(R, T, lengths, offsets=offsets)
-        if random:
-            starts = np.concatenate((starts, random_starts(long)))
-        joints = fitted(R, T, lengths, starts, offsets=offsets)
-        scatter = max((joints.squares / freedom) ** 0.5, EXACT * long)
-        found.append((one._replace(scatter=scatter), joints))
-    return found
-
-
-def random_starts(long: float) -> Array:
-    """Return joints at random, within about the length of legs, shape (k, 6, 7)."""
-    starts = np.zeros((_STARTS, 6, 7))
-    starts[..., :6] = long * np.random.default_rng(0).normal(size=(_STARTS, 6, 6))
-    return starts
-
-
-def _as_good(scatter: float, least: float, count: int) -> bool:
-    """Whether normal residuals with one scatter are about as likely as with the least."""
-    return 2 * count * float(np.log(scatter / least)) < LIKELIER
-
-
-def _factors(log: Log) -> Array:
-    """Return what positions may have to be multiplied by, to be in the unit of lengths."""
-    if log.leg_unit and log.place_unit:
-        return np.array([METRES[log.place_unit.lower()] / METRES[log.leg_unit.lower()]])
-    return np.array(list(FACTORS))
-
-
-def ambiguous(log: Log, rows: NDArray[np.intp], readings: list[ConventionFit]) -> list[str]:
-    """Return the conventions that fit as well as the best and differ in the log."""
-    best = readings[0]
-    least = min(one.scatter for one in readings)
-    here = best.turns.rotations(log, rows)
-    found = []
-    for one in readings[1:]:
-        if not _as_good(one.scatter, least, 6 * len(rows)):
-            continue
-        apart = np.abs(one.turns.rotations(log, rows) - here).max()
-        if apart > EXACT or one.factor != best.factor:
-            found.append(words_of(one, best, log))
-    return found
-
-
-def words_of(one: ConventionFit, best: ConventionFit, log: Log) -> str:
-    """Return a convention in words, its units if they differ from the best."""
-    words = one.turns.words()
-    if one.factor != best.factor:
-        legs, places = units_of(log, one.factor)
-        words += f", legs in {legs} and positions in {places}"
-    return words
-
-
-def units_of(log: Log, factor: float) -> tuple[str, str]:
-    """Return the units of legs and of positions, as the heading says them or by their sizes."""
-    if log.leg_unit and log.place_unit:
-        return log.leg_unit, log.place_unit
-    for known, size in ((log.leg_unit, factor), (log.place_unit, 1 / factor)):
-        if known:
-            wanted = METRES[known.lower()] * size
-            other = next(
-                (unit for unit, metres in METRES.items() if abs(metres / wanted - 1) < 1e-9),
-                f"{size:g} {known}",
-            )
-            return (known, other) if log.leg_unit else (other, known)
-    if factor != 1.0:
-        return FACTORS[factor]
-    unit = "mm" if float(np.nanmean(np.abs(log.lengths))) > _MILLIMETRES else "m"
-    return unit, unit
 
 
 #: This many of the conventions that fit as well are named in sentences.
@@ -744,10 +687,6 @@ class Identification(EqualByContent):
         }
 
 
-Array = NDArray[np.float64]
-
-#: This many rows are fitted to find the joints to start from.
-_ROWS = 400
 #: This many rows more than unknowns of a leg are needed to tell conventions apart.
 _SPARE = 2
 #: Other joints differ by this part of a length.
@@ -811,97 +750,74 @@ def identify_log(
 ) -> Identification:
     """Find a hexapod from a log; as `identify`.
 
-    Parameters
-    ----------
-    log, euler
-        The log, and the order of the axes of its angles if it is known.
-    pivot
-        The point of the platform that positions are of, shape (3,).
-    sigma, options
-        As for `calibrate_rows`; offsets are held unless they are to be estimated.
+    Positions are of the pivot, shape (3,). Offsets are held unless they are to be estimated.
     """
-    if euler is not None and log.rotations is not None:
+    if euler is not None and not log.has_angles:
         message = "found whole rotations, expected rx ry rz with an Euler sequence"
         raise ArgumentError(message, "euler")
     offsets = "offsets" in options.estimate
     rows = np.flatnonzero(log.whole)
     _check_rows(log, rows, offsets=offsets)
-    some = rows[np.unique(np.linspace(0, len(rows) - 1, _ROWS).astype(int))]
-    readings, joints, least = readings_of(log, some, euler, offsets=offsets)
-    R, T = readings[0].turns.rotations(log, some), log.positions[some] * readings[0].factor
+    some = _spread(rows, _ROWS)
+    tried, least = conventions(log, some, euler, offsets=offsets)
+    R, T = tried[0].poses(log, some)
     kept = np.ones(len(some), bool)
     if options.robust:
-        joints, kept = without_far(R, T, log.lengths[some], joints, offsets=offsets)
-        left = float(np.sqrt((joints.residual[kept] ** 2).mean()))
-        readings[0] = readings[0]._replace(scatter=left)
-    best = readings[0]
-    found = replace(
-        _conventions(log, some, readings, offsets=offsets),
-        with_offsets=None if offsets else _with_offsets(log, some, euler, best),
-        bound=None if best.scatter <= _gap(len(some), offsets=offsets) * least else least,
-    )
-    long = float(log.lengths[some].mean())
-    if best.scatter > (PRIOR * long if options.prior is None else options.prior):
-        raise IncompleteError("\n".join([_NONE, *replace(found, ambiguous=()).doubt]))
-    start = _start(log, best, joints, pivot, found.leg_unit, offsets=offsets)
-    hold = options.hold if offsets else (*options.hold, "offsets")
-    seen = _measured(log, best, pivot)
-    try:
-        result = calibrate_rows(start, seen, sigma, replace(options, hold=hold))
-        if not options.hold_unknown:
-            _check_only(R[kept], T[kept], log.lengths[some][kept], joints, kept, offsets=offsets)
-    except IncompleteError as error:
-        raise IncompleteError("\n".join([str(error), *found.doubt])) from None
-    return replace(found, found=result)
-
-
-def _conventions(
-    log: Log, rows: NDArray[np.intp], readings: list[ConventionFit], *, offsets: bool
-) -> Identification:
-    """Return the conventions that were found, the best first, without a machine yet."""
-    best = readings[0]
-    leg_unit, place_unit = units_of(log, best.factor)
-    return Identification(
+        tried[0], kept = without_far(R, T, log.lengths[some], tried[0], offsets=offsets)
+    best, (leg_unit, place_unit) = tried[0], units_of(log, tried[0].factor)
+    # With few rows linear equations fit so much better by chance.
+    gap = _GAP * (1 + _BY_CHANCE / (len(some) - UNKNOWNS - offsets))
+    found = Identification(
         None,
         best.turns,
         leg_unit,
         place_unit,
         bool(log.leg_unit or log.place_unit),
         best.scatter,
-        tuple((words_of(one, best, log), one.scatter) for one in readings[1:]),
-        tuple(ambiguous(log, rows, readings)),
+        tuple((words_of(one, best, log), one.scatter) for one in tried[1:]),
+        tuple(ambiguous(log, some, tried)),
         offsets,
+        with_offsets=None if offsets else _with_offsets(log, some, euler, best),
+        bound=None if best.scatter <= gap * least else least,
     )
+    long = float(log.lengths[some].mean())
+    if best.scatter > (PRIOR * long if options.prior is None else options.prior):
+        raise IncompleteError("\n".join([_NONE, *replace(found, ambiguous=()).doubt]))
+    start = _start(log, best, pivot, leg_unit, offsets=offsets)
+    hold = options.hold if offsets else (*options.hold, "offsets")
+    seen = _measured(log, best, pivot)
+    try:
+        result = calibrate_rows(start, seen, sigma, replace(options, hold=hold))
+        if not options.hold_unknown:
+            _check_only(R[kept], T[kept], log.lengths[some][kept], best, kept, offsets=offsets)
+    except IncompleteError as error:
+        raise IncompleteError("\n".join([str(error), *found.doubt])) from None
+    return replace(found, found=result)
 
 
-def _gap(rows: int, *, offsets: bool) -> float:
-    """Return how many times better linear equations may fit than joints, by chance."""
-    return _GAP * (1 + _BY_CHANCE / (rows - UNKNOWNS - offsets))
-
-
-def _measured(log: Log, best: ConventionFit, pivot: Array) -> Measurements:
+def _measured(log: Log, best: Convention, pivot: Array) -> Measurements:
     """Return what was measured, in the convention that was found."""
     turned = np.full((len(log.lengths), 3, 3), np.nan)
-    whole = np.flatnonzero(np.isfinite(log.turns).all(axis=1))
+    whole = np.flatnonzero(np.isfinite(log.turns.reshape(len(turned), -1)).all(axis=1))
     turned[whole] = best.turns.rotations(log, whole)
     return Measurements(log.lengths, turned, log.positions * best.factor, pivot, lines=log.lines)
 
 
 def _with_offsets(
-    log: Log, rows: NDArray[np.intp], euler: str | None, best: ConventionFit
+    log: Log, rows: NDArray[np.intp], euler: str | None, best: Convention
 ) -> float | None:
     """Return how well lengths fit with a constant of each leg, if that is much better."""
     if best.scatter < USUAL * float(log.lengths[rows].mean()):
         return None
     if len(rows) < UNKNOWNS + 1 + _SPARE:
         return None
-    other = readings_of(log, rows, euler, offsets=True)[0][0]
+    other = conventions(log, rows, euler, offsets=True)[0][0]
     return other.scatter if other.scatter * _BETTER < best.scatter else None
 
 
 def _check_rows(log: Log, rows: NDArray[np.intp], *, offsets: bool) -> None:
     """Raise if there are fewer rows than unknowns of a leg."""
-    poses = np.hstack((log.positions, log.turns))[rows]
+    poses = np.hstack((log.positions, log.turns.reshape(len(log.turns), -1)))[rows]
     places = log.positions[rows]
     if len(rows) and np.ptp(places, axis=0).max() <= _STILL * np.abs(places).max(initial=0.0):
         message = "positions do not change: add poses that move the platform, along x, y and z"
@@ -915,52 +831,47 @@ def _check_rows(log: Log, rows: NDArray[np.intp], *, offsets: bool) -> None:
         raise IncompleteError(message)
 
 
-def _start(
-    log: Log, best: ConventionFit, joints: Joints, pivot: Array, unit: str, *, offsets: bool
-) -> Instance:
+def _start(log: Log, best: Convention, pivot: Array, unit: str, *, offsets: bool) -> Instance:
     """Return the machine with the joints found, at the pose of the first whole row."""
     first = np.flatnonzero(log.whole)[:1]
-    R = best.turns.rotations(log, first)
-    T = log.positions[first] * best.factor - apply(R, pivot)
-    rows = []
-    for numbers, length in zip(
-        joints.numbers.tolist(), log.lengths[first[0]].tolist(), strict=True
-    ):
-        rows.append(
-            distance(
-                Point((np.array(numbers[:3]) + pivot).tolist()),
-                Point(numbers[3:6]),
-                length,
-                offset=numbers[6] if offsets else None,
-            )
+    R, T = best.poses(log, first)
+    rows = [
+        distance(
+            Point((np.array(numbers[:3]) + pivot).tolist()),
+            Point(numbers[3:6]),
+            length,
+            offset=numbers[6] if offsets else None,
         )
+        for numbers, length in zip(
+            best.joints.tolist(), log.lengths[first[0]].tolist(), strict=True
+        )
+    ]
     made = instance_of(rows, length=unit, name="Machine found from its log")
     # Products with the factor of units have digits of rounding.
     position, turn = (
-        [float(f"{number:.12g}") for number in part]
-        for part in (T[0].tolist(), quaternion_from_rotation(R)[0].tolist())
+        [float(f"{number:.12g}") for number in part[0].tolist()]
+        for part in (T - apply(R, pivot), quaternion_from_rotation(R))
     )
-    home = HomePose(position, turn)
-    return replace(made, home=home)
+    return replace(made, home=HomePose(position, turn))
 
 
 def _check_only(
     R: Array,
     T: Array,
     lengths: Array,
-    joints: Joints,
+    best: Convention,
     kept: NDArray[np.bool_],
     *,
     offsets: bool,
 ) -> None:
     """Raise if other joints of a leg explain its lengths as well; found from starts at random."""
     long = float(lengths.mean())
-    found, left = all_fitted(R, T, lengths, random_starts(long), offsets=offsets)
+    found, left = fitted(R, T, lengths, random_starts(long), offsets=offsets)
     floor = (EXACT * long) ** 2 * len(lengths)
     squares = np.maximum((left**2).sum(axis=-1), floor)
-    least = np.maximum((joints.residual[kept] ** 2).sum(axis=0), floor)
+    least = np.maximum((best.residual[kept] ** 2).sum(axis=0), floor)
     alike = len(lengths) * np.log(squares / least) < LIKELIER
-    apart = np.abs(found - joints.numbers)[..., :6].max(axis=-1) > _DIFFERENT * long
+    apart = np.abs(found - best.joints)[..., :6].max(axis=-1) > _DIFFERENT * long
     legs = sorted({int(leg) + 1 for _, leg in np.argwhere(alike & apart)})
     if legs:
         what = "leg" if len(legs) == 1 else "legs"
