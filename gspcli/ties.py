@@ -45,11 +45,6 @@ def ascending(values: ArrayLike, alike: float = ALIKE) -> NDArray[np.int64]:
     return np.argsort(np.where(given <= least * (1 + alike), least, given), kind="stable")
 
 
-def definite_signs(vector: Field) -> NDArray[np.float64]:
-    """Return 1 or -1 for each entry of a real vector; rounding errors about zero have 1."""
-    return np.where(vector < -ALIKE * np.abs(vector).max(initial=0.0), -1.0, 1.0)
-
-
 def definite_sign(vectors: Field) -> Field:
     """Return vectors, shape (..., n), times what makes the first largest entry positive.
 

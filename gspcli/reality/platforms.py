@@ -51,12 +51,6 @@ class Platforms(Bodies):
             self.kinds, *(part[index] for part in (self.y, self.x, self.u, self.v, self.values))
         )
 
-    def permuted(self, order: Sequence[int]) -> Platforms:
-        """Return the platforms with their constraints in another order."""
-        y, x, u, v = (part[..., order, :] for part in (self.y, self.x, self.u, self.v))
-        kinds = tuple(self.kinds[i] for i in order)
-        return Platforms(kinds, y, x, u, v, self.values[..., order])
-
     @property
     def exchanged(self) -> Platforms:
         """The platforms with their bodies exchanged: their poses are the inverse ones."""

@@ -107,16 +107,6 @@ def float_ends(value: arb) -> tuple[float, float]:
     return low, math.nextafter(float(value.upper()), math.inf)
 
 
-def sums_of_doubles(numbers: Sequence[acb]) -> NDArray[np.complex128]:
-    """Return numbers as sums of four doubles, shape (4, n); radii are ignored."""
-    rest, parts = [x.mid() for x in numbers], []
-    with ctx.workprec(_LONG):
-        for _ in range(_DOUBLES):
-            parts.append([complex(x) for x in rest])
-            rest = [x - acb(part.real, part.imag) for x, part in zip(rest, parts[-1], strict=True)]
-    return np.array(parts)
-
-
 def decimal_near(number: Number, digits: int) -> Fraction:
     """Return a decimal fraction within one unit in this many significant digits of a number."""
     with ctx.workprec(4 * digits + 64):

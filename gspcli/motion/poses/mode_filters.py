@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import operator
 import re
-from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -204,21 +204,6 @@ def heights(result: PosesOfColumns, R: Array, T: Array) -> Array:
         raise ArgumentError(message, "above")
     middles = R @ arrangement.platform_centre + T - arrangement.base_centre
     return np.asarray(middles @ normal * np.sign(along))
-
-
-def left_out_sentence(left: Mapping[str, list[int]], real: int) -> str:
-    """Return how many real poses are left out, and by what, in words."""
-    parts = ", ".join(f"{len(those)} by {reason}" for reason, those in left.items())
-    count = sum(map(len, left.values()))
-    kept = real - count
-    return f"{kept} of {counted(real, 'real pose')} kept; left out: {parts or 'none'}"
-
-
-def left_out_json(left: Mapping[str, list[int]]) -> dict[str, Any]:
-    """Return the numbers of the real poses that are left out as plain data, with the reasons."""
-    modes = sorted(number for those in left.values() for number in those)
-    reasons = [{"reason": reason, "modes": those} for reason, those in left.items()]
-    return {"modes": modes, "reasons": reasons}
 
 
 def chosen_mode(mode: int | None, home: HomeMode | None, count: int) -> int:
