@@ -15,6 +15,7 @@ below the normal range lose less than its square.
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -24,6 +25,24 @@ Array = NDArray[np.float64]
 ROUND = 2.0**-48
 OUT = 1 + 2.0**-44
 TINY = 2.0**-480
+
+
+def above(bound: Any) -> Any:
+    """Round up a bound, which is made of nonnegative numbers as `OUT` asks for."""
+    return bound * OUT
+
+
+def roundings(count: float, scale: Any) -> Any:
+    """Bound the errors of some sums of products, each as `ROUND` asks for.
+
+    Parameters
+    ----------
+    count
+        How many of them are added.
+    scale
+        At least the sum of the moduli of the products of each.
+    """
+    return count * ROUND * scale
 
 
 def size(vectors: Array) -> Array:

@@ -26,6 +26,8 @@ Array = NDArray[np.float64]
 
 #: A value is outside a limit if it is so by more than this part of it (angles: of a radian).
 _ROUNDING = 1e-12
+#: The least share above 1.
+_ABOVE_ONE = float(np.nextafter(1.0, 2.0))
 
 
 @dataclass(frozen=True)
@@ -238,7 +240,7 @@ def cone_shares(
 
 def _agreeing(shares: Array, outside: NDArray[np.bool_]) -> Array:
     """Return shares that are above 1 exactly where a limit is violated, despite rounding."""
-    above: Array = np.where(outside, np.maximum(shares, 1 + 2.0**-52), np.minimum(shares, 1.0))
+    above: Array = np.where(outside, np.maximum(shares, _ABOVE_ONE), np.minimum(shares, 1.0))
     return above
 
 

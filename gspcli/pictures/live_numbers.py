@@ -23,7 +23,6 @@ from numpy.typing import ArrayLike, NDArray
 from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, DPP
 from gspcli.certification.equations.local_frames import reach
 from gspcli.certification.numbers.doubled import SINE_ERROR, Doubled, SineNumbers
-from gspcli.certification.numbers.rounding import ROUNDING
 from gspcli.certification.poses.many_values import COSINE_ERROR, ValueProofs
 from gspcli.continuation.systems import DEGREE_IN_F, Coefficients
 from gspcli.continuation.tracker import (
@@ -37,6 +36,7 @@ from gspcli.defaults import COUNT_LIMIT, SEED, TOLERANCE
 from gspcli.errors import ArgumentError, GspError
 from gspcli.geometry.checking import value_range
 from gspcli.geometry.coordinates import BODIES
+from gspcli.geometry.enclosures import roundings
 from gspcli.geometry.frames import IDENTITY, PoseFrame
 from gspcli.geometry.instance import AngleUnit, Instance
 from gspcli.geometry.limits import joint_cones
@@ -753,7 +753,7 @@ def _put_proofs(numbers: _Numbers, instance: Instance, proofs: ValueProofs, star
         for row in instance.constraints
         if row.kind is DLL and isinstance(row.platform, Line) and isinstance(row.base, Line)
     ]
-    numbers.put(len(lines), *lines, ROUNDING)
+    numbers.put(len(lines), *lines, roundings(8, 1.0))
 
 
 def _put_far(numbers: _Numbers, start: Start) -> None:

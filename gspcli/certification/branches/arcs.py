@@ -27,6 +27,7 @@ from gspcli.certification.branches.fold_system import CurveSystem
 from gspcli.certification.branches.taylor import MovingSystem
 from gspcli.certification.numbers.balls import float_above, float_ends, floats_above
 from gspcli.certification.numbers.rounding import OUTWARD
+from gspcli.geometry.enclosures import above, roundings
 
 Array = NDArray[np.float64]
 
@@ -350,7 +351,7 @@ def follow_closely(
         z = np.array([float(a) for a in x[:8]])
         size = float(np.linalg.norm(z))
         apart = sum(float_above((a - b).abs_upper()) for a, b in zip(x, z.tolist(), strict=False))
-        return z / size, float(x[8]), (apart / size + 2.0**-50) * OUTWARD, count
+        return z / size, float(x[8]), above(apart / size + roundings(1, 1.0)), count
 
 
 def _arcs(

@@ -24,7 +24,7 @@ from gspcli.catalogue.kinds import Kind
 from gspcli.certification.equations.local_frames import length_scale
 from gspcli.certification.equations.statement import statements
 from gspcli.certification.numbers.balls import norm
-from gspcli.certification.numbers.rounding import OUTWARD, TINY
+from gspcli.certification.numbers.rounding import CONVERSION, OUTWARD, TINY
 from gspcli.geometry import study
 from gspcli.geometry.instance import Instance
 from gspcli.records import dataclass
@@ -94,7 +94,7 @@ class MovingEquations:
         turning = np.diag([2.0] * 4 + [0.0] * 4)
         ends = [self.hessians[:, 0] - c[:, None, None] * turning for c in (low, high)]
         norms = np.abs(np.linalg.eigvalsh(np.stack(ends))).max(axis=(0, 2))
-        return np.asarray(norms * (1 + _NORM_ERROR) + 2.0**-50 * self.moduli[:, 0])
+        return np.asarray(norms * (1 + _NORM_ERROR) + CONVERSION * self.moduli[:, 0])
 
 
 def moving_equations(instance: Instance) -> MovingEquations:
@@ -110,7 +110,7 @@ def moving_equations(instance: Instance) -> MovingEquations:
                 for k, coefficient in form.items():
                     nearest[i, j, k] = value = float(coefficient)
                     error = float((coefficient - value).abs_upper()) * OUTWARD + TINY
-                    bounds[i, j, k] = max(abs(value), error * 2.0**50)
+                    bounds[i, j, k] = max(abs(value), error / CONVERSION)
         terms = study.form_hessians().reshape(study.COUNT, -1)
     hessians, moduli = nearest @ terms, bounds @ np.abs(terms)
     shape = (len(rows), 2, 8, 8)
@@ -122,7 +122,7 @@ def moving_equations(instance: Instance) -> MovingEquations:
         laws=np.array([law for _, law, _, _ in rows], np.int32),
         signs=np.array([sign for _, _, sign, _ in rows]),
         hessians=hessians.reshape(shape),
-        spectral=norms[0] * (1 + _NORM_ERROR) + 2.0**-50 * norms[1],
+        spectral=norms[0] * (1 + _NORM_ERROR) + CONVERSION * norms[1],
         moduli=norms[1],
     )
 

@@ -7,8 +7,6 @@ OUTWARD = 1 + 2.0**-40
 #: A bound of the error where a result is below the normal range of floats.
 TINY = 2.0**-1000
 
-#: Bounds the relative error (of the expression of the moduli) of everything computed here.
-ROUNDING = 2.0**-45
 #: A coefficient differs from its double by at most this part of its bound.
 CONVERSION = 2.0**-50
 #: Bits of the properties that the kernel has proved.

@@ -399,8 +399,6 @@ def _doubled(x: fmpq) -> tuple[float, float, float]:
     return high, low, size * ERROR
 
 
-#: Relative error of a difference of two values with 32 digits.
-_DIFFERENCE = 2.0**-100
 #: Local coordinates of a pose.
 LOCAL = 7
 #: How far the values where paths begin are from real ones, in typical lengths, their squares, or
@@ -674,7 +672,7 @@ class FarPoses:
         own, own_low, own_gap = (self.values[k] for k in (0, 3, 4))
         difference, rest = two_sum(high, np.broadcast_to(-own, high.shape))
         size = np.abs(high) + np.abs(own)
-        gaps = OUTWARD * (gap + own_gap + _DIFFERENCE * size)
+        gaps = OUTWARD * (gap + own_gap + ERROR * size)
         return np.ascontiguousarray(np.stack((difference, rest + (low - own_low), gaps), axis=1))
 
 

@@ -24,6 +24,7 @@ from gspcli.catalogue.kinds import DPP
 from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.checking import refuse_shape_mistakes
+from gspcli.geometry.enclosures import above, roundings
 from gspcli.geometry.instance import Constraint, Instance
 from gspcli.geometry.machine import Machine, arms_of, is_driven
 from gspcli.geometry.primitives import Vector
@@ -42,11 +43,8 @@ Array = NDArray[np.float64]
 
 #: Poses whose gaps are computed at a time.
 _PIECE = 4096
-_OUTWARD = 1 + 2.0**-50
 #: Digits of gaps that are shown, relative to the length of the platform.
 _DIGITS = 11
-#: Rounding errors of positions, relative to the largest coordinate.
-_ROUNDING = 2.0**-46
 #: Two arms begin at one point of a body if these points differ by less than this part of the length
 #: of the platform.
 _ONE_POINT = 1e-9
@@ -224,8 +222,8 @@ class ComparedShapes:
             points = self._placed(R[part], T[part], None if q is None else q[part])
             found = _kernel.hull_gaps(points, self._starts, self.pairs)
             # Radii are sums and halves of doubles.
-            low[part] = found[0] - self._thick * _OUTWARD
-            high[part] = found[1] - self._thick / _OUTWARD
+            low[part] = found[0] - above(self._thick)
+            high[part] = found[1] - self._thick * (2 - above(1))
         return GapBounds(low, high)
 
     def gaps(self, R: Array, T: Array, q: Array | None = None) -> Array:
@@ -378,8 +376,8 @@ class ComparedShapes:
         if driven is not None:
             size = size + np.abs(x).max(axis=(1, 2)) + np.abs(y).max(axis=(1, 2))
             size = size + np.abs(self._drives.middle[self._drives.driven]).max(initial=0.0)
-        room = _ROUNDING * size[:, None]
-        return np.asarray(np.minimum(*sums) * _OUTWARD + room)
+        # Positions of two hulls are rounded.
+        return np.asarray(above(np.minimum(*sums)) + roundings(4, size[:, None]))
 
 
 def _joint(row: Constraint, body: str) -> Vector:
@@ -418,9 +416,6 @@ def _shared(first: Constraint, second: Constraint) -> str:
 
 #: Changes of drives that are tried, as multiples of the change for linear lengths.
 _TRIED = (1.05, 1.3, 2.0, 4.0)
-_FARTHER = 1 + 2.0**-30
-#: Rounding errors of lengths, relative to the largest coordinate.
-_LENGTH_ROUNDING = 2.0**-44
 
 
 def point_moves(drives: Machine, R: Array, T: Array, q: Array, moves: Array) -> Array:
@@ -454,7 +449,7 @@ def point_moves(drives: Machine, R: Array, T: Array, q: Array, moves: Array) -> 
     gains = drives.gains(R, T, q)
     size = np.abs(T).max(axis=1) + max(np.abs(drives.rods[drives.driven]).max(), 1e-300)
     size += np.abs(drives.points(q)).max(axis=(1, 2))
-    room = moves * _FARTHER + _LENGTH_ROUNDING * size[:, None]
+    room = above(moves) + roundings(16, size[:, None])
     found = np.where(drives.driven, np.inf, 0.0) * np.ones_like(moves)
     with np.errstate(all="ignore"):
         linear = room / np.abs(gains)
@@ -474,7 +469,7 @@ def point_moves(drives: Machine, R: Array, T: Array, q: Array, moves: Array) -> 
                 # The two numbers of a crank differ by less than a turn.
                 if drives.sorts[drives.index[k]] == "crank":
                     fits &= factor * linear[:, k] < np.pi / 2
-                far = drives.arms[k] * factor * linear[:, k] * _FARTHER
+                far = above(drives.arms[k] * factor * linear[:, k])
                 found[:, k] = np.where(fits, np.minimum(found[:, k], far), found[:, k])
     return np.asarray(found)
 

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from gspcli import _kernel
 from gspcli.geometry.coordinates import Coordinate, carried_by, coordinates
+from gspcli.geometry.enclosures import roundings
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.primitives import Point
 from gspcli.geometry.quaternions import (
@@ -32,8 +33,8 @@ Index = NDArray[np.int64]
 SHORTEST, _TRIES = 2.0**-40, 2000
 #: Numbers without limits.
 _NEVER = 1e30
-#: A bound of the rounding errors of frames.
-ROUNDING = 2.0**-44
+#: A bound of the rounding errors of frames of size one.
+FRAME_ERROR: float = roundings(16, 1)
 
 
 @dataclass(frozen=True, eq=False)

@@ -18,7 +18,7 @@ from gspcli.errors import ArgumentError
 from gspcli.geometry.coordinates import Coordinate, moved
 from gspcli.geometry.instance import Instance
 from gspcli.motion.following.branch_follower import Branches, FollowOptions, Stop, StudyUnits
-from gspcli.motion.following.followed_rows import ROUNDING, RowFollower, Segments
+from gspcli.motion.following.followed_rows import FRAME_ERROR, RowFollower, Segments
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -164,7 +164,7 @@ class MovingGeometry(StudyUnits):
         """
         assert self.rows is not None
         reach, away = self.rows.reach, float(np.linalg.norm(self.rows.middle))
-        return 1.01 * error / reach * (1 + (reach + away) / (2 * self.scale)) + ROUNDING
+        return 1.01 * error / reach * (1 + (reach + away) / (2 * self.scale)) + FRAME_ERROR
 
     def _twist(self, point: Array, T: Array, distance: float) -> float:
         """Bound the twist between poses, as a length, from the distance of their Study points.
@@ -178,7 +178,7 @@ class MovingGeometry(StudyUnits):
             return np.inf
         reach, away = self.rows.reach, float(np.linalg.norm(self.rows.middle))
         far = 3 * (self.scale + float(np.linalg.norm(T)))
-        return d * (4.2 * (reach + away) + far) + ROUNDING * (reach + far + away)
+        return d * (4.2 * (reach + away) + far) + FRAME_ERROR * (reach + far + away)
 
 
 def _of_one_sign(points: Array, like: Array) -> Array:

@@ -17,6 +17,7 @@ from gspcli.catalogue.kinds import DPP, Primitive
 from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.checking import value_range
+from gspcli.geometry.enclosures import above
 from gspcli.geometry.instance import Constraint, Instance, Side
 from gspcli.geometry.limits import joint_cones
 from gspcli.geometry.machine import Machine, driven_points
@@ -35,8 +36,6 @@ CONTROLLER_KINDS = (
 )
 _DRIVES = CONTROLLER_KINDS[-4:]
 BODIES = ("platform", "base")
-#: Norms are rounded up.
-_UP = 1 + 2.0**-40
 #: A value is outside a limit if it exceeds it by more than this part of the limit, as in
 #: `geometry.limits`.
 _ROUNDING = 1e-12
@@ -161,12 +160,12 @@ def platform_numbers(
         V=np.array([place.direction for place in base]),
         A=np.array([arm.A for arm in arms]) / reach,
         B=np.array([arm.B for arm in arms]) * by_number[:, None],
-        crank=cranks * _UP,
+        crank=above(cranks),
         rod=np.where(driven, [row.value.value for row in rows], 0.0) / reach,
         lowest=lowest,
         highest=highest,
-        norm_y=(np.linalg.norm(Y, axis=1) + np.where(on_platform, cranks, 0)) * _UP,
-        moduli=moduli * _UP,
+        norm_y=above(np.linalg.norm(Y, axis=1) + np.where(on_platform, cranks, 0)),
+        moduli=above(moduli),
         middle=np.array([float(x) for x in middles[0]]),
         origin=np.array([float(x) for x in middles[1]]),
         reach=reach,

@@ -21,14 +21,21 @@ from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, DPP
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.enclosures import OUT, Enclosure, joined, singular_values, size
+from gspcli.geometry.enclosures import (
+    Enclosure,
+    above,
+    joined,
+    roundings,
+    singular_values,
+    size,
+)
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.limits import cone_shares, joint_cones, tilts
 from gspcli.geometry.machine import Machine
 from gspcli.geometry.quaternions import apply
 from gspcli.geometry.residuals import condition_numbers
 from gspcli.motion.collisions.compared import ComparedShapes, slips_near
-from gspcli.motion.following.followed_rows import ROUNDING, RowFollower, Segments
+from gspcli.motion.following.followed_rows import FRAME_ERROR, RowFollower, Segments
 from gspcli.motion.following.moving_geometry import MovingGeometry
 from gspcli.motion.paths.motors import Motors
 from gspcli.motion.paths.pose_ways import PoseWays
@@ -51,10 +58,7 @@ _MOST_PIECES = 10_000
 #: Into how many rows ways of values are divided, one after the other, where that is needed, and
 #: most of such rows.
 _STEPS, _MOST_STEPS = (1, 8, 64), 4000
-_OUTWARD = 1 + 2.0**-30
 _EVERY = slice(None)
-#: Rounding errors of Study points of norm one, of parameters and places, relative to their sizes.
-_ROUNDING = 2.0**-44
 #: Into how many steps a part is divided that is followed again.
 _STEPS_AGAIN = 8
 #: Signs: the shortest piece of a way, how often pieces are divided, and most pieces at a time.
@@ -134,7 +138,7 @@ class PathRows:
         """Bound how far values or drives move from row to row, shape (r - 1, 6 or m)."""
         if self.parameters is not None:
             return self.moved(self.parameters[:-1], self.parameters[1:])
-        return np.asarray(np.abs(np.diff(self.moving_numbers, axis=0)) * _OUTWARD)
+        return np.asarray(above(np.abs(np.diff(self.moving_numbers, axis=0))))
 
     def moved(self, begins: Array, ends: Array) -> Array:
         """Bound how far values or drives move on straight ways of poses, shape (n, 6 or m)."""
@@ -143,7 +147,7 @@ class PathRows:
         if self.motors is None:
             a = Arrangement.of(self.instance)
             found[:, a.angles] /= a.in_radians
-        return found * _OUTWARD
+        return np.asarray(above(found))
 
     @property
     def moving_numbers(self) -> Array:
@@ -211,12 +215,12 @@ def least_clearances(rows: PathRows, wanted: float) -> tuple[Array, Array]:
     """
     at = rows.clearances(rows.R, rows.T)
     travels = (rows.travels() / rows.units).max(axis=1)
-    known = (at[:-1] + at[1:] - travels) / 2 / _OUTWARD
+    known = (at[:-1] + at[1:] - travels) / above(2)
     if wanted:
         halvings = CLEARANCE_HALVINGS if rows.motors is None else _DRIVE_HALVINGS
 
         def measure(near: Near) -> tuple[Array, Array]:
-            change = (near.changes() / rows.units).max(axis=1) * _OUTWARD
+            change = above((near.changes() / rows.units).max(axis=1))
             return rows.clearances(near.R, near.T)[:, None], change[:, None]
 
         known = _least(rows, at, measure, wanted, halvings, known)
@@ -235,7 +239,7 @@ def largest_conditions(rows: PathRows, wanted: float) -> tuple[Array, Array]:
             sides = np.stack([np.where(on == side, near.slips, 0.0) for side in (True, False)])
         at = condition_numbers(placed, near.R, near.T, length)
         most = condition_bounds(placed, near.R, near.T, near.shifts, near.turns, length, sides)
-        return -at[:, None], (most - at)[:, None] * _OUTWARD
+        return -at[:, None], above(most - at)[:, None]
 
     at = rows.conditions()
     return at, -_least(rows, -at, measure, -wanted)
@@ -291,7 +295,7 @@ def _transmissions(drives: Machine, near: Near, centre: Array) -> tuple[Array, A
         turned = np.where(left > 0, moves / left, np.inf)
         cranks = np.array([drives.sorts[k] == "crank" for k in drives.index])
         turned += np.where(cranks, near.slips / drives.arms, 0.0)
-        turned = turned * _OUTWARD + rounding
+        turned = above(turned) + rounding
     at = drives.transmission(drives.gains(near.R, near.T, near.q))
     return at[:, drives.driven], turned[:, drives.driven]
 
@@ -327,9 +331,9 @@ def cone_margins(instance: Instance, drives: Machine | None) -> Measure:
         base, arm, r = (vectors[..., legs, :] for vectors in ends)
         moves, rounding = _leg_moves(near, (base, arm, r), on_platform, a.platform_centre, legs)
         with np.errstate(all="ignore"):
-            sine = moves / np.linalg.norm(r, axis=-1)
+            sine = above(moves / np.linalg.norm(r, axis=-1))
             leans = np.where(sine < 1, np.arcsin(np.minimum(sine, 1.0)), np.inf)
-            changes = (leans + turned) * _OUTWARD + rounding
+            changes = above(leans + turned) + rounding
         tilted = tilts(instance, near.R, near.T, near.q) * a.in_radians
         return allowed - np.nan_to_num(tilted, nan=0.0), changes
 
@@ -368,7 +372,7 @@ def _leg_moves(
     far = np.abs(near.T).max(axis=1)[:, None]
     far = far + np.abs(base).max(axis=-1) + np.abs(arm).max(axis=-1)
     with np.errstate(divide="ignore"):
-        return moves, _ROUNDING * (1 + far / np.linalg.norm(r, axis=-1))
+        return moves, roundings(16, 1 + far / np.linalg.norm(r, axis=-1))
 
 
 class PoseParts:
@@ -406,9 +410,9 @@ class PoseParts:
         """
         change, half = self._change[part], ((high - low) / 2)[:, None]
         middle = self._middle[part] + ((low + high) / 2 - 0.5)[:, None] * change
-        widths = np.abs(change) * half * _OUTWARD + _ROUNDING * np.abs(middle)
-        turns = widths[:, 3:].sum(axis=1) * _OUTWARD
-        shifts = (np.linalg.norm(widths[:, :3], axis=1) + turns * self._away) * _OUTWARD
+        widths = above(np.abs(change) * half) + roundings(16, np.abs(middle))
+        turns = above(widths[:, 3:].sum(axis=1))
+        shifts = above(np.linalg.norm(widths[:, :3], axis=1) + turns * self._away)
         R, T = self._ways.poses(middle)
 
         def changes() -> Array:
@@ -454,7 +458,7 @@ class ValueParts:
         #: Where the parts are on their ways, from 0 to 1, shapes (n,).
         self.begin, self.end = (found.row + found.begin) / steps, (found.row + found.end) / steps
         # How near the pose at the beginning is to the chord; 0 stands for Newton's method.
-        before = np.concatenate(([0.0], found.error[:-1] + ROUNDING))
+        before = np.concatenate(([0.0], found.error[:-1] + FRAME_ERROR))
         self._error = np.where(self.begin > 0, before, 0.0)
 
     def near(self, part: Index, low: Array, high: Array) -> Near:
@@ -464,19 +468,20 @@ class ValueParts:
         """
         segments, follower = self._segments, self._moving.follower
         width = self.end[part] - self.begin[part]
-        middle, half = (low + high) / 2, (high - low) / 2 + _ROUNDING
+        rounding = roundings(16, 1)
+        middle, half = (low + high) / 2, (high - low) / 2 + rounding
         R, T = self._poses(part, (middle - self.begin[part]) / width)
-        d, radius = segments.d[part], segments.radius[part] + 2 * _ROUNDING
-        turns = (np.linalg.norm(d[:, :3], axis=1) * half / width + radius) * _OUTWARD
-        moved = (np.linalg.norm(d[:, 3:], axis=1) * half / width + radius) * _OUTWARD
+        d, radius = segments.d[part], segments.radius[part] + 2 * rounding
+        turns = above(np.linalg.norm(d[:, :3], axis=1) * half / width + radius)
+        moved = above(np.linalg.norm(d[:, 3:], axis=1) * half / width + radius)
         away = float(np.linalg.norm(self._centre - follower.middle))
         size = float(np.linalg.norm(follower.origin) + np.linalg.norm(follower.middle))
-        shifts = (moved * follower.reach + turns * away + _ROUNDING * size) * _OUTWARD
+        shifts = above(moved * follower.reach + turns * away + rounding * size)
         # Values and drives move linearly on the whole way.
         way, numbers, drives = self.way[part], self._moving.numbers, self._moving.drives
         change = numbers[way + 1] - numbers[way]
-        sweep = np.abs(change) * half[:, None] * _OUTWARD
-        sweep += _ROUNDING * (np.abs(numbers[way]) + np.abs(change))
+        sweep = above(np.abs(change) * half[:, None])
+        sweep += rounding * (np.abs(numbers[way]) + np.abs(change))
         if drives is None:
             return Near(R, T, shifts, turns, lambda: sweep)
         q = numbers[way] + change * middle[:, None]
@@ -518,7 +523,7 @@ class ValueParts:
         # The ends of neighbours agree, and those of the whole part stay.
         low[1:] = high[:-1]
         low[0], high[-1] = begin, end
-        error = np.concatenate((self._error[[k]], new.error[:-1] + ROUNDING))
+        error = np.concatenate((self._error[[k]], new.error[:-1] + FRAME_ERROR))
         self.way = np.append(self.way, np.repeat(self.way[k], count))
         self.begin, self.end = np.append(self.begin, low), np.append(self.end, high)
         self._error = np.append(self._error, error)
@@ -747,7 +752,7 @@ def condition_bounds(
         )
         safe = np.where(known[:, None, None], rows.mid, np.eye(6))
         least, most = singular_values(Enclosure(safe, rows.rad))
-        return np.where(known & (least > 0), most / least * OUT, np.inf)
+        return np.where(known & (least > 0), above(most / least), np.inf)
 
 
 def rows_near(
@@ -760,7 +765,7 @@ def rows_near(
     slips: Array | None = None,
 ) -> Enclosure:
     """Enclose (moment / L, force) about the centre, of norm one, shape (n, 6, 6)."""
-    chord = 2 * np.sin(np.minimum(turns, np.pi) / 2) * OUT
+    chord = above(2 * np.sin(np.minimum(turns, np.pi) / 2))
     own, other = np.zeros((2, len(T), 6)) if slips is None else slips
     centre = a.platform_centre
 

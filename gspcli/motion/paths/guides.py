@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.coordinates import choose
-from gspcli.geometry.enclosures import OUT
+from gspcli.geometry.enclosures import above
 from gspcli.geometry.limits import within_limits
 from gspcli.motion.collisions.compared import ComparedShapes
 from gspcli.motion.following.branch_follower import FollowOptions, over_rows
@@ -401,7 +401,7 @@ class DriveGuide:
         drives = self.motors.drives
         q = numbers * drives.units
         near = MachineNeighbourhood(drives, R, T, q[0])
-        widths = near.widths(np.abs(q[1] - q[0])[drives.index] * OUT)[None]
+        widths = near.widths(above(np.abs(q[1] - q[0])[drives.index]))[None]
         if near.keeps_knees(widths, near.box(widths))[0]:
             return 1
         if not halvings:

@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import DHP, DLL, DPH
-from gspcli.geometry.enclosures import OUT
+from gspcli.geometry.enclosures import above
 from gspcli.geometry.instance import Instance, Side
 from gspcli.geometry.limits import joint_cones
 from gspcli.motion.following.branch_follower import FollowOptions, MovingPlatform, Stop, apart
@@ -186,7 +186,7 @@ def whole_sheet(ways: ValueWays, values: Array, point: Array) -> Sheet:
         if boxes > _MOST:
             return Sheet.OPEN
         near = Neighbourhood(ways.platform, p, ways.platform.internal(c))
-        box = near.box(ways.platform.internal(h) * OUT)
+        box = near.box(above(ways.platform.internal(h)))
         open_ = ~(box.measure < 1)
         if not open_.any():
             continue

@@ -30,7 +30,7 @@ from numpy.typing import ArrayLike, NDArray
 from gspcli.defaults import SEED
 from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.enclosures import OUT, ROUND, Enclosure, size
+from gspcli.geometry.enclosures import Enclosure, above, roundings, size
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.measurement import jacobian
 from gspcli.geometry.quaternions import (
@@ -244,7 +244,7 @@ class Screws:
         e = at.quaternions(s)
         R = rotation_from_quaternion(e) @ at.R
         # The derivatives of t and v.
-        half = half * OUT
+        half = above(half)
         shift, turn = np.zeros((2, len(s), 1, 3, 6))
         shift[:, 0, range(3), range(3)] = half[:, :3]
         turn[:, 0, :, 3:] = at.axes * (half[:, 3:] / (2 * at.radii))[:, None]
@@ -298,7 +298,7 @@ def regular(rows: Array, linear: Array, rest: Array, *, cube: bool) -> tuple[Arr
     basis = np.swapaxes(vt, 1, 2)
     moved = np.einsum("njm,nmli,nlk->njki", inverse, linear, basis, optimize=True)
     # Both products with factors are rounded.
-    errors = rest + 2 * ROUND * (np.abs(rows) + np.abs(linear).sum(axis=3))
+    errors = rest + roundings(2, np.abs(rows) + np.abs(linear).sum(axis=3))
     left_out = np.abs(inverse) @ errors @ np.abs(basis)
     left_out += np.abs(inverse @ rows @ basis - np.eye(6))
     bound = np.linalg.norm(moved, ord=1 if cube else 2, axis=3) + left_out
@@ -309,7 +309,7 @@ def regular(rows: Array, linear: Array, rest: Array, *, cube: bool) -> tuple[Arr
         power /= power.max(axis=(1, 2), keepdims=True)
     p = power.sum(axis=2) + 1e-9
     ratio = (bound @ p[..., None])[..., 0] / p
-    proved = ratio.max(axis=1) * OUT < 1
+    proved = above(ratio.max(axis=1)) < 1
     sign = np.sign(np.linalg.det(u) * np.linalg.det(vt))
     worst = ratio.argmax(axis=1)
     each = np.arange(len(p))

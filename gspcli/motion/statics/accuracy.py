@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from gspcli.certification.equations.local_frames import LocalFrames
 from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.enclosures import ROUND, Enclosure, Jet, Matrix
+from gspcli.geometry.enclosures import Enclosure, Jet, Matrix, roundings
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.measurement import gradients, value_signs
 from gspcli.geometry.primitives import Geometry, Point
@@ -128,7 +128,7 @@ def _moved_bounds(given: Wrenches, limits: Array, off: Array) -> tuple[Array, Ar
     drives = given.drives
     ways = np.where(drives.driven, drives.arms * off[drives.index], 0.0)
     # Moved points are rounded.
-    ways += np.where(drives.driven, 4 * ROUND * given.arrangement.length, 0.0)
+    ways += np.where(drives.driven, roundings(4, given.arrangement.length), 0.0)
     n = len(given.T)
     found = np.empty((n, 6)), np.empty(n), np.empty(n)
     _, first, index = np.unique(
@@ -208,7 +208,7 @@ def _shifts(
     hessians[..., :4, 4:] = TRANSLATION_FORMS
     hessians[..., 4:, :4] = np.swapaxes(TRANSLATION_FORMS, -1, -2)
     hessians[..., :4, :4] -= 2 * position[..., None, None] * np.eye(4)
-    matrix = Matrix.exact(hessians, ROUND * np.linalg.norm(hessians, axis=(2, 3)))
+    matrix = Matrix.exact(hessians, roundings(1, np.linalg.norm(hessians, axis=(2, 3))))
     jet = Jet.quadric(matrix, Enclosure(points[:, None]))
     moved = (jet.value + jet.gradient.dot(change)).widened(matrix.most * radius[:, None] ** 2 / 2)
     lin, rest = moved.lin[..., 0, :], np.abs(moved.mid[..., 0]) + moved.rad

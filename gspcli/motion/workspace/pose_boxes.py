@@ -13,6 +13,7 @@ from gspcli import _kernel
 from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.checking import value_range
+from gspcli.geometry.enclosures import above, roundings
 from gspcli.geometry.euler import check_sequence, rotation_from_euler
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.limits import joint_cones, out_of_range
@@ -35,9 +36,6 @@ _ROTATION = 1e-9
 _RANGES = 6
 #: The condition that legs and bodies have the required gap; the kernel does not test it.
 GAP = np.uint32(1 << 24)
-_OUTWARD = 1 + 2.0**-30
-#: Rounding errors of parameters, relative to their sizes.
-_ROUNDING = 2.0**-46
 #: The first condition of those that rods reach the points of their motors.
 _REACH = int(_kernel.REACH).bit_length() - 1
 
@@ -322,12 +320,10 @@ class PoseBoxes:
         place = places(keys[asked], len(free)) + 0.5
         parameters[:, free] = bounds[free, 0] + place * 2.0**-level * span
         half[free] = 2.0 ** -(level + 1) * span
-        half = half * _OUTWARD + _ROUNDING * np.abs(bounds).max(axis=1)
+        half = above(half) + roundings(4, np.abs(bounds).max(axis=1))
         R, T = self.poses(parameters)
-        turn = half[3:].sum() * _OUTWARD
-        shifts, turns = (
-            np.full(len(asked), x) for x in (np.linalg.norm(half[:3]) * _OUTWARD, turn)
-        )
+        turn = above(half[3:].sum())
+        shifts, turns = (np.full(len(asked), x) for x in (above(np.linalg.norm(half[:3])), turn))
         driven = None
         if self.drives is not None:
             driven = R, T, self.drives.drives.inverse(R, T, self._knees)
