@@ -110,10 +110,9 @@ class PoseWays:
         """Return why rods that share a drive may not agree on a way, or nothing."""
         if self.motors is None or not self.motors.shared:
             return ""
-        assert self.boxes.drives is not None
         free = [name for name, a, b in zip(PARAMETERS, begin, end, strict=True) if a != b]
         try:
-            self.boxes.drives.refuse_shared(self.poses(begin)[0], free)
+            self.boxes.refuse_shared(self.poses(begin)[0], free)
         except ArgumentError:
             return "rods that share a drive are not parallel"
         return ""

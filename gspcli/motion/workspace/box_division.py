@@ -103,8 +103,7 @@ def workspace(
     boxes = PoseBoxes(
         instance, R, T, pivot=pivot, sequence=sequence, regular=connected, knees=knees, gap=gap
     )
-    if boxes.drives:
-        boxes.drives.refuse_shared(boxes.R, _names(free))
+    boxes.refuse_shared(boxes.R, _names(free))
     division = _Division(boxes, _names(free), dict(within or {}), jobs)
     return division.run(tolerance, lambda: division.judged >= most_boxes or stop(), progress)
 

@@ -17,7 +17,7 @@ from gspcli.geometry.enclosures import above, roundings
 from gspcli.geometry.euler import check_sequence, rotation_from_euler
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.limits import joint_cones, out_of_range
-from gspcli.geometry.machine import Machine, driven_points, is_driven
+from gspcli.geometry.machine import Machine, driven_points
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.quaternions import apply, quaternion_from_rotation, rotation_from_quaternion
 from gspcli.motion.collisions.compared import ComparedShapes
@@ -116,15 +116,17 @@ class PoseBoxes:
         self.R: Array = rotation_from_quaternion(self.quaternion)
         self.home = np.concatenate((T + self.R @ self.pivot, np.zeros(3)))
         # Ball arithmetic takes long to import; it is needed for proofs of boxes only.
-        from gspcli.certification.numbers.limit_balls import limit_balls
+        from gspcli.certification.numbers.limit_balls import drive_balls, limit_balls
 
         self._limited, self.fixed = _with_room(instance)
         self._balls = limit_balls(self._limited, self.quaternion.tolist(), self.pivot.tolist())
-        self.drives: DrivenBoxes | None = None
-        if is_driven(instance):
-            signs = knees_of(instance, self.R, T) if knees is None else np.asarray(knees)
-            self._knees = signs
-            self.drives = DrivenBoxes(instance, self.quaternion, self.pivot, signs)
+        self.machine = machine = Machine.of(instance)
+        machine.refuse_planes("the reach")
+        self._knees = knees_of(instance, self.R, T) if knees is None else np.asarray(knees)
+        #: The constraints whose point is moved, by their indices.
+        self.rows: list[int] = np.flatnonzero(machine.driven).tolist()
+        signs = self._knees.tolist()
+        self._moved = drive_balls(instance, self.quaternion.tolist(), self.pivot.tolist(), signs)
         order = sequence if sequence.isupper() else sequence[::-1]
         # The kernel has the angles in the order of the product.
         self._order = [0, 1, 2, *(3 + "xyz".index(letter) for letter in order.lower())]
@@ -148,9 +150,8 @@ class PoseBoxes:
         """
         bits = [k for k, row in enumerate(self._limited.constraints) if row.limits is not None]
         bits += [_RANGES + k for k in range(len(self.cones))]
-        if self.drives:
-            bits = [k for k in bits if k not in self.drives.rows] + self.drives.ranged
-            bits += [_REACH + k for k in self.drives.rows]
+        bits = [k for k in bits if k not in self.rows] + self._ranged
+        bits += [_REACH + k for k in self.rows]
         more = int(REGULAR) if self.regular else 0
         more |= int(GAP) if self.gap is not None else 0
         return np.uint32(sum(1 << bit for bit in bits) | more)
@@ -158,20 +159,20 @@ class PoseBoxes:
     @property
     def reached(self) -> np.uint32:
         """The conditions that rods reach the points of their motors, and regularity."""
-        rows = self.drives.rows if self.drives else []
-        return np.uint32(sum(1 << (_REACH + k) for k in rows) | int(REGULAR))
+        return np.uint32(sum(1 << (_REACH + k) for k in self.rows) | int(REGULAR))
 
     def names(self, conditions: int) -> list[str]:
         """Return the conditions of some bits in words."""
         found = []
         for k in range(_RANGES):
-            drives = self.drives if self.drives and k in self.drives.rows else None
-            if drives and conditions >> (_REACH + k) & 1:
-                found.append(f"reach of {drives.point(k)}")
+            name = self.machine.names[self.machine.index[k]].replace(".", " ")
+            if k in self.rows and conditions >> (_REACH + k) & 1:
+                (one,) = driven_points(self.instance.constraints[k])
+                found.append(f"reach of {one.name or k + 1}")
             elif (conditions & self.fixed) >> k & 1:
                 found.append(f"fixed value of {k + 1}")
             elif conditions >> k & 1:
-                found.append(f"range of {drives.name(k) if drives else k + 1}")
+                found.append(f"range of {name}")
         found += [
             f"cone of {cone.constraint + 1} ({cone.body})"
             for k, cone in enumerate(self.cones)
@@ -207,9 +208,9 @@ class PoseBoxes:
     def _legs(self) -> Iterator[tuple[float, list[tuple[Array, Array, Array]]]]:
         """Yield the greatest lengths of legs, with their points at home, y and x, and margins."""
         for k, row in enumerate(self._limited.constraints):
-            if self.drives and k in self.drives.rows:
+            if k in self.rows:
                 y, x = self._balls.vectors[k, 0, :, 0], self._balls.vectors[k, 2, :, 0]
-                yield row.value.value, self.drives.places(k, y, x)
+                yield row.value.value, self._places(k, y, x)
             elif row.kind.name == "DPP" and row.limits is not None:
                 y, x = self._balls.vectors[k, 0, :, 0], self._balls.vectors[k, 2, :, 0]
                 yield row.limits[1].value, [(y, x, np.zeros(3))]
@@ -227,6 +228,79 @@ class PoseBoxes:
         bounds[:3, 1] = np.maximum(bounds[:3, 0], bounds[:3, 1])
         bounds[3:] = 0.0
         return bounds
+
+    @property
+    def _ranged(self) -> list[int]:
+        """The constraints whose motor has a range."""
+        low = self.machine.low[self.machine.index]
+        return [k for k in self.rows if np.isfinite(low[k])]
+
+    def _places(self, constraint: int, y: Array, x: Array) -> list[tuple[Array, Array, Array]]:
+        """Return the points of platform and base that a rod joins, and a margin, shapes (3,).
+
+        The point that the motor moves is between two returned places, or within the margin of one.
+        The other point is that of the kernel.
+        """
+        assert self._moved is not None
+        k = self.rows.index(constraint)
+        middle, across, beside, _, first, last = self._moved.vectors[k, ..., 0]
+        slide, on_platform = self._moved.sorts[k].tolist()
+        none = np.zeros(3)
+        found: list[tuple[Array, Array]]
+        if not slide:
+            margin = np.hypot(across, beside)
+            found = [(middle, np.full(3, np.linalg.norm(across)) if on_platform else margin)]
+        elif constraint in self._ranged:
+            found = [(first, none), (last, none)]
+        else:
+            free = np.full(3, np.inf) if on_platform else np.where(across != 0, np.inf, 0.0)
+            found = [(middle, free)]
+        return [
+            (point, x, margin) if on_platform else (y, point, margin) for point, margin in found
+        ]
+
+    def refuse_shared(self, R: Array, free: Sequence[str]) -> None:
+        """Raise unless rods that share a drive need the same place of it at all poses that vary.
+
+        Parameters
+        ----------
+        R
+            The orientation, shape (3, 3).
+        free
+            The parameters that vary.
+        """
+        drives, instance = self.machine, self.instance
+        turning = any(name.startswith("r") for name in free)
+        for drive in range(drives.count):
+            first, *others = drives.users(drive)
+            for k in others:
+                rows = instance.constraints[first], instance.constraints[k]
+                text = f"rods {first + 1} and {k + 1} share {drives.names[drive].replace('.', ' ')}"
+                if turning:
+                    message = (
+                        f"{text}: what such a machine reaches when it turns is not computed, "
+                        "only its positions (x, y, z)"
+                    )
+                    raise ArgumentError(message + _ADVICE)
+                y, x = (
+                    a - b
+                    for a, b in (
+                        (rows[0].platform.point, rows[1].platform.point),
+                        (rows[0].base.point, rows[1].base.point),
+                    )
+                )
+                off = np.linalg.norm(R @ y - x) + abs(rows[0].value.value - rows[1].value.value)
+                # The difference of points on one arm turns with it.
+                own = y if drives.on_platform[k] else x
+                if drives.sorts[drive] == "crank":
+                    axis = np.cross(drives.across[k], drives.beside[k])
+                    off += np.linalg.norm(np.cross(own, axis / np.linalg.norm(axis)))
+                if off > _SAME * np.linalg.norm(np.concatenate((rows[0].platform.point, x, y))):
+                    message = (
+                        f"{text} and are not parallel at this orientation: what such a machine "
+                        "reaches is computed only where they are"
+                    )
+                    raise ArgumentError(message + _ADVICE)
 
     def refuse_fixed(self, bounds: Array, free: Sequence[int]) -> None:
         """Raise if a value that home keeps, and that stays, is not proved the same in a whole box.
@@ -293,7 +367,7 @@ class PoseBoxes:
             left=left,
             split=split,
             jobs=jobs,
-            drives=self.drives.balls if self.drives else None,
+            drives=self._moved,
         )
         judged = Judged(*found)
         if self._compared is None:
@@ -325,8 +399,8 @@ class PoseBoxes:
         turn = above(half[3:].sum())
         shifts, turns = (np.full(len(asked), x) for x in (above(np.linalg.norm(half[:3])), turn))
         driven = None
-        if self.drives is not None:
-            driven = R, T, self.drives.drives.inverse(R, T, self._knees)
+        if self.rows:
+            driven = R, T, self.machine.inverse(R, T, self._knees)
         with np.errstate(invalid="ignore"):
             moves = compared.moves(shifts, turns, self.pivot, parameters[:, :3], driven)
         found = compared.bounds(R, T, None if driven is None else driven[2])
@@ -393,113 +467,6 @@ _ADVICE = (
 )
 
 
-class DrivenBoxes:
-    """The cranks and slides of a platform, on given knees.
-
-    Parameters
-    ----------
-    instance
-        The platform.
-    quaternion, pivot
-        As for `gspcli.certification.numbers.limit_balls.limit_balls`.
-    knees
-        The signs of the gains, shape (6,).
-    """
-
-    def __init__(
-        self, instance: Instance, quaternion: Array, pivot: Array, knees: NDArray[np.int64]
-    ) -> None:
-        # Ball arithmetic takes long to import; it is needed for proofs of boxes only.
-        from gspcli.certification.numbers.limit_balls import drive_balls
-
-        self.drives = drives = Machine.of(instance)
-        drives.refuse_planes("the reach")
-        self.rows: list[int] = np.flatnonzero(drives.driven).tolist()
-        self.balls = drive_balls(instance, quaternion.tolist(), pivot.tolist(), knees.tolist())
-
-    @property
-    def ranged(self) -> list[int]:
-        """The constraints whose motor has a range."""
-        index, low = self.drives.index, self.drives.low
-        return [k for k in self.rows if np.isfinite(low[index[k]])]
-
-    def name(self, constraint: int) -> str:
-        """Return what moves a point of a constraint, such as ``crank B2``."""
-        return _drive_name(self.drives, constraint)
-
-    def point(self, constraint: int) -> str:
-        """Return the name of the point that is moved."""
-        (one,) = driven_points(self.drives.instance.constraints[constraint])
-        return one.name or str(constraint + 1)
-
-    def places(self, constraint: int, y: Array, x: Array) -> list[tuple[Array, Array, Array]]:
-        """Return the points of platform and base that a rod joins, and a margin, shapes (3,).
-
-        The point that the motor moves is between two returned places, or within the margin of one.
-        The other point is that of the kernel.
-        """
-        assert self.balls is not None
-        k = self.rows.index(constraint)
-        middle, across, beside, _, first, last = self.balls.vectors[k, ..., 0]
-        slide, on_platform = self.balls.sorts[k].tolist()
-        none = np.zeros(3)
-        found: list[tuple[Array, Array]]
-        if not slide:
-            margin = np.hypot(across, beside)
-            found = [(middle, np.full(3, np.linalg.norm(across)) if on_platform else margin)]
-        elif constraint in self.ranged:
-            found = [(first, none), (last, none)]
-        else:
-            free = np.full(3, np.inf) if on_platform else np.where(across != 0, np.inf, 0.0)
-            found = [(middle, free)]
-        return [
-            (point, x, margin) if on_platform else (y, point, margin) for point, margin in found
-        ]
-
-    def refuse_shared(self, R: Array, free: Sequence[str]) -> None:
-        """Raise unless rods that share a drive need the same place of it at all poses that vary.
-
-        Parameters
-        ----------
-        R
-            The orientation, shape (3, 3).
-        free
-            The parameters that vary.
-        """
-        drives, instance = self.drives, self.drives.instance
-        turning = any(name.startswith("r") for name in free)
-        for drive in range(drives.count):
-            first, *others = drives.users(drive)
-            for k in others:
-                rows = instance.constraints[first], instance.constraints[k]
-                text = f"rods {first + 1} and {k + 1} share {self.name(k)}"
-                if turning:
-                    message = (
-                        f"{text}: what such a machine reaches when it turns is not computed, "
-                        "only its positions (x, y, z)"
-                    )
-                    raise ArgumentError(message + _ADVICE)
-                y, x = (
-                    a - b
-                    for a, b in (
-                        (rows[0].platform.point, rows[1].platform.point),
-                        (rows[0].base.point, rows[1].base.point),
-                    )
-                )
-                off = np.linalg.norm(R @ y - x) + abs(rows[0].value.value - rows[1].value.value)
-                # The difference of points on one arm turns with it.
-                own = y if drives.on_platform[k] else x
-                if drives.sorts[drive] == "crank":
-                    axis = np.cross(drives.across[k], drives.beside[k])
-                    off += np.linalg.norm(np.cross(own, axis / np.linalg.norm(axis)))
-                if off > _SAME * np.linalg.norm(np.concatenate((rows[0].platform.point, x, y))):
-                    message = (
-                        f"{text} and are not parallel at this orientation: what such a machine "
-                        "reaches is computed only where they are"
-                    )
-                    raise ArgumentError(message + _ADVICE)
-
-
 def knees_of(
     instance: Instance, R: Array | None = None, T: Array | None = None
 ) -> NDArray[np.int64]:
@@ -518,11 +485,6 @@ def knees_of(
     assert R is not None
     assert T is not None
     return drives.knees(R, np.asarray(T, float), "home")
-
-
-def _drive_name(drives: Machine, constraint: int) -> str:
-    name: str = drives.names[drives.index[constraint]]
-    return name.replace(".", " ")
 
 
 Levels = NDArray[np.int32]

@@ -141,8 +141,7 @@ def travels(
     if not boxes.conditions & ~REGULAR and not connected:
         message = "no constraint has a range and no joint a cone: every pose can be reached"
         raise ArgumentError(message)
-    if boxes.drives:
-        boxes.drives.refuse_shared(boxes.R, axes)
+    boxes.refuse_shared(boxes.R, axes)
     wrong = violations(instance, boxes.R, np.asarray(T, float), knees)
     wrong += [] if gap is None else too_near(instance, boxes.R, np.asarray(T, float), gap)
     if wrong:
@@ -297,7 +296,7 @@ def _divided(
         keys, left, starts = keys[near], left[near], starts[near]
         # Where regularity is not proved, a motor may be near a dead point, and so near the end of
         # its reach.
-        stops = int(left[-1 if boxes.drives else 0]) if len(left) else stops
+        stops = int(left[-1 if boxes.rows else 0]) if len(left) else stops
         if not len(keys) or len(keys) > _MOST_OPEN or part < _FINEST:
             break
     # Where a value that stays is not proved to be the same, home alone keeps it.
