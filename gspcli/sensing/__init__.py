@@ -1,8 +1,7 @@
 """Sensors that distinguish the real modes of a platform, and the poses that fit readings."""
 
-from gspcli.sensing.fitted_poses import PoseFit
 from gspcli.sensing.mode_readings import ReadingFit, fit_readings
-from gspcli.sensing.pose_fitting import fit_poses
+from gspcli.sensing.pose_fitting import PoseFit, fit_poses
 from gspcli.sensing.sensor_kinds import Sensor
 from gspcli.sensing.separations import SensorResult, sensors
 

@@ -5,24 +5,574 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any, NamedTuple
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.errors import GspError
+from gspcli.errors import ArgumentError, GspError
+from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.building import angle, distance
 from gspcli.geometry.checking import checked
-from gspcli.geometry.instance import Instance
+from gspcli.geometry.instance import Constraint, Instance, Side
 from gspcli.geometry.least_squares import Ends, descend
-from gspcli.geometry.quaternions import rotation_from_vector, vector_from_rotation
-from gspcli.sensing.choices import candidates_of, next_choice, platform_of
-from gspcli.sensing.fitted_poses import FittedPose, PoseFit, Without
+from gspcli.geometry.measurement import value_slopes
+from gspcli.geometry.primitives import Line, Point, unit_vectors
+from gspcli.geometry.quaternions import (
+    quaternion_from_rotation,
+    rotation_from_vector,
+    vector_from_rotation,
+)
+from gspcli.motion.poses.inverse_kinematics import values_at
+from gspcli.records import EqualByContent, dataclass
 from gspcli.sensing.mode_readings import parsed_readings
-from gspcli.sensing.pose_numbers import PoseNumbers, pose_sizes, value_sigmas
-from gspcli.sensing.sensor_kinds import SensorReading
+from gspcli.sensing.sensor_kinds import (
+    Inclinometer,
+    JointSensor,
+    SensorReading,
+    ValueSensor,
+    verticals,
+)
 from gspcli.solver import SolveResult, solve
+from gspcli.ties import first_largest
+from gspcli.wording import counted, listed, shown
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 Array = NDArray[np.float64]
+
+
+#: The step of central differences, of which the error is least: the cube root of rounding.
+_STEP = 6e-6
+
+
+@dataclass(frozen=True, eq=False)
+class PoseNumbers:
+    """Six values and r readings, each with its standard deviation.
+
+    Attributes
+    ----------
+    instance
+        The platform; its values were measured.
+    readings
+        What was measured besides.
+    sigmas
+        Standard deviations of the six values, in the units of the instance, shape (6,).
+    left_out
+        Which measurements do not count: indices into `names`.
+    """
+
+    instance: Instance
+    readings: tuple[SensorReading, ...]
+    sigmas: Array
+    left_out: frozenset[int] = frozenset()
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """What the measurements are called: ``value 1`` to ``value 6``, and the sensors."""
+        return (*(f"value {k}" for k in range(1, 7)), *(str(one.sensor) for one in self.readings))
+
+    @property
+    def owners(self) -> NDArray[np.int64]:
+        """The measurement of each number, shape (m,): an inclinometer has two numbers."""
+        counts = [1] * 6 + [len(one.values) for one in self.readings]
+        kept = [k not in self.left_out for k in range(len(counts))]
+        owners = np.repeat(np.arange(len(counts)), counts)
+        return np.asarray(owners[np.array(kept)[owners]])
+
+    def residuals(self, R: Array, T: Array) -> Array:
+        """Return measured less expected numbers at poses, over their deviations, shape (..., m)."""
+        values = values_at(self.instance, R, T) * self._signs(R, T)
+        measured = np.array([row.value.value for row in self.instance.constraints])
+        parts = [(measured - values) / self.sigmas, *self._of_sensors(R, T)]
+        return self._kept(np.concatenate(parts, axis=-1), -1)
+
+    def slopes(self, R: Array, T: Array) -> Array:
+        """Return the derivatives of expected numbers by a twist, shape (n, m, 6).
+
+        In standard deviations; first the rotation (radians), then the translation. Those of
+        readings are central differences.
+        """
+        arrangement = Arrangement.of(self.instance)
+        units = np.ones(len(arrangement.kinds))
+        units[arrangement.angles] = arrangement.in_radians
+        scale = self._signs(R, T) / (self.sigmas * units)
+        values = value_slopes(arrangement, R, T) * scale[..., None]
+        columns = []
+        for size, unit in zip(_STEP * pose_sizes(self.instance), np.eye(6), strict=True):
+            step = size * unit
+            ends = [
+                np.concatenate(self._of_sensors(rotation_from_vector(turn) @ R, T + shift), axis=-1)
+                for turn, shift in ((step[:3], step[3:]), (-step[:3], -step[3:]))
+            ]
+            columns.append((ends[1] - ends[0]) / (2 * size))
+        return self._kept(np.concatenate((values, np.stack(columns, axis=-1)), axis=1), 1)
+
+    def _signs(self, R: Array, T: Array) -> Array:
+        """Return factors, 1 or -1, that make stated distances of signed ones, shape (..., 6)."""
+        rows = self.instance.constraints
+        signs = np.ones((*T.shape[:-1], len(rows)))
+        for k, row in enumerate(rows):
+            if row.kind.has_sides and row.side is not Side.POSITIVE:
+                if row.side is Side.NEGATIVE:
+                    signs[..., k] = -1.0
+                elif row.value.value != 0:
+                    away = values_at(self.instance, R, T)[..., k] < 0
+                    signs[..., k] = np.where(away, -1.0, 1.0)
+        return signs
+
+    def _of_sensors(self, R: Array, T: Array) -> list[Array]:
+        """Return the residuals of readings, each (..., k)."""
+        return [_apart(self.instance, one, R, T) / one.sigma for one in self.readings]
+
+    def _kept(self, numbers: Array, axis: int) -> Array:
+        """Return numbers without those of measurements that are left out."""
+        if not self.left_out:
+            return numbers
+        whole = replace(self, left_out=frozenset())
+        kept = [k for k, owner in enumerate(whole.owners.tolist()) if owner not in self.left_out]
+        return np.take(numbers, kept, axis=axis)
+
+
+def pose_sizes(instance: Instance) -> Array:
+    """Return the sizes of a turn and of a shift that move values alike, shape (6,)."""
+    return np.array([1.0] * 3 + [Arrangement.of(instance).length] * 3)
+
+
+def _apart(instance: Instance, one: SensorReading, R: Array, T: Array) -> Array:
+    """Return what a sensor reads less what it should at poses, shape (..., k)."""
+    read = one.sensor.read(instance, R, T)
+    given = np.array(one.values)
+    unit = instance.units.angle.in_radians
+    if isinstance(one.sensor, Inclinometer):
+        up, seen = verticals(read * unit), verticals(given * unit)
+        # The angle between both verticals, along two directions across the one that was read.
+        axes = np.linalg.svd(seen[None])[2][1:]
+        across = up @ axes.T
+        sine = np.linalg.norm(across, axis=-1, keepdims=True)
+        angle = np.arctan2(sine, (up @ seen)[..., None])
+        return (
+            np.asarray(-across * np.where(sine > 0, angle / np.where(sine > 0, sine, 1), 1)) / unit
+        )
+    apart: Array = given - read
+    if isinstance(one.sensor, JointSensor):
+        turn = 2 * math.pi / unit
+        apart = (apart + turn / 2) % turn - turn / 2
+    return apart
+
+
+def value_sigmas(instance: Instance, sigma: Mapping[str, float]) -> Array:
+    """Return the standard deviations of the six values, shape (6,).
+
+    Parameters
+    ----------
+    instance
+        The platform. A constraint that `sigma` does not mention has its tolerance.
+    sigma
+        By ``value`` (all distances), ``angle`` (all angles) or the number of a constraint, in the
+        units of the instance.
+
+    Raises
+    ------
+    ArgumentError
+        If a name or number is wrong, or nothing is known of a constraint.
+    """
+    numbers = [str(k) for k in range(1, len(instance.constraints) + 1)]
+    for name, deviation in sigma.items():
+        if name not in ("value", "angle", *numbers):
+            message = f"found {shown(name)}, expected value, angle or the number of a constraint"
+            raise ArgumentError(message, "sigma")
+        if not 0 < deviation < math.inf:
+            message = f"found {deviation:g}, expected a standard deviation above 0"
+            raise ArgumentError(message, f"sigma[{name!r}]")
+    found: list[float] = []
+    unknown: list[str] = []
+    for number, row in zip(numbers, instance.constraints, strict=True):
+        sort = "value" if row.kind.is_distance else "angle"
+        stated = sigma.get(number, sigma.get(sort))
+        if stated is None and row.tolerance is not None and row.tolerance.value > 0:
+            stated = row.tolerance.value
+        if stated is None:
+            unknown.append(number)
+        found.append(stated or math.nan)
+    if unknown:
+        sorts = dict.fromkeys(
+            "value" if row.kind.is_distance else "angle"
+            for number, row in zip(numbers, instance.constraints, strict=True)
+            if number in unknown
+        )
+        how = listed((f"{sort}=NUMBER" for sort in sorts), "and")
+        message = (
+            f"nothing says how exact the values {listed(unknown, 'and')} are: give --sigma {how}, "
+            "or `tolerance` in the file"
+        )
+        raise ArgumentError(message)
+    return np.array(found)
+
+
+_CONSTRAINTS, _MOST_ANGLES = 6, 3
+
+
+@dataclass(frozen=True)
+class CandidateMeasurement:
+    """A measurement as a constraint: which one it is, and its number among those of the fit."""
+
+    owner: int
+    number: int
+    constraint: Constraint
+
+
+def candidates_of(
+    instance: Instance, readings: Sequence[SensorReading]
+) -> list[CandidateMeasurement]:
+    """Return the measurements that are distances or angles of primitives; angles of joints are not.
+
+    Numbers are those of `PoseNumbers` with all measurements.
+    """
+    found = [CandidateMeasurement(k, k, row) for k, row in enumerate(instance.constraints)]
+    number = _CONSTRAINTS
+    for k, one in enumerate(readings, _CONSTRAINTS):
+        for offset, row in enumerate(_constraints(instance, one)):
+            found.append(CandidateMeasurement(k, number + offset, row))
+        number += len(one.values)
+    return found
+
+
+def _constraints(instance: Instance, one: SensorReading) -> list[Constraint]:
+    """Return the constraints that a reading is, in the units of the instance."""
+    sensor = one.sensor
+    if isinstance(sensor, ValueSensor):
+        parts = sensor.platform.primitive(instance), sensor.base.primitive(instance)
+        # A point of a drive is measured where it is stated.
+        here, there = (Point(p.position) if isinstance(p, Point) else p for p in parts)
+        if not sensor.measured.is_distance:
+            return [angle(here, there, one.values[0])]
+        side = "both"
+        if sensor.measured.has_sides:
+            side = "negative" if one.values[0] < 0 else "positive"
+        return [distance(here, there, abs(one.values[0]), side=side)]
+    if isinstance(sensor, Inclinometer):
+        unit = instance.units.angle.in_radians
+        seen = verticals(np.array(one.values) * unit)
+        axes = np.sort(np.argsort(np.abs(seen), kind="stable")[:2])
+        up = Line([0, 0, 0], unit_vectors([sensor.up])[0].tolist())
+        return [
+            angle(Line([0, 0, 0], np.eye(3)[axis].tolist()), up, math.acos(seen[axis]) / unit)
+            for axis in axes.tolist()
+        ]
+    return []
+
+
+def next_choice(
+    candidates: Sequence[CandidateMeasurement], slopes: Array, used: NDArray[np.int64]
+) -> list[CandidateMeasurement] | None:
+    """Return six candidates that determine a pose well, those that were used least before others.
+
+    Parameters
+    ----------
+    candidates
+        All of them.
+    slopes
+        Derivatives of the numbers of the fit by a twist, scaled, at one pose, shape (m, 6).
+    used
+        How often each candidate was in a choice.
+
+    Returns
+    -------
+    list
+        None if no six of them determine the pose.
+    """
+    rows = slopes[[one.number for one in candidates]]
+    rows = rows / np.maximum(np.linalg.norm(rows, axis=1, keepdims=True), 1e-300)
+    weight = 0.5 ** (used - used.min())
+    chosen: list[int] = []
+    left = rows * weight[:, None]
+    angles = np.array([not one.constraint.kind.is_distance for one in candidates])
+    for _ in range(_CONSTRAINTS):
+        sizes = np.linalg.norm(left, axis=1)
+        sizes[chosen] = 0.0
+        if angles[chosen].sum() >= _MOST_ANGLES:
+            sizes[angles] = 0.0
+        best = int(first_largest(sizes))
+        if not sizes[best] > 1e-6:
+            return None
+        unit = left[best] / sizes[best]
+        left = left - np.outer(left @ unit, unit)
+        chosen.append(best)
+    return [candidates[k] for k in sorted(chosen)]
+
+
+def platform_of(instance: Instance, chosen: Sequence[CandidateMeasurement]) -> Instance | None:
+    """Return the platform whose six constraints these are; None if it is no platform."""
+    made = replace(
+        instance,
+        constraints=tuple(one.constraint for one in chosen),
+        dynamics=None,
+        further=(),
+        name=None,
+    )
+    try:
+        checked(made)
+    except GspError:
+        return None
+    return made
+
+
+#: A pose fits if a chi-squared as large occurs at least so often by chance.
+FITS = 1e-3
+#: Decimals of residuals in JSON, in standard deviations: more are those of rounding errors.
+_DECIMALS = 4
+
+
+@dataclass(frozen=True, eq=False)
+class FittedPose:
+    """A minimum of the sum of squares.
+
+    Attributes
+    ----------
+    R, T
+        The pose, shapes (3, 3) and (3,).
+    chi_squared, freedom
+        The sum of squares of residuals over their deviations, and its degrees of freedom.
+    covariance
+        Of a small turn about the axes of the base (radians) and of T, shape (6, 6); infinite if
+        the measurements do not determine the pose.
+    residuals
+        Measured less fitted numbers over their standard deviations, shape (m,).
+    studentised
+        The same over their own deviations: a residual is smaller than an error, since the pose
+        follows it. NaN where no other measurement checks a number.
+    owners
+        The measurement of each number, shape (m,).
+    """
+
+    R: Array
+    T: Array
+    chi_squared: float
+    freedom: int
+    covariance: Array
+    residuals: Array
+    studentised: Array
+    owners: NDArray[np.int64]
+
+    @property
+    def probability(self) -> float:
+        """How often chi-squared is as large by chance; 1 without degrees of freedom."""
+        return chance(self.chi_squared, self.freedom)
+
+    @property
+    def fits(self) -> bool:
+        """Whether that is at least once in a thousand times."""
+        return self.probability >= FITS
+
+    @cached_property
+    def sigma(self) -> Array:
+        """Standard deviations of the turn (radians) and of T, shape (6,)."""
+        return np.asarray(np.sqrt(np.diag(self.covariance)))
+
+    @cached_property
+    def measurement_sizes(self) -> Array:
+        """The largest studentised residual of each measurement; NaN if there is none."""
+        found = np.full(int(self.owners.max()) + 1, np.nan)
+        for owner, size in zip(self.owners.tolist(), np.abs(self.studentised), strict=True):
+            found[owner] = np.fmax(found[owner], size)
+        return found
+
+
+@dataclass(frozen=True, eq=False)
+class Without:
+    """The fit without one measurement.
+
+    Attributes
+    ----------
+    measurement
+        Which one, from 0: the six values, then the readings.
+    alike
+        Others that may be the outlier as well: their studentised residuals are as large.
+    pose
+        The best fit without it.
+    """
+
+    measurement: int
+    alike: tuple[int, ...]
+    pose: FittedPose
+
+
+@dataclass(frozen=True, eq=False)
+class PoseFit(EqualByContent):
+    """The poses that fit six values and further readings.
+
+    Attributes
+    ----------
+    numbers
+        What was measured.
+    poses
+        The distinct minima found, by their chi-squared.
+    choices
+        The choices of six measurements that were solved, each by the measurements in it.
+    starts
+        From how many poses the fits started.
+    without
+        The fit without the measurement that agrees least, if none fits; None otherwise.
+    """
+
+    numbers: PoseNumbers
+    poses: tuple[FittedPose, ...]
+    choices: tuple[tuple[int, ...], ...]
+    starts: int
+    without: Without | None
+
+    def __repr__(self) -> str:
+        return f"<PoseFit: {self.sentences[0]}>"
+
+    @property
+    def fitting(self) -> list[int]:
+        """The numbers of the poses that fit, from 1."""
+        return [k for k, pose in enumerate(self.poses, 1) if pose.fits]
+
+    @property
+    def sentences(self) -> list[str]:
+        """The result in sentences."""
+        count = len(self.numbers.owners)
+        told = counted(count, "number")
+        if not self.poses:
+            return [f"no minimum was found from {counted(self.starts, 'pose')}"]
+        best = self.poses[0]
+        said = f"chi-squared {best.chi_squared:.4g} of {best.freedom}, probability "
+        said += f"{best.probability:.2g}"
+        if not self.fitting:
+            first = f"no pose fits the {told}: the best has {said}"
+        elif len(self.fitting) == 1:
+            first = f"one pose fits the {told}: {said}"
+        else:
+            names = listed(map(str, self.fitting), "and")
+            first = f"{len(self.fitting)} poses fit the {told}: {names}"
+        if len(self.poses) > len(self.fitting) > 0:
+            following = self.poses[len(self.fitting)]
+            first += f"; the next has chi-squared {following.chi_squared:.4g}"
+        lines = [
+            first,
+            f"{counted(len(self.poses), 'minimum', 'minima')} from {self.starts} starts, all poses "
+            f"of {counted(len(self.choices), 'choice')} of six measurements; it is not proved that "
+            "there are no others",
+        ]
+        if self.without is not None:
+            lines += self._outlier(self.without)
+        return lines
+
+    def _outlier(self, without: Without) -> list[str]:
+        """Return which measurement is the outlier, in sentences."""
+        names, size = self.numbers.names, self.poses[0].measurement_sizes
+        worst = without.measurement
+        if without.alike:
+            others = listed((names[k] for k in without.alike), "and")
+            return [
+                f"one measurement is wrong, and the data do not show which: {names[worst]} or "
+                f"{others} (studentised residual {size[worst]:.3g}); more readings would tell"
+            ]
+        pose = without.pose
+        what = f"the outlier is {names[worst]} (studentised residual {size[worst]:.3g}): without it"
+        if pose.fits:
+            said = f"chi-squared is {pose.chi_squared:.4g} of {pose.freedom}"
+            return [f"{what} {said}, probability {pose.probability:.2g}"]
+        said = f"{pose.chi_squared:.4g} of {pose.freedom}"
+        return [
+            f"{names[worst]} agrees least (studentised residual {size[worst]:.3g}), but without it "
+            f"chi-squared is still {said}: more than one measurement is wrong"
+        ]
+
+    def rows(self) -> list[dict[str, Any]]:
+        """Return the poses as rows of plain data."""
+        found = []
+        unit = self.numbers.instance.units.angle.in_radians
+        for number, pose in enumerate(self.poses, 1):
+            row: dict[str, Any] = {"number": number}
+            row |= dict(zip(("Tx", "Ty", "Tz"), pose.T.tolist(), strict=True))
+            turn = quaternion_from_rotation(pose.R).tolist()
+            row |= dict(zip(("qw", "qx", "qy", "qz"), turn, strict=True))
+            row |= {"chi_squared": pose.chi_squared, "probability": pose.probability}
+            row |= {"sigma_T": float(pose.sigma[3:].max())}
+            row |= {"sigma_turn": float(pose.sigma[:3].max()) / unit, "fits": pose.fits}
+            found.append(row)
+        return found
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return a row for each pose (pandas is imported now)."""
+        import pandas as pd
+
+        return pd.DataFrame(self.rows())
+
+    def to_json(self) -> dict[str, Any]:
+        """Return all of it as plain data."""
+        names = self.numbers.names
+        without = self.without
+        return {
+            "freedom": self.poses[0].freedom if self.poses else 0,
+            "measurements": [
+                {"name": name, "values": values, "sigma": sigma}
+                for name, values, sigma in zip(names, *self._measured(), strict=True)
+            ],
+            "choices": [[names[k] for k in choice] for choice in self.choices],
+            "starts": self.starts,
+            "fitting": self.fitting,
+            "poses": [self._of(pose) for pose in self.poses],
+            "outlier": None
+            if without is None
+            else {
+                "name": names[without.measurement],
+                "alike": [names[k] for k in without.alike],
+                "without": self._of(without.pose),
+            },
+        }
+
+    def _measured(self) -> tuple[list[list[float]], list[float]]:
+        rows = self.numbers.instance.constraints
+        values = [[row.value.value] for row in rows]
+        values += [list(one.values) for one in self.numbers.readings]
+        return values, [
+            *self.numbers.sigmas.tolist(),
+            *(one.sigma for one in self.numbers.readings),
+        ]
+
+    def _of(self, pose: FittedPose) -> dict[str, Any]:
+        unit = self.numbers.instance.units.angle.in_radians
+        scale = np.array([1 / unit] * 3 + [1.0] * 3)
+        finite = bool(np.isfinite(pose.covariance).all())
+        names = self.numbers.names
+        return {
+            "R": pose.R.tolist(),
+            "T": pose.T.tolist(),
+            "chi_squared": pose.chi_squared,
+            "freedom": pose.freedom,
+            "probability": pose.probability,
+            "fits": pose.fits,
+            "covariance": (pose.covariance * np.outer(scale, scale)).tolist() if finite else None,
+            "residuals": [
+                {
+                    "name": names[owner],
+                    "residual": round(left, _DECIMALS) + 0.0,
+                    "studentised": None if math.isnan(size) else round(size, _DECIMALS) + 0.0,
+                }
+                for owner, left, size in zip(
+                    pose.owners.tolist(),
+                    pose.residuals.tolist(),
+                    pose.studentised.tolist(),
+                    strict=True,
+                )
+            ],
+        }
+
+
+def chance(chi_squared: float, freedom: int) -> float:
+    """Return how often chi-squared with some degrees of freedom is larger."""
+    from mpmath import gammainc
+
+    if freedom <= 0:
+        return 1.0
+    return float(gammainc(freedom / 2, chi_squared / 2, regularized=True))
+
 
 #: At most this many choices of six measurements are solved.
 CHOICES = 8

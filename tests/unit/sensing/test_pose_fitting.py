@@ -12,11 +12,19 @@ import pytest
 import gspcli
 from gspcli.errors import ArgumentError, GspError
 from gspcli.geometry.quaternions import rotation_from_vector
-from gspcli.sensing.choices import candidates_of, next_choice, platform_of
-from gspcli.sensing.fitted_poses import chance
 from gspcli.sensing.mode_readings import parsed_readings
-from gspcli.sensing.pose_fitting import _in_order, _minima, _pose, fit_poses
-from gspcli.sensing.pose_numbers import PoseNumbers, value_sigmas
+from gspcli.sensing.pose_fitting import (
+    PoseNumbers,
+    _in_order,
+    _minima,
+    _pose,
+    candidates_of,
+    chance,
+    fit_poses,
+    next_choice,
+    platform_of,
+    value_sigmas,
+)
 from gspcli.sensing.sensor_kinds import parse_sensor
 
 SENSORS = (
