@@ -11,10 +11,9 @@ from numpy.typing import NDArray
 from gspcli.catalogue.types import GspType
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
-from gspcli.geometry.measurement import jacobian
+from gspcli.geometry.measurement import condition_numbers, jacobian
 from gspcli.geometry.quaternions import rotation_from_quaternion, rotation_from_vector
 from gspcli.geometry.random_instances import random_instance
-from gspcli.geometry.residuals import condition_numbers
 from gspcli.motion import measure
 from gspcli.spec import loads
 

@@ -18,7 +18,7 @@ namespace gsp {
 
 // Real forms in the Study parameters (e, f), (4, 8) each. In this order: heights over planes and
 // moments of lines; squares, of spheres, then of cylinders; heights along the axes of the
-// cylinders; three normals of each pair of lines. See gspcli.geometry.constraint_polynomials.
+// cylinders; three normals of each pair of lines. See gspcli.geometry.measurement.
 struct Measures {
   int heights, spheres, cylinders, pairs;
   const double* form;

@@ -19,9 +19,8 @@ from gspcli.calibration.model import Body, Model
 from gspcli.catalogue.kinds import DLL
 from gspcli.errors import ArgumentError, Mistake, SpecError
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.constraint_polynomials import Gradient
 from gspcli.geometry.instance import Instance
-from gspcli.geometry.measurement import by_twist, gradients, measured
+from gspcli.geometry.measurement import Gradient, by_twist, gradients, measured
 from gspcli.geometry.quaternions import rotation_from_vector, vector_from_rotation
 from gspcli.motion.files.number_tables import NumberTable, wrong_number
 from gspcli.motion.files.pose_files import (

@@ -1,6 +1,7 @@
 """Generic counts: how many complex solutions almost every platform of a type has.
 
-They follow from two theorems (docs/counts.md): `intersection_numbers.law` computes them.
+They follow from two theorems (docs/counts.md): `law` of `tools.atlas.intersection_numbers` computes
+them.
 `data/counts/` is the atlas's record of them, with how each was confirmed by counting the solutions
 of random platforms.
 The kinds of the angles make no difference, so there are as many counts as families: 896.

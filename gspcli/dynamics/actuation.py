@@ -14,9 +14,8 @@ from gspcli.catalogue.kinds import DLL, DLP, DPL, DPP
 from gspcli.dynamics.arrays import RowError, checked_array
 from gspcli.dynamics.mass_model import MassModel
 from gspcli.geometry.machine import Machine
-from gspcli.geometry.measurement import measured
+from gspcli.geometry.measurement import condition_numbers, measured
 from gspcli.geometry.quaternions import apply, cross, dot
-from gspcli.geometry.residuals import condition_numbers
 from gspcli.geometry.tolerances import PARALLEL_SINE
 from gspcli.motion.poses.inverse_kinematics import refusals
 

@@ -13,9 +13,8 @@ import numpy as np
 
 from gspcli.catalogue.kinds import AHH, AHL, ALH, ALL, DHP, DLL, DLP, DPH, DPL, DPP, Kind
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.constraint_polynomials import COSINE, polynomial
 from gspcli.geometry.instance import AngleUnit, Constraint
-from gspcli.geometry.measurement import by_twist, velocities
+from gspcli.geometry.measurement import COSINE, by_twist, polynomial, velocities
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Geometry, Line, Plane, Vector
 from gspcli.geometry.quaternions import (

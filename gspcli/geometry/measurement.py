@@ -1,32 +1,206 @@
-"""The measured value of each constraint at a pose, and its derivatives by the pose.
+"""What each constraint measures at a pose: its polynomial, value, derivatives and residual.
 
-The quantities are those of the paper's Section 4, in floating point and also at complex poses:
-a distance is the complex square root of the complex square. Poses have any leading batch axes; the
-constraints are the last axis of values and the first of each derivative. All derivatives follow by
-the chain rule from the polynomials of `gspcli.geometry.constraint_polynomials`.
+The ten kinds are stated here for floating point; in the functions of a motion, over any numbers,
+they are stated in `gspcli.geometry.study`. This statement, and that of `tools.atlas.groebner`
+modulo a prime, are evidence that does not use it. The polynomials are those of the paper's
+Section 4, in three vectors: ``r = R y + T - x`` from the primitive of the base to that of the
+platform; the direction or normal of the platform, ``w = R u``; and that of the base, v. The vectors
+w and v are unit vectors. Values, residuals and their derivatives follow from them. A distance is
+the complex square root of the complex square.
 
-A twist (omega, tau) moves the pose to ``exp([s omega]x) R`` and ``T + s tau``: a rotation in
-the axes of the base about the origin of the platform, and a translation.
+All functions take leading batch axes and complex poses; the constraints are the last axis of values
+and the first of each derivative. A twist (omega, tau) moves the pose to ``exp([s omega]x) R`` and
+``T + s tau``: a rotation in the axes of the base about the origin of the platform, and a
+translation.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cache
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from gspcli.catalogue.kinds import DLL, DPL, Kind, Law, Primitive
+from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, DPP, Kind, Law, Primitive
 from gspcli.geometry.arrangement import Arrangement, Bodies, Placed
-from gspcli.geometry.constraint_polynomials import COSINE, Gradient, polynomial
-from gspcli.geometry.quaternions import Field, apply, cross, dot
-from gspcli.geometry.tolerances import PARALLEL_SINE
+from gspcli.geometry.quaternions import (
+    Field,
+    apply,
+    cross,
+    dot,
+)
+from gspcli.geometry.tolerances import NEARLY_PARALLEL_SINE_SQUARE, PARALLEL_SINE
+
+_IDENTITY = np.eye(3)
+#: ``_CROSS[i, j, k] a_j b_k`` is the vector product.
+_CROSS = np.zeros((3, 3, 3))
+for _i, _j, _k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+    _CROSS[_i, _j, _k], _CROSS[_i, _k, _j] = 1.0, -1.0
+
+
+class Gradient(NamedTuple):
+    """Derivatives by the three vectors, each of shape (..., 3)."""
+
+    r: Field
+    w: Field
+    v: Field
+
+
+class Hessian(NamedTuple):
+    """Second derivatives by r and w, each of shape (..., 3, 3); v belongs to the base."""
+
+    rr: Field
+    rw: Field
+    ww: Field
+
+
+class ConstraintPolynomial(NamedTuple):
+    """A polynomial p in (r, w, v), all of shape (..., 3)."""
+
+    value: Callable[[Field, Field, Field], Field]
+    """Shape (...)."""
+    gradient: Callable[[Field, Field, Field], Gradient]
+    hessian: Callable[[Field, Field, Field], Hessian]
+
+
+def polynomial(kind: Kind) -> ConstraintPolynomial:
+    """Return the polynomial of a kind.
+
+    It is the square of a DPP, DPL or DLP distance, and the signed distance of a DPH or DHP. For a
+    DLL it is the mutual moment ``r . (w x v)``: the signed distance times the sine of the angle of
+    the lines. For an angle it is ``w . v``.
+
+    Raises
+    ------
+    KeyError
+        If the kind is not one of the ten.
+    """
+    return _POLYNOMIALS[kind] if kind.is_distance else COSINE
+
+
+def perpendicular(r: Field, axis: Field) -> Field:
+    """Return the part of r perpendicular to a unit vector, ``(..., 3), (..., 3) -> (..., 3)``."""
+    across: Field = r - dot(r, axis)[..., None] * axis
+    return across
+
+
+def _outer(a: Field, b: Field) -> Field:
+    product: Field = a[..., :, None] * b[..., None, :]
+    return product
+
+
+def _cross_matrix(a: Field) -> Field:
+    """Return the matrix of ``b -> a x b``, shape (..., 3, 3)."""
+    matrix: Field = np.einsum("ijk,...j->...ik", _CROSS, a)
+    return matrix
+
+
+def _zeros(r: Field) -> Field:
+    return np.zeros((*r.shape, 3), r.dtype)
+
+
+def _point_point() -> ConstraintPolynomial:
+    """``r . r``."""
+    return ConstraintPolynomial(
+        lambda r, w, v: dot(r, r),
+        lambda r, w, v: Gradient(2 * r, np.zeros_like(r), np.zeros_like(r)),
+        lambda r, w, v: Hessian(2 * _IDENTITY + _zeros(r), _zeros(r), _zeros(r)),
+    )
+
+
+def _point_line() -> ConstraintPolynomial:
+    """``r . r - (r . v)^2``, without the cancellation."""
+
+    def value(r: Field, w: Field, v: Field) -> Field:
+        across = perpendicular(r, v)
+        return dot(across, across)
+
+    def gradient(r: Field, w: Field, v: Field) -> Gradient:
+        by_v = -2 * dot(r, v)[..., None] * r
+        return Gradient(2 * perpendicular(r, v), np.zeros_like(r), by_v)
+
+    def hessian(r: Field, w: Field, v: Field) -> Hessian:
+        return Hessian(2 * (_IDENTITY - _outer(v, v)), _zeros(r), _zeros(r))
+
+    return ConstraintPolynomial(value, gradient, hessian)
+
+
+def _line_point() -> ConstraintPolynomial:
+    """``r . r - (r . w)^2``, without the cancellation."""
+
+    def value(r: Field, w: Field, v: Field) -> Field:
+        across = perpendicular(r, w)
+        return dot(across, across)
+
+    def gradient(r: Field, w: Field, v: Field) -> Gradient:
+        by_w = -2 * dot(r, w)[..., None] * r
+        return Gradient(2 * perpendicular(r, w), by_w, np.zeros_like(r))
+
+    def hessian(r: Field, w: Field, v: Field) -> Hessian:
+        along = dot(r, w)[..., None, None]
+        return Hessian(
+            2 * (_IDENTITY - _outer(w, w)),
+            -2 * (_outer(w, r) + along * _IDENTITY),
+            -2 * _outer(r, r),
+        )
+
+    return ConstraintPolynomial(value, gradient, hessian)
+
+
+def _point_plane() -> ConstraintPolynomial:
+    """``r . v``."""
+    return ConstraintPolynomial(
+        lambda r, w, v: dot(r, v),
+        lambda r, w, v: Gradient(v, np.zeros_like(r), r),
+        lambda r, w, v: Hessian(_zeros(r), _zeros(r), _zeros(r)),
+    )
+
+
+def _plane_point() -> ConstraintPolynomial:
+    """``-r . w``."""
+    return ConstraintPolynomial(
+        lambda r, w, v: -dot(r, w),
+        lambda r, w, v: Gradient(-w, -r, np.zeros_like(r)),
+        lambda r, w, v: Hessian(_zeros(r), -_IDENTITY + _zeros(r), _zeros(r)),
+    )
+
+
+def _line_line() -> ConstraintPolynomial:
+    """``r . (w x v)``."""
+    return ConstraintPolynomial(
+        lambda r, w, v: dot(r, cross(w, v)),
+        lambda r, w, v: Gradient(cross(w, v), cross(v, r), cross(r, w)),
+        lambda r, w, v: Hessian(_zeros(r), -_cross_matrix(v) + _zeros(r), _zeros(r)),
+    )
+
+
+def _directions() -> ConstraintPolynomial:
+    """``w . v``."""
+    return ConstraintPolynomial(
+        lambda r, w, v: dot(w, v),
+        lambda r, w, v: Gradient(np.zeros_like(w), v, w),
+        lambda r, w, v: Hessian(_zeros(r), _zeros(r), _zeros(r)),
+    )
+
+
+#: The cosine of two directions: the polynomial of all angles, and in the distance of two lines.
+COSINE = _directions()
+_POLYNOMIALS = {
+    DPP: _point_point(),
+    DPL: _point_line(),
+    DLP: _line_point(),
+    DPH: _point_plane(),
+    DHP: _plane_point(),
+    DLL: _line_line(),
+}
+
 
 #: A complex unit vector with a larger entry is long: its entries cancel in double precision.
 _LONG = 2.0
 #: Lines nearer than this part of the typical length meet up to rounding.
 _MEETING = 1e-12
-_IDENTITY = np.eye(3)
 
 
 def measured(bodies: Bodies, R: Field, T: Field) -> Field:
@@ -280,3 +454,158 @@ def _times(factor: Field, gradient: Gradient) -> Gradient:
 
 def _plus(a: Gradient, b: Gradient) -> Gradient:
     return Gradient(*(p + q for p, q in zip(a, b, strict=True)))
+
+
+Array = NDArray[np.float64]
+
+_DIGITS = 60
+#: A height below this part of the lengths in its sum may have either sign, by rounding.
+_SIGN_KNOWN = 2.0**-45
+#: A singular value of a 6x6 matrix of doubles below this part of the largest may be zero.
+_ROUNDING = 6 * float(np.finfo(np.float64).eps)
+#: Poses in one block: their matrices fit into the cache, and larger blocks take twice the time.
+_TOGETHER = 1024
+
+
+def residuals(arrangement: Arrangement, R: Field, T: Field) -> Array:
+    """Return measured minus stated value of each constraint, in the units of the instance.
+
+    The distance or angle itself counts, not its square or cosine:
+    ``(..., 3, 3), (..., 3) -> (..., n)``. Where a measured distance has no sign, or both sides are
+    allowed, the nearer sign is taken. An arrangement with values of shape (..., n) serves poses
+    of many sets of values.
+    """
+    values = measured(arrangement, R, T)
+    targets = arrangement.targets
+    difference = np.abs(values - targets)
+    free = np.array([kind.is_distance for kind in arrangement.kinds]) & (arrangement.signs == 0)
+    opposite = np.where(free, np.abs(values + targets), np.inf)
+    signed = np.abs(values - np.where(arrangement.signs < 0, -targets, targets))
+    result = np.where(free, np.minimum(difference, opposite), signed)
+    result[..., arrangement.angles] /= arrangement.in_radians
+    return np.asarray(result)
+
+
+def relative_residuals(arrangement: Arrangement, R: Field, T: Field) -> Array:
+    """Return `residuals` without units: lengths by that of the platform, angles in radians."""
+    units = np.full(len(arrangement.kinds), arrangement.length)
+    units[arrangement.angles] = 1 / arrangement.in_radians
+    return np.asarray(residuals(arrangement, R, T) / units)
+
+
+def proved_residuals(arrangement: Arrangement, R: Field, T: Field) -> Array:
+    """Return residuals at poses for which the constraints are proved to hold as stated.
+
+    Nearly parallel lines of a DLL are measured as skew lines with more digits. Where rounding alone
+    may separate them from parallel ones they are measured as parallel, too, and the smaller
+    residual counts. The doubles of a pose are taken as exact: lines at an angle of s lose as many
+    digits of their distance as s has zeros. ``(b, 3, 3), (b, 3) -> (b, n)``.
+    """
+    result = residuals(arrangement, R, T)
+    lines = [k for k, kind in enumerate(arrangement.kinds) if kind is DLL]
+    if not lines:
+        return result
+    w = arrangement.placed(R, T).w[:, lines]
+    normals = cross(w, np.broadcast_to(arrangement.v[lines], w.shape))
+    squares = np.abs(dot(normals, normals))
+    targets = np.broadcast_to(arrangement.targets, result.shape)
+    for pose, line in zip(*np.nonzero(squares < NEARLY_PARALLEL_SINE_SQUARE), strict=True):
+        k = lines[line]
+        distance = _skew_distance(arrangement, R[pose], T[pose], k)
+        if distance is not None:
+            skew = min(abs(distance - targets[pose, k]), abs(distance + targets[pose, k]))
+            result[pose, k] = min(skew, result[pose, k])
+    return result
+
+
+def _skew_distance(arrangement: Arrangement, R: Field, T: Field, k: int) -> complex | None:
+    """Return the distance of two lines that are not exactly parallel, else None."""
+    # Few poses need mpmath, and its import takes as long as a solve.
+    from mpmath import MPContext
+
+    context = MPContext()
+    context.dps = _DIGITS
+
+    def exactly(numbers: Field) -> list[Any]:
+        return [context.mpmathify(x) for x in numbers.tolist()]
+
+    y, x, u, v = (
+        exactly(a[k]) for a in (arrangement.y, arrangement.x, arrangement.u, arrangement.v)
+    )
+    rows, place = [exactly(row) for row in R], exactly(T)
+    w = [context.fdot(row, u) for row in rows]
+    r = [context.fdot(row, y) + t - b for row, t, b in zip(rows, place, x, strict=True)]
+    normal = [w[i - 2] * v[i - 1] - w[i - 1] * v[i - 2] for i in range(3)]
+    square = context.fdot(normal, normal)
+    return complex(context.fdot(r, normal) / context.sqrt(square)) if square else None
+
+
+def sides_of(arrangement: Arrangement, R: Field, T: Field) -> NDArray[np.int64]:
+    """Return on which side each DPH and DHP point lies: 1, -1, or 0 for other kinds."""
+    values = measured(arrangement, R, T).real
+    sign = np.where(values < 0, -1, 1)
+    return np.where(arrangement.sided, np.where(arrangement.signs == 0, sign, arrangement.signs), 0)
+
+
+def known_sides(arrangement: Arrangement, R: Field, T: Field) -> NDArray[np.int64]:
+    """Return the sides of `sides_of`, but 0 where rounding may change the sign of a height.
+
+    For poses ``(n, 3, 3), (n, 3)`` rounded to doubles, the error of a height is some units in the
+    last place of the largest length in its sum.
+    """
+    small = np.abs(arrangement.targets) <= _SIGN_KNOWN * _size(arrangement, R, T)[..., None]
+    return np.where(small & (arrangement.signs == 0), 0, sides_of(arrangement, R, T))
+
+
+def without_derivative(arrangement: Arrangement, R: Field, T: Field) -> NDArray[np.bool_]:
+    """Return which constraints measure a distance to a point or line that may be zero, (..., n).
+
+    There the distance has no derivative: what is computed has the direction of rounding errors.
+    """
+    roots = np.array([kind.law is Law.SQUARE for kind in arrangement.kinds])
+    if not roots.any():
+        return np.zeros((*T.shape[:-1], len(roots)), np.bool_)
+    values = np.abs(measured(arrangement, R, T))
+    return np.asarray(roots & (values <= _SIGN_KNOWN * _size(arrangement, R, T)[..., None]))
+
+
+def _size(arrangement: Arrangement, R: Field, T: Field) -> Array:
+    """Return the largest length that values at poses are made of, shape (...)."""
+    extent = max(np.abs(arrangement.y).max(initial=0), np.abs(arrangement.x).max(initial=0))
+    return np.asarray((1 + np.abs(R).max(axis=(-1, -2))) * extent + np.abs(T).max(axis=-1))
+
+
+def condition_numbers(
+    arrangement: Arrangement, R: Field, T: Field, length: float | Array | None = None
+) -> Array:
+    """Return the condition number of each pose, free of units, ``(..., 3, 3) -> (...)``.
+
+    It is the ratio of the largest to the smallest singular value of the 6x6 Jacobian matrix.
+    Twists turn about the centre of the platform points, columns of rotations are divided by the
+    typical length (that of the arrangement for None, else shape (...)), and rows are scaled to
+    norm one. The number depends neither on frames nor on units. It is infinite at a singular
+    pose and at a pose that doubles cannot distinguish from one.
+    """
+    lengths = np.broadcast_to(arrangement.length if length is None else length, T.shape[:-1])
+    if R.ndim > 2 and len(R) > _TOGETHER:
+        parts = [slice(first, first + _TOGETHER) for first in range(0, len(R), _TOGETHER)]
+        return np.concatenate(
+            [condition_numbers(arrangement.part(k), R[k], T[k], lengths[k]) for k in parts]
+        )
+    unit = lengths[..., None, None]
+    # The row of a value without a derivative (parallel lines, distance or angle zero) is not
+    # finite.
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        rows = jacobian(arrangement, R, T)
+        # About the centre c of the platform: T + s (omega x R c moved back) leaves R c + T alone.
+        offset = apply(R, arrangement.platform_centre)[..., None, :]
+        rows[..., :3] -= cross(np.broadcast_to(offset, rows[..., 3:].shape), rows[..., 3:])
+        rows[..., :3] /= unit
+        norms = np.linalg.norm(rows, axis=-1, keepdims=True)
+        defined = np.isfinite(norms).all(axis=(-1, -2)) & (norms > 0).all(axis=(-1, -2))
+        defined &= ~without_derivative(arrangement, R, T).any(axis=-1)
+        rows = np.where(defined[..., None, None], rows / np.where(norms > 0, norms, 1.0), 0.0)
+        values = np.linalg.svd(rows, compute_uv=False)
+        condition = values[..., 0] / values[..., -1]
+    regular = values[..., -1] > _ROUNDING * values[..., 0]
+    return np.where(defined & regular, condition, np.inf)

@@ -17,11 +17,10 @@ from gspcli.defaults import SEED
 from gspcli.errors import GspError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side, Units
-from gspcli.geometry.measurement import jacobian, measured
+from gspcli.geometry.measurement import condition_numbers, jacobian, measured
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Geometry, Line, Plane, Point, Vector
 from gspcli.geometry.quaternions import rotation_from_quaternion, rotation_from_vector
-from gspcli.geometry.residuals import condition_numbers
 
 Array = NDArray[np.float64]
 

@@ -23,8 +23,7 @@ from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, DPP, Kind
 from gspcli.continuation.systems import Structure, System
 from gspcli.continuation.tracked_paths import follow, solve_systems
 from gspcli.defaults import SEED
-from gspcli.geometry.constraint_polynomials import Gradient, polynomial
-from gspcli.geometry.measurement import by_twist
+from gspcli.geometry.measurement import Gradient, by_twist, polynomial
 from gspcli.geometry.quaternions import dot, pose_from_study
 from gspcli.geometry.shortest_step import shortest_step
 from gspcli.reality.platforms import Platforms, random_platforms, reality, reduced
@@ -220,7 +219,7 @@ def neighbours(X: Array) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
 def _gradients(platform: Platforms, R: Complex, T: Complex) -> tuple[Complex, Complex]:
     """Return derivatives of the equations by a twist (n, 6, 6) and by their numbers (n, 6, 13).
 
-    The equations are the polynomials of `gspcli.geometry.constraint_polynomials` less their stated
+    The equations are the polynomials of `gspcli.geometry.measurement` less their stated
     values.
     """
     r, w, arm = platform.placed(R, T)

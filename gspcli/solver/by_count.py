@@ -29,10 +29,10 @@ from gspcli.continuation.tracked_paths import SolutionCurve, TrackedPaths
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Constraint, Instance
 from gspcli.geometry.local_motions import Motion, local_motion, real_statement
+from gspcli.geometry.measurement import relative_residuals
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Point
 from gspcli.geometry.quaternions import Field, canonical_sign, made_real
-from gspcli.geometry.residuals import relative_residuals
 from gspcli.solver.ledger import Ledger
 from gspcli.solver.poses import CountKind, PoseSet, Proof, joined
 from gspcli.solver.problem import Problem

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from gspcli.continuation.paths import PathAccount
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.local_motions import Motion
+from gspcli.geometry.measurement import condition_numbers, proved_residuals, residuals
 from gspcli.geometry.quaternions import quaternion_from_rotation, stable_order
-from gspcli.geometry.residuals import condition_numbers, proved_residuals, residuals
 from gspcli.records import EqualByContent, dataclass
 
 if TYPE_CHECKING:

@@ -22,6 +22,12 @@ from gspcli.geometry.home_mode import HomeMode, home_among, home_mode
 from gspcli.geometry.instance import Instance, Side
 from gspcli.geometry.limits import LeftLimit, left_limits, restricts
 from gspcli.geometry.local_motions import Motion
+from gspcli.geometry.measurement import (
+    condition_numbers,
+    known_sides,
+    proved_residuals,
+    residuals,
+)
 from gspcli.geometry.printed_numbers import (
     printed_condition,
     printed_conditions,
@@ -29,12 +35,6 @@ from gspcli.geometry.printed_numbers import (
     printed_residuals,
 )
 from gspcli.geometry.quaternions import Field, quaternion_from_rotation, vector_from_rotation
-from gspcli.geometry.residuals import (
-    condition_numbers,
-    known_sides,
-    proved_residuals,
-    residuals,
-)
 from gspcli.records import EqualByContent, dataclass
 from gspcli.solver.poses import CountKind, PoseSet, Proof
 
@@ -85,7 +85,7 @@ class Solution(EqualByContent):
         The largest difference between what a constraint measures and its value, in the units
         of the instance (lengths and angles alike).
     condition
-        Condition number of the pose (`gspcli.geometry.residuals.condition_numbers`).
+        Condition number of the pose (`gspcli.geometry.measurement.condition_numbers`).
     sides
         For each DPH and DHP constraint, by its number from 1: ``positive`` or ``negative``.
         Without those at a height of zero, or whose sign neither doubles nor a proof tells.

@@ -18,10 +18,10 @@ from gspcli.catalogue.counts import (
     generic_counts,
     mirrored,
 )
-from gspcli.catalogue.intersection_numbers import intersection_number, law
 from gspcli.catalogue.kinds import DLL, DPH, DPL, DPP
 from gspcli.catalogue.types import all_types
 from gspcli.resources import data_path
+from tools.atlas.intersection_numbers import intersection_number, law
 from tools.atlas.records import COLUMNS, MANIFEST_FILE
 from tools.atlas.tasks import PRIMES, TOLERANCE, Task, monodromy_counts
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from gspcli.geometry.residuals import Arrangement, residuals
+from gspcli.geometry.measurement import Arrangement, residuals
 from gspcli.resources import INSTANCE_FOLDERS, data_directory, instance_files
 from gspcli.solver import solve
 from gspcli.spec import load, read

@@ -46,7 +46,7 @@ OTHERS = {
     "geometry/checking.py": (1, "masses as they are typed"),
     "geometry/limits.py": (1, "readings at the end of a range"),
     "geometry/printed_numbers.py": (1, "digits that are printed"),
-    "geometry/residuals.py": (2, "residuals that are printed"),
+    "geometry/measurement.py": (2, "residuals that are printed"),
     "motion/files/pose_files.py": (1, "rotations as they are typed"),
     "motion/files/value_files.py": (1, "values as they are typed"),
     "motion/following/tracks.py": (1, "poses as they are typed"),

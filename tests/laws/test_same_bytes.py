@@ -21,10 +21,10 @@ from gspcli.certification.numbers.correct_rounding import GRID, SMALL
 from gspcli.certification.poses.locator import Locator
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
+from gspcli.geometry.measurement import residuals, sides_of
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Geometry, vector
 from gspcli.geometry.random_instances import random_instance
-from gspcli.geometry.residuals import residuals, sides_of
 from gspcli.motion import track
 from gspcli.resources import data_path
 from gspcli.solver import all_poses, solve, solve_batch, solve_values

@@ -13,11 +13,10 @@ from gspcli.catalogue.kinds import ANGLE_KINDS, DISTANCE_KINDS, Kind, Primitive
 from gspcli.catalogue.types import GspType
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Units
-from gspcli.geometry.measurement import measured
+from gspcli.geometry.measurement import measured, residuals
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Geometry, Line, Plane, Point, vector
 from gspcli.geometry.quaternions import rotation_from_quaternion
-from gspcli.geometry.residuals import residuals
 from gspcli.solver.study_systems import side_choices
 from tests.support.oracle.poses_by_paths import solve_by_tracking
 

@@ -16,10 +16,9 @@ from gspcli.export import simulated_masses
 from gspcli.export.mjcf import TIME_STEP, mjcf
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import METRES
-from gspcli.geometry.measurement import jacobian, measured
+from gspcli.geometry.measurement import condition_numbers, jacobian, measured
 from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.geometry.random_instances import random_instance
-from gspcli.geometry.residuals import condition_numbers
 from gspcli.motion import measure
 from gspcli.motion.statics.wrenches import wrenches
 from gspcli.resources import instance_files

@@ -16,10 +16,9 @@ from gspcli.catalogue.coincidence import parse_sharing
 from gspcli.catalogue.kinds import DLL, DPP
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
-from gspcli.geometry.measurement import jacobian, measured
+from gspcli.geometry.measurement import jacobian, measured, residuals
 from gspcli.geometry.quaternions import Field, normalized, rotation_from_quaternion
 from gspcli.geometry.random_instances import random_instance
-from gspcli.geometry.residuals import residuals
 from gspcli.solver import SolveResult, solve
 from tests.support.oracle.poses_by_paths import solve_by_tracking
 

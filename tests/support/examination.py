@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
 from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.measurement import residuals
 from gspcli.geometry.quaternions import Field
-from gspcli.geometry.residuals import residuals
 from gspcli.solver import PoseSet, SolveResult
 
 #: Poses nearer than this, in the chart of `_charted`, count as the same.

@@ -24,7 +24,7 @@ from gspcli.errors import ArgumentError, GspError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.machine import Machine, is_driven
-from gspcli.geometry.residuals import condition_numbers
+from gspcli.geometry.measurement import condition_numbers
 from gspcli.motion.singularities.pose_clearances import (
     Displacements,
     Screws,

@@ -12,9 +12,9 @@ from gspcli.catalogue.names import parse_type
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import METRES
 from gspcli.geometry.masses import Drives, Dynamics, Leg, LegBody, RigidBody
+from gspcli.geometry.measurement import condition_numbers
 from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.geometry.random_instances import random_instance
-from gspcli.geometry.residuals import condition_numbers
 from gspcli.resources import data_directory, instance_files
 from gspcli.solver import solve
 from gspcli.spec import load

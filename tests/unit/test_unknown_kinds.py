@@ -17,10 +17,10 @@ from gspcli.certification.poses.many_values import ValueProofs
 from gspcli.export.chains import chain
 from gspcli.export.polynomial_systems import study, system
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.constraint_polynomials import measures, polynomial
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Units
-from gspcli.geometry.measurement import jacobian
+from gspcli.geometry.measurement import jacobian, polynomial
 from gspcli.geometry.numbers import Number
+from gspcli.geometry.three_angles import measures
 from gspcli.pictures.strokes import connection
 from gspcli.solver.study_systems import target_systems
 from tools.atlas.groebner import FramedPrimitive, equation

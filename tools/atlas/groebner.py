@@ -28,7 +28,7 @@ from gspcli.records import dataclass
 # A linear function of the motion is a list of 26 coefficients, those of 1, R (by rows), T, U, rho
 # and T x R in the order of `gspcli.geometry.study`, whose forms are N times these
 # functions. Integers represent their residue classes modulo the prime. No code is shared with the
-# equations of the path tracker or with `gspcli.geometry.constraint_polynomials`, so the two ways of
+# equations of the path tracker or with `gspcli.geometry.measurement`, so the two ways of
 # counting are independent.
 
 

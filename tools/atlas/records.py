@@ -22,12 +22,12 @@ from gspcli.catalogue.counts import (
     family_counts,
     family_of,
 )
-from gspcli.catalogue.intersection_numbers import intersection_number, law
 from gspcli.catalogue.kinds import Kind
 from gspcli.catalogue.types import Family
 from gspcli.defaults import SEED
 from gspcli.errors import CheckFailed
 from tools.atlas.groebner import msolve_path, msolve_version
+from tools.atlas.intersection_numbers import intersection_number, law
 from tools.atlas.tasks import LIMITS, PRIMES, TOLERANCE, Result, Task, monodromy_counts
 
 MANIFEST_FILE = "manifest.json"

@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.catalogue.counts import all_families
-from gspcli.catalogue.intersection_numbers import law
 from gspcli.catalogue.kinds import ALL, KINDS_BY_NAME, Kind
 from gspcli.catalogue.types import CONSTRAINTS, GspType
 from gspcli.certification import certify
@@ -37,6 +36,7 @@ from tools.atlas.groebner import (
     quotient_dimension,
     random_platform,
 )
+from tools.atlas.intersection_numbers import law
 
 # Trace tests: a check that some solutions of a system are all of them.
 #

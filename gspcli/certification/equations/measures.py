@@ -2,7 +2,7 @@
 
 The distance or the angle itself is measured (paper, Section 4), not the polynomial of
 `ball_system`: so each checks the other. Neither uses the floating-point statement in
-`gspcli.geometry.constraint_polynomials`.
+`gspcli.geometry.measurement`.
 """
 
 from __future__ import annotations

@@ -11,7 +11,7 @@ from flint import arb
 from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import AHH, AHL, ALH, ALL, DHP, DLL, DLP, DPH, DPL, DPP, Kind
-from gspcli.certification.numbers.balls import dot, norm, rotated
+from gspcli.certification.numbers.balls import cross, dot, norm, rotated
 from gspcli.certification.numbers.rounding import OUTWARD, TINY
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side
 from gspcli.geometry.limits import joint_cones
@@ -262,7 +262,7 @@ def _drive_vectors(
         height = dot(axis, arm)
         middle = [a + height * b for a, b in zip(centre, axis, strict=True)]
         across = [a - b for a, b in zip(point, middle, strict=True)]
-        beside = _arb_cross(axis, across)
+        beside = cross(axis, across)
     else:
         axis = _unit([number.ball() for number in one.drive.direction])
         middle, across, beside = point, axis, nothing
@@ -278,14 +278,6 @@ def _drive_vectors(
         points = [rotated(R, [a - b for a, b in zip(x, pivot, strict=True)]) for x in points]
         across, beside, axis = (rotated(R, x) for x in (across, beside, axis))
     return [points[0], across, beside, axis, points[1], points[2]]
-
-
-def _arb_cross(a: _Vector, b: _Vector) -> _Vector:
-    return [
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    ]
 
 
 def _pair_or_infinity(number: arb | None, sign: int) -> tuple[float, float]:

@@ -41,7 +41,7 @@ from gspcli.geometry import study
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.checking import checked
 from gspcli.geometry.instance import Instance, Side
-from gspcli.geometry.residuals import sides_of
+from gspcli.geometry.measurement import sides_of
 from gspcli.records import dataclass
 
 if TYPE_CHECKING:

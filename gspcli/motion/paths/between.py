@@ -32,8 +32,8 @@ from gspcli.geometry.enclosures import (
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.limits import cone_shares, joint_cones, tilts
 from gspcli.geometry.machine import Machine
+from gspcli.geometry.measurement import condition_numbers
 from gspcli.geometry.quaternions import apply
-from gspcli.geometry.residuals import condition_numbers
 from gspcli.motion.collisions.compared import ComparedShapes, slips_near
 from gspcli.motion.following.followed_rows import FRAME_ERROR, RowFollower, Segments
 from gspcli.motion.following.moving_geometry import MovingGeometry

@@ -16,10 +16,10 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.frames import IDENTITY, PoseFrame
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.machine import Machine, is_driven
+from gspcli.geometry.measurement import condition_numbers
 from gspcli.geometry.printed_numbers import printed_conditions
 from gspcli.geometry.quaternions import quaternion_from_rotation
 from gspcli.geometry.readings import readings_of
-from gspcli.geometry.residuals import condition_numbers
 from gspcli.records import EqualByContent, dataclass
 from gspcli.wording import counted
 

@@ -29,8 +29,8 @@ from gspcli.geometry.checking import value_range
 from gspcli.geometry.coordinates import BODIES, coordinates
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.machine import Machine, is_driven
+from gspcli.geometry.measurement import condition_numbers
 from gspcli.geometry.readings import readings_of
-from gspcli.geometry.residuals import condition_numbers
 from gspcli.motion.following.branch_follower import MovingPlatform, Stop, apart, over_rows
 from gspcli.motion.following.followed_rows import FollowedMode, RowFollower
 from gspcli.motion.following.trajectories import track_from

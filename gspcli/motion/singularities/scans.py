@@ -19,12 +19,11 @@ from gspcli.geometry.checking import wrong_value
 from gspcli.geometry.coordinates import choose, drive_corrections, moved
 from gspcli.geometry.instance import Instance, Side
 from gspcli.geometry.machine import Machine, is_driven
-from gspcli.geometry.measurement import jacobian
+from gspcli.geometry.measurement import condition_numbers, jacobian
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.printed_numbers import printed_conditions
 from gspcli.geometry.quaternions import Field, quaternion_from_rotation
 from gspcli.geometry.readings import factors, offsets, without_corrections
-from gspcli.geometry.residuals import condition_numbers
 from gspcli.motion.files.pose_files import PoseFormat, pose_columns, poses_of
 from gspcli.motion.files.value_files import nominal_values
 from gspcli.motion.following.branch_follower import FollowOptions, MovingPlatform, at_values

@@ -23,9 +23,8 @@ from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.machine import Machine
-from gspcli.geometry.measurement import value_slopes
+from gspcli.geometry.measurement import condition_numbers, value_slopes, without_derivative
 from gspcli.geometry.quaternions import apply, cross
-from gspcli.geometry.residuals import condition_numbers, without_derivative
 from gspcli.records import dataclass
 from gspcli.ties import first_largest
 

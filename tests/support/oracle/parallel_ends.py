@@ -17,9 +17,8 @@ from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import DLL
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.measurement import jacobian, measured
+from gspcli.geometry.measurement import jacobian, measured, relative_residuals
 from gspcli.geometry.quaternions import Field, cross, dot, rotation_from_vector
-from gspcli.geometry.residuals import relative_residuals
 from gspcli.geometry.tolerances import NEARLY_PARALLEL_SINE
 
 #: Zero up to the error of an end at which several paths meet, which has half the digits.

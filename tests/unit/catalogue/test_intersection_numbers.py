@@ -9,10 +9,10 @@ import pytest
 from numpy.typing import NDArray
 
 from gspcli.catalogue.bounds import LAZARD, MOURRAIN_16, ROTATIONS, varieties
-from gspcli.catalogue.intersection_numbers import LETTERS, intersection_number
 from gspcli.continuation import start
 from gspcli.continuation.quadrics import BODY_TRANSLATION, RHO, TRANSLATION, evaluate, gradients
 from gspcli.continuation.quadrics import swap_letters as swapped
+from tools.atlas.intersection_numbers import LETTERS, intersection_number
 
 #: All 195 with at most three angles.
 NUMBERS = [

@@ -8,9 +8,8 @@ import pytest
 from gspcli.catalogue.kinds import AHH, DPP
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.local_motions import local_motion
-from gspcli.geometry.measurement import measured
+from gspcli.geometry.measurement import measured, residuals
 from gspcli.geometry.quaternions import rotation_from_quaternion
-from gspcli.geometry.residuals import residuals
 
 
 def legs(y: np.ndarray, x: np.ndarray, R: np.ndarray, T: np.ndarray) -> Arrangement:

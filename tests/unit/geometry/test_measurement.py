@@ -7,13 +7,11 @@ import pytest
 
 from gspcli.catalogue.kinds import ALL, DLL, KINDS
 from gspcli.geometry.arrangement import Arrangement, Bodies
-from gspcli.geometry.constraint_polynomials import polynomial
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Units
-from gspcli.geometry.measurement import _angle, curvature, jacobian, measured
+from gspcli.geometry.measurement import _angle, curvature, jacobian, measured, polynomial, residuals
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Line, Plane, Point, vector
 from gspcli.geometry.quaternions import Field, rotation_from_quaternion
-from gspcli.geometry.residuals import residuals
 
 
 def test_measured_values_of_known_positions():

@@ -10,8 +10,8 @@ from gspcli.catalogue.names import parse_type
 from gspcli.catalogue.types import all_types
 from gspcli.errors import GspError
 from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.measurement import residuals
 from gspcli.geometry.random_instances import random_instance
-from gspcli.geometry.residuals import residuals
 
 
 @pytest.mark.parametrize("number", range(0, 3850, 193))

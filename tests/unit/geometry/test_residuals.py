@@ -8,17 +8,18 @@ import pytest
 from gspcli.catalogue.kinds import KINDS
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side, Units
-from gspcli.geometry.measurement import jacobian, measured
-from gspcli.geometry.numbers import Number
-from gspcli.geometry.primitives import Line, Plane, Point, vector
-from gspcli.geometry.quaternions import rotation_from_quaternion
-from gspcli.geometry.residuals import (
+from gspcli.geometry.measurement import (
     condition_numbers,
+    jacobian,
     known_sides,
+    measured,
     proved_residuals,
     residuals,
     sides_of,
 )
+from gspcli.geometry.numbers import Number
+from gspcli.geometry.primitives import Line, Plane, Point, vector
+from gspcli.geometry.quaternions import rotation_from_quaternion
 
 
 def test_residuals_respect_sides_and_units():

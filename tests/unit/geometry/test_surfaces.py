@@ -12,7 +12,6 @@ from gspcli import _kernel
 from gspcli.catalogue.kinds import ALL, DISTANCE_KINDS, DLL, DLP, DPL, DPP
 from gspcli.catalogue.types import GspType
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.constraint_polynomials import Measures, measures
 from gspcli.geometry.measurement import measured
 from gspcli.geometry.quaternions import (
     dot,
@@ -21,6 +20,7 @@ from gspcli.geometry.quaternions import (
     rotation_from_quaternion,
 )
 from gspcli.geometry.random_instances import random_instance
+from gspcli.geometry.three_angles import Measures, measures
 
 TRIPLES = list(combinations_with_replacement(DISTANCE_KINDS, 3))
 

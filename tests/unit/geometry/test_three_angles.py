@@ -11,10 +11,9 @@ from benchmarks.cases import random_instances
 from gspcli import _kernel
 from gspcli.catalogue.kinds import DISTANCE_KINDS
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.constraint_polynomials import measures
+from gspcli.geometry.measurement import residuals, sides_of
 from gspcli.geometry.quaternions import dot, pose_from_study
-from gspcli.geometry.residuals import residuals, sides_of
-from gspcli.geometry.three_angles import StudyPoints, study_points
+from gspcli.geometry.three_angles import StudyPoints, measures, study_points
 
 TRIPLES = [
     " ".join(kind.name for kind in kinds)

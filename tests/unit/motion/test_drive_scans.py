@@ -13,8 +13,8 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.coordinates import choose, moved
 from gspcli.geometry.instance import HomePose
 from gspcli.geometry.machine import Machine
+from gspcli.geometry.measurement import condition_numbers
 from gspcli.geometry.numbers import Number
-from gspcli.geometry.residuals import condition_numbers
 from gspcli.motion.files.pose_files import PoseFormat
 from gspcli.motion.following.moving_geometry import MovingGeometry
 from gspcli.motion.poses.inverse_kinematics import values_at

@@ -10,8 +10,8 @@ import pytest
 from gspcli.catalogue.kinds import AHH, AHL, ALH, KINDS
 from gspcli.catalogue.names import parse_type
 from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.measurement import residuals
 from gspcli.geometry.quaternions import pose_from_study
-from gspcli.geometry.residuals import residuals
 from gspcli.reality.platforms import Reality, random_platforms, reality
 from gspcli.reality.real_distribution import Sample, Tally, tallies
 from gspcli.workers import HERE, Workers

@@ -19,9 +19,9 @@ from gspcli.continuation.paths import Basis
 from gspcli.errors import ArgumentError, GspError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import AngleUnit, Instance
+from gspcli.geometry.measurement import condition_numbers, residuals
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.random_instances import random_instance
-from gspcli.geometry.residuals import condition_numbers, residuals
 from gspcli.resources import data_path, instance_files
 from gspcli.solver import api, solve, solve_batch, solve_values
 from gspcli.solver import poses as pose_module

@@ -19,11 +19,10 @@ from gspcli.certification import certify as certify_alone
 from gspcli.certification.counting import ExactCount, exact_count, with_points_for_lines
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance, Side
-from gspcli.geometry.measurement import measured
+from gspcli.geometry.measurement import measured, relative_residuals, residuals
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Line, Plane, vector
 from gspcli.geometry.random_instances import random_instance
-from gspcli.geometry.residuals import relative_residuals, residuals
 from gspcli.motion.following.trajectories import track
 from gspcli.motion.singularities.clearances import clearances
 from gspcli.solver import SolveResult, solve

@@ -17,11 +17,11 @@ from gspcli.certification.poses.isolation import Isolation, refine_point
 from gspcli.errors import GspError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance, Side
+from gspcli.geometry.measurement import residuals, sides_of
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import vector
 from gspcli.geometry.quaternions import pose_from_study
 from gspcli.geometry.random_instances import random_instance
-from gspcli.geometry.residuals import residuals, sides_of
 
 SHIFT = np.array([1, -1, 1])
 TYPES = [

@@ -16,10 +16,10 @@ from gspcli.certification.equations.local_frames import OWN, StudyFrames
 from gspcli.certification.poses.many_values import ValueProofs
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
+from gspcli.geometry.measurement import residuals
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.quaternions import quaternion_from_rotation, study_from_pose
 from gspcli.geometry.random_instances import random_instance
-from gspcli.geometry.residuals import residuals
 from gspcli.geometry.study import form_hessians
 from gspcli.solver.study_systems import side_choices
 from tests.support.oracle.poses_by_paths import solve_by_tracking

@@ -9,8 +9,8 @@ import pytest
 
 import gspcli
 from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.measurement import condition_numbers
 from gspcli.geometry.quaternions import rotation_from_quaternion
-from gspcli.geometry.residuals import condition_numbers
 from gspcli.motion.following.trajectories import track_from
 from gspcli.motion.paths.between import (
     PathRows,

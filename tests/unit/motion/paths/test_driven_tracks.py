@@ -13,8 +13,8 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.frames import PoseFrame
 from gspcli.geometry.instance import Shapes
 from gspcli.geometry.machine import Machine
+from gspcli.geometry.measurement import condition_numbers
 from gspcli.geometry.quaternions import rotation_from_vector
-from gspcli.geometry.residuals import condition_numbers
 from gspcli.motion.collisions.compared import ComparedShapes
 from gspcli.motion.paths.between import (
     ValueParts,

@@ -10,7 +10,7 @@ import pytest
 import gspcli
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.limits import within_limits
-from gspcli.geometry.residuals import condition_numbers
+from gspcli.geometry.measurement import condition_numbers
 from gspcli.motion.paths.maps import PoseMap
 from gspcli.motion.paths.pose_ways import PoseWays
 from gspcli.motion.poses.inverse_kinematics import values_at

@@ -170,19 +170,6 @@ def intersection_number(spaces: str) -> int:
     return total
 
 
-def mourrain_degree() -> int:
-    """Return the degree of the motions in the 25 coordinates R, T, U, rho and T x R.
-
-    Of six general linear functions five can be made free of rho: a space of class x without base
-    points. The sixth has class 2x - 2h, as a member of s on Y, and base points only where
-    g = f.f = 0, which the curve of the other five misses.
-
-    >>> mourrain_degree()
-    84
-    """
-    return 2 * _degree(0, DIMENSION, 0, 0, 0) - 2 * _degree(1, DIMENSION - 1, 0, 0, 0)
-
-
 def letters(distances: tuple[Kind, ...]) -> str:
     """Return the spaces of the six quadrics or products, in canonical order.
 
