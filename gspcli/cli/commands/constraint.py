@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 from gspcli.catalogue.bounds import LAZARD, MOURRAIN, coordinates_label, varieties
-from gspcli.catalogue.constraints import ConstraintFacts, Degrees, constraint_facts
+from gspcli.catalogue.constraints import ConstraintFacts, Degrees, Writing, constraint_facts
 from gspcli.catalogue.kinds import KINDS
 from gspcli.catalogue.names import parse_kinds
 from gspcli.catalogue.realization import realization
@@ -55,70 +55,47 @@ def command(o: Options) -> None:
       gsp constraint PH --format json
       gsp constraint --format latex -o constraints.tex
     """
+    kinds = KINDS if o.kind is None else parse_kinds(o.kind)
+    shown = [constraint_facts(kind) for kind in kinds]
+    entries = [_entry(facts) for facts in shown]
+    if o.kind is not None and len(shown) > 1:
+        names = listed([f"{facts.kind}" for facts in shown], "and")
+        say(f"{o.kind.upper()} is a distance and an angle: here are both, {names}")
     if o.kind is None:
-        shown = [constraint_facts(each) for each in KINDS]
-        tables = [_overview(shown)]
+        notes = (*_LEGEND, "surface: plane P, sphere S or cylinder C under a fixed orientation")
+        tables = [Result(_ALL_COLUMNS, [*map(_row, shown, entries)], notes=notes)]
+    elif o.output.format == "csv":
+        rows = [row for facts in shown for row in _equation_rows(facts)]
+        tables = [Result([Field(key) for key in rows[0]], rows, part="equations")]
     else:
-        shown = [constraint_facts(each) for each in parse_kinds(o.kind)]
-        if len(shown) > 1:
-            names = listed([f"{facts.kind}" for facts in shown], "and")
-            say(f"{o.kind.upper()} is a distance and an angle: here are both, {names}")
-        if o.output.format == "csv":
-            tables = [_equation_list(shown)]
-        else:
-            tables = [table for facts in shown for table in _page(facts)]
-    document = {
-        "schema": "gsp.constraint/1",
-        "constraints": [_document(facts) for facts in shown],
-    }
+        tables = [table for facts in shown for table in _page(facts)]
     latex = _latex_overview(shown) if o.kind is None else "\n".join(map(_latex_page, shown))
+    document = {"schema": "gsp.constraint/1", "constraints": entries}
     emit(o.output, tables, document=document, texts={"latex": latex})
 
 
-def _row(facts: ConstraintFacts) -> dict[str, Any]:
-    return {
-        "kind": facts.kind.name,
+def _row(facts: ConstraintFacts, entry: dict[str, Any]) -> dict[str, Any]:
+    more = {
         "equation": facts.definition.text,
-        "degree_lazard": facts.paper_lazard.two_sided,
-        "degree_mourrain": facts.paper_mourrain.two_sided,
-        "degree_lowest": facts.lowest.two_sided,
-        "degree_lowest_one_sided": facts.lowest.one_sided if facts.kind.has_sides else None,
+        "degree_lowest_one_sided": _one_sided(facts, facts.lowest),
         "coordinates": coordinates_label(facts.lowest_coordinates),
-        "surface": facts.surface,
         "realization": realization(facts.kind).chain.name,
-        "meaning": facts.meaning,
     }
+    return entry | more
 
 
-def _overview(shown: list[ConstraintFacts]) -> Result:
-    notes = (*_LEGEND, "surface: plane P, sphere S or cylinder C under a fixed orientation")
-    return Result(_ALL_COLUMNS, [_row(facts) for facts in shown], notes=notes)
+#: An equation: by whom, in which coordinates, as the paper has it and of lowest degree.
+_Equation = tuple[str, str, Writing, Degrees | None, Degrees | None]
 
 
-def _equations(facts: ConstraintFacts) -> list[dict[str, Any]]:
+def _equations(facts: ConstraintFacts) -> list[_Equation]:
     """Return the equations: as stated in (R, T), Lazard's, Mourrain's, that of lowest degree."""
     papers = {LAZARD: ("Lazard", facts.paper_lazard), MOURRAIN: ("Mourrain", facts.paper_mourrain)}
-    rows: list[dict[str, Any]] = [
-        {
-            "system": "as stated",
-            "coordinates": "R,T",
-            "writing": facts.definition,
-            # The degree that Proposition 4.1 gives is that of the equation as stated.
-            "paper": facts.paper_lazard,
-            "lowest": None,
-        }
-    ]
+    # The degree that Proposition 4.1 gives is that of the equation as stated.
+    rows: list[_Equation] = [("as stated", "R,T", facts.definition, facts.paper_lazard, None)]
     for coordinates, writing in facts.equations.items():
         name, paper = papers.get(coordinates, ("lowest degree", None))
-        rows.append(
-            {
-                "system": name,
-                "coordinates": coordinates,
-                "writing": writing,
-                "paper": paper,
-                "lowest": facts.degrees[coordinates],
-            }
-        )
+        rows.append((name, coordinates, writing, paper, facts.degrees[coordinates]))
     return rows
 
 
@@ -126,25 +103,19 @@ def _equation_rows(facts: ConstraintFacts) -> list[dict[str, Any]]:
     return [
         {
             "kind": facts.kind.name,
-            "system": row["system"],
-            "coordinates": coordinates_label(row["coordinates"]),
-            "equation": row["writing"].text,
-            "degree_paper": row["paper"] and row["paper"].two_sided,
-            "degree_lowest": row["lowest"] and row["lowest"].two_sided,
-            "degree_lowest_one_sided": _one_sided(facts, row["lowest"]),
+            "system": system,
+            "coordinates": coordinates_label(coordinates),
+            "equation": writing.text,
+            "degree_paper": paper and paper.two_sided,
+            "degree_lowest": lowest and lowest.two_sided,
+            "degree_lowest_one_sided": _one_sided(facts, lowest),
         }
-        for row in _equations(facts)
+        for system, coordinates, writing, paper, lowest in _equations(facts)
     ]
 
 
 def _one_sided(facts: ConstraintFacts, degrees: Degrees | None) -> int | None:
     return degrees.one_sided if degrees is not None and facts.kind.has_sides else None
-
-
-def _equation_list(shown: list[ConstraintFacts]) -> Result:
-    """Return the equations of several kinds in one table."""
-    rows = [row for facts in shown for row in _equation_rows(facts)]
-    return Result([Field(key) for key in rows[0]], rows, part="equations")
 
 
 def _page(facts: ConstraintFacts) -> list[Result]:
@@ -158,30 +129,14 @@ def _page(facts: ConstraintFacts) -> list[Result]:
         }
         for name, row in facts.degrees.items()
     ]
-    one_sided = FIELDS.of("degree_lowest_one_sided")
-    if not facts.kind.has_sides:
-        one_sided = []
-    difference = any(row["difference"] is not None for row in degrees)
+    one_sided = " degree_lowest_one_sided" * facts.kind.has_sides
+    difference = " difference" * any(row["difference"] is not None for row in degrees)
+    title = f"{facts.kind}: {facts.meaning}"
+    written = FIELDS.of(f"system equation degree_paper degree_lowest@2{one_sided} coordinates")
+    columns = FIELDS.of(f"coordinates@2 variety degree_lowest@3{one_sided}{difference}")
     return [
-        Result(
-            [
-                *FIELDS.of("system equation degree_paper degree_lowest@2"),
-                *one_sided,
-                FIELDS["coordinates"],
-            ],
-            _equation_rows(facts),
-            title=f"{facts.kind}: {facts.meaning}",
-            notes=_LEGEND,
-        ),
-        Result(
-            [
-                *FIELDS.of("coordinates@2 variety degree_lowest@3"),
-                *one_sided,
-                *FIELDS.of("difference" if difference else ""),
-            ],
-            degrees,
-            notes=_remarks(facts),
-        ),
+        Result(written, _equation_rows(facts), title, _LEGEND),
+        Result(columns, degrees, notes=_remarks(facts)),
     ]
 
 
@@ -211,21 +166,21 @@ def _remarks(facts: ConstraintFacts) -> list[str]:
     return remarks
 
 
-def _document(facts: ConstraintFacts) -> dict[str, Any]:
+def _entry(facts: ConstraintFacts) -> dict[str, Any]:
     chain = realization(facts.kind)
     return {
         "kind": facts.kind.name,
         "meaning": facts.meaning,
         "equations": [
             {
-                "system": row["system"],
-                "coordinates": row["coordinates"].split(","),
-                "text": row["writing"].text,
-                "latex": row["writing"].latex,
-                "degree_paper": row["paper"] and asdict(row["paper"]),
-                "degree_lowest": row["lowest"] and asdict(row["lowest"]),
+                "system": system,
+                "coordinates": coordinates.split(","),
+                "text": writing.text,
+                "latex": writing.latex,
+                "degree_paper": paper and asdict(paper),
+                "degree_lowest": lowest and asdict(lowest),
             }
-            for row in _equations(facts)
+            for system, coordinates, writing, paper, lowest in _equations(facts)
         ],
         "degree_lazard": facts.paper_lazard.two_sided,
         "degree_mourrain": facts.paper_mourrain.two_sided,
@@ -241,28 +196,22 @@ def _document(facts: ConstraintFacts) -> dict[str, Any]:
 
 
 def _latex_overview(shown: list[ConstraintFacts]) -> str:
+    head = r"""\begin{tabular}{llrrrl}
+\toprule
+kind & equation & Lazard & Mourrain & lowest & surface \\
+\midrule
+"""
     lines = [
-        r"\begin{tabular}{llrrrl}",
-        r"\toprule",
-        r"kind & equation & Lazard & Mourrain & lowest & surface \\",
-        r"\midrule",
+        f"{facts.kind.name} & ${facts.definition.latex}$ & {facts.paper_lazard.two_sided} & "
+        f"{facts.paper_mourrain.two_sided} & {facts.lowest.two_sided} & {facts.surface or ''}"
+        " \\\\\n"
+        for facts in shown
     ]
-    for facts in shown:
-        cells = [
-            facts.kind.name,
-            f"${facts.definition.latex}$",
-            str(facts.paper_lazard.two_sided),
-            str(facts.paper_mourrain.two_sided),
-            str(facts.lowest.two_sided),
-            facts.surface or "",
-        ]
-        lines.append(" & ".join(cells) + r" \\")
-    return "\n".join([*lines, r"\bottomrule", r"\end{tabular}", ""])
+    return "".join([head, *lines, "\\bottomrule\n\\end{tabular}\n"])
 
 
 def _latex_page(facts: ConstraintFacts) -> str:
-    lines = [f"% {facts.kind}: {facts.meaning}", r"\begin{align*}"]
-    equations = [
-        rf"  & {row['writing'].latex} && \text{{{row['system']}}}" for row in _equations(facts)
-    ]
-    return "\n".join([*lines, " \\\\\n".join(equations), r"\end{align*}", ""])
+    equations = [rf"  & {one[2].latex} && \text{{{one[0]}}}" for one in _equations(facts)]
+    body = " \\\\\n".join(equations)
+    head = f"% {facts.kind}: {facts.meaning}\n\\begin{{align*}}\n"
+    return f"{head}{body}\n\\end{{align*}}\n"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
@@ -11,29 +11,25 @@ from gspcli.cli.options import (
     Command,
     Options,
     Positive,
+    exclusive,
     output_options,
     seed_option,
     value_options,
+    without,
 )
-from gspcli.cli.render import Output, emit
+from gspcli.cli.render import emit
 from gspcli.cli.result import Fields, Result
-from gspcli.cli.specs import Changes, load_instance, read_type
-from gspcli.cli.streams import progress
+from gspcli.cli.specs import load_instance, read_type
+from gspcli.cli.streams import Item, progress
 from gspcli.defaults import LONG_COUNT
 from gspcli.errors import NotFiniteError
 from gspcli.wording import shown
-
-if TYPE_CHECKING:
-    from gspcli.catalogue.types import GspType
-    from gspcli.certification.counting import ExactCount
-    from gspcli.geometry.instance import Instance
 
 FIELDS = Fields("count")
 
 _COLUMNS = FIELDS.of(
     "spec type_count geometry_count exact_count distinct finite proof geometry_proof"
 )
-_GEOMETRY_COLUMNS = FIELDS.of("geometry count distinct meaning proof@2")
 _LEGEND = (
     "type: the count of almost every platform of the type; geometry: of this geometry with almost "
     "all values; exact: of this platform, with multiplicities; all for the sides asked for"
@@ -41,6 +37,8 @@ _LEGEND = (
 
 
 @click.command(cls=Command)
+@exclusive("SPEC", "--type")
+@without("--type", "--set", "--delta")
 @click.argument("specs", metavar="[SPEC]...", nargs=-1)
 @value_options
 @click.option("--type", "type_name", metavar="TYPE", help="Count random platforms of a type.")
@@ -86,76 +84,56 @@ def command(o: Options) -> None:
       gsp count --type 6PP --geometry planar,hexagons,3-3
       gsp count --type "6D PP PP PH PH PH PL" --geometry generic,planar
     """
-    if (o.type_name is None) == (not o.specs):
-        raise click.UsageError("give either SPEC or --type")
     if o.type_name is not None:
-        if o.changes != Changes():
-            raise click.UsageError("--set and --delta change the values of SPEC: --type has none")
-        _count_geometries(read_type([o.type_name]), o.geometries, o.effort, o.seed, o.output)
-    else:
-        _count_specs(o.specs, o.changes, o.effort, o.seed, o.output)
-
-
-def _count_specs(
-    specs: tuple[str, ...], changes: Changes, limit: float, seed: int, output: Output
-) -> None:
+        _count_geometries(o)
+        return
+    if not o.specs:
+        raise click.UsageError("give either SPEC or --type")
     from gspcli.certification.counting import NotCountedError
-    from gspcli.certification.counting.platform_counts import count_platform
+    from gspcli.certification.counting.platform_counts import count_platform, proof_text
 
-    instances = [load_instance(spec, changes) for spec in specs]
+    instances = [load_instance(spec, o.changes) for spec in o.specs]
     rows, documents, refusals, infinite = [], [], [], []
-    for spec, instance in progress(
-        list(zip(specs, instances, strict=True)), total=len(specs), label="counting solutions"
-    ):
-        found = count_platform(instance, seed=seed, effort=limit)
-        if found.refusal:
-            refusals.append(f"{spec}: {found.refusal}")
-        if found.exact is not None and not found.exact.finite:
-            infinite.append(spec)
-        documents.append(found.to_json())
-        rows.append(_row(spec, instance, found.exact, found.geometry))
+    for spec, instance in _progress(list(zip(o.specs, instances, strict=True))):
+        result = count_platform(instance, seed=o.seed, effort=o.effort)
+        exact, geometry = result.exact, result.geometry
+        row: dict[str, Any] = {"spec": spec, "type_count": instance.expected}
+        if geometry is not None:
+            proof = proof_text(geometry.error)
+            row |= {"geometry_count": geometry.solutions, "geometry_proof": proof}
+        if exact is not None:
+            row |= {"exact_count": exact.solutions, "distinct": exact.distinct}
+            row |= {"finite": exact.finite, "proof": proof_text(exact.error)}
+        rows.append(row)
+        documents.append(result.to_json())
+        refusals += [f"{spec}: {result.refusal}"] if result.refusal else []
+        infinite += [spec] if exact is not None and not exact.finite else []
     document: Any = documents[0] if len(documents) == 1 else documents
-    emit(output, Result(_COLUMNS, rows, notes=[_LEGEND]), document=document)
+    emit(o.output, Result(_COLUMNS, rows, notes=[_LEGEND]), document=document)
     if refusals:
         raise NotCountedError("\n".join(refusals))
     if infinite:
         raise NotFiniteError(f"infinitely many complex solutions: {', '.join(infinite)}")
 
 
-def _row(
-    spec: str, instance: Instance, exact: ExactCount | None, geometry: ExactCount | None
-) -> dict[str, Any]:
-    from gspcli.certification.counting.platform_counts import proof_text
-
-    row: dict[str, Any] = {"spec": spec, "type_count": instance.expected}
-    if geometry is not None:
-        row |= {"geometry_count": geometry.solutions, "geometry_proof": proof_text(geometry.error)}
-    if exact is not None:
-        row |= {
-            "exact_count": exact.solutions,
-            "distinct": exact.distinct,
-            "finite": exact.finite,
-            "proof": proof_text(exact.error),
-        }
-    return row
+def _progress(items: Sequence[Item]) -> Iterable[Item]:
+    return progress(items, total=len(items), label="counting solutions")
 
 
-def _count_geometries(
-    gsp_type: GspType, names: str, limit: float, seed: int, output: Output
-) -> None:
+def _count_geometries(o: Options) -> None:
+    """Count random platforms of a type, with special geometries."""
     from gspcli.atlas.platform_counts import count_type, possible_geometries
 
+    gsp_type = read_type([o.type_name])
     possible = possible_geometries(gsp_type)
-    chosen = possible if names == "all" else [name.strip() for name in names.split(",")]
+    chosen = possible
+    if o.geometries != "all":
+        chosen = [name.strip() for name in o.geometries.split(",")]
     for name in chosen:
         if name not in possible:
             raise click.BadParameter(
                 f"found --geometry {shown(name)}, expected of {gsp_type.id}: {', '.join(possible)}"
             )
-
-    def shown_progress(these: Sequence[str]) -> Iterable[str]:
-        return progress(these, total=len(these), label="counting solutions")
-
-    found = count_type(gsp_type, chosen, limit, seed, shown_progress)
-    table = Result(_GEOMETRY_COLUMNS, found.rows(), title=gsp_type.id)
-    emit(output, table, document=found.to_json())
+    result = count_type(gsp_type, chosen, o.effort, o.seed, _progress)
+    columns = FIELDS.of("geometry count distinct meaning proof@2")
+    emit(o.output, Result(columns, result.rows(), gsp_type.id), document=result.to_json())

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 from collections.abc import Sequence
 from typing import Any
@@ -86,39 +87,38 @@ def command(o: Options) -> None:
     built = mechanism(connections, REALIZATIONS[o.chosen])
     if o.output.format in DRAWINGS:
         whole = len(o.names) == 1 and is_file(o.names[0])
-        fmt = o.output.format
-        write(
-            o.output,
-            _platform_drawn(o.names[0], built, fmt) if whole else _chains_drawn(built, fmt),
-        )
+        drawn = _platform_drawn(o.names[0], built, o.output.format) if whole else None
+        write(o.output, drawn or _chains_drawn(built, o.output.format))
         return
     dependent = over_constraint(connections)
+    reason = dependent.reason if dependent else None
     notes = [built.sum_shown]
     notes += [f"{s.name}: {s.joints} (chains {_numbers(s.chains)})" for s in built.shared]
-    if dependent:
-        notes.append(f"the platform is never fixed: {dependent.reason}")
+    notes += [f"the platform is never fixed: {reason}"] if reason else []
     notes += _driven_joints(o.names)
-    rows = [{"number": n, **_row(mounted)} for n, mounted in enumerate(built.chains, start=1)]
-    emit(
-        o.output,
-        Result(_COLUMNS, rows, title=title, notes=notes),
-        document={
-            "schema": "gsp.realize/1",
-            "type": gsp_type.to_json(),
-            "chains": [_document(mounted) for mounted in built.chains],
-            "shared": [
-                {
-                    "body": shared.body,
-                    "name": shared.name,
-                    "joints": shared.joints,
-                    "chains": [index + 1 for index in shared.chains],
-                }
-                for shared in built.shared
-            ],
-            "mobility": _mobility(built),
-            "over_constraint": dependent.reason if dependent else None,
-        },
-    )
+    chains = [_entry(mounted) for mounted in built.chains]
+    rows = list(map(_row, itertools.count(1), chains, built.chains))
+    document: dict[str, Any] = {
+        "schema": "gsp.realize/1",
+        "type": gsp_type.to_json(),
+        "chains": chains,
+    }
+    document["shared"] = [
+        {"body": one.body, "name": one.name, "joints": one.joints, "chains": _from_one(one.chains)}
+        for one in built.shared
+    ]
+    document["mobility"] = {
+        "links": built.links,
+        "joints": built.joints,
+        "joint_freedoms": built.joint_freedoms,
+        "kutzbach_gruebler": built.mobility,
+        "idle_freedoms": built.idle_freedoms,
+        "moving_freedoms": built.moving_freedoms,
+        "driven": built.driven,
+        "sum": built.sum_shown,
+    }
+    document["over_constraint"] = reason
+    emit(o.output, Result(_COLUMNS, rows, title=title, notes=notes), document=document)
 
 
 def _driven_joints(names: Sequence[str]) -> list[str]:
@@ -194,36 +194,24 @@ def _chains_drawn(built: Mechanism, fmt: str) -> bytes:
 
 
 def _numbers(indices: Sequence[int]) -> str:
-    return " ".join(str(index + 1) for index in indices)
+    return " ".join(map(str, _from_one(indices)))
 
 
-def _row(mounted: MountedChain) -> dict[str, Any]:
-    realization = mounted.realization
+def _from_one(indices: Sequence[int]) -> list[int]:
+    return [index + 1 for index in indices]
+
+
+def _entry(mounted: MountedChain) -> dict[str, Any]:
+    """Return a chain and the other chains for the same constraints, for JSON."""
+    kinds = mounted.realization.kinds
     return {
-        "constraints": _numbers(mounted.constraints),
-        "kinds": " ".join(kind.name for kind in realization.kinds),
-        "platform": mounted.platform_name,
-        "base": mounted.base_name,
-        "chain": realization.chain.drawing,
-        "joint_freedoms": realization.chain.freedoms,
-        "idle_freedoms": realization.idle_freedoms,
-        "idle_motion": realization.idle_motion or None,
-        "alternative": alternative(*realization.kinds).chain.name,
-        "outside": outside(*realization.kinds).chain.name,
-        "held_freedoms": realization.held_freedoms,
-        "figure": realization.figure or None,
-    }
-
-
-def _document(mounted: MountedChain) -> dict[str, Any]:
-    return {
-        "constraints": [index + 1 for index in mounted.constraints],
-        "kinds": [kind.name for kind in mounted.realization.kinds],
+        "constraints": _from_one(mounted.constraints),
+        "kinds": [kind.name for kind in kinds],
         "platform": mounted.platform_name,
         "base": mounted.base_name,
         **_chain(mounted.realization),
-        "alternative": _chain(alternative(*mounted.realization.kinds)),
-        "outside": _chain(outside(*mounted.realization.kinds)),
+        "alternative": _chain(alternative(*kinds)),
+        "outside": _chain(outside(*kinds)),
     }
 
 
@@ -240,14 +228,8 @@ def _chain(realization: Realization) -> dict[str, Any]:
     }
 
 
-def _mobility(built: Mechanism) -> dict[str, Any]:
-    return {
-        "links": built.links,
-        "joints": built.joints,
-        "joint_freedoms": built.joint_freedoms,
-        "kutzbach_gruebler": built.mobility,
-        "idle_freedoms": built.idle_freedoms,
-        "moving_freedoms": built.moving_freedoms,
-        "driven": built.driven,
-        "sum": built.sum_shown,
-    }
+def _row(number: int, entry: dict[str, Any], mounted: MountedChain) -> dict[str, Any]:
+    """Return a chain for a table: lists in one cell, driven joints starred."""
+    row = entry | {"number": number, "chain": mounted.realization.chain.drawing}
+    row |= {key: " ".join(map(str, entry[key])) for key in ("constraints", "kinds")}
+    return row | {key: entry[key]["chain"] for key in ("alternative", "outside")}

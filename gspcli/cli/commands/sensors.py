@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
@@ -11,6 +11,7 @@ from gspcli.cli.options import (
     Options,
     Positive,
     jobs_option,
+    needs,
     output_options,
     seed_option,
     value_options,
@@ -24,11 +25,10 @@ from gspcli.cli.render import emit
 from gspcli.cli.result import Field, Fields, Result
 from gspcli.cli.streams import working
 from gspcli.errors import GspError, IncompleteError
-from gspcli.wording import counted, listed
+from gspcli.wording import counted
 
 if TYPE_CHECKING:
     from gspcli.geometry.instance import Instance
-    from gspcli.motion import PoseFormat, ValueTable
     from gspcli.sensing import Sensor, SensorResult
 
 FIELDS = Fields("sensors")
@@ -37,6 +37,12 @@ _KINDS = ("leg", "joint", "inclinometer", "distance", "angle")
 
 
 @click.command(cls=Command)
+@needs("--relative", "ROWS")
+@needs("--euler", "ROWS")
+@needs("--pivot", "ROWS")
+@needs("--relative-to", "ROWS")
+@needs("--ignore", "ROWS")
+@needs("--columns", "ROWS")
 @click.argument("spec", metavar="SPEC")
 @click.argument("rows", metavar="[ROWS]", required=False)
 @value_options
@@ -104,14 +110,14 @@ def command(o: Options) -> None:
       gsp sensors platform.yaml --sigma inclinometer=0.02
       gsp sensors platform.yaml --sensor "leg P1 B3" --sensor inclinometer
     """
-    about_rows = [*(["--relative"] if o.relative else ()), *o.conventions]
-    if o.rows is None and about_rows:
-        raise click.UsageError(f"{listed(about_rows, 'and')}: needs ROWS")
+    instance, table = o.instance, None
+    chosen = _chosen(o.names, instance)
+    if o.rows is not None:
+        from gspcli.motion import read_values
+
+        table = read_values(*text_of(o.rows), instance, o.form, delta=o.relative)
     from gspcli.sensing import sensors
 
-    instance = o.instance
-    chosen = _chosen(o.names, instance)
-    table = _rows(o.rows, instance, o.form, delta=o.relative)
     with working("solving"):
         result = sensors(
             instance,
@@ -129,17 +135,6 @@ def command(o: Options) -> None:
     if missing := int((~result.separations.complete).sum()):
         sets = len(result.separations.modes)
         raise IncompleteError(f"at {counted(missing, 'set')} of {sets} not all poses are known")
-
-
-def _rows(
-    path: str | None, instance: Instance, form: PoseFormat, *, delta: bool
-) -> ValueTable | None:
-    """Return the rows of a file of values or poses."""
-    if path is None:
-        return None
-    from gspcli.motion import read_values
-
-    return read_values(*text_of(path), instance, form, delta=delta)
 
 
 def _chosen(names: tuple[str, ...], instance: Instance) -> list[Sensor] | None:
@@ -161,9 +156,7 @@ def _deviation(text: str) -> tuple[str, float]:
     from gspcli.motion.files.number_tables import wrong_number
 
     kind, _, value = text.partition("=")
-    if kind.strip() not in _KINDS:
-        raise GspError(f"--sigma: found {text!r}, expected {expected}")
-    if wrong_number(value.strip()):
+    if kind.strip() not in _KINDS or wrong_number(value.strip()):
         raise GspError(f"--sigma: found {text!r}, expected {expected}")
     return kind.strip(), float(value)
 
@@ -183,29 +176,25 @@ def sensor_table(result: SensorResult, form: str, *, everything: bool) -> Result
         kept = {str(result.sensors[result.of_kind(kind)[0]]) for kind in result.kinds}
         rows = [row for row in rows if row["sensor"] in kept]
     several = result.values is not None
-    shown = [
-        {
-            **row,
-            "sigma": f"{row['sigma']:.3g} {unit_of[row['sensor']]}",
-            "least": _difference(row["low"] if several else row["least"]),
-            "median": _difference(row["median"]),
-            "pair": None if not row["first"] else f"{row['first']}, {row['second']}",
-            "suffices": _suffices(row, several),
-        }
-        for row in rows
-    ]
-    columns = [
-        *FIELDS.of("sensor sigma"),
-        FIELDS["least"].but(title="5 % below" if several else "apart by"),
-        FIELDS["median" if several else "pair"],
-        FIELDS["suffices"],
-    ]
-    notes = [
-        "in standard deviations of the sensor"
-        + (", of the pair of modes that it tells apart worst" if several else ""),
-        *_notes(result, everything),
-    ]
-    return Result(columns, shown, result.instance.title, notes=notes, summary=_summary(result))
+    for row in rows:
+        row["sigma"] = f"{row['sigma']:.3g} {unit_of[row['sensor']]}"
+        row["pair"] = f"{row['first']}, {row['second']}" if row["first"] else None
+        row["least"] = _difference(row["low"] if several else row["least"])
+        row["median"] = _difference(row["median"])
+        share = row["share"]
+        row["suffices"] = None
+        if share is not None:
+            row["suffices"] = _percent(share) if several else "yes" if share == 1 else "no"
+    least = FIELDS["least"].but(title="5 % below" if several else "apart by")
+    middle = "median" if several else "pair"
+    columns = [*FIELDS.of("sensor sigma"), least, *FIELDS.of(f"{middle} suffices")]
+    note = "in standard deviations of the sensor"
+    note += ", of the pair of modes that it tells apart worst" if several else ""
+    notes = [note]
+    if not everything:
+        counts = ", ".join(f"{len(result.of_kind(kind))} {kind}" for kind in result.kinds)
+        notes.append(f"the best of each sort ({counts}): --all-sensors shows each")
+    return Result(columns, rows, result.instance.title, notes, _summary(result))
 
 
 def _percent(share: float) -> str:
@@ -217,14 +206,6 @@ def _difference(value: float | None) -> float | None:
     if value is None:
         return None
     return 0.0 if value < _ZERO else float(f"{value:.3g}")
-
-
-def _suffices(row: dict[str, Any], several: bool) -> str | None:
-    if row["share"] is None:
-        return None
-    if several:
-        return _percent(row["share"])
-    return "yes" if row["share"] == 1 else "no"
 
 
 def _summary(result: SensorResult) -> list[str]:
@@ -295,10 +276,3 @@ def _fold(result: SensorResult) -> str:
         f"{which} only {length} and {turn} {units.angle.value} apart: near a fold, where modes "
         "meet, no sensor suffices"
     )
-
-
-def _notes(result: SensorResult, everything: bool) -> list[str]:
-    if everything:
-        return []
-    counts = [f"{len(result.of_kind(kind))} {kind}" for kind in result.kinds]
-    return [f"the best of each sort ({', '.join(counts)}): --all-sensors shows each"]
