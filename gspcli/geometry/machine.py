@@ -446,8 +446,8 @@ class Machine:
         for k in np.flatnonzero(self.planes)[:1]:
             raise ArgumentError(
                 f"constraint {k + 1} of its point is a distance to a plane: {what} of such a "
-                "machine is not computed yet, only poses and values (gsp solve, measure --drives, "
-                "track, scan and analyze)",
+                "machine is not computed yet; gsp solve, measure --drives, track, scan, analyze, "
+                "dynamics and clearance know it",
                 self.names[self.index[k]],
             )
 

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+from gspcli.catalogue.kinds import DPH
 from gspcli.geometry.instance import Instance
+from gspcli.geometry.primitives import Crank, Point, Slide
 from gspcli.spec import loads
 
 
@@ -22,6 +26,21 @@ def tripod() -> Instance:
         rows.append(f"  - {{distance: [P{k}, H{k}], value: 0}}")
     home = "home: {position: [0, 0, 4.25]}"
     return loads("\n".join([*lines, *base, *rows, home]) + "\n")
+
+
+def cranked_bed(*, exchanged: bool = False) -> Instance:
+    """Return a bed whose balls are moved by cranks, or its balls ride on the bed."""
+    rows = []
+    for row in print_bed().constraints:
+        at = row.base.point
+        ball = Point(at, crank=Crank(at - [10, 40, 5], [1.0, -0.2, 0.1]))
+        names = {"platform_name": row.base_name, "base_name": row.platform_name}
+        if exchanged:
+            own = Point(at, slide=Slide([0.1, 0, 1]))
+            rows.append(replace(row, kind=DPH, platform=own, base=row.platform, **names))
+        else:
+            rows.append(replace(row, base=ball))
+    return replace(print_bed(), constraints=tuple(rows))
 
 
 def print_bed() -> Instance:

@@ -1,4 +1,4 @@
-"""The quadric of a distance of two points when one of them moves."""
+"""The quadric of a distance of two points, or of a point and a plane, when a point moves."""
 
 from __future__ import annotations
 
@@ -42,5 +42,20 @@ def moved_quadric(v: Array, other: Array, norm: float, *, on_platform: bool) -> 
         places = study.BODY if on_platform else study.TRANSLATION
         for k in range(3):
             form[places[k]] = (2 if on_platform else -2) * change[k]
-        numbers = np.array([float(form.get(k, 0)) for k in range(study.COUNT)])
+        return _hessian(form)
+
+
+def moved_height(base: Array, platform: Array) -> Array:
+    """Return the Hessian matrix of ``b.(R a) N`` for vectors b of the base and a of the platform.
+
+    One is the change of a point, the other the normal of the plane from which it has a height.
+    Shape (8, 8), as `moved_quadric`.
+    """
+    with flint.ctx.workprec(_PRECISION):
+        vectors = ([arb(x) for x in part.tolist()] for part in (base, platform))
+        return _hessian(study.rotation_form(*vectors))
+
+
+def _hessian(form: dict[int, arb]) -> Array:
+    numbers = np.array([float(form.get(k, 0)) for k in range(study.COUNT)])
     return np.asarray(np.einsum("f,fij->ij", numbers, study.form_hessians()))

@@ -186,6 +186,8 @@ def _kind(instance: Instance, row: Constraint, shared: bool) -> str:
     if len(found) == 2:
         message = f"a leg has drives at both ends ({row.platform_name} and {row.base_name})"
         raise ArgumentError(f"{message}, expected one: its number is the value")
+    if row.kind.has_sides:
+        Machine.of(instance).refuse_planes("the step of a controller")
     ((body, point, name, drive),) = found
     legs = [other for other in instance.constraints if _rides(other, body, name)]
     alone = shared or not (point.partner or (len(legs) != 1 and name))

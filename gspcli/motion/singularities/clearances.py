@@ -328,7 +328,8 @@ def each_drive_clearance(
     for k in progress(range(len(T)), total=len(T), label="poses"):
         lower, knees = _proved(drives, R[k], T[k], units)
         found = Clearance(lower, knees=knees)
-        if lower > 0:
+        # Points at distances to planes are not followed along lines.
+        if lower > 0 and not drives.planes.any():
             q = drives.inverse(R[k], T[k])
             lines = _DriveLines(drives, q, ways, R[k], T[k])
             nearest = lines.nearest(lower, np.inf)

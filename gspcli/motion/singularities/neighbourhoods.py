@@ -30,7 +30,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.certification.branches.moved_quadrics import moved_quadric
+from gspcli.certification.branches.moved_quadrics import moved_height, moved_quadric
 from gspcli.certification.branches.parametric_quadrics import Shape, ValueFunction
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.enclosures import OUT, ROUND, Enclosure, Jet, Matrix, size, spectral_norm
@@ -393,7 +393,6 @@ class MachineNeighbourhood(Neighbourhood):
     """
 
     def __init__(self, drives: Machine, R: Array, T: Array, q: Array) -> None:
-        drives.refuse_planes("the clearance")
         placed = apart(drives.instance_at(q))
         platform = MovingPlatform(placed)
         self.driven = drives.driven
@@ -496,6 +495,12 @@ def _derivatives(drives: Machine, platform: MovingPlatform, q: Array) -> tuple[A
         unit = 1 / scale if crank else 1.0
         v, w = velocity[k] * unit, bend[k] * unit
         on = bool(drives.on_platform[k])
+        if drives.planes[k]:
+            first[k], second[k] = (
+                moved_height(near.v[k], part) if on else moved_height(part, near.u[k])
+                for part in (v, w)
+            )
+            continue
         moving, other = (y, x) if on else (x, y)
         first[k] = moved_quadric(v, other, float(moving @ v), on_platform=on)
         second[k] = moved_quadric(w, other, float(moving @ w + v @ v), on_platform=on)

@@ -5,6 +5,7 @@ Bounds are compared with the equations of the machine with its motors elsewhere.
 
 from __future__ import annotations
 
+from functools import partial
 from itertools import product
 
 import numpy as np
@@ -24,6 +25,7 @@ from gspcli.motion.singularities.neighbourhoods import Box, MachineNeighbourhood
 from gspcli.spec import loads
 from tests.support.driven_clearances import examine
 from tests.support.independent_machines import machines
+from tests.support.surface_machines import cranked_bed, print_bed
 
 #: A dead point is near home.
 MIXED = """\
@@ -68,14 +70,23 @@ constraints:
 """
 
 MACHINES = ("reachy 60", "paradex", "6-PUS", "mixed")
+#: Points at distances to planes.
+BEDS = {
+    "slides": print_bed,
+    "cranks": cranked_bed,
+    "slides of the platform": partial(cranked_bed, exchanged=True),
+}
 
 
-@pytest.fixture(params=MACHINES, scope="module")
+@pytest.fixture(params=[*MACHINES, *BEDS], scope="module")
 def near(request) -> tuple[MachineNeighbourhood, Machine, np.ndarray]:
-    machine = machines()[request.param]()
-    drives = Machine.of(machine.instance)
-    q = drives.inverse(machine.R, machine.T)
-    return MachineNeighbourhood(drives, machine.R, machine.T, q), drives, q
+    if request.param in BEDS:
+        drives, R, T = Machine.of(BEDS[request.param]()), np.eye(3), np.zeros(3)
+    else:
+        machine = machines()[request.param]()
+        drives, R, T = Machine.of(machine.instance), machine.R, machine.T
+    q = drives.inverse(R, T)
+    return MachineNeighbourhood(drives, R, T, q), drives, q
 
 
 def moved_hessians(near, drives, q, step) -> np.ndarray:
@@ -253,3 +264,28 @@ def test_a_dead_point_close_to_the_end_of_a_line_is_found() -> None:
     home = instance.home
     (found,) = each_drive_clearance(instance, home.R(1.0)[None], np.array([home.T]))
     assert found.dead_point == pytest.approx(0.774095, abs=1e-5)
+
+
+@pytest.mark.parametrize("bed", [print_bed, cranked_bed], ids=["slides", "cranks"])
+def test_within_the_clearance_of_a_bed_no_pose_is_singular(bed) -> None:
+    """Followed by Newton's method to random corners of the box that is proved."""
+    drives, rng = Machine.of(bed()), np.random.default_rng(3)
+    R0, T0 = np.eye(3), np.zeros(3)
+    (found,) = each_drive_clearance(drives.instance, R0[None], T0[None])
+    assert found.lower > 0.01
+    assert found.upper == np.inf
+    q, units = drives.inverse(R0, T0), drive_weights(drives.instance)[0]
+    sign = np.sign(np.linalg.det(drives.jacobian(R0, T0, q)))
+    gains = np.sign(drives.gains(R0, T0, q))
+    for way in rng.choice([-1.0, 1.0], size=(12, drives.count)):
+        R, T = R0, T0
+        for part in np.linspace(0, found.lower, 21)[1:]:
+            there = q + part * way * units
+            for _ in range(8):
+                arrangement = drives.arrangement(there)
+                off = drives.rods - measured(arrangement, R, T)
+                twist = np.linalg.solve(drives.jacobian(R, T, there), off)
+                R, T = rotation_from_vector(twist[:3]) @ R, T + twist[3:]
+            assert np.abs(off).max() < 1e-9
+            assert np.sign(np.linalg.det(drives.jacobian(R, T, there))) == sign
+            assert (np.sign(drives.gains(R, T, there)) == gains).all()
