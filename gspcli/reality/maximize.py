@@ -35,64 +35,15 @@ NUMBERS = 13
 _VALUE = 12
 
 
-@dataclass(frozen=True)
-class Pattern:
-    """A kind of special platforms.
+def free_numbers(kinds: tuple[Kind, ...]) -> NDArray[np.bool_]:
+    """Return which numbers of the constraints may change, shape (6, 13).
 
-    Attributes
-    ----------
-    kinds
-        The kinds of the constraints.
-    same_points, same_u, same_v
-        Groups of constraints that share their point of the platform and that of the base, their
-        direction on the platform, or that of the base.
-    right_angles
-        Whether the angles are right angles.
+    Distances of planes and lines stay zero. Directions of points have no gradient.
     """
-
-    kinds: tuple[Kind, ...]
-    same_points: tuple[tuple[int, ...], ...] = ()
-    same_u: tuple[tuple[int, ...], ...] = ()
-    same_v: tuple[tuple[int, ...], ...] = ()
-    right_angles: bool = False
-
-    @property
-    def free(self) -> NDArray[np.bool_]:
-        """The numbers of the constraints that may change, shape (6, 13).
-
-        Distances of planes and lines stay zero. Directions of points have no gradient.
-        """
-        free = np.ones((len(self.kinds), NUMBERS), bool)
-        free[:, :6] = np.array([kind.is_distance for kind in self.kinds])[:, None]
-        free[:, _VALUE] = [
-            kind not in (DPH, DHP, DLL) and (kind.is_distance or not self.right_angles)
-            for kind in self.kinds
-        ]
-        return free
-
-    def projected(self, gradients: Array) -> Array:
-        """Return the parts of gradients (..., 6, 13) that stay in the pattern."""
-        allowed = np.where(self.free, gradients, 0.0)
-        for groups, part in (
-            (self.same_points, slice(0, 6)),
-            (self.same_u, slice(6, 9)),
-            (self.same_v, slice(9, 12)),
-        ):
-            for members in map(list, groups):
-                allowed[..., members, part] = allowed[..., members, part].mean(-2, keepdims=True)
-        return np.asarray(allowed)
-
-    def of(self, platforms: Platforms) -> Platforms:
-        """Return reduced platforms, changed to platforms of the pattern."""
-        y, x, u, v = (getattr(platforms, part).copy() for part in "yxuv")
-        for groups, parts in ((self.same_points, (y, x)), (self.same_u, (u,)), (self.same_v, (v,))):
-            for first, *others in groups:
-                for part in parts:
-                    part[..., others, :] = part[..., [first], :]
-        values = platforms.values.copy()
-        if self.right_angles:
-            values[..., [not kind.is_distance for kind in self.kinds]] = 0.0
-        return replace(platforms, y=y, x=x, u=u, v=v, values=values)
+    free = np.ones((len(kinds), NUMBERS), bool)
+    free[:, :6] = np.array([kind.is_distance for kind in kinds])[:, None]
+    free[:, _VALUE] = [kind not in (DPH, DHP, DLL) for kind in kinds]
+    return free
 
 
 # The distance of a platform, to first order, from platforms with double solutions.
@@ -150,20 +101,18 @@ def _directions(vectors: Array) -> Array:
 
 
 def folds(
-    platform: Platforms, R: Complex, T: Complex, real: NDArray[np.bool_], pattern: Pattern
+    platform: Platforms, R: Complex, T: Complex, real: NDArray[np.bool_]
 ) -> tuple[Folds, Folds]:
     """Return the folds of conjugate pairs, and those of real solutions and their neighbours.
 
     Parameters
     ----------
     platform
-        A platform of the pattern.
+        A reduced platform: distances of folds are those to others.
     R, T
         All its solutions, shapes (n, 3, 3) and (n, 3).
     real
         Which are real, shape (n,).
-    pattern
-        The pattern: distances of folds are measured within it.
     """
     by_twist, by_number = _gradients(platform, R, T)
     X = np.concatenate((R.reshape(-1, 9), T), axis=-1)
@@ -182,18 +131,18 @@ def folds(
     height = X.imag @ np.sqrt(np.arange(1, 13))
     pairs = np.flatnonzero(~real & (height > 0))
     imaginary = X[pairs].imag
-    upper = _folds(platform, pattern, (imaginary**2).sum(-1), 2 * gradient(pairs, imaginary).imag)
+    upper = _folds(platform, (imaginary**2).sum(-1), 2 * gradient(pairs, imaginary).imag)
     first, second = neighbours(X[real].real)
     index = np.flatnonzero(real)
     first, second = index[first], index[second]
     difference = X[first].real - X[second].real
     change = gradient(first, difference).real - gradient(second, difference).real
-    return upper, _folds(platform, pattern, (difference**2).sum(-1) / 4, change / 2)
+    return upper, _folds(platform, (difference**2).sum(-1) / 4, change / 2)
 
 
-def _folds(platform: Platforms, pattern: Pattern, squares: Array, gradients: Array) -> Folds:
+def _folds(platform: Platforms, squares: Array, gradients: Array) -> Folds:
     """Return folds from squared half distances (p,) and their gradients (p, 6, 13)."""
-    allowed = pattern.projected(gradients)
+    allowed = np.where(free_numbers(platform.kinds), gradients, 0.0)
     for part, directions in ((slice(6, 9), platform.u), (slice(9, 12), platform.v)):
         # The change of a unit direction is perpendicular to it.
         allowed[..., part] -= dot(allowed[..., part], directions)[..., None] * directions
@@ -264,24 +213,22 @@ class Solved:
         """The number of real solutions."""
         return int(self.real.sum())
 
-    def folds(self, pattern: Pattern) -> tuple[Folds, Folds]:
-        """Return the folds of conjugate pairs and those of real solutions, within a pattern."""
+    def folds(self) -> tuple[Folds, Folds]:
+        """Return the folds of conjugate pairs and those of real solutions."""
         R, T = pose_from_study(self.points[:, :4], self.points[:, 4:])
-        return folds(self.platform, R, T, self.real, pattern)
+        return folds(self.platform, R, T, self.real)
 
-    def margin(self, pattern: Pattern) -> float:
-        """Return the linear distance to the nearest fold of real solutions, within a pattern."""
-        return float(self.folds(pattern)[1].distances.min(initial=np.inf))
+    @property
+    def margin(self) -> float:
+        """The linear distance to the nearest fold of real solutions."""
+        return float(self.folds()[1].distances.min(initial=np.inf))
 
 
-def solved(platform: Platforms, seed: int = SEED, solutions: int | None = None) -> Solved | None:
-    """Return a platform with all solutions, or None if some cannot be found or decided.
-
-    Special platforms may have fewer solutions than their type: `solutions`.
-    """
+def solved(platform: Platforms, seed: int = SEED) -> Solved | None:
+    """Return a platform with all solutions, or None if some cannot be found or decided."""
     system = next(platform[None].systems())
     result = next(solve_systems([system], seed=seed))
-    if len(result.points) != (solutions or result.account.expected):
+    if len(result.points) != result.account.expected:
         return None
     found = reality(result.points, result.condition)
     if not found.decided:
@@ -315,9 +262,6 @@ _RADIUS, _MAX_RADIUS, _MIN_RADIUS = 0.05, 0.3, 1e-3
 _DETOUR = 4.0
 #: Mean rank, by distance, of the conjugate pair that a step brings together.
 _RANK = 2.0
-#: One of this many attempts begins with a random platform; the others begin with the best known
-#: platform, with random changes of about one of these sizes.
-_TURNS, _SHAKES = 4, (0.0, 0.01, 0.03, 0.06, 0.1)
 #: An attempt ends after this many steps without a new real pair.
 _PATIENCE = 200
 #: Solutions are followed from those of the last platform; after this many steps all are solved.
@@ -377,10 +321,6 @@ class Search:
         The number of random platforms at the beginning of an attempt; the best one is improved.
     steps
         The number of platforms that an attempt may solve after that; None for no limit.
-    special
-        The special platforms to search; None for all reduced ones.
-    solutions
-        The number of their solutions; None for that of their type.
     """
 
     kinds: tuple[Kind, ...]
@@ -390,13 +330,6 @@ class Search:
     deadline: float | None = None
     starts: int = 32
     steps: int | None = None
-    special: Pattern | None = None
-    solutions: int | None = None
-
-    @property
-    def pattern(self) -> Pattern:
-        """What the platforms have in common."""
-        return self.special or Pattern(self.kinds)
 
     @property
     def structure(self) -> Structure:
@@ -408,17 +341,6 @@ class Search:
     def is_late(self) -> bool:
         """Whether the deadline has passed."""
         return self.deadline is not None and time.time() > self.deadline
-
-    def near(self, best: Platforms | None, number: int) -> Search:
-        """Return the search of an attempt if a platform is known.
-
-        Attempts begin in turn with random platforms and with random changes of the best one.
-        """
-        if best is None or number % _TURNS == 0:
-            return self
-        rng = np.random.default_rng([self.seed, number])
-        shake = self.pattern.projected(rng.normal(size=self.pattern.free.shape))
-        return replace(self, start=moved(best, rng.choice(_SHAKES) * shake.ravel()))
 
     @property
     def _limit(self) -> float:
@@ -436,16 +358,16 @@ class Search:
 
     def _first(self, rng: np.random.Generator, number: int) -> Solved | None:
         if self.start is not None:
-            return solved(_centred(self.start), self.seed, self.solutions)
+            return solved(_centred(self.start), self.seed)
         best: Solved | None = None
-        platforms = self.pattern.of(reduced(random_platforms(self.kinds, self.starts, rng)))
+        platforms = reduced(random_platforms(self.kinds, self.starts, rng))
         lines = any(kind in (DPL, DLP) for kind in self.kinds)
         size = _SIZES[(number + lines) % len(_SIZES)]
         platforms = replace(platforms, y=size * platforms.y, x=size * platforms.x)
         for k in range(self.starts):
             if best is not None and self.is_late:
                 break
-            found = solved(_centred(platforms[k]), self.seed, self.solutions)
+            found = solved(_centred(platforms[k]), self.seed)
             if found is not None and (best is None or found.count > best.count):
                 best = found
         return best
@@ -454,7 +376,7 @@ class Search:
         """Return the platform after steps that make pairs real."""
         goal = min(self.target or len(best.points), len(best.points))
         radius, idle, followed = _RADIUS, 0, 0
-        near = best.folds(self.pattern)
+        near = best.folds()
         while best.count < goal and idle < _PATIENCE and not self.is_late:
             if followed == self.steps:
                 break
@@ -470,36 +392,24 @@ class Search:
                 if followed % _AFRESH:
                     new = followed_from(best, platform, rng)
                 else:
-                    new = solved(platform, self.seed, self.solutions)
+                    new = solved(platform, self.seed)
             if new is None or new.count < best.count:
                 radius = radius / 2 if radius > 2 * _MIN_RADIUS else _RADIUS
                 continue
             radius = min(1.5 * radius, _MAX_RADIUS)
             if new.count > best.count:
                 idle = 0
-            best, near = new, new.folds(self.pattern)
+            best, near = new, new.folds()
         return best
 
-    def comfortable(
-        self, best: Solved, number: int, *, comfort: float = _COMFORT, most: int = _IMPROVEMENTS
-    ) -> Solved:
-        """Return a platform with as many real solutions, farther from folds, to be rounded.
-
-        Parameters
-        ----------
-        best
-            A platform of the pattern.
-        number
-            The number of an attempt, for random numbers.
-        comfort, most
-            The distance to folds that suffices, and the most steps.
-        """
+    def comfortable(self, best: Solved, number: int) -> Solved:
+        """Return a platform with as many real solutions, farther from folds, to be rounded."""
         rng = np.random.default_rng([self.seed, number, 1])
-        radius, nearest = _RADIUS, best.margin(self.pattern)
-        for _ in range(most):
-            if nearest > comfort or radius < _MIN_RADIUS or self.is_late:
+        radius, nearest = _RADIUS, best.margin
+        for _ in range(_IMPROVEMENTS):
+            if nearest > _COMFORT or radius < _MIN_RADIUS or self.is_late:
                 break
-            real = best.folds(self.pattern)[1]
+            real = best.folds()[1]
             near = real.distances < nearest + 2 * radius
             wanted = np.minimum(nearest + radius, 1.5 * nearest)
             step = shortest_step(
@@ -510,7 +420,7 @@ class Search:
                 platform = _centred(moved(best.platform, step))
                 if _acceptable(platform, self._limit):
                     new = followed_from(best, platform, rng)
-            further = nearest if new is None else new.margin(self.pattern)
+            further = nearest if new is None else new.margin
             if new is None or new.count < best.count or further <= nearest:
                 radius /= 2
                 continue

@@ -51,12 +51,6 @@ class Platforms(Bodies):
             self.kinds, *(part[index] for part in (self.y, self.x, self.u, self.v, self.values))
         )
 
-    @property
-    def exchanged(self) -> Platforms:
-        """The platforms with their bodies exchanged: their poses are the inverse ones."""
-        kinds = tuple(kind.mirrored for kind in self.kinds)
-        return Platforms(kinds, self.x, self.y, self.v, self.u, self.values)
-
     def systems(self) -> Iterator[System]:
         """Yield the system of each platform, for the sides that its values have."""
         given = self.kinds, self.y, self.x, self.u, self.v, self.values

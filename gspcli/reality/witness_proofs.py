@@ -24,7 +24,7 @@ from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side, Unit
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Geometry, Line, Plane, Point, Vector
 from gspcli.geometry.quaternions import made_real, pose_from_study
-from gspcli.reality.platforms import Platforms, look_real
+from gspcli.reality.platforms import Platforms, look_real, multiplier
 from gspcli.solver.all_poses import careful_paths
 from gspcli.solver.ledger import Ledger
 from gspcli.solver.problem import Problem
@@ -83,9 +83,15 @@ def real_instance(
         If no rounding keeps the number.
     """
     exponent = math.floor(math.log10(length))
-    has_gap = any(kind in (DPH, DHP, DLL) for kind in platform.kinds)
-    without = count // 2 ** sum(kind in (DPH, DHP, DLL) for kind in platform.kinds)
-    scaled = _scaled(platform, length)
+    has_gap = multiplier(platform.kinds) > 1
+    without = count // multiplier(platform.kinds)
+    units_of_values = np.where([kind.is_distance for kind in platform.kinds], length, 1.0)
+    scaled = replace(
+        platform,
+        y=platform.y * length,
+        x=platform.x * length,
+        values=platform.values * units_of_values,
+    )
 
     @cache
     def instance_with(digits: int) -> Instance | None:
@@ -112,8 +118,9 @@ def _with_largest_gap(draft: Instance, digits: int, exponent: int, count: int) -
     It may have more poses. The result is None if the smallest distance does not keep them; the
     number is assumed to fall with the distance.
     """
+    apart = [k for k, row in enumerate(draft.constraints) if row.kind in (DPH, DHP, DLL)]
     instances = [
-        with_gap(draft, gap * Fraction(10) ** exponent)
+        draft.with_values(dict.fromkeys(apart, Number.of(gap * Fraction(10) ** exponent)))
         for gap in reversed(_GAPS)
         if (gap * 10**digits).denominator == 1
     ]
@@ -179,16 +186,6 @@ def _look_real(arrangement: Arrangement, seed: int) -> Complex:
     return found
 
 
-def _scaled(platform: Platforms, length: float) -> Platforms:
-    distance = [kind.is_distance for kind in platform.kinds]
-    return replace(
-        platform,
-        y=platform.y * length,
-        x=platform.x * length,
-        values=np.where(distance, platform.values * length, platform.values),
-    )
-
-
 def rounded(
     platform: Platforms,
     digits: int,
@@ -243,16 +240,6 @@ def _vector(values: Array, places: int) -> Vector:
 
 def _decimal(value: float, places: int) -> Number:
     return Number.of(round(Fraction(value), places))
-
-
-def with_gap(instance: Instance, gap: Fraction) -> Instance:
-    """Return an instance with all distances of planes and of lines equal to a number."""
-    values = {
-        i: Number.of(gap)
-        for i, constraint in enumerate(instance.constraints)
-        if constraint.kind in (DPH, DHP, DLL)
-    }
-    return instance.with_values(values)
 
 
 def known_instance(gsp_type: GspType, real: int | None = None) -> Instance:

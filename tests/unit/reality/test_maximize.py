@@ -17,7 +17,7 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import AngleUnit, Units
 from gspcli.geometry.quaternions import pose_from_study
 from gspcli.geometry.shortest_step import nonnegative_least_squares, shortest_step
-from gspcli.reality.maximize import Pattern, Search, Solved, moved, neighbours, solved
+from gspcli.reality.maximize import Search, Solved, free_numbers, moved, neighbours, solved
 from gspcli.reality.platforms import Platforms, look_real, multiplier, random_platforms, reduced
 from gspcli.reality.real_search import State, read_state
 from gspcli.reality.witness_proofs import certified_real, platform_of, real_instance
@@ -70,7 +70,7 @@ def test_no_step_satisfies_contradictory_inequalities() -> None:
 def test_folds_agree_with_differences(name: str) -> None:
     found = _solved(name, 8)
     for kind_of_fold in (0, 1):
-        fold = found.folds(Pattern(found.platform.kinds))[kind_of_fold]
+        fold = found.folds()[kind_of_fold]
         nearest = int(fold.distances.argmin())
         distance, normal = fold.distances[nearest], fold.normals[nearest]
         step = 1e-6 * normal
@@ -115,7 +115,7 @@ def test_reduced_platforms_have_planes_and_lines_at_zero() -> None:
     zero = [kind in (DPH, DHP, DLL) for kind in kinds]
     assert (without.values[:, zero] == 0).all()
     assert multiplier(kinds) == 8
-    assert not Pattern(kinds).free[zero, 12].any()
+    assert not free_numbers(kinds)[zero, 12].any()
     # Moving planes changes nothing for one choice of sides.
     kinds = parse_type("DPP DPL DPH DHP DHP ALL").kinds
     platforms = random_platforms(kinds, 1, np.random.default_rng(2))
@@ -204,19 +204,6 @@ def test_states_are_read_back(tmp_path: Path) -> None:
         path.write_text(wrong)
         with pytest.raises(GspError, match="not a state"):
             read_state(path, "6PP", 3)
-
-
-def test_attempts_begin_anew_and_with_the_best_platform_in_turn() -> None:
-    best = _solved(MIXED, 3).platform
-    search = Search(best.kinds)
-    assert search.near(None, 1) is search.near(best, 4) is search
-    starts = [search.near(best, number).start for number in range(1, 4)]
-    for start in starts:
-        assert start is not None
-        assert np.abs(start.y - best.y).max() < 0.6
-        distances = [kind in (DPH, DHP, DLL) for kind in best.kinds]
-        assert (start.values[distances] == 0).all()
-    assert len({start.y.tobytes() for start in starts if start is not None}) > 1
 
 
 def test_what_looks_real_is_no_matter_of_the_norm() -> None:
