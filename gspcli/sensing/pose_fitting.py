@@ -577,7 +577,7 @@ def chance(chi_squared: float, freedom: int) -> float:
 #: At most this many choices of six measurements are solved.
 CHOICES = 8
 #: Descents take at most this many steps; short ones, which choose measurements, this many.
-_STEPS, _SHORT = 100, 10
+_STEPS, _SHORT = 400, 10
 #: Newton's method then takes this many steps, with central differences of this much.
 _POLISH, _APART = 4, 1e-4
 #: Sums of squares that differ by less than this part, or than this, are equal: rounding decides.

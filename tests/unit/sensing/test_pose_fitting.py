@@ -278,6 +278,15 @@ def test_a_minimum_is_right_to_its_last_digits():
         assert np.abs(slopes.T @ pose.residuals).max() < 1e-10 * terms.max()
 
 
+def test_a_minimum_in_a_narrow_valley_is_reached():
+    """After 100 steps no descent to the last one has come to its end."""
+    machine = gspcli.example("rubin-m2")
+    found = fit_poses(machine, ["leg P1 B2 = 2.913 ± 0.002"], sigma={"value": 1e-5})
+    assert [f"{pose.chi_squared:.4g}" for pose in found.poses] == [
+        "0.04197", "3762", "1.671e+06", "2.523e+06",
+    ]  # fmt: skip
+
+
 def test_the_first_of_equal_suspects_is_named():
     """Six numbers fit exactly without any of the seven: the smallest sum of squares is rounding."""
     machine = gspcli.example("rubin-m2")
