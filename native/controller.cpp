@@ -45,7 +45,7 @@ struct Controller::Parts {
 };
 
 namespace {
-// A search with the sides and knees of the state; false if it has no pose.
+// A search with the sides and working modes of the state; false if it has no pose.
 bool begun(const Controller::Parts& parts, search* s) {
   const geometry* g = &parts.numbers;
   frame f;

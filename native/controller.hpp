@@ -53,7 +53,7 @@ class Controller {
   void limit(const double* numbers, std::size_t cones, const unsigned char* legs,
              const unsigned char* on_base, bool still);
   int nearest(const double* pose);
-  // Moves a pose to the nearest one to a goal that a search finds from it, with the sides and knees
+  // Moves a pose to the nearest one to a goal that a search finds from it, with the sides and working modes
   // of the state; returns the distance, negative if none is found.
   double seek(const double* goal, double* pose) const;
   // How far a pose is within the limits, and the derivatives by twists of PLATFORM_MIDDLE; lengths.

@@ -1,6 +1,6 @@
 // A motor that moves a point, and the rod from there to the other body, over a box of poses.
 //
-// F(X; q), its knee and the places of a motor are explained in drives.cpp.
+// F(X; q), its working mode and the places of a motor are explained in drives.cpp.
 #pragma once
 
 #include <cmath>

@@ -3,12 +3,12 @@
 // Let F(X; q) be the square of the distance of the two points at the pose X, less that of the rod,
 // when the motor is at q. Of a crank F is a constant and a sinusoid of q, of a slide a parabola. So
 // it has two roots. They are distinguished by the sign of the derivative there, which is opposite
-// to the sign s of the gain (the knee). On the circle, or on the line, s F falls through zero once.
+// to the sign s of the gain (the working mode). On the circle, or on the line, s F falls through zero once.
 // Therefore, if a < b and, for a crank, b - a < 2 pi,
 //
 //     s F(X; a) > 0 > s F(X; b) for all X of a box
 //
-// proves for each X exactly one root in [a, b]; it is that of the knee, and the gain is not zero
+// proves for each X exactly one root in [a, b]; it is that of the working mode, and the gain is not zero
 // there. F(X; a) is a distance from the fixed point of the motor at a, so that nothing but squares
 // of distances is enclosed (box_forms.hpp). If [a, b] is in the range, the motor is within it; if
 // it is outside, so is the motor. The ends of the range are tried first. If both roots may be in
@@ -35,7 +35,7 @@ Fall fall_of_slide(const Drive& drive, double turn) {
   const double low = drive.low.m, high = drive.high.m;
   const double near = kTie * (std::abs(turn) + std::abs(low) + std::abs(high));
   way.known = std::abs(turn - low) > near && std::abs(turn - high) > near;
-  const bool down = drive.knee > 0.0;  // from far below up to the turn, else from there to far above
+  const bool down = drive.working_mode > 0.0;  // from far below up to the turn, else from there to far above
   way.starts_within = !down && turn > low && turn < high;
   if (down == (low < turn)) way.add(true);
   if (down == (high < turn)) way.add(false);
@@ -59,7 +59,7 @@ Fall fall_of_crank(const Drive& drive, const Stand& start) {
 }  // namespace
 
 DriveJudge::DriveJudge(const Drive& drive, const Limit& limit, const Place& at)
-    : drive_(drive), s_(drive.knee > 0.0 ? 1 : -1), chain_(drive, limit, at) {}
+    : drive_(drive), s_(drive.working_mode > 0.0 ? 1 : -1), chain_(drive, limit, at) {}
 
 DriveJudge::DriveJudge(DriveJudge& whole, const Limit& limit, const Place& at)
     : drive_(whole.drive_), whole_(&whole), s_(whole.s_), chain_(whole.drive_, limit, at) {}
@@ -165,7 +165,7 @@ Verdict judge_drive(DriveJudge&& judge, int row, Conditions& open) {
 bool locate(const Drive& drive, const Limit& limit, const Place& at, Placed& leg, Swing& swing) {
   Chain chain(drive, limit, at);
   chain.find();
-  const int s = drive.knee > 0.0 ? 1 : -1;
+  const int s = drive.working_mode > 0.0 ? 1 : -1;
   const auto stand = [&](double q) {
     return drive.slide ? Stand{{q, 0.0}, {0.0, 0.0}} : Stand::of_angle({q, 0.0});
   };

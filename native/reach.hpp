@@ -47,7 +47,7 @@ struct Cone {
 struct Drive {
   int row;                // the limit, of points
   bool slide, of_platform;
-  double knee;            // the sign of the derivative of the distance by q, the gain: 1 or -1
+  double working_mode;            // the sign of the derivative of the distance by q, the gain: 1 or -1
   Ball middle[3], along[3], beside[3], axis[3];
   Vector first, last;      // the point at the ends of the range,
   Ball low, high;          // and the range, if the condition of the limit is open

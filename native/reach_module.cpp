@@ -73,15 +73,15 @@ Reach system(const Array<std::int32_t, 1>& measures, const Array<bool, 1>& modul
   return reach;
 }
 
-// Rows, whether each is a slide and on the platform, knees, vectors and numbers.
+// Rows, whether each is a slide and on the platform, working modes, vectors and numbers.
 using Drives = std::tuple<Array<std::int32_t, 1>, Array<bool, 2>, Array<double, 1>, Array<double, 4>,
                           Array<double, 3>>;
 
 void add_drives(const Drives& given, Reach& reach) {
-  const auto& [rows, sorts, knees, vectors, numbers] = given;
+  const auto& [rows, sorts, working_modes, vectors, numbers] = given;
   const std::size_t count = rows.shape(0);
-  require(count <= 6 && sorts.shape(0) == count && sorts.shape(1) == 2 && knees.shape(0) == count,
-          "drives must have shapes (m,), sorts (m, 2), knees (m,)");
+  require(count <= 6 && sorts.shape(0) == count && sorts.shape(1) == 2 && working_modes.shape(0) == count,
+          "drives must have shapes (m,), sorts (m, 2), working_modes (m,)");
   require(vectors.shape(0) == count && vectors.shape(1) == 6 && vectors.shape(2) == 3 &&
               vectors.shape(3) == 2 && numbers.shape(0) == count && numbers.shape(1) == 3 &&
               numbers.shape(2) == 2,
@@ -94,8 +94,8 @@ void add_drives(const Drives& given, Reach& reach) {
             "a drive moves a point of a distance of two points");
     drive.slide = sorts.data()[2 * k];
     drive.of_platform = sorts.data()[2 * k + 1];
-    drive.knee = knees.data()[k];
-    require(drive.knee == 1.0 || drive.knee == -1.0, "a knee is 1 or -1");
+    drive.working_mode = working_modes.data()[k];
+    require(drive.working_mode == 1.0 || drive.working_mode == -1.0, "a working mode is 1 or -1");
     Ball* parts[6] = {drive.middle, drive.along, drive.beside, drive.axis, drive.first.c, drive.last.c};
     for (int j = 0; j < 6; ++j)
       for (int i = 0; i < 3; ++i)

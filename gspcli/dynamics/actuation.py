@@ -47,7 +47,8 @@ def numbers_at(model: MassModel, R: Array, T: Array, given: ArrayLike | None) ->
     model, R, T
         The platform, and poses in its unit of length, shapes (n, 3, 3) and (n, 3).
     given
-        The readings of the drives, (n, m) or (m,); None for the numbers on the knees of home.
+        The readings of the drives, (n, m) or (m,); None for the numbers in the working modes of
+        home.
 
     Raises
     ------

@@ -278,7 +278,7 @@ def analyze(
         What makes angles and lengths comparable; by default the typical length.
     drives
         The readings of the m drives of an instance with cranks or slides, shape (n, m) or (m,). By
-        default those that reach the poses on the knees of home.
+        default those that reach the poses in the working modes of home.
 
     Raises
     ------

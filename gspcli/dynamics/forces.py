@@ -238,7 +238,7 @@ def inverse_dynamics(
         the base, shape (n, 6) or (6,).
     drives
         Of a platform with cranks or slides: where its m drives are at the poses, shape (n, m) or
-        (m,), as readings. By default on the knees of home (`gspcli.geometry.machine`).
+        (m,), as readings. By default in the working modes of home (`gspcli.geometry.machine`).
 
     Raises
     ------

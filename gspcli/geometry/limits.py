@@ -76,15 +76,15 @@ class LeftLimit:
     Attributes
     ----------
     kind
-        ``range``, ``cone`` or ``knee``: a crank or slide acts on its rod from the other side than
-        at home, so that it would pass a dead point on the way.
+        ``range``, ``cone`` or ``working mode``: a crank or slide acts on its rod from the other
+        side than at home, so that it would pass a dead point on the way.
     constraint
         The index of the constraint or leg.
     body
         The body of the joint of the cone, or of the point of the drive; None for a range.
     """
 
-    kind: Literal["range", "cone", "knee"]
+    kind: Literal["range", "cone", "working mode"]
     constraint: int
     body: Literal["platform", "base"] | None
 
@@ -100,7 +100,7 @@ def has_limits(instance: Instance) -> bool:
 
 
 def restricts(instance: Instance) -> bool:
-    """Return whether an instance has limits, or drives whose knees at home are known."""
+    """Return whether an instance has limits, or drives whose working modes at home are known."""
     return has_limits(instance) or (instance.home is not None and is_driven(instance))
 
 
@@ -281,9 +281,10 @@ def left_limits(
         drives = Machine.of(instance)
         bodies: Sequence[Literal["platform", "base"]] = ("base", "platform")
         limits += [
-            LeftLimit("knee", k, bodies[on]) for k, on in enumerate(drives.on_platform.astype(int))
+            LeftLimit("working mode", k, bodies[on])
+            for k, on in enumerate(drives.on_platform.astype(int))
         ]
-        parts.append(drives.on_other_knees(R, T))
+        parts.append(drives.in_other_working_modes(R, T))
     left = np.concatenate(parts, axis=1)
     return [tuple(limits[k] for k in np.flatnonzero(row)) for row in left]
 

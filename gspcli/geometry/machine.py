@@ -13,7 +13,8 @@ gain of the drive of constraint k is
 so that ``J t = D q'`` with the twist t and ``D[k, drive of k] = g_k``; the forces of the drives are
 ``tau = D^T F`` with the forces F in the rods. Where a gain is zero the drive is at a dead point: it
 moves nothing along the rod. A pose has two numbers for each crank or slide, one with a positive and
-one with a negative gain. The sign of the gain is the *knee*; a machine keeps it from its home pose.
+one with a negative gain. The sign of the gain is the *working mode*; a machine keeps it from its
+home pose.
 """
 
 from __future__ import annotations
@@ -52,7 +53,7 @@ _END = 1e-12
 _EQUALLY_NEAR = 1e-6
 #: Constraints with a drive together must ask for the same place, up to this part of the size.
 _SAME = 1e-9
-#: Below this transmission the knee is not known.
+#: Below this transmission the working mode is not known.
 _DEAD = 1e-6
 _TURN = 2 * np.pi
 
@@ -459,7 +460,9 @@ class Machine:
         near: Array = angles - _TURN * np.round((angles - middle) / _TURN)
         return near
 
-    def knees(self, R: ArrayLike, T: ArrayLike, what: str = "the pose") -> NDArray[np.int64]:
+    def working_modes(
+        self, R: ArrayLike, T: ArrayLike, what: str = "the pose"
+    ) -> NDArray[np.int64]:
         """Return the signs of the gains at one pose, shape (6,); 1 for what has one number.
 
         Of the two numbers of a drive the one nearer to zero is taken: the stated point.
@@ -499,15 +502,15 @@ class Machine:
         return None if home is None else (home.R(self.stated_arrangement.in_radians), home.T)
 
     @cached_property
-    def home_knees(self) -> NDArray[np.int64] | None:
-        """The knees at the stated home pose, or None if the file states none; as `knees`."""
-        return None if self._home is None else self.knees(*self._home, "the home pose")
+    def home_working_modes(self) -> NDArray[np.int64] | None:
+        """The working modes at the stated home pose; None if the file states none."""
+        return None if self._home is None else self.working_modes(*self._home, "the home pose")
 
-    def on_other_knees(self, R: Array, T: Array) -> NDArray[np.bool_]:
-        """Return which drives have another knee at poses than at home, shape (n, 6).
+    def in_other_working_modes(self, R: Array, T: Array) -> NDArray[np.bool_]:
+        """Return which drives have another working mode at poses than at home, shape (n, 6).
 
         With all drives at zero at the poses and at the stated home. A gain of nearly zero has no
-        sign that is known, and is on no other knee.
+        sign that is known, and is in no other working mode.
         """
         assert self._home is not None
         zero = np.zeros(self.count)
@@ -516,14 +519,16 @@ class Machine:
         known = np.minimum(np.abs(gains), np.abs(stated)) > _DEAD * self.arms
         return known & (gains * stated < 0)
 
-    def wanted(self, R: ArrayLike, T: ArrayLike, knees: NDArray[np.int64] | None = None) -> Array:
+    def wanted(
+        self, R: ArrayLike, T: ArrayLike, working_modes: NDArray[np.int64] | None = None
+    ) -> Array:
         """Return what each constraint asks of its drive, shape (..., 6); as `inverse`."""
         both = self.roots(R, T)
-        if knees is None:
-            knees = self.home_knees
-        if knees is None:
-            knees = _first_knees(both, self.driven)
-        return self._kept(np.where(knees > 0, both[..., 0], both[..., 1]))
+        if working_modes is None:
+            working_modes = self.home_working_modes
+        if working_modes is None:
+            working_modes = _first_working_modes(both, self.driven)
+        return self._kept(np.where(working_modes > 0, both[..., 0], both[..., 1]))
 
     @cached_property
     def held(self) -> tuple[Array, Array]:
@@ -545,14 +550,16 @@ class Machine:
         off = (values < low) | (values > high)
         return np.where(self.stays & off, np.nan, wanted)
 
-    def inverse(self, R: ArrayLike, T: ArrayLike, knees: NDArray[np.int64] | None = None) -> Array:
+    def inverse(
+        self, R: ArrayLike, T: ArrayLike, working_modes: NDArray[np.int64] | None = None
+    ) -> Array:
         """Return the numbers of the drives at poses (inverse kinematics), shape (..., m).
 
         Parameters
         ----------
         R, T
             Poses, shapes (..., 3, 3) and (..., 3), ``x_base = R x_platform + T``.
-        knees
+        working_modes
             The signs of the gains, shape (6,). Those of the stated home if None; without a home
             those of the first pose that the rod reaches, with the number nearer to zero.
 
@@ -562,7 +569,7 @@ class Machine:
             NaN where a rod does not reach, where constraints with one drive ask for different
             numbers (`wanted` has them), and for values that must stay and do not.
         """
-        return self._shared(self.wanted(R, T, knees))
+        return self._shared(self.wanted(R, T, working_modes))
 
     def stated(self, R: ArrayLike, T: ArrayLike) -> Array:
         """Return the numbers at poses with all points where they are stated, shape (..., m)."""
@@ -570,7 +577,7 @@ class Machine:
         return self.per_drive(np.where(self.driven, 0.0, values))
 
     def nearest(self, R: ArrayLike, T: ArrayLike) -> Array:
-        """Return at each pose the numbers nearer to zero, on any knee, shape (..., m)."""
+        """Return at each pose the numbers nearer to zero, in any working mode, shape (..., m)."""
         both = self.roots(R, T)
         first = np.abs(both[..., 0]) <= np.abs(both[..., 1])
         return self._shared(self._kept(np.where(first, both[..., 0], both[..., 1])))
@@ -703,8 +710,8 @@ def _nearer(both: Array, driven: NDArray[np.bool_]) -> NDArray[np.int64]:
     return np.where(first | ~driven, 1, -1)
 
 
-def _first_knees(both: Array, driven: NDArray[np.bool_]) -> NDArray[np.int64]:
-    """Return for each drive the knee at the first pose that it reaches, shape (6,)."""
+def _first_working_modes(both: Array, driven: NDArray[np.bool_]) -> NDArray[np.int64]:
+    """Return for each drive the working mode at the first pose that it reaches, shape (6,)."""
     pairs = both.reshape(-1, *both.shape[-2:])
     first = np.isfinite(pairs[..., 0]).argmax(axis=0) if len(pairs) else None
     if first is None:

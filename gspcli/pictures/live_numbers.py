@@ -152,7 +152,7 @@ def _map(result: SolveResult) -> dict[str, Any]:
     try:
         found = home_map(result, 0 if result.home is None else result.home.number - 1)
     except GspError:
-        # Such as knees that are not known: then there are straight ways alone.
+        # Such as working modes that are not known: then there are straight ways alone.
         found = None
     if found is None:
         return {"poses": [], "after": []}

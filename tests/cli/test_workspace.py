@@ -310,7 +310,7 @@ def test_home_out_of_reach_says_so(gsp, head):
     assert "rod 1 does not reach crank B1" in run.err
 
 
-def test_knees_are_those_of_home_wherever_one_starts(gsp, head):
+def test_working_modes_are_those_of_home_wherever_one_starts(gsp, head):
     """Another start on the same part has the same ends in z."""
     words = ("workspace", head, "--all-parts", "--format", "json")
     one = travel(gsp(*words, "--pose", "0,0,0.177,1,0,0,0"))["z"]
@@ -321,8 +321,8 @@ def test_knees_are_those_of_home_wherever_one_starts(gsp, head):
 
 def test_clearance_is_about_drives(gsp, head):
     (row,) = json.loads(gsp("clearance", head, "--format", "json").out)["modes"]
-    assert 0 < row["knees"] <= row["lower"] < row["upper"]
-    assert row["knees"] < row["dead_point"]
+    assert 0 < row["working_modes"] <= row["lower"] < row["upper"]
+    assert row["working_modes"] < row["dead_point"]
     assert row["drive"].startswith("crank.B")
     # In half the range of 45 degrees; the nearest fold is 15.56 degrees away.
     assert row["upper"] * 45 == pytest.approx(15.56, rel=1e-3)

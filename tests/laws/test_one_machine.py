@@ -151,7 +151,7 @@ def test_where_a_crank_is_stated_changes_nothing_and_cones_turn_with_arms(
         machine,
         np.eye(3),
         HOME,
-        knees=Machine.of(cranked()).knees(np.eye(3), HOME),
+        working_modes=Machine.of(cranked()).working_modes(np.eye(3), HOME),
         tolerance=0.3,
     )
     assert found.volume == pytest.approx(whole, rel=1e-6)

@@ -28,7 +28,7 @@ class Row:
 
     machine: str
     lower: float
-    knees: float
+    working_modes: float
     fold_found: float
     dead_point_found: float
     changes: int
@@ -43,17 +43,17 @@ def examine(name: str, count: int = CHANGES) -> Row:
     equations, geometry = Equations(machine), PlaneGeometry(machine)
     q0 = geometry.numbers(machine.R[None], machine.T[None])[0]
     wrong = 0
-    for bound, gains in ((found.lower, False), (found.knees, True)):
+    for bound, gains in ((found.lower, False), (found.working_modes, True)):
         rng = np.random.default_rng((SEED, int(gains)))
         part = rng.uniform(-1, 1, (count // 2, 6))
         # Half of them in the corners of the box, where a singularity comes first.
         part[::2] = np.sign(part[::2])
         change = part * weights * bound * _WITHIN
         followed = equations.followed(machine.R, machine.T, q0, change, STEPS)
-        good = followed.regular & followed.knees if gains else followed.regular
+        good = followed.regular & followed.working_modes if gains else followed.regular
         wrong += int((~good).sum())
-    lower, knees, fold, dead_point = (
+    lower, working_modes, fold, dead_point = (
         float(f"{number:.3g}")
-        for number in (found.lower, found.knees, found.upper, found.dead_point)
+        for number in (found.lower, found.working_modes, found.upper, found.dead_point)
     )
-    return Row(name, lower, knees, fold, dead_point, count // 2 * 2, wrong)
+    return Row(name, lower, working_modes, fold, dead_point, count // 2 * 2, wrong)

@@ -90,7 +90,7 @@ class Draw:
         return bool(self.geometry.reached(R[None], T[None])[0])
 
     def signs(self, R: Array, T: Array) -> Array:
-        """Return the signs of det J and of the knees at poses, shape (n, 7)."""
+        """Return the signs of det J and of the working modes at poses, shape (n, 7)."""
         _, J, rates = self.equations.jets(R, T, self.geometry.numbers(R, T))
         with np.errstate(invalid="ignore"):
             return np.asarray(np.sign(np.column_stack((np.linalg.det(J), rates))), float)
@@ -133,7 +133,7 @@ def paths(name: str, count: int) -> Row:
 
 
 def is_kept(draw: Draw, R: Array, T: Array, q: Array) -> bool:
-    """Return whether the rows of a path of drives are joined by regular poses with one knee."""
+    """Return whether regular poses with one working mode join the rows of a path of drives."""
     if not draw.geometry.reached(R, T).all():
         return False
     signs = draw.signs(R, T)
@@ -141,7 +141,7 @@ def is_kept(draw: Draw, R: Array, T: Array, q: Array) -> bool:
         return False
     for k in range(len(q) - 1):
         followed = draw.equations.followed(R[k], T[k], q[k], (q[k + 1] - q[k])[None], _STEPS)
-        if not (followed.regular[0] and followed.knees[0]):
+        if not (followed.regular[0] and followed.working_modes[0]):
             return False
         away = np.abs(followed.T[0] - T[k + 1]).max() / draw.ways.sizes[0]
         if max(away, np.abs(followed.R[0] - R[k + 1]).max()) > _NEAR:

@@ -146,7 +146,7 @@ class PlaneGeometry:
     Parameters
     ----------
     machine
-        The machine; its home decides the knees: the number nearer to zero there.
+        The machine; its home decides the working modes: the number nearer to zero there.
     """
 
     def __init__(self, machine: Machine) -> None:
@@ -234,7 +234,7 @@ class Followed(NamedTuple):
     T: Array
     regular: NDArray[np.bool_]
     """Whether poses exist at all steps, and det J keeps its sign."""
-    knees: NDArray[np.bool_]
+    working_modes: NDArray[np.bool_]
     """Whether the derivatives of the rods by their motors keep their signs at all steps."""
 
 
@@ -269,7 +269,7 @@ class Equations:
         count = len(change)
         R, T = np.repeat(R[None], count, axis=0), np.repeat(T[None], count, axis=0)
         sign, gain = None, None
-        regular, knees = np.ones(count, bool), np.ones(count, bool)
+        regular, working_modes = np.ones(count, bool), np.ones(count, bool)
         for step in range(steps + 1):
             numbers = q + change * step / steps
             for _ in range(8):
@@ -282,8 +282,8 @@ class Equations:
             if sign is None or gain is None:
                 sign, gain = now, np.sign(rate)
             regular &= now == sign
-            knees &= (np.sign(rate) == gain).all(axis=1)
-        return Followed(R, T, regular, knees)
+            working_modes &= (np.sign(rate) == gain).all(axis=1)
+        return Followed(R, T, regular, working_modes)
 
     def side(self, R: Array, T: Array, q: Array) -> Array:
         """Return the signs of the determinants at poses, shape (n,)."""

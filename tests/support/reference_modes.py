@@ -80,10 +80,10 @@ def frequencies_off(tree, name, seed, hertz):
     stiffness = soft_springs(instance, R, T, len(q), hertz)
     found = natural_modes(instance, R, T, stiffness=stiffness)
     drives, numbers = Machine.of(instance), Arrangement.of(instance)
-    knees = np.sign(drives.gains(R, T, q)).astype(int)
+    working_modes = np.sign(drives.gains(R, T, q)).astype(int)
 
     def tree_at(R, T):
-        return tree(rebased(instance, drives.inverse(R, T, knees)), R, T)
+        return tree(rebased(instance, drives.inverse(R, T, working_modes)), R, T)
 
     metre = METRES[instance.units.length]
     squares, torques = reference_squares(

@@ -186,7 +186,7 @@ class DriveBalls(NamedTuple):
     """The constraint of each, shape (m,)."""
     sorts: NDArray[np.bool_]
     """Whether it is a slide, and whether it moves the platform's point, shape (m, 2)."""
-    knees: Array
+    working_modes: Array
     """The sign of its gain, 1 or -1, shape (m,)."""
     vectors: Array
     """Middle, across, beside, axis, and the point at both ends of the range, (m, 6, 3, 2)."""
@@ -198,7 +198,7 @@ def drive_balls(
     instance: Instance,
     quaternion: Sequence[float],
     pivot: Sequence[float],
-    knees: Sequence[float],
+    working_modes: Sequence[float],
 ) -> DriveBalls | None:
     """Return the motors of an instance, or None if no point is moved by one.
 
@@ -208,7 +208,7 @@ def drive_balls(
         The platform.
     quaternion, pivot
         As for `gspcli.certification.numbers.limit_balls.limit_balls`.
-    knees
+    working_modes
         The signs of the gains of the constraints, six.
     """
     driven = [(k, one) for k, row in enumerate(instance.constraints) for one in driven_points(row)]
@@ -231,7 +231,7 @@ def drive_balls(
     return DriveBalls(
         np.array([k for k, _ in driven], np.int32),
         np.array([[one.drive.sort == "slide", one.body == "platform"] for _, one in driven]),
-        np.array([float(knees[k]) for k, _ in driven]),
+        np.array([float(working_modes[k]) for k, _ in driven]),
         np.array(parts),
         np.array(pairs),
     )

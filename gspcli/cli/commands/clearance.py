@@ -79,8 +79,8 @@ def command(o: Options) -> None:
     --of drives, for machines with cranks or slides, bounds how far all drives may move: in half
     their ranges, or in degrees and lengths. Two bounds are proved: no pose is singular within
     the first, and no drive comes to a dead point within the second, so that all keep their
-    knees. The nearest fold and the nearest dead point that were found are shown; they are not
-    proved.
+    working modes. The nearest fold and the nearest dead point that were found are shown; they are
+    not proved.
 
     --of pose bounds how far the platform may move, for any values, before the six screws become
     dependent. Distances of poses are root mean squares of the displacements of the platform's
@@ -149,7 +149,7 @@ def _drive_table(instance: Instance, rows: list[dict[str, Any]]) -> Result:
     names, units = Machine.of(instance).names, instance.units
     columns = [
         *_name_columns(rows),
-        *FIELDS.of("lower knees upper dead_point drive"),
+        *FIELDS.of("lower working_modes upper dead_point drive"),
         *(Field(name, align="right") for name in names),
     ]
     what = f"1 {units.angle.value} for cranks, 1 {units.length} for slides"

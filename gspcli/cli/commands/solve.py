@@ -743,7 +743,9 @@ def _limits(result: SolveResult, numbers: Sequence[int]) -> list[str]:
     if beyond:
         names = ", ".join(map(str, beyond))
         notes.append(f"a leg leaves the cone of a joint in pose{'s' * (len(beyond) > 1)} {names}")
-    beyond = [n for n, limits in left.items() if any(one.kind == "knee" for one in limits or ())]
+    beyond = [
+        n for n, limits in left.items() if any(one.kind == "working mode" for one in limits or ())
+    ]
     if beyond:
         names = ", ".join(map(str, beyond))
         notes.append(

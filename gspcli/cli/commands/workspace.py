@@ -165,20 +165,30 @@ def command(o: Options) -> None:
     )  # fmt: skip
     sequence = form.euler or "ZYX"
     moving = _moving(instance, form, relative=o.relative_to is not None)
-    knees = _knees(instance, moving, home)
+    working_modes = _working_modes(instance, moving, home)
     if free is None:
         show_travels(
-            moving, home, sequence, o.held, o.output, connected=only, knees=knees, gap=o.leg_gap
+            moving,
+            home,
+            sequence,
+            o.held,
+            o.output,
+            connected=only,
+            working_modes=working_modes,
+            gap=o.leg_gap,
         )
         return
-    only = only and (o.connected is not None or _keeps_limits(moving, home, knees, o.leg_gap))
+    only = only and (
+        o.connected is not None or _keeps_limits(moving, home, working_modes, o.leg_gap)
+    )
     wanted = o.gap or _default_gap(free, o.listed, o.output)
     from gspcli.motion.workspace.box_division import workspace
 
     with _interruptible() as interrupted:
         found = workspace(
             moving, home.R, home.T, free=free, pivot=home.pivot, sequence=sequence,
-            within=dict(map(_interval, o.intervals)), connected=only, knees=knees, gap=o.leg_gap,
+            within=dict(map(_interval, o.intervals)), connected=only,
+            working_modes=working_modes, gap=o.leg_gap,
             tolerance=wanted, most_boxes=o.most_boxes, jobs=o.jobs, stop=interrupted,
             progress=partial(progress, lines=True),
         )  # fmt: skip
@@ -202,24 +212,24 @@ def _default_gap(free: tuple[str, ...], listed: bool, output: Output) -> float:
     return _COARSE if coarse else _TOLERANCE
 
 
-def _knees(instance: Instance, moving: Instance, home: Home) -> ArrayLike | None:
-    """Return the knees of cranks and slides: of the stated home, or of the one asked for."""
+def _working_modes(instance: Instance, moving: Instance, home: Home) -> ArrayLike | None:
+    """Return the working modes of cranks and slides at the stated home, or that asked for."""
     if not is_driven(instance):
         return None
-    from gspcli.motion.workspace.pose_boxes import knees_of
+    from gspcli.motion.workspace.pose_boxes import working_modes_of
 
     if instance.home is not None:
-        return knees_of(instance)
-    return knees_of(moving, home.R, home.T)
+        return working_modes_of(instance)
+    return working_modes_of(moving, home.R, home.T)
 
 
 def _keeps_limits(
-    instance: Instance, home: Home, knees: ArrayLike | None, gap: float | None
+    instance: Instance, home: Home, working_modes: ArrayLike | None, gap: float | None
 ) -> bool:
     """Return whether home keeps the limits; if not, print which it leaves."""
     from gspcli.motion.workspace.travels import too_near, violations
 
-    left = violations(instance, home.R, home.T, knees)
+    left = violations(instance, home.R, home.T, working_modes)
     left += [] if gap is None else too_near(instance, home.R, home.T, gap)
     if left:
         say(f"home, moved as asked, leaves its limits ({left[0]}): all parts are counted")
@@ -485,7 +495,7 @@ def show_travels(
     output: Output,
     *,
     connected: bool,
-    knees: ArrayLike | None = None,
+    working_modes: ArrayLike | None = None,
     gap: float | None = None,
 ) -> None:
     """Show how far each axis travels from home."""
@@ -494,7 +504,13 @@ def show_travels(
     rows: list[dict[str, Any]] = []
     for offset in progress(offsets, total=len(offsets), label="travels", lines=True):
         rows += _offset_rows(
-            instance, home, sequence, offset, connected=connected, knees=knees, gap=gap
+            instance,
+            home,
+            sequence,
+            offset,
+            connected=connected,
+            working_modes=working_modes,
+            gap=gap,
         )
     units = instance.units
     columns = [
@@ -549,7 +565,7 @@ def _offset_rows(
     offset: dict[str, float],
     *,
     connected: bool,
-    knees: ArrayLike | None,
+    working_modes: ArrayLike | None,
     gap: float | None,
 ) -> list[dict[str, Any]]:
     """Return a row for each axis that is free, without numbers if the moved pose is refused."""
@@ -571,7 +587,7 @@ def _offset_rows(
         found: list[Travel | None] = list(
             travels(
                 instance, R, T, axes=axes, pivot=home.pivot, sequence=sequence,
-                connected=connected, knees=knees, gap=gap,
+                connected=connected, working_modes=working_modes, gap=gap,
             )
         )  # fmt: skip
     except ArgumentError:

@@ -43,7 +43,7 @@ typedef struct {
   double place[3];           /* of the pivot at the goal */
   double low[6], high[6];    /* narrower, on the sides where the platform is */
   double margin[6];
-  double near[6], knee[6];   /* of cranks and slides: an angle to which theirs is the nearest; 1 or -1 */
+  double near[6], working[6];   /* of cranks and slides: an angle to which theirs is the nearest; 1 or -1 */
 } search;
 
 /* A quadratic problem about a frame, in y = (weight omega, velocity). */
@@ -52,7 +52,7 @@ typedef struct {
   double room[SLACKS], rows[SLACKS][6];     /* the limits and their derivatives by twists */
 } local_problem;
 
-/* Takes the sides and knees of a frame with its numbers. */
+/* Takes the sides and working modes of a frame with its numbers. */
 static void search_from(search *s, const geometry *g, const limits *l, const frame *f, const double *c) {
   int k;
   s->g = g, s->l = l;
@@ -71,7 +71,7 @@ static void search_from(search *s, const geometry *g, const limits *l, const fra
     if (g->kind[k] >= BASE_CRANK) margin = 0.0; /* of the slacks */
     s->low[k] = low + margin, s->high[k] = high - margin;
     s->near[k] = high < NO_RANGE && low > -NO_RANGE ? 0.5 * (low + high) : c[k];
-    s->knee[k] = slope(g, f, k, c) < 0.0 ? -1.0 : 1.0;
+    s->working[k] = slope(g, f, k, c) < 0.0 ? -1.0 : 1.0;
   }
 }
 
@@ -98,19 +98,19 @@ typedef struct {
 static void limit_crank(const search *s, const frame *f, int k, drive_limits *d) {
   const double half_turn = 3.141592653589793;
   const geometry *g = s->g;
-  double knee = s->knee[k], a, b, h, right, cosine, sine, e, value, bend, turns, dh, dm, margin = s->margin[k];
-  int i, upper = knee < 0.0; /* the number is before the middle: the upper end is nearer to it */
+  double working = s->working[k], a, b, h, right, cosine, sine, e, value, bend, turns, dh, dm, margin = s->margin[k];
+  int i, upper = working < 0.0; /* the number is before the middle: the upper end is nearer to it */
   other_end(g, f, k, g->kind[k] == BASE_CRANK, d->r);
   a = dot(d->r, g->A[k]), b = dot(d->r, g->B[k]), h = sqrt(a * a + b * b) + 1.0 / NEVER;
   right = 0.5 * (dot(d->r, d->r) + dot(g->A[k], g->A[k]) - g->rod[k] * g->rod[k]);
   cosine = right / h;
   cosine = cosine > 1.0 ? 1.0 : cosine < -1.0 ? -1.0 : cosine;
   d->middle = atan2(b, a);
-  d->number = d->middle + knee * acos(cosine);
+  d->number = d->middle + working * acos(cosine);
   turns = 2.0 * half_turn * floor((s->near[k] - d->number) / (2.0 * half_turn) + 0.5);
   d->middle += turns, d->number += turns;
   sine = sqrt(1.0 - cosine * cosine);
-  e = knee * ((upper ? s->high[k] : s->low[k]) - d->middle);
+  e = working * ((upper ? s->high[k] : s->low[k]) - d->middle);
   if (e <= 0.0)
     value = 1.0, bend = 0.0;
   else if (e <= half_turn)
@@ -120,10 +120,10 @@ static void limit_crank(const search *s, const frame *f, int k, drive_limits *d)
   d->room[upper] = (h * value - right) / g->rod[k] - margin;
   for (i = 0; i < 3; ++i) {
     dh = (a * g->A[k][i] + b * g->B[k][i]) / h, dm = (a * g->B[k][i] - b * g->A[k][i]) / (h * h);
-    d->by[upper][i] = (value * dh - h * bend * knee * dm - d->r[i]) / g->rod[k];
-    d->change[i] = dm - (sine > DEAD ? knee * (d->r[i] - cosine * dh) / (h * sine) : 0.0);
+    d->by[upper][i] = (value * dh - h * bend * working * dm - d->r[i]) / g->rod[k];
+    d->change[i] = dm - (sine > DEAD ? working * (d->r[i] - cosine * dh) / (h * sine) : 0.0);
   }
-  e = knee * ((upper ? s->low[k] : s->high[k]) - d->middle);
+  e = working * ((upper ? s->low[k] : s->high[k]) - d->middle);
   if (e >= half_turn)
     value = -1.0, bend = 0.0;
   else if (e >= 0.0)
@@ -133,7 +133,7 @@ static void limit_crank(const search *s, const frame *f, int k, drive_limits *d)
   d->room[!upper] = (right - h * value) / g->rod[k] - margin;
   for (i = 0; i < 3; ++i) {
     dh = (a * g->A[k][i] + b * g->B[k][i]) / h, dm = (a * g->B[k][i] - b * g->A[k][i]) / (h * h);
-    d->by[!upper][i] = (d->r[i] - value * dh + h * bend * knee * dm) / g->rod[k];
+    d->by[!upper][i] = (d->r[i] - value * dh + h * bend * working * dm) / g->rod[k];
   }
 }
 
@@ -142,22 +142,22 @@ static void limit_crank(const search *s, const frame *f, int k, drive_limits *d)
 /* The rod reaches rod^2 - |r across the rail|^2 = (number - middle)^2. */
 static void limit_slide(const search *s, const frame *f, int k, drive_limits *d) {
   const geometry *g = s->g;
-  double knee = s->knee[k], across[3], room, half, e, twice = 2.0 * g->rod[k], margin = s->margin[k];
-  int i, upper = knee < 0.0;
+  double working = s->working[k], across[3], room, half, e, twice = 2.0 * g->rod[k], margin = s->margin[k];
+  int i, upper = working < 0.0;
   other_end(g, f, k, g->kind[k] == BASE_SLIDE, d->r);
   d->middle = dot(d->r, g->B[k]);
   for (i = 0; i < 3; ++i) across[i] = d->r[i] - d->middle * g->B[k][i];
   room = g->rod[k] * g->rod[k] - dot(across, across);
   half = sqrt(larger(room, 0.0));
-  d->number = d->middle + knee * half;
-  for (i = 0; i < 3; ++i) d->change[i] = g->B[k][i] - (half > DEAD * g->rod[k] ? knee * across[i] / half : 0.0);
-  e = larger(knee * ((upper ? s->high[k] : s->low[k]) - d->middle), 0.0);
+  d->number = d->middle + working * half;
+  for (i = 0; i < 3; ++i) d->change[i] = g->B[k][i] - (half > DEAD * g->rod[k] ? working * across[i] / half : 0.0);
+  e = larger(working * ((upper ? s->high[k] : s->low[k]) - d->middle), 0.0);
   d->room[upper] = (room - e * e) / twice - margin;
-  for (i = 0; i < 3; ++i) d->by[upper][i] = 2.0 * (e * knee * g->B[k][i] - across[i]) / twice;
-  e = knee * ((upper ? s->low[k] : s->high[k]) - d->middle);
+  for (i = 0; i < 3; ++i) d->by[upper][i] = 2.0 * (e * working * g->B[k][i] - across[i]) / twice;
+  e = working * ((upper ? s->low[k] : s->high[k]) - d->middle);
   d->room[!upper] = e > NO_RANGE ? NEVER : (e * fabs(e) - room) / twice - margin;
   for (i = 0; i < 3; ++i)
-    d->by[!upper][i] = e > NO_RANGE ? 0.0 : 2.0 * (across[i] - fabs(e) * knee * g->B[k][i]) / twice;
+    d->by[!upper][i] = e > NO_RANGE ? 0.0 : 2.0 * (across[i] - fabs(e) * working * g->B[k][i]) / twice;
 }
 
 #endif

@@ -441,10 +441,10 @@ def point_moves(drives: Machine, R: Array, T: Array, q: Array, moves: Array) -> 
     Notes
     -----
     At a pose the number q of a drive is where the distance of the two ends of the rod is the length
-    l of the rod, on the knee of home. Let one end of the rod move by at most d. Suppose that the
-    distance is below ``l - d`` at one of ``q - e`` and ``q + e``, and above ``l + d`` at the other.
-    Then the new number is between both: the distance passes l there, in the direction of the knee.
-    For a crank and for a slide there is only one such number for each direction.
+    l of the rod, in the working mode of home. Let one end of the rod move by at most d. Suppose
+    that the distance is below ``l - d`` at one of ``q - e`` and ``q + e``, and above ``l + d`` at
+    the other. Then the new number is between both: the distance passes l there, in the direction of
+    the working mode. For a crank and for a slide there is only one such number for each direction.
     """
     gains = drives.gains(R, T, q)
     size = np.abs(T).max(axis=1) + max(np.abs(drives.rods[drives.driven]).max(), 1e-300)
@@ -464,8 +464,8 @@ def point_moves(drives: Machine, R: Array, T: Array, q: Array, moves: Array) -> 
                 )
                 # If the platform does not move, the derivative of the length of the rod is minus
                 # the gain.
-                knee = -np.sign(gains[:, k])
-                fits = (knee * low < -room[:, k]) & (knee * high > room[:, k])
+                working_mode = -np.sign(gains[:, k])
+                fits = (working_mode * low < -room[:, k]) & (working_mode * high > room[:, k])
                 # The two numbers of a crank differ by less than a turn.
                 if drives.sorts[drives.index[k]] == "crank":
                     fits &= factor * linear[:, k] < np.pi / 2

@@ -83,7 +83,7 @@ class PathRows:
     weights
         The unit of each value's changes in clearances, shape (6,); None for those of the instance.
     motors
-        The cranks and slides of the machine, on the knees of the path.
+        The cranks and slides of the machine, in the working modes of the path.
     numbers, geometry
         For ways of drives: what they are at, shape (r, m), and the platform that they move.
     """
@@ -131,7 +131,7 @@ class PathRows:
     def clearances(self, R: Array, T: Array) -> Array:
         """Return proved clearances of poses, in values or drives, shape (n,)."""
         if self.motors is not None:
-            return drive_clearances(self.instance, R, T, knees=self.motors.knees)[0]
+            return drive_clearances(self.instance, R, T, working_modes=self.motors.working_modes)[0]
         return clearances(self.instance, R, T, weights=self.units)
 
     def travels(self) -> Array:
@@ -422,7 +422,7 @@ class PoseParts:
         motors = self._rows.motors
         if motors is None:
             return Near(R, T, shifts, turns, changes)
-        q = motors.drives.inverse(R, T, motors.knees)
+        q = motors.drives.inverse(R, T, motors.working_modes)
         slips = slips_near(motors.drives, R, T, q, shifts, turns, self._centre)
         return Near(R, T, shifts, turns, changes, q, slips)
 
@@ -797,7 +797,7 @@ def drive_travels(ways: PoseWays, begins: Array, ends: Array) -> Array:
     Parameters
     ----------
     ways
-        The platform, with its drives on their knees.
+        The platform, with its drives on their working modes.
     begins, ends
         Parameters of poses, shape (n, 6).
     """
@@ -873,7 +873,7 @@ class _Vectors:
         """Bound how far a crank turns, or a slide moves."""
         motors, a = self.ways.motors, self.arrangement
         assert motors is not None
-        drives, knee = motors.drives, float(motors.knees[k])
+        drives, working_mode = motors.drives, float(motors.working_modes[k])
         if drives.on_platform[k]:
             away = self.fixed(a.x[k]) - self.place
             other = self.turned(away, back=True) + self.fixed(self.ways.pivot)
@@ -883,14 +883,14 @@ class _Vectors:
         along, beside = w.dot(self.fixed(drives.across[k])), w.dot(self.fixed(drives.beside[k]))
         rod, square = self._number(drives.rods[k]), w.dot(w)
         if drives.sorts[drives.index[k]] == "slide":
-            return _moved(beside - knee * (rod * rod - square + beside * beside).sqrt())
+            return _moved(beside - working_mode * (rod * rod - square + beside * beside).sqrt())
         # The angle between w, in the plane of the crank, and the arm; both as unit vectors.
         arm, both = self._number(drives.arms[k]), joined(along, beside)
         far = both.norm()
         cosine = 0.5 * ((square + arm * arm - rod * rod) * far.inverse())
         sine = (self._number(1.0) - cosine * cosine).sqrt()
         direction, left = both.unit(), joined(beside, -along).unit()
-        return _angle(direction * cosine + knee * (left * sine))
+        return _angle(direction * cosine + working_mode * (left * sine))
 
     def _number(self, value: float) -> Enclosure:
         return Enclosure.rounded(np.full((self.count, 1), value))

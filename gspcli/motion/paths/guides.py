@@ -4,7 +4,7 @@ On straight ways of drives all cranks, slides and driven values change linearly.
 along them by `MovingGeometry`, which proves that it exists, is regular and is the only one near.
 Ranges are intervals, so a way keeps those that its ends keep; cones are proved by `limit_events`.
 No drive passes a dead point: each half of the way between two rows is in a box about the row at its
-end in which all drives are proved to keep their knees.
+end in which all drives are proved to keep their working modes.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ PROVED_ROWS = 12
 _MARGIN = 1e-4
 #: Digits of corners, relative to the sizes: files are short, and do not depend on last digits.
 _DIGITS = 6
-#: How often steps between rows are halved at most for knees to be proved.
+#: How often steps between rows are halved at most for working modes to be proved.
 _HALVINGS = 5
 
 
@@ -359,7 +359,7 @@ class DriveGuide:
             return None
         proofs = np.zeros(int(given.part[-1]) + 1, np.int64)
         for k, part in enumerate(given.part[:-1].tolist()):
-            pieces = self._keeps_knees(given.numbers[k : k + 2], R[k], T[k], _HALVINGS)
+            pieces = self._keeps_working_modes(given.numbers[k : k + 2], R[k], T[k], _HALVINGS)
             if not pieces:
                 return None
             proofs[part] += pieces
@@ -396,13 +396,13 @@ class DriveGuide:
         run = Run(instance, geometry, np.arange(1.0, len(rows) + 1), rows, FollowOptions())
         return run.follow(self.start.R[None], self.start.T[None], np.ones(1, np.int64))
 
-    def _keeps_knees(self, numbers: Array, R: Array, T: Array, halvings: int) -> int:
-        """Return in how many boxes all knees are proved to be kept after a row; 0 without proof."""
+    def _keeps_working_modes(self, numbers: Array, R: Array, T: Array, halvings: int) -> int:
+        """Return in how many boxes after a row working modes are proved to be kept; else 0."""
         drives = self.motors.drives
         q = numbers * drives.units
         near = MachineNeighbourhood(drives, R, T, q[0])
         widths = near.widths(above(np.abs(q[1] - q[0])[drives.index]))[None]
-        if near.keeps_knees(widths, near.box(widths))[0]:
+        if near.keeps_working_modes(widths, near.box(widths))[0]:
             return 1
         if not halvings:
             return 0
@@ -410,8 +410,10 @@ class DriveGuide:
         if there is None:
             return 0
         middle = numbers.mean(axis=0)
-        first = self._keeps_knees(np.stack((numbers[0], middle)), R, T, halvings - 1)
-        second = first and self._keeps_knees(np.stack((middle, numbers[1])), *there, halvings - 1)
+        first = self._keeps_working_modes(np.stack((numbers[0], middle)), R, T, halvings - 1)
+        second = first and self._keeps_working_modes(
+            np.stack((middle, numbers[1])), *there, halvings - 1
+        )
         return first + second if second else 0
 
     def _middle(self, q: Array, R: Array, T: Array) -> tuple[Array, Array] | None:

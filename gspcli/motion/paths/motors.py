@@ -10,22 +10,22 @@ from gspcli.geometry.instance import Instance
 from gspcli.geometry.limits import out_of_cone, out_of_motor_range, out_of_range
 from gspcli.geometry.machine import Machine, is_driven, shares_drives
 from gspcli.motion.poses.inverse_kinematics import values_at
-from gspcli.motion.workspace.pose_boxes import knees_of
+from gspcli.motion.workspace.pose_boxes import working_modes_of
 
 Array = NDArray[np.float64]
 
 
 class Motors:
-    """The drives of a platform with cranks or slides, on the knees of one pose.
+    """The drives of a platform with cranks or slides, in the working modes of one pose.
 
     Parameters
     ----------
     instance
         The platform.
     R, T
-        A pose, shapes (3, 3) and (3,), whose knees are taken if no home is stated.
-    knees
-        The knees, shape (6,), if they are known.
+        A pose, shapes (3, 3) and (3,), whose working modes are taken if no home is stated.
+    working_modes
+        The working modes, shape (6,), if they are known.
     """
 
     def __init__(
@@ -34,11 +34,13 @@ class Motors:
         R: Array | None = None,
         T: Array | None = None,
         *,
-        knees: NDArray[np.int64] | None = None,
+        working_modes: NDArray[np.int64] | None = None,
     ) -> None:
         self.instance = instance
         self.drives = Machine.of(instance)
-        self.knees = knees_of(instance, R, T) if knees is None else knees
+        self.working_modes = (
+            working_modes_of(instance, R, T) if working_modes is None else working_modes
+        )
         self.shared = shares_drives(instance)
 
     @staticmethod
@@ -53,7 +55,7 @@ class Motors:
 
         Cranks do not jump by whole turns from row to row. NaN where a rod does not reach.
         """
-        found = self.drives.inverse(R, T, self.knees)
+        found = self.drives.inverse(R, T, self.working_modes)
         free = np.array([sort == "crank" for sort in self.drives.sorts])
         free &= ~np.isfinite(self.drives.low)
         if len(found) > 1 and free.any():
@@ -62,7 +64,7 @@ class Motors:
 
     def arrangement(self, R: Array, T: Array) -> Arrangement:
         """Return the platform with its points where poses have them."""
-        return self.drives.arrangement(self.drives.inverse(R, T, self.knees))
+        return self.drives.arrangement(self.drives.inverse(R, T, self.working_modes))
 
     def values(self, R: Array, T: Array) -> Array:
         """Return the values at poses, those of rods the stated ones, shape (r, 6)."""
@@ -71,7 +73,7 @@ class Motors:
 
     def kept(self, R: Array, T: Array) -> NDArray[np.bool_]:
         """Return whether ranges and cones are kept at poses, shape (r,)."""
-        q = self.drives.inverse(R, T, self.knees)
+        q = self.drives.inverse(R, T, self.working_modes)
         reached = ~np.isnan(q).any(axis=-1)
         left = (
             out_of_motor_range(self.drives, q),

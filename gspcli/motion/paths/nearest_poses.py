@@ -1,8 +1,8 @@
 """The nearest pose within the limits: where to go if the given pose is out of reach.
 
 `LimitSearch` finds it from several poses. That is a search: it does not exclude nearer poses, and
-whether a way leads there is not its question (`gsp path`). Cranks and slides keep their knees.
-Rods that share a drive are parallel at one orientation, which stays.
+whether a way leads there is not its question (`gsp path`). Cranks and slides keep their working
+modes. Rods that share a drive are parallel at one orientation, which stays.
 
 The distance of two poses is ``sqrt(|p - p'|^2 + (L theta)^2)``: p is the position of a point of
 the platform, theta the angle between the rotations, L the typical length of the platform. The
@@ -261,7 +261,7 @@ class LimitSearch:
     instance
         The platform with its ranges and cones.
     R, T
-        A pose, shapes (3, 3) and (3,), that decides the sides and knees.
+        A pose, shapes (3, 3) and (3,), that decides the sides and working modes.
     pivot
         The point of the platform whose position is compared, shape (3,).
     still

@@ -133,11 +133,13 @@ class Planner:
 
     @cached_property
     def motors(self) -> Motors | None:
-        """The cranks and slides on the knees of the stated home, or without one of the start."""
+        """The cranks and slides in the working modes of the stated home, else of the start."""
         if not is_driven(self.instance):
             return None
         if self._first is None and self.instance.home is None:
-            message = "the file states no home: the knees of its cranks and slides are not known"
+            message = (
+                "the file states no home: the working modes of its cranks and slides are not known"
+            )
             raise ArgumentError(message)
         pose = (None, None) if self._first is None else (self._first.R, self._first.T)
         return Motors(self.instance, *pose)
@@ -224,11 +226,11 @@ class Planner:
         if motors is None:
             return next(iter(violations(self.instance, end.R, end.T)), "")
         if end.is_mode and self.instance.home is not None:
-            other = motors.drives.on_other_knees(end.R[None], end.T[None])[0]
+            other = motors.drives.in_other_working_modes(end.R[None], end.T[None])[0]
             if other.any():
                 name = motors.drives.names[motors.drives.index[int(other.argmax())]]
                 return f"{name.replace('.', ' ')} is beyond a dead point from home"
-        return next(iter(violations(self.instance, end.R, end.T, motors.knees)), "")
+        return next(iter(violations(self.instance, end.R, end.T, motors.working_modes)), "")
 
     def _impossible(self, start: PathEnd, goal: PathEnd) -> str:
         """Return why there can be no path, or nothing."""

@@ -79,7 +79,7 @@ def pose_track(
     """
     origin = np.zeros(3)
     motors = Motors.of(instance, R[0], T[0])
-    there = None if motors is None else Motors(expressed, knees=motors.knees)
+    there = None if motors is None else Motors(expressed, working_modes=motors.working_modes)
     regular, inside = (
         PoseWays(expressed, pivot=origin, sequence=sequence, limits=limits, motors=there)
         for limits in (False, True)

@@ -75,7 +75,7 @@ class PoseWays:
         Whether ranges and cones must be kept, too.
     motors
         The cranks and slides, if the platform has some. They must reach all poses of a way on their
-        knees. Rods that share one are parallel at one orientation only, which stays.
+        working modes. Rods that share one are parallel at one orientation only, which stays.
     """
 
     def __init__(
@@ -91,10 +91,10 @@ class PoseWays:
         arrangement = Arrangement.of(instance)
         self.pivot = np.asarray(arrangement.platform_centre if pivot is None else pivot, float)
         self.motors = motors
-        knees = None if motors is None else motors.knees
+        working_modes = None if motors is None else motors.working_modes
         self.boxes = PoseBoxes(
             instance, np.eye(3), np.zeros(3), pivot=self.pivot, sequence=sequence, regular=True,
-            knees=knees,
+            working_modes=working_modes,
         )  # fmt: skip
         self._conditions = self.boxes.conditions if limits else self.boxes.reached
         #: Sizes of the six parameters: lengths of the platform, and radians.

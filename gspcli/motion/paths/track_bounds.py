@@ -151,10 +151,10 @@ def _of_drives(track: Track, k: int, there: NDArray[np.int64]) -> PathRows:
     R, T = track.R[k, there], track.T[k, there]
     drives = Machine.of(instance)
     numbers = drive_rows(track, drives)[there]
-    # Where no home is stated the knees are those of the mode.
+    # Where no home is stated the working modes are those of the mode.
     gains = drives.gains(R[0], T[0], numbers[0])
-    knees = np.where(drives.driven & (gains < 0), -1, 1)
-    motors = Motors(instance, knees=knees)
+    working_modes = np.where(drives.driven & (gains < 0), -1, 1)
+    motors = Motors(instance, working_modes=working_modes)
     ways = PoseWays(instance, limits=False, motors=motors)
     geometry = MovingGeometry(track.followed, track.coordinates)
     return PathRows(

@@ -134,9 +134,10 @@ def drive_values(
 ) -> tuple[Machine, Array]:
     """Return the drives of an instance and their numbers at poses, in lengths and radians.
 
-    A crank or slide reaches a pose with two numbers. The knee of the stated home pose chooses one
-    of them (`gspcli.geometry.machine`). Without a stated home it is the knee of the first pose that
-    the drive reaches if poses are a path; otherwise at each pose the number nearer to zero.
+    A crank or slide reaches a pose with two numbers. The working mode of the stated home pose
+    chooses one of them (`gspcli.geometry.machine`). Without a stated home it is the working mode of
+    the first pose that the drive reaches if poses are a path; otherwise at each pose the number
+    nearer to zero.
 
     Parameters
     ----------
@@ -158,12 +159,12 @@ def drive_values(
     ------
     ArgumentError
         If a point with a drive belongs to another constraint than distances of two points, or the
-        knees at home are not known.
+        working modes at home are not known.
     """
     rotations, translations = checked_poses(R, T)
     rotations, translations = rotations.reshape(-1, 3, 3), translations.reshape(-1, 3)
     drives = Machine.of(instance)
-    if along or drives.home_knees is not None:
+    if along or drives.home_working_modes is not None:
         q = drives.inverse(rotations, translations)
     else:
         q = drives.nearest(rotations, translations)

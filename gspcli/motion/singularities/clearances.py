@@ -6,9 +6,9 @@ combination.
 
 The lower bound is proved: up to it the pose has exactly one continuation, which is regular. Of
 drives a second number is proved: up to where no drive comes to a dead point, so that all keep their
-knees. For the upper bound the mode is followed with proof along straight lines to the corners of
-the box until it is singular. Of values that is a proved fold; of drives it is not proved, and
-neither is the nearest dead point that was found.
+working modes. For the upper bound the mode is followed with proof along straight lines to the
+corners of the box until it is singular. Of values that is a proved fold; of drives it is not
+proved, and neither is the nearest dead point that was found.
 """
 
 from __future__ import annotations
@@ -158,21 +158,21 @@ def drive_clearances(
     T: ArrayLike,
     *,
     weights: ArrayLike | None = None,
-    knees: ArrayLike | None = None,
+    working_modes: ArrayLike | None = None,
 ) -> tuple[Array, Array]:
-    """Return what is proved of poses: `Clearance.lower` and `knees` of drives, shape (n,) each.
+    """Return what is proved of poses: `Clearance.lower` and `working_modes`, shape (n,) each.
 
     Zero if there is no proof, or the drives do not reach the pose.
 
     Parameters
     ----------
     instance
-        The machine; its home pose decides the knees, without one each pose does.
+        The machine; its home pose decides the working modes, without one each pose does.
     R, T
         Poses, shapes (n, 3, 3) and (n, 3).
     weights
         The unit of each drive's changes, lengths and radians, shape (m,); as `drive_weights`.
-    knees
+    working_modes
         The signs of the gains, shape (6,) or (n, 6), instead of those of the home pose.
     """
     drives = Machine.of(instance)
@@ -181,15 +181,21 @@ def drive_clearances(
         message = f"found {units.tolist()}, expected {drives.count} positive numbers"
         raise ArgumentError(message, "weights")
     R, T = np.asarray(R, float), np.asarray(T, float)
-    signs = [None] * len(T) if knees is None else np.broadcast_to(knees, (len(T), 6))
+    signs = (
+        [None] * len(T) if working_modes is None else np.broadcast_to(working_modes, (len(T), 6))
+    )
     proved = [_proved(drives, R[k], T[k], units, signs[k]) for k in range(len(T))]
     return np.array([one for one, _ in proved]), np.array([one for _, one in proved])
 
 
 def _proved(
-    drives: Machine, R: Array, T: Array, units: Array, knees: NDArray[np.int64] | None = None
+    drives: Machine,
+    R: Array,
+    T: Array,
+    units: Array,
+    working_modes: NDArray[np.int64] | None = None,
 ) -> tuple[float, float]:
-    q = drives.inverse(R, T, knees)
+    q = drives.inverse(R, T, working_modes)
     if np.isnan(q).any():
         return 0.0, 0.0
     near = MachineNeighbourhood(drives, R, T, q)
@@ -200,7 +206,7 @@ def _proved(
         return bool(near.box(size * widths).measure[0] < 1)
 
     def kept(size: float) -> bool:
-        return bool(near.keeps_knees(size * widths, near.box(size * widths))[0])
+        return bool(near.keeps_working_modes(size * widths, near.box(size * widths))[0])
 
     lower = _largest(regular, _FARTHEST)
     return lower, _largest(kept, lower)
@@ -239,7 +245,7 @@ class Clearance:
     end
         The index of the constraint whose value is at an end of its range, such as a distance of
         zero; None for a singular pose.
-    knees
+    working_modes
         Of drives, proved: up to here no drive comes to a dead point; at most ``lower``.
     dead_point
         The change at the nearest dead point that was found; infinite if there is none.
@@ -253,7 +259,7 @@ class Clearance:
     R: Array | None = None
     T: Array | None = None
     end: int | None = None
-    knees: float = 0.0
+    working_modes: float = 0.0
     dead_point: float = np.inf
     drive: int | None = None
 
@@ -326,14 +332,18 @@ def each_drive_clearance(
     ways = np.array(list(corners)) * units
     every = []
     for k in progress(range(len(T)), total=len(T), label="poses"):
-        lower, knees = _proved(drives, R[k], T[k], units)
-        found = Clearance(lower, knees=knees)
+        lower, working_modes = _proved(drives, R[k], T[k], units)
+        found = Clearance(lower, working_modes=working_modes)
         # Points at distances to planes are not followed along lines.
         if lower > 0 and not drives.planes.any():
             q = drives.inverse(R[k], T[k])
             lines = _DriveLines(drives, q, ways, R[k], T[k])
             nearest = lines.nearest(lower, np.inf)
-            found = found if nearest is None else Clearance(lower, *nearest, knees=knees)
+            found = (
+                found
+                if nearest is None
+                else Clearance(lower, *nearest, working_modes=working_modes)
+            )
             dead_point, drive = lines.dead_point(_FIRST * lower)
             found = replace(found, dead_point=dead_point, drive=drive)
         every.append(found)
@@ -582,12 +592,16 @@ class Clearances(EqualByContent):
     def to_frame(self) -> pd.DataFrame:
         """Return a row for each pose, without places; imports pandas.
 
-        The columns are lower, upper, ratio, and by and constraint, or, of drives, knees, dead_point
-        and drive.
+        The columns are lower, upper, ratio, and by and constraint, or, of drives, working_modes,
+        dead_point and drive.
         """
         import pandas as pd
 
-        last = ["knees", "dead_point", "drive"] if self.of == "drives" else ["by", "constraint"]
+        last = (
+            ["working_modes", "dead_point", "drive"]
+            if self.of == "drives"
+            else ["by", "constraint"]
+        )
         columns = ["lower", "upper", "ratio", *last]
         return pd.DataFrame(self.rows(), columns=columns)
 
@@ -708,7 +722,7 @@ def _of_drives(instance: Instance, found: Clearance) -> dict[str, Any]:
     )
     return {
         "lower": found.lower,
-        "knees": found.knees,
+        "working_modes": found.working_modes,
         "upper": _finite(found.upper),
         "dead_point": _finite(found.dead_point),
         "ratio": _finite(found.ratio),

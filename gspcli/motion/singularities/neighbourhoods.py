@@ -378,9 +378,9 @@ class MachineNeighbourhood(Neighbourhood):
 
     with constant matrices, so that |t| <= d changes a value of the quadric by at most
     ``|F'| d + |F''| d^2 / 2``, and its derivatives in the same way. The equation depends on its own
-    drive only. The gain of the drive is proportional to ``z . H'(t) z``. The drive keeps its knee
-    if that keeps its sign for all numbers in the box and all z near the pose, within the bound of
-    where the solutions are.
+    drive only. The gain of the drive is proportional to ``z . H'(t) z``. The drive keeps its
+    working mode if that keeps its sign for all numbers in the box and all z near the pose, within
+    the bound of where the solutions are.
 
     Parameters
     ----------
@@ -445,8 +445,8 @@ class MachineNeighbourhood(Neighbourhood):
         found[..., 1:] += np.where(self.driven, moved, 0.0)
         return found
 
-    def keeps_knees(self, widths: Array, box: Box) -> NDArray[np.bool_]:
-        """Return whether it is proved that all drives keep their knees in a box, shape (1,).
+    def keeps_working_modes(self, widths: Array, box: Box) -> NDArray[np.bool_]:
+        """Return whether all drives are proved to keep their working modes in a box, shape (1,).
 
         Parameters
         ----------

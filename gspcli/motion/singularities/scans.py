@@ -380,9 +380,9 @@ class ScanRows:
         q = np.zeros(drives.count)
         at = [drives.names.index(one.name) for one in self._chosen]
         q[at] = row[len(self._values) :] * drives.units[at]
-        # Each pose is on knees of its own: those that have the drives there.
+        # Each pose is in working modes of its own: those that have the drives there.
         gains = drives.gains(R, T, np.tile(q, (len(T), 1)))
-        return drive_clearances(machine, R, T, knees=np.where(gains < 0, -1, 1))[0]
+        return drive_clearances(machine, R, T, working_modes=np.where(gains < 0, -1, 1))[0]
 
     def track(self, start: Sequence[int], goal: Sequence[int], seed: int) -> Track:
         """Follow all real modes from one node to another, with proof; t is 1 and 2 there."""

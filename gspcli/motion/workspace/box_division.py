@@ -48,7 +48,7 @@ def workspace(
     sequence: str = "ZYX",
     within: dict[str, tuple[float, float]] | None = None,
     connected: bool = False,
-    knees: ArrayLike | None = None,
+    working_modes: ArrayLike | None = None,
     gap: float | None = None,
     tolerance: float = 0.01,
     most_boxes: int = 100_000_000,
@@ -62,7 +62,7 @@ def workspace(
     ----------
     instance
         The platform. Its limits are the ranges of constraints, cranks and slides, the cones of
-        joints, and the reach of rods of cranks and slides, on the knees of the home pose.
+        joints, and the reach of rods of cranks and slides, in the working modes of the home pose.
     R, T
         The home pose, shapes (3, 3) and (3,); the parameters that do not vary have its numbers.
     free
@@ -77,7 +77,7 @@ def workspace(
         if no leg (DPP) has a range.
     connected
         Whether only the part that can be reached from home by poses that are not singular counts.
-    knees
+    working_modes
         The signs of the gains of cranks and slides, shape (6,). If None they are those of the
         stated home, or, without one, those of the pose.
     gap
@@ -101,7 +101,14 @@ def workspace(
         with `connected`, home is not proved to keep the limits and to be regular.
     """
     boxes = PoseBoxes(
-        instance, R, T, pivot=pivot, sequence=sequence, regular=connected, knees=knees, gap=gap
+        instance,
+        R,
+        T,
+        pivot=pivot,
+        sequence=sequence,
+        regular=connected,
+        working_modes=working_modes,
+        gap=gap,
     )
     boxes.refuse_shared(boxes.R, _names(free))
     division = _Division(boxes, _names(free), dict(within or {}), jobs)

@@ -71,7 +71,7 @@ class PoseBoxes:
         The order of the axes, such as ``ZYX``.
     regular
         Whether poses of a box must also be proved not to be singular.
-    knees
+    working_modes
         The signs of the gains of cranks and slides, shape (6,). If None they are those of the
         stated home, or, without one, those of the pose.
     gap
@@ -92,7 +92,7 @@ class PoseBoxes:
         pivot: ArrayLike = (0.0, 0.0, 0.0),
         sequence: str = "ZYX",
         regular: bool = False,
-        knees: ArrayLike | None = None,
+        working_modes: ArrayLike | None = None,
         gap: float | None = None,
     ) -> None:
         self.instance = instance
@@ -122,10 +122,14 @@ class PoseBoxes:
         self._balls = limit_balls(self._limited, self.quaternion.tolist(), self.pivot.tolist())
         self.machine = machine = Machine.of(instance)
         machine.refuse_planes("the reach")
-        self._knees = knees_of(instance, self.R, T) if knees is None else np.asarray(knees)
+        self._working_modes = (
+            working_modes_of(instance, self.R, T)
+            if working_modes is None
+            else np.asarray(working_modes)
+        )
         #: The constraints whose point is moved, by their indices.
         self.rows: list[int] = np.flatnonzero(machine.driven).tolist()
-        signs = self._knees.tolist()
+        signs = self._working_modes.tolist()
         self._moved = drive_balls(instance, self.quaternion.tolist(), self.pivot.tolist(), signs)
         order = sequence if sequence.isupper() else sequence[::-1]
         # The kernel has the angles in the order of the product.
@@ -400,7 +404,7 @@ class PoseBoxes:
         shifts, turns = (np.full(len(asked), x) for x in (above(np.linalg.norm(half[:3])), turn))
         driven = None
         if self.rows:
-            driven = R, T, self.machine.inverse(R, T, self._knees)
+            driven = R, T, self.machine.inverse(R, T, self._working_modes)
         with np.errstate(invalid="ignore"):
             moves = compared.moves(shifts, turns, self.pivot, parameters[:, :3], driven)
         found = compared.bounds(R, T, None if driven is None else driven[2])
@@ -467,10 +471,10 @@ _ADVICE = (
 )
 
 
-def knees_of(
+def working_modes_of(
     instance: Instance, R: Array | None = None, T: Array | None = None
 ) -> NDArray[np.int64]:
-    """Return the knees of the stated home, or without one those of a pose, shape (6,).
+    """Return the working modes of the stated home, or without one those of a pose, shape (6,).
 
     Raises
     ------
@@ -479,12 +483,12 @@ def knees_of(
         point.
     """
     drives = Machine.of(instance)
-    stated = drives.home_knees
+    stated = drives.home_working_modes
     if stated is not None:
         return stated
     assert R is not None
     assert T is not None
-    return drives.knees(R, np.asarray(T, float), "home")
+    return drives.working_modes(R, np.asarray(T, float), "home")
 
 
 Levels = NDArray[np.int32]

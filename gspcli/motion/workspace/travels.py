@@ -22,7 +22,13 @@ from gspcli.geometry.machine import Machine, is_driven
 from gspcli.geometry.readings import readings_of
 from gspcli.motion.collisions.compared import ComparedShapes
 from gspcli.motion.poses.inverse_kinematics import changed_value, values_at
-from gspcli.motion.workspace.pose_boxes import NEGATIVE, PARAMETERS, REGULAR, PoseBoxes, knees_of
+from gspcli.motion.workspace.pose_boxes import (
+    NEGATIVE,
+    PARAMETERS,
+    REGULAR,
+    PoseBoxes,
+    working_modes_of,
+)
 from gspcli.records import dataclass
 from gspcli.ties import first_smallest
 
@@ -104,7 +110,7 @@ def travels(
     pivot: ArrayLike = (0.0, 0.0, 0.0),
     sequence: str = "ZYX",
     connected: bool = False,
-    knees: ArrayLike | None = None,
+    working_modes: ArrayLike | None = None,
     gap: float | None = None,
 ) -> list[Travel]:
     """Return the travel of each parameter from home while the others stay constant.
@@ -124,7 +130,7 @@ def travels(
         The order of the turns, as in `gspcli.geometry.euler`; a single turn has no order.
     connected
         Whether a singular pose ends the travel.
-    knees
+    working_modes
         The signs of the gains of cranks and slides, shape (6,). If None they are those of the
         stated home, or, without one, those of the pose.
     gap
@@ -136,13 +142,20 @@ def travels(
         If home does not keep the limits, or an argument is wrong.
     """
     boxes = PoseBoxes(
-        instance, R, T, pivot=pivot, sequence=sequence, regular=connected, knees=knees, gap=gap
+        instance,
+        R,
+        T,
+        pivot=pivot,
+        sequence=sequence,
+        regular=connected,
+        working_modes=working_modes,
+        gap=gap,
     )
     if not boxes.conditions & ~REGULAR and not connected:
         message = "no constraint has a range and no joint a cone: every pose can be reached"
         raise ArgumentError(message)
     boxes.refuse_shared(boxes.R, axes)
-    wrong = violations(instance, boxes.R, np.asarray(T, float), knees)
+    wrong = violations(instance, boxes.R, np.asarray(T, float), working_modes)
     wrong += [] if gap is None else too_near(instance, boxes.R, np.asarray(T, float), gap)
     if wrong:
         message = f"home does not keep the limits: {'; '.join(wrong)}"
@@ -183,26 +196,31 @@ def too_near(instance: Instance, R: Array, T: Array, gap: float) -> list[str]:
     ]
 
 
-def violations(instance: Instance, R: Array, T: Array, knees: ArrayLike | None = None) -> list[str]:
+def violations(
+    instance: Instance, R: Array, T: Array, working_modes: ArrayLike | None = None
+) -> list[str]:
     """Return the limits that a pose violates by more than rounding, in words.
 
     Parameters
     ----------
     instance, R, T
         The platform and the pose, shapes (3, 3) and (3,).
-    knees
+    working_modes
         As for `travels`.
 
     Raises
     ------
     ArgumentError
-        If no home is stated and a rod does not reach the pose, so that the knees are not known.
+        If no home is stated and a rod does not reach the pose, so that the working modes are not
+        known.
     """
     found: list[str] = []
     moved = np.zeros(6, bool)
     if is_driven(instance):
         drives = Machine.of(instance)
-        signs = knees_of(instance, R, T) if knees is None else np.asarray(knees)
+        signs = (
+            working_modes_of(instance, R, T) if working_modes is None else np.asarray(working_modes)
+        )
         found += _of_drives(drives, signs, R, T)
         q = drives.inverse(R, T, signs)
         if np.isnan(q).any():
@@ -229,9 +247,11 @@ def violations(instance: Instance, R: Array, T: Array, knees: ArrayLike | None =
     return found
 
 
-def _of_drives(drives: Machine, knees: NDArray[np.int64], R: Array, T: Array) -> Iterator[str]:
+def _of_drives(
+    drives: Machine, working_modes: NDArray[np.int64], R: Array, T: Array
+) -> Iterator[str]:
     """Yield drives out of reach or range at a pose, and values that stay and do not, in words."""
-    wanted = drives.wanted(R, T, knees)
+    wanted = drives.wanted(R, T, working_modes)
     for k in np.flatnonzero(drives.driven).tolist():
         drive = drives.index[k]
         name = drives.names[drive].replace(".", " ")

@@ -20,7 +20,7 @@ void turned(double angle, const double* a, double* out) {
 double length(const double* a) { return std::sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]); }
 
 // The largest part of the bound that occurs, or -1 if nothing is proved.
-double worst(bool slide, bool of_platform, double knee, double rho) {
+double worst(bool slide, bool of_platform, double working_mode, double rho) {
   const double wanted = slide ? 0.1 : 0.7, arm = slide ? 1.0 : 0.2;
   const double along[3] = {slide ? 0.0 : arm, slide ? arm : 0.0, 0.0}, beside[3] = {0.0, slide ? 0.0 : arm, 0.0};
   const auto point = [&](double q, double* out) {
@@ -32,7 +32,7 @@ double worst(bool slide, bool of_platform, double knee, double rho) {
   point(wanted, at_q);
   for (int i = 0; i < 3; ++i) square += (at_q[i] - other[i]) * (at_q[i] - other[i]);
   Drive drive{};
-  drive.row = 0, drive.slide = slide, drive.of_platform = of_platform, drive.knee = knee;
+  drive.row = 0, drive.slide = slide, drive.of_platform = of_platform, drive.working_mode = working_mode;
   for (int i = 0; i < 3; ++i) {
     drive.along[i] = {along[i], 0.0}, drive.beside[i] = {beside[i], 0.0}, drive.middle[i] = {0.0, 0.0};
     drive.axis[i] = {i == 2 ? 1.0 : 0.0, 0.0};

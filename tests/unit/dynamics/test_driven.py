@@ -143,7 +143,7 @@ def test_rods_of_one_carriage_must_ask_for_one_speed():
 
 
 def test_modes_of_the_file_have_their_drives_at_zero():
-    """On the knees of home most modes have other angles: those would not hold the same rods."""
+    """In the working modes of home most modes have other angles, which hold other rods."""
     instance = weighed(driven("reachy-mini-head"), np.random.default_rng(1))
     result = gspcli.solve(instance)
     R, T = result.R[result.real].real, result.T[result.real].real

@@ -126,9 +126,9 @@ def test_poses_and_drives_agree(instance):
         lengths[:, known], np.broadcast_to(drives.rods, lengths.shape)[:, known], rtol=1e-13
     )
     np.testing.assert_allclose(lengths[:, ~known], q[:, ~known], rtol=1e-13)
-    # The knee is the sign of the gain, at all poses.
+    # The working mode is the sign of the gain, at all poses.
     g = drives.gains(R, T, q)
-    assert (np.sign(g) == drives.home_knees).all()
+    assert (np.sign(g) == drives.home_working_modes).all()
     both = drives.roots(R, T)
     for j, sign in ((0, 1), (1, -1)):
         signs = np.sign(drives.gains(R, T, both[..., j]))
@@ -275,14 +275,14 @@ def test_out_of_reach_is_nan_and_the_edge_is_reached():
             np.testing.assert_allclose(both, 0.2, atol=1e-6)
 
 
-def test_the_knee_is_that_of_home_or_of_the_first_pose():
+def test_the_working_mode_is_that_of_home_or_of_the_first_pose():
     instance = load(instance_files()["t-top-head"])
     T = instance.home.T
     drives = Machine.of(instance)
     free = Machine.of(replace(instance, home=None))
-    assert free.home_knees is None
+    assert free.home_working_modes is None
     np.testing.assert_array_equal(free.inverse(np.eye(3), T), drives.inverse(np.eye(3), T))
-    other = -drives.home_knees
+    other = -drives.home_working_modes
     assert (np.sign(drives.gains(np.eye(3), T, drives.inverse(np.eye(3), T, other))) == other).all()
     assert (
         np.abs(drives.inverse(np.eye(3), T)).max()
@@ -301,9 +301,9 @@ def test_numbers_equally_near_to_the_stated_point_are_refused():
     with pytest.raises(
         ArgumentError, match=r"^crank.B1: home is reached at -30 and at 30, equally near"
     ):
-        Machine.of(instance).knees(np.eye(3), np.array([0.5, 0, 0]), "home")
+        Machine.of(instance).working_modes(np.eye(3), np.array([0.5, 0, 0]), "home")
     with pytest.raises(ArgumentError, match=r"^crank.B1: rod 1 does not reach home"):
-        Machine.of(instance).knees(np.eye(3), np.array([5, 0, 0]), "home")
+        Machine.of(instance).working_modes(np.eye(3), np.array([5, 0, 0]), "home")
 
 
 def test_two_drives_on_a_constraint_are_refused():
@@ -398,22 +398,24 @@ def test_shares_of_motors_are_above_one_outside_and_infinite_out_of_reach():
     assert np.isnan(shares[:, 1:]).all()
 
 
-def test_modes_on_another_knee_than_home_are_not_those_of_the_machine():
+def test_modes_in_another_working_mode_than_home_are_not_those_of_the_machine():
     instance = load(instance_files()["reachy-mini-head"])
     found = solve(instance)
     drives = Machine.of(instance)
     left = {
-        k.number: {one.constraint for one in k.limits if one.kind == "knee"}
+        k.number: {one.constraint for one in k.limits if one.kind == "working mode"}
         for k in found.real_solutions
     }
     assert left[found.home.number] == set()
     zero = np.zeros(6)
     for pose in found.real_solutions:
         gains = drives.gains(pose.R, pose.T, zero)
-        assert left[pose.number] == set(np.flatnonzero(gains * drives.home_knees < 0))
-        # On the knees of home the inverse kinematics of the others has other angles.
+        assert left[pose.number] == set(np.flatnonzero(gains * drives.home_working_modes < 0))
+        # In the working modes of home the inverse kinematics of the others has other angles.
         q = drives.inverse(pose.R, pose.T)
         assert set(np.flatnonzero(np.abs(q) > 1e-6)) == left[pose.number]
     assert any(left.values())
     free = solve(replace(instance, home=None))
-    assert not any(one.kind == "knee" for k in free.real_solutions for one in k.limits or ())
+    assert not any(
+        one.kind == "working mode" for k in free.real_solutions for one in k.limits or ()
+    )

@@ -179,9 +179,11 @@ def test_the_clearance_of_a_node_is_the_least_of_its_modes(name, drive, places):
         least = []
         for k in range(len(T)):
             one = slice(k, k + 1)
-            knees = np.sign(drives.gains(R[one], T[one], q[None]))[0]
-            assert drives.inverse(R[k], T[k], knees) == pytest.approx(q, abs=1e-9)
-            least.append(drive_clearances(machine, R[one], T[one], knees=knees)[0][0])
+            working_modes = np.sign(drives.gains(R[one], T[one], q[None]))[0]
+            assert drives.inverse(R[k], T[k], working_modes) == pytest.approx(q, abs=1e-9)
+            least.append(
+                drive_clearances(machine, R[one], T[one], working_modes=working_modes)[0][0]
+            )
         assert clearance == pytest.approx(min(least), rel=1e-3)
         assert clearance > 0
     assert list(found.to_frame().columns) == [drive, "modes", "condition", "clearance"]

@@ -17,7 +17,7 @@ from gspcli.motion.paths.guides import DriveGuide
 from gspcli.motion.paths.motors import Motors
 from gspcli.motion.paths.pose_ways import PoseWays
 from gspcli.motion.workspace.box_division import workspace
-from gspcli.motion.workspace.pose_boxes import knees_of
+from gspcli.motion.workspace.pose_boxes import working_modes_of
 from gspcli.solver import solve
 from gspcli.spec.reading import example
 
@@ -91,7 +91,7 @@ def test_samples_of_a_workspace_keep_the_gap_inside_and_not_outside() -> None:
     turned = np.tile(R, (3000, 1, 1))
     judged, plain = (one.judged_poses(turned, places) for one in (found, without))
     inside = judged == judged.max()
-    q = Motors(instance).drives.inverse(turned, places, knees_of(instance))
+    q = Motors(instance).drives.inverse(turned, places, working_modes_of(instance))
     gaps = ComparedShapes(instance).bounds(turned, places, q)
     assert inside.sum() > 100
     assert (gaps.low.min(axis=1)[inside] >= asked - 1e-9).all()

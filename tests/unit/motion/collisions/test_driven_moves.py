@@ -85,7 +85,7 @@ def test_values_move_no_points() -> None:
     assert (found[0][drives.driven] > 0).all()
 
 
-def test_the_wrong_knee_is_not_proved() -> None:
+def test_the_wrong_working_mode_is_not_proved() -> None:
     """Of the other number of a crank the length passes its value in the other direction."""
     instance, R, T = at_home("reachy-mini-head")
     drives = Machine.of(instance)
@@ -102,10 +102,10 @@ def test_points_near_dead_points_move_no_more_than_is_proved(name: str) -> None:
     """The platform moves straight, so all joints move as far; some rods then do not reach."""
     instance, R0, T0 = at_home(name)
     drives = Machine.of(instance)
-    knees = drives.knees(R0, T0)
+    working_modes = drives.working_modes(R0, T0)
     size = float(drives.rods.max())
     R, T = poses_near(R0, T0, 400, 0.6 * size, 1.2, 4)
-    q = drives.inverse(R, T, knees)
+    q = drives.inverse(R, T, working_modes)
     reached_ = np.isfinite(q).all(axis=1)
     R, T, q = R[reached_], T[reached_], q[reached_]
     draw = np.random.default_rng(5)
@@ -115,7 +115,7 @@ def test_points_near_dead_points_move_no_more_than_is_proved(name: str) -> None:
     rods = drives.ends(R, T, q)[2] / drives.rods[:, None]
     ways = np.concatenate([rods, -rods, draw.normal(size=(len(T), 100, 3))], axis=1)
     ways /= np.linalg.norm(ways, axis=-1, keepdims=True)
-    moved = drives.wanted(R[:, None], T[:, None] + far[:, None, None] * ways, knees)
+    moved = drives.wanted(R[:, None], T[:, None] + far[:, None, None] * ways, working_modes)
     slips = np.linalg.norm(drives.points(moved) - drives.points(q)[:, None], axis=-1)
     unreached = np.isnan(slips).any(axis=1)
     assert np.isinf(found[unreached]).all()

@@ -111,7 +111,8 @@ def test_statuses_of_what_is_no_step():
 
 @pytest.mark.parametrize("turned", [False, True])
 def test_cranks_of_the_base_and_of_the_platform(turned):
-    # Without a home the knees are those of the first pose, as a start of the follower has them.
+    # Without a home the working modes are those of the first pose, as a start of the follower has
+    # them.
     instance = replace(machine("reachy-mini-head"), home=None)
     R, T = first_pose(instance)
     goal = rotation_from_vector(np.array([0.01, -0.006, 0.02])) @ R, T + 0.0005

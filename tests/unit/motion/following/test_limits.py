@@ -97,12 +97,12 @@ def test_slacks_of_motors_and_cones_change_sign_at_their_limits(name):
     machine = machine_of(name)
     instance, drives = machine.instance, Machine.of(machine.instance)
     search = LimitSearch(instance, machine.R, machine.T, np.zeros(3))
-    knees = drives.knees(machine.R, machine.T)
+    working_modes = drives.working_modes(machine.R, machine.T)
     draw = np.random.default_rng(4)
     seen = set()
     for _ in range(200):
         R, T = about(machine, search, draw, 0.12)
-        q = drives.inverse(R, T, knees)
+        q = drives.inverse(R, T, working_modes)
         room = search._room(R, T)
         for k in np.flatnonzero(drives.driven):
             drive = drives.index[k]

@@ -1,4 +1,4 @@
-"""Paths of machines with cranks and slides: drives or poses change linearly, on their knees."""
+"""Paths of machines with cranks and slides: drives or poses change linearly."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def near(instance, turn, shift, seed=0):
 
 
 def checked(found, start):
-    """Rows are poses that the drives reach on their knees; the kernel follows them again."""
+    """Rows are poses that the drives reach in their modes; the kernel follows them again."""
     assert found.verdict == "proved"
     instance, R, T, q = found.instance, found.R, found.T, found.drives
     motors = Motors(instance, *start)
@@ -49,7 +49,7 @@ def checked(found, start):
     size = np.nanmax(drives.rods)
     assert np.abs(rods - drives.rods)[:, drives.driven].max() < 1e-9 * size
     gains = drives.gains(R, T, q)[:, drives.driven]
-    assert (np.sign(gains) == motors.knees[drives.driven]).all()
+    assert (np.sign(gains) == motors.working_modes[drives.driven]).all()
     moved = np.flatnonzero(drives.moved)
     columns = {drives.names[k]: drives.readings(q)[:, k] for k in moved}
     followed = gspcli.track(
@@ -125,10 +125,10 @@ def test_motors_are_not_quicker_than_asked():
         assert 10 < np.abs(bent).max() <= 20 * (1 + 1e-6)
 
 
-def test_without_a_proof_of_the_knees_there_is_no_straight_way_of_drives(monkeypatch):
+def test_without_a_proof_of_the_working_modes_there_is_no_straight_way_of_drives(monkeypatch):
     instance = gspcli.example("t-top-head")
     goal = near(instance, 0.05, 0.03)
-    monkeypatch.setattr(MachineNeighbourhood, "keeps_knees", lambda *_: np.array([False]))
+    monkeypatch.setattr(MachineNeighbourhood, "keeps_working_modes", lambda *_: np.array([False]))
     assert gspcli.path(instance, "home", goal, along="values").verdict == "not found"
 
 

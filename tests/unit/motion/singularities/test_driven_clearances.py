@@ -128,7 +128,7 @@ def test_bounds_hold_when_motors_move(near, size: float) -> None:
         assert (norms <= spread)[driven].all()
 
 
-def test_knees_are_kept_where_that_is_said(near) -> None:
+def test_working_modes_are_kept_where_that_is_said(near) -> None:
     """At the largest proved box some gain is nearly zero."""
     near, _, _ = near
     driven = near.driven
@@ -139,7 +139,7 @@ def test_knees_are_kept_where_that_is_said(near) -> None:
         box = Box(np.array([0.5]), number, number, number, np.zeros((1, 6, 8)), number)
 
         def kept(size, box=box):
-            return near.keeps_knees(size * np.ones((1, 6)), box)[0]
+            return near.keeps_working_modes(size * np.ones((1, 6)), box)[0]
 
         low, high = 0.0, 4.0
         for _ in range(40):
@@ -187,17 +187,17 @@ def test_gains_change_to_second_order_with_the_pose(near) -> None:
 def test_no_random_change_contradicts(name: str) -> None:
     row = examine(name, 400)
     assert row.wrong == 0
-    assert 0 < row.knees <= row.lower < row.fold_found
-    assert row.knees < row.dead_point_found
+    assert 0 < row.working_modes <= row.lower < row.fold_found
+    assert row.working_modes < row.dead_point_found
 
 
 def test_what_is_not_reached_has_no_clearance() -> None:
     machine = machines()["reachy 60"]()
     R, T = np.stack([machine.R] * 2), np.stack([machine.T, machine.T + 1.0])
-    lower, knees = drive_clearances(machine.instance, R, T)
+    lower, working_modes = drive_clearances(machine.instance, R, T)
     assert lower[0] > 0
-    assert knees[0] > 0
-    assert (lower[1], knees[1]) == (0, 0)
+    assert working_modes[0] > 0
+    assert (lower[1], working_modes[1]) == (0, 0)
     far = each_drive_clearance(machine.instance, R, T)[1]
     assert (far.lower, far.upper, far.ratio) == (0.0, np.inf, np.inf)
 

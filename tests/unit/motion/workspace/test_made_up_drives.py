@@ -1,7 +1,7 @@
 """Motors that move a point of a rod, judged over boxes of poses, against their inverse kinematics.
 
 The cranks and slides are made up, on the base and on the platform, and one counts at a time: also
-ranges that hold both knees, or none, and boxes across dead points.
+ranges that hold both working modes, or none, and boxes across dead points.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ class Motor:
 
     slide: bool
     on_platform: bool
-    knee: float
+    working_mode: float
     axis: np.ndarray
     middle: np.ndarray
     across: np.ndarray
@@ -46,7 +46,7 @@ class Motor:
         return self.middle + np.cos(q) * self.across + np.sin(q) * self.beside
 
     def numbers(self, p: np.ndarray, E: np.ndarray) -> np.ndarray:
-        """Return q at poses on the knee, shape (n,); NaN out of reach."""
+        """Return q at poses in the working mode, shape (n,); NaN out of reach."""
         seen = (
             np.einsum("nji,nj->ni", E, self.other - p) if self.on_platform else p + E @ self.other
         )
@@ -55,10 +55,10 @@ class Motor:
         with np.errstate(invalid="ignore"):
             if self.slide:
                 along = w @ self.across
-                return along - self.knee * np.sqrt(self.rod**2 - square + along**2)
+                return along - self.working_mode * np.sqrt(self.rod**2 - square + along**2)
             a, b = w @ self.across, w @ self.beside
             c = (square + self.across @ self.across - self.rod**2) / 2 / np.hypot(a, b)
-            return np.arctan2(b, a) - self.knee * np.arccos(c)
+            return np.arctan2(b, a) - self.working_mode * np.arccos(c)
 
     def keeps(self, q: np.ndarray) -> np.ndarray:
         """Return whether numbers are in the range."""
@@ -77,7 +77,7 @@ class Motor:
         numbers = np.zeros((1, 3, 2))
         numbers[0, :, 0] = self.low, self.high, self.rod**2
         sorts = np.array([[self.slide, self.on_platform]])
-        return np.zeros(1, np.int32), sorts, np.array([self.knee]), vectors, numbers
+        return np.zeros(1, np.int32), sorts, np.array([self.working_mode]), vectors, numbers
 
 
 def made_up(rng: np.random.Generator, *, slide: bool, on_platform: bool) -> Motor:
@@ -221,7 +221,7 @@ def test_what_is_proved_of_the_parts_of_a_box_holds_at_all_poses(
     assert 0.4 * count < proved < 0.95 * count
 
 
-def test_both_knees_in_the_range_and_none() -> None:
+def test_both_working_modes_in_the_range_and_none() -> None:
     """The signs of F at the ends of the range are the same: what is between decides."""
     rng = np.random.default_rng(8)
     both = none = 0
@@ -231,9 +231,9 @@ def test_both_knees_in_the_range_and_none() -> None:
             continue
         p, E = motor.centre[None, :3], rotations(motor.centre[None, 3:])
         q = motor.numbers(p, E)
-        motor.knee = -motor.knee
+        motor.working_mode = -motor.working_mode
         other = motor.keeps(motor.numbers(p, E))[0]
-        motor.knee = -motor.knee
+        motor.working_mode = -motor.working_mode
         says, _ = judge(motor, np.full(6, 1e-4), REACH | 1)
         if other and motor.keeps(q)[0]:
             both += 1
@@ -355,8 +355,8 @@ def test_a_range_of_half_a_turn_is_judged_from_both_sides_of_it() -> None:
             assert says != -1 or not good.any()
 
 
-@pytest.mark.parametrize("knee", [1.0, -1.0])
-def test_the_least_distance_comes_into_the_range_within_a_box(knee: float) -> None:
+@pytest.mark.parametrize("working_mode", [1.0, -1.0])
+def test_the_least_distance_comes_into_the_range_within_a_box(working_mode: float) -> None:
     """At the centre the rod is too short for all of the range; at one end of the box it is not.
 
     The other joint moves along x, nearly along the circle. It is too far from the first end of the
@@ -365,7 +365,7 @@ def test_the_least_distance_comes_into_the_range_within_a_box(knee: float) -> No
     x, y, z = np.eye(3)
     first = np.pi / 2 - 0.1
     motor = Motor(
-        False, False, knee, z, np.zeros(3), x, y, np.zeros(3), 1.0, first, first + 1,
+        False, False, working_mode, z, np.zeros(3), x, y, np.zeros(3), 1.0, first, first + 1,
         np.array([2.00667 * np.cos(first) + 0.005, 2.00667 * np.sin(first), 0, 0, 0, 0]),
     )  # fmt: skip
     reached = motor.numbers(motor.centre[None, :3] - 0.205 * x, np.eye(3)[None])
