@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from fractions import Fraction
 from typing import TypeAlias
 
 from gspcli.catalogue.kinds import Kind, Law
@@ -37,7 +36,7 @@ class _Exact:
 
     def outside(self, point: Vector) -> Vector:
         """Return where a point of the frame is in the other one."""
-        return [plus(*pair) for pair in zip(turned(self.axes, point), self.origin, strict=True)]
+        return [a + b for a, b in zip(turned(self.axes, point), self.origin, strict=True)]
 
     def direction(self, vector: Vector) -> Triple:
         """Return a vector of the other frame in this one."""
@@ -46,7 +45,7 @@ class _Exact:
 
     def inside(self, point: Vector) -> Triple:
         """Return a point of the other frame in this one."""
-        return self.direction([less(*pair) for pair in zip(point, self.origin, strict=True)])
+        return self.direction([a - b for a, b in zip(point, self.origin, strict=True)])
 
 
 def expressed_instance(
@@ -157,7 +156,7 @@ def rotation(home: HomePose, unit: AngleUnit) -> Matrix:
         turn = [[_ZERO] * 3 for _ in range(3)]
         turn[axis][axis] = _ONE
         turn[j][j] = turn[k][k] = cosine
-        turn[k][j], turn[j][k] = sine, folded("neg", sine)
+        turn[k][j], turn[j][k] = sine, -sine
         R = product(R, turn) if letter.isupper() else product(turn, R)
     return R
 
@@ -166,18 +165,18 @@ def _of_quaternion(quaternion: Sequence[Number]) -> Matrix:
     w, x, y, z = quaternion
     norm = dot(quaternion, quaternion)
 
-    def entry(a: Number, b: Number, operation: str, c: Number, d: Number) -> Number:
-        """Return 2 (a b +- c d) / norm."""
-        pair = folded(operation, folded("*", a, b), folded("*", c, d))
-        return folded("/", folded("*", Number.of(2), pair), norm)
+    two = Number.of(2)
 
-    def diagonal(a: Number, b: Number) -> Number:
-        return less(_ONE, entry(a, a, "+", b, b))
+    def plus(a: Number, b: Number, c: Number, d: Number) -> Number:
+        return two * (a * b + c * d) / norm
+
+    def minus(a: Number, b: Number, c: Number, d: Number) -> Number:
+        return two * (a * b - c * d) / norm
 
     return [
-        [diagonal(y, z), entry(x, y, "-", w, z), entry(x, z, "+", w, y)],
-        [entry(x, y, "+", w, z), diagonal(x, z), entry(y, z, "-", w, x)],
-        [entry(x, z, "-", w, y), entry(y, z, "+", w, x), diagonal(x, y)],
+        [_ONE - plus(y, y, z, z), minus(x, y, w, z), plus(x, z, w, y)],
+        [plus(x, y, w, z), _ONE - plus(x, x, z, z), minus(y, z, w, x)],
+        [minus(x, z, w, y), plus(y, z, w, x), _ONE - plus(x, x, y, y)],
     ]
 
 
@@ -193,32 +192,7 @@ def turned(R: Matrix, a: Vector) -> Vector:
 
 def dot(a: Vector, b: Vector) -> Number:
     """Return the scalar product."""
-    total = _ZERO
-    for x, y in zip(a, b, strict=True):
-        total = plus(total, folded("*", x, y))
-    return total
-
-
-def plus(a: Number, b: Number) -> Number:
-    """Return ``a + b``."""
-    return folded("+", a, b)
-
-
-def less(a: Number, b: Number) -> Number:
-    """Return ``a - b``."""
-    return folded("-", a, b)
-
-
-def folded(operation: str, *arguments: Number) -> Number:
-    """Return a number, as one fraction if it is rational."""
-    fractions = [one.fraction for one in arguments]
-    if operation in ("+", "-") and fractions[1] == 0:
-        return arguments[0]
-    if operation == "*" and Fraction(0) in fractions:
-        return _ZERO
-    number = Number(operation, arguments)
-    exact = number.fraction
-    return number if exact is None else Number("rational", (exact,))
+    return sum((x * y for x, y in zip(a, b, strict=True)), _ZERO)
 
 
 #: A root is kept as an expression up to this length; what is longer is rounded.
@@ -251,9 +225,7 @@ def home_value(
     u = u and turned(R, u)
     if kind.is_distance:
         place = turned(R, platform.position)
-        r = [
-            plus(a, less(t, x)) for a, t, x in zip(place, home.position, base.position, strict=True)
-        ]
+        r = [a + (t - x) for a, t, x in zip(place, home.position, base.position, strict=True)]
         value = _distance(kind, r, u, v)
     else:
         assert u is not None
@@ -261,7 +233,7 @@ def home_value(
         value = _angle(kind, u, v, unit)
     value = _written(value)
     if side is Side.NEGATIVE or (side is Side.BOTH and kind.is_distance and value.value < 0):
-        value = folded("neg", value)
+        value = -value
     return value
 
 
@@ -272,27 +244,27 @@ def _distance(kind: Kind, r: Vector, u: Vector | None, v: Vector | None) -> Numb
         assert v is not None
         normal = _cross(u, v)
         if any(x.value for x in normal):
-            return folded("/", dot(r, normal), _root(dot(normal, normal)))
+            return dot(r, normal) / _root(dot(normal, normal))
         u = None
     along = u or v
     if along is None:
         return _root(dot(r, r))
     if kind.has_sides:
         # The normal of the base points to the platform's point, that of the platform from it.
-        product = dot(r, along) if u is None else folded("neg", dot(r, along))
-        return folded("/", product, _root(dot(along, along)))
+        height = dot(r, along) if u is None else -dot(r, along)
+        return height / _root(dot(along, along))
     across = _cross(r, along)
-    return _root(folded("/", dot(across, across), dot(along, along)))
+    return _root(dot(across, across) / dot(along, along))
 
 
 def _angle(kind: Kind, u: Vector, v: Vector, unit: AngleUnit) -> Number:
     law = kind.law
-    cosine = folded("/", dot(u, v), _root(folded("*", dot(u, u), dot(v, v))))
+    cosine = dot(u, v) / _root(dot(u, u) * dot(v, v))
     if law.sign < 0:
-        cosine = folded("neg", cosine)
-    angle = folded("acos" if law.is_cosine else "asin", cosine)
+        cosine = -cosine
+    angle = Number("acos" if law.is_cosine else "asin", (cosine,))
     if unit is AngleUnit.DEGREE:
-        angle = folded("/", folded("*", angle, Number.of(180)), Number("pi"))
+        angle = angle * Number.of(180) / Number("pi")
     return angle
 
 
@@ -309,9 +281,7 @@ def _direction(geometry: Geometry) -> Vector | None:
 
 
 def _cross(a: Vector, b: Vector) -> Vector:
-    return [
-        less(folded("*", a[j], b[k]), folded("*", a[k], b[j])) for j, k in ((1, 2), (2, 0), (0, 1))
-    ]
+    return [a[j] * b[k] - a[k] * b[j] for j, k in ((1, 2), (2, 0), (0, 1))]
 
 
 def _root(square: Number) -> Number:

@@ -16,7 +16,7 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import AngleUnit, Constraint
 from gspcli.geometry.measurement import COSINE, by_twist, polynomial, velocities
 from gspcli.geometry.numbers import Number
-from gspcli.geometry.primitives import Geometry, Line, Plane, Vector
+from gspcli.geometry.primitives import Geometry, Line, Plane, Point, Vector
 from gspcli.geometry.quaternions import (
     Field,
     cross,
@@ -300,12 +300,8 @@ def _of_zero(row: Constraint, kind: Kind, normal: Vector) -> Constraint:
 
 
 def _direction(geometry: Geometry) -> Vector:
-    if isinstance(geometry, Line):
-        return geometry.direction
-    if isinstance(geometry, Plane):
-        return geometry.normal
-    message = "a point has no direction"
-    raise TypeError(message)
+    assert not isinstance(geometry, Point)
+    return geometry.vector
 
 
 def _normals(direction: Vector) -> list[Vector]:
@@ -315,12 +311,7 @@ def _normals(direction: Vector) -> list[Vector]:
     normals = []
     for k, other in ((i, j), (j, i)):
         normal = [_ZERO] * 3
-        normal[largest], normal[k] = _negated(direction[k]), direction[largest]
+        normal[largest], normal[k] = -direction[k], direction[largest]
         normal[other] = _ZERO
         normals.append((normal[0], normal[1], normal[2]))
     return normals
-
-
-def _negated(number: Number) -> Number:
-    exact = number.fraction
-    return Number("neg", (number,)) if exact is None else Number.of(-exact)

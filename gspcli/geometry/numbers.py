@@ -199,6 +199,24 @@ class Number:
         with ctx.workprec(bits):
             return self.ball(clipped=True)
 
+    def __add__(self, other: Number) -> Number:
+        """Return the sum; as all results of operators one fraction if it is rational."""
+        return self if other.fraction == 0 else _folded("+", self, other)
+
+    def __sub__(self, other: Number) -> Number:
+        return self if other.fraction == 0 else _folded("-", self, other)
+
+    def __mul__(self, other: Number) -> Number:
+        if self.fraction == 0 or other.fraction == 0:
+            return Number("rational", (Fraction(0),))
+        return _folded("*", self, other)
+
+    def __truediv__(self, other: Number) -> Number:
+        return _folded("/", self, other)
+
+    def __neg__(self) -> Number:
+        return _folded("neg", self)
+
     def __float__(self) -> float:
         return self.value
 
@@ -418,6 +436,11 @@ _HINTS = {
     ",": "write decimals with a point",
     ":": "write 1:30 as 1.5",
 }
+
+
+def _folded(operation: str, *arguments: Number) -> Number:
+    number = Number(operation, arguments)
+    return number if number.fraction is None else Number("rational", (number.fraction,))
 
 
 def parse_number(text: str) -> Number:
@@ -699,5 +722,4 @@ def combined(number: Number, operation: str, other: Number) -> Number:
     if number.operation == _INVERSE[operation] and number.arguments[1] == other:
         undone: Number = number.arguments[0]
         return undone
-    result = Number(operation, (number, other))
-    return result if result.fraction is None else Number("rational", (result.fraction,))
+    return _folded(operation, number, other)

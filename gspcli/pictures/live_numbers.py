@@ -226,24 +226,24 @@ def _place(one: MovedPoint, along: Number, beside: Number) -> Vector:
     back = _cross(drive.axis, velocity)
     length = Number.of(Fraction(float(np.linalg.norm([x.value for x in drive.axis])))).fraction
     assert length is not None
-    first = Number("/", (beside, Number.of(length)))
-    second = Number("/", (along, Number.of(length**2)))
+    first = beside / Number.of(length)
+    second = along / Number.of(length**2)
     return _sum(_sum(point, _scaled(first, velocity)), _scaled(second, back))
 
 
 def _sum(a: Vector, b: Vector) -> Vector:
-    x, y, z = (Number("+", pair) for pair in zip(a, b, strict=True))
+    x, y, z = (p + q for p, q in zip(a, b, strict=True))
     return x, y, z
 
 
 def _scaled(factor: Number, a: Vector) -> Vector:
-    x, y, z = (Number("*", (factor, one)) for one in a)
+    x, y, z = (factor * one for one in a)
     return x, y, z
 
 
 def _cross(a: Vector, b: Vector) -> Vector:
     def entry(j: int, k: int) -> Number:
-        return Number("-", (Number("*", (a[j], b[k])), Number("*", (a[k], b[j]))))
+        return a[j] * b[k] - a[k] * b[j]
 
     return entry(1, 2), entry(2, 0), entry(0, 1)
 

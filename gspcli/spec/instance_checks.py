@@ -530,7 +530,7 @@ def _of_drive(node: Mapping, drive: Crank | Slide, unit: AngleUnit | None) -> It
         message = f"found {shown(written[0])} above {shown(written[1])}, expected [low, high]"
         yield _at(written, message)
     elif isinstance(drive, Crank) and unit is not None:
-        width = Number("-", (high, low))
+        width = high - low
         if turns(width, unit) > _TURN:
             turn = "360" if unit is AngleUnit.DEGREE else "2*pi"
             message = f"found a range of {width.value:.6g}, expected at most one turn, {turn}"
@@ -562,12 +562,10 @@ def _doubts_of_drives(nodes: Mapping, body: Body) -> Iterator[Mistake]:
 
 
 def _has_arm(point: Point, crank: Crank) -> bool:
-    arm = [Number("-", pair) for pair in zip(point.position, crank.centre, strict=True)]
+    arm = [a - b for a, b in zip(point.position, crank.centre, strict=True)]
     (a, b, c), (x, y, z) = arm, crank.axis
     products = ((b, z, c, y), (c, x, a, z), (a, y, b, x))
-    return any(
-        Number("-", (Number("*", (p, q)), Number("*", (r, s)))).value for p, q, r, s in products
-    )
+    return any((p * q - r * s).value for p, q, r, s in products)
 
 
 def _dynamics_of(model: Any) -> Dynamics | None:

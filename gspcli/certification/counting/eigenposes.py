@@ -8,7 +8,6 @@ monomials at the solutions. Poses far away are found like near ones.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
 from itertools import pairwise
 from math import log2
 from random import Random
@@ -690,7 +689,7 @@ def poses_by_elimination(
         platform = _modular_platform(instance, seed)
     except (NoElementError, NotCountedError):
         return
-    with _precision(bits):
+    with ctx.workprec(bits):
         rows = [evaluated(row, _real) for row in exact]
     for signs in platform.choices:
         result, followed = trace(
@@ -705,7 +704,7 @@ def poses_by_elimination(
         if result.solutions == 0:
             continue
         try:
-            with _precision(bits):
+            with ctx.workprec(bits):
                 algebra = FollowedElimination(
                     with_moments(equations(on_sides(rows, signs))), followed
                 )
@@ -718,7 +717,7 @@ def poses_by_elimination(
         far = algebra.dimension - near
         for number in (far, 0) if 0 < far <= near else (0,):
             # The caller may use another precision.
-            with _precision(bits):
+            with ctx.workprec(bits):
                 poses = _poses(algebra, matrix, number)
             yield from poses
 
@@ -740,16 +739,6 @@ def _modular_platform(instance: Instance, seed: int) -> ModularPlatform:
         if not angles or instance.units.angle is not AngleUnit.DEGREE:
             raise
         return ModularPlatform(instance.with_values(angles), seed)
-
-
-@contextmanager
-def _precision(bits: int) -> Iterator[None]:
-    before = ctx.prec
-    ctx.prec = bits
-    try:
-        yield
-    finally:
-        ctx.prec = before
 
 
 def _real(element: FieldElement) -> arb:

@@ -25,7 +25,7 @@ from gspcli.geometry.primitives import Geometry, Vector, vector
 from gspcli.records import dataclass
 
 if TYPE_CHECKING:
-    from flint import acb, arb
+    from flint import acb
 
 
 Array = NDArray[np.float64]
@@ -210,11 +210,12 @@ class LocalFrames:
     def _shifted(self, R: Sequence[Sequence[acb]], T: Sequence[acb], sign: int) -> list[acb]:
         if self.is_none:
             return list(T)
-        from flint import acb, ctx
+        from flint import acb, arb, ctx, fmpq
 
         with ctx.workprec(max(ctx.prec, _EXACT if sign > 0 else 0)):
             platform, base = (
-                [_ball(sign * x) for x in part] for part in (self.platform, self.base)
+                [arb(fmpq(sign * x.numerator, x.denominator)) for x in part]
+                for part in (self.platform, self.base)
             )
             return [
                 t + sum((r * y for r, y in zip(row, platform, strict=True)), acb(0)) - x
@@ -225,22 +226,10 @@ class LocalFrames:
 _OF_THE_INSTANCE = LocalFrames(_NOWHERE, _NOWHERE)
 
 
-def _ball(value: Fraction) -> arb:
-    from flint import arb, fmpq
-
-    return arb(fmpq(value.numerator, value.denominator))
-
-
 def _moved(geometry: Geometry, origin: Sequence[Fraction]) -> Geometry:
-    components = (_less(x, o) for x, o in zip(geometry.position, origin, strict=True))
+    components = (x - Number.of(o) for x, o in zip(geometry.position, origin, strict=True))
     position: Vector = vector(*components)
     return replace(geometry, position=position)
-
-
-def _less(number: Number, origin: Fraction) -> Number:
-    if number.fraction is not None:
-        return Number.of(number.fraction - origin)
-    return Number("-", (number, Number.of(origin))) if origin else number
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -291,7 +291,7 @@ class _Place:
 
 def _apart(number: Number, middle: Fraction) -> Number:
     """Return the difference of two numbers as the nearest double, without cancellation."""
-    return Number("-", (number, Number.of(middle)))
+    return number - Number.of(middle)
 
 
 def _exact(numbers: Sequence[Number]) -> Exact:
