@@ -58,8 +58,8 @@ LAYERS = {
 }
 ROOMS = {
     "sympy": {"symbolic"},
-    "flint": {"certification"},
-    "mpmath": {"geometry"},
+    "flint": {"certification", "geometry"},
+    "mpmath": {"geometry", "sensing"},
     "yaml": {"spec"},
     "click": {"cli"},
     "rich": {"cli"},
@@ -182,7 +182,7 @@ HEAVY = {"numpy", "sympy", "pandas", "flint", "yaml", "rich", "scipy", "matplotl
         ),
         ("from gspcli.cli.main import run; run(['bound', '17', '--format', 'json'])", HEAVY),
         (
-            "from gspcli.cli.main import run; run(['solve', '@dietmaier', '--format', 'json'])",
+            "from gspcli.cli.main import run; run(['solve', '@rubin-m2', '--format', 'json'])",
             HEAVY - {"numpy", "yaml"} | {"mpmath", "difflib"},
         ),
         (
