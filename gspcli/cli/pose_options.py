@@ -4,13 +4,22 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias, TypeVar
 
 import click
 
-from gspcli.cli.options import HOME, RELATIVE, Whole, together
+from gspcli.cli.options import (
+    HOME,
+    RELATIVE,
+    Options,
+    Whole,
+    exclusive,
+    needs,
+    together,
+    value_options,
+)
 from gspcli.cli.specs import refuse_to_replace
 from gspcli.cli.streams import say, working
 from gspcli.errors import GspError, IncompleteError, NotFiniteError
@@ -21,13 +30,13 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from gspcli.dynamics.trajectories import PoseRates
     from gspcli.geometry.frames import PoseFrame
     from gspcli.geometry.instance import Instance
     from gspcli.motion import PoseFormat
 
     Array = NDArray[np.float64]
     from gspcli.geometry.home_mode import HomeMode
-    from gspcli.motion import Track
     from gspcli.motion.files.pose_files import PoseTable
 
 Function = TypeVar("Function", bound=Callable[..., Any])
@@ -347,53 +356,30 @@ class AskedPoses:
     ----------
     R, T
         The poses, shapes (n, 3, 3) and (n, 3).
-    modes
-        The number of the mode of each, if it has one.
-    rows, t
-        The number of its row in the file, from 1, and t there; None without a file.
+    places
+        What each is called, as data: its ``row`` in a file, from 1, and ``t`` there; its ``mode``.
+    drives
+        Readings of the drives of a machine with cranks or slides, shape (n, m), if they are where
+        SPEC states them; else None.
     lost
         Modes that end before the last row of a file of values, in words.
+    t, motion
+        Times, shape (n,), and how the platform moves there, if a file says it.
     """
 
     R: Array
     T: Array
-    modes: list[int | None]
-    rows: list[int] | None = None
-    t: list[float] | None = None
+    places: Sequence[Mapping[str, Any]]
+    drives: Array | None = None
     lost: tuple[str, ...] = ()
+    t: Array | None = None
+    motion: PoseRates | None = None
 
-    def named(self, k: int) -> dict[str, Any]:
-        """Return what a pose is called, as data."""
-        names: dict[str, Any] = {}
-        if self.rows is not None and self.t is not None:
-            names = {"row": self.rows[k], "t": self.t[k]}
-        return {**names, "mode": self.modes[k]}
-
-    def place(self, k: int) -> str:
-        """Return what a pose is called, in words: ``in row 7 (t = 1.5), mode 2``."""
-        words = []
-        if self.rows is not None and self.t is not None:
-            words.append(f"in row {self.rows[k]} (t = {self.t[k]:.6g})")
-        if self.modes[k] is not None:
-            words.append(f"in mode {self.modes[k]}" if not words else f"mode {self.modes[k]}")
-        return ", ".join(words) or "there"
-
-    def stated_drives(self, instance: Instance) -> Array | None:
-        """Return readings of the drives at modes, where all points are as stated, shape (n, m).
-
-        None without cranks and slides, and for poses that are no modes.
-        """
-        from gspcli.geometry.machine import is_driven
-
-        if not is_driven(instance) or None in self.modes:
-            return None
-        import numpy as np
-
-        from gspcli.geometry.machine import Machine
-
-        drives = Machine.of(instance)
-        # A drive without a crank or slide is the value itself; it is not asked for here.
-        return drives.readings(np.zeros((len(self.T), drives.count)))
+    @property
+    def columns(self) -> str:
+        """The columns that say what the poses are called."""
+        named = {key for place in self.places for key, value in place.items() if value is not None}
+        return " ".join(key for key in ("row", "t", "mode") if key in named) or "mode"
 
     def check(self) -> None:
         """Raise `IncompleteError` if a mode was lost on the way."""
@@ -401,71 +387,138 @@ class AskedPoses:
             raise IncompleteError("\n".join(self.lost))
 
 
-def asked_poses(
-    instance: Instance,
-    rows: str | None,
-    mode: Mode | None,
-    pose: GivenPose | None,
-    near: GivenPose | None,
-    form: PoseFormat,
-) -> AskedPoses:
-    """Return the poses of a file, the one that is given, or the real ones of the instance."""
-    if rows is not None:
-        return _of_file(instance, rows, mode, near, form)
-    if pose is not None:
-        R, T = pose.read(form)
-        return AskedPoses(R[None], T[None], [None])
-    if mode is not None:
-        number, R, T = one_mode(instance, mode)
-        return AskedPoses(R, T, [number])
-    R, T = real_poses(instance)
-    return AskedPoses(R, T, list(range(1, len(R) + 1)))
+def rows_options(mode: str) -> Callable[[Function], Function]:
+    """Return SPEC, ROWS and the options of commands that take both; what ``--mode`` is for."""
+    return together(
+        exclusive("--mode", "--pose", "--near"),
+        exclusive("ROWS", "--pose"),
+        needs("--near", "ROWS"),
+        click.argument("spec", metavar="SPEC"),
+        click.argument("rows", metavar="[ROWS]", required=False),
+        mode_option(mode),
+        pose_value_option("instead of the modes of SPEC"),
+        near_option("of a file of values only this one is followed"),
+        value_options,
+        pose_options,
+        column_options,
+    )
 
 
-def _of_file(
-    instance: Instance, path: str, mode: Mode | None, near: GivenPose | None, form: PoseFormat
-) -> AskedPoses:
+def asked_poses(o: Options) -> AskedPoses:
+    """Return the poses of `rows_options`: of a file, the one given, or the real ones of SPEC."""
+    instance, form = o.instance, o.form
+    if o.rows is not None:
+        return _of_file(o)
+    if o.pose is not None:
+        R, T = o.pose.read(form)
+        return AskedPoses(R[None], T[None], [{"mode": None}])
+    numbers: Sequence[int]
+    if o.mode is not None:
+        number, R, T = one_mode(instance, o.mode)
+        numbers = [number]
+    else:
+        R, T = real_poses(instance)
+        numbers = range(1, len(R) + 1)
+    return AskedPoses(R, T, [{"mode": k} for k in numbers], _stated_drives(instance, len(R)))
+
+
+def _stated_drives(instance: Instance, count: int) -> Array | None:
+    """Return readings of the drives where all points are as stated, shape (count, m).
+
+    None without cranks and slides.
+    """
+    from gspcli.geometry.machine import Machine, is_driven
+
+    if not is_driven(instance):
+        return None
+    import numpy as np
+
+    drives = Machine.of(instance)
+    # A drive without a crank or slide is the value itself; it is not asked for here.
+    return drives.readings(np.zeros((count, drives.count)))
+
+
+def _of_file(o: Options) -> AskedPoses:
+    import numpy as np
+
     from gspcli.motion import read_poses, read_values, track
     from gspcli.motion.files.pose_files import has_poses
 
-    text, name = text_of(path)
+    instance, form = o.instance, o.form
+    text, name = text_of(o.rows)
     if has_poses(text, name, form):
-        if mode is not None or near is not None:
-            option = "--near" if mode is None else "--mode"
-            raise GspError(
-                f"{option}: found the poses of {name}, expected a file of values to follow"
-            )
+        refuse_modes(o, name)
         table = read_poses(text, name, form)
         if not len(table.R):
             raise GspError(f"{name}: found no poses, expected at least one")
-        rows = list(range(1, len(table.R) + 1))
-        t = [float(row) for row in rows] if table.t is None else table.t.tolist()
-        return AskedPoses(table.R, table.T, [None] * len(rows), rows, t)
+        warn_of_values(text, name, form, instance, values_on_rods(instance, table.R, table.T))
+        t = range(1, len(table.R) + 1) if table.t is None else table.t.tolist()
+        places = [{"row": k, "t": float(at), "mode": None} for k, at in enumerate(t, 1)]
+        return AskedPoses(table.R, table.T, places)
     values = read_values(text, name, instance, form)
     if values.coordinates:
         moving = ", ".join(values.coordinates)
         raise GspError(
             f"{name}: found {moving}, expected values only: the geometry stays as SPEC has it"
         )
-    modes = None if mode is None else [mode_number(instance, mode)]
+    modes = None if o.mode is None else [mode_number(instance, o.mode)]
     with working("following"):
-        start = None if near is None else near.read(form)
-        followed = track(instance, values.values, t=values.t, modes=modes, near=start)
-    return _of_track(followed)
+        start = None if o.near is None else o.near.read(form)
+        found = track(instance, values.values, t=values.t, modes=modes, near=start)
+    if not len(found.modes):
+        raise GspError("there is no real pose at the first row")
+    rows, which = np.nonzero(~np.isnan(found.T[..., 0].T))
+    numbers = ((rows + 1).tolist(), found.t[rows].tolist(), found.modes[which].tolist())
+    return AskedPoses(
+        found.R[which, rows],
+        found.T[which, rows],
+        [
+            dict(zip(("row", "t", "mode"), place, strict=True))
+            for place in zip(*numbers, strict=True)
+        ],
+        _stated_drives(instance, len(rows)),
+        tuple(f"mode {one.mode} ends at t = {one.low:.10g} ({one.kind})" for one in found.ends),
+    )
 
 
-def _of_track(followed: Track) -> AskedPoses:
-    """Return a pose for each row and each mode that there is."""
+def refuse_modes(o: Options, name: str) -> None:
+    """Raise for options that choose a mode where a file says the poses."""
+    if o.mode is not None or o.near is not None:
+        option = "--near" if o.mode is None else "--mode"
+        raise GspError(f"{option}: found the poses of {name}, expected a file of values to follow")
+
+
+def warn_of_values(
+    text: str, name: str, form: PoseFormat, instance: Instance, values: Array
+) -> None:
+    """Say on standard error that values beside poses, which are not used, contradict them.
+
+    Parameters
+    ----------
+    text, name, form
+        A file of n poses.
+    instance, values
+        The platform, and what its constraints measure at the poses, shape (n, 6).
+    """
+    if not text or text.lstrip()[:1] in "{[":
+        return
+    from gspcli.motion.files.number_tables import NumberTable
+    from gspcli.motion.files.value_files import compare_values
+
+    table = NumberTable(text, name, form.units.of(instance), form.ignore, form.columns)
+    compare_values(table, instance, values)
+    if table.mistakes:
+        more = f" (and {len(table.mistakes) - 1} more)" if len(table.mistakes) > 1 else ""
+        say(f"warning: {table.mistakes[0]}{more}: not used, the values are measured")
+
+
+def values_on_rods(instance: Instance, R: Array, T: Array) -> Array:
+    """Return the values at n poses, shape (n, 6), those of the rods of cranks and slides stated."""
     import numpy as np
 
-    if not len(followed.modes):
-        raise GspError("there is no real pose at the first row")
-    rows, modes = np.nonzero(~np.isnan(followed.T[..., 0].T))
-    return AskedPoses(
-        followed.R[modes, rows],
-        followed.T[modes, rows],
-        followed.modes[modes].tolist(),
-        (rows + 1).tolist(),
-        followed.t[rows].tolist(),
-        tuple(f"mode {one.mode} ends at t = {one.low:.10g} ({one.kind})" for one in followed.ends),
-    )
+    from gspcli.geometry.machine import driven_points
+    from gspcli.motion.files.value_files import nominal_values
+    from gspcli.motion.poses.inverse_kinematics import measure
+
+    rods = [bool(driven_points(one)) for one in instance.constraints]
+    return np.where(rods, nominal_values(instance), measure(instance, R, T))

@@ -383,10 +383,8 @@ def _csv_cell(value: object) -> str:
     return repr(value) if isinstance(value, float) else str(value)
 
 
-def json_text(tables: Sequence[Result], document: Any = None) -> str:
-    """Return a document, else the first table, as JSON."""
-    if document is None:
-        document = tables[0].document()
+def json_text(document: Any) -> str:
+    """Return a document as JSON."""
     return json.dumps(document, indent=2, ensure_ascii=False) + "\n"
 
 
@@ -433,13 +431,16 @@ def emit(
     texts: Mapping[str, str] | None = None,
 ) -> None:
     """Write a result to the place and in the format asked for."""
-    tables = [tables] if isinstance(tables, Result) else list(tables)
+    results = [tables] if isinstance(tables, Result) else list(tables)
+    tables = [table for result in results for table in result.tables]
     if output.part is not None:
         tables = [*_of_part(tables, output.part)]
     if texts and output.format in texts:
         write(output, texts[output.format])
     elif output.format == "json":
-        write(output, json_text(tables, document))
+        if document is None:
+            document = next((table for table in tables if table.schema), results[0]).document()
+        write(output, json_text(document))
     elif output.format == "csv":
         _emit_csv(output, [table for table in tables if table.columns])
     elif output.format == "markdown":

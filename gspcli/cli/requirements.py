@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from gspcli.cli.result import Field, Fields, Result
+from gspcli.cli.result import Field, Result
 from gspcli.errors import CheckFailed, GspError
 from gspcli.wording import listed
 
@@ -22,8 +22,6 @@ if TYPE_CHECKING:
     from gspcli.motion.files.requirements import QuantityParts, Requirement, RequirementVerdict
 
     Array = NDArray[np.float64]
-
-FIELDS = Fields("measure")
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -242,94 +240,6 @@ def _transmissions(
     return names, QuantityParts(numbers, names)
 
 
-def add_quantities(
-    rows: Sequence[dict[str, Any]], quantities: Mapping[str, Array | QuantityParts]
-) -> list[Field]:
-    """Add quantities to rows, one number each, and return their columns."""
-    from gspcli.motion.files.requirements import QUANTITIES, QuantityParts
-
-    columns = []
-    for name, given in quantities.items():
-        key = name.replace("-", "_")
-        heading = {"range": "of range", "cone": "of cone"}.get(name, name.replace("-", " "))
-        columns.append(Field(key, heading, align="right", essential=True))
-        if isinstance(given, QuantityParts):
-            numbers = given.least if QUANTITIES[name].least else given.largest
-        else:
-            numbers = given
-        for row, number in zip(rows, numbers.tolist(), strict=True):
-            row[key] = number if abs(number) < float("inf") else None
-    return columns
-
-
-def judged(
-    instance: Instance,
-    requirements: Sequence[Requirement],
-    R: Array,
-    T: Array,
-    rows: Sequence[dict[str, Any]],
-    known: Mapping[str, Array | QuantityParts] | None = None,
-) -> tuple[list[RequirementVerdict], list[Field]]:
-    """Return the verdicts, and the columns of the numbers that they need.
-
-    These numbers are computed, and added to the rows.
-
-    Parameters
-    ----------
-    instance
-        The platform.
-    requirements
-        What is required.
-    R, T
-        n poses.
-    rows
-        The rows of the table, one for each pose.
-    known
-        Numbers that the command has already computed and shows.
-    """
-    if not requirements:
-        return [], []
-    from gspcli.motion.files.requirements import judge
-    from gspcli.motion.poses.inverse_kinematics import values_at
-
-    known = known or {}
-    values = values_at(instance, R, T)
-    found = measured_quantities(instance, requirements, values, R, T, known)
-    more = {name: numbers for name, numbers in found.items() if name not in known}
-    return judge(requirements, found), add_quantities(rows, more)
-
-
-def verdict_lines(
-    verdicts: Sequence[RequirementVerdict], places: Callable[[int], str]
-) -> list[str]:
-    """Return each verdict in a line; `places` names a row."""
-    lines = []
-    for one in verdicts:
-        met = "NOT met"
-        if one.met:
-            met = "met, between rows too" if one.between else "met"
-        of = f", {one.part}" if one.part else ""
-        worst = f"worst {one.worst:.6g}" if one.worst == one.worst else "not known"
-        lines.append(f"{one.requirement}: {met}; {worst} {places(one.row)}{of}")
-    return lines
-
-
-def verdict_entries(
-    verdicts: Sequence[RequirementVerdict], places: Callable[[int], Mapping[str, Any]]
-) -> list[dict[str, Any]]:
-    """Return verdicts for JSON; `places` names a row as data."""
-    return [
-        {
-            "requirement": str(one.requirement),
-            "met": one.met,
-            "worst": one.worst if abs(one.worst) < float("inf") else None,
-            "part": one.part or None,
-            **places(one.row),
-        }
-        for one in verdicts
-    ]
-
-
 def refuse(verdicts: Sequence[RequirementVerdict]) -> None:
     """Raise `CheckFailed` if a requirement is not met."""
     if failed := [str(one.requirement) for one in verdicts if not one.met]:
@@ -342,42 +252,96 @@ def settled(
     R: Array,
     T: Array,
     places: Sequence[Mapping[str, Any]],
-) -> tuple[Result, Callable[[], None]]:
-    """Add to a result gaps, what is required and the verdicts; return also what raises if not met.
+    known: Mapping[str, Array | QuantityParts] | None = None,
+) -> tuple[Result, list[RequirementVerdict]]:
+    """Return a result with what is required of it and the verdicts, and these.
 
     Parameters
     ----------
     result
-        Of n poses of its instance.
+        A row for each of n poses of its instance.
     requirements
         What is required.
     R, T
         The poses, shapes (n, 3, 3) and (n, 3).
     places
-        The names of the rows, as data: ``row`` and ``t``.
+        What each is called, see `place_text`.
+    known
+        Numbers that the command has already computed and shows.
     """
-    instance = result.instance
-    assert instance is not None
-    rows = [dict(row) for row in result.rows]
-    columns, known = [*result.columns], {}
-    if instance.shapes is not None:
-        from gspcli.motion.collisions.compared import gaps
-        from gspcli.motion.files.requirements import QuantityParts
+    if not requirements:
+        return result, []
+    from gspcli.motion.files.requirements import judge
+    from gspcli.motion.poses.inverse_kinematics import values_at
 
-        found = gaps(instance, R, T)
-        for row, said in zip(rows, found.to_json(), strict=True):
-            row |= said
-        columns += FIELDS.of("gap gap_between")
-        known = {"gap": QuantityParts(found.values, found.pairs)}
-    verdicts, more = judged(instance, requirements, R, T, rows, known)
-    shown = {column.key for column in columns}
-    columns += [column for column in more if column.key not in shown]
-    lines = verdict_lines(
-        verdicts, lambda k: f"in row {places[k]['row']} (t = {places[k]['t']:.6g})"
+    assert result.instance is not None
+    known = known or {}
+    values = values_at(result.instance, R, T)
+    found = measured_quantities(result.instance, requirements, values, R, T, known)
+    verdicts = judge(requirements, found)
+    more = {name: numbers for name, numbers in found.items() if name not in known}
+    return judged(result, verdicts, more, places), verdicts
+
+
+def judged(
+    result: Result,
+    verdicts: Sequence[RequirementVerdict],
+    quantities: Mapping[str, Array | QuantityParts],
+    places: Sequence[Mapping[str, Any]],
+    *,
+    between: bool = False,
+) -> Result:
+    """Return a result with verdicts, and with columns of the quantities that they need.
+
+    With `between` JSON says which verdicts hold between the rows, too.
+    """
+    from gspcli.motion.files.requirements import QUANTITIES, QuantityParts
+
+    rows, columns = [dict(row) for row in result.rows], [*result.columns]
+    for name, given in quantities.items():
+        key = name.replace("-", "_")
+        heading = {"range": "of range", "cone": "of cone"}.get(name, name.replace("-", " "))
+        if any(column.key == key for column in columns):
+            continue
+        columns.append(Field(key, heading, align="right", essential=True))
+        if isinstance(given, QuantityParts):
+            given = given.least if QUANTITIES[name].least else given.largest
+        for row, number in zip(rows, given.tolist(), strict=True):
+            row[key] = finite(number)
+    lines, entries = [], []
+    for one in verdicts:
+        met = ("met, between rows too" if one.between else "met") if one.met else "NOT met"
+        of = f", {one.part}" if one.part else ""
+        worst = f"worst {one.worst:.6g}" if one.worst == one.worst else "not known"
+        place = places[one.row]
+        lines.append(f"{one.requirement}: {met}; {worst} {place_text(place)}{of}")
+        entry: dict[str, Any] = {
+            "requirement": str(one.requirement),
+            "met": one.met,
+            "worst": finite(one.worst),
+        }
+        entry |= {"part": one.part or None, **place}
+        entries.append(entry | {"between": one.between} if between else entry)
+    return replace(
+        result,
+        columns=columns,
+        rows=rows,
+        summary=[*result.summary, *lines],
+        head={**result.head, "requirements": entries},
     )
-    head = {**result.head}
-    if verdicts:
-        head["requirements"] = verdict_entries(verdicts, places.__getitem__)
-    summary = [*result.summary, *lines]
-    made = replace(result, columns=columns, rows=rows, summary=summary, head=head)
-    return made, lambda: refuse(verdicts)
+
+
+def place_text(place: Mapping[str, Any]) -> str:
+    """Return where a pose is, of its row, t and mode, in words: ``in row 7 (t = 1.5), mode 2``."""
+    words = []
+    if "row" in place:
+        at = "" if place.get("t") is None else f" (t = {place['t']:.6g})"
+        words.append(f"in row {place['row']}{at}")
+    if place.get("mode") is not None:
+        words.append(f"mode {place['mode']}" if words else f"in mode {place['mode']}")
+    return ", ".join(words) or "there"
+
+
+def finite(number: float) -> float | None:
+    """Return a number for JSON, which has none that is not finite."""
+    return number if abs(number) < float("inf") else None

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import field, replace
+from fnmatch import fnmatchcase
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -58,6 +59,11 @@ class Field:
         Whether it is a column of tables and CSV.
     within
         In JSON the numbers of one list stand in it together, under this key.
+    source
+        Where the value is in a row, if not under the key: ``accuracy.worst_shift``, or the last of
+        a list, ``singular_values.-1``.
+    in_json
+        Whether JSON has the column, too.
     """
 
     key: str
@@ -74,6 +80,8 @@ class Field:
     path: str = ""
     is_column: bool = True
     within: str = ""
+    source: str = ""
+    in_json: bool = True
 
     @property
     def heading(self) -> str:
@@ -99,12 +107,19 @@ class Fields:
     says ``json``. A line with ``table`` is a column only. Two columns of one name are told apart by
     what follows an @. ``+ platform`` takes the lines of another file. The last part has
     ``essential``, ``aligned``, ``minor=2``, ``fold`` (at blanks), ``list`` (at commas),
-    ``left``, ``right``, ``decimals=3`` and, last, ``title=``. ``# gsp.measure/1`` begins a form
-    of JSON.
+    ``left``, ``right``, ``decimals=3``, ``from=singular_values.-1`` and, last, ``title=``.
+    ``# gsp.measure/1`` begins a form of JSON.
+
+    Parameters
+    ----------
+    command
+        Its name.
+    size
+        A typical number of its columns, see `Field`.
     """
 
-    def __init__(self, command: str) -> None:
-        self._name = command.replace(" ", "-")
+    def __init__(self, command: str, size: float = 0.0) -> None:
+        self._name, self._size = command.replace(" ", "-"), size
 
     @cached_property
     def forms(self) -> dict[str, list[Field]]:
@@ -123,12 +138,25 @@ class Fields:
         return {one.key: one for one in reversed(every)}
 
     def __getitem__(self, name: str) -> Field:
-        """Return the column of a name."""
-        return self._columns[name].but(key=name.partition("@")[0])
+        """Return the column of a name, perhaps by its pattern."""
+        found = self._columns.get(name)
+        if found is None:
+            patterns = {key.replace("1…6", "[1-6]"): one for key, one in self._columns.items()}
+            found = next((one for key, one in patterns.items() if fnmatchcase(name, key)), None)
+            if found is None:
+                raise KeyError(name)
+        key, again, _ = name.partition("@")
+        in_json = (self._columns.get(key, found) if again else found).in_json
+        return found.but(key=key, in_json=in_json, size=found.size or self._size)
 
-    def of(self, names: str) -> list[Field]:
-        """Return the columns of names between blanks."""
-        return [self[name] for name in names.split()]
+    def of(self, names: str, rows: Sequence[Mapping[str, Any]] = ()) -> list[Field]:
+        """Return the columns of names between blanks; with a ? it is one if some row has it."""
+        columns = []
+        for name in names.split():
+            column = self[name.removesuffix("?")]
+            if not name.endswith("?") or any(_found(row, column) is not _MISSING for row in rows):
+                columns.append(column)
+        return columns
 
     def meanings(self) -> Iterator[Result]:
         """Yield tables of what the keys of JSON and the columns of CSV mean, for each form."""
@@ -176,7 +204,25 @@ def _field(line: str) -> Field:
         path="" if "table" in words else path.partition("@")[0],
         is_column=is_row or "table" in words,
         within=words.get("in", ""),
+        source=words.get("from", ""),
+        in_json="table" not in words,
     )
+
+
+_MISSING = object()
+
+
+def _found(row: Mapping[str, Any], column: Field) -> Any:
+    """Return the value of a column in a row, or `_MISSING`."""
+    if not column.source:
+        return row.get(column.key, _MISSING)
+    value: Any = row
+    for step in column.source.split("."):
+        if isinstance(value, Mapping):
+            value = value.get(step, _MISSING)
+        else:
+            value = value[int(step)] if isinstance(value, Sequence) else _MISSING
+    return value
 
 
 @dataclass(frozen=True)
@@ -200,7 +246,10 @@ class Result:
         What `--part` calls the table, where a command shows several.
     instance, schema, name, head
         For JSON: the platform, the name of the form, the key of the rows (else `part`), and other
-        keys.
+        keys in their order: the rows are first unless their key is one of them.
+    parts
+        The tables that are shown instead of that of the rows, the first below the same title and
+        summary. JSON has the rows.
     """
 
     columns: Sequence[Field]
@@ -213,23 +262,33 @@ class Result:
     schema: str = ""
     name: str = ""
     head: Mapping[str, Any] = field(default_factory=dict)
+    parts: Sequence[Result] = ()
+
+    @property
+    def tables(self) -> list[Result]:
+        """The tables that are shown."""
+        if not self.parts:
+            return [self]
+        return [replace(self.parts[0], title=self.title, summary=self.summary), *self.parts[1:]]
 
     def document(self) -> dict[str, Any]:
         """Return the result for JSON: the platform, its rows, and what else is in `head`."""
         within = {one.key: one.within for one in self.columns if one.within}
+        only = {one.key for one in self.columns if not one.in_json} - within.keys()
+        plain = [one.key for one in self.columns if one.in_json and not (one.within or one.source)]
         rows = []
         for row in self.rows:
             entry: dict[str, Any] = {}
             for key, value in row.items():
                 if key in within:
                     entry.setdefault(within[key], []).append(value)
-                else:
+                elif key not in only:
                     entry[key] = value
-            empty = (one.key for one in self.columns if not one.within and one.key not in entry)
-            rows.append(entry | dict.fromkeys(empty))
+            rows.append(entry | {key: None for key in plain if key not in entry})
         platform = {} if self.instance is None else self.instance.to_json()
-        named = {self.name or self.part: rows}
-        return {"schema": f"gsp.{self.schema}/1", **platform, **named, **self.head}
+        name, schema = self.name or self.part, f"gsp.{self.schema}/1"
+        first = {} if name in self.head else {name: rows}
+        return {"schema": schema, **platform, **first, **self.head, name: rows}
 
 
 def pose_columns(keys: Sequence[str], length: float) -> list[Field]:
@@ -305,7 +364,8 @@ def vector_text(numbers: Sequence[float], digits: int = DIGITS, *, size: float =
 
 def cell_of(row: Mapping[str, Any], column: Field) -> Any:
     """Return the value of a cell; a list of texts as one text between commas, where it may fold."""
-    value = row.get(column.key)
+    value = _found(row, column) if column.source else row.get(column.key)
+    value = None if value is _MISSING else value
     return (
         ", ".join(map(str, value))
         if column.fold == ", " and isinstance(value, (list, tuple))

@@ -111,22 +111,33 @@ class Analysis(EqualByContent):
                 columns |= {prefix + name: getattr(part, name) for name in names}
         return pd.DataFrame(columns)
 
-    def to_json(self, names: Sequence[Mapping[str, Any]] | None = None) -> dict[str, Any]:
+    def to_json(
+        self, names: Sequence[Mapping[str, Any]] | None = None, *, brief: bool = False
+    ) -> dict[str, Any]:
         """Return everything as plain data of schema ``gsp.analyze/1``.
 
         Parameters
         ----------
         names
             What each pose is called; without it they have no ``mode``.
+        brief
+            Without matrices and the screws of the constraints.
         """
         count = len(self.given.T)
         called = [{"mode": None}] * count if names is None else names
+        left_out = _LONG if brief else ()
         return {
             "schema": "gsp.analyze/1",
             **self.given.instance.to_json(),
             **({"drives": list(self.given.drives.names)} if self.moves_points else {}),
             "length": self.given.length,
-            "poses": [{**called[k], **self.entry(k)} for k in range(count)],
+            "poses": [
+                {
+                    **called[k],
+                    **{key: x for key, x in self.entry(k).items() if key not in left_out},
+                }
+                for k in range(count)
+            ],
         }
 
     def quantities(self) -> dict[str, Array | QuantityParts]:
@@ -194,10 +205,6 @@ class Analysis(EqualByContent):
             },
         }
         return entry | self._asked(k)
-
-    def brief(self, k: int) -> dict[str, Any]:
-        """Return of one pose what a table of poses shows, without matrices."""
-        return {key: value for key, value in self.entry(k).items() if key not in _LONG}
 
     def _asked(self, k: int) -> dict[str, Any]:
         """Return what was asked for."""

@@ -195,10 +195,10 @@ def test_modes_of_one_pose_and_of_all(gsp, spec):
     ("arguments", "message"),
     [
         (("--stiffness", "1"), "--stiffness is for --modes only"),
-        (("--near", POSE), "--near says which mode to follow: give it with ROWS"),
+        (("--near", POSE), "--near is for ROWS: give it, too"),
         (("--mode", "1", "--pose", POSE), "give either "),
         (("ROWS", "--pose", POSE), "give either ROWS or --pose"),
-        (("ROWS", "--mode", "1"), "--mode and --near are for files of values"),
+        (("ROWS", "--mode", "1"), "expected a file of values to follow"),
         (("--modes", "--stiffness", "1,2"), "--stiffness: found 2 numbers, expected 1 or 6"),
         (("--require", "forc<=1"), "did you mean force?"),
         (("--require", "moment<=1"), "--require moment: not known here"),

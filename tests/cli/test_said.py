@@ -33,14 +33,20 @@ def test_a_name_of_two_kinds_is_explained(gsp: Callable) -> None:
     assert gsp("constraint", "DLL").err == ""
 
 
-def test_values_beside_poses_that_contradict_them_are_named(gsp: Callable, tmp_path: Path) -> None:
-    file = tmp_path / "poses.csv"
+@pytest.mark.parametrize("command", ["measure", "analyze", "clearance", "dynamics"])
+def test_values_beside_poses_that_contradict_them_are_named(
+    command: str, gsp: Callable, tmp_path: Path
+) -> None:
+    spec, file = tmp_path / "machine.yaml", tmp_path / "poses.csv"
+    body = "{mass: 1, centre: [0, 0, 0], inertia: [1, 1, 1, 0, 0, 0]}"
+    machine = gsp("example", "rubin-m2").out
+    spec.write_text(f"{machine}dynamics: {{platform: {body}}}\n")
     file.write_text("x,y,z,qw,qx,qy,qz,L1,L2\n0,0,0,1,0,0,0,0.493,0.5\n")
-    outcome = gsp("measure", "@rubin-m2", file)
+    outcome = gsp(command, spec, file)
     assert outcome.code == 0
     assert "2:21: found 0.5 beside a pose that measures 0.493" in outcome.err
     file.write_text("x,y,z,qw,qx,qy,qz,L1\n0,0,0,1,0,0,0,0.493\n")
-    assert gsp("measure", "@rubin-m2", file).err == ""
+    assert gsp(command, spec, file).err == ""
 
 
 def test_long_work_says_how_far_it_is_off_a_terminal(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -9,60 +9,27 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from gspcli.cli.options import (
-    HOME,
-    Command,
-    Options,
-    Positive,
-    exclusive,
-    output_options,
-    value_options,
-)
-from gspcli.cli.pose_options import (
-    asked_poses,
-    column_options,
-    mode_option,
-    near_option,
-    pose_options,
-    pose_value_option,
-)
+from gspcli.cli.options import HOME, Command, Options, Positive, output_options
+from gspcli.cli.pose_options import AskedPoses, asked_poses, rows_options
 from gspcli.cli.render import emit
-from gspcli.cli.requirements import (
-    judged,
-    refuse,
-    require_option,
-    required,
-    verdict_entries,
-    verdict_lines,
-)
+from gspcli.cli.requirements import refuse, require_option, required, settled
 from gspcli.cli.result import Field, Fields, Result, vector_text
 from gspcli.errors import GspError
 
 if TYPE_CHECKING:
-    from gspcli.cli.pose_options import AskedPoses
     from gspcli.dynamics.analyses import Analysis
-    from gspcli.geometry.instance import Instance
     from gspcli.geometry.machine import Machine
     from gspcli.motion.statics.wrenches import Wrenches
 
-FIELDS = Fields("analyze")
+FIELDS = Fields("analyze", size=1.0)
 
-#: Formats for people.
-_READABLE = ("table", "markdown", "latex")
-_ZERO = 1e-12
+_TRANSMISSION = "transmission: the part of a drive's motion along its rod, 0 at a dead point"
+_TWIST = ("rx", "ry", "rz", "x", "y", "z")
+_WRENCH = ("mx", "my", "mz", "fx", "fy", "fz")
 
 
 @click.command(cls=Command)
-@exclusive("--mode", "--pose", "--near")
-@exclusive("ROWS", "--pose")
-@click.argument("spec", metavar="SPEC")
-@click.argument("rows", metavar="[ROWS]", required=False)
-@mode_option("only this one, in detail; also along a file of values.")
-@pose_value_option("instead of the modes of SPEC")
-@near_option("of a file of values only this one is followed")
-@value_options
-@pose_options
-@column_options
+@rows_options("only this one, in detail; also along a file of values.")
 @click.option(
     "--point",
     metavar="X,Y,Z",
@@ -138,80 +105,49 @@ def command(o: Options) -> None:
       gsp analyze platform.yaml --pose 0,0,1.5,1,0,0,0 --stiffness 2e6
       gsp analyze platform.yaml path.csv --load 0,0,-9 --require "force<=20"
     """
-    if o.near is not None and o.rows is None:
-        raise click.UsageError("--near says which mode to follow: give it with ROWS")
     if o.output.part is not None and o.rows is None and o.pose is None:
         # Parts are of one pose.
         o.mode = o.mode or HOME
-    instance = o.instance
     requirements = required(o.require)
-    asked = asked_poses(instance, o.rows, o.mode, o.pose, o.near, o.form)
-    analysis = _analysis(
-        instance, asked, o.load, o.stiffness, o.tolerance, o.geometry_tolerance, o.point, o.length
-    )
+    asked = asked_poses(o)
+    analysis = _analysis(o, asked)
     given = analysis.given
-    names = [asked.named(k) for k in range(len(asked.T))]
     detailed = o.rows is None and (o.mode is not None or o.pose is not None)
-    document = None
-    if o.output.format == "json":
-        document = analysis.to_json(names)
-        entries = document["poses"]
-    else:
-        # Matrices of many poses fill the memory, and a table of poses has none.
-        wanted = analysis.entry if detailed else analysis.brief
-        entries = [{**name, **wanted(k)} for k, name in enumerate(names)]
+    # Matrices of many poses fill the memory, and a table of poses has none.
+    brief = not detailed and o.output.format != "json"
+    result = overview(analysis, asked, analysis.to_json(asked.places, brief=brief))
     known = analysis.quantities() if requirements else None
-    verdicts, more = judged(instance, requirements, given.R, given.T, entries, known)
-    more = [column for column in more if column.key != "transmission"]
-    tables = details(entries[0], given) if detailed else [overview(entries, given, more)]
-    if analysis.moves_points and detailed:
-        tables.insert(1, drives_table(entries[0], given.drives))
-    if o.output.format in _READABLE:
-        tables = [replace(table, rows=[_tidy(row) for row in table.rows]) for table in tables]
-    if verdicts:
-        tables[0] = replace(tables[0], summary=verdict_lines(verdicts, asked.place))
-    if document is not None and verdicts:
-        document["requirements"] = verdict_entries(verdicts, asked.named)
-    emit(o.output, tables, document=document)
+    result, verdicts = settled(result, requirements, given.R, given.T, asked.places, known)
+    if detailed:
+        result = replace(result, parts=details(result.rows[0], analysis))
+    emit(o.output, result)
     refuse(verdicts)
     asked.check()
 
 
-def _analysis(
-    instance: Instance,
-    asked: AskedPoses,
-    load: str | None,
-    stiffness: str | None,
-    tolerance: str | None,
-    geometry_tolerance: str | None,
-    point: str | None,
-    length: float | None,
-) -> Analysis:
+def _analysis(o: Options, asked: AskedPoses) -> Analysis:
     """Return what the options ask for."""
     from gspcli.dynamics.analyses import analyze
 
-    force, at = (None, None) if load is None else _load(load)
+    wrench, _, where = re.sub(r"\s", "", o.load or "").partition("@")
+    geometry = _given(o.geometry_tolerance, (1, 2), "--geometry-tolerance")
+    if geometry is not None and min(geometry) < 0:
+        raise GspError(
+            f"--geometry-tolerance: found {o.geometry_tolerance}, expected numbers of at least 0"
+        )
     return analyze(
-        instance,
+        o.instance,
         asked.R,
         asked.T,
-        load=force,
-        at=at,
-        stiffness=_given(stiffness, (1, 6), "--stiffness"),
-        tolerance=_given(tolerance, (1, 6), "--tolerance"),
-        geometry_tolerance=_geometry(geometry_tolerance),
-        point=_given(point, (3,), "--point"),
-        length=length,
-        drives=asked.stated_drives(instance),
+        load=_given(None if o.load is None else wrench, (3, 6), "--load"),
+        at=_given(where or None, (3,), "--load"),
+        stiffness=_given(o.stiffness, (1, 6), "--stiffness"),
+        tolerance=_given(o.tolerance, (1, 6), "--tolerance"),
+        geometry_tolerance=geometry,
+        point=_given(o.point, (3,), "--point"),
+        length=o.length,
+        drives=asked.drives,
     )
-
-
-def _tidy(row: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a row for people, in which rounding errors about zero are zero."""
-    return {
-        key: 0.0 if isinstance(value, float) and abs(value) < _ZERO else value
-        for key, value in row.items()
-    }
 
 
 def _given(text: str | None, counts: tuple[int, ...], option: str) -> list[float] | None:
@@ -223,75 +159,11 @@ def _given(text: str | None, counts: tuple[int, ...], option: str) -> list[float
     return numbers_of(text, counts, option)
 
 
-def _load(text: str) -> tuple[list[float] | None, list[float] | None]:
-    """Return a force with its moment, and where it acts or None."""
-    wrench, _, where = re.sub(r"\s", "", text).partition("@")
-    return _given(wrench, (3, 6), "--load"), _given(where or None, (3,), "--load")
-
-
-def _geometry(text: str | None) -> list[float] | None:
-    numbers = _given(text, (1, 2), "--geometry-tolerance")
-    if numbers is not None and min(numbers) < 0:
-        raise GspError(f"--geometry-tolerance: found {text}, expected numbers of at least 0")
-    return numbers
-
-
-_TRANSMISSION = "transmission: the part of a drive's motion along its rod, 0 at a dead point"
-_TWIST = ("rx", "ry", "rz", "x", "y", "z")
-_WRENCH = ("mx", "my", "mz", "fx", "fy", "fz")
-
-
-def overview(entries: list[dict[str, Any]], given: Wrenches, more: Sequence[Field] = ()) -> Result:
-    """Return a line for each pose; `more` are columns of quantities added to the entries."""
-    columns = [
-        *FIELDS.of(
-            "row t mode condition transmission torque torque_of manipulability largest smallest "
-            "worst force force_in moment moment_in least_stiffness worst_shift bound_shift "
-            "geometry_shift"
-        ),
-        *more,
-    ]
-    rows = [_line(entry, given) for entry in entries]
-    # The columns of modes and of computed numbers are always shown.
-    always = ("condition", "manipulability", "largest", "smallest", "worst")
-    asked = {key for row in rows for key in row}
-    kept = [column for column in columns if column.key in always or column.key in asked]
-    return Result(kept, rows, title=given.instance.title, notes=_explained(rows[0], given))
-
-
-def _line(entry: dict[str, Any], given: Wrenches) -> dict[str, Any]:
-    """Return the most important numbers of a pose."""
-    from gspcli.ties import first_largest
-
-    values = entry["singular_values"]
-    plain = {key: value for key, value in entry.items() if not isinstance(value, list | dict)}
-    if plain.get("mode") is None:
-        del plain["mode"]
-    row = {**plain, "largest": values[0], "smallest": values[-1]}
-    row["worst"] = entry["worst_force"]["reaction"]
-    if "reactions" in entry:
-        for name, angles in (("force", False), ("moment", True)):
-            loads = {
-                k: abs(load or 0.0)
-                for k, load in enumerate(entry["reactions"])
-                if given.angles[k] == angles
-            }
-            if loads and None not in entry["reactions"]:
-                most = list(loads)[int(first_largest(list(loads.values())))]
-                row |= {name: loads[most], f"{name}_in": most + 1}
-    if "torques" in entry and None not in entry["torques"]:
-        sizes = list(map(abs, entry["torques"]))
-        most = sizes.index(max(sizes))
-        row |= {"torque": sizes[most], "torque_of": given.drives.names[most]}
-    if "accuracy" in entry:
-        row |= {key: entry["accuracy"][key] for key in ("worst_shift", "bound_shift")}
-    if "geometry" in entry:
-        row["geometry_shift"] = entry["geometry"]["shift"]
-    return row
-
-
-def _explained(row: dict[str, Any], given: Wrenches) -> list[str]:
-    unit = given.instance.units.length
+def overview(analysis: Analysis, asked: AskedPoses, document: dict[str, Any]) -> Result:
+    """Return a line for each pose, and what the document of the analysis says for JSON."""
+    rows = [{**entry, **_most(entry, analysis)} for entry in document["poses"]]
+    given = analysis.given
+    unit, row = given.instance.units.length, rows[0]
     notes = [
         f"lengths divided by {given.length:.6g} {unit}; worst force: the largest load of a "
         "constraint by a unit force at the point"
@@ -307,83 +179,91 @@ def _explained(row: dict[str, Any], given: Wrenches) -> list[str]:
         notes.append(f"largest torque: of cranks force times {unit}, of slides a force")
     if "least_stiffness" in row:
         notes.append("least stiffness: a force at the point by the shift that it causes")
-    if "worst_shift" in row or "geometry_shift" in row:
+    if "accuracy" in row or "geometry" in row:
         notes.append(
             f"errors in {unit}: the largest of the point, from the values and the geometry"
         )
-    return notes + _weights(given)
+    columns = FIELDS.of(
+        f"{asked.columns} condition transmission? torque? torque_of? manipulability largest "
+        "smallest worst force? force_in? moment? moment_in? least_stiffness? worst_shift? "
+        "bound_shift? geometry_shift?",
+        rows,
+    )
+    return Result(
+        columns,
+        rows,
+        given.instance.title,
+        [*notes, *_weights(given)],
+        instance=given.instance,
+        schema="analyze",
+        name="poses",
+        head=document,
+    )
 
 
-def drives_table(entry: dict[str, Any], drives: Machine) -> Result:
-    """Return a line for each drive of one pose."""
-    rows = []
-    for k, name in enumerate(drives.names):
-        users = drives.users(k)
-        shares = [entry["transmissions"][user] for user in users]
-        row = {
-            "drive": name,
-            "rods": " ".join(str(user + 1) for user in users),
-            "at": entry["drives"][k],
-            "transmission": None if None in shares else min(shares),
+def _most(entry: Mapping[str, Any], analysis: Analysis) -> dict[str, Any]:
+    """Return the largest force and moment of a constraint, and torque of a drive, under a load."""
+    from gspcli.ties import first_largest
+
+    found: dict[str, Any] = {}
+    loads, angles = entry.get("reactions", [None]), analysis.given.angles
+    for name, of_angles in (("force", False), ("moment", True)):
+        sizes = {
+            k: abs(x)
+            for k, x in enumerate(loads, 1)
+            if x is not None and angles[k - 1] == of_angles
         }
-        if "torques" in entry:
-            row["torque"] = entry["torques"][k]
-        rows.append(row)
-    columns = FIELDS.of("drive rods at transmission@2")
-    units = drives.instance.units
-    notes = [f"at: in {units.angle.value} or {units.length} from where it is stated", _TRANSMISSION]
-    if "torques" in entry:
-        columns.append(FIELDS["torque@2"])
-        notes.append(f"torque: of cranks force times {units.length}, of slides a force")
-    return Result(columns, rows, title="Drives", notes=notes, part="drives")
+        if sizes and None not in loads:
+            most = list(sizes)[int(first_largest(list(sizes.values())))]
+            found |= {name: sizes[most], f"{name}_in": most}
+    torques = entry.get("torques", [None])
+    if None not in torques:
+        torque, k = max((abs(x), -k) for k, x in enumerate(torques))
+        found |= {"torque": torque, "torque_of": analysis.given.drives.names[-k]}
+    return found
 
 
-def details(entry: dict[str, Any], given: Wrenches) -> list[Result]:
+def details(entry: Mapping[str, Any], analysis: Analysis) -> list[Result]:
     """Return all tables of one pose."""
+    given = analysis.given
+    units = given.instance.units
     kinds = [constraint.kind.name for constraint in given.instance.constraints]
     labels = [f"{k} {kind}" for k, kind in enumerate(kinds, 1)]
-    unit = given.instance.units.length
     title = "Derivatives of the values by the twist"
     tables = [
         _screws(entry, given, kinds),
         _matrix("jacobian", title, "value", labels, _TWIST, entry["jacobian"]),
         _matrix("inverse", "Twist by the values", "twist", _TWIST, labels, entry["inverse"]),
     ]
+    if analysis.moves_points:
+        tables.insert(1, _drives(entry, given.drives))
     if "stiffness" in entry:
         title = "Stiffness: wrench by twist"
         tables.append(_matrix("stiffness", title, "wrench", _WRENCH, _TWIST, entry["stiffness"]))
+    note = f"rotations in radians, distances in {units.length}"
     if "accuracy" in entry:
-        tables.append(_errors(entry["accuracy"], unit))
+        lost = None in entry["accuracy"]["bound"]
+        said = note + "; the tolerances are too large for a proof" * lost
+        tables.append(_errors("errors", "Errors of the pose", entry["accuracy"], said))
     if "geometry" in entry:
-        tables.append(_geometry_errors(entry["geometry"], unit))
+        title = "Errors of the pose from the geometry"
+        note += "; upper bounds for rotation and distance"
+        tables.append(_errors("geometry", title, entry["geometry"], note))
     return tables
 
 
-def _screws(entry: dict[str, Any], given: Wrenches, kinds: list[str]) -> Result:
+def _screws(entry: Mapping[str, Any], given: Wrenches, kinds: Sequence[str]) -> Result:
     """Return the wrenches of the constraints; notes describe the pose."""
-    screws = []
+    rows = []
     for k, kind in enumerate(kinds):
         row = {"number": k + 1, "kind": kind, "pitch": entry["pitches"][k]}
-        row |= zip(("fx", "fy", "fz"), entry["forces"][k], strict=True)
-        row |= zip(("mx", "my", "mz"), entry["moments"][k], strict=True)
-        row |= zip(("px", "py", "pz"), entry["feet"][k], strict=True)
+        for letter, key in (("f", "forces"), ("m", "moments"), ("p", "feet")):
+            row |= zip((f"{letter}{axis}" for axis in "xyz"), entry[key][k], strict=True)
         if "reactions" in entry:
             row["reaction"] = entry["reactions"][k]
-        screws.append(row)
-    forces, moments = ("fx", "fy", "fz"), ("mx", "my", "mz")
-    columns = FIELDS.of("number kind")
-    if "reactions" in entry:
-        columns.append(FIELDS["reaction"])
-    for keys, size in ((forces, 1.0), (moments, given.length)):
-        columns += [Field(key, "", "right", True, aligned=True, size=size) for key in keys]
-    columns += [Field(key, align="right", size=given.length) for key in ("pitch", "px", "py", "pz")]
-    notes = _notes(entry, given)
-    return Result(columns, screws, title=given.instance.title, notes=notes, part="wrenches")
-
-
-def _notes(entry: dict[str, Any], given: Wrenches) -> list[str]:
-    unit = given.instance.units.length
-    worst = entry["worst_force"]
+        rows.append(row)
+    columns = FIELDS.of("number kind reaction? fx fy fz mx my mz pitch px py pz", rows)
+    unit, worst = given.instance.units.length, entry["worst_force"]
     values = " ".join(f"{value:.4g}" for value in entry["singular_values"])
     condition = "infinite" if entry["condition"] is None else f"{entry['condition']:.6g}"
     point = vector_text(entry["point"], size=given.length)
@@ -398,7 +278,7 @@ def _notes(entry: dict[str, Any], given: Wrenches) -> list[str]:
             f"worst unit force: ({along}) loads constraint {worst['constraint']} with "
             f"{worst['reaction']:.6g}"
         )
-    return notes + _weights(given)
+    return Result(columns, rows, notes=[*notes, *_weights(given)], part="wrenches")
 
 
 def _weights(given: Wrenches) -> list[str]:
@@ -409,48 +289,45 @@ def _weights(given: Wrenches) -> list[str]:
     return [f"reactions hold the weights under dynamics in SPEC, too: N, and N {unit} for angles"]
 
 
+def _drives(entry: Mapping[str, Any], drives: Machine) -> Result:
+    """Return a line for each drive of one pose."""
+    rows = []
+    for k, name in enumerate(drives.names):
+        users = drives.users(k)
+        shares = [entry["transmissions"][user] for user in users]
+        least = None if None in shares else min(shares)
+        rods = " ".join(str(user + 1) for user in users)
+        row = {"drive": name, "rods": rods, "at": entry["drives"][k], "transmission": least}
+        if "torques" in entry:
+            row["torque"] = entry["torques"][k]
+        rows.append(row)
+    units = drives.instance.units
+    notes = [f"at: in {units.angle.value} or {units.length} from where it is stated", _TRANSMISSION]
+    if "torques" in entry:
+        notes.append(f"torque: of cranks force times {units.length}, of slides a force")
+    columns = FIELDS.of("drive rods at transmission@2 torque@2?", rows)
+    return Result(columns, rows, title="Drives", notes=notes, part="drives")
+
+
 def _matrix(part: str, title: str, corner: str, rows: Any, columns: Any, matrix: Any) -> Result:
-    return Result(
-        [Field(corner, essential=True)]
-        + [Field(name, align="right", essential=True, aligned=True) for name in columns],
-        [
-            {corner: name, **dict(zip(columns, values, strict=True))}
-            for name, values in zip(rows, matrix, strict=True)
-        ],
-        title=title,
-        part=part,
-    )
+    numbers = [
+        Field(name, align="right", essential=True, aligned=True, size=1.0) for name in columns
+    ]
+    cells = [
+        {corner: name, **dict(zip(columns, values, strict=True))}
+        for name, values in zip(rows, matrix, strict=True)
+    ]
+    return Result([Field(corner, essential=True), *numbers], cells, title=title, part=part)
 
 
-def _geometry_errors(errors: dict[str, Any], unit: str) -> Result:
-    rows = [
-        {"error": name, "worst": worst, "rms": rms}
-        for name, worst, rms in zip(_TWIST, errors["worst"], errors["rms"], strict=True)
+def _errors(part: str, title: str, errors: Mapping[str, Any], note: str) -> Result:
+    """Return the errors of each coordinate, and those of the whole rotation and distance."""
+    keys = [key for key in ("worst", "bound", "rms") if key in errors]
+    rows: list[dict[str, Any]] = [
+        {"error": name, **{key: errors[key][k] for key in keys}} for k, name in enumerate(_TWIST)
     ]
-    rows += [
-        {"error": "rotation", "worst": errors["turn"]},
-        {"error": "distance", "worst": errors["shift"]},
-    ]
-    columns = FIELDS.of("error worst@2 rms")
-    note = f"rotations in radians, distances in {unit}; upper bounds for rotation and distance"
-    return Result(
-        columns, rows, title="Errors of the pose from the geometry", notes=[note], part="geometry"
-    )
-
-
-def _errors(errors: dict[str, Any], unit: str) -> Result:
-    rows = [
-        {"error": name, "worst": a, "bound": b, "rms": c}
-        for name, a, b, c in zip(
-            _TWIST, errors["worst"], errors["bound"], errors["rms"], strict=True
-        )
-    ]
-    rows += [
-        {"error": "rotation", "worst": errors["worst_turn"], "bound": errors["bound_turn"]},
-        {"error": "distance", "worst": errors["worst_shift"], "bound": errors["bound_shift"]},
-    ]
-    columns = FIELDS.of("error worst@2 bound rms@2")
-    note = f"rotations in radians, distances in {unit}"
-    if any(row["bound"] is None for row in rows):
-        note += "; the tolerances are too large for a proof"
-    return Result(columns, rows, title="Errors of the pose", notes=[note], part="errors")
+    for name, key in (("rotation", "turn"), ("distance", "shift")):
+        row = {"error": name, "worst": errors.get(f"worst_{key}", errors.get(key))}
+        rows.append(row | ({"bound": errors[f"bound_{key}"]} if "bound" in keys else {}))
+    columns = FIELDS.of("error worst@2 bound? rms", rows)
+    return Result(columns, rows, title=title, notes=[note], part=part)

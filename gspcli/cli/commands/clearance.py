@@ -2,51 +2,28 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
-from gspcli.cli.options import (
-    HOME,
-    Command,
-    Options,
-    exclusive,
-    output_options,
-    value_options,
-)
-from gspcli.cli.pose_options import (
-    asked_poses,
-    column_options,
-    mode_option,
-    near_option,
-    pose_options,
-    pose_value_option,
-)
+from gspcli.cli.options import HOME, Command, Options, exclusive, output_options
+from gspcli.cli.pose_options import AskedPoses, asked_poses, rows_options
 from gspcli.cli.render import emit
-from gspcli.cli.result import Field, Fields, Result
+from gspcli.cli.result import Fields, Result
 from gspcli.cli.streams import progress
 from gspcli.errors import GspError
 
 if TYPE_CHECKING:
-    from gspcli.geometry.instance import Instance
+    from gspcli.motion.singularities.clearances import Clearances
 
 FIELDS = Fields("clearance")
 
 
 @click.command(cls=Command)
-@exclusive("--mode", "--pose", "--near")
-@exclusive("ROWS", "--pose")
+@rows_options("only this one; also along a file of values.  [default: home]")
 @exclusive("--all-modes", "--mode")
 @exclusive("--all-modes", "--pose")
-@click.argument("spec", metavar="SPEC")
-@click.argument("rows", metavar="[ROWS]", required=False)
-@mode_option("only this one; also along a file of values.  [default: home]")
 @click.option("--all-modes", is_flag=True, help="All real poses: not home only.")
-@pose_value_option("instead of the modes of SPEC")
-@near_option("of a file of values only this one is followed")
-@value_options
-@pose_options
-@column_options
 @click.option(
     "--of",
     type=click.Choice(["values", "drives", "pose"]),
@@ -96,26 +73,18 @@ def command(o: Options) -> None:
       gsp clearance platform.yaml path.csv -o clearances.csv
       gsp clearance platform.yaml --pose 0,0,1.5,1,0,0,0 --format json
     """
-    if o.near is not None and o.rows is None:
-        raise click.UsageError("--near says which mode to follow: give it with ROWS")
     if o.rows is None and o.pose is None and not o.all_modes:
         o.mode = o.mode or HOME
     if o.points is not None and o.of != "pose":
         raise click.UsageError("--points needs --of pose")
-    from gspcli.motion.singularities.clearances import clearance, range_weights
+    from gspcli.motion.singularities.clearances import clearance
 
-    instance = o.instance
-    chosen = None if o.points is None else _points(o.points)
-    asked = asked_poses(instance, o.rows, o.mode, o.pose, o.near, o.form)
+    points = None if o.points is None else _points(o.points)
+    asked = asked_poses(o)
     found = clearance(
-        instance, asked.R, asked.T, of=o.of, points=chosen, refine=o.refine, progress=progress
+        o.instance, asked.R, asked.T, of=o.of, points=points, refine=o.refine, progress=progress
     )
-    document = found.to_json([asked.named(k) for k in range(len(asked.T))])
-    if found.of == "drives":
-        emit(o.output, _drive_table(instance, document["modes"]), document=document)
-    else:
-        unit = _unit(instance, found.of, ranged=range_weights(instance) is not None)
-        emit(o.output, _table(instance, document["modes"], found.of, unit), document=document)
+    emit(o.output, _result(found, asked))
     asked.check()
 
 
@@ -133,62 +102,43 @@ def _points(text: str) -> list[list[float]]:
     return [[float(cell) for cell in point] for point in points]
 
 
-def _unit(instance: Instance, of: str, *, ranged: bool) -> str:
-    units = instance.units
-    if of == "pose":
-        return f"{units.length}, root mean squares of the displacements of points"
-    if ranged:
-        return "units of half the range of each value"
-    return f"units of 1 {units.length} for distances, 1 {units.angle.value} for angles"
-
-
-def _drive_table(instance: Instance, rows: list[dict[str, Any]]) -> Result:
+def _result(found: Clearances, asked: AskedPoses) -> Result:
+    """Return a row for each pose, with the values or drives at the nearest event."""
     from gspcli.geometry.machine import Machine
-    from gspcli.motion.singularities.clearances import drive_weights
+    from gspcli.motion.singularities.clearances import drive_weights, range_weights
 
-    names, units = Machine.of(instance).names, instance.units
-    columns = [
-        *_name_columns(rows),
-        *FIELDS.of("lower working_modes upper dead_point drive"),
-        *(Field(name, align="right") for name in names),
-    ]
-    what = f"1 {units.angle.value} for cranks, 1 {units.length} for slides"
-    if drive_weights(instance)[1]:
-        what = "half the range of each drive"
-    note = f"changes of all drives, in units of {what}; last columns: the drives at the fold"
-    shown = [
-        {key: value for key, value in row.items() if key not in ("drives", "R", "T")}
-        | dict(zip(names, row["drives"] or (), strict=False))
-        for row in rows
-    ]
-    return Result(columns, shown, title=instance.title, notes=[note])
-
-
-def _name_columns(rows: list[dict[str, Any]]) -> list[Field]:
-    names = [key for key in ("row", "t", "mode") if any(row.get(key) is not None for row in rows)]
-    return [Field(key, align="right", essential=True) for key in names or ("mode",)]
-
-
-def _table(instance: Instance, rows: list[dict[str, Any]], of: str, unit: str) -> Result:
-    columns = [
-        *_name_columns(rows),
-        FIELDS["lower@2"],
-        FIELDS["upper@2"].but(title="singular at" if of == "pose" else "ends at"),
-        FIELDS["ratio"],
-    ]
-    columns.append(FIELDS["by"])
-    if of == "values":
-        columns.append(FIELDS["constraint"])
+    instance, units, of = found.instance, found.instance.units, found.of
+    if of == "drives":
+        note = f"1 {units.angle.value} for cranks, 1 {units.length} for slides"
+        note = "half the range of each drive" if drive_weights(instance)[1] else note
+        note = f"changes of all drives, in units of {note}; last columns: the drives at the fold"
+        columns = FIELDS.of(f"{asked.columns} lower working_modes upper dead_point drive")
+        names = dict.fromkeys(Machine.of(instance).names, "")
+    else:
+        note = f"units of 1 {units.length} for distances, 1 {units.angle.value} for angles"
+        note = note if range_weights(instance) is None else "units of half the range of each value"
+        ends = "ends at", "where the mode ends"
+        if of == "pose":
+            note = f"{units.length}, root mean squares of the displacements of points"
+            ends = "singular at", "of the nearest singular pose found"
+        note = f"clearances in {note}; last columns: the values {ends[1]}"
+        columns = FIELDS.of(f"{asked.columns} lower@2")
+        columns += [FIELDS["upper@2"].but(title=ends[0]), *FIELDS.of("ratio by")]
+        columns += FIELDS.of("constraint" if of == "values" else "")
+        kinds = (one.kind.name for one in instance.constraints)
+        names = {str(k): f"{k} {kind}" for k, kind in enumerate(kinds, 1)}
+    place = "drives" if of == "drives" else "values"
     columns += [
-        Field(str(k), f"{k} {constraint.kind.name}", align="right")
-        for k, constraint in enumerate(instance.constraints, 1)
+        FIELDS[name].but(title=title, source=f"{place}.{k}")
+        for k, (name, title) in enumerate(names.items())
     ]
-    note = f"clearances in {unit}; last columns: the values "
-    note += "of the nearest singular pose found" if of == "pose" else "where the mode ends"
-    return Result(columns, [_shown(row) for row in rows], title=instance.title, notes=[note])
-
-
-def _shown(row: dict[str, Any]) -> dict[str, Any]:
-    """Return a row of the table."""
-    values = {str(k): value for k, value in enumerate(row["values"] or (), 1)}
-    return {key: value for key, value in row.items() if key not in ("values", "R", "T")} | values
+    document = found.to_json(asked.places)
+    return Result(
+        columns,
+        document["modes"],
+        instance.title,
+        [note],
+        schema="clearance",
+        name="modes",
+        head=document,
+    )

@@ -17,9 +17,10 @@ from gspcli.cli.pose_options import (
     pose_value_option,
     text_of,
     warn_of_range,
+    warn_of_values,
 )
 from gspcli.cli.render import emit
-from gspcli.cli.requirements import require_option, required, settled
+from gspcli.cli.requirements import refuse, require_option, required, settled
 from gspcli.cli.result import Field, Fields, Result
 from gspcli.cli.streams import say
 from gspcli.errors import CheckFailed, IncompleteError
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
 
     from gspcli.geometry.instance import Instance
     from gspcli.motion import PoseTable
+    from gspcli.motion.files.requirements import QuantityParts, RequirementVerdict
 
     Array = NDArray[np.float64]
     from gspcli.motion import PoseFormat
@@ -142,14 +144,16 @@ def command(o: Options) -> None:
         result = _motors(instance, table, t, cranks=o.cranks)
     else:
         values, result = _values(instance, table, t)
-        _say_other_values(text, name, form, instance, values)
-    refuse_unmet = None
+        warn_of_values(text, name, form, instance, values)
+    verdicts: list[RequirementVerdict] = []
     if not (o.cranks or o.nearest):
         # Poses that are refused have no other numbers.
         reached = [k for k, row in enumerate(result.rows) if not row.get("refused")]
         places = [{"row": k + 1, "t": t[k]} for k in reached]
         part = replace(result, rows=[result.rows[k] for k in reached])
-        part, refuse_unmet = settled(part, requirements, table.R[reached], table.T[reached], places)
+        R, T = table.R[reached], table.T[reached]
+        part, known = _with_gaps(part, R, T)
+        part, verdicts = settled(part, requirements, R, T, places, known)
         blank = dict.fromkeys(column.key for column in part.columns)
         rows = [blank | dict(row) for row in result.rows]
         for k, row in zip(reached, part.rows, strict=True):
@@ -158,8 +162,7 @@ def command(o: Options) -> None:
     emit(o.output, result)
     if not (o.drives or o.cranks or o.nearest):
         warn_of_range(instance, t, values)
-    if refuse_unmet is not None:
-        refuse_unmet()
+    refuse(verdicts)
     _say_refused(result.rows, required=bool(requirements))
     missing = [row["t"] for row in result.rows if row.get("limits") == [_NOT_FOUND]]
     if missing:
@@ -167,6 +170,20 @@ def command(o: Options) -> None:
             f"no pose is found for {counted(len(missing), 'row')}, first t = {missing[0]:.10g}: "
             "the platform stays where it is"
         )
+
+
+def _with_gaps(result: Result, R: Array, T: Array) -> tuple[Result, dict[str, QuantityParts]]:
+    """Return a result with gaps between legs, if SPEC states their shapes; and these gaps."""
+    if result.instance is None or result.instance.shapes is None:
+        return result, {}
+    from gspcli.motion.collisions.compared import gaps
+    from gspcli.motion.files.requirements import QuantityParts
+
+    found = gaps(result.instance, R, T)
+    rows = [{**row, **gap} for row, gap in zip(result.rows, found.to_json(), strict=True)]
+    columns = [*result.columns, *FIELDS.of("gap gap_between")]
+    quantity = QuantityParts(found.values, found.pairs)
+    return replace(result, columns=columns, rows=rows), {"gap": quantity}
 
 
 def _say_refused(rows: Sequence[Mapping[str, Any]], *, required: bool) -> None:
@@ -179,22 +196,6 @@ def _say_refused(rows: Sequence[Mapping[str, Any]], *, required: bool) -> None:
     if required:
         raise CheckFailed(message)
     say(message)
-
-
-def _say_other_values(
-    text: str, name: str, form: PoseFormat, instance: Instance, values: Array
-) -> None:
-    """Say on standard error that values beside poses, which are not used, contradict them."""
-    from gspcli.motion.files.number_tables import NumberTable
-    from gspcli.motion.files.value_files import compare_values
-
-    if not text or text.lstrip()[:1] in "{[":
-        return
-    table = NumberTable(text, name, form.units.of(instance), form.ignore, form.columns)
-    compare_values(table, instance, values)
-    if table.mistakes:
-        more = f" (and {len(table.mistakes) - 1} more)" if len(table.mistakes) > 1 else ""
-        say(f"warning: {table.mistakes[0]}{more}: not used, the values are measured")
 
 
 def _values(instance: Instance, table: PoseTable, t: list[float]) -> tuple[Array, Result]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from itertools import groupby
@@ -32,15 +32,13 @@ from gspcli.cli.pose_options import (
 )
 from gspcli.cli.render import Output, emit
 from gspcli.cli.requirements import (
-    add_quantities,
+    judged,
     measured_quantities,
     refuse,
     require_option,
     required,
-    verdict_entries,
-    verdict_lines,
 )
-from gspcli.cli.result import Field, Fields, Result, pose_columns
+from gspcli.cli.result import Fields, Result, pose_columns
 from gspcli.cli.streams import say, working
 from gspcli.errors import GspError, IncompleteError
 from gspcli.geometry.limits import joint_cones
@@ -62,7 +60,6 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
     from collections.abc import Iterator
 
-    from gspcli.cli.result import Field
     from gspcli.geometry.frames import PoseFrame
     from gspcli.motion import Event, PoseFormat
     from gspcli.motion.files.requirements import QuantityParts, RequirementVerdict
@@ -203,13 +200,20 @@ def command(o: Options) -> None:
     with working("looking for singularities"):
         more = _clearances(result, requirements, clear=o.clear, pose_clear=o.pose_clear)
     rows = result.rows(more, form.frame)
-    verdicts, added = judged_track(done, requirements, rows)
-    shown = track_table(
-        result, rows, limits, added, track_lines(verdicts, rows, o.steps), form.frame
-    )
-    said = {"limits": [*map(plain_limit, limits)], **track_entries(verdicts, rows, o.steps)}
-    said["departures"] = [one.to_json(form.in_radians) for one in left]
-    emit(o.output, shown, document=result.to_json(rows, form.frame) | said)
+    shown = track_table(result, rows, limits, form.frame)
+    head: dict[str, Any] = {**shown.head, "limits": [*map(plain_limit, limits)]}
+    head |= {"requirements": []} if requirements else {}
+    head["departures"] = [one.to_json(form.in_radians) for one in left]
+    shown = replace(shown, head=head)
+    verdicts: list[RequirementVerdict] = []
+    if requirements:
+        verdicts, quantities = judged_track(done, requirements, rows)
+        numbers = {
+            t: k // o.steps + 1 for k, t in enumerate(dict.fromkeys(row["t"] for row in rows))
+        }
+        places = [{"row": numbers[row["t"]], "t": row["t"], "mode": row["mode"]} for row in rows]
+        shown = judged(shown, verdicts, quantities, places, between=True)
+    emit(o.output, shown)
     _tell(result, limits, o.output)
     _refuse_losses(result, left, allowed=o.allow_loss)
     refuse(verdicts)
@@ -337,25 +341,18 @@ def track_table(
     result: Track,
     rows: list[dict[str, Any]],
     limits: list[LimitEvent],
-    more: list[Field],
-    summary: list[str],
     frame: PoseFrame,
 ) -> Result:
     """Return the table of the rows, with what is proved of the track below it."""
     from gspcli.geometry.arrangement import Arrangement
     from gspcli.motion.following.tracks import POSE
 
-    columns = [Field(key, align="right", essential=True) for key in ("t", "mode")]
+    columns = FIELDS.of("t mode")
     columns += pose_columns(POSE, Arrangement.of(result.instance).length)
-    columns.append(FIELDS["condition"])
-    columns += [
-        Field(key, key.replace("_", " "), align="right", essential=True)
-        for key in ("clearance", "pose_clearance")
-        if rows and key in rows[0]
-    ]
-    columns += more
+    columns += FIELDS.of("condition clearance? pose_clearance?", rows)
     names = [one.name for one in result.coordinates]
-    columns += [Field(name, align="right", minor=1) for name in names]
+    columns += [FIELDS[name] for name in names]
+    document = result.to_json(rows, frame)
     if names:
         at = {t: dict(zip(names, place, strict=True)) for t, place in _places(result)}
         rows = [{**row, **at[row["t"]]} for row in rows]
@@ -370,7 +367,7 @@ def track_table(
     if result.complete:
         note += "; every real pose at the last row is accounted for"
     notes = [note, *cones_notes(result, limits), *frame_note(frame)]
-    return Result(columns, rows, title=title, notes=notes, summary=summary)
+    return Result(columns, rows, title, notes, schema="track", name="poses", head=document)
 
 
 def _places(result: Track) -> Iterator[tuple[float, list[float]]]:
@@ -496,10 +493,8 @@ def judged_track(
     done: FollowedTrack,
     requirements: Sequence[Requirement],
     rows: list[dict[str, Any]],
-) -> tuple[list[RequirementVerdict], list[Field]]:
-    """Return whether a track keeps what is required, and the columns that this adds to its rows."""
-    if not requirements:
-        return [], []
+) -> tuple[list[RequirementVerdict], dict[str, Array | QuantityParts]]:
+    """Return whether a track keeps what is required, and quantities that its rows do not have."""
     import numpy as np
 
     from gspcli.motion.files.requirements import judge
@@ -517,7 +512,7 @@ def judged_track(
             quantities[one.quantity] = _at_all_rows(result, one)
     verdicts = [_between(one, done) for one in judge(requirements, quantities)]
     more = {name: numbers for name, numbers in quantities.items() if name not in known}
-    return verdicts, add_quantities(rows, more)
+    return verdicts, more
 
 
 def _at_all_rows(result: Track, requirement: Requirement) -> Array | QuantityParts:
@@ -619,35 +614,6 @@ def _bounded(verdict: RequirementVerdict, done: FollowedTrack) -> RequirementVer
         bound = "nothing is proved"
     where = f"between t = {t[0]:.6g} and {t[1]:.6g} {bound}"
     return replace(verdict, met=False, part=where, between=True)
-
-
-def track_lines(
-    verdicts: Sequence[RequirementVerdict], rows: list[dict[str, Any]], steps: int
-) -> list[str]:
-    """Return the verdicts in lines; of `steps` rows of the track one is of the file."""
-
-    def place(k: int) -> str:
-        at = _place(rows, k, steps)
-        return f"in row {at['row']} (t = {at['t']:.6g}), mode {at['mode']}"
-
-    return verdict_lines(verdicts, place)
-
-
-def track_entries(
-    verdicts: Sequence[RequirementVerdict], rows: list[dict[str, Any]], steps: int
-) -> dict[str, Any]:
-    """Return the verdicts for JSON, under their key; nothing if nothing was required."""
-    if not verdicts:
-        return {}
-    entries = verdict_entries(verdicts, lambda k: _place(rows, k, steps))
-    judged = [{**one, "between": v.between} for one, v in zip(entries, verdicts, strict=True)]
-    return {"requirements": judged}
-
-
-def _place(rows: Sequence[Mapping[str, Any]], k: int, steps: int) -> dict[str, Any]:
-    times = list(dict.fromkeys(row["t"] for row in rows))
-    row = rows[k]
-    return {"row": times.index(row["t"]) // steps + 1, "t": row["t"], "mode": row["mode"]}
 
 
 def plain_limit(event: LimitEvent) -> dict[str, Any]:
