@@ -42,7 +42,7 @@ if TYPE_CHECKING:
     from gspcli.errors import ArgumentError as ArgumentError
     from gspcli.errors import GspError as GspError
     from gspcli.errors import SpecError as SpecError
-    from gspcli.export.exported import exported as exported
+    from gspcli.export.formats import exported as exported
     from gspcli.geometry.building import angle as angle
     from gspcli.geometry.building import distance as distance
     from gspcli.geometry.building import hexapod as hexapod
@@ -153,7 +153,7 @@ _HOMES = {
     "dump": "gspcli.spec",
     "dumps": "gspcli.spec",
     "example": "gspcli.spec.reading",
-    "exported": "gspcli.export.exported",
+    "exported": "gspcli.export.formats",
     "family_bounds": "gspcli.catalogue.bounds",
     "fit_poses": "gspcli.sensing",
     "fit_readings": "gspcli.sensing",

@@ -10,11 +10,14 @@ degree ..`` where they know it, and the solutions as CSV that `gsp certify` read
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Literal
 
-from gspcli.export.polynomial_systems import Monomial, Polynomial, Style
+from gspcli.errors import ArgumentError
+from gspcli.export.polynomial_systems import MOTIONS, Monomial, Polynomial, Style, system
 from gspcli.records import dataclass
+from gspcli.wording import counted, listed, shown
 
 if TYPE_CHECKING:
     from gspcli.export.polynomial_systems import PolynomialSystem
@@ -40,57 +43,19 @@ class SystemFormat:
 
 
 @dataclass(frozen=True)
-class ModeFormat:
-    """The input of a program that is given the platform in one real assembly mode.
+class ModelFormat:
+    """A model of the platform in one real assembly mode, or a program for its controller.
 
     Attributes
     ----------
-    write
-        The texts of its files for an instance and a pose of it.
     what
         What that is, for the help.
     suffixes
-        What the names of the files end with if there are two; the last is what `-o` names.
+        What the names of the files end with if there are two; `-o` names one of them.
     """
 
-    write: Callable[[Instance, Solution], tuple[str, ...]]
     what: str
     suffixes: tuple[str, ...] = ("",)
-
-
-@dataclass(frozen=True)
-class ControllerFormat:
-    """A program for the controller of one platform: a header and a source.
-
-    Attributes
-    ----------
-    write
-        The function that writes their texts. It takes an instance, what names begin with, how many
-        parts of a line of values are tried, and the name of the files. It also takes a pose for the
-        header, or None, and by which part of its range a value may leave it.
-    suffixes
-        What the names of the two files end with.
-    what
-        What that is, for the help.
-    """
-
-    write: Callable[[Instance, str, int, str, Solution | None, float], tuple[str, str]]
-    suffixes: tuple[str, str]
-    what: str
-
-
-def _controller(
-    instance: Instance,
-    prefix: str,
-    tries: int,
-    name: str,
-    home: Solution | None,
-    margin: float,
-) -> tuple[str, str]:
-    """Return the header and the source."""
-    from gspcli.export.controller.writing import controller
-
-    return controller(instance, prefix, tries=tries, name=name, home=home, margin=margin)
 
 
 def _julia(system: PolynomialSystem, digits: int) -> str:
@@ -138,13 +103,6 @@ def _macaulay2(system: PolynomialSystem, digits: int) -> str:
     )
 
 
-def _mjcf(instance: Instance, pose: Solution) -> tuple[str]:
-    """Return the model as XML."""
-    from gspcli.export.mjcf import mjcf
-
-    return (mjcf(instance, pose.R.real, pose.T.real),)
-
-
 def _msolve(system: PolynomialSystem, digits: int) -> str:
     """Return the input of msolve."""
     exact = system.rounded(digits)
@@ -176,13 +134,6 @@ def _scaled(polynomial: Polynomial) -> dict[Monomial, float]:
     """Return coefficients in floating point, the largest one."""
     size = max(abs(value) for value in polynomial.terms.values())
     return {monomial: float(value / size) for monomial, value in polynomial.terms.items()}
-
-
-def _sdf(instance: Instance, pose: Solution) -> tuple[str]:
-    """Return the model as XML."""
-    from gspcli.export.robot_models import sdf
-
-    return (sdf(instance, pose.R.real, pose.T.real),)
 
 
 def _singular(system: PolynomialSystem, digits: int) -> str:
@@ -220,10 +171,12 @@ def _sympy(system: PolynomialSystem, digits: int) -> str:
     del digits
     style = Style(power="**")
     # Fractions of integers would be floating-point numbers in Python.
-    rows = ",\n    ".join(
-        f"Rational(1, {_denominator(row)})*({style.written(row.cleared)})"
-        for row in system.polynomials
-    )
+    rows = []
+    for row in system.polynomials:
+        monomial, value = next(iter(row.terms.items()))
+        denominator = int(row.cleared[monomial] / value)
+        rows.append(f"Rational(1, {denominator})*({style.written(row.cleared)})")
+    joined = ",\n    ".join(rows)
     names = " ".join(system.names)
     return (
         f'"""{system.title}"""\n\n'
@@ -233,59 +186,186 @@ def _sympy(system: PolynomialSystem, digits: int) -> str:
             f'{name} = sympify("{number}", rational=True)\n'
             for name, number in system.constants.items()
         )
-        + f"system = [\n    {rows},\n]\n"
+        + f"system = [\n    {joined},\n]\n"
     )
 
 
-def _denominator(polynomial: Polynomial) -> int:
-    monomial, value = next(iter(polynomial.terms.items()))
-    return int(polynomial.cleared[monomial] / value)
-
-
-def _urdf(instance: Instance, pose: Solution) -> tuple[str, str]:
-    """Return the loops in YAML and the robot as XML."""
-    from gspcli.export.robot_models import urdf
-
-    return urdf(instance, pose.R.real, pose.T.real)
-
-
 #: By the names that the command line gives them.
-FORMATS: dict[str, ControllerFormat | ModeFormat | SystemFormat] = {
-    "c": ControllerFormat(
-        _controller,
-        (".h", ".c"),
-        "c is a header and a source in C99 for the controller of this platform: inverse "
-        "kinematics, Jacobian matrix, and the next pose from six new values. It is proved "
-        "that this pose continues the last one; else it is refused. Of a pose out of reach it "
-        "finds the nearest one within ranges and cones. No allocation, bounded time. -o "
-        "NAME.c writes NAME.h beside it; the pose of --mode is a constant in it. Values of "
-        "cranks and slides are their angles and ways.",
-    ),
-    "hcjl": SystemFormat(_julia, "doubles"),
-    "macaulay2": SystemFormat(_macaulay2, "decimals"),
-    "mjcf": ModeFormat(
-        _mjcf,
+FORMATS: dict[str, ModelFormat | SystemFormat] = {
+    "mjcf": ModelFormat(
         "mjcf is a model for MuJoCo: the platform as a free body in one assembly mode, held "
         "by six chains of joints. The joint value_k is what constraint k measures, in metres "
         "or radians; the equality hold_k keeps it (its first coefficient is the change), and "
         "without it the actuator drive_k moves it. A crank or slide is the joint drive_k of "
         "an arm or a carriage.",
     ),
-    "msolve": SystemFormat(_msolve, "decimals"),
-    "phcpack": SystemFormat(_phcpack, "doubles"),
-    "sdf": ModeFormat(
-        _sdf,
+    "sdf": ModelFormat(
         "sdf is a model for Gazebo and other readers of SDF 1.9: six chains of joints from "
         "the base to the platform, which close loops. The joint value_k is what constraint k "
         "measures, less its value.",
     ),
-    "singular": SystemFormat(_singular, "decimals"),
-    "sympy": SystemFormat(_sympy, "exact"),
-    "urdf": ModeFormat(
-        _urdf,
+    "urdf": ModelFormat(
         "urdf is NAME.urdf, a tree in which the first chain carries the platform, and "
         "NAME.yaml, which has the loops of the others: closed_loop, type and name_mot, as the "
         "robots of example-parallel-robots have them.",
         (".yaml", ".urdf"),
     ),
+    "c": ModelFormat(
+        "c is a header and a source in C99 for the controller of this platform: inverse "
+        "kinematics, Jacobian matrix, and the next pose from six new values. It is proved "
+        "that this pose continues the last one; else it is refused. Of a pose out of reach it "
+        "finds the nearest one within ranges and cones. No allocation, bounded time. -o "
+        "NAME.c writes NAME.h beside it; the pose of --mode is a constant in it. Values of "
+        "cranks and slides are their angles and ways.",
+        (".h", ".c"),
+    ),
+    "hcjl": SystemFormat(_julia, "doubles"),
+    "macaulay2": SystemFormat(_macaulay2, "decimals"),
+    "msolve": SystemFormat(_msolve, "decimals"),
+    "phcpack": SystemFormat(_phcpack, "doubles"),
+    "singular": SystemFormat(_singular, "decimals"),
+    "sympy": SystemFormat(_sympy, "exact"),
 }
+
+
+#: Names of the unknowns of systems of polynomials.
+COORDINATES = ("study", "study-affine", "rt")
+#: Digits of irrational numbers, and parts that a step of a controller tries.
+DIGITS, TRIES = 40, 48
+#: Models in which the frames of an instance are marked.
+_MARKED = ("mjcf", "sdf")
+
+
+@dataclass(frozen=True, eq=False)
+class Export:
+    """What is written for another program.
+
+    Attributes
+    ----------
+    target
+        The program, as `gsp export --to` names it.
+    files
+        The texts of the files by the ends of their names: one, whose end is empty, or two, as the
+        header and the source of a controller.
+    notes
+        Notes: which mode it is, what is not exact.
+    """
+
+    target: str
+    files: dict[str, str]
+    notes: tuple[str, ...]
+
+    def __repr__(self) -> str:
+        size = sum(len(text.encode()) for text in self.files.values())
+        return f"<Export to {self.target}: {counted(len(self.files), 'file')}, {size} bytes>"
+
+    def __str__(self) -> str:
+        return "".join(self.files.values())
+
+
+def exported(
+    instance: Instance,
+    target: str,
+    *,
+    mode: int | None = None,
+    coordinates: str = COORDINATES[0],
+    digits: int = DIGITS,
+    name: str = "platform",
+    prefix: str | None = None,
+    tries: int = TRIES,
+    margin: float = 0.0,
+) -> Export:
+    """Write a platform for another program: its text is ``str`` of the result.
+
+    Parameters
+    ----------
+    instance
+        The platform.
+    target
+        The program: mjcf (MuJoCo), sdf, urdf, c (a controller), or a solver of polynomials, as
+        `gsp export --help` lists them.
+    mode
+        The number of the real pose that is built; home if None.
+    coordinates
+        The unknowns of a system of polynomials: study, study-affine or rt.
+    digits
+        To how many digits irrational numbers are written in it.
+    name
+        Of the two files of a controller, without their ends.
+    prefix
+        What names in them begin with; the name if None.
+    tries
+        How many parts of a line of values a step of the controller tries.
+    margin
+        The part of its range by which a value may leave it in a step of the controller.
+
+    Raises
+    ------
+    GspError
+        If there is no such program, unknowns or mode.
+    """
+    if target not in FORMATS:
+        message = f"found {shown(target)}, expected {listed(FORMATS)}"
+        raise ArgumentError(message, "target")
+    form = FORMATS[target]
+    if isinstance(form, SystemFormat):
+        return _system(instance, target, form, coordinates, digits)
+    pose, notes = _pose(instance, mode, needed=target != "c")
+    if instance.frames is not None and target not in _MARKED:
+        notes += ("poses are those of the platform itself: the frames of SPEC are left out",)
+    if target == "c":
+        from gspcli.export.controller.writing import controller
+
+        prefix = re.sub(r"\W", "_", name, flags=re.ASCII) if prefix is None else prefix
+        texts: tuple[str, ...] = controller(
+            instance, prefix, tries=tries, name=name, home=pose, margin=margin
+        )
+    else:
+        assert pose is not None
+        texts = _model(target, instance, pose)
+    return Export(target, dict(zip(form.suffixes, texts, strict=True)), notes)
+
+
+def _model(target: str, instance: Instance, pose: Solution) -> tuple[str, ...]:
+    """Return the texts of the files of a model."""
+    from gspcli.export.mjcf import mjcf
+    from gspcli.export.robot_models import sdf, urdf
+
+    R, T = pose.R.real, pose.T.real
+    if target == "urdf":
+        return urdf(instance, R, T)
+    return (mjcf(instance, R, T) if target == "mjcf" else sdf(instance, R, T),)
+
+
+def _pose(
+    instance: Instance, mode: int | None, *, needed: bool
+) -> tuple[Solution | None, tuple[str, ...]]:
+    """Return the real pose that is asked for, by default home, and a note about it."""
+    from gspcli.motion.poses.mode_filters import chosen_mode
+    from gspcli.solver import solve
+
+    result = solve(instance).drawn
+    home, count = result.home, result.counts.real
+    if home is None and mode is None and not needed:
+        return None, ()
+    number = chosen_mode(mode, home, count)
+    assert home is not None
+    said = (home.text,) if mode is None and count > 1 else ()
+    return result.real_solutions[number - 1], said
+
+
+def _system(
+    instance: Instance, target: str, form: SystemFormat, coordinates: str, digits: int
+) -> Export:
+    if coordinates not in MOTIONS:
+        message = f"found {shown(coordinates)}, expected {listed(COORDINATES)}"
+        raise ArgumentError(message, "coordinates")
+    if digits < 1:
+        message = f"found {digits}, expected at least 1"
+        raise ArgumentError(message, "digits")
+    found = system(instance, MOTIONS[coordinates]())
+    notes: tuple[str, ...] = ()
+    if found.constants and form.irrational != "exact":
+        how = f"decimals of {digits} digits" if form.irrational == "decimals" else "doubles"
+        notes = (f"{counted(len(found.constants), 'irrational number')} became {how}",)
+    return Export(target, {"": form.write(found, digits)}, notes)

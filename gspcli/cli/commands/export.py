@@ -19,14 +19,19 @@ from gspcli.cli.pose_options import mode_option
 from gspcli.cli.render import Output, write
 from gspcli.cli.streams import say, working
 from gspcli.errors import GspError
-from gspcli.export.exported import COORDINATES, DIGITS, TRIES, exported
-from gspcli.export.formats import FORMATS, ControllerFormat, ModeFormat, SystemFormat
+from gspcli.export.formats import (
+    COORDINATES,
+    DIGITS,
+    FORMATS,
+    TRIES,
+    ModelFormat,
+    SystemFormat,
+    exported,
+)
 from gspcli.wording import listed
 
 #: Formats of a model at a pose, of a program, and of equations.
-_POSES = {name: form for name, form in FORMATS.items() if isinstance(form, ModeFormat)}
-_PROGRAMS = {name: form for name, form in FORMATS.items() if isinstance(form, ControllerFormat)}
-_SYSTEMS = {name: form for name, form in FORMATS.items() if isinstance(form, SystemFormat)}
+_MODELS = {name: form for name, form in FORMATS.items() if isinstance(form, ModelFormat)}
 
 
 @click.command(cls=Command)
@@ -34,12 +39,12 @@ _SYSTEMS = {name: form for name, form in FORMATS.items() if isinstance(form, Sys
 @click.option(
     "--to",
     "target",
-    type=click.Choice((*_POSES, *_PROGRAMS, *_SYSTEMS)),
+    type=click.Choice(tuple(FORMATS)),
     required=True,
     help="For which.",
 )
 @value_options
-@mode_option(f"what is built for {listed((*_POSES, *_PROGRAMS), 'and')}.  [default: home]")
+@mode_option(f"what is built for {listed(_MODELS, 'and')}.  [default: home]")
 @click.option(
     "--coordinates",
     type=click.Choice(COORDINATES),
@@ -80,9 +85,7 @@ _SYSTEMS = {name: form for name, form in FORMATS.items() if isinstance(form, Sys
 def command(o: Options) -> None:
     """Write a platform as a file for another program.
 
-    {poses}
-
-    {programs}
+    {models}
 
     The others are systems of polynomials for programs that solve them, with rational coefficients
     exactly as in SPEC. The unknowns of study are unit dual quaternions q, f (each pose twice),
@@ -103,7 +106,7 @@ def command(o: Options) -> None:
     """
     instance = o.instance
     form = FORMATS[o.target]
-    pair = None if isinstance(form, SystemFormat) or len(form.suffixes) < 2 else form.suffixes
+    pair = form.suffixes if isinstance(form, ModelFormat) and len(form.suffixes) > 1 else None
     source = None if pair is None else _source(o.output, *pair)
     places = {}
     if source is not None:
@@ -129,14 +132,14 @@ def command(o: Options) -> None:
 def _irrational() -> str:
     """Return what irrational numbers become for which programs."""
     names: dict[str, list[str]] = {"exact": [], "decimals": [], "doubles": []}
-    for name, form in _SYSTEMS.items():
-        names[form.irrational].append(name)
+    for name, form in FORMATS.items():
+        if isinstance(form, SystemFormat):
+            names[form.irrational].append(name)
     return ", ".join(f"{how} for {listed(those, 'and')}" for how, those in names.items())
 
 
 command.help = cleandoc(str(command.help)).format(
-    poses="\n\n".join(form.what for form in _POSES.values()),
-    programs="\n\n".join(form.what for form in _PROGRAMS.values()),
+    models="\n\n".join(form.what for form in _MODELS.values()),
     irrational=_irrational(),
 )
 
