@@ -182,8 +182,8 @@ HEAVY = {"numpy", "sympy", "pandas", "flint", "yaml", "rich", "scipy", "matplotl
         ),
         ("from gspcli.cli.main import run; run(['bound', '17', '--format', 'json'])", HEAVY),
         (
-            "from gspcli.cli.main import run; run(['solve', '@rubin-m2', '--format', 'json'])",
-            HEAVY - {"numpy", "yaml"} | {"mpmath", "difflib"},
+            "from gspcli.cli.main import run; run(['solve', '@dietmaier', '--format', 'json'])",
+            HEAVY - {"numpy", "yaml", "flint"} | {"mpmath", "difflib"},
         ),
         (
             "from gspcli.cli.main import run; run(['solve', '@nano-hexapod', '--format', 'json'])",
