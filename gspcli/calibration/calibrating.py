@@ -12,13 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from gspcli.calibration.fitting import HUBER, Fit, fit, redundancies
 from gspcli.calibration.judging import Unknowns, advice, doubts, identifiable, likely_cause
-from gspcli.calibration.measurements import (
-    Measurements,
-    Noise,
-    check_points,
-    constant_rods,
-    value_rows,
-)
+from gspcli.calibration.logs import check_points
+from gspcli.calibration.measurements import Measurements, Noise, constant_rods, value_rows
 from gspcli.calibration.model import CORRECTIONS, FileNumbers, Model, calibrated, file_numbers
 from gspcli.calibration.starts import started
 from gspcli.catalogue.kinds import DLL

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import cached_property
 from itertools import product
@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.calibration.calibrating import PRIOR, Calibration, Options, calibrate_rows
+from gspcli.calibration.logs import Log, read_log
 from gspcli.calibration.measurements import Measurements
 from gspcli.errors import ArgumentError, IncompleteError
 from gspcli.geometry.building import distance
@@ -21,148 +22,11 @@ from gspcli.geometry.instance import METRES, HomePose, Instance
 from gspcli.geometry.least_squares import descend
 from gspcli.geometry.primitives import Point
 from gspcli.geometry.quaternions import apply, quaternion_from_rotation
-from gspcli.motion.files.headings import FileUnits, order_of
-from gspcli.motion.files.number_tables import NumberTable
-from gspcli.motion.files.pose_files import (
-    ANGLES,
-    COLUMNS,
-    ENTRIES,
-    POSITION,
-    QUATERNION,
-    PoseFormat,
-    rotations_of,
-)
 from gspcli.records import EqualByContent, dataclass
 from gspcli.spec.document import text_of_table
 from gspcli.wording import counted, listed
 
 Array = NDArray[np.float64]
-
-LEGS = tuple("123456")
-_EXPECTED = "t, 1 ... 6, x y z, and qw qx qy qz, rx ry rz or r11 ... r33"
-#: Units of a log as they are read: lengths as written, angles in radians if the heading says so.
-_AS_WRITTEN = FileUnits("", 1.0, frozenset())
-
-
-@dataclass(frozen=True, eq=False)
-class Log:
-    """The numbers of a log, as written; NaN where a cell is blank.
-
-    Attributes
-    ----------
-    lengths, positions
-        Of the six legs, shape (n, 6), and of one point of the platform, shape (n, 3).
-    turns
-        Angles, shape (n, 3), or rotations, shape (n, 3, 3).
-    leg_unit, place_unit
-        Units that the heading names; empty if it names none.
-    angle_unit
-        That of angles, ``deg`` or ``rad``, if it names it: these are read as radians then.
-    order
-        The order of the axes that the heading says; None if it says none.
-    heads
-        The headings of angles that do not name their axes, such as A, B, C; empty for others.
-    lines
-        Where each row stands, for people: its t or its number.
-    """
-
-    lengths: Array
-    positions: Array
-    turns: Array
-    leg_unit: str
-    place_unit: str
-    angle_unit: str
-    order: str | None
-    heads: tuple[str, ...]
-    lines: tuple[str, ...]
-
-    @property
-    def has_angles(self) -> bool:
-        """Whether rotations are stated by angles."""
-        return self.turns.ndim == 2
-
-    @property
-    def whole(self) -> NDArray[np.bool_]:
-        """Which rows have six lengths and a full pose, shape (n,)."""
-        turns = self.turns.reshape(len(self.turns), -1)
-        numbers = np.hstack((self.lengths, self.positions, turns))
-        return np.asarray(np.isfinite(numbers).all(axis=1))
-
-
-def read_log(
-    text: str, name: str, ignore: tuple[str, ...] = (), columns: tuple[str, ...] = ()
-) -> Log:
-    """Read a log: CSV with the columns 1 to 6, x y z and a rotation; cells may be blank.
-
-    Parameters
-    ----------
-    text, name
-        The content, and how messages name it.
-    ignore
-        Columns that are left out.
-    columns
-        The names of the columns of a log without a heading.
-
-    Raises
-    ------
-    SpecError
-        With all mistakes, each with line and column.
-    """
-    table = NumberTable(text, name, _AS_WRITTEN, ignore, columns)
-    table.check()
-    legs = table.choose(LEGS)
-    places = table.choose(POSITION)
-    turns = table.choose(QUATERNION, ANGLES, ENTRIES)
-    table.refuse_others({"t", *LEGS, *COLUMNS}, _EXPECTED)
-    table.check()
-    assert legs is not None
-    assert places is not None
-    assert turns is not None
-    units = [_unit(table, group) for group in (legs, places, turns)]
-    lengths, positions, numbers = (
-        table.numbers(group, blanks=True) for group in (legs, places, turns)
-    )
-    if turns != ANGLES:
-        numbers = _rotations(table, turns, numbers)
-    lines = [str(k + 1) for k in range(len(table))]
-    if "t" in table.heading:
-        lines = [text or line for text, line in zip(table.texts("t"), lines, strict=True)]
-    table.check()
-    order = order_of(table.names) if turns == ANGLES else None
-    return Log(
-        lengths,
-        positions,
-        numbers,
-        units[0],
-        units[1],
-        "" if not units[2] else "rad" if units[2].lower().startswith("rad") else "deg",
-        order.sequence if order else None,
-        tuple(table.names[table.heading.index(one)] for one in ANGLES) if order else (),
-        tuple(lines),
-    )
-
-
-def _unit(table: NumberTable, columns: Sequence[str]) -> str:
-    """Return the unit that the heading names for columns; one that some lack is that of all."""
-    found = [table.unit(name) for name in columns]
-    named = list(dict.fromkeys(unit for unit in found if unit))
-    if len(named) > 1 or (named and columns == ANGLES and "" in found):
-        what = listed(columns, "and")
-        table.note_heading(
-            f"found the units {listed(map(repr, found), 'and')} of {what}, expected the same"
-        )
-    return named[0] if named else ""
-
-
-def _rotations(table: NumberTable, columns: Sequence[str], numbers: Array) -> Array:
-    """Return rotations, NaN in rows without one; note those that are none."""
-    rotations = np.full((len(numbers), 3, 3), np.nan)
-    whole = np.flatnonzero(np.isfinite(numbers).all(axis=1))
-    rotations[whole], wrong = rotations_of(numbers[whole], PoseFormat())
-    for row, message in wrong:
-        table.note_cell(int(whole[row]), columns[0], message)
-    return rotations
-
 
 # Conventions: which of them make the lengths those of six legs.
 

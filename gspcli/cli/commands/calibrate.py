@@ -196,7 +196,7 @@ def command(o: Options) -> None:
         raise click.UsageError(wrong)
     from gspcli.calibration import Options as FitOptions
     from gspcli.calibration import calibrate_rows
-    from gspcli.calibration.measurements import read_measurements, targets_of
+    from gspcli.calibration.logs import read_measurements, targets_of
 
     noise = standard_deviations(o.sigmas)
     options = FitOptions(o.estimate, o.hold, o.robust, o.prior, o.hold_unknown)
@@ -233,7 +233,8 @@ def _identify(o: Options, noise: dict[str, float], options: FitOptions) -> None:
     """Find a hexapod from a log, and write its numbers, its instance file or the residuals."""
     import numpy as np
 
-    from gspcli.calibration.identifying import identify_log, read_log
+    from gspcli.calibration.identifying import identify_log
+    from gspcli.calibration.logs import read_log
 
     form = o.form_of(None)
     log = read_log(*text_of(o.log), form.ignore, form.columns)

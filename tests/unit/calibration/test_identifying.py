@@ -11,7 +11,8 @@ import pytest
 
 import gspcli
 from gspcli.calibration.calibrating import Options
-from gspcli.calibration.identifying import ORDERS, Identification, identify, identify_log, read_log
+from gspcli.calibration.identifying import ORDERS, Identification, identify, identify_log
+from gspcli.calibration.logs import read_log
 from gspcli.errors import ArgumentError, IncompleteError, SpecError
 from gspcli.geometry.euler import euler_from_rotation, rotation_from_euler
 from gspcli.geometry.instance import Instance

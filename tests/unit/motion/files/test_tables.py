@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import gspcli
-from gspcli.calibration.measurements import read_measurements
+from gspcli.calibration.logs import read_measurements
 from gspcli.dynamics.motion_files import read_rows
 from gspcli.errors import SpecError
 from gspcli.geometry.euler import rotation_from_euler
