@@ -73,8 +73,8 @@ if TYPE_CHECKING:
     from gspcli.machines.api import import_machine as import_machine
     from gspcli.motion import Follower as Follower
     from gspcli.motion import track as track
-    from gspcli.motion.paths.api import path as path
     from gspcli.motion.paths.nearest_poses import NearestPoses as NearestPoses
+    from gspcli.motion.paths.planner import path as path
     from gspcli.motion.poses.measured_values import measure as measure
     from gspcli.motion.singularities.clearances import clearance as clearance
     from gspcli.motion.singularities.scans import scan as scan
@@ -175,7 +175,7 @@ _HOMES = {
     "parse_kind": "gspcli.catalogue.names",
     "parse_kind_set": "gspcli.catalogue.names",
     "parse_type": "gspcli.catalogue.names",
-    "path": "gspcli.motion.paths.api",
+    "path": "gspcli.motion.paths.planner",
     "read": "gspcli.spec",
     "sample": "gspcli.reality.real_distribution",
     "scan": "gspcli.motion.singularities.scans",

@@ -14,9 +14,9 @@ if TYPE_CHECKING:
     from gspcli.motion.following.follower import Follower, FollowerReport, FollowerStatus
     from gspcli.motion.following.tracks import Departure, Event, Track, departures
     from gspcli.motion.following.trajectories import track
-    from gspcli.motion.paths.api import mode_groups, path
-    from gspcli.motion.paths.mode_groups import ModeGroups
+    from gspcli.motion.paths.mode_groups import ModeGroups, mode_groups
     from gspcli.motion.paths.planned_paths import PlannedPath
+    from gspcli.motion.paths.planner import path
     from gspcli.motion.workspace.travels import Travel, travels
     from gspcli.motion.workspace.workspaces import Workspace
 
@@ -38,8 +38,8 @@ _HOMES = {
     "Workspace": "workspace.workspaces",
     "departures": "following.tracks",
     "gaps": "collisions.compared",
-    "mode_groups": "paths.api",
-    "path": "paths.api",
+    "mode_groups": "paths.mode_groups",
+    "path": "paths.planner",
     "track": "following.trajectories",
     "travels": "workspace.travels",
 }

@@ -180,7 +180,8 @@ def command(o: Options) -> None:
     """
     _check(o.start, o.goal, o.everything, o.spec)
     _check_speed(o.speed, o.acceleration, o.everything)
-    from gspcli.motion.paths.api import mode_groups, path
+    from gspcli.motion.paths.mode_groups import mode_groups
+    from gspcli.motion.paths.planner import path
 
     instance = o.instance
     form = o.form

@@ -108,8 +108,9 @@ class ComparedShapes:
         self._hulls: list[_ComparedHull] = []
         self.pairs = np.array(self._pairs(), np.int64).reshape(-1, 2)
         if not len(self.pairs):
-            message = "no two legs of the platform are compared: all of them share joints"
-            raise ArgumentError(message)
+            raise ArgumentError(
+                "no two legs of the platform are compared: all of them share joints"
+            )
         #: The names of the pairs, such as ``legs 2 and 5``.
         self.names = tuple(self._name(*(self._hulls[k] for k in pair)) for pair in self.pairs)
         radii = np.array([self._radius(one) for one in self._hulls])
@@ -397,8 +398,9 @@ def _arms(instance: Instance) -> list[tuple[int, Vector, str]]:
     found: list[tuple[int, Vector, str]] = []
     for k, (body, point, name, diameter) in arms_of(instance).items():
         if diameter.value < 0:
-            message = f"found {diameter}, expected a diameter of at least 0"
-            raise ArgumentError(message, name or f"constraints[{k}]")
+            raise ArgumentError(
+                f"found {diameter}, expected a diameter of at least 0", name or f"constraints[{k}]"
+            )
         if not any((point.position, body) == one[1:] for one in found):
             found.append((k, point.position, body))
     return found

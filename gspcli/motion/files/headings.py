@@ -405,13 +405,3 @@ class FileUnits:
         if quantity is _LENGTH and self.length and not self._metric:
             return (self.length,)
         return quantity.examples
-
-
-# Which columns of a table are known; the others are refused, unless they are left out by name.
-#
-# A column with a misspelt heading would otherwise be dropped, and the numbers of the platform taken
-# in its place.
-
-
-#: What stands for any text in the name of a column that is left out.
-#: What `gsp` writes beside poses and values: tables with these are read again without them.

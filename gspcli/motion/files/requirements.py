@@ -101,23 +101,19 @@ def parse_requirements(text: str) -> list[Requirement]:
         if name not in QUANTITIES:
             known = listed(QUANTITIES)
             near = suggestion(name, QUANTITIES)
-            message = f"--require: found {shown(part.strip())}, expected {known}{near}"
-            raise GspError(message)
+            raise GspError(f"--require: found {shown(part.strip())}, expected {known}{near}")
         quantity = QUANTITIES[name]
         wanted = ">=" if quantity.least else "<="
         if not sign and quantity.limit is not None:
             limit = quantity.limit
         elif _SIGNS.get(sign, sign) != wanted:
-            message = f"--require: found {shown(part.strip())}, expected {name}{wanted}NUMBER"
-            raise GspError(message)
+            raise GspError(f"--require: found {shown(part.strip())}, expected {name}{wanted}NUMBER")
         elif wrong := wrong_number(number.strip()):
-            message = f"--require: {name}: {wrong}"
-            raise GspError(message)
+            raise GspError(f"--require: {name}: {wrong}")
         else:
             limit = float(number)
         if any(one.quantity == name for one in found):
-            message = f"--require: found {name} twice, expected each quantity once"
-            raise GspError(message)
+            raise GspError(f"--require: found {name} twice, expected each quantity once")
         found.append(Requirement(name, limit))
     return found
 
@@ -207,8 +203,7 @@ def judge(
         given = quantities[one.quantity]
         parts = given if isinstance(given, QuantityParts) else QuantityParts(given[:, None], ("",))
         if not parts.values.size:
-            message = f"there is no pose of which {one} could be required"
-            raise GspError(message)
+            raise GspError(f"there is no pose of which {one} could be required")
         least = QUANTITIES[one.quantity].least
         unknown = np.isnan(parts.values)
         bad = np.where(unknown, -np.inf, parts.values * (-1 if least else 1))

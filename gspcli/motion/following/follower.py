@@ -104,8 +104,9 @@ class Follower:
     ) -> None:
         rotation, translation = checked_poses(R, T)
         if translation.shape != (3,):
-            message = f"found the shape {translation.shape}, expected one pose: (3,)"
-            raise ArgumentError(message, "T")
+            raise ArgumentError(
+                f"found the shape {translation.shape}, expected one pose: (3,)", "T"
+            )
         self.instance = instance
         numbers = platform_numbers(instance, margin)
         self._controller = _kernel.Controller(numbers.kind, numbers.either, numbers.doubles)
@@ -114,12 +115,13 @@ class Follower:
         quaternion = quaternion_from_rotation(rotation)
         status = self._controller.start(np.concatenate((translation, quaternion)))
         if status:
-            message = {
+            reasons = {
                 FollowerStatus.RANGE: "a crank or slide does not reach this pose, or a value that "
                 "stays is another one there",
                 FollowerStatus.SINGULAR: "lines are parallel there",
-            }.get(FollowerStatus(status), "found no pose: a rotation and a translation")
-            raise ArgumentError(message)
+            }
+            nothing = "found no pose: a rotation and a translation"
+            raise ArgumentError(reasons.get(FollowerStatus(status), nothing))
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _moved, (self.instance, self.R, self.T, self.values)
@@ -143,11 +145,11 @@ class Follower:
         try:
             array = np.ascontiguousarray(values, np.float64)
         except (TypeError, ValueError) as error:
-            message = f"found {shortened(repr(values))}, expected six numbers"
-            raise ArgumentError(message, "values") from error
+            raise ArgumentError(
+                f"found {shortened(repr(values))}, expected six numbers", "values"
+            ) from error
         if array.shape != (6,):
-            message = f"found the shape {array.shape}, expected (6,)"
-            raise ArgumentError(message, "values")
+            raise ArgumentError(f"found the shape {array.shape}, expected (6,)", "values")
         return _STATUSES[self._controller.forward(array)]
 
     def nearest(self, R: ArrayLike, T: ArrayLike) -> FollowerStatus:
@@ -172,8 +174,9 @@ class Follower:
         """
         rotation, translation = checked_poses(R, T)
         if translation.shape != (3,):
-            message = f"found the shape {translation.shape}, expected one pose: (3,)"
-            raise ArgumentError(message, "T")
+            raise ArgumentError(
+                f"found the shape {translation.shape}, expected one pose: (3,)", "T"
+            )
         quaternion = quaternion_from_rotation(rotation)
         return _STATUSES[self._controller.nearest(np.concatenate((translation, quaternion)))]
 

@@ -197,7 +197,7 @@ class Track(EqualByContent):
 
         The first one of a mode has the sign of `quaternion_from_rotation`.
         """
-        return _continuous(self.R)
+        return continuous_quaternions(self.R)
 
     def rows(
         self, more: Mapping[str, Array] = _NOTHING, frame: PoseFrame = IDENTITY
@@ -214,7 +214,7 @@ class Track(EqualByContent):
         keys = ("t", "mode", *POSE, "condition", *more)
         conditions = printed_conditions(self.conditions)
         R, T = frame.from_platform(self.R, self.T)
-        quaternions = self.quaternions if R is self.R else _continuous(R)
+        quaternions = self.quaternions if R is self.R else continuous_quaternions(R)
         numbers = np.dstack((T, quaternions, conditions, *more.values()))
         there = ~np.isnan(self.T[..., 0])
         modes = self.modes.tolist()
@@ -273,7 +273,7 @@ class Track(EqualByContent):
         return tuple(event for event in self.events if not event.begins)
 
 
-def _continuous(R: Array) -> Array:
+def continuous_quaternions(R: Array) -> Array:
     """Return unit quaternions of rotations, shape (m, r, 4), continuous along each mode."""
     quaternions = np.full((*R.shape[:2], 4), np.nan)
     there = ~np.isnan(R[..., 0, 0])

@@ -107,8 +107,7 @@ def track(
     rows = np.column_stack((rows, *columns))
     times = np.arange(1.0, len(rows) + 1) if t is None else _checked(t, "t", (len(rows),))
     if not (np.diff(times) > 0).all():
-        message = "t must increase from row to row"
-        raise ArgumentError(message, "t")
+        raise ArgumentError("t must increase from row to row", "t")
     platform: MovingPlatform | MovingGeometry
     if chosen:
         platform = MovingGeometry(over_rows(instance, rows), chosen)
@@ -169,12 +168,12 @@ def _checked(given: ArrayLike, name: str, shape: tuple[int | None, ...]) -> Arra
     )
     if not fits or not array.size:
         expected = ", ".join("rows" if n is None else str(n) for n in shape)
-        message = f"found shape {array.shape}, expected ({expected})"
-        raise ArgumentError(message, name)
+        raise ArgumentError(f"found shape {array.shape}, expected ({expected})", name)
     if not np.isfinite(array).all():
         index = np.argwhere(~np.isfinite(array))[0].tolist()
-        message = f"found {array[tuple(index)]}, expected a finite number"
-        raise ArgumentError(message, f"{name}{index}")
+        raise ArgumentError(
+            f"found {array[tuple(index)]}, expected a finite number", f"{name}{index}"
+        )
     return array
 
 
@@ -196,8 +195,7 @@ def _of_number(first: RowModes, mode: int) -> int:
 
 def _nearest(instance: Instance, first: RowModes, pose: tuple[ArrayLike, ArrayLike]) -> int:
     if not len(first.R):
-        message = "there is no real pose at the first row to be near to"
-        raise ArgumentError(message)
+        raise ArgumentError("there is no real pose at the first row to be near to")
     goal = np.asarray(pose[0], float), np.asarray(pose[1], float)
     moved, turned = distances(first.R, first.T, *goal)
     return int(first_smallest(np.hypot(moved / Arrangement.of(instance).length, turned)))
@@ -357,11 +355,9 @@ def _real_poses_at(platform: Platform, row: Array, seed: int, jobs: int) -> tupl
 def _real(result: SolveResult, row: Array) -> tuple[Array, Array]:
     values = row[:6]
     if result.verdict == "infinite":
-        message = f"the poses for the values {_listed(values)} are infinitely many"
-        raise NotFiniteError(message)
+        raise NotFiniteError(f"the poses for the values {_listed(values)} are infinitely many")
     if result.verdict != "complete":
-        message = f"the poses for the values {_listed(values)} could not all be found"
-        raise IncompleteError(message)
+        raise IncompleteError(f"the poses for the values {_listed(values)} could not all be found")
     return result.R[result.real].real, result.T[result.real].real
 
 

@@ -72,11 +72,13 @@ class Modes:
             self._solved = solve(self.instance)
         found = self._solved
         if found.verdict == "infinite":
-            message = "the poses of the platform are infinitely many: give poses, not modes"
-            raise NotFiniteError(message)
+            raise NotFiniteError(
+                "the poses of the platform are infinitely many: give poses, not modes"
+            )
         if found.verdict != "complete":
-            message = "the poses of the platform could not all be found: give poses, not modes"
-            raise IncompleteError(message)
+            raise IncompleteError(
+                "the poses of the platform could not all be found: give poses, not modes"
+            )
         R, T = found.R[found.real].real, found.T[found.real].real
         stated = Arrangement.of(self.instance).values
         values = np.where(values_at(self.instance, R, T) < 0, -stated, stated)
@@ -95,8 +97,9 @@ class Modes:
             Of the argument, for messages and for the name of a pose.
         """
         if isinstance(given, str) and given != "home":
-            message = f"found {given!r}, expected a number of solve, home, or a pose (R, T)"
-            raise ArgumentError(message, name)
+            raise ArgumentError(
+                f"found {given!r}, expected a number of solve, home, or a pose (R, T)", name
+            )
         if isinstance(given, int | np.integer | str):
             modes = self.all()
             R = np.array([one.R for one in modes]).reshape(-1, 3, 3)
@@ -105,6 +108,5 @@ class Modes:
             return modes[chosen_mode(number, home_mode(self.instance, R, T), len(modes)) - 1]
         R, T = checked_poses(*pose_parts(given, name))
         if R.ndim != 2:
-            message = f"found {R.shape[:-2]} poses, expected one"
-            raise ArgumentError(message, name)
+            raise ArgumentError(f"found {R.shape[:-2]} poses, expected one", name)
         return PathEnd(f"the {name}", values_at(self.instance, R, T), R, T)

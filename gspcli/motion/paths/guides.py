@@ -9,8 +9,9 @@ end in which all drives are proved to keep their working modes.
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from itertools import pairwise
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -63,12 +64,6 @@ class GuideRows(NamedTuple):
     drives: Array | None = None
     """The m drives of a machine with cranks or slides, lengths and radians, shape (r, m)."""
 
-    def keeps(self, clearance: float, gap: float | None) -> bool:
-        """Whether it is proved that all poses have a clearance and a gap, between the rows, too."""
-        if clearance and not (least_clearances(self.rows, clearance)[1] >= clearance).all():
-            return False
-        return gap is None or bool((least_gaps(self.rows, gap)[1] >= gap).all())
-
 
 class RowsOnWay(NamedTuple):
     """Rows along a path before they are proved."""
@@ -81,17 +76,26 @@ class RowsOnWay(NamedTuple):
     """Values, or positions and angles, shape (r, 6)."""
 
 
-class Guide(Protocol):
-    """Proves polygons between two poses, given by their corners."""
+class Guide(ABC):
+    """Proves polygons between two poses, given by their corners.
+
+    Attributes
+    ----------
+    along
+        ``values``, ``drives`` or ``poses``.
+    sizes
+        How far corners may be moved, shape (6,).
+    clear
+        The clearance that every pose must have.
+    gap
+        The least gap between legs and bodies; None if gaps are not tested.
+    """
 
     along: str
-    """``values`` or ``poses``."""
     sizes: Array
-    """How far corners may be moved, shape (6,)."""
-    clear: float
-    """The clearance that every pose must have."""
-    gap: float | None
-    """The least gap between legs and bodies; None if gaps are not tested."""
+
+    def __init__(self, clear: float, gap: float | None) -> None:
+        self.clear, self.gap = clear, gap
 
     def trace(self, corners: Array, rows: NDArray[np.int64]) -> GuideRows | None:
         """Return rows along a polygon, or None if it is not proved.
@@ -103,22 +107,39 @@ class Guide(Protocol):
         rows
             In how many steps each straight part is divided, shape (k,).
         """
-        ...
+        return self.through(on_polygon(corners, rows))
 
+    @abstractmethod
     def through(self, given: RowsOnWay) -> GuideRows | None:
         """Return given rows with their poses, or None if the way through them is not proved."""
-        ...
 
     def placed(self, corner: Array) -> Array:
         """Return a corner within the ranges, rounded."""
-        ...
+        return corner
 
     def unproved(self, corners: Array, rows: NDArray[np.int64]) -> tuple[Array, Array] | None:
-        """Return poses along a polygon without a proof, if they are known before; else None."""
-        ...
+        """Return poses along a polygon without a proof; None if they are found by following."""
+        del corners, rows
+        return None
+
+    def _proved_rows(
+        self,
+        given: RowsOnWay,
+        proofs: NDArray[np.int64],
+        rows: PathRows,
+        drives: Array | None = None,
+    ) -> GuideRows | None:
+        """Return rows that are proved, or None if they do not keep clearance and gap."""
+        clear, gap = self.clear, self.gap
+        if clear and not (least_clearances(rows, clear)[1] >= clear).all():
+            return None
+        if gap is not None and not (least_gaps(rows, gap)[1] >= gap).all():
+            return None
+        part, fraction, _ = given
+        return GuideRows(part, fraction, rows.values, rows.R, rows.T, proofs, rows, drives)
 
 
-class ValueGuide:
+class ValueGuide(Guide):
     """Polygons of values.
 
     Parameters
@@ -127,10 +148,8 @@ class ValueGuide:
         Straight ways of values.
     first, last
         The Study points of both ends; None for an end that is not asked for.
-    clear
-        The clearance that every pose must have.
-    gap
-        The least gap between legs and bodies; None if gaps are not tested.
+    clear, gap
+        As for `Guide`.
     """
 
     along = "values"
@@ -143,7 +162,8 @@ class ValueGuide:
         clear: float = 0.0,
         gap: float | None = None,
     ) -> None:
-        self.ways, self.first, self.last, self.clear, self.gap = ways, first, last, clear, gap
+        super().__init__(clear, gap)
+        self.ways, self.first, self.last = ways, first, last
         self._low, self._high = ways.low.copy(), ways.high.copy()
         width = self._high - self._low
         finite = np.isfinite(width)
@@ -158,13 +178,9 @@ class ValueGuide:
         self.sizes = np.where(np.isfinite(self._high - self._low), self.sizes, span)
         self._digits = _digits(self.sizes)
 
-    def trace(self, corners: Array, rows: NDArray[np.int64]) -> GuideRows | None:
-        """Return rows along a polygon, or None; see `Guide`."""
-        return self.through(on_polygon(corners, rows))
-
     def through(self, given: RowsOnWay) -> GuideRows | None:
         """Return given rows with their poses, or None; see `Guide`."""
-        part, fraction, values = given
+        part, values = given.part, given.numbers
         if not self.ways.kept(values).all():
             return None
         found = self.ways.follow(values[None], np.zeros(1, np.int64), self.first[None])
@@ -178,21 +194,15 @@ class ValueGuide:
         between = PathRows(self.ways, values, R, T)
         if not cones_kept(between):
             return None
-        trace = GuideRows(part, fraction, values, R, T, proofs, between)
-        return trace if trace.keeps(self.clear, self.gap) else None
+        return self._proved_rows(given, proofs, between)
 
     def placed(self, corner: Array) -> Array:
         """Return a corner within the ranges, rounded."""
         inside = np.clip(corner, self._low, self._high)
         return np.array([round(x, d) for x, d in zip(inside, self._digits, strict=True)])
 
-    def unproved(self, corners: Array, rows: NDArray[np.int64]) -> tuple[Array, Array] | None:
-        """Return nothing: poses for values are found by following them."""
-        del corners, rows
-        return None
 
-
-class PoseGuide:
+class PoseGuide(Guide):
     """Polygons of positions and angles.
 
     Parameters
@@ -201,10 +211,8 @@ class PoseGuide:
         Straight ways in position and angles.
     span
         How far positions may be moved.
-    clear
-        The clearance that every pose must have.
-    gap
-        The least gap between legs and bodies; None if gaps are not tested.
+    clear, gap
+        As for `Guide`.
     """
 
     along = "poses"
@@ -212,7 +220,8 @@ class PoseGuide:
     def __init__(
         self, ways: PoseWays, span: float, clear: float = 0.0, gap: float | None = None
     ) -> None:
-        self.ways, self.clear, self.gap = ways, clear, gap
+        super().__init__(clear, gap)
+        self.ways = ways
         self.sizes = np.array([span] * 3 + [1.0] * 3)
         self._digits = _digits(self.sizes)
         self._proved: dict[tuple[bytes, bytes], int] = {}
@@ -241,8 +250,7 @@ class PoseGuide:
         return self._through(given, proofs)
 
     def _through(self, given: RowsOnWay, proofs: NDArray[np.int64]) -> GuideRows | None:
-        part, fraction, parameters = given
-        R, T = self.ways.poses(parameters)
+        R, T = self.ways.poses(given.numbers)
         motors, q = self.ways.motors, None
         if motors is None:
             values = values_at(self.ways.instance, R, T)
@@ -250,9 +258,8 @@ class PoseGuide:
             values, q = motors.values(R, T), motors.numbers(R, T)
             if np.isnan(q).any():
                 return None
-        rows = PathRows(self.ways, values, R, T, parameters, motors=motors)
-        trace = GuideRows(part, fraction, values, R, T, proofs, rows, q)
-        return trace if trace.keeps(self.clear, self.gap) else None
+        rows = PathRows(self.ways, values, R, T, given.numbers, motors=motors)
+        return self._proved_rows(given, proofs, rows, q)
 
     def placed(self, corner: Array) -> Array:
         """Return a corner, rounded."""
@@ -298,7 +305,7 @@ def _shared(count: int, rows: NDArray[np.int64]) -> NDArray[np.int64]:
     return np.maximum(np.diff(np.concatenate(([0], ends))), 1)
 
 
-class DriveGuide:
+class DriveGuide(Guide):
     """Straight ways of drives between two poses.
 
     Parameters
@@ -327,7 +334,7 @@ class DriveGuide:
         gap: float | None = None,
     ) -> None:
         self.motors, self.ways, self.start, self.goal = motors, ways, start, goal
-        self.clear, self.gap = clear, gap
+        super().__init__(clear, gap)
         drives = motors.drives
         moved = np.flatnonzero(drives.moved).tolist()
         self._chosen = choose(motors.instance, [drives.names[k] for k in moved])
@@ -340,10 +347,6 @@ class DriveGuide:
         R, T = (np.stack([getattr(end, n) for end in (self.start, self.goal)]) for n in ("R", "T"))
         found: Array = self.motors.numbers(R, T) / self.motors.drives.units
         return found
-
-    def trace(self, corners: Array, rows: NDArray[np.int64]) -> GuideRows | None:
-        """Return rows along a polygon, or None; see `Guide`."""
-        return self.through(on_polygon(corners, rows))
 
     def through(self, given: RowsOnWay) -> GuideRows | None:
         """Return given rows with their poses, or None if the way through them is not proved."""
@@ -366,16 +369,7 @@ class DriveGuide:
         rows = PathRows(
             self.ways, followed.values, R, T, motors=self.motors, numbers=q, geometry=geometry
         )
-        trace = GuideRows(given.part, given.fraction, followed.values, R, T, proofs, rows, q)
-        return trace if trace.keeps(self.clear, self.gap) else None
-
-    def placed(self, corner: Array) -> Array:
-        """Return a corner unchanged."""
-        return corner
-
-    def unproved(self, corners: Array, rows: NDArray[np.int64]) -> None:
-        """Return nothing: poses for drives are found by following them."""
-        del corners, rows
+        return self._proved_rows(given, proofs, rows, q)
 
     def _ends(self, R: Array, T: Array) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
         first, last = self.start, self.goal

@@ -18,7 +18,6 @@ from gspcli.defaults import SEED
 from gspcli.motion.paths.ends import Modes, PathEnd
 from gspcli.motion.paths.guides import PROVED_ROWS, ValueGuide
 from gspcli.motion.paths.maps import PoseMap, ValueMap
-from gspcli.motion.paths.mode_groups import fills_ranges, map_of_poses, map_of_values
 from gspcli.motion.paths.planner import Planner
 from gspcli.solver.result import SolveResult
 
@@ -68,24 +67,17 @@ def home_map(result: SolveResult, home: int) -> HomeMap | None:
     """
     planner = Planner(result.instance, seed=SEED)
     ends = Modes(result.instance, result).all()
-    if planner.left(ends[home]) or fills_ranges(planner, ends[home]):
+    if planner.left(ends[home]) or planner.fills_ranges(ends[home]):
         return None
     goal = planner.classes.of(ends[home].R, ends[home].T)
     ranged = planner.motors is None and planner.values(ends[home]).ranged
-    members, classes = [ends[home]], [goal]
+    members = [ends[home]]
     for k, end in enumerate(ends):
         if k == home or planner.left(end) or (ranged and not _on_one_side(end, ends[home])):
             continue
-        one = planner.classes.of(end.R, end.T)
-        if one.differs(goal) is None:
+        if planner.classes.of(end.R, end.T).differs(goal) is None:
             members.append(end)
-            classes.append(one)
-    every = list(range(len(members)))
-    found: PoseMap | ValueMap
-    if ranged:
-        found = map_of_values(planner, members, every)
-    else:
-        found = map_of_poses(planner, members, classes, every)
+    found = planner.value_map(members) if ranged else planner.pose_map(members)
     found.join_given()
     motors = planner.motors
     if motors is None or not (motors.shared or planner.stays):

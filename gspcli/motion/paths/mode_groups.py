@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-import time
+from time import monotonic
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from gspcli.defaults import PATH_SECONDS, SEED
 from gspcli.geometry.instance import Instance
-from gspcli.geometry.limits import has_limits
 from gspcli.motion.paths.classes import PoseClass
 from gspcli.motion.paths.ends import Modes, PathEnd
 from gspcli.motion.paths.maps import Connections, PoseMap, ValueMap
 from gspcli.motion.paths.planner import Planner
-from gspcli.motion.paths.value_ways import Sheet, whole_sheet
 from gspcli.records import dataclass
 from gspcli.wording import counted
 
@@ -122,20 +121,30 @@ class ModeGroups:
         }
 
 
-def mode_groups(planner: Planner) -> ModeGroups:
-    """Return which modes belong together.
+def mode_groups(
+    instance: Instance,
+    *,
+    along: str | None = None,
+    time: float = PATH_SECONDS,
+    seed: int = SEED,
+) -> ModeGroups:
+    """Return which assembly modes belong together, joined by proved paths.
 
-    Parameters
-    ----------
-    planner
-        Its platform and options; when its time is over, no more paths are looked for.
+    Parameters and errors are those of `gspcli.path`.
+
+    Examples
+    --------
+    >>> import gspcli
+    >>> gspcli.motion.mode_groups(gspcli.example("rubin-m2"))
+    <ModeGroups of Rubin Observatory M2 hexapod: 2 modes, 2 groups>
     """
-    deadline = time.monotonic() + planner.seconds
+    planner = Planner(instance, along=along, seconds=time, seed=seed)
+    deadline = monotonic() + time
     ends = Modes(planner.given).all()
     classes = [planner.classes.of(end.R, end.T) for end in ends]
     left = [planner.left(end) for end in ends]
     inside = [k for k, reason in enumerate(left) if not reason]
-    alone = {k for k in inside if fills_ranges(planner, ends[k])}
+    alone = {k for k in inside if planner.fills_ranges(ends[k])}
     joined = Connections()
     for _ in ends:
         joined.add()
@@ -163,17 +172,6 @@ def _groups_differ(classes: list[PoseClass], group: dict[int, int], i: int, j: i
     return any(classes[a].differs(classes[b]) is not None for a in first for b in second)
 
 
-def fills_ranges(planner: Planner, end: PathEnd) -> bool:
-    """Whether it is proved that a mode is one pose for all values in the ranges."""
-    if planner.motors is not None:
-        return False
-    ways = planner.values(end)
-    if not ways.ranged:
-        return False
-    point = ways.points(end.R[None], end.T[None])[0]
-    return whole_sheet(ways, end.values, point) is Sheet.WHOLE
-
-
 def _join(
     planner: Planner,
     ends: list[PathEnd],
@@ -190,13 +188,13 @@ def _join(
         sides.setdefault(np.sign(ends[k].values).tobytes(), []).append(k)
     if planner.along != "poses" and ranged:
         for members in sides.values():
-            found = map_of_values(planner, ends, members)
+            found = planner.value_map([ends[k] for k in members])
             _grow(found, _tried_pairs(classes, members), deadline)
             _take(found, members, joined)
         return
     if len(open_) < 2:
         return
-    poses = map_of_poses(planner, ends, classes, open_)
+    poses = planner.pose_map([ends[k] for k in open_])
     # Random poses change what must stay. Modes differ in last digits of their orientation.
     grows = motors is None or not (motors.shared or planner.stays)
     _grow(poses, _tried_pairs(classes, open_), deadline if grows else 0.0)
@@ -206,7 +204,7 @@ def _join(
 def _grow(found: PoseMap | ValueMap, tried: list[tuple[int, int]], deadline: float) -> None:
     """Let a map grow until all pairs are joined, or until a deadline."""
     found.join_given()
-    while time.monotonic() < deadline and not all(found.connections.joined(i, j) for i, j in tried):
+    while monotonic() < deadline and not all(found.connections.joined(i, j) for i, j in tried):
         found.grow()
 
 
@@ -226,21 +224,3 @@ def _tried_pairs(classes: list[PoseClass], members: list[int]) -> list[tuple[int
         for j, b in enumerate(members[:i])
         if classes[a].differs(classes[b]) is None
     ]
-
-
-def map_of_poses(
-    planner: Planner, ends: list[PathEnd], classes: list[PoseClass], members: list[int]
-) -> PoseMap:
-    """Return a map of poses with some ends."""
-    R, T = np.stack([ends[k].R for k in members]), np.stack([ends[k].T for k in members])
-    limited = has_limits(planner.instance) or planner.motors is not None
-    kept = planner.pose_guide().kept if limited else None
-    own = [classes[k] for k in members]
-    return PoseMap(planner.ways, R, T, own, planner.classes.of, seed=planner.seed, kept=kept)
-
-
-def map_of_values(planner: Planner, ends: list[PathEnd], members: list[int]) -> ValueMap:
-    """Return a map of values with some ends."""
-    values, R, T = (np.stack([getattr(ends[k], n) for k in members]) for n in ("values", "R", "T"))
-    ways = planner.values(ends[members[0]])
-    return ValueMap(ways, planner.instance, values, R, T, seed=planner.seed)

@@ -124,8 +124,7 @@ class NearestPoses:
         self.instance = instance
         self.R, self.T = checked_poses(R, T)
         if self.T.shape != (3,):
-            message = f"found the shape {self.T.shape}, expected one pose: (3,)"
-            raise ArgumentError(message, "T")
+            raise ArgumentError(f"found the shape {self.T.shape}, expected one pose: (3,)", "T")
         self.pivot = np.zeros(3) if pivot is None else np.asarray(pivot, float)
         self._motors = Motors.of(instance, self.R, self.T)
         self._still = self._motors is not None and self._motors.shared
@@ -161,8 +160,7 @@ class NearestPoses:
         """
         goal = checked_poses(R, T)
         if goal[1].shape != (3,):
-            message = f"found the shape {goal[1].shape}, expected one pose: (3,)"
-            raise ArgumentError(message, "T")
+            raise ArgumentError(f"found the shape {goal[1].shape}, expected one pose: (3,)", "T")
         found = self._candidates(*goal)
         if not found:
             return self._answer((self.R, self.T), goal, (NOT_FOUND,))
@@ -286,8 +284,9 @@ class LimitSearch:
         self.length = limits.weight * numbers.reach
         self._far = NEVER * numbers.reach / 10
         if self._kernel.start(_numbers(R, T)):
-            message = "a crank or slide does not reach this pose, or lines are parallel there"
-            raise ArgumentError(message, "R, T")
+            raise ArgumentError(
+                "a crank or slide does not reach this pose, or lines are parallel there", "R, T"
+            )
 
     @cached_property
     def begins(self) -> bool:

@@ -18,8 +18,8 @@ from gspcli.geometry.instance import Instance
 from gspcli.geometry.machine import Machine, is_driven
 from gspcli.geometry.measurement import condition_numbers
 from gspcli.geometry.printed_numbers import printed_conditions
-from gspcli.geometry.quaternions import quaternion_from_rotation
 from gspcli.geometry.readings import readings_of
+from gspcli.motion.following.tracks import POSE, continuous_quaternions
 from gspcli.records import EqualByContent, dataclass
 from gspcli.wording import counted
 
@@ -30,8 +30,6 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 Verdict = Literal["proved", "impossible", "not found"]
-#: Columns of a pose.
-POSE = ("x", "y", "z", "qw", "qx", "qy", "qz")
 _EMPTY = np.zeros((0, 6))
 #: Decimals of estimated costs: last digits must not choose a way.
 _DECIMALS = 6
@@ -156,8 +154,6 @@ class PlannedPath(EqualByContent):
     @cached_property
     def straight_length(self) -> float:
         """How far the ends are from each other, by the same measure."""
-        from gspcli.motion.paths.planned_paths import steps
-
         if not len(self.T):
             return 0.0
         ends = [0, -1]
@@ -196,7 +192,7 @@ class PlannedPath(EqualByContent):
                 self.t,
                 self._readings(),
                 T,
-                _continuous(R),
+                continuous_quaternions(R[None])[0],
                 printed_conditions(self.conditions),
                 *clearances,
                 *gaps,
@@ -233,14 +229,6 @@ class PlannedPath(EqualByContent):
             "parts": [part.to_json() for part in self.parts],
             "rows": self.rows(frame),
         }
-
-
-def _continuous(R: Array) -> Array:
-    """Return unit quaternions of rotations, continuous along a path, shape (r, 4)."""
-    found = quaternion_from_rotation(R)
-    signs = np.where(np.einsum("ri,ri->r", found[1:], found[:-1]) < 0, -1.0, 1.0)
-    found[1:] *= signs.cumprod()[:, None]
-    return np.asarray(found)
 
 
 def steps(instance: Instance, R: Array, T: Array) -> Array:

@@ -21,7 +21,7 @@ not depend on last digits either.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cached_property
 from itertools import pairwise
 
@@ -38,7 +38,7 @@ from gspcli.geometry.readings import without_corrections
 from gspcli.motion.collisions.compared import NO_SHAPES, ComparedShapes
 from gspcli.motion.paths.between import least_clearances, least_gaps
 from gspcli.motion.paths.classes import Classes
-from gspcli.motion.paths.ends import PathEnd
+from gspcli.motion.paths.ends import End, Modes, PathEnd
 from gspcli.motion.paths.guides import (
     PROVED_ROWS,
     DriveGuide,
@@ -71,6 +71,80 @@ _ROWS = np.array([PROVED_ROWS])
 _MOVES, _WORTH = (0.02, 0.08, 0.25), 1e-3
 #: How far a platform moves from row to row, in its lengths; how many rows a part has.
 _STEP, _LEAST, _MOST = 0.03, 4, 200
+
+
+def path(
+    instance: Instance,
+    start: End,
+    goal: End,
+    *,
+    along: str | None = None,
+    clear: float = 0.0,
+    gap: float | None = None,
+    time: float = PATH_SECONDS,
+    seed: int = SEED,
+    pivot: Sequence[float] | None = None,
+    sequence: str = "ZYX",
+    speed: float | Mapping[str, float] | None = None,
+    acceleration: float | Mapping[str, float] | None = None,
+) -> PlannedPath:
+    """Plan a path from one pose to another that is proved on the whole way.
+
+    No pose of the path is singular, and all of them keep the ranges and cones that the instance
+    states. If it is proved that there is no such path, the answer says why.
+
+    Parameters
+    ----------
+    instance
+        The platform with its limits.
+    start, goal
+        A mode by its number of `solve`, ``home``, or a pose (R, T).
+    along
+        Whether the ``values`` change linearly between the corners of the path, or position and
+        angles (``poses``). None tries both straight ways; paths with corners are along values if
+        each value has a range, else along poses. With cranks or slides ``values`` are the numbers
+        of all drives, and paths with corners are along poses.
+    clear
+        The clearance that every pose must have, in the units of `clearance`; with cranks or slides
+        that of the drives.
+    gap
+        How far legs and bodies must be apart at every pose, in the unit of length; the instance
+        must state their shapes. None for no such limit.
+    time
+        After this many seconds no more paths are tried. The bytes of a path that is found do not
+        depend on it.
+    seed
+        The seed of all random numbers: the same seed gives the same path.
+    pivot, sequence
+        The point of the platform, in its frame, and the order of the axes of the angles of straight
+        ways of poses.
+    speed, acceleration
+        Limits on the whole way, also between rows; then the rows have times in seconds. A number is
+        of each motor, in the unit of its value a second (squared). By name: of the ``motors``, of
+        the ``platform``'s pivot, and of its ``turn`` in the unit of angles; the last two are proved
+        on ways of poses.
+
+    Raises
+    ------
+    ArgumentError
+        If an argument is wrong.
+
+    Examples
+    --------
+    >>> import gspcli
+    >>> platform = gspcli.example("workspace-study")
+    >>> found = gspcli.path(platform, "home", 3)
+    >>> found.verdict, found.along
+    ('proved', 'values')
+    >>> gspcli.path(platform, "home", 2).reason
+    'the sign of det J differs, and a regular path keeps it'
+    """
+    planner = Planner(
+        instance, along=along, clear=clear, gap=gap, seconds=time, seed=seed, pivot=pivot,
+        sequence=sequence, limits=PathLimits.of(speed, acceleration),
+    )  # fmt: skip
+    modes = Modes(instance)
+    return planner.path(modes.end(start, "start"), modes.end(goal, "goal"))
 
 
 class Planner:
@@ -110,15 +184,18 @@ class Planner:
         limits: PathLimits | None = None,
     ) -> None:
         if along not in (None, "values", "poses"):
-            message = f"found {along!r}, expected values or poses"
-            raise ArgumentError(message, "along")
+            raise ArgumentError(f"found {along!r}, expected values or poses", "along")
+        if not (np.isfinite(seconds) and seconds >= 0):
+            raise ArgumentError(f"found {seconds}, expected seconds, not negative", "time")
+        if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or seed < 0:
+            raise ArgumentError(f"found {seed!r}, expected a whole number, not negative", "seed")
         if not (clear >= 0 and np.isfinite(clear)):
-            message = f"found {clear}, expected a number that is not negative"
-            raise ArgumentError(message, "clear")
+            raise ArgumentError(f"found {clear}, expected a number that is not negative", "clear")
         if limits is not None and limits.of_platform:
             if along == "values":
-                message = "found a limit of the platform, which is proved along poses only"
-                raise ArgumentError(message, "speed")
+                raise ArgumentError(
+                    "found a limit of the platform, which is proved along poses only", "speed"
+                )
             along = "poses"
         self.limits = limits
         if gap is not None:
@@ -126,7 +203,7 @@ class Planner:
         self.gap = gap
         self.given = instance
         self.instance = without_corrections(instance)
-        self.along, self.clear, self.seed = along, clear, seed
+        self.along, self.clear, self.seed = along, clear, int(seed)
         self.seconds = seconds
         self._first: PathEnd | None = None
         self._axes = {"pivot": pivot, "sequence": sequence}
@@ -137,10 +214,9 @@ class Planner:
         if not is_driven(self.instance):
             return None
         if self._first is None and self.instance.home is None:
-            message = (
+            raise ArgumentError(
                 "the file states no home: the working modes of its cranks and slides are not known"
             )
-            raise ArgumentError(message)
         pose = (None, None) if self._first is None else (self._first.R, self._first.T)
         return Motors(self.instance, *pose)
 
@@ -170,42 +246,17 @@ class Planner:
         if reason:
             return PlannedPath(self.given, start.name, goal.name, "impossible", reason)
         deadline = time.monotonic() + self.seconds
-        if self.motors is not None:
-            return self._driven(self.motors, start, goal, lambda: time.monotonic() < deadline)
-        ways = self.values(start)
-        guide, corners = next(self._straight(ways, start, goal), (None, None))
-        if guide is None and (self._is_sheet(ways, start) or self._is_sheet(ways, goal)):
-            reason = "the mode fills its box of ranges, and the other pose is not on it"
-            return PlannedPath(self.given, start.name, goal.name, "impossible", reason)
+        guide, corners = self._straight(start, goal)
+        if guide is None and self.motors is None:
+            ways = self.values(start)
+            if any(self.fills_ranges(end, ways) for end in (start, goal)):
+                reason = "the mode fills its box of ranges, and the other pose is not on it"
+                return PlannedPath(self.given, start.name, goal.name, "impossible", reason)
         if guide is None:
-            guide, corners = self._on_map(ways, start, goal, lambda: time.monotonic() < deadline)
+            guide, corners = self._on_map(start, goal, lambda: time.monotonic() < deadline)
         if guide is None or corners is None:
-            return self._not_found(start, goal)
-        if len(corners) > 2:
-            corners = smoothed(self.instance, guide, corners, self.seed)
-        return finished(self.given, guide, corners, start, goal, self.limits)
-
-    def _driven(
-        self, motors: Motors, start: PathEnd, goal: PathEnd, more: Callable[[], bool]
-    ) -> PlannedPath:
-        """Plan a path of a machine with cranks or slides: drives, poses, then a map of poses."""
-        guide: Guide | None = None
-        corners: Array | None = None
-        if self.along != "poses":
-            drives = DriveGuide(motors, self.ways, start, goal, self.clear, self.gap)
-            if drives.trace(drives.corners, np.array([PROVED_ROWS])) is not None:
-                guide, corners = drives, drives.corners
-        if guide is None and self.along != "values":
-            poses = self.pose_guide()
-            straight = np.stack(self._parameters(start, goal))
-            if poses.trace(straight, np.array([PROVED_ROWS])) is not None:
-                guide, corners = poses, straight
-            elif not self.stays and (
-                not motors.shared or (straight[0, 3:] == straight[1, 3:]).all()
-            ):
-                guide, corners = _first([self._on_poses(start, goal)], more)
-        if guide is None or corners is None:
-            return self._not_found(start, goal)
+            reason = "no path was found in the time given, and none is proved to be impossible"
+            return PlannedPath(self.given, start.name, goal.name, "not found", reason)
         if len(corners) > 2:
             corners = smoothed(self.instance, guide, corners, self.seed)
         return finished(self.given, guide, corners, start, goal, self.limits)
@@ -215,10 +266,6 @@ class Planner:
         """Whether some value that no crank or slide moves must stay: random poses change it."""
         assert self.motors is not None
         return bool(self.motors.drives.stays.any())
-
-    def _not_found(self, start: PathEnd, goal: PathEnd) -> PlannedPath:
-        reason = "no path was found in the time given, and none is proved to be impossible"
-        return PlannedPath(self.given, start.name, goal.name, "not found", reason)
 
     def left(self, end: PathEnd) -> str:
         """Return the first limit that a pose violates, in words, or nothing."""
@@ -253,26 +300,25 @@ class Planner:
             return ""
         return next(iter(too_near(self.instance, end.R, end.T, self.gap)), "")
 
-    def _straight(
-        self, ways: ValueWays, start: PathEnd, goal: PathEnd
-    ) -> Iterator[tuple[Guide, Array]]:
-        """Yield straight paths that are proved."""
-        rows = np.array([PROVED_ROWS])
-        if self.along != "poses" and not self._same_values(start, goal):
-            guide: Guide = self.value_guide(ways, start, goal)
-            corners = np.stack((start.values, goal.values))
-            if guide.trace(corners, rows) is not None:
-                yield guide, corners
+    def _straight(self, start: PathEnd, goal: PathEnd) -> tuple[Guide | None, Array | None]:
+        """Return a straight path of values or drives, or of poses, if one is proved."""
+        tried: list[Callable[[], tuple[Guide, Array]]] = []
+        # A straight way of equal values would stay where it is.
+        moves = any(not np.array_equal(x, y) for x, y in ((start.R, goal.R), (start.T, goal.T)))
+        still = np.array_equal(start.values, goal.values) and moves
+        if self.along != "poses" and self.motors is not None:
+            drives = DriveGuide(self.motors, self.ways, start, goal, self.clear, self.gap)
+            tried.append(lambda: (drives, drives.corners))
+        elif self.along != "poses" and not still:
+            values = np.stack((start.values, goal.values))
+            tried.append(lambda: (self.value_guide(self.values(start), start, goal), values))
         if self.along != "values":
-            guide = self.pose_guide()
-            begin, end = self._parameters(start, goal)
-            if guide.trace(np.stack((begin, end)), rows) is not None:
-                yield guide, np.stack((begin, end))
-
-    def _same_values(self, start: PathEnd, goal: PathEnd) -> bool:
-        """Whether a straight way of values would stay where it is, and the goal is elsewhere."""
-        still = np.array_equal(start.values, goal.values)
-        return still and not (np.array_equal(start.R, goal.R) and np.array_equal(start.T, goal.T))
+            tried.append(lambda: (self.pose_guide(), np.stack(self._parameters(start, goal))))
+        for one in tried:
+            guide, corners = one()
+            if guide.trace(corners, _ROWS) is not None:
+                return guide, corners
+        return None, None
 
     def value_guide(self, ways: ValueWays, start: PathEnd, goal: PathEnd) -> ValueGuide:
         """Return what proves polygons of values between two ends."""
@@ -287,32 +333,60 @@ class Planner:
         begin, end = (self.ways.parameters(one.R, one.T) for one in (start, goal))
         return begin, self.ways.nearest(begin, end)
 
-    def _is_sheet(self, ways: ValueWays, end: PathEnd) -> bool:
-        """Whether a mode is proved to fill its box of ranges."""
-        if not ways.ranged or self.clear or self.gap is not None:
+    def fills_ranges(self, end: PathEnd, ways: ValueWays | None = None) -> bool:
+        """Whether it is proved that a mode is one pose for all values in the ranges.
+
+        Parameters
+        ----------
+        end
+            The mode.
+        ways
+            Straight ways of values; None for those on the sides of the mode.
+        """
+        if self.motors is not None or self.clear or self.gap is not None:
+            return False
+        ways = self.values(end) if ways is None else ways
+        if not ways.ranged:
             return False
         point = ways.points(end.R[None], end.T[None])[0]
         return whole_sheet(ways, end.values, point) is Sheet.WHOLE
 
+    def value_map(self, ends: Sequence[PathEnd]) -> ValueMap:
+        """Return a map of values with some ends, on the sides of the first."""
+        values, R, T = (np.stack([getattr(end, n) for end in ends]) for n in ("values", "R", "T"))
+        ways = self.values(ends[0])
+        return ValueMap(ways, self.instance, values, R, T, seed=self.seed)
+
+    def pose_map(self, ends: Sequence[PathEnd]) -> PoseMap:
+        """Return a map of poses with some ends."""
+        R, T = np.stack([end.R for end in ends]), np.stack([end.T for end in ends])
+        limited = has_limits(self.instance) or self.motors is not None or self.gap is not None
+        kept = self.pose_guide().kept if limited else None
+        classes = [self.classes.of(end.R, end.T) for end in ends]
+        return PoseMap(self.ways, R, T, classes, self.classes.of, seed=self.seed, kept=kept)
+
     def _on_map(
-        self, ways: ValueWays, start: PathEnd, goal: PathEnd, more: Callable[[], bool]
+        self, start: PathEnd, goal: PathEnd, more: Callable[[], bool]
     ) -> tuple[Guide | None, Array | None]:
         """Return a path on a map of values or poses, if one is found while there is time."""
-        along = self.along or ("values" if ways.ranged else "poses")
-        if along == "values":
-            return _first([self._on_values(ways, start, goal)], more)
+        if self.motors is not None:
+            # Random poses change what must stay.
+            turns = self._parameters(start, goal)
+            level = not self.motors.shared or (turns[0][3:] == turns[1][3:]).all()
+            on_map = self.along != "values" and not self.stays and level
+            return _first([self._on_poses(start, goal)], more) if on_map else (None, None)
+        ranged = self.values(start).ranged
+        if (self.along or ("values" if ranged else "poses")) == "values":
+            return _first([self._on_values(start, goal)], more)
         searches = [self._on_poses(start, goal)]
-        if ways.ranged:
-            searches.insert(0, self._near_values(ways, start, goal))
+        if ranged:
+            searches.insert(0, self._near_values(start, goal))
         return _first(searches, more)
 
-    def _on_values(self, ways: ValueWays, start: PathEnd, goal: PathEnd) -> Search:
+    def _on_values(self, start: PathEnd, goal: PathEnd) -> Search:
         """Search on a map of values."""
-        guide = self.value_guide(ways, start, goal)
-        values, R, T = (
-            np.stack([getattr(end, n) for end in (start, goal)]) for n in ("values", "R", "T")
-        )
-        found = ValueMap(ways, self.instance, values, R, T, seed=self.seed)
+        found = self.value_map((start, goal))
+        guide = self.value_guide(found.ways, start, goal)
         while True:
             corners = found.way(0, 1)
             if corners is None:
@@ -325,10 +399,10 @@ class Planner:
                 self._refuse(found, guide)
                 yield None
 
-    def _near_values(self, ways: ValueWays, start: PathEnd, goal: PathEnd) -> Search:
+    def _near_values(self, start: PathEnd, goal: PathEnd) -> Search:
         """Search on a map of values; straight ways of poses lead along the way that it has."""
         poses, ends = self.pose_guide(), self._parameters(start, goal)
-        for found in self._on_values(ways, start, goal):
+        for found in self._on_values(start, goal):
             if found is None:
                 yield None
                 continue
@@ -351,7 +425,7 @@ class Planner:
         for a, b in pairwise(nodes):
             one = ValueGuide(guide.ways, found.points[a], found.points[b], self.clear, self.gap)
             corners = np.stack((found.values[a], found.values[b]))
-            if one.trace(corners, np.array([PROVED_ROWS])) is None:
+            if one.trace(corners, _ROWS) is None:
                 found.refuse(a, b)
                 return
         # Each part is proved alone, and all of them together are not: rounding at a corner.
@@ -360,11 +434,7 @@ class Planner:
     def _on_poses(self, start: PathEnd, goal: PathEnd) -> Search:
         """Search on a map of poses."""
         guide = self.pose_guide()
-        R, T = np.stack((start.R, goal.R)), np.stack((start.T, goal.T))
-        limited = has_limits(self.instance) or self.motors is not None or self.gap is not None
-        kept = guide.kept if limited else None
-        classes = [self.classes.of(end.R, end.T) for end in (start, goal)]
-        found = PoseMap(self.ways, R, T, classes, self.classes.of, seed=self.seed, kept=kept)
+        found = self.pose_map((start, goal))
         found.join_given()
         while True:
             corners = found.way(0, 1)
@@ -376,9 +446,7 @@ class Planner:
             if guide.trace(way, np.full(len(way) - 1, PROVED_ROWS)) is not None:
                 yield guide, way
             else:
-                found.refuse_on_way(
-                    0, 1, lambda one: guide.trace(one, np.array([PROVED_ROWS])) is not None
-                )
+                found.refuse_on_way(0, 1, lambda one: guide.trace(one, _ROWS) is not None)
                 yield None
 
 
@@ -387,7 +455,7 @@ def _polygon(guide: PoseGuide, places: Array) -> Array | None:
     corners, spans = [places[0]], [(0, len(places) - 1)]
     while spans:
         first, last = spans.pop()
-        if guide.trace(places[[first, last]], np.array([PROVED_ROWS])) is not None:
+        if guide.trace(places[[first, last]], _ROWS) is not None:
             corners.append(places[last])
         elif last - first == 1:
             return None
@@ -414,8 +482,7 @@ def _first(searches: list[Search], more: Callable[[], bool]) -> tuple[Guide | No
 def _check_gap(instance: Instance, gap: float) -> None:
     """Raise `ArgumentError` if a gap cannot be kept along paths of a platform."""
     if not np.isfinite(gap):
-        message = f"found {gap}, expected a finite number"
-        raise ArgumentError(message, "gap")
+        raise ArgumentError(f"found {gap}, expected a finite number", "gap")
     if instance.shapes is None:
         raise ArgumentError(NO_SHAPES, "gap")
 
@@ -601,8 +668,7 @@ def finished(
                 trace = rowed
                 break
     if trace is None or (limits is not None and timing is None):
-        message = "the path that was found could not be proved again: try another seed"
-        raise IncompleteError(message)
+        raise IncompleteError("the path that was found could not be proved again: try another seed")
     # Those of drives take long.
     if guide.clear or trace.rows.motors is None:
         at, between = least_clearances(trace.rows, guide.clear)

@@ -67,19 +67,23 @@ class PathLimits:
         found = {}
         for name, given in both.items():
             if given is None:
-                message = "found none: a path is timed by a speed and an acceleration"
-                raise ArgumentError(message, name)
+                raise ArgumentError(
+                    "found none: a path is timed by a speed and an acceleration", name
+                )
             limits = dict(given) if isinstance(given, Mapping) else {MOTORS: float(given)}
             for what, number in limits.items():
                 if what not in NAMES:
-                    message = f"found {what!r}, expected {', '.join(NAMES[:-1])} or {TURN}"
-                    raise ArgumentError(message, name)
+                    raise ArgumentError(
+                        f"found {what!r}, expected {', '.join(NAMES[:-1])} or {TURN}", name
+                    )
                 if not (np.isfinite(number) and number > 0):
-                    message = f"found {number} for {what}, expected a number above zero"
-                    raise ArgumentError(message, name)
+                    raise ArgumentError(
+                        f"found {number} for {what}, expected a number above zero", name
+                    )
             if MOTORS not in limits and not {PLATFORM, TURN} <= set(limits):
-                message = "found no limit of the motors, nor of both the platform and its turn"
-                raise ArgumentError(message, name)
+                raise ArgumentError(
+                    "found no limit of the motors, nor of both the platform and its turn", name
+                )
             found[name] = limits
         return cls(**found)
 

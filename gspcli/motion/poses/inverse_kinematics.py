@@ -82,8 +82,9 @@ def pose_parts(pose: Any, name: str) -> tuple[Any, Any]:
         return pose.R, pose.T
     if isinstance(pose, tuple | list) and len(pose) == 2:
         return pose[0], pose[1]
-    message = f"found a {type(pose).__name__}, expected a pose: (R, T), or a mode of a result"
-    raise ArgumentError(message, name)
+    raise ArgumentError(
+        f"found a {type(pose).__name__}, expected a pose: (R, T), or a mode of a result", name
+    )
 
 
 def checked_poses(R: Any, T: Any = None) -> tuple[Array, Array]:
@@ -119,8 +120,9 @@ def checked_poses(R: Any, T: Any = None) -> tuple[Array, Array]:
     for name, part in (("R", R), ("T", T)):
         if not np.isfinite(part).all():
             index = tuple(np.argwhere(~np.isfinite(part))[0].tolist())
-            message = f"found {part[index]}, expected a finite number"
-            raise ArgumentError(message, f"{name}{list(index)}")
+            raise ArgumentError(
+                f"found {part[index]}, expected a finite number", f"{name}{list(index)}"
+            )
     off = np.abs(R @ R.swapaxes(-1, -2) - np.eye(3)).max(axis=(-1, -2))
     wrong = np.argwhere((off > _ROTATION) | (np.linalg.det(R) < 0))
     if len(wrong):
@@ -233,15 +235,17 @@ def crank_angles(
     """
     cranks = tuple(one for one in coordinates(instance) if one.vector == "crank")
     if not cranks:
-        message = "no point has a crank: state crank: {centre: [...], axis: [...]} at a point"
-        raise ArgumentError(message)
+        raise ArgumentError(
+            "no point has a crank: state crank: {centre: [...], axis: [...]} at a point"
+        )
     for one in cranks:
         name = f"{one.body}_name"
         legs = [row for row in instance.constraints if getattr(row, name) == one.primitive]
         if any(leg.kind is not DPP for leg in legs):
             kinds = ", ".join(row.kind.name for row in legs)
-            message = f"{one.name}: the constraints of its point are {kinds}, expected one DPP"
-            raise ArgumentError(message)
+            raise ArgumentError(
+                f"{one.name}: the constraints of its point are {kinds}, expected one DPP"
+            )
     drives, q = drive_values(instance, R, T, along=along)
     chosen = [drives.names.index(one.name) for one in cranks]
     return cranks, q[:, chosen] / instance.units.angle.in_radians

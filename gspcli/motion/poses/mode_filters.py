@@ -85,11 +85,10 @@ def parse_conditions(text: str) -> list[Condition]:
     for part in re.split(r",|&|\band\b", text):
         match = _CONDITION.fullmatch(part)
         if match is None:
-            message = (
+            raise ArgumentError(
                 f"found {shown(part.strip())}, expected a condition such as z>0: one of "
                 f"{listed(COORDINATES)}, one of < <= > >=, and a number"
             )
-            raise ArgumentError(message)
         name, sign, bound, other, reversed_sign, last = match.groups()
         if name is None:
             name, sign, bound = last, _TURNED[reversed_sign], other
@@ -148,8 +147,7 @@ class ModeFilter:
             masks[one.text] = np.asarray(kept, bool)
         if self.within_limits:
             if not restricts(result.instance):
-                message = "the platform states no range and no cone"
-                raise ArgumentError(message, "within_limits")
+                raise ArgumentError("the platform states no range and no cone", "within_limits")
             masks["within limits"] = np.array([not result.solutions[k].limits for k in real], bool)
         if self.above:
             masks["above"] = heights(result, R, T) > _EQUAL * size
@@ -190,8 +188,7 @@ def heights(result: PosesOfColumns, R: Array, T: Array) -> Array:
         places = np.array(list(points.values()))
         _, sizes, axes = np.linalg.svd(places - places.mean(axis=0), full_matrices=True)
     if sizes[1] <= _EQUAL * max(sizes[0], 1e-300) or sizes[2] > _ROUND * sizes[1]:
-        message = "the points of the base are in no one plane"
-        raise ArgumentError(message, "above")
+        raise ArgumentError("the points of the base are in no one plane", "above")
     normal, home = axes[2], instance.home
     up = np.array([0, 0, arrangement.length])
     if home is not None:
@@ -200,8 +197,9 @@ def heights(result: PosesOfColumns, R: Array, T: Array) -> Array:
     along = float(normal @ up)
     if abs(along) <= 1e-9 * arrangement.length:
         where = "home" if home is not None else "the z axis of the base"
-        message = f"{where} is on neither side of the plane of the base's points"
-        raise ArgumentError(message, "above")
+        raise ArgumentError(
+            f"{where} is on neither side of the plane of the base's points", "above"
+        )
     middles = R @ arrangement.platform_centre + T - arrangement.base_centre
     return np.asarray(middles @ normal * np.sign(along))
 
@@ -224,11 +222,9 @@ def chosen_mode(mode: int | None, home: HomeMode | None, count: int) -> int:
         If there is no such pose.
     """
     if home is None:
-        message = "the platform has no real pose for its values (gsp solve says why)"
-        raise GspError(message)
+        raise GspError("the platform has no real pose for its values (gsp solve says why)")
     if mode is None:
         return home.number
     if not 1 <= mode <= count:
-        message = f"found mode {mode}, expected one of the {counted(count, 'real pose')}"
-        raise GspError(message)
+        raise GspError(f"found mode {mode}, expected one of the {counted(count, 'real pose')}")
     return mode

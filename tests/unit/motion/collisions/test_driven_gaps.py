@@ -11,10 +11,10 @@ import pytest
 from gspcli.geometry.instance import Instance, Shapes
 from gspcli.geometry.machine import Machine
 from gspcli.motion.collisions.compared import ComparedShapes
-from gspcli.motion.paths.api import path
 from gspcli.motion.paths.ends import PathEnd
 from gspcli.motion.paths.guides import DriveGuide
 from gspcli.motion.paths.motors import Motors
+from gspcli.motion.paths.planner import path
 from gspcli.motion.paths.pose_ways import PoseWays
 from gspcli.motion.workspace.box_division import workspace
 from gspcli.motion.workspace.pose_boxes import working_modes_of
