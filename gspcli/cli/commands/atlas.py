@@ -6,7 +6,7 @@ import click
 
 from gspcli.cli.options import Command, Options, output_options
 from gspcli.cli.render import emit
-from gspcli.cli.result import Field, Fields, Result
+from gspcli.cli.result import Fields, Result
 
 FIELDS = Fields("atlas summary")
 
@@ -43,45 +43,26 @@ def summary(o: Options) -> None:
         for method in Method
     ]
     defect, without_one = trace_extremes()
-    emit(
-        o.output,
+    counts = Result(
+        FIELDS.of("name sides types smallest median largest of_largest different"),
+        found["counts"],
+        "Generic counts",
         [
-            Result(
-                columns=[
-                    *FIELDS.of("name sides"),
-                    *_numbers("types", "smallest", "median", "largest"),
-                    FIELDS["of_largest"],
-                    *_numbers("different"),
-                ],
-                rows=found["counts"],
-                title="Generic counts",
-                part="counts",
-                notes=[
-                    "All counts are proved, see docs/counts.md.",
-                    *notes,
-                    f"trace tests: defect at most {defect:.0e}, without one pose at least "
-                    f"{without_one:.0e}",
-                ],
-            ),
-            Result(
-                columns=[
-                    *FIELDS.of("bound name"),
-                    *_numbers("types", "sharp"),
-                    *FIELDS.of("median largest of_largest"),
-                ],
-                rows=found["bounds"],
-                title="Bounds against generic counts",
-                part="bounds",
-                notes=[
-                    "sharp: the bound is the count; factor: the bound over the count. Table 3 "
-                    "counts",
-                    "one of the two planes of a DLL and is compared with that count.",
-                ],
-            ),
+            "All counts are proved, see docs/counts.md.",
+            *notes,
+            f"trace tests: defect at most {defect:.0e}, without one pose at least "
+            f"{without_one:.0e}",
         ],
-        document=found,
+        part="counts",
     )
-
-
-def _numbers(*keys: str) -> list[Field]:
-    return [Field(key, align="right", essential=True) for key in keys]
+    bounds = Result(
+        FIELDS.of("bound name types sharp median@2 largest@2 of_largest"),
+        found["bounds"],
+        "Bounds against generic counts",
+        [
+            "sharp: the bound is the count; factor: the bound over the count. Table 3 counts",
+            "one of the two planes of a DLL and is compared with that count.",
+        ],
+        part="bounds",
+    )
+    emit(o.output, [counts, bounds], document=found)

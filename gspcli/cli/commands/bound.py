@@ -60,75 +60,47 @@ def _degrees(degrees: Degrees) -> str:
 
 def _tables(found: KnownBounds) -> list[Result]:
     subject = found.subject
-    title = subject.id
     if isinstance(subject, GspType):
-        title += f"  (no. {subject.number}, {subject.platform_class})"
+        title = f"{subject.id}  (no. {subject.number}, {subject.platform_class})"
     else:
-        title += f"  (a family of {len(subject.types)} types, angles left open)"
-    return [
-        constraint_table(found.kinds, title),
-        bound_table(found),
-    ]
+        title = f"{subject.id}  (a family of {len(subject.types)} types, angles left open)"
+    return [constraint_table(found.kinds, title), bound_table(found)]
 
 
 def constraint_table(kinds: Sequence[Kind], title: str) -> Result:
     """Return a row for each constraint: its degrees and the surface it gives."""
-    rows = []
-    for kind in kinds:
-        facts = constraint_facts(kind)
-        rows.append(
-            {
-                "kind": kind.name,
-                "degree_lazard": _degrees(facts.paper_lazard),
-                "degree_mourrain": _degrees(facts.paper_mourrain),
-                "degree_lowest": _degrees(facts.lowest),
-                "coordinates": coordinates_label(facts.lowest_coordinates),
-                "surface": _SURFACES.get(facts.surface or "", ""),
-            }
-        )
-    return Result(
-        columns=FIELDS.of("kind degree_lazard degree_mourrain degree_lowest coordinates surface"),
-        rows=rows,
-        title=title,
-        part="constraints",
-    )
+    rows = [
+        {
+            "kind": kind.name,
+            "degree_lazard": _degrees(facts.paper_lazard),
+            "degree_mourrain": _degrees(facts.paper_mourrain),
+            "degree_lowest": _degrees(facts.lowest),
+            "coordinates": coordinates_label(facts.lowest_coordinates),
+            "surface": _SURFACES.get(facts.surface or "", ""),
+        }
+        for kind, facts in ((kind, constraint_facts(kind)) for kind in kinds)
+    ]
+    columns = FIELDS.of("kind degree_lazard degree_mourrain degree_lowest coordinates surface")
+    return Result(columns, rows, title, part="constraints")
 
 
 def bound_table(found: KnownBounds) -> Result:
     """Return rows: the bounds that apply with their reasons, the counts, the best known real."""
     subject, counts, real = found.subject, found.counts, best_real(found.subject)
-    applying = [(name, bound) for name, bound in found.bounds.items() if bound is not None]
-    rows = [
-        {
-            "kind": "bound",
-            "source": BOUND_MEANINGS[name].title,
-            "value": bound.value,
-            "sides": bound_sides(name, subject.distances),
-        }
-        for name, bound in applying
+    applying = {name: bound for name, bound in found.bounds.items() if bound is not None}
+    facts: list[tuple[str, str, int, str]] = [
+        ("bound", BOUND_MEANINGS[name].title, one.value, bound_sides(name, subject.distances))
+        for name, one in applying.items()
     ]
-    rows += [
-        {"kind": "generic count", "source": "atlas", "value": value, "sides": sides}
-        for value, sides in ((counts.one_sided, "one-sided"), (counts.two_sided, "two-sided"))
-    ]
+    facts.append(("generic count", "atlas", counts.one_sided, "one-sided"))
+    facts.append(("generic count", "atlas", counts.two_sided, "two-sided"))
     if real is not None:
-        rows.append(
-            {
-                "kind": "real, best known (lower bound)",
-                "source": "witness",
-                "value": real,
-                "sides": "two-sided",
-            }
-        )
-    return Result(
-        columns=FIELDS.of("kind@2 source value sides"),
-        rows=rows,
-        notes=[
-            *dict.fromkeys(bound.reason for _, bound in applying),
-            f"Generic count: {counts.established}",
-        ],
-        part="bounds",
-    )
+        facts.append(("real, best known (lower bound)", "witness", real, "two-sided"))
+    columns = FIELDS.of("kind@2 source value sides")
+    rows = [dict(zip(("kind", "source", "value", "sides"), fact, strict=True)) for fact in facts]
+    reasons = [*dict.fromkeys(bound.reason for bound in applying.values())]
+    notes = [*reasons, f"Generic count: {counts.established}"]
+    return Result(columns, rows, notes=notes, part="bounds")
 
 
 def _summary(subjects: list[KnownBounds]) -> Result:
@@ -139,10 +111,6 @@ def _summary(subjects: list[KnownBounds]) -> Result:
         | {"best_real": best_real(subject.subject)}
         for subject in subjects
     ]
-    return Result(
-        columns=[
-            *(Field(key) for key in ("number", "id", "class", "family")),
-            *(Field(name, align="right") for name in (*BOUND_NAMES, *_GENERIC, "best_real")),
-        ],
-        rows=rows,
-    )
+    names = [Field(key) for key in ("number", "id", "class", "family")]
+    numbers = [Field(name, align="right") for name in (*BOUND_NAMES, *_GENERIC, "best_real")]
+    return Result([*names, *numbers], rows)

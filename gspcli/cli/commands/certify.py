@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -87,7 +86,6 @@ def command(o: Options) -> None:
     instance = o.instance
     text, name = text_of(o.result)
     given = read_answer(text, name) or read_candidates(text, name, PoseFrame.of(instance))
-    solutions = []
     with working("certifying"):
         proved = certify(
             instance,
@@ -97,58 +95,44 @@ def command(o: Options) -> None:
             tolerance=o.max_deviation,
             max_precision=o.max_precision,
         )
+        document = {
+            "schema": "gsp.certify/1",
+            **instance.to_json(),
+            "tolerance": o.max_deviation,
+            **proved.to_json(),
+        }
+        solutions = document["solutions"]
         claims = zip(given.claimed_real, given.claimed_sides.tolist(), strict=True)
-        document = proved.to_json()
-        given_as = zip(document["solutions"], proved, claims, strict=True)
-        for entry, item, (real, said) in given_as:
-            entry |= {
-                "claimed_real": real,
-                "claimed_sides": _by_number([_SIDES.get(sign) for sign in said]),
-            }
+        for entry, item, (real, signs) in zip(solutions, proved, claims, strict=True):
+            sides = {str(k): _SIDES[sign] for k, sign in enumerate(signs, 1) if sign in _SIDES}
+            entry |= {"claimed_real": real, "claimed_sides": sides}
             if o.digits is not None and item.certified:
                 entry["refined"] = refined(instance, item, o.digits)
-            solutions.append(entry)
-    head = {"schema": "gsp.certify/1", **instance.to_json(), "tolerance": o.max_deviation}
-    document = {**head, **document, "solutions": solutions}
-    nearness = _nearness(proved, instance.units.length)
-    tables = _tables(solutions, document["counts"], nearness, o.output.format)
-    emit(o.output, tables, document=document)
+    emit(o.output, _tables(document, proved, o.output.format), document=document)
     _conclude(solutions, proved)
 
 
-def _nearness(proved: Certificates, unit: str) -> list[str]:
-    """Return how near to their solutions all poses are that are certified, if any is."""
-    if not proved.certified:
-        return []
-    turned, moved = proved.deviations
-    return [
-        f"certified poses are within {turned:.1e} of their solutions in R, "
-        f"within {moved:.1e} {unit} in T"
-    ]
-
-
-def _by_number(sides: Iterable[str | None]) -> dict[str, str]:
-    return {str(k): side for k, side in enumerate(sides, 1) if side}
-
-
-def _tables(
-    solutions: list[dict[str, Any]],
-    counts: dict[str, int],
-    nearness: list[str],
-    output_format: str,
-) -> list[Result]:
+def _tables(document: dict[str, Any], proved: Certificates, form: str) -> list[Result]:
     rows: list[dict[str, Any]] = []
-    for entry in solutions:
+    for entry in document["solutions"]:
         sides = " ".join(f"{k}:{side}" for k, side in entry["sides"].items())
         rows.append({**entry, "sides": sides, **digit_cells(entry.get("refined", {}))})
-    note = (
+    said = (
         "{poses} poses: {certified} certified, {distinct} of them proved pairwise different, "
         "{real} of these real"
-    ).format(**counts)
-    shown = [Field(key) for key in DECIMALS if any(key in row for row in rows)]
-    if output_format == "csv" or not shown:
-        return [Result([*_COLUMNS, *shown], rows, summary=[note, *nearness], part="poses")]
-    return [Result(_COLUMNS, rows, summary=[note, *nearness], part="poses"), digit_table(rows)]
+    )
+    summary = [said.format(**document["counts"])]
+    if proved.certified:
+        turned, moved = proved.deviations
+        summary.append(
+            f"certified poses are within {turned:.1e} of their solutions in R, "
+            f"within {moved:.1e} {document['units']['length']} in T"
+        )
+    digits = [Field(key) for key in DECIMALS if any(key in row for row in rows)]
+    if form == "csv":
+        return [Result([*_COLUMNS, *digits], rows, summary=summary, part="poses")]
+    tables = [Result(_COLUMNS, rows, summary=summary, part="poses")]
+    return [*tables, digit_table(rows)] if digits else tables
 
 
 def _conclude(solutions: list[dict[str, Any]], proved: Certificates) -> None:

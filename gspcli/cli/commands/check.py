@@ -69,24 +69,15 @@ def command(o: Options) -> None:
 
 
 def _row(checked: CheckedFile) -> dict[str, Any]:
+    """Return a row, shared primitives with the numbers of their constraints: ``P1(4 5 6)``."""
     entry = checked.to_json()
     if checked.instance is None:
         return entry
     gsp_type = checked.instance.type
-    return {
-        **entry,
-        "shared": _shared(entry["shared"]),
-        "warnings": len(checked.warnings),
-        "class": gsp_type.platform_class.id,
-        "number": gsp_type.number,
-        "type": gsp_type.id,
-    }
-
-
-def _shared(shared: dict[str, dict[str, list[int]]]) -> str:
-    """Return the shared primitives with the numbers of their constraints, as ``P1(4 5 6)``."""
-    return ", ".join(
+    shared = [
         f"{body} {name}({' '.join(map(str, numbers))})"
-        for body, names in shared.items()
+        for body, names in entry["shared"].items()
         for name, numbers in names.items()
-    )
+    ]
+    more = {"class": gsp_type.platform_class.id, "number": gsp_type.number, "type": gsp_type.id}
+    return {**entry, **more, "shared": ", ".join(shared), "warnings": len(checked.warnings)}

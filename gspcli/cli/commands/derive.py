@@ -59,19 +59,16 @@ def command(o: Options) -> None:
 
 
 def _listing(sets: list[TriangularSet]) -> Result:
-    return Result(
-        columns=FIELDS.of("case title degrees solutions source"),
-        rows=[
-            {
-                "case": item.case,
-                "title": item.title,
-                "degrees": "·".join(str(degree) for degree in item.degrees),
-                "solutions": item.solutions,
-                "source": item.source,
-            }
-            for item in sets
-        ],
-        part="cases",
-        schema="derive-cases",
-        notes=["degrees: of each polynomial in its leading variable; solutions: their product"],
-    )
+    rows = [
+        {
+            "case": item.case,
+            "title": item.title,
+            "degrees": "·".join(map(str, item.degrees)),
+            "solutions": item.solutions,
+            "source": item.source,
+        }
+        for item in sets
+    ]
+    notes = ["degrees: of each polynomial in its leading variable; solutions: their product"]
+    columns = FIELDS.of("case title degrees solutions source")
+    return Result(columns, rows, notes=notes, part="cases", schema="derive-cases")

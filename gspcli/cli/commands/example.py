@@ -54,13 +54,7 @@ def command(o: Options) -> None:
     if o.output.format == _FILE:
         raise click.UsageError("the list has no YAML form: give a NAME, or another format")
     rows = [_row(name, path) for name, path in instance_files().items()]
-    keys = [column.key for column in _COLUMNS]
-    entries = [{key: row[key] for key in keys} for row in rows]
-    emit(
-        o.output,
-        Result(_COLUMNS, rows, notes=[_LEGEND]),
-        document={"schema": "gsp.example/1", "files": entries},
-    )
+    emit(o.output, Result(_COLUMNS, rows, notes=[_LEGEND], schema="example", name="files"))
 
 
 def _row(name: str, path: Path) -> dict[str, Any]:
@@ -73,10 +67,10 @@ def _row(name: str, path: Path) -> dict[str, Any]:
         "name": name,
         "group": folder.removesuffix("s"),
         "type": short_name(instance.type),
-        "number": instance.type.number,
         "expected": instance.expected,
         "exact": "infinite" if record.get("dimension") else record.get("complex"),
         "real": record.get("real"),
+        "number": instance.type.number,
         "title": instance.name,
         "source": instance.source,
     }

@@ -63,13 +63,10 @@ def command(o: Options) -> None:
         raise click.UsageError(f"{o.conventions[0]} says how --pose is read: give --pose, too")
     else:
         R, T = _home(instance)
-    found = freedoms(instance, R, T)
-    document = {"schema": "gsp.freedoms/1", **found.to_json()}
-    emit(
-        o.output,
-        _tables(found, everything=o.everything, readable=o.output.format not in ("csv", "json")),
-        document=document if o.output.format == "json" else None,
-    )
+    result = freedoms(instance, R, T)
+    readable = o.output.format not in ("csv", "json")
+    tables = _tables(result, everything=o.everything, readable=readable)
+    emit(o.output, tables, document={"schema": "gsp.freedoms/1", **result.to_json()})
 
 
 def _moved(instance: Instance, R: Any, T: Any) -> Instance:
@@ -115,18 +112,15 @@ def _tables(found: Freedoms, *, everything: bool, readable: bool) -> list[Result
         {"number": number, "freedom": screw.words(unit)}
         for number, screw in enumerate(found.screws, 1)
     ]
-    columns = FIELDS.of("number freedom")
+    columns = FIELDS.of("number freedom" if rows or not readable else "")
     kinds = " ".join(row.kind.name for row in found.instance.constraints)
     title = f"{found.instance.name}: {kinds}" if found.instance.name else kinds
-    tables = [
-        Result(columns if rows or not readable else [], rows, title, summary=lines, part="freedoms")
-    ]
+    tables = [Result(columns, rows, title, summary=lines, part="freedoms")]
     shown = found.candidates if everything else found.candidates[:_SHOWN]
     if not shown or not readable:
         return tables
-    notes = []
-    if len(shown) < len(found.candidates):
-        notes = [f"{len(found.candidates) - len(shown)} more: --all shows them"]
+    others = len(found.candidates) - len(shown)
+    notes = [f"{others} more: --all shows them"] if others else []
     more = [
         {
             "constraint": one.name,
@@ -136,5 +130,5 @@ def _tables(found: Freedoms, *, everything: bool, readable: bool) -> list[Result
         }
         for one in shown
     ]
-    more_columns = FIELDS.of("constraint kind removes restrains")
-    return [*tables, Result(more_columns, more, notes=notes, part="candidates")]
+    columns = FIELDS.of("constraint kind removes restrains")
+    return [*tables, Result(columns, more, notes=notes, part="candidates")]

@@ -22,7 +22,7 @@ from gspcli.cli.options import (
 from gspcli.cli.render import emit, write
 from gspcli.cli.result import Fields, Result
 from gspcli.cli.specs import read_type
-from gspcli.cli.streams import say, write_whole
+from gspcli.cli.streams import progress, say, write_whole
 from gspcli.errors import INTERRUPTED, GspError
 
 if TYPE_CHECKING:
@@ -71,11 +71,13 @@ def command(o: Options) -> int:
       gsp sample 3D3A PL PL LP --format csv
       gsp sample 6PH --one-sided --count 5000 -o planes.svg
     """
-    from gspcli.cli.streams import progress
     from gspcli.reality.real_distribution import Sample, SampleResult, Tally, tallies
 
     if o.folder is not None:
-        _make(o.folder)
+        try:
+            o.folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise GspError(f"{o.folder}: cannot be made: {error.strerror}") from error
     wanted = Sample(read_type(o.names), o.count, o.seed, o.one_sided)
     total = Tally()
     interrupted = False
@@ -95,13 +97,6 @@ def command(o: Options) -> int:
         table = _table(wanted, total, bars=o.output.format == "table")
         emit(o.output, table, document=SampleResult(wanted, total).to_json())
     return INTERRUPTED if interrupted else 0
-
-
-def _make(folder: Path) -> None:
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise GspError(f"{folder}: cannot be made: {error.strerror}") from error
 
 
 def _save(folder: Path, wanted: Sample, tally: Tally) -> None:
@@ -128,24 +123,16 @@ def _table(wanted: Sample, tally: Tally, *, bars: bool) -> Result:
         }
         for real in sorted(tally.real)
     ]
-    mean = "" if tally.mean is None else f", {tally.mean:.4g} real on average"
-    return Result(
-        columns=[
-            *FIELDS.of("real platforms share"),
-            *([FIELDS["bar"].but(title=" ")] if bars else []),
-        ],
-        rows=rows,
-        title=f"{wanted.gsp_type.id}: {_subject(wanted)}",
-        summary=[
-            f"{tally.platforms} platforms{mean}; {tally.undecided} undecided, "
-            f"{tally.incomplete} incomplete"
-        ],
-    )
-
-
-def _subject(wanted: Sample) -> str:
+    columns = FIELDS.of("real platforms share")
+    columns += [FIELDS["bar"].but(title=" ")] if bars else []
     sides = " for one choice of sides" if wanted.one_sided else ""
-    return f"real ones of {wanted.expected} solutions{sides}"
+    mean = "" if tally.mean is None else f", {tally.mean:.4g} real on average"
+    summary = (
+        f"{tally.platforms} platforms{mean}; {tally.undecided} undecided, "
+        f"{tally.incomplete} incomplete"
+    )
+    title = f"{wanted.gsp_type.id}: real ones of {wanted.expected} solutions{sides}"
+    return Result(columns, rows, title, summary=[summary])
 
 
 def histogram(wanted: Sample, tally: Tally, fmt: str) -> bytes:

@@ -7,8 +7,7 @@ import click
 from gspcli.catalogue.constraints import constraint_facts
 from gspcli.catalogue.known_facts import KnownFacts, show
 from gspcli.catalogue.names import Alias, find_alias, parse_type
-from gspcli.catalogue.realization import Mechanism, mechanism_of_type, realization
-from gspcli.catalogue.types import GspType
+from gspcli.catalogue.realization import mechanism_of_type, realization
 from gspcli.cli.commands.bound import bound_table, constraint_table
 from gspcli.cli.options import Command, Options, output_options
 from gspcli.cli.render import emit
@@ -40,56 +39,23 @@ def command(o: Options) -> None:
     gsp_type = load_instance(o.names[0]).type if single else parse_type(o.names)
     known, built = show(gsp_type), mechanism_of_type(gsp_type)
     alias = find_alias(" ".join(o.names))
-    emit(
-        o.output,
-        [
-            constraint_table(gsp_type.kinds, _title(gsp_type)),
-            _meanings(gsp_type),
-            bound_table(known),
-            _chains(gsp_type, built),
-            _facts(known, alias),
-        ],
-        document=known.to_json(),
-    )
-
-
-def _title(gsp_type: GspType) -> str:
-    return f"{gsp_type.id}  (no. {gsp_type.number}, {gsp_type.platform_class})"
-
-
-def _meanings(gsp_type: GspType) -> Result:
-    rows = [
-        {
-            "kind": kind.name,
-            "count": gsp_type.count(kind),
-            "meaning": constraint_facts(kind).meaning,
-            "equation": constraint_facts(kind).definition.text,
-        }
-        for kind in dict.fromkeys(gsp_type.kinds)
+    title = f"{gsp_type.id}  (no. {gsp_type.number}, {gsp_type.platform_class})"
+    meanings, chains = [], []
+    for kind in dict.fromkeys(gsp_type.kinds):
+        facts, realized = constraint_facts(kind), realization(kind)
+        row = {"kind": kind.name, "count": gsp_type.count(kind)}
+        meanings.append({**row, "meaning": facts.meaning, "equation": facts.definition.text})
+        row = {"kind": kind.name, "chain": realized.chain.drawing}
+        chains.append({**row, "description": realized.description, "idle": realized.idle_motion})
+    mobility = [f"mobility: {built.sum_shown}"]
+    tables = [
+        constraint_table(gsp_type.kinds, title),
+        Result(FIELDS.of("kind count equation meaning"), meanings, part="meanings"),
+        bound_table(known),
+        Result(FIELDS.of("kind chain description idle"), chains, "", mobility, part="chains"),
+        _facts(known, alias),
     ]
-    return Result(
-        columns=FIELDS.of("kind count equation meaning"),
-        rows=rows,
-        part="meanings",
-    )
-
-
-def _chains(gsp_type: GspType, built: Mechanism) -> Result:
-    rows = [
-        {
-            "kind": kind.name,
-            "chain": realization(kind).chain.drawing,
-            "description": realization(kind).description,
-            "idle": realization(kind).idle_motion,
-        }
-        for kind in dict.fromkeys(gsp_type.kinds)
-    ]
-    return Result(
-        columns=FIELDS.of("kind chain description idle"),
-        rows=rows,
-        part="chains",
-        notes=[f"mobility: {built.sum_shown}"],
-    )
+    emit(o.output, tables, document=known.to_json())
 
 
 def _facts(known: KnownFacts, alias: Alias | None) -> Result:

@@ -22,7 +22,6 @@ FIELDS = Fields("table")
 
 _CHOICES = ("1", "2", "3", "errata", "all")
 _TABLES = (1, 2, 3)
-_HEADINGS = {"n1": "N1", "surfaces": "case", "distances": "three distance constraints"}
 
 
 @click.command(cls=Command)
@@ -61,7 +60,15 @@ def command(o: Options) -> None:
     if o.check:
         proofs = progress(errata, total=len(errata), label="proving errata")
         evidence = {erratum.key: prove(erratum) for erratum in proofs}
-    confirmed = _confirm() if o.check and 3 in numbers else None
+    confirmed = None
+    if o.check and 3 in numbers:
+        from gspcli.paper.errata import confirm
+
+        done = confirm(progress=progress)
+        confirmed = (
+            f"Table 3 confirmed: {done.instances} random instances of {done.families} families "
+            "solved, each with its N1 solutions for every choice of sides"
+        )
     plain = o.output.format == "csv"
     # A row of a CSV names its errata. They are a separate table if nothing else is shown.
     listed = errata and (not plain or not comparisons or o.output.part == "errata")
@@ -84,44 +91,30 @@ def command(o: Options) -> None:
         raise CheckFailed(f"printed differently, and no proved erratum accounts for it:\n{lines}")
 
 
-def _confirm() -> str:
-    from gspcli.paper.errata import confirm
-
-    done = confirm(progress=progress)
-    return (
-        f"Table 3 confirmed: {done.instances} random instances of {done.families} families "
-        "solved, each with its N1 solutions for every choice of sides"
-    )
-
-
 def _table(comparison: Comparison, *, plain: bool) -> Result:
     """Return a table for people, or plain for programs."""
     if comparison.number == 3:
-        return _grouped(comparison, plain=plain)
-    differing = {(d.row, d.column): d for d in comparison.differences}
-    rows: list[dict[str, Any]] = []
-    for computed in comparison.computed:
-        found = {key: differing.get((f"solution {computed['solution']}", key)) for key in computed}
-        if plain:
-            rows.append({**computed, "erratum": _errata_named(filter(None, found.values()))})
-        else:
-            rows.append(
-                {k: _radical(v) + " *" * (found[k] is not None) for k, v in computed.items()}
-            )
-    columns = [Field(key, align="right", essential=True) for key in comparison.columns]
-    return _compared(comparison, columns, rows, plain=plain)
-
-
-def _compared(
-    comparison: Comparison, columns: list[Field], rows: list[dict[str, Any]], *, plain: bool
-) -> Result:
-    return Result(
-        [*columns, FIELDS["erratum"]] if plain else columns,
-        rows,
-        comparison.title,
-        notes=_verdict(comparison),
-        part=f"table-{comparison.number}",
-    )
+        columns, rows = FIELDS.of("n1 surfaces families distances"), _by_case(comparison, plain)
+    else:
+        columns = [Field(key, align="right", essential=True) for key in comparison.columns]
+        rows = []
+        differing = {(d.row, d.column): d for d in comparison.differences}
+        for computed in comparison.computed:
+            row = f"solution {computed['solution']}"
+            wrong = {key: differing[row, key] for key in computed if (row, key) in differing}
+            if plain:
+                rows.append({**computed, "erratum": _errata_named(wrong.values())})
+            else:
+                rows.append({k: _radical(v) + " *" * (k in wrong) for k, v in computed.items()})
+    count = len(comparison.differences)
+    verdict = "Every entry is as printed."
+    if count:
+        entries = "entry is" if count == 1 else "entries are"
+        unexplained = len(comparison.unexplained)
+        verdict = f"* {count} {entries} printed differently: {unexplained} without an erratum."
+    columns += FIELDS.of("erratum" if plain else "")
+    part = f"table-{comparison.number}"
+    return Result(columns, rows, comparison.title, [verdict], part=part)
 
 
 def _errata_named(differences: Iterable[Difference]) -> list[str]:
@@ -135,44 +128,20 @@ def _radical(value: object) -> str:
     return re.sub(r"sqrt\((\d+)\)", r"√\1", str(value)).replace("*√", "√")
 
 
-def _grouped(comparison: Comparison, *, plain: bool) -> Result:
-    """Show Table 3 by cases, as the paper does."""
+def _by_case(comparison: Comparison, plain: bool) -> list[dict[str, Any]]:
+    """Return Table 3 by cases, as the paper shows it."""
     differing = {d.computed: d for d in comparison.differences}
     groups: dict[tuple[int, str], list[str]] = {}
     for row in comparison.computed:
-        star = " *" if row["distances"] in differing and not plain else ""
-        groups.setdefault((row["n1"], row["surfaces"]), []).append(row["distances"] + star)
-    rows = [
-        {
-            "n1": n1,
-            "surfaces": surfaces,
-            "families": len(names),
-            "distances": ", ".join(names),
-            "erratum": _errata_named(differing[name] for name in names if name in differing),
-        }
-        for (n1, surfaces), names in sorted(groups.items())
-    ]
-    return _compared(
-        comparison,
-        [
-            FIELDS["n1"].but(title=_HEADINGS["n1"]),
-            FIELDS["surfaces"].but(title=_HEADINGS["surfaces"]),
-            FIELDS["families"],
-            FIELDS["distances"].but(title=_HEADINGS["distances"]),
-        ],
-        rows,
-        plain=plain,
-    )
-
-
-def _verdict(comparison: Comparison) -> list[str]:
-    count = len(comparison.differences)
-    if not count:
-        return ["Every entry is as printed."]
-    return [
-        f"* {count} {'entry is' if count == 1 else 'entries are'} printed differently: "
-        f"{len(comparison.unexplained)} without an erratum."
-    ]
+        groups.setdefault((row["n1"], row["surfaces"]), []).append(row["distances"])
+    rows = []
+    for (n1, surfaces), names in sorted(groups.items()):
+        marked = [name + " *" * (name in differing and not plain) for name in names]
+        row = {"n1": n1, "surfaces": surfaces, "families": len(names)}
+        row["distances"] = ", ".join(marked)
+        row["erratum"] = _errata_named(differing[name] for name in names if name in differing)
+        rows.append(row)
+    return rows
 
 
 def _document(erratum: Erratum, evidence: Mapping[str, str]) -> dict[str, Any]:
