@@ -1,4 +1,4 @@
-// Counts the roundings of chord.hpp and segment_proof.hpp, and measures how far values of an angle are
+// Counts the roundings of segment_proof.hpp, and measures how far values of an angle are
 // from the parabola along a chord. For tests/unit/motion/following/test_roundings.py.
 #include <cstdio>
 
