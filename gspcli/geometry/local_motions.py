@@ -263,7 +263,7 @@ def _moved(R: Field, T: Field, twist: Field) -> tuple[Field, Field]:
 
 #: Angles, in degrees, at which two directions are parallel.
 _STRAIGHT = {ALL: ("0", "180"), ALH: ("90",), AHL: ("90",), AHH: ("0", "180")}
-_RIGHT = {AngleUnit.DEGREE: Number.of(90), AngleUnit.RADIAN: Number.of("pi/2")}
+_RIGHT = {AngleUnit.DEGREE: Number.of(90), AngleUnit.RADIAN: Number("pi") / Number.of(2)}
 _ZERO, _ONE = Number.of(0), Number.of(1)
 _AXES: tuple[Vector, ...] = ((_ONE, _ZERO, _ZERO), (_ZERO, _ONE, _ZERO), (_ZERO, _ZERO, _ONE))
 
