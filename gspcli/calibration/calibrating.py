@@ -475,7 +475,6 @@ def calibrate(
     points: Mapping[str, ArrayLike] | None = None,
     targets: Mapping[str, ArrayLike] | None = None,
     inclinations: ArrayLike | None = None,
-    cranks: ArrayLike | None = None,
     drives: ArrayLike | None = None,
     sigma: Mapping[str, float] | None = None,
     estimate: Iterable[str] = (),
@@ -506,8 +505,6 @@ def calibrate(
         Where such points are in the platform's frame, by name, each (3,).
     inclinations
         Angles of the platform's x and y axes above the horizontal, in the angle unit, (n, 2).
-    cranks
-        `drives` of a platform whose drives are cranks.
     drives
         Readings of the cranks and slides in the order of the constraints that they move, in the
         angle unit and lengths, shape (n, m). Points that share a drive have one column.
@@ -545,16 +542,12 @@ def calibrate(
     ArgumentError
         If an argument has a wrong shape or name.
     """
-    if drives is None:
-        drives, where = cranks, "cranks"
-    elif cranks is None:
-        where = "drives"
-    else:
-        message = "found both drives and cranks, expected drives"
-        raise ArgumentError(message, "cranks")
     seen = _measurements(instance, values, R, T, points, targets, inclinations)
     if drives is not None:
-        seen = replace(seen, drives=_readings_of_drives(instance, drives, len(seen), where))
+        blocks, turn = Model.of(instance, drives=True).drives, instance.units.angle.in_radians
+        readings = _shaped(drives, "drives", (len(seen), len(blocks)))
+        units = np.array([turn if one.sort == "crank" else 1.0 for one in blocks])
+        seen = replace(seen, drives=readings * units)
     options = Options(tuple(estimate), tuple(hold), robust, prior, hold_unknown)
     return calibrate_rows(instance, seen, sigma or {}, options)
 
@@ -767,17 +760,6 @@ def _measurements(
         else _shaped(inclinations, "inclinations", (n, 2)) * unit,
         lines=tuple(str(k) for k in range(1, n + 1)),
     )
-
-
-def _readings_of_drives(instance: Instance, given: ArrayLike, rows: int, where: str) -> Array:
-    """Return readings of drives in radians and lengths, shape (rows, m)."""
-    motors = Model.of(instance, drives=True).drives
-    if where == "cranks" and any(drive.sort == "slide" for drive in motors):
-        message = "found cranks of a platform with slides, expected drives"
-        raise ArgumentError(message, where)
-    units = [instance.units.angle.in_radians if one.sort == "crank" else 1.0 for one in motors]
-    readings: Array = _shaped(given, where, (rows, len(motors))) * np.array(units)
-    return readings
 
 
 def _shaped(given: ArrayLike, name: str, shape: tuple[int | None, ...]) -> Array:

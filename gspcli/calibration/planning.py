@@ -406,20 +406,13 @@ class Plan:
         limits = [parts[sort] for sort in sorts if sort in open_ended]
         return ", ".join([" and ".join(f"{sort}s" for sort in sorts), *limits])
 
-    def _driven_json(self, readings: list[float]) -> dict[str, dict[str, float]]:
-        """Return the readings of the drives of a pose by their names; those of cranks twice."""
-        if not readings:
-            return {}
-        drives = dict(zip(self.drive_names, readings, strict=True))
-        cranks = {name: angle for name, angle in drives.items() if name.startswith("crank.")}
-        return {"drives": drives} | ({"cranks": cranks} if cranks else {})
-
     def to_json(self) -> dict[str, Any]:
         """Return the plan as plain data."""
         return {
             **self.instance.to_json(),
             "plan": [
-                {"R": R, "T": T, "values": row} | self._driven_json(drives)
+                {"R": R, "T": T, "values": row}
+                | ({"drives": dict(zip(self.drive_names, drives, strict=True))} if drives else {})
                 for R, T, row, drives in zip(
                     self.R.tolist(),
                     self.T.tolist(),

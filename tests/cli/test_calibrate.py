@@ -331,7 +331,6 @@ def test_a_plan_of_rails_is_measured_and_fitted(gsp, tmp_path, monkeypatch, word
     assert ("with: " in text) == (columns == 3)
     document = json.loads(gsp("calibrate", "rails.yaml", "--plan", "8", "--format", "json").out)
     assert list(document["plan"][0]["drives"]) == names
-    assert "cranks" not in document["plan"][0]
 
 
 def test_columns_of_drives_that_do_not_fit(gsp, tmp_path, monkeypatch):

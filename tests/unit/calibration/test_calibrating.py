@@ -313,7 +313,7 @@ def test_a_rotary_hexapod():
     assert Model.of(instance, drives=True).free.sum() == 66
     stated = [float(row.value.value) for row in instance.constraints]
     values = np.tile(stated, (len(T), 1))
-    result = gspcli.calibrate(instance, values, R, T, cranks=np.rad2deg(angles))
+    result = gspcli.calibrate(instance, values, R, T, drives=np.rad2deg(angles))
     assert result.unknowns.count == 0
     found, true = (readings(m, R, T, angles + 0.1) for m in (result.fit.model, truth))
     assert np.abs(found - true).max() < 1e-9 * truth.length
@@ -325,7 +325,7 @@ def test_rods_that_nobody_reads_have_no_noise():
     instance, _, angles, R, T = rotary(rng, 60)
     cranks, turns, places = noisy_rotary(angles, R, T, rng)
     blank = np.full((len(T), 6), np.nan)
-    given = {"cranks": cranks, "prior": 0.1}
+    given = {"drives": cranks, "prior": 0.1}
     found = gspcli.calibrate(instance, blank, turns, places, sigma=ROTARY_SIGMA, **given)
     spread = np.sqrt(2 * found.freedom)
     assert abs(found.chi_squared - found.freedom) < 3 * spread
@@ -345,7 +345,7 @@ def test_rods_that_nobody_reads_have_no_noise():
     )
     assert read.chi_squared < found.chi_squared
     with pytest.raises(ArgumentError, match="found both value and crank zero"):
-        gspcli.calibrate(instance, blank, R, T, cranks=cranks, sigma={"value": 0, "crank": 0})
+        gspcli.calibrate(instance, blank, R, T, drives=cranks, sigma={"value": 0, "crank": 0})
 
 
 def test_scales_and_held_numbers():

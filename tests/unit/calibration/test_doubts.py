@@ -155,11 +155,11 @@ def test_cranks_that_are_exchanged_or_turn_the_other_way():
     stated = np.tile([float(row.value.value) for row in instance.constraints], (len(there), 1))
     given = {"hold_unknown": True, "sigma": {"value": 1e-5, "crank": 1e-3}}
     seen = stated, R[there], T[there]
-    assert gspcli.calibrate(instance, *seen, cranks=angles[there], **given).doubts == ()
+    assert gspcli.calibrate(instance, *seen, drives=angles[there], **given).doubts == ()
     for cranks, cause in (
         (angles[there][:, [0, 1, 3, 2, 4, 5]], "are exchanged"),
         (-angles[there], "cranks have the wrong sign"),
     ):
-        found = gspcli.calibrate(instance, *seen, cranks=cranks, **given)
+        found = gspcli.calibrate(instance, *seen, drives=cranks, **given)
         assert found.doubts
         assert cause in str(found.cause)
