@@ -219,9 +219,12 @@ class Command(click.Command):
             name = parameter.opts[-1]
             if isinstance(parameter, click.Argument):
                 name = str(parameter.metavar or parameter.name).strip("[].")
-                streams += [name] if ctx.params.get(str(parameter.name)) == "-" else []
             if ctx.get_parameter_source(str(parameter.name)) is ParameterSource.COMMANDLINE:
                 given.add(name)
+            value = ctx.params.get(str(parameter.name))
+            is_stream = isinstance(parameter, click.Argument) and value == "-"
+            if is_stream or getattr(value, "is_standard_input", False):
+                streams.append(name)
         for broken in getattr(self.callback, "rules", ()):
             if said := broken(given):
                 raise click.UsageError(said, ctx)

@@ -12,6 +12,8 @@ from gspcli.cli.options import (
     Finite,
     Options,
     Positive,
+    exclusive,
+    needs,
     output_options,
     seed_option,
     value_options,
@@ -22,19 +24,16 @@ from gspcli.cli.pose_options import (
     pose_options,
 )
 from gspcli.cli.render import emit
-from gspcli.cli.result import Field, Fields, Result, pose_columns
+from gspcli.cli.result import Fields, Result, pose_columns
 from gspcli.cli.streams import working
 from gspcli.defaults import PATH_SECONDS
 from gspcli.errors import CheckFailed, IncompleteError
 from gspcli.wording import counted, listed, shown
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
     from typing import Any
 
     from gspcli.geometry.frames import PoseFrame
-    from gspcli.motion import PoseFormat
-    from gspcli.motion.paths.ends import End
     from gspcli.motion.paths.mode_groups import ModeGroups
     from gspcli.motion.paths.planned_paths import PlannedPath
     from gspcli.motion.paths.timing import Timing
@@ -81,6 +80,11 @@ class _LimitType(click.ParamType):  # type: ignore[type-arg]
 
 
 @click.command(cls=Command)
+@exclusive("--all", "--from")
+@exclusive("--all", "--to")
+@exclusive("--all", "--speed")
+@needs("--speed", "--acceleration")
+@needs("--acceleration", "--speed")
 @click.argument("spec", metavar="SPEC")
 @click.option(
     "--from",
@@ -178,8 +182,8 @@ def command(o: Options) -> None:
       gsp path thick.yaml --from home --to 10,0,420,1,0,0,0 --leg-gap 5
       gsp path @rubin-camera --all
     """
-    _check(o.start, o.goal, o.everything, o.spec)
-    _check_speed(o.speed, o.acceleration, o.everything)
+    if not o.everything and (o.start is None or o.goal is None):
+        raise click.UsageError("give --from and --to, or --all")
     from gspcli.motion.paths.mode_groups import mode_groups
     from gspcli.motion.paths.planner import path
 
@@ -188,56 +192,24 @@ def command(o: Options) -> None:
     if o.everything:
         with working("joining modes"):
             groups = mode_groups(instance, along=o.along, time=o.seconds, seed=o.seed)
-        emit(o.output, groups_table(groups), document=groups.to_json())
+        emit(o.output, groups_table(groups))
         _refuse_undecided(groups)
         return
-    first, last = _end(o.start, form), _end(o.goal, form)
+    first, last = (
+        one.read(form) if isinstance(one, GivenPose) else one for one in (o.start, o.goal)
+    )
+    # The point of straight ways in the platform's frame; None for its centre.
+    pivot = form.frame.tool.shifted(form.pivot).T
     with working("planning"):
         found = path(
             instance, first, last, along=o.along, clear=o.clear, gap=o.gap, time=o.seconds,
-            seed=o.seed, pivot=_pivot(form), sequence=form.euler or "ZYX",
+            seed=o.seed, pivot=None if pivot is None else pivot.tolist(),
+            sequence=form.euler or "ZYX",
             speed=o.speed, acceleration=o.acceleration,
         )  # fmt: skip
     if found.verdict == "proved" or o.output.format == "json":
-        emit(o.output, path_table(found, form.frame), document=found.to_json(form.frame))
+        emit(o.output, path_table(found, form.frame))
     _refuse(found)
-
-
-def _check(start: object, goal: object, everything: bool, spec: str) -> None:
-    """Raise for options that cannot be combined."""
-    message = ""
-    if everything and (start is not None or goal is not None):
-        message = "--all is about all modes: leave out --from and --to"
-    elif not everything and (start is None or goal is None):
-        message = "give --from and --to, or --all"
-    read = [spec == "-", *(isinstance(e, GivenPose) and e.is_standard_input for e in (start, goal))]
-    if sum(read) > 1:
-        message = "only one of SPEC, --from and --to can be standard input"
-    if message:
-        raise click.UsageError(message)
-
-
-def _check_speed(speed: object, acceleration: object, everything: bool) -> None:
-    """Raise for options of the time that cannot be combined."""
-    message = ""
-    if (speed is None) != (acceleration is None):
-        message = "--speed and --acceleration go together"
-    elif everything and speed is not None:
-        message = "--all makes no rows: leave out --speed and --acceleration"
-    if message:
-        raise click.UsageError(message)
-
-
-def _pivot(form: PoseFormat) -> Sequence[float] | None:
-    """Return the point of straight ways in the platform's frame; None for its centre."""
-    tool = form.frame.tool.shifted(form.pivot)
-    return None if tool.T is None else tool.T.tolist()
-
-
-def _end(given: int | str | GivenPose | None, form: PoseFormat) -> End:
-    """Return an end of the path as `gspcli.path` takes it."""
-    assert given is not None
-    return given.read(form) if isinstance(given, GivenPose) else given
 
 
 def _refuse(found: PlannedPath) -> None:
@@ -272,42 +244,27 @@ def path_table(found: PlannedPath, frame: PoseFrame) -> Result:
     """Return the rows of a path, with what is proved of its parts above them."""
     from gspcli.geometry.arrangement import Arrangement
 
-    columns = [
-        FIELDS["t"],
-        *(
-            Field(name, _titled(found, name), align="right", minor=1, size=_size(found, name))
-            for name in found.motors
-        ),
-        *pose_columns(_POSE, Arrangement.of(found.instance).length),
-        FIELDS["condition"],
-    ]
-    if found.drives is None:
-        columns.append(FIELDS["clearance"])
-    if found.gaps is not None:
-        columns.append(FIELDS["gap"])
+    length = Arrangement.of(found.instance).length
+    turn = 1 / found.instance.units.angle.in_radians
+    kinds = [one.kind.name for one in found.instance.constraints]
+    columns = FIELDS.of("t")
+    for name in found.motors:
+        title = f"{name} {kinds[int(name) - 1]}" if name.isdecimal() else name.replace(".", " ")
+        size = length if _is_length(found, name) else turn
+        columns.append(FIELDS[name].but(title=title, size=size))
+    columns += pose_columns(_POSE, length)
+    document = found.to_json(frame)
+    columns += FIELDS.of("condition clearance? gap?", document["rows"])
     return Result(
         columns,
-        found.rows(frame),
-        title=found.instance.title,
-        notes=frame_note(frame),
-        summary=_summary(found),
+        document["rows"],
+        found.instance.title,
+        frame_note(frame),
+        _summary(found),
+        schema="path",
+        name="rows",
+        head=document,
     )
-
-
-def _size(found: PlannedPath, motor: str) -> float:
-    """Return a typical number of a motor."""
-    from gspcli.geometry.arrangement import Arrangement
-
-    if _unit(found, motor) == found.instance.units.angle.value:
-        return 1 / found.instance.units.angle.in_radians
-    return float(Arrangement.of(found.instance).length)
-
-
-def _titled(found: PlannedPath, name: str) -> str:
-    """Return the title of a column of a motor."""
-    if not name.isdecimal():
-        return name.replace(".", " ")
-    return f"{name} {found.instance.constraints[int(name) - 1].kind.name}"
 
 
 def _summary(found: PlannedPath) -> list[str]:
@@ -340,21 +297,18 @@ def _summary(found: PlannedPath) -> list[str]:
     return lines
 
 
-def _unit(found: PlannedPath, motor: str) -> str:
-    """Return the unit of what a motor moves."""
+def _is_length(found: PlannedPath, motor: str) -> bool:
+    """Return whether what a motor moves is a length; else it is an angle."""
     if motor.isdecimal():
-        is_length = found.instance.constraints[int(motor) - 1].kind.is_distance
-    else:
-        is_length = motor.startswith("slide")
-    units = found.instance.units
-    return str(units.length) if is_length else units.angle.value
+        return found.instance.constraints[int(motor) - 1].kind.is_distance
+    return motor.startswith("slide")
 
 
 def _time(found: PlannedPath, timing: Timing) -> str:
     """Return the time of a path, and which speeds and accelerations are below which limits."""
     units = found.instance.units
     angle, length = units.angle.value, str(units.length)
-    lengths = {_unit(found, name) for name in found.motors}
+    lengths = {length if _is_length(found, name) else angle for name in found.motors}
     of = {"motors": " or ".join(sorted(lengths, key=length.__ne__)), "platform": length}
     of["turn"] = angle
     names = {"motors": "each motor", "platform": "the platform", "turn": "its turn"}
@@ -376,10 +330,8 @@ def _time(found: PlannedPath, timing: Timing) -> str:
 
 def groups_table(found: ModeGroups) -> Result:
     """Return which modes belong together."""
-    columns = FIELDS.of("mode signs group others status")
-    rows = [
-        {**row, "others": row["others"] or None, "status": _status(row)} for row in found.rows()
-    ]
+    document = found.to_json()
+    rows = [{**row, "status": _status(row)} for row in document["modes"]]
     groups = counted(len(found.groups), "group")
     if found.complete:
         text = f"{groups}: modes of one group are joined by proved paths, all others proved apart"
@@ -389,7 +341,16 @@ def groups_table(found: ModeGroups) -> Result:
     notes = [f"signs are those of {listed(found.names, 'and')}: a regular path keeps them"]
     if any("?" in str(row["signs"]) for row in rows):
         notes.append("?: the sign is not proved")
-    return Result(columns, rows, title=found.instance.title, summary=[text], notes=notes)
+    return Result(
+        FIELDS.of("mode signs group others status"),
+        rows,
+        found.instance.title,
+        notes,
+        [text],
+        schema="path",
+        name="modes",
+        head=document,
+    )
 
 
 def _status(row: dict[str, object]) -> str:
