@@ -100,8 +100,7 @@ def _measured(
     if name == "gap":
         return gaps_of(instance, R, T)
     if name == "condition":
-        from gspcli.geometry.measurement import condition_numbers
-        from gspcli.geometry.printed_numbers import printed_conditions
+        from gspcli.geometry.measurement import condition_numbers, printed_conditions
 
         return printed_conditions(condition_numbers(_arrangement(instance, R, T), R, T))
     from gspcli.geometry.machine import is_driven

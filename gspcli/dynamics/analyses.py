@@ -13,7 +13,7 @@ from gspcli.dynamics.forces import inverse_dynamics
 from gspcli.errors import ArgumentError
 from gspcli.geometry.instance import METRES, Instance
 from gspcli.geometry.machine import Machine
-from gspcli.geometry.printed_numbers import printed_condition, printed_conditions
+from gspcli.geometry.measurement import printed_condition, printed_conditions
 from gspcli.motion.files.requirements import QuantityParts
 from gspcli.motion.poses.inverse_kinematics import checked_poses, drive_values, refusals
 from gspcli.motion.statics.accuracy import Accuracy, GeometryAccuracy, accuracy, geometry_accuracy

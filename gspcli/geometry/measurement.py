@@ -16,12 +16,13 @@ translation.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, DPP, Kind, Law, Primitive
 from gspcli.geometry.arrangement import Arrangement, Bodies, Placed
@@ -609,3 +610,53 @@ def condition_numbers(
         condition = values[..., 0] / values[..., -1]
     regular = values[..., -1] > _ROUNDING * values[..., 0]
     return np.where(defined & regular, condition, np.inf)
+
+
+#: Digits of a condition number: this many at most, and one less for each power of ten of the number
+#: from where rounding errors, some 1e-15 of it times itself, come near the last digit.
+_PRINTED, _KNOWN_DIGITS = 6, 12
+#: Residuals below this part of the length of a platform are rounding errors of measuring it.
+_PRINTED_ROUNDING = 64 * float(np.finfo(np.float64).eps)
+
+
+def printed_condition(condition: float) -> float:
+    """Return a condition number with the digits that are known; infinity and NaN unchanged."""
+    if not math.isfinite(condition) or condition <= 0:
+        return condition
+    digits = min(_PRINTED, max(1, _KNOWN_DIGITS - math.ceil(math.log10(condition))))
+    return float(f"{condition:.{digits}g}")
+
+
+def printed_conditions(conditions: ArrayLike) -> NDArray[np.float64]:
+    """Return `printed_condition` of each number, in the same shape."""
+    given = np.asarray(conditions, np.float64)
+    return np.array([printed_condition(x) for x in given.ravel().tolist()]).reshape(given.shape)
+
+
+def printed_residual(residual: float, length: float) -> float:
+    """Return an upper bound of a residual with one digit, which rounding errors do not change.
+
+    Parameters
+    ----------
+    residual
+        The largest residual of a pose, in the units of the instance.
+    length
+        Of the platform. A residual below `_PRINTED_ROUNDING` of it may be a rounding error.
+    """
+    if not math.isfinite(residual):
+        return residual
+    return one_digit(max(residual, _PRINTED_ROUNDING * length))
+
+
+def one_digit(bound: float) -> float:
+    """Return the next number of one digit that is not less: 1.4e-14 becomes 2e-14."""
+    power = math.floor(math.log10(bound)) if bound else 0
+    digit = math.ceil(bound / 10.0**power) if bound else 0
+    return float(f"{digit}e{power}")
+
+
+def printed_residuals(residuals: ArrayLike, length: float) -> NDArray[np.float64]:
+    """Return `printed_residual` of each number, in the same shape."""
+    given = np.asarray(residuals, np.float64)
+    found = [printed_residual(x, length) for x in given.ravel().tolist()]
+    return np.array(found).reshape(given.shape)

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from gspcli import __version__
 from gspcli.catalogue.kinds import Kind, Primitive
-from gspcli.geometry.printed_numbers import printed_conditions
+from gspcli.geometry.measurement import printed_conditions
 from gspcli.records import dataclass
 
 Array = NDArray[np.float64]

@@ -15,9 +15,8 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.coordinates import BODIES, choose, moved
 from gspcli.geometry.instance import Constraint, Instance
 from gspcli.geometry.machine import Machine, arms_of, is_driven
-from gspcli.geometry.measurement import condition_numbers, measured, sides_of
+from gspcli.geometry.measurement import condition_numbers, measured, printed_residual, sides_of
 from gspcli.geometry.primitives import Geometry, Point
-from gspcli.geometry.printed_numbers import printed_residual
 from gspcli.geometry.quaternions import quaternion_from_rotation
 from gspcli.pictures.scene import (
     DrawnBody,

@@ -25,14 +25,12 @@ from gspcli.geometry.local_motions import Motion
 from gspcli.geometry.measurement import (
     condition_numbers,
     known_sides,
-    proved_residuals,
-    residuals,
-)
-from gspcli.geometry.printed_numbers import (
     printed_condition,
     printed_conditions,
     printed_residual,
     printed_residuals,
+    proved_residuals,
+    residuals,
 )
 from gspcli.geometry.quaternions import Field, quaternion_from_rotation, vector_from_rotation
 from gspcli.records import EqualByContent, dataclass

@@ -10,9 +10,8 @@ the constraint as stated wherever ``N != 0``:
   square of ``M = 0``, which is taken instead.
 
 No direction is normalized, so only square roots of lengths, cosines of angles and irrational
-numbers of the input are irrational. These equations are independent of those that are solved
-: a mistake there leads to
-no wrong certificate.
+numbers of the input are irrational. The polynomials are those of `study.forms_of`, which are
+solved, too. `measure` finds the distances and angles themselves on a real pose, without them.
 """
 
 from __future__ import annotations
@@ -27,15 +26,63 @@ import numpy as np
 from flint import acb, acb_mat, arb, arb_mat, fmpz_mat
 from numpy.typing import NDArray
 
-from gspcli.catalogue.kinds import Law
+from gspcli.catalogue.kinds import DLL, Law
 from gspcli.certification.equations.local_frames import length_scale
-from gspcli.certification.equations.pose_balls import PoseBall
 from gspcli.certification.equations.statement import Statement, statements
-from gspcli.certification.numbers.balls import cross, dot, floats_above, norm
+from gspcli.certification.numbers.balls import cross, dot, floats_above, largest, norm, rotated
 from gspcli.certification.numbers.rounding import OUTWARD
 from gspcli.geometry import study
 from gspcli.geometry.instance import Instance, Side
 from gspcli.records import dataclass
+
+
+@dataclass(frozen=True)
+class PoseBall:
+    """Balls that contain a rotation, by rows, and a translation in units of the scale."""
+
+    rotation: list[list[acb]]
+    translation: list[acb]
+
+    @property
+    def entries(self) -> list[acb]:
+        """The twelve numbers."""
+        return [*chain(*self.rotation), *self.translation]
+
+    def widened(self, radius: float, length: float) -> PoseBall:
+        """Return balls of all poses that deviate by at most a radius from this one."""
+        turned, moved = (acb(arb(0, x), arb(0, x)) for x in (radius, arb(radius) * length))
+        return PoseBall(
+            [[entry + turned for entry in row] for row in self.rotation],
+            [entry + moved for entry in self.translation],
+        )
+
+    def deviation(self, other: PoseBall, length: float) -> tuple[arb, arb]:
+        """Bound the largest difference of any of the numbers of two poses, below and above.
+
+        Differences of translations are divided by a length, a power of two in units of the scale.
+        """
+        gaps = [x - y for x, y in zip(self.entries, other.entries, strict=True)]
+        gaps[9:] = [gap / length for gap in gaps[9:]]
+        return max(gap.abs_lower() for gap in gaps), largest(gaps)
+
+
+def pose_of_point(point: Sequence[acb]) -> PoseBall | None:
+    """Return the pose of a Study point, or None if N is not proved to differ from zero."""
+    n, rotation, translation = study.motion(point)
+    if n.contains(0):
+        return None
+    unit = 1 / n
+    return PoseBall(
+        [[entry * unit for entry in row] for row in rotation],
+        [entry * unit for entry in translation],
+    )
+
+
+def pose_of_floats(R: NDArray[np.complex128], T: NDArray[np.complex128], scale: float) -> PoseBall:
+    """Return a pose whose numbers are given, exactly: shapes (3, 3) and (3,), length units."""
+    return PoseBall(
+        [[acb(x) for x in row] for row in R.tolist()], [acb(x) / scale for x in T.tolist()]
+    )
 
 
 @cache
@@ -419,3 +466,78 @@ def _likelier(pairs: Sequence[tuple[float, float]], said: int) -> tuple[int, ...
 
 def _contrast(pair: tuple[float, float]) -> float:
     return abs(pair[0] - pair[1]) / (sum(pair) or 1.0)
+
+
+@dataclass(frozen=True)
+class Measurement:
+    """A constraint measured on a real pose, in the units of the instance.
+
+    Attributes
+    ----------
+    value
+        A ball of the distance or angle.
+    target
+        A ball of the value that the constraint states.
+    height
+        For PH and HP a ball of the signed distance, positive where the normal points.
+    """
+
+    value: arb
+    target: arb
+    height: arb | None = None
+
+
+def measure(system: BallSystem, pose: PoseBall) -> list[Measurement]:
+    """Measure all constraints on a real pose."""
+    R = [[entry.real for entry in row] for row in pose.rotation]
+    T = [entry.real for entry in pose.translation]
+    return [_measure(statement, R, T) for statement in system.statements]
+
+
+def _measure(given: Statement, R: list[list[arb]], T: list[arb]) -> Measurement:
+    kind, target = given.kind, given.value * given.unit
+    u = rotated(R, given.u) if given.u else []
+    if not kind.is_distance:
+        angle = _angle(u, given.v)
+        if kind.law is not Law.COSINE:
+            angle = (arb.pi() if kind.law.is_cosine else arb.pi() / 2) - angle
+        return Measurement(angle * given.unit, target)
+    w = [x + t - y for x, t, y in zip(rotated(R, given.a), T, given.b, strict=True)]
+    if kind.law is Law.MOMENT:
+        common = cross(u, given.v)
+        return Measurement(abs(dot(w, common)) / norm(common) * given.unit, target)
+    axis = u or given.v
+    if kind.law is Law.SQUARE:
+        distance = norm(cross(w, axis)) / norm(axis) if axis else norm(w)
+        return Measurement(distance * given.unit, target)
+    height = dot(w, axis) / norm(axis) * given.unit
+    height = -height if u else height
+    return Measurement(abs(height), target, height)
+
+
+def _angle(u: list[arb], v: list[arb]) -> arb:
+    """Return the angle of two vectors, in [0, pi]; it is accurate near 0 and pi, too."""
+    return arb.atan2(norm(cross(u, v)), dot(u, v))
+
+
+def residual(measurements: Sequence[Measurement]) -> arb:
+    """Bound the largest difference of a measured and a stated value."""
+    return largest([m.value - m.target for m in measurements])
+
+
+def satisfies_constraints(system: BallSystem, pose: PoseBall, *, real: bool) -> bool:
+    """Whether the stated constraints are proved to hold.
+
+    Only the equation of a distance of two lines has other solutions: parallel lines at any
+    distance.
+    """
+    if real and any(not m.value.overlaps(m.target) for m in measure(system, pose)):
+        return False
+    for given in system.statements:
+        if given.kind is DLL:
+            normal = cross(
+                rotated(pose.rotation, [acb(x) for x in given.u]), list(map(acb, given.v))
+            )
+            if dot(normal, normal).contains(0):
+                return False
+    return True

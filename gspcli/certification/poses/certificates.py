@@ -18,20 +18,22 @@ from numpy.typing import ArrayLike, NDArray
 
 from gspcli.catalogue.kinds import DLL
 from gspcli.certification.counting import by_points, with_points_for_lines
-from gspcli.certification.equations.ball_system import BallSystem
+from gspcli.certification.equations.ball_system import (
+    BallSystem,
+    Measurement,
+    PoseBall,
+    measure,
+    pose_of_floats,
+    pose_of_point,
+    residual,
+    satisfies_constraints,
+)
 from gspcli.certification.equations.local_frames import (
     FAR,
     LocalFrames,
     least_length,
     length_scale,
 )
-from gspcli.certification.equations.measures import (
-    Measurement,
-    measure,
-    residual,
-    satisfies_constraints,
-)
-from gspcli.certification.equations.pose_balls import PoseBall, pose_of_floats, pose_of_point
 from gspcli.certification.numbers.balls import float_above, largest
 from gspcli.certification.poses.isolation import Isolation, close_pairs, refine_point, same
 from gspcli.certification.poses.multiple import Complex, nearly_parallel, where_parallel

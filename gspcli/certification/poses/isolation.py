@@ -23,8 +23,7 @@ import numpy as np
 from flint import acb, acb_mat, arb
 from numpy.typing import NDArray
 
-from gspcli.certification.equations.ball_system import BallSystem
-from gspcli.certification.equations.pose_balls import PoseBall
+from gspcli.certification.equations.ball_system import BallSystem, PoseBall
 from gspcli.certification.numbers.balls import float_ends, floats_above, largest
 from gspcli.certification.numbers.rounding import OUTWARD
 from gspcli.records import dataclass

@@ -17,11 +17,14 @@ import numpy as np
 from flint import acb, ctx
 from numpy.typing import NDArray
 
-from gspcli.certification.equations.ball_system import BallSystem
+from gspcli.certification.equations.ball_system import (
+    BallSystem,
+    PoseBall,
+    pose_of_point,
+    satisfies_constraints,
+)
 from gspcli.certification.equations.local_frames import StudyFrames, length_scale
-from gspcli.certification.equations.measures import satisfies_constraints
 from gspcli.certification.equations.mirror_images import STUDY_SIGNS, mirrored, mirrored_pose
-from gspcli.certification.equations.pose_balls import PoseBall, pose_of_point
 from gspcli.certification.numbers.balls import largest
 from gspcli.certification.numbers.correct_rounding import accurate, rounded
 from gspcli.certification.poses.isolation import Isolation, refine_point, step_length

@@ -388,7 +388,7 @@ def scan_poses(
 def _node_rows(found: PoseScan, names: list[str], *, cleared: bool) -> list[dict[str, Any]]:
     import numpy as np
 
-    from gspcli.geometry.printed_numbers import printed_conditions
+    from gspcli.geometry.measurement import printed_conditions
 
     conditions, rows = printed_conditions(found.conditions), []
     for node in np.ndindex(*found.determinants.shape):

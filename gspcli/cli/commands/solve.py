@@ -47,8 +47,8 @@ from gspcli.errors import (
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.euler import MAKERS
 from gspcli.geometry.frames import PoseFrame
+from gspcli.geometry.measurement import printed_residual
 from gspcli.geometry.primitives import Line
-from gspcli.geometry.printed_numbers import printed_residual
 from gspcli.geometry.quaternions import quaternion_from_rotation
 from gspcli.geometry.tolerances import PARALLEL_SINE
 from gspcli.records import dataclass

@@ -15,8 +15,7 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.coordinates import Coordinate, drive_corrections, moved
 from gspcli.geometry.frames import IDENTITY, PoseFrame
 from gspcli.geometry.instance import Instance
-from gspcli.geometry.measurement import condition_numbers
-from gspcli.geometry.printed_numbers import printed_conditions
+from gspcli.geometry.measurement import condition_numbers, printed_conditions
 from gspcli.geometry.quaternions import quaternion_from_rotation, vector_from_rotation
 from gspcli.records import EqualByContent, dataclass
 from gspcli.wording import counted

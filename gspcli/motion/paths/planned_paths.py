@@ -16,8 +16,7 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.frames import IDENTITY, PoseFrame
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.machine import Machine, is_driven
-from gspcli.geometry.measurement import condition_numbers
-from gspcli.geometry.printed_numbers import printed_conditions
+from gspcli.geometry.measurement import condition_numbers, printed_conditions
 from gspcli.geometry.readings import readings_of
 from gspcli.motion.following.tracks import POSE, continuous_quaternions
 from gspcli.records import EqualByContent, dataclass

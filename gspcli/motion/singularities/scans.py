@@ -19,9 +19,8 @@ from gspcli.geometry.checking import wrong_value
 from gspcli.geometry.coordinates import choose, drive_corrections, moved
 from gspcli.geometry.instance import Instance, Side
 from gspcli.geometry.machine import Machine, is_driven
-from gspcli.geometry.measurement import condition_numbers, jacobian
+from gspcli.geometry.measurement import condition_numbers, jacobian, printed_conditions
 from gspcli.geometry.numbers import Number
-from gspcli.geometry.printed_numbers import printed_conditions
 from gspcli.geometry.quaternions import Field, quaternion_from_rotation
 from gspcli.geometry.readings import factors, offsets, without_corrections
 from gspcli.motion.files.pose_files import PoseFormat, pose_columns, poses_of

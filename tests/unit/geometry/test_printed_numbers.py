@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from gspcli.geometry.printed_numbers import (
+from gspcli.geometry.measurement import (
     printed_condition,
     printed_conditions,
     printed_residual,

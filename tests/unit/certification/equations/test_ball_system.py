@@ -8,9 +8,13 @@ import pytest
 from flint import acb, arb, ctx, fmpq
 
 from gspcli.catalogue.kinds import DPL, KINDS
-from gspcli.certification.equations.ball_system import BallSystem
-from gspcli.certification.equations.measures import measure, residual
-from gspcli.certification.equations.pose_balls import PoseBall, pose_of_point
+from gspcli.certification.equations.ball_system import (
+    BallSystem,
+    PoseBall,
+    measure,
+    pose_of_point,
+    residual,
+)
 from gspcli.certification.numbers.balls import float_above
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side, Units
 from gspcli.geometry.numbers import Number

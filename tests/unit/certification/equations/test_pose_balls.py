@@ -2,7 +2,7 @@
 
 from flint import acb, arb
 
-from gspcli.certification.equations.pose_balls import pose_of_point
+from gspcli.certification.equations.ball_system import pose_of_point
 
 
 def test_a_ball_that_holds_a_point_without_norm_is_no_pose() -> None:

@@ -11,8 +11,7 @@ from flint import acb, arb, ctx, fmpq
 from gspcli.catalogue.kinds import DISTANCE_KINDS
 from gspcli.catalogue.names import parse_type
 from gspcli.certification import Certificate, Certificates, Outcome, certify
-from gspcli.certification.equations.ball_system import BallSystem
-from gspcli.certification.equations.pose_balls import pose_of_point
+from gspcli.certification.equations.ball_system import BallSystem, pose_of_point
 from gspcli.certification.poses.isolation import Isolation, refine_point
 from gspcli.errors import GspError
 from gspcli.geometry.arrangement import Arrangement

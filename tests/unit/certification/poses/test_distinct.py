@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from flint import acb, arb, ctx
 
-from gspcli.certification.equations.pose_balls import PoseBall
+from gspcli.certification.equations.ball_system import PoseBall
 from gspcli.certification.poses.isolation import all_different, are_different, close_pairs, places
 
 

@@ -9,8 +9,7 @@ import pytest
 from flint import acb, arb, ctx
 
 from gspcli.certification import certify
-from gspcli.certification.equations.ball_system import BallSystem
-from gspcli.certification.equations.pose_balls import pose_of_point
+from gspcli.certification.equations.ball_system import BallSystem, pose_of_point
 from gspcli.certification.numbers.balls import float_above, largest
 from gspcli.certification.poses.isolation import Isolation, _newton, _prove, refine_point
 

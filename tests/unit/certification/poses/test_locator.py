@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from flint import acb, arb, ctx
 
+from gspcli.certification.equations.ball_system import pose_of_point
 from gspcli.certification.equations.local_frames import OWN, StudyFrames
-from gspcli.certification.equations.pose_balls import pose_of_point
 from gspcli.certification.poses.isolation import Isolation
 from gspcli.certification.poses.locator import Located, Locator
 from gspcli.geometry.quaternions import study_from_pose
