@@ -13,8 +13,7 @@ from gspcli.calibration.model import Model
 from gspcli.errors import ArgumentError, Mistake, SpecError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
-from gspcli.motion.files.headings import FileUnits, order_of
-from gspcli.motion.files.number_tables import NumberTable, wrong_number
+from gspcli.motion.files.number_tables import FileUnits, NumberTable, order_of, wrong_number
 from gspcli.motion.files.pose_files import (
     ANGLES,
     COLUMNS,

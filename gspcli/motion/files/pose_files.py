@@ -20,8 +20,7 @@ from gspcli.geometry.euler import euler_from_rotation, rotation_from_euler
 from gspcli.geometry.frames import IDENTITY, PoseFrame
 from gspcli.geometry.numbers import LARGEST
 from gspcli.geometry.quaternions import quaternion_from_rotation, rotation_from_quaternion
-from gspcli.motion.files.headings import FileUnits, order_of
-from gspcli.motion.files.number_tables import NumberTable, check, wrong_number
+from gspcli.motion.files.number_tables import FileUnits, NumberTable, check, order_of, wrong_number
 from gspcli.records import dataclass
 from gspcli.wording import shown
 
@@ -63,7 +62,7 @@ class PoseFormat:
         The name of the unit of lengths; empty if it does not matter.
     ignore
         Columns that are left out; ``*`` in a name stands for any text
-        (`gspcli.motion.files.headings`).
+        (`gspcli.motion.files.number_tables`).
     frame
         The frame in which poses are expressed.
     columns
@@ -124,7 +123,7 @@ def read_poses(text: str, name: str, form: PoseFormat) -> PoseTable:
     ``qw qx qy qz``, ``rx ry rz`` or ``r11 … r33``, and perhaps ``t``. Values and what `gsp` writes
     beside poses are left out. Columns that are not known are mistakes. JSON is what `gsp solve`
     prints. Headings of other programs are read where they have one meaning
-    (`gspcli.motion.files.headings`): ``X [mm]``, ``Roll``, ``Pitch``, ``Yaw``, ``Time``.
+    (`gspcli.motion.files.number_tables`): ``X [mm]``, ``Roll``, ``Pitch``, ``Yaw``, ``Time``.
 
     Parameters
     ----------

@@ -16,7 +16,7 @@ from gspcli.dynamics.motion_files import read_rows
 from gspcli.errors import SpecError
 from gspcli.geometry.euler import rotation_from_euler
 from gspcli.motion import PoseFormat, measure, read_pose, read_poses, read_values
-from gspcli.motion.files.headings import FileUnits, Heading
+from gspcli.motion.files.number_tables import FileUnits, Heading
 from gspcli.pictures.tracks import read_tracks
 from gspcli.resources import data_path
 
