@@ -45,7 +45,7 @@ OTHERS = {
     "continuation/endpoints.py": (1, "steps of Newton's method"),
     "geometry/checking.py": (1, "masses as they are typed"),
     "geometry/limits.py": (1, "readings at the end of a range"),
-    "geometry/measurement.py": (3, "residuals that are printed"),
+    "geometry/measurement.py": (2, "residuals that are printed"),
     "motion/files/pose_files.py": (1, "rotations as they are typed"),
     "motion/files/value_files.py": (1, "values as they are typed"),
     "motion/following/tracks.py": (1, "poses as they are typed"),
