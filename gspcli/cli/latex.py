@@ -10,49 +10,16 @@ from gspcli.cli.streams import printable
 
 _HEAD = "% needs \\usepackage{booktabs}\n"
 _NUMBER = re.compile(r"-?\d+(\.\d+)?(?:e([+-]\d+))?")
-_ESCAPES = str.maketrans(
-    {
-        "&": r"\&",
-        "%": r"\%",
-        "#": r"\#",
-        "_": r"\_",
-        "$": r"\$",
-        "{": r"\{",
-        "}": r"\}",
-        "^": r"\textasciicircum{}",
-        "~": r"\textasciitilde{}",
-        "\\": r"\textbackslash{}",
-        "|": r"\textbar{}",
-        "<": r"\textless{}",
-        ">": r"\textgreater{}",
-        "·": r"$\cdot$",
-        "×": r"$\times$",
-        "±": r"$\pm$",
-        "−": r"$-$",
-        "≤": r"$\le$",
-        "≥": r"$\ge$",
-        "≠": r"$\ne$",
-        "∠": r"$\angle$",
-        "→": r"$\to$",
-        "∞": r"$\infty$",
-        "─": "--",
-        "°": r"$^\circ$",
-        "²": r"\textsuperscript{2}",
-        "³": r"\textsuperscript{3}",
-        "ᵀ": r"\textsuperscript{T}",
-        "ρ": r"$\rho$",
-        "σ": r"$\sigma$",
-        "τ": r"$\tau$",
-        "α": r"$\alpha$",
-        "θ": r"$\theta$",
-        "φ": r"$\varphi$",
-        "Σ": r"$\Sigma$",
-        "Δ": r"$\Delta$",
-        "…": r"\dots{}",
-        "“": "``",
-        "”": "''",
-    }
-)
+#: Characters and what they are in LaTeX.
+_IN_LATEX = r"""
+& \&   % \%   # \#   _ \_   $ \$   { \{   } \}   ^ \textasciicircum{}   ~ \textasciitilde{}
+\ \textbackslash{}   | \textbar{}   < \textless{}   > \textgreater{}   · $\cdot$
+× $\times$   ± $\pm$   − $-$   ≤ $\le$   ≥ $\ge$   ≠ $\ne$   ∠ $\angle$   → $\to$
+∞ $\infty$   ─ --   ° $^\circ$   ² \textsuperscript{2}   ³ \textsuperscript{3}
+ᵀ \textsuperscript{T}   ρ $\rho$   σ $\sigma$   τ $\tau$   α $\alpha$   θ $\theta$
+φ $\varphi$   Σ $\Sigma$   Δ $\Delta$   … \dots{}   “ ``   ” ''
+"""
+_ESCAPES = str.maketrans(dict(re.findall(r"(\S) (\S+)", _IN_LATEX)))
 _ROOT = re.compile(r"√(\d+|)")
 
 

@@ -330,101 +330,83 @@ def _keys_option(function: Function) -> Function:
     )(function)
 
 
-_force_option = click.option(
-    "--force",
-    "force_",
-    is_flag=True,
-    is_eager=True,
-    help="Replace also a file that is read, or one beside that of -o.",
-)
+def _format_of(path: str, formats: Sequence[str]) -> str:
+    """Return the format that the suffix of a file names."""
+    chosen = _SUFFIXES.get(Path(path).suffix.lower(), "")
+    if chosen not in formats:
+        known = ", ".join(suffix for suffix, name in _SUFFIXES.items() if name in formats)
+        raise click.BadParameter(
+            f"no format known from {shown(path)}: use --format, or one of {known}"
+        )
+    return chosen
 
 
-#: The help of `-o`, the same in all commands.
-_FILE_HELP = "Write to FILE, replacing it"
+def _file_options(
+    formats: Sequence[str], default: str, more: str = ""
+) -> Callable[[Function], Function]:
+    """Return ``-o`` and ``--force``; of one format the suffix says nothing."""
 
-
-def file_option(suffix: str) -> Callable[[Function], Function]:
-    """Return ``-o`` of a command that writes one format; the command gets ``output: Output``."""
-
-    def resolve(context: click.Context, parameter: click.Parameter, value: str | None) -> None:
-        del parameter
-        path = None if value in (None, "-") else Path(str(value))
-        if path is not None:
+    def resolve(context: click.Context, _: click.Parameter, value: str | None) -> None:
+        given = context.params
+        chosen, path = given.pop("format_", None), None
+        if value not in (None, "-"):
+            path = Path(str(value))
+            if chosen is None and len(formats) > 1:
+                chosen = _format_of(str(value), formats)
             check_writable(path)
-        context.params["output"] = Output(suffix, path, force=context.params.pop("force_", False))
+        if chosen in DRAWINGS:
+            from gspcli.pictures.figures import require_matplotlib
 
-    def decorate(function: Function) -> Function:
-        return click.option(
+            require_matplotlib()
+        part, force = given.pop("part_", None), given.pop("force_", False)
+        given["output"] = Output(chosen or default, path, part, force)
+
+    return together(
+        click.option(
             "-o",
             "--output",
             "output_file_",
             metavar="FILE",
             expose_value=False,
             callback=resolve,
-            help=f"{_FILE_HELP}.",
-        )(_force_option(function))
+            help=f"Write to FILE, replacing it{more}.",
+        ),
+        click.option(
+            "--force",
+            "force_",
+            is_flag=True,
+            is_eager=True,
+            help="Replace also a file that is read, or one beside that of -o.",
+        ),
+    )
 
-    return decorate
+
+def file_option(suffix: str) -> Callable[[Function], Function]:
+    """Return ``-o`` of a command that writes one format; the command gets ``output: Output``."""
+    return _file_options([suffix], suffix)
 
 
 def output_options(
     formats: Sequence[str] = FORMATS, default: str = "table", parts: Sequence[str] = ()
 ) -> Callable[[Function], Function]:
     """Return a decorator that adds ``--format`` and ``-o``; the command gets ``output: Output``."""
-
-    def decorate(function: Function) -> Function:
-        def resolve(context: click.Context, _: click.Parameter, value: str | None) -> str | None:
-            path = value
-            if path == "-":
-                path = None
-            chosen = context.params.pop("format_", None)
-            if chosen is None and path is not None:
-                chosen = _SUFFIXES.get(Path(path).suffix.lower())
-                if chosen not in formats:
-                    known = ", ".join(s for s, name in _SUFFIXES.items() if name in formats)
-                    raise click.BadParameter(
-                        f"no format known from {shown(path)}: use --format, or one of {known}"
-                    )
-            if path is not None:
-                check_writable(Path(path))
-            if chosen in DRAWINGS:
-                from gspcli.pictures.figures import require_matplotlib
-
-                require_matplotlib()
-            part = context.params.pop("part_", None)
-            force = context.params.pop("force_", False)
-            place = Path(path) if path else None
-            context.params["output"] = Output(chosen or default, place, part, force)
-            return None
-
-        function = click.option(
-            "-o",
-            "--output",
-            "output_file_",
-            metavar="FILE",
-            expose_value=False,
-            callback=resolve,
-            help=f"{_FILE_HELP}; its suffix gives the format.",
-        )(_force_option(function))
-        if parts:
-            function = click.option(
-                "--part",
-                "part_",
-                type=click.Choice(list(parts)),
-                is_eager=True,
-                help="Show one table only; CSV holds no more than one.",
-            )(function)
-        if "json" in formats:
-            function = _keys_option(function)
-        return click.option(
-            "--format",
-            "format_",
-            type=click.Choice(list(formats)),
-            is_eager=True,
-            help=f"Output format.  [default: {default}, or by the suffix of -o]",
-        )(function)
-
-    return decorate
+    chosen = click.option(
+        "--format",
+        "format_",
+        type=click.Choice(list(formats)),
+        is_eager=True,
+        help=f"Output format.  [default: {default}, or by the suffix of -o]",
+    )
+    part = click.option(
+        "--part",
+        "part_",
+        type=click.Choice(list(parts)),
+        is_eager=True,
+        help="Show one table only; CSV holds no more than one.",
+    )
+    keys = [_keys_option] if "json" in formats else []
+    file = _file_options(formats, default, "; its suffix gives the format")
+    return together(chosen, *keys, *([part] if parts else []), file)
 
 
 #: The upper limit of counts: a larger one would exceed the memory, or take years.
@@ -449,13 +431,6 @@ class Whole(click.IntRange):
         return number
 
 
-class Seed(Whole):
-    """A seed of random numbers."""
-
-    def __init__(self) -> None:
-        super().__init__(0, _LARGEST_SEED)
-
-
 class Finite(click.FloatRange):
     """A finite number: every option that is a number has this type, or one derived from it."""
 
@@ -478,7 +453,7 @@ def seed_option(more: str = "") -> Callable[[Function], Function]:
     """Return the option `--seed`; the command gets ``seed: int``."""
     return click.option(
         "--seed",
-        type=Seed(),
+        type=Whole(0, _LARGEST_SEED),
         default=SEED,
         show_default=True,
         metavar="N",

@@ -185,27 +185,6 @@ def folded(text: str, width: int, separator: str = " ") -> list[str]:
 _RULE = "─"
 
 
-def folded_lines(text: str) -> str:
-    """Return a text with lines broken at blanks to fit the terminal; continuations are indented."""
-    import shutil
-    import textwrap
-
-    width = shutil.get_terminal_size().columns
-    lines = []
-    for line in text.splitlines():
-        indent = " " * (len(line) - len(line.lstrip()) + 4)
-        parts = textwrap.wrap(
-            line,
-            width,
-            subsequent_indent=indent,
-            break_long_words=False,
-            break_on_hyphens=False,
-            drop_whitespace=True,
-        )
-        lines += parts or [line]
-    return "".join(f"{line}\n" for line in lines)
-
-
 def show(tables: Sequence[Result]) -> None:
     """Print tables on the terminal, leaving out columns that do not fit."""
     import shutil

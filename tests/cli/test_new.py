@@ -95,5 +95,5 @@ def test_a_machine_from_a_drawing_is_a_file_without_remarks(gsp: Run) -> None:
     assert (
         gsp("new", "--rotary", *words[1:]).err.strip().startswith("error: --rotary: base missing")
     )
-    assert "cannot be used with --linear" in gsp("new", "--rotary", "--linear", *words).err
-    assert "cannot be used with --seed" in gsp("new", "--linear", *words, "--seed", "3").err
+    assert "give either --rotary or --linear" in gsp("new", "--rotary", "--linear", *words).err
+    assert "--seed: not with --linear" in gsp("new", "--linear", *words, "--seed", "3").err

@@ -739,19 +739,6 @@ def test_what_a_terminal_would_obey_is_written_out(shown: Shown) -> None:
     assert "\\x1b[2Jbad\\x07.yaml" in pages[0]
 
 
-def test_derived_equations_fit_the_terminal(monkeypatch):
-    from gspcli.cli.render import folded_lines
-    from gspcli.symbolic.derivation import derive
-
-    text = str(derive("psc"))
-    for width in (60, 80, 120, 200):
-        monkeypatch.setenv("COLUMNS", str(width))
-        shown = folded_lines(text)
-        assert max(map(len, shown.splitlines())) <= width
-        assert shown.split() == text.split()
-    assert folded_lines(text) == text
-
-
 def test_remarks_stay_where_fewer_digits_make_room():
     from gspcli.cli.render import lay_out
     from gspcli.cli.result import Field, Result

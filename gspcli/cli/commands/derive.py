@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import shutil
 import sys
 from typing import TYPE_CHECKING
 
 import click
 
 from gspcli.cli.options import Command, Options, output_options
-from gspcli.cli.render import emit
+from gspcli.cli.render import emit, folded
 from gspcli.cli.result import Fields, Result
 from gspcli.cli.streams import progress, working
 
@@ -52,9 +53,9 @@ def command(o: Options) -> None:
     else:
         text = found.to_latex() if o.output.format == "latex" else str(found)
         if o.output.format != "latex" and o.output.path is None and sys.stdout.isatty():
-            from gspcli.cli.render import folded_lines
-
-            text = folded_lines(text)
+            width = shutil.get_terminal_size().columns
+            lines = [part for line in text.splitlines() for part in folded(line, width)]
+            text = "".join(f"{line}\n" for line in lines)
         emit(o.output, (), texts={o.output.format: text})
 
 

@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
-from click.core import ParameterSource
 
 from gspcli.cli.options import (
     Command,
@@ -17,21 +16,22 @@ from gspcli.cli.options import (
     file_option,
     resume_option,
     seed_option,
+    without,
     worker_options,
 )
-from gspcli.cli.render import Output, write
+from gspcli.cli.render import write
 from gspcli.cli.specs import is_file, load_instance, read_type
 from gspcli.cli.streams import check_writable, progress, say, write_whole
 from gspcli.defaults import SEARCH_SECONDS
 from gspcli.errors import INTERRUPTED, CheckFailed
 
 if TYPE_CHECKING:
-    from gspcli.catalogue.types import GspType
     from gspcli.reality.real_search import RealSearch, State
     from gspcli.workers import Workers
 
 
 @click.command(cls=Command)
+@without("--show", "--time", "--attempts", "--seed", "--jobs", "--scheduler", "--resume")
 @click.argument("names", nargs=-1, required=True, metavar="TYPE|SPEC")
 @click.option("--show", is_flag=True, help="Do not search: write the best known platform.")
 @click.option(
@@ -81,7 +81,9 @@ def command(o: Options) -> int:
     given = load_instance(o.names[0]) if len(o.names) == 1 and is_file(o.names[0]) else None
     gsp_type = read_type(o.names) if given is None else given.type
     if o.show:
-        _show_known(gsp_type, o.real, o.output)
+        from gspcli.reality.witness_proofs import known_instance
+
+        write(o.output, dumps(known_instance(gsp_type, o.real)))
         return 0
 
     if o.real == 0:
@@ -118,28 +120,6 @@ class _Interrupted(Exception):
 
     def __init__(self, state: State) -> None:
         self.state = state
-
-
-def _show_known(gsp_type: GspType, real: int | None, output: Output) -> None:
-    """Write the best known platform, or one with this many real poses."""
-    from gspcli.reality.witness_proofs import known_instance
-    from gspcli.spec import dumps
-
-    _reject_search_options()
-    write(output, dumps(known_instance(gsp_type, real)))
-
-
-def _reject_search_options() -> None:
-    """Raise for options of the search where none is made."""
-    context = click.get_current_context()
-    ignored = [
-        parameter.opts[0]
-        for parameter in context.command.params
-        if parameter.name not in ("names", "show", "real", "output_file_")
-        and context.get_parameter_source(str(parameter.name)) is ParameterSource.COMMANDLINE
-    ]
-    if ignored:
-        raise click.UsageError(f"--show makes no search: leave out {', '.join(ignored)}")
 
 
 def _searched(

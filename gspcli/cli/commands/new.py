@@ -10,12 +10,13 @@ from gspcli.cli.options import (
     Command,
     Options,
     decimals_option,
+    exclusive,
     file_option,
     one_sided_option,
     seed_option,
+    without,
 )
-from gspcli.cli.render import Output, write
-from gspcli.wording import listed
+from gspcli.cli.render import write
 
 if TYPE_CHECKING:
     from gspcli.catalogue.kinds import Kind
@@ -40,6 +41,9 @@ _TEMPLATE_HEAD = """\
 
 
 @click.command(cls=Command)
+@exclusive("--rotary", "--linear")
+@without("--rotary", "--seed", "--decimals", "--planar", "--one-sided")
+@without("--linear", "--seed", "--decimals", "--planar", "--one-sided")
 @click.argument("type_words", metavar="TYPE...", nargs=-1, required=True)
 @click.option(
     "--rotary", is_flag=True, help="Write a hexapod whose motors turn arms, from KEY=NUMBER."
@@ -83,13 +87,13 @@ def command(o: Options) -> None:
       gsp new --linear base=200,0 platform=50,30 rod=250 rails=3
     """
     if o.rotary or o.linear:
-        _write_machine(
-            "rotary" if o.rotary else "linear",
-            o.rotary and o.linear,
-            o.type_words,
-            o.output,
-            o.template,
-        )
+        from gspcli.spec import loads
+        from gspcli.spec.motor_files import motor_file
+
+        sort = "rotary" if o.rotary else "linear"
+        text = motor_file(sort, o.type_words, comments=o.template)
+        loads(text, name="the machine")
+        write(o.output, text)
         return
     from gspcli.geometry.random_instances import new
     from gspcli.spec import dumps
@@ -104,27 +108,6 @@ def command(o: Options) -> None:
         head = EDITOR_LINE + head + _TEMPLATE_HEAD
         text = _commented(text, instance)
     write(o.output, head + text)
-
-
-def _write_machine(
-    sort: str, both: bool, words: tuple[str, ...], output: Output, template: bool
-) -> None:
-    """Write the file of a machine with arms or rails."""
-    given = click.get_current_context().get_parameter_source
-    random = [
-        f"--{name.replace('_', '-')}"
-        for name in ("seed", "decimals", "planar", "one_sided")
-        if given(name) is not click.core.ParameterSource.DEFAULT
-    ]
-    if both or random:
-        others = listed(["--linear"] if both else random, "and")
-        raise click.UsageError(f"--{sort} cannot be used with {others}")
-    from gspcli.spec import loads
-    from gspcli.spec.motor_files import motor_file
-
-    text = motor_file(sort, words, comments=template)
-    loads(text, name="the machine")
-    write(output, text)
 
 
 def _commented(text: str, instance: Instance) -> str:
