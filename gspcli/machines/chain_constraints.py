@@ -12,8 +12,9 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
+from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.geometry.tolerances import MEASURED_PARALLEL_SINE, PARALLEL_SINE
-from gspcli.machines.graph import Part, about, frame, inverse, place, scaled, turn
+from gspcli.machines.graph import Part, frame, inverse, place, scaled, turn
 from gspcli.machines.structure import BodyChain
 from gspcli.records import dataclass
 
@@ -422,7 +423,7 @@ class _Search:
             ends = []
             for step in (_STEP, -_STEP):
                 if k < 3:
-                    R = about(axis, step)
+                    R = rotation_from_vector(step * axis)
                     moved = frame(R @ X[:3, :3], X[:3, 3])
                 else:
                     moved = frame(X[:3, :3], X[:3, 3] + step * self.size * axis)

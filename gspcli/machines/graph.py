@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gspcli.errors import GspError
-from gspcli.geometry.quaternions import rotation_from_quaternion, rotation_from_vector
+from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.records import dataclass
 from gspcli.wording import counted
 
@@ -45,27 +45,6 @@ def turn(X: Array, direction: Array) -> Array:
     """Return where a motion takes directions, shape (..., 3)."""
     turned: Array = direction @ X[:3, :3].T
     return turned
-
-
-def from_quaternion(quaternion: ArrayLike) -> Array:
-    """Return the rotation of a quaternion of any length but zero, scalar first, shape (3, 3)."""
-    return np.asarray(rotation_from_quaternion(np.asarray(quaternion, float)), float)
-
-
-def about(axis: Array, angle: float) -> Array:
-    """Return the rotation about a unit vector by an angle in radians, shape (3, 3)."""
-    x, y, z = axis
-    K = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-    rotation: Array = np.eye(3) + np.sin(angle) * K + (1 - np.cos(angle)) * (K @ K)
-    return rotation
-
-
-def roll_pitch_yaw(angles: Array) -> Array:
-    """Return R_z(yaw) R_y(pitch) R_x(roll), as SDF and URDF have it, shape (3, 3)."""
-    x, y, z = np.eye(3)
-    roll, pitch, yaw = angles
-    rotation: Array = about(z, yaw) @ about(y, pitch) @ about(x, roll)
-    return rotation
 
 
 def unit(vector: Array) -> Array | None:
@@ -119,10 +98,8 @@ class Part:
         """Return the motion by a change of the coordinate; of a ball, a rotation vector."""
         if self.letter == "P":
             return frame(T=self.axis * change)
-        if self.letter == "S":
-            R = rotation_from_vector(np.asarray(change, float))
-        else:
-            R = about(self.axis, float(change))
+        turned = np.asarray(change if self.letter == "S" else self.axis * change, float)
+        R = rotation_from_vector(turned)
         return frame(R, self.point - R @ self.point)
 
     def moved(self, X: Array) -> Part:
@@ -251,10 +228,8 @@ class Graph:
     @property
     def loops(self) -> int:
         """The number of independent loops."""
-        return len(self.joints) - len(self.bodies) + len(set(self._components().values()))
-
-    def _components(self) -> dict[str, str]:
-        return components(self.bodies, ((joint.first, joint.second) for joint in self.joints))
+        parts = components(self.bodies, ((joint.first, joint.second) for joint in self.joints))
+        return len(self.joints) - len(self.bodies) + len(set(parts.values()))
 
     def mobility(self, *, held: bool = False) -> int:
         """Return the freedoms in the configuration of the file, of one body against the others.

@@ -26,7 +26,7 @@ from gspcli.machines.chain_constraints import (
     measured,
     pose_after,
 )
-from gspcli.machines.graph import Graph, Joint, NoPlatform, Part, extent, inverse
+from gspcli.machines.graph import Graph, Joint, NoPlatform, Part, extent, inverse, split
 from gspcli.machines.source import LARGEST_NUMBER
 from gspcli.machines.structure import (
     BodyChain,
@@ -34,7 +34,6 @@ from gspcli.machines.structure import (
     Clusters,
     JoinedBodies,
     structure,
-    unhindered,
 )
 from gspcli.records import dataclass
 from gspcli.wording import counted, nearest, shown
@@ -362,7 +361,7 @@ def recognized(
             expected = f"did you mean {shown(near)}?" if near else _names(graph)
             raise NoPlatform(f"found no body {shown(body)}: {expected}")
     _check_numbers(graph)
-    joints = unhindered(graph)
+    joints = tuple(split(graph.joints))
     reasons: list[str] = []
     for held, assumed in _drives(graph, joints, base):
         try:

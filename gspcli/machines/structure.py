@@ -8,7 +8,7 @@ from collections.abc import Callable, Collection, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.machines.graph import Graph, Joint, NoPlatform, Part, extent, opposite, split
+from gspcli.machines.graph import Graph, Joint, NoPlatform, Part, extent, opposite
 from gspcli.records import dataclass
 from gspcli.wording import counted, listed, shown
 
@@ -94,15 +94,6 @@ class Clusters:
             end, step = link
             steps.append(step)
         return steps[::-1]
-
-    def drives_between(self, start: str, end: str) -> int:
-        """Return how many held joints lie between two bodies of a cluster."""
-        return sum(k in self.held for k, _ in self.path(start, end))
-
-
-def unhindered(graph: Graph) -> tuple[Joint, ...]:
-    """Return the joints of a graph, each of at most one part."""
-    return tuple(split(graph.joints))
 
 
 Array = NDArray[np.float64]
@@ -356,7 +347,7 @@ def _own_body(clusters: Clusters, cluster: str, ends: Sequence[str]) -> str:
         raise NoPlatform(message)
 
     def drives(body: str) -> int:
-        return sum(clusters.drives_between(body, end) for end in ends)
+        return sum(k in clusters.held for end in ends for k, _ in clusters.path(body, end))
 
     fewest = min(map(drives, members))
     own = [body for body in members if drives(body) == fewest]

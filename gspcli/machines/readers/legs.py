@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from gspcli.errors import SpecError
 from gspcli.geometry.euler import rotation_from_euler
+from gspcli.geometry.quaternions import rotation_from_quaternion
 from gspcli.machines.graph import (
     Body,
     Graph,
@@ -23,9 +24,7 @@ from gspcli.machines.graph import (
     Part,
     ball,
     frame,
-    from_quaternion,
     place,
-    roll_pitch_yaw,
 )
 from gspcli.machines.source import MarkupElement, SourceLine, text_of
 from gspcli.records import dataclass
@@ -207,7 +206,7 @@ def _pose(joint: MarkupElement) -> Array:
         q = joint.numbers(joint.needed("q_initial"), 7)
         if not np.any(q[3:]):
             raise joint.error("found the quaternion 0 0 0 0, expected any other")
-        return frame(from_quaternion(q[3:]), q[:3])
+        return frame(rotation_from_quaternion(q[3:]), q[:3])
     if kind == "SPATIAL_EULER_XYZ":
         q = joint.numbers(joint.needed("q_initial"), 6)
         return frame(rotation_from_euler("XYZ", q[3:]), q[:3])
@@ -330,7 +329,7 @@ def _stated(
     pose = None
     if home:
         numbers = place("TRAJ", "HOME").numbers(home, 6)
-        pose = frame(roll_pitch_yaw(np.radians(numbers[3:])), numbers[:3])
+        pose = frame(rotation_from_euler("ZYX", np.radians(numbers[3:])), numbers[:3])
     legs = []
     for i, (base, platform) in enumerate(zip(*ends, strict=True)):
         joint = f"JOINT_{i}"

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from gspcli.errors import GspError
+from gspcli.geometry.quaternions import rotation_from_quaternion
 from gspcli.machines.graph import (
     Body,
     Graph,
@@ -17,7 +18,6 @@ from gspcli.machines.graph import (
     Part,
     ball,
     frame,
-    from_quaternion,
     inverse,
     place,
     turn,
@@ -193,7 +193,7 @@ class _Model:
 
     def _body(self, i: int) -> Body:
         model = self.model
-        turned = from_quaternion(model.body_iquat[i])
+        turned = rotation_from_quaternion(model.body_iquat[i])
         inertia = turned @ np.diag(model.body_inertia[i]) @ turned.T
         mass = None if self.weightless else float(model.body_mass[i])
         return Body(self.names[i], self.poses[i], mass, np.array(model.body_ipos[i]), inertia)
@@ -241,7 +241,7 @@ class _Model:
         weld = kind == kinds.mjEQ_WELD
         if int(model.eq_objtype[i]) == self.mujoco.mjtObj.mjOBJ_SITE:
             sites = [
-                frame(from_quaternion(model.site_quat[o]), model.site_pos[o])
+                frame(rotation_from_quaternion(model.site_quat[o]), model.site_pos[o])
                 for o in (first, second)
             ]
             first, second = (int(model.site_bodyid[o]) for o in (first, second))
@@ -249,7 +249,7 @@ class _Model:
             ends = sites[0][:3, 3], sites[1][:3, 3]
         elif weld:
             # The anchor in the second body, then the pose of the second in the first.
-            relative = frame(from_quaternion(numbers[6:10]), numbers[3:6])
+            relative = frame(rotation_from_quaternion(numbers[6:10]), numbers[3:6])
             ends = place(relative, np.array(numbers[:3])), np.array(numbers[:3])
         else:
             relative = np.eye(4)

@@ -8,6 +8,7 @@ import re
 import numpy as np
 from numpy.typing import NDArray
 
+from gspcli.geometry.euler import rotation_from_euler
 from gspcli.machines.graph import (
     Body,
     Graph,
@@ -19,7 +20,6 @@ from gspcli.machines.graph import (
     inverse,
     matrix,
     place,
-    roll_pitch_yaw,
     turn,
     unit,
 )
@@ -141,7 +141,7 @@ class _Model:
         angles = numbers[3:]
         if found.get("degrees") in ("true", "1"):
             angles = np.radians(angles)
-        return frame(roll_pitch_yaw(angles), numbers[:3])
+        return frame(rotation_from_euler("ZYX", angles), numbers[:3])
 
     def _body(self, link: MarkupElement) -> Body:
         X = self.pose(link.get("name"))

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.errors import Mistake, SpecError
+from gspcli.geometry.euler import rotation_from_euler
 from gspcli.machines.graph import (
     Body,
     Graph,
@@ -21,7 +22,6 @@ from gspcli.machines.graph import (
     inverse,
     matrix,
     place,
-    roll_pitch_yaw,
     turn,
     unit,
 )
@@ -291,4 +291,4 @@ def _placed_at(element: MarkupElement) -> Array:
     """Return the pose that an element has in attributes, shape (4, 4)."""
     zero = (0.0, 0.0, 0.0)
     angles = element.attribute_numbers("rpy", zero)
-    return frame(roll_pitch_yaw(angles), element.attribute_numbers("xyz", zero))
+    return frame(rotation_from_euler("ZYX", angles), element.attribute_numbers("xyz", zero))

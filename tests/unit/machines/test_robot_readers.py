@@ -11,8 +11,8 @@ from one_hexapod import BASE, LENGTHS, PLATFORM, UP, Write, same
 
 import gspcli
 from gspcli.errors import GspError, SpecError
+from gspcli.geometry.euler import rotation_from_euler
 from gspcli.machines.api import import_machine
-from gspcli.machines.graph import roll_pitch_yaw
 
 # -- SDF --------------------------------------------------------------------------------------
 
@@ -211,7 +211,7 @@ def test_urdf_with_loops_whose_frames_are_both_moved(read: Write, kind: str) -> 
     extra = "".join(f'<transmission><joint name="s{i}"/></transmission>' for i in range(6))
     for i in range(1, 6):
         turns, place = rng.uniform(-3, 3, (2, 3)), PLATFORM[i] * 1e-3
-        first, second = map(roll_pitch_yaw, turns)
+        first, second = rotation_from_euler("ZYX", turns)
         if kind == "fixed":
             extra += (
                 f'<link name="tip{i}"/><joint name="ball{i}" type="spherical">'
