@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Sequence
 from contextlib import nullcontext
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -25,14 +24,13 @@ from gspcli.cli.options import (
 )
 from gspcli.cli.pose_options import (
     PARAMETERS,
-    GivenPose,
     axes_of,
     frame_note,
     pose_options,
     pose_value_option,
 )
-from gspcli.cli.render import Output, emit, write
-from gspcli.cli.result import Field, Fields, Result
+from gspcli.cli.render import emit, write
+from gspcli.cli.result import Fields, Result
 from gspcli.cli.streams import progress, say, working
 from gspcli.defaults import SEED
 from gspcli.errors import INTERRUPTED, ArgumentError, GspError, IncompleteError
@@ -47,9 +45,7 @@ if TYPE_CHECKING:
     from gspcli.workers import Workers
 
     Array = NDArray[np.float64]
-    from gspcli.cli.pose_options import GivenPose
     from gspcli.geometry.frames import PoseFrame
-    from gspcli.motion import PoseFormat
     from gspcli.motion.singularities.scans import Meeting, PoseScan, ScanResult
 
 FIELDS = Fields("scan")
@@ -131,7 +127,7 @@ def command(o: Options) -> int:
     frame = o.frame_of(instance)
     if o.pose is not None:
         shown = "determinant" if o.quantity == QUANTITIES[0] else o.quantity
-        scan_poses(instance, o.texts, o.pose, o.form, o.folds, shown, o.output)
+        _scan_poses(o, shown)
         return 0
     _refuse_coordinates(o)
     from gspcli.motion.singularities.scans import MISSING, Boundary, Scan, ScanResult
@@ -158,8 +154,7 @@ def command(o: Options) -> int:
 
         write(o.output, mode_map(found, limits, o.quantity, o.output.format))
     else:
-        result = ScanResult(found, limits, o.folds)
-        emit(o.output, scan_table(result, o.output.format, frame), document=result.to_json())
+        emit(o.output, scan_table(ScanResult(found, limits, o.folds), o.output.format, frame))
     if interrupted:
         return INTERRUPTED
     _refuse_gaps(found, limits)
@@ -253,19 +248,21 @@ def scan_table(result: ScanResult, form: str, frame: PoseFrame) -> Result:
     from gspcli.geometry.arrangement import Arrangement
 
     found, limits, instance = result.found, result.limits, result.found.instance
-    rows = result.rows()
+    document = result.to_json()
+    columns = [
+        FIELDS[name].but(title=_heading(instance, name), essential=True) for name in result.names
+    ]
     if result.folds:
         position = _OWN if frame.is_identity else _EXPRESSED
-        rows = rows if frame.is_identity else _expressed(rows, result, frame)
-        columns = FIELDS.of("change")
+        columns += FIELDS.of("change")
         # Tables for people show positions, which distinguish mirror images.
         shown = (*position, *_TURN) if form == "csv" else position
         size = Arrangement.of(instance).length
-        columns += [Field(key, align="right", minor=1, aligned=True, size=size) for key in shown]
+        columns += [
+            FIELDS[key].but(minor=1, aligned=True, size=size, essential=False) for key in shown
+        ]
     else:
-        columns = FIELDS.of("modes condition")
-        if found.clearances is not None:
-            columns.append(FIELDS["clearance"])
+        columns += FIELDS.of("modes condition clearance?", document["nodes"])
     notes = [_note(found)]
     if limits.curves:
         cusps = sum(len(curve.cusps) for curve in limits.curves)
@@ -274,15 +271,19 @@ def scan_table(result: ScanResult, form: str, frame: PoseFrame) -> Result:
     notes += [_meeting(result.names, one, frame) for one in limits.meetings]
     if result.folds:
         notes += frame_note(frame)
-    return Result(
-        [
-            *(Field(name, _heading(instance, name), "right", True) for name in result.names),
-            *columns,
-        ],
+    rows = document["folds" if result.folds else "nodes"]
+    table = Result(
+        columns,
         rows,
-        title=instance.title,
-        notes=notes,
+        instance.title,
+        notes,
+        schema="scan",
+        name="folds" if result.folds else "nodes",
+        head=document,
     )
+    if not result.folds or frame.is_identity:
+        return table
+    return replace(table, parts=[replace(table, rows=_expressed(rows, result, frame))])
 
 
 def _expressed(
@@ -335,54 +336,49 @@ def _tally(found: Scan) -> tuple[list[int], list[int]]:
     return numbers.tolist(), counts.tolist()
 
 
-def scan_poses(
-    instance: Instance,
-    texts: Sequence[str],
-    pose: GivenPose,
-    form: PoseFormat,
-    folds: bool,
-    quantity: str,
-    output: Output,
-) -> None:
+def _scan_poses(o: Options, quantity: str) -> None:
     """Scan poses and show what was found."""
     from gspcli.motion.singularities.scans import Axis, PoseScan
 
-    axes = tuple(Axis(*axis) for axis in axes_of(texts, PARAMETERS))
-    pose.read(form)
-    found = PoseScan(instance, axes, pose.numbers(form), form)
-    if quantity == "clearance" and not folds:
+    axes = tuple(Axis(*axis) for axis in axes_of(o.texts, PARAMETERS))
+    o.pose.read(o.form)
+    found = PoseScan(o.instance, axes, o.pose.numbers(o.form), o.form)
+    cleared = quantity == "clearance" and not o.folds
+    if cleared:
         with working("clearances"):
             found.clearances  # noqa: B018
-    if output.format in DRAWINGS:
+    if o.output.format in DRAWINGS:
         from gspcli.pictures.charts import pose_map
 
-        write(output, pose_map(found, quantity, output.format))
+        write(o.output, pose_map(found, quantity, o.output.format))
         return
     names = [axis.name for axis in axes]
-    cleared = quantity == "clearance"
-    rows = _singular_rows(found, names) if folds else _node_rows(found, names, cleared=cleared)
-    columns = [Field(name, align="right", essential=True) for name in names]
-    if not folds:
-        columns.append(FIELDS["determinant"])
-        columns.append(FIELDS["condition"])
-        columns += FIELDS.of("clearance") * cleared
-    signs = [int((found.determinants * sign > 0).sum()) for sign in (1, -1)]
-    note = f"{found.determinants.size} poses; determinant positive at {signs[0]}, negative at "
-    table = Result(
-        columns,
-        rows,
-        title=instance.title,
-        notes=[f"{note}{signs[1]}; {len(found.singular)} singular poses on edges of the grid"],
+    rows = _singular_rows(found, names) if o.folds else _node_rows(found, names, cleared=cleared)
+    columns = FIELDS.of(" ".join(names))
+    if not o.folds:
+        columns += FIELDS.of("determinant condition clearance?", rows)
+    positive, negative = (int((found.determinants * sign > 0).sum()) for sign in (1, -1))
+    note = (
+        f"{found.determinants.size} poses; determinant positive at {positive}, negative at "
+        f"{negative}; {len(found.singular)} singular poses on edges of the grid"
     )
-    document: dict[str, Any] = {
-        "schema": "gsp.scan/1",
-        **instance.to_json(),
-        "over": {axis.name: list(axis.values) for axis in axes},
-        "singular" if folds else "nodes": rows,
-    }
-    if folds:
-        document["curves"] = [{"values": curve.tolist()} for curve in found.curves]
-    emit(output, table, document=document)
+    name = "singular" if o.folds else "nodes"
+    head: dict[str, Any] = {"over": {axis.name: list(axis.values) for axis in axes}, name: rows}
+    if o.folds:
+        head["curves"] = [{"values": curve.tolist()} for curve in found.curves]
+    emit(
+        o.output,
+        Result(
+            columns,
+            rows,
+            o.instance.title,
+            [note],
+            instance=o.instance,
+            schema="scan",
+            name=name,
+            head=head,
+        ),
+    )
 
 
 def _node_rows(found: PoseScan, names: list[str], *, cleared: bool) -> list[dict[str, Any]]:
