@@ -289,6 +289,18 @@ def left_limits(
     return [tuple(limits[k] for k in np.flatnonzero(row)) for row in left]
 
 
+def machine_keeps(machine: Machine, R: Array, T: Array) -> NDArray[np.bool_]:
+    """Return whether a machine reaches poses within its ranges and cones, shape (n,)."""
+    instance, q = machine.instance, machine.inverse(R, T)
+    left = (
+        out_of_motor_range(machine, q),
+        out_of_range(instance, machine.values(R, T)),
+        out_of_cone(instance, R, T, q),
+    )
+    reached = ~np.isnan(q).any(axis=-1)
+    return np.asarray(reached & ~np.concatenate(left, axis=-1).any(axis=-1))
+
+
 def within_limits(
     instance: Instance, values: Array, R: ArrayLike, T: ArrayLike
 ) -> NDArray[np.bool_]:

@@ -95,6 +95,8 @@ class Machine:
     rods
         The values of constraints with a crank or a slide, which stay the same, signed on a chosen
         side of a plane; NaN for others.
+    signs
+        The working modes that `inverse` takes, shape (6,); None for those of the stated home.
     """
 
     instance: Instance
@@ -114,6 +116,7 @@ class Machine:
     beside: Array
     arms: Array
     rods: Array
+    signs: NDArray[np.int64] | None = None
 
     @classmethod
     def of(cls, instance: Instance) -> Machine:
@@ -173,6 +176,16 @@ class Machine:
     def moved(self) -> NDArray[np.bool_]:
         """Which drives are cranks or slides, shape (m,)."""
         return np.array([sort != "value" for sort in self.sorts])
+
+    @cached_property
+    def moves(self) -> bool:
+        """Whether a drive moves a point: is a crank or a slide."""
+        return bool(self.driven.any())
+
+    @property
+    def shared(self) -> bool:
+        """Whether two constraints share a drive."""
+        return self.count < len(self.index)
 
     @cached_property
     def turns(self) -> NDArray[np.bool_]:
@@ -312,7 +325,7 @@ class Machine:
         """
         arrangement = self.arrangement(q)
         placed = arrangement.placed(np.asarray(R, float), np.asarray(T, float))
-        return arrangement.x, placed.arm, placed.r
+        return np.broadcast_to(arrangement.x, placed.arm.shape), placed.arm, placed.r
 
     def jacobian(self, R: ArrayLike, T: ArrayLike, q: ArrayLike) -> Array:
         """Return the derivatives of the values by a twist with all drives still, (..., 6, 6).
@@ -388,9 +401,7 @@ class Machine:
         """
         R, T = np.asarray(R, float), np.asarray(T, float)
         stated = self.stated_arrangement
-        values = measured(stated, R, T)
-        skew = [kind is DLL for kind in stated.kinds]
-        values[..., skew] = np.abs(values[..., skew])
+        values = self._measured(R, T)
         if not self.driven.any():
             return np.stack((values, values), axis=-1)
         self._check_kinds()
@@ -525,7 +536,7 @@ class Machine:
         """Return what each constraint asks of its drive, shape (..., 6); as `inverse`."""
         both = self.roots(R, T)
         if working_modes is None:
-            working_modes = self.home_working_modes
+            working_modes = self.home_working_modes if self.signs is None else self.signs
         if working_modes is None:
             working_modes = _first_working_modes(both, self.driven)
         return self._kept(np.where(working_modes > 0, both[..., 0], both[..., 1]))
@@ -573,8 +584,51 @@ class Machine:
 
     def stated(self, R: ArrayLike, T: ArrayLike) -> Array:
         """Return the numbers at poses with all points where they are stated, shape (..., m)."""
-        values = measured(self.stated_arrangement, np.asarray(R, float), np.asarray(T, float))
+        values = self._measured(np.asarray(R, float), np.asarray(T, float))
         return self.per_drive(np.where(self.driven, 0.0, values))
+
+    def along(self, R: Array, T: Array) -> Array:
+        """Return `inverse` along rows of poses, shape (r, m): no crank jumps by a whole turn."""
+        q = self.inverse(R, T)
+        for k in np.flatnonzero(~np.isfinite(self.high - self.low)).tolist():
+            known = np.isfinite(q[:, k])
+            if self.sorts[k] == "crank":
+                q[known, k] = np.unwrap(q[known, k])
+        return q
+
+    def at_home(self, R: Array | None = None, T: Array | None = None) -> Machine:
+        """Return the machine in the working modes of the stated home, or without one of a pose.
+
+        Raises
+        ------
+        ArgumentError
+            If a drive does not reach the pose, or reaches it at two numbers equally near to the
+            stated point.
+        """
+        if (signs := self.home_working_modes) is None:
+            signs = np.ones(len(self.index), np.int64)
+            if self.driven.any():
+                assert R is not None
+                assert T is not None
+                signs = self.working_modes(R, np.asarray(T, float), "home")
+        return replace(self, signs=signs)
+
+    def placed(self, R: Array, T: Array) -> Arrangement:
+        """Return the platform with its points where poses ask for them."""
+        return self.arrangement(self.inverse(R, T)) if self.moves else self.stated_arrangement
+
+    def values(self, R: Array, T: Array) -> Array:
+        """Return the values at poses, those of rods as stated, in the file's units, (..., 6)."""
+        values = self._measured(R, T)
+        values[..., self.stated_arrangement.angles] /= self.stated_arrangement.in_radians
+        return np.where(self.driven, self.rods, values)
+
+    def _measured(self, R: Array, T: Array) -> Array:
+        """Return what constraints measure with all points where they are stated, (..., 6)."""
+        values = np.asarray(measured(self.stated_arrangement, R, T))
+        skew = [kind is DLL for kind in self.stated_arrangement.kinds]
+        values[..., skew] = np.abs(values[..., skew])
+        return values
 
     def nearest(self, R: ArrayLike, T: ArrayLike) -> Array:
         """Return at each pose the numbers nearer to zero, in any working mode, shape (..., m)."""
@@ -759,16 +813,6 @@ def arms_of(instance: Instance) -> dict[int, ThickArm]:
         for one in driven_points(row)
         if isinstance(one.drive, Crank) and one.drive.diameter is not None
     }
-
-
-def shares_drives(instance: Instance) -> bool:
-    """Return whether points of two constraints ride on one carriage or arm."""
-    motors = [
-        (one.body, one.point.partner or one.name or k)
-        for k, row in enumerate(instance.constraints)
-        for one in driven_points(row)
-    ]
-    return len(set(motors)) < len(motors)
 
 
 def _only(k: int, found: list[MovedPoint]) -> MovedPoint | None:

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 import gspcli
 from gspcli.defaults import SEED
-from gspcli.motion.paths.motors import Motors
+from gspcli.geometry import machine as geometry
 from gspcli.motion.paths.pose_ways import PoseWays
 from tests.support.independent_machines import Equations, Machine, PlaneGeometry, machines
 
@@ -53,8 +53,8 @@ class Draw:
     def __init__(self, name: str, seed: int) -> None:
         machine: Machine = machines()[name]()
         self.machine = machine
-        self.motors = Motors.of(machine.instance, machine.R, machine.T)
-        self.ways = PoseWays(machine.instance, motors=self.motors)
+        signs = geometry.Machine.of(machine.instance).at_home(machine.R, machine.T).signs
+        self.ways = PoseWays(machine.instance, working_modes=signs)
         self.geometry = PlaneGeometry(machine)
         self.equations = Equations(machine)
         self.home = self.ways.parameters(machine.R, machine.T)

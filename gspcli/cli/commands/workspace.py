@@ -40,7 +40,7 @@ from gspcli.cli.result import Field, Fields, Result, vector_text
 from gspcli.cli.streams import progress, say
 from gspcli.errors import GspError, IncompleteError
 from gspcli.geometry.frames import IDENTITY, PoseFrame
-from gspcli.geometry.machine import Machine, is_driven, shares_drives
+from gspcli.geometry.machine import Machine, is_driven
 from gspcli.records import dataclass
 from gspcli.wording import listed, shown
 
@@ -216,11 +216,9 @@ def _working_modes(instance: Instance, moving: Instance, home: Home) -> ArrayLik
     """Return the working modes of cranks and slides at the stated home, or that asked for."""
     if not is_driven(instance):
         return None
-    from gspcli.motion.workspace.pose_boxes import working_modes_of
-
     if instance.home is not None:
-        return working_modes_of(instance)
-    return working_modes_of(moving, home.R, home.T)
+        return Machine.of(instance).at_home().signs
+    return Machine.of(moving).at_home(home.R, home.T).signs
 
 
 def _keeps_limits(
@@ -529,7 +527,7 @@ def show_travels(
     ]
     notes += frame_note(home.frame)
     notes += _fixed_values(instance)
-    if shares_drives(instance):
+    if Machine.of(instance).shared:
         notes.append("rods share drives: what the platform reaches when it turns is not computed")
     if any(row["down"] is None for row in rows):
         notes.append("without numbers: the pose from which an axis would travel leaves the limits")
@@ -581,7 +579,7 @@ def _offset_rows(
         in_radians=instance.units.angle.in_radians,
     )
     # Rods that share a carriage stay parallel when the platform moves, not when it turns.
-    known = PARAMETERS[:3] if shares_drives(instance) else PARAMETERS
+    known = PARAMETERS[:3] if Machine.of(instance).shared else PARAMETERS
     axes = [name for name in known if name not in offset]
     try:
         found: list[Travel | None] = list(

@@ -37,7 +37,6 @@ from gspcli.geometry.quaternions import apply
 from gspcli.motion.collisions.compared import ComparedShapes, slips_near
 from gspcli.motion.following.followed_rows import FRAME_ERROR, RowFollower, Segments
 from gspcli.motion.following.moving_geometry import MovingGeometry
-from gspcli.motion.paths.motors import Motors
 from gspcli.motion.paths.pose_ways import PoseWays
 from gspcli.motion.paths.value_ways import ValueWays
 from gspcli.motion.screws import screw
@@ -82,8 +81,6 @@ class PathRows:
         Position and angles, shape (r, 6), for ways of poses; None for others.
     weights
         The unit of each value's changes in clearances, shape (6,); None for those of the instance.
-    motors
-        The cranks and slides of the machine, in the working modes of the path.
     numbers, geometry
         For ways of drives: what they are at, shape (r, m), and the platform that they move.
     """
@@ -94,7 +91,6 @@ class PathRows:
     T: Array
     parameters: Array | None = None
     weights: Array | None = None
-    motors: Motors | None = None
     numbers: Array | None = None
     geometry: MovingGeometry | None = None
 
@@ -104,24 +100,25 @@ class PathRows:
         return self.ways.instance
 
     @property
+    def machine(self) -> Machine:
+        """The machine; of ways of poses and of drives in the working modes of the path."""
+        return self.ways.machine
+
+    @property
     def units(self) -> Array:
         """The unit of each value's or drive's changes in clearances."""
-        if self.motors is not None:
+        if self.machine.moves:
             return drive_weights(self.instance)[0]
         weights = range_weights(self.instance) if self.weights is None else self.weights
         return np.ones(6) if weights is None else weights
 
     def placed(self, R: Array, T: Array, q: Array | None = None) -> Arrangement:
         """Return the platform at poses, its driven points where they are there."""
-        if self.motors is None:
-            return Arrangement.of(self.instance)
-        return self.motors.arrangement(R, T) if q is None else self.motors.drives.arrangement(q)
+        return self.machine.placed(R, T) if q is None else self.machine.arrangement(q)
 
-    def drive_numbers(self) -> Array | None:
-        """Return what cranks and slides are at in the rows, shape (r, m); None without motors."""
-        if self.motors is None or self.numbers is not None:
-            return self.numbers
-        return self.motors.numbers(self.R, self.T)
+    def drive_numbers(self) -> Array:
+        """Return what the drives are at in the rows, shape (r, m)."""
+        return self.machine.along(self.R, self.T) if self.numbers is None else self.numbers
 
     def conditions(self) -> Array:
         """Return condition numbers at the rows, with the drives still, shape (r,)."""
@@ -130,8 +127,8 @@ class PathRows:
 
     def clearances(self, R: Array, T: Array) -> Array:
         """Return proved clearances of poses, in values or drives, shape (n,)."""
-        if self.motors is not None:
-            return drive_clearances(self.instance, R, T, working_modes=self.motors.working_modes)[0]
+        if self.machine.moves:
+            return drive_clearances(self.instance, R, T, working_modes=self.machine.signs)[0]
         return clearances(self.instance, R, T, weights=self.units)
 
     def travels(self) -> Array:
@@ -144,7 +141,7 @@ class PathRows:
         """Bound how far values or drives move on straight ways of poses, shape (n, 6 or m)."""
         assert isinstance(self.ways, PoseWays)
         found = drive_travels(self.ways, begins, ends)
-        if self.motors is None:
+        if not self.machine.moves:
             a = Arrangement.of(self.instance)
             found[:, a.angles] /= a.in_radians
         return np.asarray(above(found))
@@ -156,12 +153,12 @@ class PathRows:
 
     def followed(self) -> MovingRows | None:
         """Return the rows as they are followed; None if no step knows what moves."""
-        if self.motors is None:
+        if not self.machine.moves:
             assert isinstance(self.ways, ValueWays)
             return MovingRows(self.ways.follower, self.values, self.R, self.T, self.values)
         if self.geometry is None or self.numbers is None or self.geometry.rows is None:
             return None
-        drives, follower = self.motors.drives, self.geometry.rows
+        drives, follower = self.machine, self.geometry.rows
         values = self.values.copy()
         # Rods that drives move have the stated lengths.
         rods = np.array([row.value.value for row in self.geometry.instance.constraints])
@@ -217,7 +214,7 @@ def least_clearances(rows: PathRows, wanted: float) -> tuple[Array, Array]:
     travels = (rows.travels() / rows.units).max(axis=1)
     known = (at[:-1] + at[1:] - travels) / above(2)
     if wanted:
-        halvings = CLEARANCE_HALVINGS if rows.motors is None else _DRIVE_HALVINGS
+        halvings = _DRIVE_HALVINGS if rows.machine.moves else CLEARANCE_HALVINGS
 
         def measure(near: Near) -> tuple[Array, Array]:
             change = above((near.changes() / rows.units).max(axis=1))
@@ -234,8 +231,8 @@ def largest_conditions(rows: PathRows, wanted: float) -> tuple[Array, Array]:
     def measure(near: Near) -> tuple[Array, Array]:
         placed = rows.placed(near.R, near.T, near.q)
         sides = None
-        if near.slips is not None and rows.motors is not None:
-            on = rows.motors.drives.on_platform
+        if near.slips is not None:
+            on = rows.machine.on_platform
             sides = np.stack([np.where(on == side, near.slips, 0.0) for side in (True, False)])
         at = condition_numbers(placed, near.R, near.T, length)
         most = condition_bounds(placed, near.R, near.T, near.shifts, near.turns, length, sides)
@@ -264,8 +261,7 @@ def least_gaps(rows: PathRows, wanted: float) -> tuple[Array, Array]:
 
 def least_transmissions(rows: PathRows, wanted: float) -> tuple[Array, Array]:
     """Return the least transmission of all drives at rows, (r,), and bounds between, (r - 1,)."""
-    assert rows.motors is not None
-    drives = rows.motors.drives
+    drives = rows.machine
     centre = Arrangement.of(rows.instance).platform_centre
 
     def measure(near: Near) -> tuple[Array, Array]:
@@ -304,7 +300,7 @@ def cones_kept(rows: PathRows) -> bool:
     """Return whether it is proved that all cones are kept between the rows."""
     if not joint_cones(rows.instance):
         return True
-    measure = cone_margins(rows.instance, None if rows.motors is None else rows.motors.drives)
+    measure = cone_margins(rows.instance, rows.machine)
     shares = cone_shares(rows.instance, rows.R, rows.T, rows.drive_numbers())
     return bool((_least(rows, 1 - shares.max(axis=1), measure, 0.0) >= 0).all())
 
@@ -419,11 +415,11 @@ class PoseParts:
             ends = [middle + sign * half * change for sign in (-1, 1)]
             return np.maximum(*(self._rows.moved(middle, end) for end in ends))
 
-        motors = self._rows.motors
-        if motors is None:
+        machine = self._rows.machine
+        if not machine.moves:
             return Near(R, T, shifts, turns, changes)
-        q = motors.drives.inverse(R, T, motors.working_modes)
-        slips = slips_near(motors.drives, R, T, q, shifts, turns, self._centre)
+        q = machine.inverse(R, T)
+        slips = slips_near(machine, R, T, q, shifts, turns, self._centre)
         return Near(R, T, shifts, turns, changes, q, slips)
 
 
@@ -844,14 +840,12 @@ class _Vectors:
 
     def moves(self) -> Array:
         """Bound how far each drive moves from where it is in the middle, shape (n, m)."""
-        motors = self.ways.motors
-        if motors is None:
-            columns = [self._of_value(k) for k in range(6)]
-        else:
-            drives = motors.drives
-            drives.refuse_planes("how far drives move on a path")
-            first = [drives.users(k)[0] for k in range(drives.count)]
-            columns = [self._of_drive(k) if drives.driven[k] else self._of_value(k) for k in first]
+        machine = self.ways.machine
+        machine.refuse_planes("how far drives move on a path")
+        columns = [
+            self._of_drive(k) if machine.driven[k] else self._of_value(k)
+            for k in machine.first.tolist()
+        ]
         return np.stack(columns, axis=1)
 
     def _of_value(self, k: int) -> Array:
@@ -871,9 +865,9 @@ class _Vectors:
 
     def _of_drive(self, k: int) -> Array:
         """Bound how far a crank turns, or a slide moves."""
-        motors, a = self.ways.motors, self.arrangement
-        assert motors is not None
-        drives, working_mode = motors.drives, float(motors.working_modes[k])
+        drives, a = self.ways.machine, self.arrangement
+        assert drives.signs is not None
+        working_mode = float(drives.signs[k])
         if drives.on_platform[k]:
             away = self.fixed(a.x[k]) - self.place
             other = self.turned(away, back=True) + self.fixed(self.ways.pivot)

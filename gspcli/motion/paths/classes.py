@@ -103,7 +103,7 @@ class Classes:
         self.arrangement = Arrangement.of(instance)
         self.ways = ways
         # Points that cranks and slides move are at no time those of the file.
-        found = [] if ways.motors else list(_factors(self.arrangement))
+        found = [] if ways.machine.moves else list(_factors(self.arrangement))
         self.factors = tuple(factor for factor, _ in found)
         self._determinants = [determinant for _, determinant in found]
 

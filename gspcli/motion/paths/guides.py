@@ -19,7 +19,8 @@ from numpy.typing import NDArray
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.coordinates import choose
 from gspcli.geometry.enclosures import above
-from gspcli.geometry.limits import within_limits
+from gspcli.geometry.limits import machine_keeps
+from gspcli.geometry.machine import Machine
 from gspcli.motion.collisions.compared import ComparedShapes
 from gspcli.motion.following.branch_follower import FollowOptions, over_rows
 from gspcli.motion.following.branch_runs import Run
@@ -28,10 +29,8 @@ from gspcli.motion.following.tracks import Track
 from gspcli.motion.paths.between import PathRows, cones_kept, least_clearances, least_gaps
 from gspcli.motion.paths.ends import PathEnd
 from gspcli.motion.paths.limit_events import limit_events
-from gspcli.motion.paths.motors import Motors
 from gspcli.motion.paths.pose_ways import PoseWays
 from gspcli.motion.paths.value_ways import ValueWays
-from gspcli.motion.poses.inverse_kinematics import values_at
 from gspcli.motion.singularities.neighbourhoods import MachineNeighbourhood
 
 Array = NDArray[np.float64]
@@ -251,15 +250,12 @@ class PoseGuide(Guide):
 
     def _through(self, given: RowsOnWay, proofs: NDArray[np.int64]) -> GuideRows | None:
         R, T = self.ways.poses(given.numbers)
-        motors, q = self.ways.motors, None
-        if motors is None:
-            values = values_at(self.ways.instance, R, T)
-        else:
-            values, q = motors.values(R, T), motors.numbers(R, T)
-            if np.isnan(q).any():
-                return None
-        rows = PathRows(self.ways, values, R, T, given.numbers, motors=motors)
-        return self._proved_rows(given, proofs, rows, q)
+        machine = self.ways.machine
+        values, q = machine.values(R, T), machine.along(R, T)
+        if np.isnan(q).any():
+            return None
+        rows = PathRows(self.ways, values, R, T, given.numbers)
+        return self._proved_rows(given, proofs, rows, q if machine.moves else None)
 
     def placed(self, corner: Array) -> Array:
         """Return a corner, rounded."""
@@ -271,16 +267,11 @@ class PoseGuide(Guide):
 
     def kept(self, R: Array, T: Array) -> NDArray[np.bool_]:
         """Return whether poses keep the limits, shape (n,)."""
-        instance = self.ways.instance
-        if self.ways.motors is not None:
-            kept = self.ways.motors.kept(R, T)
-            if self.gap is not None:
-                q = self.ways.motors.numbers(R, T)
-                kept &= (ComparedShapes(instance).bounds(R, T, q).low >= self.gap).all(axis=1)
-            return kept
-        kept = within_limits(instance, values_at(instance, R, T), R, T)
+        machine = self.ways.machine
+        kept = machine_keeps(machine, R, T)
         if self.gap is not None:
-            kept &= (ComparedShapes(instance).bounds(R, T).low >= self.gap).all(axis=1)
+            low = ComparedShapes(self.ways.instance).bounds(R, T, machine.along(R, T)).low
+            kept &= (low >= self.gap).all(axis=1)
         return kept
 
 
@@ -310,7 +301,7 @@ class DriveGuide(Guide):
 
     Parameters
     ----------
-    motors
+    machine
         The drives of the platform.
     ways
         Straight ways of poses of the platform, for the rows.
@@ -326,18 +317,18 @@ class DriveGuide(Guide):
 
     def __init__(
         self,
-        motors: Motors,
+        machine: Machine,
         ways: PoseWays,
         start: PathEnd,
         goal: PathEnd,
         clear: float = 0.0,
         gap: float | None = None,
     ) -> None:
-        self.motors, self.ways, self.start, self.goal = motors, ways, start, goal
+        self.machine, self.ways, self.start, self.goal = machine, ways, start, goal
         super().__init__(clear, gap)
-        drives = motors.drives
+        drives = machine
         moved = np.flatnonzero(drives.moved).tolist()
-        self._chosen = choose(motors.instance, [drives.names[k] for k in moved])
+        self._chosen = choose(machine.instance, [drives.names[k] for k in moved])
         self._moved = moved
         self.sizes = np.ones(drives.count)
 
@@ -345,12 +336,12 @@ class DriveGuide(Guide):
     def corners(self) -> Array:
         """The numbers of the drives at both ends, in the units of the instance, (2, m)."""
         R, T = (np.stack([getattr(end, n) for end in (self.start, self.goal)]) for n in ("R", "T"))
-        found: Array = self.motors.numbers(R, T) / self.motors.drives.units
+        found: Array = self.machine.along(R, T) / self.machine.units
         return found
 
     def through(self, given: RowsOnWay) -> GuideRows | None:
         """Return given rows with their poses, or None if the way through them is not proved."""
-        drives = self.motors.drives
+        drives = self.machine
         q = given.numbers * drives.units
         followed = self._followed(given.numbers)
         if followed.events or np.isnan(followed.T).any() or limit_events(followed):
@@ -366,9 +357,7 @@ class DriveGuide(Guide):
             if not pieces:
                 return None
             proofs[part] += pieces
-        rows = PathRows(
-            self.ways, followed.values, R, T, motors=self.motors, numbers=q, geometry=geometry
-        )
+        rows = PathRows(self.ways, followed.values, R, T, numbers=q, geometry=geometry)
         return self._proved_rows(given, proofs, rows, q)
 
     def _ends(self, R: Array, T: Array) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
@@ -378,7 +367,7 @@ class DriveGuide(Guide):
 
     def _followed(self, numbers: Array) -> Track:
         """Follow the mode of the start along rows of drives, in the units of the instance."""
-        instance, drives = self.motors.instance, self.motors.drives
+        instance, drives = self.machine.instance, self.machine
         a = Arrangement.of(instance)
         stated = np.where(a.sides < 0, -a.values, a.values)
         values = np.tile(stated, (len(numbers), 1))
@@ -392,7 +381,7 @@ class DriveGuide(Guide):
 
     def _keeps_working_modes(self, numbers: Array, R: Array, T: Array, halvings: int) -> int:
         """Return in how many boxes after a row working modes are proved to be kept; else 0."""
-        drives = self.motors.drives
+        drives = self.machine
         q = numbers * drives.units
         near = MachineNeighbourhood(drives, R, T, q[0])
         widths = near.widths(above(np.abs(q[1] - q[0])[drives.index]))[None]
@@ -420,9 +409,9 @@ class DriveGuide(Guide):
         R, T
             The pose at the first.
         """
-        numbers = np.stack((q[0], q.mean(axis=0))) / self.motors.drives.units
+        numbers = np.stack((q[0], q.mean(axis=0))) / self.machine.units
         begin = PathEnd("", np.zeros(6), R, T)
-        followed = DriveGuide(self.motors, self.ways, begin, begin)._followed(numbers)
+        followed = DriveGuide(self.machine, self.ways, begin, begin)._followed(numbers)
         if followed.events or np.isnan(followed.T).any():
             return None
         return followed.R[0, -1], followed.T[0, -1]

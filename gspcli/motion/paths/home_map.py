@@ -70,7 +70,7 @@ def home_map(result: SolveResult, home: int) -> HomeMap | None:
     if planner.left(ends[home]) or planner.fills_ranges(ends[home]):
         return None
     goal = planner.classes.of(ends[home].R, ends[home].T)
-    ranged = planner.motors is None and planner.values(ends[home]).ranged
+    ranged = not planner.machine.moves and planner.values(ends[home]).ranged
     members = [ends[home]]
     for k, end in enumerate(ends):
         if k == home or planner.left(end) or (ranged and not _on_one_side(end, ends[home])):
@@ -79,8 +79,7 @@ def home_map(result: SolveResult, home: int) -> HomeMap | None:
             members.append(end)
     found = planner.value_map(members) if ranged else planner.pose_map(members)
     found.join_given()
-    motors = planner.motors
-    if motors is None or not (motors.shared or planner.stays):
+    if not (planner.machine.shared or planner.stays):
         _grow(found, len(members))
     return _kept(found, planner, len(members))
 

@@ -80,7 +80,7 @@ class PoseMap:
     ) -> None:
         self.ways, self._class_of, self._kept = ways, class_of, kept
         # Rods that share a drive are parallel at one orientation only.
-        self._keeps_turn = ways.motors is not None and ways.motors.shared
+        self._keeps_turn = ways.machine.shared
         self.arrangement = Arrangement.of(ways.boxes.instance)
         self.nodes = [*ways.parameters(R, T)]
         self.classes = list(classes)

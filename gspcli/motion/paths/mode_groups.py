@@ -181,8 +181,8 @@ def _join(
     deadline: float,
 ) -> None:
     """Join modes on a map of poses, or on a map of values for each choice of sides of planes."""
-    motors = planner.motors
-    ranged = motors is None and bool(open_) and planner.values(ends[open_[0]]).ranged
+    machine = planner.machine
+    ranged = not machine.moves and bool(open_) and planner.values(ends[open_[0]]).ranged
     sides: dict[bytes, list[int]] = {}
     for k in open_:
         sides.setdefault(np.sign(ends[k].values).tobytes(), []).append(k)
@@ -196,7 +196,7 @@ def _join(
         return
     poses = planner.pose_map([ends[k] for k in open_])
     # Random poses change what must stay. Modes differ in last digits of their orientation.
-    grows = motors is None or not (motors.shared or planner.stays)
+    grows = not (machine.shared or planner.stays)
     _grow(poses, _tried_pairs(classes, open_), deadline if grows else 0.0)
     _take(poses, open_, joined)
 

@@ -33,10 +33,8 @@ from gspcli.geometry.quaternions import (
     unit_quaternion,
     vector_from_rotation,
 )
-from gspcli.geometry.readings import readings_of
 from gspcli.motion.following.platform_numbers import NEVER, limit_numbers, platform_numbers
-from gspcli.motion.paths.motors import Motors
-from gspcli.motion.poses.inverse_kinematics import checked_poses, values_at
+from gspcli.motion.poses.inverse_kinematics import checked_poses
 from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
@@ -126,8 +124,8 @@ class NearestPoses:
         if self.T.shape != (3,):
             raise ArgumentError(f"found the shape {self.T.shape}, expected one pose: (3,)", "T")
         self.pivot = np.zeros(3) if pivot is None else np.asarray(pivot, float)
-        self._motors = Motors.of(instance, self.R, self.T)
-        self._still = self._motors is not None and self._motors.shared
+        self._machine = Machine.of(instance).at_home(self.R, self.T)
+        self._still = self._machine.shared
         self._search = LimitSearch(instance, self.R, self.T, self.pivot, still=self._still)
         drives = Machine.of(instance)
         #: Which values have a range of one number, and so stay: shape (6,).
@@ -226,9 +224,7 @@ class NearestPoses:
 
     def _readings(self, R: Array, T: Array) -> Array:
         """Return the readings of the values, or of all drives, at a pose."""
-        if self._motors is None:
-            return readings_of(self.instance, values_at(self.instance, R, T))
-        return self._motors.drives.readings(self._motors.numbers(R[None], T[None])[0])
+        return self._machine.readings(self._machine.inverse(R, T))
 
 
 def _rounded(R: Array, T: Array, length: float) -> tuple[Array, Array]:

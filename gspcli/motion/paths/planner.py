@@ -33,7 +33,7 @@ from gspcli.errors import ArgumentError, IncompleteError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.limits import has_limits
-from gspcli.geometry.machine import is_driven
+from gspcli.geometry.machine import Machine
 from gspcli.geometry.readings import without_corrections
 from gspcli.motion.collisions.compared import NO_SHAPES, ComparedShapes
 from gspcli.motion.paths.between import least_clearances, least_gaps
@@ -48,7 +48,6 @@ from gspcli.motion.paths.guides import (
     ValueGuide,
 )
 from gspcli.motion.paths.maps import PoseMap, ValueMap
-from gspcli.motion.paths.motors import Motors
 from gspcli.motion.paths.planned_paths import PathPart, PlannedPath, cost, steps
 from gspcli.motion.paths.pose_ways import PoseWays
 from gspcli.motion.paths.timing import PathLimits, timed
@@ -209,16 +208,17 @@ class Planner:
         self._axes = {"pivot": pivot, "sequence": sequence}
 
     @cached_property
-    def motors(self) -> Motors | None:
+    def machine(self) -> Machine:
         """The cranks and slides in the working modes of the stated home, else of the start."""
-        if not is_driven(self.instance):
-            return None
+        machine = Machine.of(self.instance)
+        if not machine.moves:
+            return machine.at_home()
         if self._first is None and self.instance.home is None:
             raise ArgumentError(
                 "the file states no home: the working modes of its cranks and slides are not known"
             )
         pose = (None, None) if self._first is None else (self._first.R, self._first.T)
-        return Motors(self.instance, *pose)
+        return machine.at_home(*pose)
 
     @cached_property
     def ways(self) -> PoseWays:
@@ -226,14 +226,16 @@ class Planner:
         return PoseWays(
             self.instance,
             limits=True,
-            motors=self.motors,
+            working_modes=self.machine.signs,
             **self._axes,  # type: ignore[arg-type]
         )
 
     @cached_property
     def classes(self) -> Classes:
         """The signs that regular paths keep."""
-        return Classes(self.instance, PoseWays(self.instance, limits=False, motors=self.motors))
+        return Classes(
+            self.instance, PoseWays(self.instance, limits=False, working_modes=self.machine.signs)
+        )
 
     def values(self, end: PathEnd) -> ValueWays:
         """Return straight ways of values on the sides of a pose."""
@@ -247,7 +249,7 @@ class Planner:
             return PlannedPath(self.given, start.name, goal.name, "impossible", reason)
         deadline = time.monotonic() + self.seconds
         guide, corners = self._straight(start, goal)
-        if guide is None and self.motors is None:
+        if guide is None and not self.machine.moves:
             ways = self.values(start)
             if any(self.fills_ranges(end, ways) for end in (start, goal)):
                 reason = "the mode fills its box of ranges, and the other pose is not on it"
@@ -264,20 +266,17 @@ class Planner:
     @property
     def stays(self) -> bool:
         """Whether some value that no crank or slide moves must stay: random poses change it."""
-        assert self.motors is not None
-        return bool(self.motors.drives.stays.any())
+        return bool(self.machine.stays.any())
 
     def left(self, end: PathEnd) -> str:
         """Return the first limit that a pose violates, in words, or nothing."""
-        motors = self.motors
-        if motors is None:
-            return next(iter(violations(self.instance, end.R, end.T)), "")
+        machine = self.machine
         if end.is_mode and self.instance.home is not None:
-            other = motors.drives.in_other_working_modes(end.R[None], end.T[None])[0]
+            other = machine.in_other_working_modes(end.R[None], end.T[None])[0]
             if other.any():
-                name = motors.drives.names[motors.drives.index[int(other.argmax())]]
+                name = machine.names[machine.index[int(other.argmax())]]
                 return f"{name.replace('.', ' ')} is beyond a dead point from home"
-        return next(iter(violations(self.instance, end.R, end.T, motors.working_modes)), "")
+        return next(iter(violations(self.instance, end.R, end.T, machine.signs)), "")
 
     def _impossible(self, start: PathEnd, goal: PathEnd) -> str:
         """Return why there can be no path, or nothing."""
@@ -306,8 +305,8 @@ class Planner:
         # A straight way of equal values would stay where it is.
         moves = any(not np.array_equal(x, y) for x, y in ((start.R, goal.R), (start.T, goal.T)))
         still = np.array_equal(start.values, goal.values) and moves
-        if self.along != "poses" and self.motors is not None:
-            drives = DriveGuide(self.motors, self.ways, start, goal, self.clear, self.gap)
+        if self.along != "poses" and self.machine.moves:
+            drives = DriveGuide(self.machine, self.ways, start, goal, self.clear, self.gap)
             tried.append(lambda: (drives, drives.corners))
         elif self.along != "poses" and not still:
             values = np.stack((start.values, goal.values))
@@ -343,7 +342,7 @@ class Planner:
         ways
             Straight ways of values; None for those on the sides of the mode.
         """
-        if self.motors is not None or self.clear or self.gap is not None:
+        if self.machine.moves or self.clear or self.gap is not None:
             return False
         ways = self.values(end) if ways is None else ways
         if not ways.ranged:
@@ -360,7 +359,7 @@ class Planner:
     def pose_map(self, ends: Sequence[PathEnd]) -> PoseMap:
         """Return a map of poses with some ends."""
         R, T = np.stack([end.R for end in ends]), np.stack([end.T for end in ends])
-        limited = has_limits(self.instance) or self.motors is not None or self.gap is not None
+        limited = has_limits(self.instance) or self.machine.moves or self.gap is not None
         kept = self.pose_guide().kept if limited else None
         classes = [self.classes.of(end.R, end.T) for end in ends]
         return PoseMap(self.ways, R, T, classes, self.classes.of, seed=self.seed, kept=kept)
@@ -369,10 +368,10 @@ class Planner:
         self, start: PathEnd, goal: PathEnd, more: Callable[[], bool]
     ) -> tuple[Guide | None, Array | None]:
         """Return a path on a map of values or poses, if one is found while there is time."""
-        if self.motors is not None:
+        if self.machine.moves:
             # Random poses change what must stay.
             turns = self._parameters(start, goal)
-            level = not self.motors.shared or (turns[0][3:] == turns[1][3:]).all()
+            level = not self.machine.shared or (turns[0][3:] == turns[1][3:]).all()
             on_map = self.along != "values" and not self.stays and level
             return _first([self._on_poses(start, goal)], more) if on_map else (None, None)
         ranged = self.values(start).ranged
@@ -670,7 +669,7 @@ def finished(
     if trace is None or (limits is not None and timing is None):
         raise IncompleteError("the path that was found could not be proved again: try another seed")
     # Those of drives take long.
-    if guide.clear or trace.rows.motors is None:
+    if guide.clear or not trace.rows.machine.moves:
         at, between = least_clearances(trace.rows, guide.clear)
     else:
         at, between = np.zeros(len(trace.T)), np.zeros(len(trace.T) - 1)

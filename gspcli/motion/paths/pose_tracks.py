@@ -13,11 +13,11 @@ from gspcli.geometry.coordinates import choose
 from gspcli.geometry.frames import PoseFrame
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.limits import joint_cones, out_of_cone, out_of_motor_range, out_of_range
+from gspcli.geometry.machine import Machine
 from gspcli.motion.following.tracks import Event, Track
 from gspcli.motion.paths.limit_events import LimitEvent
-from gspcli.motion.paths.motors import Motors
 from gspcli.motion.paths.pose_ways import PoseWays, WayProof
-from gspcli.motion.poses.inverse_kinematics import refusals, values_at
+from gspcli.motion.poses.inverse_kinematics import refusals
 from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
@@ -78,10 +78,11 @@ def pose_track(
         This many rows are made of each.
     """
     origin = np.zeros(3)
-    motors = Motors.of(instance, R[0], T[0])
-    there = None if motors is None else Motors(expressed, working_modes=motors.working_modes)
+    machine = Machine.of(instance).at_home(R[0], T[0])
     regular, inside = (
-        PoseWays(expressed, pivot=origin, sequence=sequence, limits=limits, motors=there)
+        PoseWays(
+            expressed, pivot=origin, sequence=sequence, limits=limits, working_modes=machine.signs
+        )
         for limits in (False, True)
     )
     parameters = regular.continued(*frame.from_platform(R, T))
@@ -91,7 +92,7 @@ def pose_track(
         parameters = np.stack([np.interp(places, rows, one) for one in parameters.T], axis=1)
         t = np.interp(places, rows, t)
         R, T = frame.to_platform(*regular.poses(parameters))
-    moving = _moving(motors, R, T, t)
+    moving = _moving(machine, R, T, t)
     events: tuple[Event, ...] = ()
     cells, end = 0, len(t)
     for k in range(len(t) - 1):
@@ -112,7 +113,7 @@ def pose_track(
         instance,
         instance,
         t,
-        values_at(instance, R, T) if motors is None else motors.values(R, T),
+        machine.values(R, T),
         np.array([mode]),
         np.where(known[:, None, None], R, np.nan)[None],
         np.where(known[:, None], T, np.nan)[None],
@@ -127,7 +128,7 @@ def pose_track(
     return PoseTrack(track, regular, limits)
 
 
-def _moving(motors: Motors | None, R: Array, T: Array, t: Array) -> dict[str, Any]:
+def _moving(machine: Machine, R: Array, T: Array, t: Array) -> dict[str, Any]:
     """Return the cranks and slides of a track and what they are at, as `Track` has them.
 
     Raises
@@ -135,16 +136,15 @@ def _moving(motors: Motors | None, R: Array, T: Array, t: Array) -> dict[str, An
     ArgumentError
         If the machine cannot take a row.
     """
-    if motors is None:
+    if not machine.moves:
         return {}
-    drives = motors.drives
-    q = motors.numbers(R, T)
-    if missing := refusals(drives, R, T, q):
+    q = machine.along(R, T)
+    if missing := refusals(machine, R, T, q):
         row = min(missing)
         raise ArgumentError(missing[row], f"the pose at t = {t[row]:.10g}")
-    moved = np.flatnonzero(drives.moved).tolist()
-    chosen = choose(motors.instance, [drives.names[k] for k in moved])
-    return {"coordinates": chosen, "places": (q / drives.units)[:, moved]}
+    moved = np.flatnonzero(machine.moved).tolist()
+    chosen = choose(machine.instance, [machine.names[k] for k in moved])
+    return {"coordinates": chosen, "places": (q / machine.units)[:, moved]}
 
 
 def _reason(proof: WayProof) -> str:
@@ -178,22 +178,20 @@ def _on_way(
     ways: PoseWays, R: Array, T: Array, t: Array, mode: int, proof: WayProof
 ) -> Iterator[LimitEvent]:
     """Yield the limits that samples of a way violate; if there are none, those not proved."""
-    instance, motors = ways.instance, ways.motors
+    instance, machine = ways.instance, ways.machine
     cones = joint_cones(instance)
-    values = values_at(instance, R, T) if motors is None else motors.values(R, T)
-    q = None if motors is None else motors.numbers(R, T)
-    ranges = out_of_range(instance, values)
+    q = machine.along(R, T)
+    ranges = out_of_range(instance, machine.values(R, T))
     seen = False
     for k in np.flatnonzero(ranges.any(axis=0)).tolist():
         seen = True
         yield LimitEvent("range", True, k, "", None, *_interval(ranges[:, k], t), False)
-    if motors is not None and q is not None:
-        beyond = out_of_motor_range(motors.drives, q)
-        for k in np.flatnonzero(beyond.any(axis=0)).tolist():
-            seen = True
-            user, name = motors.drives.users(k)[0], motors.drives.names[k]
-            times = _interval(beyond[:, k], t)
-            yield LimitEvent("range", True, user, "", None, *times, False, name)
+    beyond = out_of_motor_range(machine, q)
+    for k in np.flatnonzero(beyond.any(axis=0)).tolist():
+        seen = True
+        user, name = int(machine.first[k]), machine.names[k]
+        times = _interval(beyond[:, k], t)
+        yield LimitEvent("range", True, user, "", None, *times, False, name)
     tilted = out_of_cone(instance, R, T, q)
     for k in np.flatnonzero(tilted.any(axis=0)).tolist():
         seen = True
@@ -207,9 +205,7 @@ def _on_way(
     low, high = float(t[0]), float(t[-1])
     count = len(instance.constraints)
     for k in range(count):
-        drive = ""
-        if motors is not None and motors.drives.driven[k]:
-            drive = motors.drives.names[motors.drives.index[k]]
+        drive = machine.names[machine.index[k]] if machine.driven[k] else ""
         if left >> k & 1 and (drive or instance.constraints[k].limits is not None):
             yield LimitEvent("range", True, k, "", None, low, high, False, drive)
     for k, one in enumerate(cones):

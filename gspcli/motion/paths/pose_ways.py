@@ -16,7 +16,6 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.euler import euler_from_rotation
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.quaternions import apply
-from gspcli.motion.paths.motors import Motors
 from gspcli.motion.workspace.pose_boxes import NEGATIVE, PARAMETERS, PoseBoxes
 from gspcli.records import dataclass
 
@@ -73,9 +72,9 @@ class PoseWays:
         The order of the axes of the angles, as in `gspcli.geometry.euler`.
     limits
         Whether ranges and cones must be kept, too.
-    motors
-        The cranks and slides, if the platform has some. They must reach all poses of a way on their
-        working modes. Rods that share one are parallel at one orientation only, which stays.
+    working_modes
+        The signs of the gains of cranks and slides, shape (6,). If None they are those of the
+        stated home, or, without one, those of the unmoved platform.
     """
 
     def __init__(
@@ -85,30 +84,28 @@ class PoseWays:
         pivot: ArrayLike | None = None,
         sequence: str = "ZYX",
         limits: bool = True,
-        motors: Motors | None = None,
+        working_modes: NDArray[np.int64] | None = None,
     ) -> None:
         self.instance = instance
         arrangement = Arrangement.of(instance)
         self.pivot = np.asarray(arrangement.platform_centre if pivot is None else pivot, float)
-        self.motors = motors
-        working_modes = None if motors is None else motors.working_modes
         self.boxes = PoseBoxes(
             instance, np.eye(3), np.zeros(3), pivot=self.pivot, sequence=sequence, regular=True,
             working_modes=working_modes,
         )  # fmt: skip
+        #: The machine, in the working modes of all ways.
+        self.machine = self.boxes.machine
         self._conditions = self.boxes.conditions if limits else self.boxes.reached
         #: Sizes of the six parameters: lengths of the platform, and radians.
         self.sizes = np.array([arrangement.length] * 3 + [1.0] * 3)
 
     def arrangement(self, R: Array, T: Array) -> Arrangement:
         """Return the platform at poses: points of cranks and slides are where they reach them."""
-        if self.motors is None:
-            return Arrangement.of(self.instance)
-        return self.motors.arrangement(R, T)
+        return self.machine.placed(R, T)
 
     def _is_apart(self, begin: Array, end: Array) -> str:
         """Return why rods that share a drive may not agree on a way, or nothing."""
-        if self.motors is None or not self.motors.shared:
+        if not self.machine.shared:
             return ""
         free = [name for name, a, b in zip(PARAMETERS, begin, end, strict=True) if a != b]
         try:
@@ -250,7 +247,7 @@ class PoseWays:
     def at(self, parameters: Array) -> WayProof:
         """Prove that a pose is regular and within the limits, with poses very near to it."""
         half = _NEAR * (self.sizes + np.abs(parameters))
-        if self.motors is not None and self.motors.shared:
+        if self.machine.shared:
             half[3:] = 0
         reason = self._is_apart(parameters - half, parameters + half)
         if reason:

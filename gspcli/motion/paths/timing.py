@@ -18,7 +18,6 @@ from numpy.typing import NDArray
 from gspcli.errors import ArgumentError
 from gspcli.motion.paths.guides import Guide, GuideRows, PoseGuide, RowsOnWay
 from gspcli.motion.paths.pose_ways import PoseWays
-from gspcli.motion.poses.inverse_kinematics import values_at
 from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
@@ -164,16 +163,12 @@ class Rates:
 
     def _motors(self, R: Array, T: Array) -> Array:
         """Return what the motors are at along rows of poses, in their units, shape (r, m)."""
-        motors = self.ways.motors
-        if motors is None:
-            return values_at(self.ways.instance, R, T)
-        return motors.numbers(R, T) / motors.drives.units
+        return self.ways.machine.along(R, T) / self.ways.machine.units
 
     @property
     def count(self) -> int:
         """The number of motors."""
-        motors = self.ways.motors
-        return len(self.ways.instance.constraints) if motors is None else motors.drives.count
+        return self.ways.machine.count
 
     def largest(self, place: Array, way: Array) -> tuple[Array, Array]:
         """Return the largest speeds and accelerations at samples of a straight way in one second.

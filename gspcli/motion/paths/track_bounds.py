@@ -21,7 +21,6 @@ from gspcli.motion.paths.between import (
     least_transmissions,
 )
 from gspcli.motion.paths.limit_events import drive_rows
-from gspcli.motion.paths.motors import Motors
 from gspcli.motion.paths.pose_ways import PoseWays
 from gspcli.motion.paths.value_ways import ValueWays
 from gspcli.motion.singularities.clearances import range_weights
@@ -132,7 +131,7 @@ def _rows(
         if frame is not None:
             R, T = frame.from_platform(R, T)
         parameters = ways.continued(R, T)
-        return PathRows(ways, values, R, T, parameters, motors=ways.motors)
+        return PathRows(ways, values, R, T, parameters)
     if track.coordinates:
         return _of_drives(track, k, there)
     instance = without_corrections(track.followed)
@@ -154,9 +153,6 @@ def _of_drives(track: Track, k: int, there: NDArray[np.int64]) -> PathRows:
     # Where no home is stated the working modes are those of the mode.
     gains = drives.gains(R[0], T[0], numbers[0])
     working_modes = np.where(drives.driven & (gains < 0), -1, 1)
-    motors = Motors(instance, working_modes=working_modes)
-    ways = PoseWays(instance, limits=False, motors=motors)
+    ways = PoseWays(instance, limits=False, working_modes=working_modes)
     geometry = MovingGeometry(track.followed, track.coordinates)
-    return PathRows(
-        ways, track.values[there], R, T, motors=motors, numbers=numbers, geometry=geometry
-    )
+    return PathRows(ways, track.values[there], R, T, numbers=numbers, geometry=geometry)

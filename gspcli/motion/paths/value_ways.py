@@ -27,6 +27,7 @@ from gspcli.catalogue.kinds import DHP, DLL, DPH
 from gspcli.geometry.enclosures import above
 from gspcli.geometry.instance import Instance, Side
 from gspcli.geometry.limits import joint_cones
+from gspcli.geometry.machine import Machine
 from gspcli.motion.following.branch_follower import FollowOptions, MovingPlatform, Stop, apart
 from gspcli.motion.following.branch_runs import SAME
 from gspcli.motion.following.followed_rows import RowFollower
@@ -64,7 +65,7 @@ class ValueWays:
     """
 
     def __init__(self, instance: Instance, signs: Array) -> None:
-        self.instance = instance
+        self.instance, self.machine = instance, Machine.of(instance)
         self.platform = MovingPlatform(apart(instance))
         #: The range of each value, infinite if there is none, shape (6,).
         self.low, self.high = _ranges(instance, signs)

@@ -166,16 +166,11 @@ def drive_values(
     rotations, translations = checked_poses(R, T)
     rotations, translations = rotations.reshape(-1, 3, 3), translations.reshape(-1, 3)
     drives = Machine.of(instance)
-    if along or drives.home_working_modes is not None:
-        q = drives.inverse(rotations, translations)
-    else:
-        q = drives.nearest(rotations, translations)
     if along:
-        for k in range(drives.count):
-            if drives.sorts[k] == "crank" and not np.isfinite(drives.high[k] - drives.low[k]):
-                known = np.isfinite(q[:, k])
-                q[known, k] = np.unwrap(q[known, k])
-    return drives, q
+        return drives, drives.along(rotations, translations)
+    if drives.home_working_modes is None:
+        return drives, drives.nearest(rotations, translations)
+    return drives, drives.inverse(rotations, translations)
 
 
 def changed_value(drives: Machine, k: int, value: float) -> str:

@@ -120,16 +120,16 @@ class PoseBoxes:
 
         self._limited, self.fixed = _with_room(instance)
         self._balls = limit_balls(self._limited, self.quaternion.tolist(), self.pivot.tolist())
-        self.machine = machine = Machine.of(instance)
+        machine = Machine.of(instance)
         machine.refuse_planes("the reach")
-        self._working_modes = (
-            working_modes_of(instance, self.R, T)
-            if working_modes is None
-            else np.asarray(working_modes)
-        )
+        if working_modes is None:
+            self.machine = machine.at_home(self.R, T)
+        else:
+            self.machine = replace(machine, signs=np.asarray(working_modes))
         #: The constraints whose point is moved, by their indices.
         self.rows: list[int] = np.flatnonzero(machine.driven).tolist()
-        signs = self._working_modes.tolist()
+        assert self.machine.signs is not None
+        signs = self.machine.signs.tolist()
         self._moved = drive_balls(instance, self.quaternion.tolist(), self.pivot.tolist(), signs)
         order = sequence if sequence.isupper() else sequence[::-1]
         # The kernel has the angles in the order of the product.
@@ -404,7 +404,7 @@ class PoseBoxes:
         shifts, turns = (np.full(len(asked), x) for x in (above(np.linalg.norm(half[:3])), turn))
         driven = None
         if self.rows:
-            driven = R, T, self.machine.inverse(R, T, self._working_modes)
+            driven = R, T, self.machine.inverse(R, T)
         with np.errstate(invalid="ignore"):
             moves = compared.moves(shifts, turns, self.pivot, parameters[:, :3], driven)
         found = compared.bounds(R, T, None if driven is None else driven[2])
@@ -469,26 +469,6 @@ _ADVICE = (
     "\nwrite a machine of parallel rods as three distances (DPP) and three angles that stay "
     "constant"
 )
-
-
-def working_modes_of(
-    instance: Instance, R: Array | None = None, T: Array | None = None
-) -> NDArray[np.int64]:
-    """Return the working modes of the stated home, or without one those of a pose, shape (6,).
-
-    Raises
-    ------
-    ArgumentError
-        If a drive does not reach the pose, or reaches it at two numbers equally near to the stated
-        point.
-    """
-    drives = Machine.of(instance)
-    stated = drives.home_working_modes
-    if stated is not None:
-        return stated
-    assert R is not None
-    assert T is not None
-    return drives.working_modes(R, np.asarray(T, float), "home")
 
 
 Levels = NDArray[np.int32]

@@ -27,7 +27,6 @@ from gspcli.motion.workspace.pose_boxes import (
     PARAMETERS,
     REGULAR,
     PoseBoxes,
-    working_modes_of,
 )
 from gspcli.records import dataclass
 from gspcli.ties import first_smallest
@@ -218,9 +217,8 @@ def violations(
     moved = np.zeros(6, bool)
     if is_driven(instance):
         drives = Machine.of(instance)
-        signs = (
-            working_modes_of(instance, R, T) if working_modes is None else np.asarray(working_modes)
-        )
+        signs = drives.at_home(R, T).signs if working_modes is None else np.asarray(working_modes)
+        assert signs is not None
         found += _of_drives(drives, signs, R, T)
         q = drives.inverse(R, T, signs)
         if np.isnan(q).any():

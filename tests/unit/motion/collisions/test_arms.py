@@ -14,7 +14,6 @@ from gspcli.geometry.frames import PoseFrame
 from gspcli.geometry.instance import Instance, Shapes
 from gspcli.geometry.machine import Machine
 from gspcli.motion.collisions.compared import ComparedShapes
-from gspcli.motion.paths.motors import Motors
 from tests.support.independent_machines import upside_down
 from tests.support.thick_legs import poses_near
 
@@ -59,7 +58,7 @@ def test_an_arm_leads_from_the_axis_to_the_point() -> None:
     compared = ComparedShapes(instance)
     drives = Machine.of(instance)
     R, T = poses_near(R, T, 4, 0.01, 0.1, 3)
-    q = Motors(instance).numbers(R, T)
+    q = Machine.of(instance).at_home().along(R, T)
     found = compared.gaps(R, T, q)
     b, arm, _ = drives.ends(R, T, q)
     for pose in range(4):
@@ -129,9 +128,9 @@ def test_gaps_of_arms_change_no_more_than_is_proved(move: float, *, upside_down:
         instance = swapped(instance)
         T, R = -np.einsum("nji,nj->ni", R, T), np.swapaxes(R, 1, 2)
         T0, R0 = -R0.T @ T0, R0.T
-    motors = Motors(instance, R0, T0)
+    motors = Machine.of(instance).at_home(R0, T0)
     compared = ComparedShapes(instance)
-    q, q0 = motors.numbers(R, T), motors.numbers(R0[None], T0[None])
+    q, q0 = motors.along(R, T), motors.along(R0[None], T0[None])
     centre = np.array([0.01, 0, 0])
     places, place = T + R @ centre, T0 + R0 @ centre
     shift = np.array([np.linalg.norm(places - place, axis=1).max()])
@@ -149,7 +148,7 @@ def test_gaps_of_arms_do_not_depend_on_frames() -> None:
     instance, R, T = armed("t-top-head", near=0.005, plates=True)
     pivot = (0.02, 0.01, -0.05)
     frame, other = PoseFrame.of(instance, pivot=pivot), expressed_instance(instance, pivot=pivot)
-    q = Motors(instance).numbers(R[None], T[None])
+    q = Machine.of(instance).at_home().along(R[None], T[None])
     R_there, T_there = frame.from_platform(R[None], T[None])
     found = ComparedShapes(other).gaps(R_there, T_there, q)
     assert found == pytest.approx(ComparedShapes(instance).gaps(R[None], T[None], q), abs=1e-9)

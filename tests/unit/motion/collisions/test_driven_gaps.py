@@ -13,11 +13,9 @@ from gspcli.geometry.machine import Machine
 from gspcli.motion.collisions.compared import ComparedShapes
 from gspcli.motion.paths.ends import PathEnd
 from gspcli.motion.paths.guides import DriveGuide
-from gspcli.motion.paths.motors import Motors
 from gspcli.motion.paths.planner import path
 from gspcli.motion.paths.pose_ways import PoseWays
 from gspcli.motion.workspace.box_division import workspace
-from gspcli.motion.workspace.pose_boxes import working_modes_of
 from gspcli.solver import solve
 from gspcli.spec.reading import example
 
@@ -43,13 +41,13 @@ def test_samples_of_a_path_keep_the_gap(share: float) -> None:
     assert (found.verdict, found.along) == ("proved", "poses")
     assert len(found.T) >= 2
     assert found.gaps is not None
-    motors = Motors(instance)
+    motors = Machine.of(instance).at_home()
     ways = PoseWays(instance, limits=False)
     numbers = ways.parameters(found.R, found.T)
     for a, b in pairwise(numbers):
         part = np.linspace(0, 1, 200)[:, None]
         R_there, T_there = ways.poses(a + (ways.nearest(a, b) - a) * part)
-        q = motors.numbers(R_there, T_there)
+        q = motors.along(R_there, T_there)
         low = ComparedShapes(instance).bounds(R_there, T_there, q).low
         assert (low >= share * least - 1e-9).all()
 
@@ -60,7 +58,7 @@ def test_samples_of_a_path_of_drives_keep_the_gap() -> None:
     found = path(instance, "home", (R, goal), gap=least / 2, time=5)
     assert (found.verdict, found.along) == ("proved", "drives")
     ends = [PathEnd("", found.values[k], found.R[k], found.T[k]) for k in (0, -1)]
-    guide = DriveGuide(Motors(instance), PoseWays(instance, limits=False), *ends)
+    guide = DriveGuide(Machine.of(instance).at_home(), PoseWays(instance, limits=False), *ends)
     samples = guide.trace(guide.corners, np.array([300]))
     assert samples is not None
     low = ComparedShapes(instance).bounds(samples.R, samples.T, samples.drives).low
@@ -91,7 +89,7 @@ def test_samples_of_a_workspace_keep_the_gap_inside_and_not_outside() -> None:
     turned = np.tile(R, (3000, 1, 1))
     judged, plain = (one.judged_poses(turned, places) for one in (found, without))
     inside = judged == judged.max()
-    q = Motors(instance).drives.inverse(turned, places, working_modes_of(instance))
+    q = Machine.of(instance).at_home().inverse(turned, places)
     gaps = ComparedShapes(instance).bounds(turned, places, q)
     assert inside.sum() > 100
     assert (gaps.low.min(axis=1)[inside] >= asked - 1e-9).all()

@@ -6,13 +6,12 @@ import numpy as np
 import pytest
 
 import gspcli
-from gspcli.geometry.limits import out_of_motor_range
+from gspcli.geometry.limits import machine_keeps, out_of_motor_range
 from gspcli.geometry.machine import Machine
 from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.motion import mode_groups
 from gspcli.motion.following.tracks import departures
 from gspcli.motion.paths.between import PathRows
-from gspcli.motion.paths.motors import Motors
 from gspcli.motion.paths.pose_ways import PoseWays
 from gspcli.motion.singularities.clearances import drive_clearances, drive_weights
 from gspcli.motion.singularities.neighbourhoods import MachineNeighbourhood
@@ -41,15 +40,15 @@ def checked(found, start):
     """Rows are poses that the drives reach in their modes; the kernel follows them again."""
     assert found.verdict == "proved"
     instance, R, T, q = found.instance, found.R, found.T, found.drives
-    motors = Motors(instance, *start)
-    drives = motors.drives
-    assert motors.kept(R, T).all()
+    motors = Machine.of(instance).at_home(*start)
+    drives = motors
+    assert machine_keeps(motors, R, T).all()
     assert not out_of_motor_range(drives, q).any()
     rods = np.linalg.norm(drives.ends(R, T, q)[2], axis=-1)
     size = np.nanmax(drives.rods)
     assert np.abs(rods - drives.rods)[:, drives.driven].max() < 1e-9 * size
     gains = drives.gains(R, T, q)[:, drives.driven]
-    assert (np.sign(gains) == motors.working_modes[drives.driven]).all()
+    assert (np.sign(gains) == motors.signs[drives.driven]).all()
     moved = np.flatnonzero(drives.moved)
     columns = {drives.names[k]: drives.readings(q)[:, k] for k in moved}
     followed = gspcli.track(
@@ -153,13 +152,13 @@ def test_a_map_of_positions_where_rods_share_cranks():
     """The straight way leaves what the rods reach; all poses have the orientation of the ends."""
     instance = gspcli.example("delta")
     start, goal = (np.eye(3), [-890.0, 811.0, -732.0]), (np.eye(3), [585.0, -1107.0, -112.0])
-    ways = PoseWays(instance, motors=Motors.of(instance, *start))
+    ways = PoseWays(instance, working_modes=Machine.of(instance).at_home(*start).signs)
     assert not ways.prove(*(ways.parameters(*one) for one in (start, goal))).sign
     found = gspcli.path(instance, start, goal)
     assert (found.verdict, found.along) == ("proved", "poses")
     assert len(found.parts) > 1
     assert (np.eye(3) == found.R).all()
-    assert ways.motors.kept(found.R, found.T).all()
+    assert machine_keeps(ways.machine, found.R, found.T).all()
     assert found.T[[0, -1]] == pytest.approx(np.array([start[1], goal[1]]))
 
 
@@ -190,13 +189,11 @@ def test_more_clearance_than_the_start_has_is_not_kept():
 def test_how_far_drives_move_between_rows_is_bounded_closely(along):
     instance = gspcli.example("t-top-head")
     found = gspcli.path(instance, "home", near(instance, 0.05, 0.03), along=along)
-    motors = Motors(instance)
-    ways = PoseWays(instance, motors=motors)
+    motors = Machine.of(instance).at_home()
+    ways = PoseWays(instance, working_modes=motors.signs)
     numbers = found.drives if along == "values" else None
     parameters = None if along == "values" else ways.continued(found.R, found.T)
-    rows = PathRows(
-        ways, found.values, found.R, found.T, parameters, motors=motors, numbers=numbers
-    )
+    rows = PathRows(ways, found.values, found.R, found.T, parameters, numbers=numbers)
     weights = drive_weights(instance)[0]
     moved = (np.abs(np.diff(found.drives, axis=0)) / weights).max(axis=1)
     travels = (rows.travels() / weights).max(axis=1)

@@ -22,7 +22,6 @@ from gspcli.motion.paths.between import (
     least_gaps,
     least_transmissions,
 )
-from gspcli.motion.paths.motors import Motors
 from gspcli.motion.paths.pose_tracks import pose_track
 from gspcli.motion.paths.pose_ways import PoseWays, WayProof
 from gspcli.motion.paths.track_bounds import _rows, can_be_bounded, worst_between
@@ -70,14 +69,14 @@ def rows_and_samples(name, along, seed=1, spread=0.05):
     turned = [rotation_from_vector(spread * draw.normal(size=3)) @ R0 for _ in range(ROWS - 1)]
     shifts = spread * size * draw.normal(size=(ROWS - 1, 3))
     R, T = np.stack([R0, *turned]), np.concatenate((T0[None], T0 + shifts))
-    motors = Motors.of(instance, R[0], T[0])
-    drives, q = motors.drives, motors.numbers(R, T)
+    motors = Machine.of(instance).at_home(R[0], T[0])
+    drives, q = motors, motors.along(R, T)
     if along == "poses":
         found = tracked(instance, R, T)
         assert found.track.ends == ()
         samples = found.ways.poses(along_rows(found.ways.continued(R, T)))
         rows = _rows(found.track, 0, np.arange(ROWS), found.ways, None)
-        return rows, *samples, motors.numbers(*samples)
+        return rows, *samples, motors.along(*samples)
     values = motors.values(R, T)
 
     def follow(values, q):
@@ -123,9 +122,9 @@ def test_rows_have_the_numbers_of_their_motors():
     found = tracked(instance, np.stack([R0, R0]), T, steps=4)
     track = found.track
     assert [one.name for one in track.coordinates] == ["slide.B1", "slide.B2", "slide.B3"]
-    motors = Motors.of(instance, R0, T0)
-    assert (track.places == motors.numbers(track.R[0], track.T[0])[:, :3]).all()
-    assert (track.values[:, :3] == motors.drives.rods[:3]).all()
+    motors = Machine.of(instance).at_home(R0, T0)
+    assert (track.places == motors.along(track.R[0], track.T[0])[:, :3]).all()
+    assert (track.values[:, :3] == motors.rods[:3]).all()
     assert (found.limits, track.events, len(track.t)) == ((), (), 5)
 
 
@@ -202,7 +201,7 @@ def test_a_planned_path_of_drives_keeps_a_gap():
 
 def test_joints_on_a_piece_of_a_way_of_drives_are_as_near_as_is_said():
     rows, *_ = rows_and_samples("reachy-mini-head", "drives")
-    drives = rows.motors.drives
+    drives = rows.machine
     centre = Arrangement.of(rows.instance).platform_centre
     parts = ValueParts(rows.followed(), np.array([0]), centre, 4)
     which = np.arange(len(parts.way))

@@ -7,9 +7,8 @@ import pytest
 
 import gspcli
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.machine import is_driven
+from gspcli.geometry.machine import Machine
 from gspcli.motion.paths.between import drive_travels
-from gspcli.motion.paths.motors import Motors
 from gspcli.motion.paths.pose_ways import PoseWays
 from gspcli.motion.paths.timing import Rates
 from gspcli.motion.poses.inverse_kinematics import values_at
@@ -26,23 +25,23 @@ def ways_and_home(name, sequence):
     solved = gspcli.solve(instance)
     home = solved.home or solved.poses[int(np.flatnonzero(solved.real)[0])]
     R, T = home.R.real, home.T.real
-    motors = Motors(instance, R, T) if is_driven(instance) else None
-    return PoseWays(instance, pivot=PIVOT, sequence=sequence, motors=motors), R, T
+    signs = Machine.of(instance).at_home(R, T).signs
+    return PoseWays(instance, pivot=PIVOT, sequence=sequence, working_modes=signs), R, T
 
 
 @pytest.mark.parametrize("sequence", ["ZYX", "xyz", "YXZ"])
 @pytest.mark.parametrize("name", NAMES)
 def test_rates_are_those_of_many_samples(name, sequence):
     ways, R, T = ways_and_home(name, sequence)
-    motors = ways.motors
+    machine = ways.machine
     draw = np.random.default_rng(3)
     velocity = draw.normal(size=6) * 0.003 * ways.sizes
     place = ways.parameters(R, T)
     speeds, bends = Rates(ways).largest(place, velocity)
     t = np.linspace(0, 1, 1001)[:, None]
     turned, moved = ways.poses(place + velocity * t)
-    if motors:
-        numbers = motors.numbers(turned, moved) / motors.drives.units
+    if machine.moves:
+        numbers = machine.along(turned, moved) / machine.units
     else:
         numbers = values_at(ways.instance, turned, moved)
     step = t[1, 0]
@@ -61,14 +60,14 @@ def test_rates_are_those_of_many_samples(name, sequence):
 @pytest.mark.parametrize("name", NAMES)
 def test_drives_move_at_most_as_far_as_is_proved_and_nearly_as_far(name, sequence):
     ways, R, T = ways_and_home(name, sequence)
-    motors, draw = ways.motors, np.random.default_rng(3)
+    machine, draw = ways.machine, np.random.default_rng(3)
     place = ways.parameters(R, T)
     ends = place + draw.normal(size=6) * 0.003 * ways.sizes * [[1.0], [0.01]]
     found = drive_travels(ways, np.stack((place, place)), ends)
     for bound, end in zip(found, ends, strict=True):
         turned, moved = ways.poses(place + (end - place) * np.linspace(0, 1, 400)[:, None])
-        if motors:
-            numbers, angles = motors.numbers(turned, moved), []
+        if machine.moves:
+            numbers, angles = machine.along(turned, moved), []
         else:
             given = Arrangement.of(ways.instance)
             numbers, angles = values_at(ways.instance, turned, moved), given.angles
