@@ -43,10 +43,6 @@ Block packed(const FarGeometry& g, const int* pose, double* work) {
   return b;
 }
 
-struct Linear {
-  C value[kRows], jacobian[kRows][kRows], inverse[kRows][kRows];
-};
-
 // A form, from its first number on, and its gradient.
 INLINE void differentiate(const Block& b, int at, const C* s, C& value, C* gradient) {
   value = b.number(at++);
@@ -111,13 +107,6 @@ INLINE Sizes sizes_of(const Block& b, int at, const V* size) {
       sum.value += a * size[i] * size[j], sum.slope += a * (size[i] + size[j]), sum.curvature += 2.0 * a;
     }
   return sum;
-}
-
-INLINE void newton_step(const Linear& at, C* change) {
-  for (int i = 0; i < kRows; ++i) {
-    change[i] = C{};
-    for (int j = 0; j < kRows; ++j) add_product(change[i], at.inverse[i][j], at.value[j]);
-  }
 }
 
 }  // namespace

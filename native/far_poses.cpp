@@ -8,7 +8,6 @@ constexpr double kShiftRounding = 0x1p-97;  // of `FineFarPoses.mix`
 constexpr double kValueRounding = 0x1p-96;  // of `FineFarPoses.values`
 // Second derivatives of products are bounded for coordinates that differ by no more.
 constexpr double kReach = 0.125;
-constexpr double kStepRounding = 0x1p-48;   // of a step of Newton's method where nothing cancels
 // Newton's method in doubles takes at most kMostSteps steps, each at most kShrinking times the one
 // before. It has arrived after a step below kArrived times the coordinates (or times kNear, if they
 // are smaller). At most kFineSteps steps with values of 32 digits follow.

@@ -16,6 +16,8 @@ constexpr int kRows = kEquations + 1;
 // As in gspcli.certification: bounds of the relative rounding error of everything computed here (with 16 or
 // with 32 digits), of sums of nonnegative doubles, and of what falls below the normal range.
 constexpr double kRounding = GSP_PARTS == 1 ? 0x1p-45 : 0x1p-90, kOutward = 1.0 + 0x1p-40, kTiny = 0x1p-1000;
+// Relative error of a step of Newton's method where nothing cancels.
+constexpr double kStepRounding = 0x1p-48;
 
 #if GSP_PARTS == 1
 INLINE D leading(const V& x) { return x; }
@@ -30,6 +32,18 @@ INLINE D size_of(const V& x) { return maximum(leading(x), -leading(x)); }
 INLINE D bound(const C& z) { return size_of(z.re) + size_of(z.im); }
 
 #if GSP_PARTS == 1
+// Equations at a point: values and derivatives, with an approximate inverse there or near there.
+struct Linear {
+  C value[kRows], jacobian[kRows][kRows], inverse[kRows][kRows];
+};
+
+INLINE void newton_step(const Linear& at, C* change) {
+  for (int i = 0; i < kRows; ++i) {
+    change[i] = C{};
+    for (int j = 0; j < kRows; ++j) add_product(change[i], at.inverse[i][j], at.value[j]);
+  }
+}
+
 // An approximate inverse: J = L R, so J^-1 = R^H (R R^H)^-1 L^-1.
 void invert(const C (&jacobian)[kRows][kRows], C (&inverse)[kRows][kRows]) {
   C r[kRows][kRows], lower[kRows][kRows], x[kRows][kRows];  // x: the columns of (R R^H)^-1 L^-1

@@ -139,12 +139,7 @@ void curvatures(const ProofSystem& system, const Units& units, const D* m, D* ou
   }
 }
 
-// The equations at a point: values and derivatives by the free coordinates, with an approximate inverse
-// there or near there.
-struct Linear {
-  C value[kRows], jacobian[kRows][kRows], inverse[kRows][kRows];
-};
-
+// In the free coordinates.
 void linearize(const ProofSystem& system, const C* z, const Mask* above, Linear& at) {
   Quadrics<C> quadrics;
   C whole[kRows][N];
@@ -154,22 +149,12 @@ void linearize(const ProofSystem& system, const C* z, const Mask* above, Linear&
   invert(at.jacobian, at.inverse);
 }
 
-// The step of Newton's method, in the free coordinates.
-INLINE void newton_step(const Linear& at, C* change) {
-  for (int i = 0; i < kRows; ++i) {
-    change[i] = C{};
-    for (int j = 0; j < kRows; ++j) add_product(change[i], at.inverse[i][j], at.value[j]);
-  }
-}
-
 // Bounds of the distance of a solution from a point, and from the point after a step of Newton's
 // method.
 struct Isolation {
   D error, error_after;
   Mask isolated, real, imaginary;
 };
-// Relative error of that step where nothing cancels.
-constexpr double kStepRounding = 0x1p-48;
 
 // Whether there is exactly one solution near a point, from the equations there. Their values err by
 // `rounding` times the sum of the moduli of their terms, and by `gap` times N (6).

@@ -16,7 +16,7 @@ def lines_of(folder: Path, name: str) -> list[str]:
     for path in (ROOT / "native").iterdir():
         shutil.copy(path, folder)
     for path in (ROOT / "tests/support/counted").iterdir():
-        if name == "chord" or path.stem != "lanes":
+        if name in ("chord", "isolation", "far") or path.stem != "lanes":
             shutil.copy(path, folder)
     options = ["-std=c++20", "-O1", "-w", f"-I{folder}", f"-I{ROOT / 'native'}"]
     program = folder / name
@@ -44,6 +44,22 @@ def test_no_term_goes_through_more_roundings_than_its_constant_allows(counted: l
 def test_values_of_angles_are_within_the_bound_about_their_parabola(counted: list[str]) -> None:
     worst = float(counted[4].split()[1])
     assert 0.1 < worst <= 1
+
+
+@pytest.mark.parametrize(("name", "products"), [("isolation", 1), ("far", 4)])
+def test_proofs_about_points_allow_for_all_roundings(tmp_path: Path, name: str, products: int):
+    """Derivatives, their products with Y, a step of Newton's method, and sums of sizes."""
+    found, constants = lines_of(tmp_path, name)
+    *derivatives, product, step, bounds = map(int, found.split())
+    rounding, of_step, outward = (float(x) for x in constants.split())
+    assert (rounding, of_step, outward) == (256, 32, 8192)
+    # Products of two equations have a multiple of the constant.
+    assert 15 < derivatives[0] < rounding
+    assert 15 < derivatives[-1] < products * rounding
+    # With those of the derivatives, or without them where both are allowed for.
+    assert 10 < product < rounding
+    assert 10 < step < of_step
+    assert 10 < bounds < outward
 
 
 def test_sizes_of_numbers_are_those_before_terms_cancel(tmp_path: Path) -> None:
