@@ -37,7 +37,7 @@ class CommandGroup(click.Group):
             f"gspcli.cli.commands.{cmd_name.replace('-', '_')}"
         ).command
         if ctx.resilient_parsing:
-            from gspcli.cli.completion import add_completion
+            from gspcli.cli.help import add_completion
 
             add_completion(command)
         return command

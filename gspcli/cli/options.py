@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import inspect
 import math
 import os
-import re
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -53,24 +51,6 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 HOME: Final = "home"
 #: The option for poses relative to home.
 RELATIVE = "--relative-to"
-
-
-#: The options that many commands have, by the headings of helps; others come first.
-_GROUPS = {
-    "Poses": ("--pose", "--near", "--mode", "--euler", "--pivot", "--relative-to", "--rotation"),
-    "Values and columns": (
-        "--set", "--delta", "--relative", "--reading", "--sigma", "--ignore", "--columns",
-    ),
-    "Work": (
-        "--jobs", "--scheduler", "--resume", "--seed", "--time", "--timeout", "--effort",
-    ),
-    "Output": (
-        "--format", "--output", "--force", "--part", "--keys", "--digits", "--decimals",
-        "--help",
-    ),
-}  # fmt: skip
-#: Examples before the options; the others follow the text.
-_FIRST_LINES = 12
 
 
 def order_named(option: str, text: str) -> str:
@@ -170,46 +150,9 @@ class Command(click.Command):
 
     def format_help(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """Write the help."""
-        text, _, shown = inspect.cleandoc(self.help or "").partition("\b\nExamples:\n")
-        first, _, rest = text.strip().partition("\n\n")
-        self.format_usage(ctx, formatter)
-        formatter.write_paragraph()
-        with formatter.indentation():
-            formatter.write_text(first)
-        examples = [
-            _wrapped(line, formatter.width) for line in shown.replace("\\\n", "").splitlines()
-        ]
-        count = next(
-            (k for k in range(len(examples), 1, -1) if sum(map(len, examples[:k])) <= _FIRST_LINES),
-            1,
-        )
-        _write_examples(formatter, "Examples", examples[:count])
-        self.format_options(ctx, formatter)
-        for paragraph in filter(None, rest.split("\n\n")):
-            formatter.write_paragraph()
-            with formatter.indentation():
-                formatter.write_text(paragraph)
-        _write_examples(formatter, "More examples", examples[count:])
-        self.format_epilog(ctx, formatter)
+        from gspcli.cli.help import write_help
 
-    def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        """Write the options under the headings of their groups."""
-        groups: dict[str, list[tuple[str, str]]] = {"Options": [], **{name: [] for name in _GROUPS}}
-        for parameter in self.get_params(ctx):
-            record = parameter.get_help_record(ctx)
-            if record and isinstance(parameter, click.Option):
-                names = {*parameter.opts}
-                heading = next((g for g, those in _GROUPS.items() if names & {*those}), "Options")
-                if len(record[0]) > formatter.width - 4 and isinstance(
-                    parameter.type, click.Choice
-                ):
-                    words = ", ".join(map(str, parameter.type.choices))
-                    record = (f"{parameter.opts[-1]} NAME", f"{record[1]} NAME is {words}.")
-                groups[heading].append(record)
-        for heading, records in groups.items():
-            if records:
-                with formatter.section(heading):
-                    formatter.write_dl(records, col_max=24)
+        write_help(self, ctx, formatter)
 
     def invoke(self, ctx: click.Context) -> Any:
         """Run the command, unless options are given that do not go together."""
@@ -282,27 +225,6 @@ def needs(name: str, *others: str) -> Callable[[Function], Function]:
         return f"{name} is for {listed(others)}: give it, too" if lacks else ""
 
     return _rule(broken)
-
-
-def _wrapped(line: str, width: int) -> list[str]:
-    """Return a command line in lines that a shell takes as one."""
-    first, *words = re.findall(r"""(?:"[^"]*"|'[^']*'|\S)+""", line)
-    lines = [f"  {first}"]
-    for word in words:
-        if len(lines[-1]) + len(word) + 3 > width:
-            lines[-1] += " \\"
-            lines.append(f"    {word}")
-        else:
-            lines[-1] += f" {word}"
-    return lines
-
-
-def _write_examples(
-    formatter: click.HelpFormatter, heading: str, examples: Sequence[Sequence[str]]
-) -> None:
-    if examples:
-        formatter.write(f"\n{heading}:\n")
-        formatter.write("".join(f"{line}\n" for lines in examples for line in lines))
 
 
 def _keys_option(function: Function) -> Function:

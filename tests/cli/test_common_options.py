@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 import gspcli
-from gspcli.cli.completion import _words_of
+from gspcli.cli.help import _words_of
 from gspcli.cli.options import Finite
 from gspcli.cli.pose_options import PoseType, real_poses
 from gspcli.errors import GspError
