@@ -47,8 +47,8 @@ from gspcli.geometry.quaternions import quaternion_from_rotation
 from gspcli.geometry.readings import factors, offsets, readings_of
 from gspcli.motion.following.platform_numbers import NEVER, platform_numbers
 from gspcli.motion.singularities.pose_clearances import Displacements
+from gspcli.pictures.line_drawings import View
 from gspcli.pictures.page import data, filled, parts
-from gspcli.pictures.projection import View
 from gspcli.pictures.scene import Scene
 from gspcli.pictures.stage import drawn_drives
 from gspcli.records import dataclass

@@ -29,10 +29,9 @@ from gspcli.pictures.figures import (
     written,
     written_drawing,
 )
-from gspcli.pictures.line_drawings import draw_body
-from gspcli.pictures.projection import Paper, View, separate
+from gspcli.pictures.line_drawings import Paper, View, draw_body, separate
 from gspcli.pictures.scene import DrawnBody, DrawnPrimitive, Scene
-from gspcli.pictures.strokes import connection, perpendicular
+from gspcli.pictures.stage import connection, perpendicular
 from gspcli.records import dataclass
 
 #: The size of a joint where a chain is one unit long.

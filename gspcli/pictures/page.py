@@ -14,7 +14,7 @@ from html import escape
 from typing import TYPE_CHECKING
 
 from gspcli import __version__
-from gspcli.pictures.projection import View
+from gspcli.pictures.line_drawings import View
 from gspcli.pictures.scene import Scene, SceneSeries
 from gspcli.pictures.stage import first_mode, scene_of
 from gspcli.resources import data_path

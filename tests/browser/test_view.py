@@ -16,7 +16,7 @@ import pytest
 from gspcli.motion import PoseFormat
 from gspcli.pictures.page import page
 from gspcli.pictures.stage import scene_of
-from gspcli.pictures.tracks import read_tracks
+from gspcli.pictures.whole_views import read_tracks
 from gspcli.resources import instance_files
 from gspcli.solver import solve
 from gspcli.spec import load

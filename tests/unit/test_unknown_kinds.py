@@ -21,7 +21,7 @@ from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Units
 from gspcli.geometry.measurement import jacobian, polynomial
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.three_angles import measures
-from gspcli.pictures.strokes import connection
+from gspcli.pictures.stage import connection
 from gspcli.solver.study_systems import target_systems
 from tools.atlas.groebner import FramedPrimitive, equation
 

@@ -31,7 +31,7 @@ from gspcli.errors import GspError
 from gspcli.wording import shown
 
 if TYPE_CHECKING:
-    from gspcli.pictures.projection import View
+    from gspcli.pictures.line_drawings import View
     from gspcli.pictures.scene import Scene
     from gspcli.solver import SolveResult
 
@@ -103,8 +103,7 @@ def command(o: Options) -> None:
     if o.live and (o.track is not None or o.output.format != _PAGE):
         raise click.UsageError(f"--live makes a page ({_PAGE}) of a platform, without --track")
     from gspcli.cli.commands.solve import summary
-    from gspcli.pictures.tracks import read_tracks
-    from gspcli.pictures.whole_views import viewed
+    from gspcli.pictures.whole_views import read_tracks, viewed
     from gspcli.solver import solve
 
     view = _view(o.seen_from)
@@ -140,7 +139,7 @@ def command(o: Options) -> None:
 
 def _view(text: str | None) -> View | None:
     """Return the direction that --from names."""
-    from gspcli.pictures.projection import View
+    from gspcli.pictures.line_drawings import View
 
     if text is None:
         return None

@@ -14,8 +14,7 @@ from matplotlib.figure import Figure
 
 from gspcli.errors import GspError
 from gspcli.pictures.figures import styled, written, written_drawing
-from gspcli.pictures.line_drawings import drawing
-from gspcli.pictures.projection import Label, Paper, View, apart
+from gspcli.pictures.line_drawings import Label, Paper, View, apart, drawing
 from gspcli.pictures.scene import Scene
 from gspcli.pictures.stage import convex_hull, scene_of
 from gspcli.resources import instance_files
@@ -206,7 +205,7 @@ def test_labels_of_drawings_stand_apart(name: str, monkeypatch: pytest.MonkeyPat
         placed.append((labels, shifts))
         return shifts
 
-    monkeypatch.setattr("gspcli.pictures.projection.apart", recorded)
+    monkeypatch.setattr("gspcli.pictures.line_drawings.apart", recorded)
     drawing(scene_of(solve(load(instance_files()[name]))), "svg", [0, 1])
     assert len(placed) == 2
     for labels, shifts in placed:

@@ -15,7 +15,7 @@ from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Geometry, Line, Plane, Point, vector
 from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.pictures.scene import Stroke, StrokeStyle
-from gspcli.pictures.strokes import Sizes, StrokeEnds, angle_strokes, connection, distance_strokes
+from gspcli.pictures.stage import Sizes, StrokeEnds, angle_strokes, connection, distance_strokes
 
 SIZES = Sizes(0.1, 1.0, 0.5)
 POSES = 20

@@ -10,7 +10,7 @@ import pytest
 from gspcli.errors import SpecError
 from gspcli.motion import PoseFormat
 from gspcli.pictures.stage import scene_of
-from gspcli.pictures.tracks import MOST_POSES, read_tracks
+from gspcli.pictures.whole_views import MOST_POSES, read_tracks
 from gspcli.resources import instance_files
 from gspcli.solver import solve
 from gspcli.spec import load

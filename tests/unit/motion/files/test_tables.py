@@ -17,7 +17,7 @@ from gspcli.errors import SpecError
 from gspcli.geometry.euler import rotation_from_euler
 from gspcli.motion import PoseFormat, measure, read_pose, read_poses, read_values
 from gspcli.motion.files.number_tables import FileUnits, Heading
-from gspcli.pictures.tracks import read_tracks
+from gspcli.pictures.whole_views import read_tracks
 from gspcli.resources import data_path
 
 PLAIN = PoseFormat()
