@@ -20,8 +20,6 @@ from gspcli.cli.options import (
     value_options,
 )
 from gspcli.cli.pose_options import (
-    GivenPose,
-    Mode,
     column_options,
     frame_note,
     mode_number,
@@ -32,7 +30,9 @@ from gspcli.cli.pose_options import (
 )
 from gspcli.cli.render import Output, emit
 from gspcli.cli.requirements import (
+    gaps_of,
     judged,
+    limits_of,
     measured_quantities,
     refuse,
     require_option,
@@ -46,24 +46,24 @@ from gspcli.records import dataclass
 from gspcli.wording import counted, listed
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterable
 
     import numpy as np
     from numpy.typing import NDArray
 
+    from gspcli.geometry.frames import PoseFrame
     from gspcli.geometry.instance import Instance
-    from gspcli.motion import Track, ValueTable
-    from gspcli.motion.files.requirements import Requirement
+    from gspcli.motion import Event, PoseFormat, Track, ValueTable
+    from gspcli.motion.files.requirements import (
+        QuantityParts,
+        Requirement,
+        RequirementVerdict,
+    )
     from gspcli.motion.following.tracks import Departure
     from gspcli.motion.paths.limit_events import LimitEvent
+    from gspcli.motion.paths.pose_ways import PoseWays
 
     Array = NDArray[np.float64]
-    from collections.abc import Iterator
-
-    from gspcli.geometry.frames import PoseFrame
-    from gspcli.motion import Event, PoseFormat
-    from gspcli.motion.files.requirements import QuantityParts, RequirementVerdict
-    from gspcli.motion.paths.pose_ways import PoseWays
 
 FIELDS = Fields("track")
 
@@ -181,7 +181,13 @@ def command(o: Options) -> None:
     form = o.form
     table = read_values(*text_of(o.values), instance, form, delta=o.relative)
     if o.along == "poses":
-        _check_poses(table, o.mode, o.near, o.all_modes or o.everything)
+        if table.poses is None:
+            raise click.UsageError("--along poses is about a file of poses: found values")
+        if o.mode is not None or o.near is not None or o.all_modes or o.everything:
+            raise click.UsageError(
+                "--along poses follows the poses of the file: leave out --mode, --near, "
+                "--all-modes and --complete"
+            )
         done = along_poses(instance, table, form, o.steps, relative=o.relative_to is not None)
     else:
         table = table.subdivided(o.steps)
@@ -219,22 +225,6 @@ def command(o: Options) -> None:
     refuse(verdicts)
 
 
-def _check_poses(
-    table: ValueTable, mode: Mode | None, near: GivenPose | None, others: bool
-) -> None:
-    """Raise for options that cannot be combined with straight ways of poses."""
-    message = ""
-    if table.poses is None:
-        message = "--along poses is about a file of poses: found values"
-    elif mode is not None or near is not None or others:
-        message = (
-            "--along poses follows the poses of the file: leave out --mode, --near, --all-modes "
-            "and --complete"
-        )
-    if message:
-        raise click.UsageError(message)
-
-
 def _tell(result: Track, limits: list[LimitEvent], output: Output) -> None:
     """Say which modes are new, and list the events between the rows; a document has both, too."""
     if output.format == "json":
@@ -260,14 +250,15 @@ def _clearances(
         )
 
         if moves_by_drives(result):
-            found["clearance"] = _of_machine(result, lambda *pose: drive_clearances(*pose)[0])
+            whole = [(slice(None), result.instance)]
+            found["clearance"] = _at_poses(result, lambda *pose: drive_clearances(*pose)[0], whole)
         else:
             weighted = partial(clearances, weights=range_weights(result.instance))
-            found["clearance"] = _of_poses(result, weighted)
+            found["clearance"] = _at_poses(result, weighted, result.instances())
     if pose_clear or "pose-clearance" in asked:
         from gspcli.motion.singularities.pose_clearances import pose_clearances
 
-        found["pose_clearance"] = _of_poses(result, pose_clearances)
+        found["pose_clearance"] = _at_poses(result, pose_clearances, result.instances())
     return found
 
 
@@ -315,22 +306,19 @@ def _new_modes(result: Track) -> str:
     )
 
 
-def _of_machine(result: Track, bound: Callable[[Instance, Array, Array], Array]) -> Array:
-    """Return what is bounded at each pose of the whole machine with its drives, shape (m, r)."""
-    import numpy as np
+def _at_poses(
+    result: Track,
+    bound: Callable[[Instance, Array, Array], Array],
+    parts: Iterable[tuple[slice, Instance]],
+) -> Array:
+    """Return what is bounded at each pose, shape (m, r); NaN where a mode is not.
 
-    there = ~np.isnan(result.T[..., 0])
-    found = np.full(there.shape, np.nan)
-    found[there] = bound(result.instance, result.R[there], result.T[there])
-    return found
-
-
-def _of_poses(result: Track, bound: Callable[[Instance, Array, Array], Array]) -> Array:
-    """Return what is bounded at each pose, shape (m, r); NaN where a mode is not."""
+    Each part has rows, and the platform there.
+    """
     import numpy as np
 
     found = np.full(result.T.shape[:2], np.nan)
-    for rows, instance in result.instances():
+    for rows, instance in parts:
         there = np.zeros(found.shape, bool)
         there[:, rows] = ~np.isnan(result.T[:, rows, 0])
         found[there] = bound(instance, result.R[there], result.T[there])
@@ -354,7 +342,8 @@ def track_table(
     columns += [FIELDS[name] for name in names]
     document = result.to_json(rows, frame)
     if names:
-        at = {t: dict(zip(names, place, strict=True)) for t, place in _places(result)}
+        places = zip(result.t.tolist(), result.places.tolist(), strict=True)
+        at = {t: dict(zip(names, place, strict=True)) for t, place in places}
         rows = [{**row, **at[row["t"]]} for row in rows]
     instance = result.instance
     title = instance.title
@@ -368,11 +357,6 @@ def track_table(
         note += "; every real pose at the last row is accounted for"
     notes = [note, *cones_notes(result, limits), *frame_note(frame)]
     return Result(columns, rows, title, notes, schema="track", name="poses", head=document)
-
-
-def _places(result: Track) -> Iterator[tuple[float, list[float]]]:
-    """Yield t and the coordinates that move at each row."""
-    return zip(result.t.tolist(), result.places.tolist(), strict=True)
 
 
 def event_sentence(event: Event) -> str:
@@ -519,61 +503,32 @@ def _at_all_rows(result: Track, requirement: Requirement) -> Array | QuantityPar
     """Return a quantity of each pose, in the order of the rows; the geometry may move."""
     import numpy as np
 
-    from gspcli.geometry.machine import is_driven
+    from gspcli.geometry.machine import Machine, is_driven
     from gspcli.motion.files.requirements import QuantityParts
+    from gspcli.motion.paths.limit_events import drive_rows
 
-    name = requirement.quantity
-    if name in ("range", "transmission") and is_driven(result.instance):
-        return _of_drives(result, name)
-    if name == "gap" and is_driven(result.instance):
-        return _gaps(result)
-    if name in ("clearance", "pose_clearance") and is_driven(result.instance):
+    name, instance = requirement.quantity, result.instance
+    if is_driven(instance) and name in ("range", "transmission", "gap"):
         rows, modes = np.nonzero(~np.isnan(result.T[..., 0].T))
         R, T = (array[modes, rows] for array in (result.R, result.T))
-        values = result.values[rows]
-        return measured_quantities(result.instance, [requirement], values, R, T)[name]
+        machine = Machine.of(instance)
+        q = drive_rows(result, machine)[rows]
+        if name == "gap":
+            return gaps_of(instance, R, T, q)
+        return limits_of(instance, name, result.values[rows], R, T, (machine, q))
     found: list[Array | QuantityParts] = []
     for part, moved in result.instances():
         # What is followed has one side of each plane; ranges are those of the sides asked for.
-        instance = result.instance if name == "range" else moved
+        platform = instance if name == "range" else moved
         rows, modes = np.nonzero(~np.isnan(result.T[:, part, 0].T))
         values = result.values[part][rows]
         R, T = (array[:, part][modes, rows] for array in (result.R, result.T))
-        found.append(measured_quantities(instance, [requirement], values, R, T)[name])
+        found.append(measured_quantities(platform, [requirement], values, R, T)[name])
     first = found[0]
     if isinstance(first, QuantityParts):
         every = [part.values for part in found if isinstance(part, QuantityParts)]
         return QuantityParts(np.concatenate(every), first.names)
     return np.concatenate([part for part in found if not isinstance(part, QuantityParts)])
-
-
-def _of_drives(result: Track, name: str) -> QuantityParts:
-    """Return shares of ranges or transmissions of each pose where the drives are known."""
-    import numpy as np
-
-    from gspcli.cli.requirements import limits_of
-    from gspcli.geometry.machine import Machine
-    from gspcli.motion.paths.limit_events import drive_rows
-
-    drives = Machine.of(result.instance)
-    rows, modes = np.nonzero(~np.isnan(result.T[..., 0].T))
-    R, T = (array[modes, rows] for array in (result.R, result.T))
-    at = drives, drive_rows(result, drives)[rows]
-    return limits_of(result.instance, name, result.values[rows], R, T, at)
-
-
-def _gaps(result: Track) -> QuantityParts:
-    """Return gaps of each pose, with the points where the drives have them."""
-    import numpy as np
-
-    from gspcli.cli.requirements import gaps_of
-    from gspcli.geometry.machine import Machine
-    from gspcli.motion.paths.limit_events import drive_rows
-
-    rows, modes = np.nonzero(~np.isnan(result.T[..., 0].T))
-    R, T = (array[modes, rows] for array in (result.R, result.T))
-    q = drive_rows(result, Machine.of(result.instance))[rows]
-    return gaps_of(result.instance, R, T, q)
 
 
 def _between(verdict: RequirementVerdict, done: FollowedTrack) -> RequirementVerdict:
