@@ -25,7 +25,6 @@ from gspcli.resources import data_path
 
 FOLDER = "counts"
 FAMILIES_FILE = "families.csv"
-NUMBERS_FILE = "intersection-numbers.csv"
 
 
 class Method(Enum):
@@ -296,12 +295,6 @@ def witness_with(family: Family, real: int) -> Witness:
         f" there are some with {spelled(real_counts(family)) or 'none'}"
     )
     raise GspError(message)
-
-
-def recorded_real_counts() -> Iterator[tuple[Family, tuple[PlaceOnLine, ...]]]:
-    """Yield the records, one for each two mirrored families."""
-    for name, places in _real_rows().items():
-        yield named_family(name), places
 
 
 def platform_at(family: Family, place: PlaceOnLine) -> Witness:

@@ -11,7 +11,6 @@ from gspcli.catalogue.bounds import type_bounds
 from gspcli.catalogue.counts import (
     FAMILIES_FILE,
     FOLDER,
-    NUMBERS_FILE,
     Method,
     all_families,
     family_counts,
@@ -21,7 +20,7 @@ from gspcli.catalogue.counts import (
 from gspcli.catalogue.kinds import DLL, DPH, DPL, DPP
 from gspcli.catalogue.types import all_types
 from gspcli.resources import data_path
-from tools.atlas.intersection_numbers import intersection_number, law
+from tools.atlas.intersection_numbers import NUMBERS_FILE, intersection_number, law
 from tools.atlas.records import COLUMNS, MANIFEST_FILE
 from tools.atlas.tasks import PRIMES, TOLERANCE, Task, monodromy_counts
 

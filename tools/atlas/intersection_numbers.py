@@ -21,6 +21,8 @@ from gspcli.catalogue.types import CONSTRAINTS
 #: The spaces of quadrics in Study coordinates, in their canonical order.
 LETTERS = "apqls"
 DIMENSION = 6
+#: Where `data/counts` records them.
+NUMBERS_FILE = "intersection-numbers.csv"
 #: Degrees of h^k x^(6-k) on Y: coefficients of t^(3-k) in 1 / ((1 - t)^4 (1 - 2t)).
 _POWERS = tuple(sum(comb(i + 3, 3) * 2 ** (3 - k - i) for i in range(4 - k)) for k in range(7))
 

@@ -16,7 +16,6 @@ from typing import Any
 
 from gspcli.catalogue.counts import (
     FAMILIES_FILE,
-    NUMBERS_FILE,
     Method,
     all_families,
     family_counts,
@@ -27,7 +26,7 @@ from gspcli.catalogue.types import Family
 from gspcli.defaults import SEED
 from gspcli.errors import CheckFailed
 from tools.atlas.groebner import msolve_path, msolve_version
-from tools.atlas.intersection_numbers import intersection_number, law
+from tools.atlas.intersection_numbers import NUMBERS_FILE, intersection_number, law
 from tools.atlas.tasks import LIMITS, PRIMES, TOLERANCE, Result, Task, monodromy_counts
 
 MANIFEST_FILE = "manifest.json"

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -124,15 +122,9 @@ class NormalizedNumbers(NamedTuple):
     """The distances without signs, and ``R u . v`` of the angles, shape (6,)."""
 
 
-@contextmanager
-def many_digits() -> Iterator[None]:
-    """Set the precision of calculations with these numbers."""
-    before = ctx.prec
-    ctx.prec = _PRECISION
-    try:
-        yield
-    finally:
-        ctx.prec = before
+def many_digits() -> Any:
+    """Return a context with the precision of calculations with these numbers."""
+    return ctx.workprec(_PRECISION)
 
 
 def normalized(instance: Instance, frames: StudyFrames) -> NormalizedNumbers:
