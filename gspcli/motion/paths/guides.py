@@ -51,17 +51,10 @@ class GuideRows(NamedTuple):
     """The straight part after each row, shape (r,); that of the last row is the last part."""
     fraction: Array
     """Where on its part each row is, shape (r,); the last row is at 1."""
-    values: Array
-    """Shape (r, 6)."""
-    R: Array
-    T: Array
-    """Poses, shapes (r, 3, 3) and (r, 3)."""
     proofs: NDArray[np.int64]
     """How many pieces the proof of each straight part has, shape (parts,)."""
     rows: PathRows
-    """The rows, for what holds between them."""
-    drives: Array | None = None
-    """The m drives of a machine with cranks or slides, lengths and radians, shape (r, m)."""
+    """The rows, with what holds between them."""
 
 
 class RowsOnWay(NamedTuple):
@@ -122,11 +115,7 @@ class Guide(ABC):
         return None
 
     def _proved_rows(
-        self,
-        given: RowsOnWay,
-        proofs: NDArray[np.int64],
-        rows: PathRows,
-        drives: Array | None = None,
+        self, given: RowsOnWay, proofs: NDArray[np.int64], rows: PathRows
     ) -> GuideRows | None:
         """Return rows that are proved, or None if they do not keep clearance and gap."""
         clear, gap = self.clear, self.gap
@@ -134,8 +123,7 @@ class Guide(ABC):
             return None
         if gap is not None and not (least_gaps(rows, gap)[1] >= gap).all():
             return None
-        part, fraction, _ = given
-        return GuideRows(part, fraction, rows.values, rows.R, rows.T, proofs, rows, drives)
+        return GuideRows(given.part, given.fraction, proofs, rows)
 
 
 class ValueGuide(Guide):
@@ -251,11 +239,10 @@ class PoseGuide(Guide):
     def _through(self, given: RowsOnWay, proofs: NDArray[np.int64]) -> GuideRows | None:
         R, T = self.ways.poses(given.numbers)
         machine = self.ways.machine
-        values, q = machine.values(R, T), machine.along(R, T)
-        if np.isnan(q).any():
+        if np.isnan(machine.along(R, T)).any():
             return None
-        rows = PathRows(self.ways, values, R, T, given.numbers)
-        return self._proved_rows(given, proofs, rows, q if machine.moves else None)
+        rows = PathRows(self.ways, machine.values(R, T), R, T, given.numbers)
+        return self._proved_rows(given, proofs, rows)
 
     def placed(self, corner: Array) -> Array:
         """Return a corner, rounded."""
@@ -358,7 +345,7 @@ class DriveGuide(Guide):
                 return None
             proofs[part] += pieces
         rows = PathRows(self.ways, followed.values, R, T, numbers=q, geometry=geometry)
-        return self._proved_rows(given, proofs, rows, q)
+        return self._proved_rows(given, proofs, rows)
 
     def _ends(self, R: Array, T: Array) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
         first, last = self.start, self.goal

@@ -410,7 +410,7 @@ class Planner:
                 trace = guide.trace(corners, np.full(len(corners) - 1, finer * PROVED_ROWS))
                 if trace is None:
                     return
-                places = self.ways.continued(trace.R, trace.T)
+                places = self.ways.continued(trace.rows.R, trace.rows.T)
                 places = np.stack([ends[0], *places[1:-1], self.ways.nearest(places[-2], ends[1])])
                 polygon = _polygon(poses, places)
                 if polygon is not None:
@@ -516,8 +516,8 @@ def stretch(instance: Instance, guide: Guide, corners: Array) -> float:
     if trace is None:
         return 0.0
     ends = [0, -1]
-    straight = float(steps(instance, trace.R[ends], trace.T[ends])[0])
-    length = float(steps(instance, trace.R, trace.T).sum())
+    straight = float(steps(instance, trace.rows.R[ends], trace.rows.T[ends])[0])
+    length = float(steps(instance, trace.rows.R, trace.rows.T).sum())
     return length / straight if straight > 0 else np.inf
 
 
@@ -551,7 +551,9 @@ def _cheaper(
             one = part(first, last)
             if one is None:
                 trace = guide.trace(tried, rows)
-                found = np.inf if trace is None else cost(instance, trace.R, trace.T, power)
+                found = (
+                    np.inf if trace is None else cost(instance, trace.rows.R, trace.rows.T, power)
+                )
                 return found if found < below else np.inf
             known += one
             if not known < below:
@@ -655,9 +657,9 @@ def finished(
     if trace is not None:
         length = Arrangement.of(given).length
         wanted = np.ceil(_lengths(given, trace) / (_STEP * length))
-        rows = np.clip(wanted, _LEAST, _MOST).astype(np.int64)
+        counts = np.clip(wanted, _LEAST, _MOST).astype(np.int64)
         # Long steps near singular poses are not proved; those of the search are.
-        for tried in (rows, np.maximum(rows, proved)):
+        for tried in (counts, np.maximum(counts, proved)):
             if limits is not None:
                 found = timed(guide, corners, limits, tried)
                 if found is not None:
@@ -668,13 +670,15 @@ def finished(
                 break
     if trace is None or (limits is not None and timing is None):
         raise IncompleteError("the path that was found could not be proved again: try another seed")
+    rows = trace.rows
     # Those of drives take long.
-    if guide.clear or not trace.rows.machine.moves:
-        at, between = least_clearances(trace.rows, guide.clear)
+    moves = rows.machine.moves
+    if guide.clear or not moves:
+        at, between = least_clearances(rows, guide.clear)
     else:
-        at, between = np.zeros(len(trace.T)), np.zeros(len(trace.T) - 1)
-    conditions = trace.rows.conditions()
-    gaps = None if guide.gap is None else least_gaps(trace.rows, guide.gap)[1]
+        at, between = np.zeros(len(rows.T)), np.zeros(len(rows.T) - 1)
+    conditions = rows.conditions()
+    gaps = None if guide.gap is None else least_gaps(rows, guide.gap)[1]
     first = np.searchsorted(trace.part, np.arange(len(trace.proofs)))
     last = np.append(first[1:], len(trace.part) - 1)
     lengths = _lengths(given, trace)
@@ -693,14 +697,15 @@ def finished(
     return PlannedPath(
         given, start.name, goal.name, "proved", "", guide.along,
         trace.part + trace.fraction if t is None else t,
-        trace.values, trace.R, trace.T, conditions, at, parts, timing, trace.drives,
-        None if gaps is None else ComparedShapes(given).gaps(trace.R, trace.T).min(axis=1),
+        rows.values, rows.R, rows.T, conditions, at, parts, timing,
+        rows.drive_numbers() if moves else None,
+        None if gaps is None else ComparedShapes(given).gaps(rows.R, rows.T).min(axis=1),
     )  # fmt: skip
 
 
 def _lengths(instance: Instance, trace: GuideRows) -> Array:
     """Return the length of each straight part."""
-    moved = steps(instance, trace.R, trace.T)
+    moved = steps(instance, trace.rows.R, trace.rows.T)
     return np.asarray(
         np.bincount(trace.part[:-1], weights=moved, minlength=len(trace.proofs)), float
     )

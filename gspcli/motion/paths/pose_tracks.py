@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -179,41 +180,30 @@ def _on_way(
 ) -> Iterator[LimitEvent]:
     """Yield the limits that samples of a way violate; if there are none, those not proved."""
     instance, machine = ways.instance, ways.machine
-    cones = joint_cones(instance)
-    q = machine.along(R, T)
-    ranges = out_of_range(instance, machine.values(R, T))
-    seen = False
-    for k in np.flatnonzero(ranges.any(axis=0)).tolist():
-        seen = True
-        yield LimitEvent("range", True, k, "", None, *_interval(ranges[:, k], t), False)
-    beyond = out_of_motor_range(machine, q)
-    for k in np.flatnonzero(beyond.any(axis=0)).tolist():
-        seen = True
-        user, name = int(machine.first[k]), machine.names[k]
-        times = _interval(beyond[:, k], t)
-        yield LimitEvent("range", True, user, "", None, *times, False, name)
-    tilted = out_of_cone(instance, R, T, q)
-    for k in np.flatnonzero(tilted.any(axis=0)).tolist():
-        seen = True
-        one = cones[k]
-        low, high = _interval(tilted[:, k], t)
-        yield LimitEvent("cone", True, one.constraint, one.body, mode, low, high, False)
+    q, low, high = machine.along(R, T), float(t[0]), float(t[-1])
+    whole = LimitEvent("range", True, 0, "", None, low, high, False)
+    ranges = [replace(whole, constraint=k) for k in range(len(instance.constraints))]
+    moved = [
+        replace(whole, constraint=int(k), drive=name)
+        for k, name in zip(machine.first, machine.names, strict=True)
+    ]
+    cones = [
+        LimitEvent("cone", True, one.constraint, one.body, mode, low, high, False)
+        for one in joint_cones(instance)
+    ]
+    events = (*ranges, *moved, *cones)
+    outside = out_of_range(instance, machine.values(R, T)), out_of_motor_range(machine, q)
+    violated = np.concatenate((*outside, out_of_cone(instance, R, T, q)), axis=1)
+    seen = np.flatnonzero(violated.any(axis=0)).tolist()
+    for k in seen:
+        first = int(violated[:, k].argmax())
+        yield replace(events[k], low=float(t[max(first - 1, 0)]), high=float(t[first]))
     if seen:
         return
     # Of a way with a pose that violates some limit it is not known which one.
-    left = proof.left or int(ways.boxes.conditions)
-    low, high = float(t[0]), float(t[-1])
-    count = len(instance.constraints)
-    for k in range(count):
-        drive = machine.names[machine.index[k]] if machine.driven[k] else ""
-        if left >> k & 1 and (drive or instance.constraints[k].limits is not None):
-            yield LimitEvent("range", True, k, "", None, low, high, False, drive)
-    for k, one in enumerate(cones):
-        if left >> (count + k) & 1:
-            yield LimitEvent("cone", True, one.constraint, one.body, mode, low, high, False)
-
-
-def _interval(violated: NDArray[np.bool_], t: Array) -> tuple[float, float]:
-    """Return the times between which a limit is first seen to be left."""
-    first = int(violated.argmax())
-    return float(t[max(first - 1, 0)]), float(t[first])
+    left, driven = proof.left or int(ways.boxes.conditions), np.flatnonzero(machine.driven)
+    for k, event in enumerate((*ranges, *cones)):
+        drive = machine.names[machine.index[k]] if k in driven else ""
+        stated = k >= len(ranges) or drive or instance.constraints[k].limits is not None
+        if left >> k & 1 and stated:
+            yield replace(event, drive=drive)

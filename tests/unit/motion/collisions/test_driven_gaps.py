@@ -61,7 +61,11 @@ def test_samples_of_a_path_of_drives_keep_the_gap() -> None:
     guide = DriveGuide(Machine.of(instance).at_home(), PoseWays(instance, limits=False), *ends)
     samples = guide.trace(guide.corners, np.array([300]))
     assert samples is not None
-    low = ComparedShapes(instance).bounds(samples.R, samples.T, samples.drives).low
+    low = (
+        ComparedShapes(instance)
+        .bounds(samples.rows.R, samples.rows.T, samples.rows.drive_numbers())
+        .low
+    )
     least_proved = min(part.gap for part in found.parts if part.gap is not None)
     assert least / 2 <= least_proved <= low.min() + 1e-9
 
