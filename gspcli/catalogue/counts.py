@@ -297,6 +297,12 @@ def witness_with(family: Family, real: int) -> Witness:
     raise GspError(message)
 
 
+def recorded_real_counts() -> Iterator[tuple[Family, tuple[PlaceOnLine, ...]]]:
+    """Yield the records, one for each two mirrored families."""
+    for name, places in _real_rows().items():
+        yield named_family(name), places
+
+
 def platform_at(family: Family, place: PlaceOnLine) -> Witness:
     """Return the platform at a place of a family that has a witness."""
     best = witness(family)

@@ -8,13 +8,12 @@ import pytest
 
 from gspcli.catalogue.counts import (
     PlaceOnLine,
-    _real_rows,
     best_real,
     family_counts,
-    named_family,
     platform_at,
     random_rows,
     real_counts,
+    recorded_real_counts,
     spelled,
     witness_with,
 )
@@ -25,8 +24,6 @@ from gspcli.errors import GspError
 from gspcli.reality.witness_proofs import certified_real, known_instance, witness_instance
 
 SAMPLE = 12
-#: The records, one for each two mirrored families.
-RECORDED = [(named_family(name), places) for name, places in _real_rows().items()]
 
 
 def test_all_even_numbers_occur_for_the_6_6_platform() -> None:
@@ -44,7 +41,7 @@ def test_the_numbers_of_the_triples_of_3d3a_are_complete() -> None:
 
 
 def test_the_best_number_is_the_last_and_none_is_odd() -> None:
-    for family, places in RECORDED:
+    for family, places in recorded_real_counts():
         numbers = [place.real for place in places]
         assert numbers == sorted(set(numbers))
         assert all(count % 2 == 0 for count in numbers)
@@ -53,7 +50,9 @@ def test_the_best_number_is_the_last_and_none_is_odd() -> None:
 
 
 def test_a_sample_is_certified_again() -> None:
-    small = [(f, p) for f, row in RECORDED for p in row if family_counts(f).two_sided <= 64]
+    small = [
+        (f, p) for f, row in recorded_real_counts() for p in row if family_counts(f).two_sided <= 64
+    ]
     for family, place in Random(2).sample(small, SAMPLE):
         angles = (ALL,) * family.platform_class.angles
         instance = witness_instance(platform_at(family, place), angles)
