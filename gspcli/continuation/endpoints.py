@@ -233,7 +233,7 @@ class AccountOptions:
     """Settings of the account of all paths."""
 
     attempts: int = 4
-    """Sets of random paths that are tried until nothing is lost. The last is `PARANOID`."""
+    """Sets of random paths that are tried until nothing is lost."""
     end_error: float = 1e-6
     """Largest difference of the two means of the endgame at which its end is known: the error of
     the end is the square of it (`EndgameOptions.samples`), far below `SINGULAR_ERROR`."""

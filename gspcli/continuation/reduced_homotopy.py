@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from gspcli import _kernel
 from gspcli.continuation.quadrics import ComplexArray, FloatArray
 from gspcli.continuation.start import StartSystem
-from gspcli.continuation.tracker import FROM_START, PathStatus, TrackerOptions, helpful
+from gspcli.continuation.tracker import QUICK, PathStatus, TrackerOptions, helpful
 from gspcli.records import dataclass
 
 #: Quadrics are nearly dependent if a combination is smaller than this part of the largest. They are
@@ -189,7 +189,7 @@ class ReducedHomotopy:
         start: NDArray[np.int32],
         values: ComplexArray,
         *,
-        options: TrackerOptions = FROM_START,
+        options: TrackerOptions = QUICK,
         jobs: int = 1,
     ) -> ReducedEnds:
         """Track solutions for some values to those for many other values, along straight lines.
@@ -234,7 +234,7 @@ class ReducedHomotopy:
 def ends_from_start(
     start: StartSystem,
     quadrics: ComplexArray,
-    options: TrackerOptions = FROM_START,
+    options: TrackerOptions = QUICK,
     *,
     lower_rank: bool = False,
     keep_lost: bool = False,

@@ -21,7 +21,7 @@ from gspcli.continuation.quadrics import (
     swap_quadrics,
 )
 from gspcli.continuation.systems import EQUATIONS, Coefficients, Structure, System
-from gspcli.continuation.tracker import CAREFUL, DEFAULT, PARANOID, PathStatus, track
+from gspcli.continuation.tracker import CAREFUL, DEFAULT, PathStatus, track
 from gspcli.errors import DataError
 from gspcli.records import dataclass
 from gspcli.resources import data_path
@@ -132,7 +132,7 @@ def start_system(structure: Structure) -> StartSystem:
         chosen, np.zeros_like(chosen), np.zeros(choices.shape, dtype=np.complex128)
     )
     rng = np.random.default_rng(_SEED)
-    for options in (DEFAULT, CAREFUL, CAREFUL, PARANOID):
+    for options in (DEFAULT, CAREFUL, CAREFUL, CAREFUL):
         phases = np.exp(2j * np.pi * rng.random(EQUATIONS))
         start = base.scaled(phases, phases)
         ends = track(start, sides, points, options=options)

@@ -35,10 +35,7 @@ from gspcli.continuation.start import StartSystem, start_system
 from gspcli.continuation.systems import EQUATIONS, Coefficients, FineCoefficients, System
 from gspcli.continuation.tracker import (
     CAREFUL,
-    DEEP,
     DEFAULT,
-    EXTENDED,
-    PARANOID,
     PathResults,
     PathStatus,
     TrackerOptions,
@@ -153,6 +150,20 @@ def retracked(
     return PathResults(**columns)
 
 
+#: The last attempt with 16 digits.
+_TINY_STEPS = TrackerOptions(
+    predictor_tolerance=1e-8,
+    contraction=0.01,
+    radius_fraction=0.2,
+    max_steps=10_000,
+    late_steps=10_000,
+)
+#: With 32 digits, up to the beginning of the endgame; and as near to the target as they allow, for
+#: ends that are proved with more digits.
+_IN_32_DIGITS = replace(CAREFUL, digits=32)
+_TO_THE_END = replace(
+    _IN_32_DIGITS, arrival=1e-12, waypoint=0.0, nearest=1e-28, min_step=1e-30, max_steps=150
+)
 #: Below this e.e of a point of norm one is zero up to rounding.
 _INFINITE = 1e-14
 
@@ -415,7 +426,7 @@ def classify_endpoints(
     for attempt in range(options.attempts):
         origin = random_start(start, seed, attempt)
         if attempt:
-            care = CAREFUL if attempt < options.attempts - 1 else PARANOID
+            care = CAREFUL if attempt < options.attempts - 1 else _TINY_STEPS
             results = track(origin, target, start.points, options=care, jobs=jobs)
         ends = _Attempt(start, origin, target, results, jobs, options).endpoints(seed)
         if best is not None:
@@ -488,7 +499,7 @@ class _Attempt:
         self.error = regular_error(self.correction)
 
     def endpoints(self, seed: int) -> Endpoints:
-        for options in (CAREFUL, PARANOID):
+        for options in (CAREFUL, _TINY_STEPS):
             wrong = collided(self.points, self.error, self.regular)
             wrong |= self.status == PathStatus.FAILED
             if wrong.any():
@@ -515,7 +526,7 @@ class _Attempt:
         follow are followed with more digits.
         """
         winding = np.where(self.regular, 0, -1)
-        for options in (CAREFUL, EXTENDED):
+        for options in (CAREFUL, _IN_32_DIGITS):
             index = np.flatnonzero(winding < 0)
             if not len(index):
                 break
@@ -554,7 +565,7 @@ class _Attempt:
 
     def _recognize_regular(self, index: NDArray[np.intp], winding: NDArray[np.int64]) -> None:
         """Treat ends of unbranched paths as regular if Newton's method confirms them."""
-        results = self._track(self.target, self.target, self.points[index], PARANOID)
+        results = self._track(self.target, self.target, self.points[index], _TINY_STEPS)
         regular = self._simple(results.status[0], results.points[0])
         chosen = index[regular]
         for name in ("points", "condition", "residual"):
@@ -610,7 +621,7 @@ class _Attempt:
         guesses = split(self.target, self.points[members[0]])
         if guesses is None or not np.isfinite(guesses).all():
             return False
-        results = self._track(self.target, self.target, guesses, PARANOID)
+        results = self._track(self.target, self.target, guesses, _TINY_STEPS)
         error = regular_error(results.correction[0])
         regular = self._simple(results.status[0], results.points[0])
         if not regular.all() or len(clusters(results.points[0], error)) < 2:
@@ -873,7 +884,7 @@ class TrackedPaths:
         """
         origin = random_start(self._start, self.seed, attempt)
         points, left = self._near(origin, target, index)
-        yield from self._in_parts(origin, target, points, None, left, DEEP)
+        yield from self._in_parts(origin, target, points, None, left, _TO_THE_END)
 
     def _in_parts(
         self,
@@ -954,7 +965,7 @@ def solve_systems(targets: Iterable[System], *, seed: int = SEED) -> Iterator[Sy
 
     Each result has all isolated solutions, and evidence of any others. Consecutive systems of one
     structure are tracked together, which is quicker than a loop. Lost paths are tracked again with
-    `CAREFUL` and `PARANOID`. Another seed gives the same solutions.
+    smaller steps. Another seed gives the same solutions.
     """
     for tracked_paths in track_all(targets, seed=seed):
         yield tracked_paths.solutions()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from enum import IntEnum
 
 import numpy as np
@@ -46,41 +45,16 @@ class TrackerOptions:
     """Whether the Taylor series have few terms (with 16 digits): quicker where steps are few."""
 
 
-# All equations, with all their unknowns.
-
-#: The first attempt at paths from a stored start system.
+#: For paths that are followed to the end, whatever becomes of them.
 DEFAULT = TrackerOptions()
-#: The second attempt, for paths that are lost or have jumped.
+#: For paths that `DEFAULT` loses, and those that have jumped.
 CAREFUL = TrackerOptions(
     predictor_tolerance=1e-6, contraction=0.02, radius_fraction=0.4, late_steps=1000
 )
-#: The last attempt with 16 digits.
-PARANOID = TrackerOptions(
-    predictor_tolerance=1e-8,
-    contraction=0.01,
-    radius_fraction=0.2,
-    max_steps=10_000,
-    late_steps=10_000,
+#: Longer steps and fewer terms, where lost paths are detected and followed again.
+QUICK = TrackerOptions(
+    predictor_tolerance=3e-3, contraction=0.1, min_step=1e-10, max_steps=200, short_series=True
 )
-#: From a solved system to others of its structure: longer steps and fewer terms. Lost paths are
-#: detected and followed again.
-SHORT = replace(DEFAULT, predictor_tolerance=3e-3, contraction=0.1, short_series=True)
-#: With 32 digits, up to the beginning of the endgame.
-EXTENDED = replace(CAREFUL, digits=32)
-#: With 32 digits, as near to the target as they allow, for ends that are proved with more digits.
-DEEP = replace(EXTENDED, arrival=1e-12, waypoint=0.0, nearest=1e-28, min_step=1e-30, max_steps=150)
-# Equations that are solved for some unknowns first (`reduced_homotopy`); lost paths are detected.
-
-#: From a stored start system, or from the start of a geometry to others with complex values.
-FROM_START = replace(
-    DEFAULT, predictor_tolerance=3e-3, contraction=0.1, min_step=1e-10, max_steps=200
-)
-#: From a solved platform with complex values to others of its structure.
-LONG_STEPS = replace(FROM_START, predictor_tolerance=1e-2, contraction=0.25)
-#: From the start of a geometry to real values near it; only values move.
-VALUE_STEPS = replace(FROM_START, predictor_tolerance=2e-2, contraction=0.35, radius_fraction=0.8)
-#: For paths that `VALUE_STEPS` lose.
-SHORT_STEPS = replace(FROM_START, predictor_tolerance=1e-4, contraction=0.05, max_steps=1000)
 
 
 class PathStatus(IntEnum):

@@ -27,9 +27,8 @@ from gspcli.certification.poses.many_values import COSINE_ERROR, ValueProofs
 from gspcli.continuation.systems import DEGREE_IN_F, Coefficients
 from gspcli.continuation.tracker import (
     CAREFUL,
-    SHORT,
-    SHORT_STEPS,
-    VALUE_STEPS,
+    DEFAULT,
+    QUICK,
     TrackerOptions,
 )
 from gspcli.defaults import COUNT_LIMIT, SEED, TOLERANCE
@@ -699,7 +698,7 @@ def _put_pools(numbers: _Numbers, start: Start) -> None:
         numbers.put(0)
         return
     first = slice(1)
-    stages: list[tuple[slice, TrackerOptions]] = [(start.near, VALUE_STEPS), (first, SHORT_STEPS)]
+    stages: list[tuple[slice, TrackerOptions]] = [(start.near, QUICK), (first, DEFAULT)]
     has_h = len(homotopy.pivots) + len(homotopy.free) == 7
     numbers.put(len(stages), len(homotopy.free), has_h, homotopy.pivots, homotopy.free)
     numbers.put(homotopy.forms, homotopy.slopes, homotopy.combinations)
@@ -738,7 +737,7 @@ def _put_whole(numbers: _Numbers, start: Start, motors: LiveMotors | None) -> No
     numbers.put(system.structure.is_product, order, *system.coefficients)
     numbers.put(len(start.points), start.points, *parts)
     numbers.put(start.length * float(start.scale))
-    for options in (SHORT, CAREFUL):
+    for options in (QUICK, CAREFUL):
         numbers.put(options.predictor_tolerance, options.contraction, options.arrival)
         numbers.put(options.radius_fraction, options.min_step, options.waypoint, options.nearest)
         numbers.put(options.max_steps, options.late_steps)

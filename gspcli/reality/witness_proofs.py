@@ -26,8 +26,8 @@ from gspcli.geometry.primitives import Geometry, Line, Plane, Point, Vector
 from gspcli.geometry.quaternions import made_real, pose_from_study
 from gspcli.reality.platforms import Platforms, look_real, multiplier
 from gspcli.solver.all_poses import careful_paths
-from gspcli.solver.ledger import Ledger
 from gspcli.solver.problem import Problem
+from gspcli.solver.search import Search
 from gspcli.solver.study_systems import target_systems
 
 Array = NDArray[np.float64]
@@ -140,10 +140,9 @@ def certified_real(instance: Instance, enough: int | None = None) -> int:
         are found; None: always.
     """
     problem = Problem(instance, seed=SEED)
-    ledger = Ledger(problem)
-    for ends in careful_paths(problem):
-        ledger.add(ends)
-    if (found := ledger.complete) is not None:
+    search = Search(problem)
+    careful_paths(search)
+    if (found := search.complete) is not None:
         return int(found.real.sum())
     if enough is not None and (real := quickly_certified_real(instance, enough)) >= enough:
         return real

@@ -19,23 +19,32 @@ from gspcli.continuation.start import StartSystem, path_count
 from gspcli.continuation.systems import EQUATIONS, Structure, System
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.three_angles import study_points
-from gspcli.solver.ends import Ends
-from gspcli.solver.ledger import Ledger
+from gspcli.solver.kept_geometry import (
+    by_careful_steps,
+    by_short_steps,
+    from_nearest,
+    same_geometry,
+)
 from gspcli.solver.poses import PoseSet
 from gspcli.solver.problem import Problem
+from gspcli.solver.search import Ends, Search
 from gspcli.solver.solved_starts import SolvedStarts, Sort
 from gspcli.solver.study_systems import complex_system
 
 if TYPE_CHECKING:
     from gspcli.continuation.tracked_paths import TrackedPaths
-    from gspcli.continuation.tracker import TrackerOptions
+
+Strategy = Callable[[Search], None]
 
 
-def closed_form(problem: Problem) -> Iterator[Ends]:
-    """Yield all poses of a platform with three angles whose surfaces are in general position.
+def closed_form(search: Search) -> None:
+    """Add all poses of a platform with three angles whose surfaces are in general position.
 
     By Bezout's theorem there are no other poses then.
     """
+    problem = search.open
+    if not problem.has_closed_form:
+        return
     arrangement, values = problem.arrangement, problem.values
     length = arrangement.length_with(values)
     given = arrangement.in_units_of(length)
@@ -50,15 +59,15 @@ def closed_form(problem: Problem) -> Iterator[Ends]:
     points = np.stack(each, axis=1).reshape(len(values), len(each), -1, 8)
     points[~found.general] = np.nan
     centres = arrangement.platform_centre, arrangement.base_centre
-    yield Ends(points, StudyFrames(length=length, platform=centres[0], base=centres[1]))
+    search.add(Ends(points, StudyFrames(length=length, platform=centres[0], base=centres[1])))
 
 
 #: Poses with a larger N, for quaternions of norm 1, need no more digits than paths have.
 _FAR = 1e-3
 
 
-def far_in_planes(problem: Problem) -> Iterator[Ends]:
-    """Yield the ends of paths to poses far away, with points in planes through their lines.
+def far_in_planes(search: Search) -> None:
+    """Add the ends of paths to poses far away, with points in planes through their lines.
 
     The equation of a point at a distance from a line is a product, ``G H = d^2 N^2``: G and H are N
     times its heights over two complex planes through the line. Far away N nearly vanishes, and so
@@ -70,6 +79,9 @@ def far_in_planes(problem: Problem) -> Iterator[Ends]:
     from gspcli.continuation.start import start_system
     from gspcli.continuation.systems import Structure
 
+    problem = search.problem
+    if problem.has_closed_form or not problem.is_reducible_in_planes:
+        return
     given, (g, h, _) = problem.equations
     turns = _turns(problem.arrangement.normalized)
     structure = Structure(given.spaces)
@@ -91,7 +103,8 @@ def far_in_planes(problem: Problem) -> Iterator[Ends]:
         planes.append(np.tile(signs * turns, (far.shape[1], 1)))
     points = np.concatenate(parts, axis=1)
     if points.size:
-        yield Ends(points[None], problem.frames, has_directions=True, planes=np.concatenate(planes))
+        turned = np.concatenate(planes)
+        search.add(Ends(points[None], problem.frames, has_directions=True, planes=turned))
 
 
 def _choices(products: tuple[bool, ...]) -> Iterator[NDArray[np.int64]]:
@@ -235,58 +248,66 @@ def complex_platform(kinds: tuple[Kind, ...], flat: tuple[bool, bool], seed: int
     return complex_system(kinds, y / length, x / length, u, v, parameters)
 
 
-def reduced_paths(problem: Problem) -> Iterator[Ends]:
-    """Yield the ends of paths with fewer unknowns, of equations without products."""
+def reduced_paths(search: Search) -> None:
+    """Add the ends of paths with fewer unknowns, of equations without products."""
     from gspcli.continuation.reduced_homotopy import ends_from_start
 
+    problem = search.problem
+    if problem.has_closed_form or not problem.is_reducible:
+        return
     structure, given = problem.equations
     targets, structure = given.g[:, list(structure.order)], structure.canonical()
     for start in planar_starts(problem.arrangement.normalized):
         if (planar := _planar_ends(problem, start, targets[0])) is not None:
-            yield Ends(planar[None, None], problem.frames, has_directions=True)
-    for start, options in _ways(problem, structure):
-        found = [ends_from_start(start, quadrics, options) for quadrics in targets]
+            search.add(Ends(planar[None, None], problem.frames, has_directions=True))
+            if search.is_complete:
+                return
+    for start in _start_systems(problem, structure):
+        found = [ends_from_start(start, quadrics) for quadrics in targets]
         ends = [points for points in found if points is not None]
         if len(ends) == len(found):
-            yield Ends(np.array(ends)[None], problem.frames, has_directions=True)
+            search.add(Ends(np.array(ends)[None], problem.frames, has_directions=True))
+            if search.is_complete:
+                return
 
 
 def _planar_ends(problem: Problem, start: StartSystem, target: ComplexArray) -> ComplexArray | None:
     """Return the ends of paths from a planar platform: of one of each pair of mirror images."""
     from gspcli.continuation.reduced_homotopy import ends_from_start
-    from gspcli.continuation.tracker import SHORT_STEPS
+    from gspcli.continuation.tracker import DEFAULT
 
     if not problem.has_mirror_images:
-        return ends_from_start(start, target, SHORT_STEPS)
+        return ends_from_start(start, target, DEFAULT)
     half = replace(start, points=start.points[: len(start.points) // 2])
-    ends = ends_from_start(half, target, SHORT_STEPS)
+    ends = ends_from_start(half, target, DEFAULT)
     return None if ends is None else with_mirror_images(ends)
 
 
-def _ways(problem: Problem, structure: Structure) -> Iterator[tuple[StartSystem, TrackerOptions]]:
-    """Yield where reduced paths begin, and how long their steps are."""
+def _start_systems(problem: Problem, structure: Structure) -> Iterator[StartSystem]:
+    """Yield where reduced paths begin."""
     from gspcli.continuation.start import start_system
-    from gspcli.continuation.tracker import FROM_START, LONG_STEPS
 
     if (start := structure_start(structure, problem.starts)) is not None:
-        yield start, LONG_STEPS
-    yield start_system(structure), FROM_START
+        yield start
+    yield start_system(structure)
 
 
-def short_series(problem: Problem) -> Iterator[Ends]:
-    """Yield the ends of paths of products, with series of few terms."""
+def quick_paths(search: Search) -> None:
+    """Add the ends of paths of products, followed with long steps."""
     from gspcli.continuation.tracked_paths import track_all
-    from gspcli.continuation.tracker import SHORT
+    from gspcli.continuation.tracker import QUICK
 
-    if not problem.equations[0].is_product.any():
+    problem = search.problem
+    if problem.has_closed_form or not problem.equations[0].is_product.any():
         return
     seed, jobs = problem.seed, problem.jobs
-    yield ends_of(problem, list(track_all(problem.systems, seed=seed, jobs=jobs, options=SHORT)))
+    tracked = list(track_all(problem.systems, seed=seed, jobs=jobs, options=QUICK))
+    search.add(ends_of(problem, tracked))
 
 
-def careful_paths(problem: Problem) -> Iterator[Ends]:
-    """Yield the ends of all paths, followed with all the care that double precision allows."""
-    yield ends_of(problem, problem.tracked)
+def careful_paths(search: Search) -> None:
+    """Add the ends of all paths, followed with all the care that double precision allows."""
+    search.add(ends_of(search.problem, search.problem.tracked))
 
 
 def ends_of(problem: Problem, tracked: Sequence[TrackedPaths]) -> Ends:
@@ -294,69 +315,52 @@ def ends_of(problem: Problem, tracked: Sequence[TrackedPaths]) -> Ends:
     return Ends(np.stack([paths.first().points for paths in tracked])[None], problem.frames)
 
 
-Strategy = Callable[[Problem], Iterator[Ends]]
-
-
 def all_poses(problem: Problem) -> PoseSet:
     """Return all poses of a platform near the origins of its frames, in any order."""
-    ledger = first_poses(problem)
-    if (poses := ledger.complete) is None:
+    search = first_poses(problem)
+    if (poses := search.complete) is None:
         from gspcli.solver.by_count import poses_by_count
 
-        poses = poses_by_count(problem, ledger, lambda other: all_poses(problem.like(other)))
+        poses = poses_by_count(problem, search, lambda other: all_poses(problem.like(other)))
     # What quick paths find at once is found as quickly the next time.
-    if not ledger.is_quick:
-        problem.keep(poses, ledger.points)
+    if not search.is_quick:
+        problem.keep(poses, search.points)
     return poses
 
 
-def first_poses(problem: Problem) -> Ledger:
-    """Return what the first strategies find of a platform, or of it with many sets of values."""
-    ledger = Ledger(problem)
-    for strategy, is_quick in first_strategies(problem):
-        for ends in strategy(ledger.open):
-            ledger.add(ends)
-            if ends.has_directions and not ledger.is_complete:
-                ledger.add_far(ends)
-            if ledger.is_complete:
-                ledger.is_quick = is_quick and ledger.is_at_once
-                return ledger
-    return ledger
+def first_poses(problem: Problem) -> Search:
+    """Return what the first strategies find of a platform, or of it with many sets of values.
 
-
-def first_strategies(problem: Problem) -> Iterator[tuple[Strategy, bool]]:
-    """Yield the strategies that suit a platform, the quickest first, and which are quick.
-
-    Each is imported when it is needed: most platforms need one.
+    They know neither proofs nor counts, and do nothing for platforms that they do not suit.
     """
-    if problem.has_closed_form:
-        # Three angles: all rotations, then all translations.
+    search = Search(problem)
+    for strategy in _first_of_many() if problem.rows is not None else _first_of_one():
+        strategy(search)
+        if search.is_complete:
+            search.is_quick = search.is_at_once and _is_quick(strategy, problem)
+            break
+    return search
 
-        yield closed_form, True
-    if problem.rows is not None:
-        # Many sets of values: from one start, the quickest paths first.
-        from gspcli.solver.kept_geometry import (
-            by_careful_steps,
-            by_short_steps,
-            from_nearest,
-        )
 
-        yield from ((way, True) for way in (from_nearest, by_short_steps, by_careful_steps))
-        return
-    if problem.has_kept_geometry and not problem.has_closed_form:
-        # Planar or symmetric bodies, shared joints: from the second platform of a geometry on.
-        from gspcli.solver.kept_geometry import same_geometry
+def _first_of_many() -> tuple[Strategy, ...]:
+    """Return the strategies for many sets of values: from one start, the quickest paths first."""
+    return closed_form, from_nearest, by_short_steps, by_careful_steps
 
-        yield same_geometry, True
 
-    if not problem.has_closed_form:
-        # Points, planes and angles in general position, or lines.
+def _first_of_one() -> tuple[Strategy, ...]:
+    """Return the strategies for one platform, the quickest first.
+
+    Three angles give all rotations, then all translations. Planar and symmetric bodies and shared
+    joints begin from the second platform of a geometry on at a kept one. Then come paths of points,
+    planes and angles in general position, or of lines; points and lines, with poses far away; and
+    all paths with all the care that double precision allows.
+    """
+    return closed_form, same_geometry, reduced_paths, quick_paths, far_in_planes, careful_paths
+
+
+def _is_quick(strategy: Strategy, problem: Problem) -> bool:
+    """Whether nothing is gained by keeping what a strategy has found."""
+    if strategy in (reduced_paths, quick_paths):
         # Planar platforms are kept: from a start of their geometry they take half the time.
-        is_quick = not problem.has_mirror_images
-        yield (reduced_paths if problem.is_reducible else short_series), is_quick
-    if problem.is_reducible_in_planes and not problem.has_closed_form:
-        # Points and lines: poses far away.
-
-        yield far_in_planes, False
-    # Everything else, with all the care that double precision allows.
-    yield careful_paths, False
+        return not problem.has_mirror_images
+    return strategy not in (far_in_planes, careful_paths)

@@ -20,10 +20,10 @@ from gspcli.geometry.instance import Instance
 from gspcli.geometry.readings import problems_of, value_rows, values_of
 from gspcli.solver.all_poses import all_poses, first_poses
 from gspcli.solver.kept_geometry import kept_among
-from gspcli.solver.ledger import Ledger
 from gspcli.solver.poses import PoseBatch, PoseSet
 from gspcli.solver.problem import Problem
 from gspcli.solver.result import SolveResult
+from gspcli.solver.search import Search
 from gspcli.solver.solved_starts import STARTS, SolvedStarts
 from gspcli.solver.start import Start, start_among
 from gspcli.wording import shortened
@@ -126,11 +126,11 @@ _TOGETHER = 64
 
 
 class Together(NamedTuple):
-    """Sets of values that were solved together, by their indices, and the rows of their ledger."""
+    """Sets of values that were solved together, by their indices, and the rows of their search."""
 
     rows: Index
     places: Index
-    ledger: Ledger
+    search: Search
 
 
 class Answers(NamedTuple):
@@ -153,7 +153,7 @@ class Answers(NamedTuple):
     def poses(self) -> Iterator[PoseSet]:
         """Yield the poses for each set of values."""
         places = {
-            k: (part.ledger, place)
+            k: (part.search, place)
             for part in self.together
             for k, place in zip(part.rows.tolist(), part.places.tolist(), strict=True)
         }
@@ -161,8 +161,8 @@ class Answers(NamedTuple):
             if k in self.alone:
                 yield self.alone[k]
             else:
-                ledger, place = places[k]
-                yield ledger.poses(place)
+                search, place = places[k]
+                yield search.poses(place)
 
 
 def many_poses(
@@ -232,19 +232,19 @@ def _solved(
 
 def _first(group: Problem, rows: Index, places: Index, local_frames: LocalFrames) -> Together:
     """Return those sets of values of a group of which the first strategies find all poses."""
-    ledger = first_poses(group.part(places))
-    done = np.delete(np.arange(len(rows)), ledger.left)
-    if not local_frames.is_none and ledger.proved is not None:
-        back = local_frames.doubles_back(ledger.proved.R, ledger.proved.T)
-        ledger.proved = ledger.proved._replace(T=back)
-    return Together(rows[done], done, ledger)
+    search = first_poses(group.part(places))
+    done = np.delete(np.arange(len(rows)), search.left)
+    if not local_frames.is_none and search.proved is not None:
+        back = local_frames.doubles_back(search.proved.R, search.proved.T)
+        search.proved = search.proved._replace(T=back)
+    return Together(rows[done], done, search)
 
 
 def batch_of(arrangement: Arrangement, values: Array, answers: list[Answers]) -> PoseBatch:
     """Return answers, one after the other, as one batch (see its attributes)."""
     others = {k: poses for each in answers for k, poses in each.alone.items()}
     together = [part for each in answers for part in each.together if len(part.rows)]
-    widths = [len(poses.R) for poses in others.values()] + [len(part.ledger) for part in together]
+    widths = [len(poses.R) for poses in others.values()] + [len(part.search) for part in together]
     shape = len(values), max(widths, default=0)
     batch = PoseBatch(
         arrangement=arrangement,
@@ -259,8 +259,8 @@ def batch_of(arrangement: Arrangement, values: Array, answers: list[Answers]) ->
         proved=np.zeros(len(values), np.bool_),
         others=others,
     )
-    for rows, places, ledger in together:
-        found, width = ledger.proved, len(ledger)
+    for rows, places, search in together:
+        found, width = search.proved, len(search)
         assert found is not None
         batch.R[rows, :width], batch.T[rows, :width] = found.R[places], found.T[places]
         batch.real[rows, :width] = found.real[places]

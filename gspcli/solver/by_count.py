@@ -33,9 +33,16 @@ from gspcli.geometry.measurement import relative_residuals
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Point
 from gspcli.geometry.quaternions import Field, canonical_sign, made_real
-from gspcli.solver.ledger import Ledger
+from gspcli.solver.further import (
+    FEW_PATHS,
+    by_elimination,
+    early_elimination,
+    search_side,
+    with_32_digits,
+)
 from gspcli.solver.poses import CountKind, PoseSet, Proof, joined
 from gspcli.solver.problem import Problem
+from gspcli.solver.search import Search
 from gspcli.solver.side_poses import FEW, SidePoses
 
 
@@ -52,14 +59,11 @@ def complete(side: SidePoses, solutions: int, distinct: int, spurious: int | Non
     spurious
         How many solutions are none, besides; None if that is not known.
     """
-    # Imported where it is needed: for most platforms the first strategies are enough.
-    from gspcli.solver.further import search
-
     multiple: list[MultiplePose] = []
     if solutions > distinct and len(side.found) < distinct:
         multiple = [pose for pose in _multiple(side) if pose.is_pose or spurious is None]
     side.all_simple = solutions == distinct
-    search(side, distinct - len(multiple))
+    search_side(side, distinct - len(multiple))
     numbers = _multiplicities(side.found, multiple, solutions, distinct)
     known = list(zip(multiple, numbers, strict=True)) if numbers else []
     return _pose_set(side.found, known, side.paths.count, solutions, spurious or 0)
@@ -287,7 +291,7 @@ _TRIED = 16
 _TRIES = 4
 
 
-def poses_of_repeated(problem: Problem, ledger: Ledger) -> PoseSet | None:
+def poses_of_repeated(problem: Problem, search: Search) -> PoseSet | None:
     """Return the motions of a platform that has equal constraints; None if it has none.
 
     Fewer than six equations on the six-dimensional set of poses have a solution set of positive
@@ -299,7 +303,7 @@ def poses_of_repeated(problem: Problem, ledger: Ledger) -> PoseSet | None:
     rows = _different(problem.instance.constraints)
     if len(rows) == CONSTRAINTS:
         return None
-    poses = solve_infinite(problem, ledger, None)
+    poses = solve_infinite(problem, search, None)
     real = [motion for motion in poses.motions if motion.real and motion.dimension]
     if any(_is_pose(problem.instance, rows, motion, problem.seed) for motion in real[:1]):
         return replace(poses, proof=Proof(CountKind.EXACT))
@@ -334,7 +338,7 @@ def _leg(R: np.ndarray, T: np.ndarray, on_platform: np.ndarray, on_base: np.ndar
 
 
 def infinitely_many(
-    problem: Problem, ledger: Ledger, count: ExactCount, solve: Callable[[Instance], PoseSet]
+    problem: Problem, search: Search, count: ExactCount, solve: Callable[[Instance], PoseSet]
 ) -> PoseSet:
     """Return motions and isolated poses of a platform with infinitely many."""
     instance, proof = problem.instance, _proof(problem.instance, count)
@@ -345,7 +349,7 @@ def infinitely_many(
         account = PathAccount(expected=paths, on_curves=paths, basis=Basis.COUNT)
         poses = replace(PoseSet.unsolved(paths), motions=found, account=account, proof=proof)
     else:
-        poses = solve_infinite(problem, ledger, proof)
+        poses = solve_infinite(problem, search, proof)
     if poses.account.verdict != "infinite" or any(motion.real for motion in poses.motions):
         return poses
     length = problem.arrangement.length
@@ -371,7 +375,7 @@ def _moving_with_parallel_lines(instance: Instance, count: ExactCount) -> Instan
     return None
 
 
-def solve_infinite(problem: Problem, ledger: Ledger, proof: Proof | None) -> PoseSet:
+def solve_infinite(problem: Problem, search: Search, proof: Proof | None) -> PoseSet:
     """Return sample motions and isolated poses of a platform.
 
     The isolated poses are the proved ones: no simple solution lies on a set of solutions. The
@@ -381,13 +385,13 @@ def solve_infinite(problem: Problem, ledger: Ledger, proof: Proof | None) -> Pos
 
     Parameters
     ----------
-    problem, ledger
+    problem, search
         The platform, and its proved poses.
     proof
         What proves the set of poses to be infinite; None if only that of the equations is.
     """
     arrangement, tracked = problem.arrangement, problem.tracked
-    poses = joined([side.poses() for side in ledger.sides])
+    poses = joined([side.poses() for side in search.sides])
     results = [paths.solutions(BESIDE_CURVES) for paths in tracked]
     samples = (_motion(arrangement, curve) for result in results for curve in result.curves)
     found = tuple(motion for motion in samples if _holds(arrangement, motion))
@@ -464,73 +468,69 @@ _DOUBTFUL = 1e-9
 
 
 def poses_by_count(
-    problem: Problem, ledger: Ledger, solve: Callable[[Instance], PoseSet]
+    problem: Problem, search: Search, solve: Callable[[Instance], PoseSet]
 ) -> PoseSet:
     """Return all poses of a platform of which fewer are proved than its type has.
 
     Parameters
     ----------
-    problem, ledger
+    problem, search
         The platform, and its proved poses. Its careful paths have been tracked.
     solve
         Returns all poses of another platform, solved likewise.
     """
     count = None
     if problem.limit != 0:
-        if (poses := poses_of_repeated(problem, ledger)) is not None:
+        if (poses := poses_of_repeated(problem, search)) is not None:
             return poses
-        if (poses := _by_geometry_or_type(problem, ledger)) is not None:
+        if (poses := _by_geometry_or_type(problem, search)) is not None:
             return poses
-        suspect = any(_unresolved(side) * FEW > side.paths.count for side in ledger.sides)
+        suspect = any(_unresolved(side) * FEW > side.paths.count for side in search.sides)
         count = exact_count(
             problem.instance, seed=problem.seed, limit=problem.limit, suspect=suspect
         )
     if count is None:
-        return _uncounted(problem, ledger)
+        return _uncounted(problem, search)
     if any(side.solutions is None and not side.parallel for side in count.sides):
-        return infinitely_many(problem, ledger, count, solve)
+        return infinitely_many(problem, search, count, solve)
     parts = [
         _of_side(side, counted, solve).on_sides(problem.choices[k : k + 1])
-        for k, (side, counted) in enumerate(zip(ledger.sides, count.sides, strict=True))
+        for k, (side, counted) in enumerate(zip(search.sides, count.sides, strict=True))
     ]
     # A set without a sample of it may have real poses that are isolated, such as lines that
     # coincide.
     if any(part.account.on_curves and not part.motions for part in parts):
-        return infinitely_many(problem, ledger, count, solve)
+        return infinitely_many(problem, search, count, solve)
     return _with_better_proof(problem, _proved(joined(parts), count))
 
 
-def _by_geometry_or_type(problem: Problem, ledger: Ledger) -> PoseSet | None:
+def _by_geometry_or_type(problem: Problem, search: Search) -> PoseSet | None:
     """Return as many proved poses as the geometry or the type has; None if fewer are found soon."""
     # With products there are more paths, and a count takes several times as long.
-    if not problem.is_reducible and (poses := _with_32_digits(ledger)) is not None:
+    if not problem.is_reducible and (poses := _with_32_digits(search)) is not None:
         return poses
-    # From now on the ledger has the count of the geometry.
+    # From now on the search has the count of the geometry.
     counted = problem.geometry_count
-    if counted is not None and (poses := ledger.complete) is not None:
+    if counted is not None and (poses := search.complete) is not None:
         return poses
-    from gspcli.solver.further import FEW_PATHS, early_elimination, search
-
     is_small = problem.expected <= FEW_PATHS
     if counted is not None and counted.solutions and (counted.has_lone_lines or is_small):
         # Almost all sets of values have as many poses as the geometry: a count of the platform
         # itself takes a tenth of the time of a first solution (`tools.verify.realistic`).
-        most = counted.solutions // len(ledger.sides)
-        for side in ledger.sides:
+        most = counted.solutions // len(search.sides)
+        for side in search.sides:
             side.all_simple = counted.distinct == counted.solutions
-            search(side, most, early_elimination)
-        return ledger.complete
-    return _with_32_digits(ledger)
+            search_side(side, most, early_elimination)
+        return search.complete
+    return _with_32_digits(search)
 
 
-def _with_32_digits(ledger: Ledger) -> PoseSet | None:
+def _with_32_digits(search: Search) -> PoseSet | None:
     """Follow wrong paths with 32 digits, unless a count is quicker; None if poses are missing."""
-    from gspcli.solver.further import search, with_32_digits
-
-    if not any(_too_many_unresolved(side) for side in ledger.sides):
-        for side in ledger.sides:
-            search(side, side.paths.count, with_32_digits)
-    return ledger.complete
+    if not any(_too_many_unresolved(side) for side in search.sides):
+        for side in search.sides:
+            search_side(side, side.paths.count, with_32_digits)
+    return search.complete
 
 
 def _with_better_proof(problem: Problem, poses: PoseSet) -> PoseSet:
@@ -577,9 +577,9 @@ def _counted(side: SidePoses, count: SideCount) -> PoseSet:
     return complete(side, solutions, distinct, known)
 
 
-def _uncounted(problem: Problem, ledger: Ledger) -> PoseSet:
+def _uncounted(problem: Problem, search: Search) -> PoseSet:
     """Return the poses of a platform that could not be counted exactly, by its geometry's count."""
-    instance, limit, sides = problem.instance, problem.limit, ledger.sides
+    instance, limit, sides = problem.instance, problem.limit, search.sides
     count = geometry_count(instance, seed=problem.seed, limit=limit) if limit != 0 else None
     most = None
     # Two pairs of lines parallel at once spoil the argument (docs/counts.md), and a
@@ -596,17 +596,16 @@ def _uncounted(problem: Problem, ledger: Ledger) -> PoseSet:
 
 def _search_uncounted(side: SidePoses, wanted: int) -> None:
     """Go on with the further strategies where no count says how many of the paths lead to poses."""
-    from gspcli.solver.further import by_elimination, early_elimination, search
 
     def are_few_missing() -> bool:
         return (wanted - len(side.found)) * FEW <= side.paths.count
 
-    search(side, wanted, early_elimination)
+    search_side(side, wanted, early_elimination)
     # Eigenvectors are the last way to many poses that no path leads to.
     if side.all_simple or are_few_missing():
-        search(side, wanted, by_elimination)
+        search_side(side, wanted, by_elimination)
     if are_few_missing():
-        search(side, wanted)
+        search_side(side, wanted)
 
 
 def _by_geometry(poses: PoseSet, count: ExactCount | None) -> Proof | None:

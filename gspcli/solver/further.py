@@ -202,7 +202,7 @@ FURTHER: tuple[Callable[[SidePoses], None], ...] = (
 )
 
 
-def search(
+def search_side(
     side: SidePoses, wanted: int, last: Callable[[SidePoses], None] = along_other_paths
 ) -> None:
     """Go on with the further strategies until as many poses are proved as wanted.

@@ -17,10 +17,9 @@ from numpy.typing import NDArray
 
 from gspcli.continuation.reduced_homotopy import Balance
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.solver.ends import Ends
-from gspcli.solver.ledger import Ledger
 from gspcli.solver.poses import PoseSet, are_far
 from gspcli.solver.problem import Problem
+from gspcli.solver.search import Search
 from gspcli.solver.solved_starts import SolvedPlatform, Sort, geometry_key
 from gspcli.solver.start import (
     Start,
@@ -50,38 +49,45 @@ _REACHED = 200
 _ATTEMPTS = 6
 
 
-def same_geometry(problem: Problem) -> Iterator[Ends]:
-    """Yield the ends of paths from a start of the geometry, and its far poses, where it is kept."""
+def same_geometry(search: Search) -> None:
+    """Add the ends of paths from a start of the geometry, and its far poses, where it is kept."""
+    problem = search.problem
+    if problem.has_closed_form or not problem.has_kept_geometry:
+        return
     start = kept_start(problem)
     # Where it has fewer poses than its type, its count is what says that these are all.
     if start is not None and (
         start.found == problem.expected or problem.geometry_count is not None
     ):
-        yield start.quick_ends(problem.values)._replace(has_directions=start.homotopy is not None)
+        ends = start.quick_ends(problem.values)
+        search.add(ends._replace(has_directions=start.homotopy is not None))
 
 
-def from_nearest(problem: Problem) -> Iterator[Ends]:
-    """Yield the ends of paths to sets of values, each from the nearest system."""
+def from_nearest(search: Search) -> None:
+    """Add the ends of paths to sets of values, each from the nearest system."""
+    problem = search.open
     if problem.start is not None:
-        yield problem.start.quick_ends(problem.values, problem.jobs)
+        search.add(problem.start.quick_ends(problem.values, problem.jobs))
 
 
-def by_short_steps(problem: Problem) -> Iterator[Ends]:
-    """Yield the ends of paths from the start's first system, with short steps."""
+def by_short_steps(search: Search) -> None:
+    """Add the ends of paths from the start's first system, with short steps."""
+    problem = search.open
     start = problem.start
     ends = None if start is None else start.short_ends(problem.values, problem.jobs)
     if ends is not None:
-        yield ends
+        search.add(ends)
 
 
-def by_careful_steps(problem: Problem) -> Iterator[Ends]:
-    """Yield the ends of paths of the equations in all unknowns, from the start's first system.
+def by_careful_steps(search: Search) -> None:
+    """Add the ends of paths of the equations in all unknowns, from the start's first system.
 
     Where there are equations with fewer unknowns, the other sets of values are solved one by one:
     that takes less time than these paths.
     """
+    problem = search.open
     if problem.start is not None and problem.start.homotopy is None:
-        yield problem.start.careful_ends(problem.values, problem.jobs)
+        search.add(problem.start.careful_ends(problem.values, problem.jobs))
 
 
 def kept_start(problem: Problem) -> Start | None:
@@ -182,11 +188,11 @@ def _starts(
 def _leads_back(found: Start, problem: Problem, solved: Problem, known: SolvedPlatform) -> bool:
     """Whether all poses of the platform that a start was made from are found and proved."""
     rows = known.arrangement.values[None]
-    ledger = Ledger(solved.with_rows(rows))
+    search = Search(solved.with_rows(rows))
     if found.found < solved.expected:
-        ledger.problem.known_geometry_count = problem.geometry_count
-    ledger.add(found.quick_ends(rows))
-    return ledger.is_at_once
+        search.problem.known_geometry_count = problem.geometry_count
+    search.add(found.quick_ends(rows))
+    return search.is_at_once
 
 
 def _about(

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property, partial
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any, Literal, Protocol, cast
+from typing import TYPE_CHECKING, Any, Literal, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,10 +39,7 @@ from gspcli.solver.poses import CountKind, PoseSet, Proof
 if TYPE_CHECKING:
     import pandas as pd
 
-    from gspcli.geometry.arrangement import Arrangement
     from gspcli.geometry.frames import PoseFrame
-    from gspcli.geometry.instance import Instance
-    from gspcli.geometry.quaternions import Field
 
 
 @dataclass(frozen=True)
@@ -142,55 +139,7 @@ class Solution(EqualByContent):
         return document
 
 
-class PosesOfColumns(Protocol):
-    """Poses of which something is said, and of what they are: a `SolveResult`."""
-
-    @property
-    def instance(self) -> Instance:
-        """The platform."""
-
-    @property
-    def arrangement(self) -> Arrangement:
-        """The platform in floating point."""
-
-    @property
-    def R(self) -> Field:
-        """Rotations, shape (n, 3, 3)."""
-
-    @property
-    def T(self) -> Field:
-        """Translations, shape (n, 3)."""
-
-    @property
-    def quaternions(self) -> Field:
-        """Unit quaternions, shape (n, 4)."""
-
-    @property
-    def real(self) -> NDArray[np.bool_]:
-        """Which are real, the first ones, shape (n,)."""
-
-    @property
-    def certified(self) -> NDArray[np.bool_]:
-        """Which are certified, shape (n,)."""
-
-    @property
-    def multiplicity(self) -> NDArray[np.int64]:
-        """The multiplicity of each, shape (n,)."""
-
-    @property
-    def residuals(self) -> NDArray[np.float64]:
-        """The residual of each constraint, shape (n, 6)."""
-
-    @property
-    def conditions(self) -> NDArray[np.float64]:
-        """Condition numbers, shape (n,)."""
-
-    @property
-    def solutions(self) -> tuple[Solution, ...]:
-        """The poses one by one."""
-
-
-Reader = Callable[[PosesOfColumns], Sequence[Any] | NDArray[Any]]
+Reader = Callable[["SolveResult"], Sequence[Any] | NDArray[Any]]
 #: How rotations can be written besides as Euler angles, which are named by their axes.
 ROTATIONS = ("quaternion", "matrix", "rotvec")
 
@@ -217,12 +166,12 @@ class PoseColumn:
     of_pose: bool = False
 
 
-def _part(read: Callable[[PosesOfColumns], NDArray[Any]], entry: int) -> Reader:
+def _part(read: Callable[[SolveResult], NDArray[Any]], entry: int) -> Reader:
     """Read one of the entries that there are for each pose."""
     return lambda result: read(result)[:, entry]
 
 
-def _sides(result: PosesOfColumns) -> list[list[str]]:
+def _sides(result: SolveResult) -> list[list[str]]:
     return [
         [f"{constraint}:{side}" for constraint, side in solution.sides.items()]
         for solution in result.solutions
@@ -262,12 +211,12 @@ COLUMNS = (*TRANSLATION, *QUATERNION, *FACTS)
 
 def expressed(
     frame: PoseFrame, arrangement: Arrangement, R: Field, T: Field, real: NDArray[np.bool_]
-) -> PosesOfColumns:
+) -> SolveResult:
     """Return poses as they are expressed in a frame, with what `rotation_columns` read of them."""
     R, T = frame.from_platform(R, T)
     quaternions = quaternion_from_rotation(R)
     given = {"arrangement": arrangement, "R": R, "T": T, "quaternions": quaternions, "real": real}
-    return cast("PosesOfColumns", SimpleNamespace(**given))
+    return cast("SolveResult", SimpleNamespace(**given))
 
 
 def expressed_columns(columns: Sequence[PoseColumn], frame: PoseFrame) -> Sequence[PoseColumn]:
@@ -282,9 +231,7 @@ def expressed_columns(columns: Sequence[PoseColumn], frame: PoseFrame) -> Sequen
     ]
 
 
-def _expressed(
-    read: Reader, frame: PoseFrame, result: PosesOfColumns
-) -> Sequence[Any] | NDArray[Any]:
+def _expressed(read: Reader, frame: PoseFrame, result: SolveResult) -> Sequence[Any] | NDArray[Any]:
     return read(expressed(frame, result.arrangement, result.R, result.T, result.real))
 
 
@@ -323,16 +270,16 @@ def rotation_columns(form: str) -> tuple[PoseColumn, ...]:
     )
 
 
-def _vectors(result: PosesOfColumns) -> NDArray[np.float64]:
+def _vectors(result: SolveResult) -> NDArray[np.float64]:
     return _of_real(result, vector_from_rotation)
 
 
-def _angles(sequence: str, result: PosesOfColumns) -> NDArray[np.float64]:
+def _angles(sequence: str, result: SolveResult) -> NDArray[np.float64]:
     return _of_real(result, partial(euler_from_rotation, sequence))
 
 
 def _of_real(
-    result: PosesOfColumns, written: Callable[[NDArray[np.float64]], NDArray[np.float64]]
+    result: SolveResult, written: Callable[[NDArray[np.float64]], NDArray[np.float64]]
 ) -> NDArray[np.float64]:
     """Return angles of the real poses in the unit of the instance, others are not numbers."""
     values = np.full((len(result.R), 3), np.nan)
@@ -340,7 +287,7 @@ def _of_real(
     return values
 
 
-def plain_table(result: PosesOfColumns, account: str) -> str:
+def plain_table(result: SolveResult, account: str) -> str:
     """Return the real poses as a table of plain text, with the account of paths below it."""
     units = {
         "length": f" [{result.instance.units.length}]",
@@ -408,7 +355,6 @@ class SolveResult(EqualByContent):
         return f"<SolveResult of {name}: {self.poses.account_text}>"
 
     def __str__(self) -> str:
-
         return plain_table(self, self.poses.account_text)
 
     @property

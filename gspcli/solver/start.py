@@ -31,10 +31,8 @@ from gspcli.continuation.systems import EQUATIONS, Coefficients, System
 from gspcli.continuation.tracked_paths import TrackedPaths, track_all
 from gspcli.continuation.tracker import (
     CAREFUL,
-    FROM_START,
-    SHORT,
-    SHORT_STEPS,
-    VALUE_STEPS,
+    DEFAULT,
+    QUICK,
     PathStatus,
     TrackerOptions,
     track,
@@ -42,8 +40,8 @@ from gspcli.continuation.tracker import (
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.quaternions import apply, study_from_pose
 from gspcli.records import dataclass
-from gspcli.solver.ends import Ends
 from gspcli.solver.poses import CountKind, PoseSet, Proof
+from gspcli.solver.search import Ends
 from gspcli.solver.solved_starts import SolvedStarts, Sort
 from gspcli.solver.study_systems import coefficients_of, complex_system, side_choices
 
@@ -163,7 +161,7 @@ class Start:
             return self
         chosen = np.linspace(0, len(parameters) - 1, size).astype(np.intp)
         members = parameters[chosen] + 1j * _NEARER * self.parameters[0].imag
-        ends = self._track(members, np.zeros(size, np.int32), FROM_START, jobs)
+        ends = self._track(members, np.zeros(size, np.int32), QUICK, jobs)
         good = np.flatnonzero(_all_different(ends.study, ends.status))
         deviation = parameters.std(axis=0)
         return replace(
@@ -176,9 +174,9 @@ class Start:
     def quick_ends(self, rows: Array, jobs: int = 1) -> Ends:
         """Return the ends of paths to sets of values (b, 6), from the nearest system."""
         if self.homotopy is None:
-            return self._whole_ends(rows, SHORT, jobs)
+            return self._whole_ends(rows, QUICK, jobs)
         parameters = self._parameters(rows)
-        return self._reduced_ends(parameters, self._nearest(parameters), VALUE_STEPS, jobs)
+        return self._reduced_ends(parameters, self._nearest(parameters), QUICK, jobs)
 
     def short_ends(self, rows: Array, jobs: int = 1) -> Ends | None:
         """Return the same, by short steps from the first system; None without a homotopy."""
@@ -186,7 +184,7 @@ class Start:
             return None
         parameters = self._parameters(rows)
         first = np.zeros(len(parameters), np.int32)
-        return self._reduced_ends(parameters, first, SHORT_STEPS, jobs)
+        return self._reduced_ends(parameters, first, DEFAULT, jobs)
 
     def careful_ends(self, rows: Array, jobs: int = 1) -> Ends:
         """Return the same, by paths of the equations in all unknowns."""
@@ -419,7 +417,7 @@ def _ends_from_solved(
     begin = real.astype(complex)
     if homotopy is not None:
         given = begin[None], homotopy.points(points[None]), np.zeros(1, np.int32)
-        ends = homotopy.track(*given, parameters[None], options=SHORT_STEPS, jobs=1)
+        ends = homotopy.track(*given, parameters[None], options=DEFAULT, jobs=1)
         study, status = ends.study[0], ends.status
     else:
         target, scale = at(parameters).coefficients.balanced()

@@ -119,9 +119,7 @@ def test_whatever_strategy_finds_them(name: str, monkeypatch: pytest.MonkeyPatch
     """Careful paths from the start; and the others, where doubles prove nothing."""
     instance = platform(name)
     with monkeypatch.context() as patch:
-        patch.setattr(
-            all_poses, "first_strategies", lambda _: iter([(all_poses.careful_paths, False)])
-        )
+        patch.setattr(all_poses, "_first_of_one", lambda: (all_poses.careful_paths,))
         assert said(solve(instance, starts=SolvedStarts()).poses) == known(name)
 
 
@@ -132,7 +130,7 @@ def test_whether_the_kernel_proves_them_or_balls(name: str, monkeypatch) -> None
 
 
 def test_whether_doubles_or_more_digits_find_them(monkeypatch) -> None:
-    monkeypatch.setattr(all_poses, "first_strategies", lambda _: iter([]))
+    monkeypatch.setattr(all_poses, "_first_of_one", lambda: ())
     assert said(solve(platform("6PP"), starts=SolvedStarts()).poses) == known("6PP")
 
 

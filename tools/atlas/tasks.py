@@ -19,7 +19,7 @@ from gspcli.certification import certify
 from gspcli.continuation.quadrics import BASES, ComplexArray, evaluate, random_quadrics
 from gspcli.continuation.systems import EQUATIONS, Coefficients, Structure, System
 from gspcli.continuation.tracked_paths import solve_systems
-from gspcli.continuation.tracker import CAREFUL, PARANOID, PathStatus, track
+from gspcli.continuation.tracker import CAREFUL, PathStatus, track
 from gspcli.defaults import SEED
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.quaternions import study_from_pose
@@ -51,9 +51,9 @@ from tools.atlas.intersection_numbers import law
 #: A test is passed if the defect is below this part of `without_one`; without a solution it is
 #: about 1.
 TOLERANCE = 1e-2
-#: The part below which no other random k is tried, and the options of the paths.
+#: The part below which no other random k is tried, and how often paths are followed.
 _GOOD = 1e-6
-_ATTEMPTS = (CAREFUL, CAREFUL, PARANOID)
+_ATTEMPTS = 3
 
 
 @dataclass(frozen=True)
@@ -104,7 +104,7 @@ def trace_test(target: System, points: ComplexArray, seed: int) -> TraceTest:
     points[:, 4:] /= scale
     points /= np.linalg.norm(points, axis=1, keepdims=True)
     best = TraceTest(np.inf, 0.0)
-    for attempt, options in enumerate(_ATTEMPTS):
+    for attempt in range(_ATTEMPTS):
         rng = np.random.default_rng([seed, attempt])
         moving = moving_equation(target.structure)
         space = target.structure.spaces[moving]
@@ -113,7 +113,7 @@ def trace_test(target: System, points: ComplexArray, seed: int) -> TraceTest:
             System(target.structure, coefficients),
             _moved(coefficients, target.structure, moving, member),
             points,
-            options=options,
+            options=CAREFUL,
         )
         if not (ends.status == PathStatus.REGULAR).all():
             continue

@@ -24,7 +24,7 @@ from gspcli.wording import counted, listed, shown
 
 if TYPE_CHECKING:
     from gspcli.geometry.home_mode import HomeMode
-    from gspcli.solver.result import PosesOfColumns
+    from gspcli.solver.result import SolveResult
 
 
 Array = NDArray[np.float64]
@@ -121,7 +121,7 @@ class ModeFilter:
     def __bool__(self) -> bool:
         return bool(self.where) or self.within_limits or self.above
 
-    def left_out(self, result: PosesOfColumns) -> dict[str, list[int]]:
+    def left_out(self, result: SolveResult) -> dict[str, list[int]]:
         """Return the numbers of the real poses that are left out, from 1, by the first reason.
 
         Parameters
@@ -158,14 +158,14 @@ class ModeFilter:
             left[reason] = (real[out] + 1).tolist()
         return {reason: those for reason, those in left.items() if those}
 
-    def _coordinates(self, result: PosesOfColumns, R: Array, T: Array) -> Array:
+    def _coordinates(self, result: SolveResult, R: Array, T: Array) -> Array:
         """Return x, y, z, rx, ry, rz of poses, shape (n, 6)."""
         turned, at = self.frame.from_platform(R, T)
         angles = euler_from_rotation(self.sequence, turned) / result.arrangement.in_radians
         return np.hstack((at, angles))
 
 
-def heights(result: PosesOfColumns, R: Array, T: Array) -> Array:
+def heights(result: SolveResult, R: Array, T: Array) -> Array:
     """Return how far the platform's centre is above that of the base, along its normal, (n,).
 
     Centres are the means of the points of distances. The normal is that of the plane that fits the

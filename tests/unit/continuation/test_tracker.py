@@ -13,8 +13,8 @@ from gspcli.continuation.endpoints import random_start
 from gspcli.continuation.quadrics import random_quadrics
 from gspcli.continuation.start import start_system
 from gspcli.continuation.systems import Coefficients, FineCoefficients, Structure, System
-from gspcli.continuation.tracked_paths import PathEnds, track_all
-from gspcli.continuation.tracker import DEEP, EXTENDED, PathStatus, TrackerOptions, track
+from gspcli.continuation.tracked_paths import _IN_32_DIGITS, _TO_THE_END, PathEnds, track_all
+from gspcli.continuation.tracker import PathStatus, TrackerOptions, track
 
 PRODUCTS = (False, True, False, True, False, False)
 
@@ -59,7 +59,7 @@ def test_builds_agree(homotopy, build):
 def test_double_double_numbers_agree_with_doubles_and_have_twice_the_digits(homotopy, build):
     if build not in _available():
         pytest.skip(f"this processor cannot run {build}")
-    results = track(*homotopy, options=EXTENDED, build=build)
+    results = track(*homotopy, options=_IN_32_DIGITS, build=build)
     assert (results.status == PathStatus.REGULAR).all()
     assert same(track(*homotopy), results)
     assert results.correction.max() < 1e-26
@@ -115,7 +115,7 @@ def test_a_path_is_not_at_the_target_where_only_a_double_cannot_tell_it_from_it(
     start, targets, points = homotopy
     target = targets.take(slice(1))
     ends = track(start, target, points[:8]).points[0]
-    options = replace(EXTENDED, waypoint=0.0, min_step=1e-18)
+    options = replace(_IN_32_DIGITS, waypoint=0.0, min_step=1e-18)
     results = track(start, target, ends, left=np.full(8, 1e-20), options=options)
     # Too near for a step, and yet not there.
     assert (results.status == PathStatus.FAILED).all()
@@ -128,7 +128,7 @@ def test_points_at_the_target_are_improved_beside_paths_that_are_not_there(homot
     ends = track(start, target, points[:20])
     arrived = np.arange(20) % 3 > 0
     starts = np.where(arrived[:, None], ends.points[0], points[:20])
-    options = replace(DEEP, arrival=1.0)
+    options = replace(_TO_THE_END, arrival=1.0)
     results = track(start, target, starts, left=np.where(arrived, 0.0, 1.0), options=options)
     assert (results.status == PathStatus.REGULAR).all()
     assert ((results.steps[0] == 0) == arrived).all()
@@ -166,7 +166,7 @@ def test_wrong_shapes(homotopy):
 
 def test_more_digits_are_those_that_doubles_cut_off(homotopy):
     start, targets, points = homotopy
-    results = track(start, targets, points[:8], options=EXTENDED)
+    results = track(start, targets, points[:8], options=_IN_32_DIGITS)
     assert results.low.shape == (3, 8, 1, 8)
     assert track(start, targets, points[:8]).low.shape == (0, 8, 1, 8)
     # On the Study quadric to this many digits, in exact arithmetic.

@@ -21,9 +21,9 @@ from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Line, Point, vector
 from gspcli.geometry.random_instances import random_instance
 from gspcli.solver import by_count, solve
-from gspcli.solver.ledger import Ledger
 from gspcli.solver.poses import CountKind
 from gspcli.solver.problem import Problem
+from gspcli.solver.search import Search
 from gspcli.solver.solved_starts import SolvedStarts
 
 ORIGIN, X, Y, Z = (vector(*v) for v in ((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)))
@@ -148,9 +148,9 @@ def test_many_paths_astray_are_not_followed_before_a_count(monkeypatch: pytest.M
     monkeypatch.setattr(TrackedPaths, "track", refused)
     monkeypatch.setattr(Problem, "geometry_count", None)
     problem = Problem(one_axis("0.5"))
-    ledger = Ledger(problem)
-    assert by_count._by_geometry_or_type(problem, ledger) is None
-    assert not len(ledger)
+    search = Search(problem)
+    assert by_count._by_geometry_or_type(problem, search) is None
+    assert not len(search)
 
 
 def test_a_second_prime_confirms_a_count() -> None:

@@ -27,6 +27,7 @@ from gspcli.solver.problem import Problem
 from gspcli.solver.side_poses import SidePoses
 from gspcli.solver.solved_starts import SolvedStarts
 from gspcli.solver.study_systems import coefficients_at
+from tests.support.strategies import added
 
 VALUES = [1.2, 1.25, 1.22, 1.21, 0.7, 0.8]
 
@@ -105,7 +106,7 @@ def test_they_are_those_of_the_further_strategies(monkeypatch):
 def test_points_in_planes_lead_to_one_of_each_pair_of_conjugates():
     problem = Problem(guided((DPL, DPL), (IN, UP), 6))
     known = solve(problem.instance)
-    (ends,) = far_in_planes(problem)
+    (ends,) = added(far_in_planes, problem)
     e = ends.points[0, 0, :, :4]
     e = e / np.linalg.norm(e, axis=1, keepdims=True)
     locator, sides = problem.locator, problem.sides[0]

@@ -231,7 +231,7 @@ def test_far_poses_of_machines_with_lines_need_no_paths(number, monkeypatch):
     def nothing_else(*_, **__):
         raise AssertionError
 
-    for way in ("short_series", "careful_paths"):
+    for way in ("quick_paths", "careful_paths"):
         monkeypatch.setattr(f"gspcli.solver.all_poses.{way}", nothing_else)
     again = solve(instance, starts=starts)
     assert again.proof == first.proof
@@ -353,7 +353,7 @@ def test_a_batch_has_a_start_with_poses_1e6_lengths_away():
     assert not answers.alone
     (poses, *_) = answers.poses()
     assert poses.account.verdict == "complete"
-    assert np.abs(poses.T).max() > 1e6 * answers.together[0].ledger.problem.arrangement.length
+    assert np.abs(poses.T).max() > 1e6 * answers.together[0].search.problem.arrangement.length
 
 
 @pytest.mark.parametrize("number", [40, 205, 386])

@@ -28,9 +28,9 @@ from gspcli.motion.singularities.clearances import clearances
 from gspcli.solver import SolveResult, solve
 from gspcli.solver import certify as certify_poses
 from gspcli.solver.by_count import poses_of_repeated
-from gspcli.solver.ledger import Ledger
 from gspcli.solver.poses import PoseSet
 from gspcli.solver.problem import Problem
+from gspcli.solver.search import Search
 from gspcli.spec import loads
 from tests.support.posts import PLATE_ON_POSTS
 
@@ -780,7 +780,7 @@ def test_six_different_constraints_are_left_to_counts() -> None:
 
 def _repeated(instance: Instance) -> PoseSet | None:
     problem = Problem(instance)
-    return poses_of_repeated(problem, Ledger(problem))
+    return poses_of_repeated(problem, Search(problem))
 
 
 # Nearly singular poses at T = 0, where the frames of most machines coincide: none is lost.

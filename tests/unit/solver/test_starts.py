@@ -18,7 +18,7 @@ from gspcli.certification.equations.mirror_images import mirrored
 from gspcli.continuation import reduced_homotopy
 from gspcli.continuation.reduced_homotopy import ReducedHomotopy, ends_from_start
 from gspcli.continuation.start import distinct
-from gspcli.continuation.tracker import SHORT_STEPS, VALUE_STEPS, PathStatus
+from gspcli.continuation.tracker import DEFAULT, QUICK, PathStatus
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.quaternions import rotation_from_quaternion
@@ -32,6 +32,7 @@ from gspcli.solver.problem import Problem
 from gspcli.solver.solved_starts import OFTEN, STARTS, SolvedStarts, Sort
 from gspcli.solver.start import Start, start_among, with_conjugates
 from gspcli.spec import load
+from tests.support.strategies import added, spoilt
 
 # What is kept of solved platforms: inspected, cleared, passed; no answer depends on it.
 
@@ -185,7 +186,7 @@ def test_each_start_leads_to_all_poses_in_pairs_of_mirror_images():
         np.testing.assert_array_equal(mirrored(start.points[:20]), start.points[20:])
         assert distinct(start.points)
         assert np.abs(start.system.values(start.points)).max() < 1e-12
-        ends = ends_from_start(start, targets[0], SHORT_STEPS)
+        ends = ends_from_start(start, targets[0], DEFAULT)
         proved = problem.proofs.decide(problem.choices, ends[None, None], problem.frames)
         assert proved.certified.sum() == 40
 
@@ -252,7 +253,7 @@ def refused(*_, **__):
     raise AssertionError(message)
 
 
-def test_proved_ends_of_short_series_are_the_answer(one_platform, monkeypatch):
+def test_proved_ends_of_quick_paths_are_the_answer(one_platform, monkeypatch):
     monkeypatch.setattr(Problem, "tracked", property(refused))
     found = solve(one_platform, starts=SolvedStarts())
     assert found.proof.by is CountKind.TYPE
@@ -274,18 +275,13 @@ def test_what_is_not_proved_is_found_by_careful_paths(name, monkeypatch):
     given = random_instance(parse_type(name), np.random.default_rng(3))[0]
     known = solve(given, starts=SolvedStarts())
 
-    def spoilt(ways):
-        def ends(problem):
-            for found in ways(problem):
-                # With a pair of conjugates each pose of which is lost.
-                found.points[..., :30, :] = found.points[..., 30:31, :]
-                found.points[..., 31, :] = np.nan
-                yield found
+    def spoil(ends):
+        # With a pair of conjugates each pose of which is lost.
+        ends.points[..., :30, :] = ends.points[..., 30:31, :]
+        ends.points[..., 31, :] = np.nan
 
-        return ends
-
-    for quick in ("short_series", "reduced_paths"):
-        monkeypatch.setattr(all_poses, quick, spoilt(getattr(all_poses, quick)))
+    for quick in ("quick_paths", "reduced_paths"):
+        monkeypatch.setattr(all_poses, quick, spoilt(getattr(all_poses, quick), spoil))
     careful = []
     monkeypatch.setattr(
         Problem, "tracked", property(lambda problem: careful.append(1) or tracked(problem))
@@ -308,14 +304,12 @@ def tracked(problem):
 def test_poses_that_every_first_path_misses_are_found_with_more_digits(lost, monkeypatch):
     given = random_instance(parse_type("6PP"), np.random.default_rng(5))[0]
     known = solve(given, starts=SolvedStarts())
-    monkeypatch.setattr(all_poses, "reduced_paths", lambda _: iter(()))
+    monkeypatch.setattr(all_poses, "reduced_paths", lambda _: None)
 
-    def careful(problem):
-        for found in careful_paths(problem):
-            found.points[..., :lost, :] = np.nan
-            yield found
+    def spoil(ends):
+        ends.points[..., :lost, :] = np.nan
 
-    careful_paths = all_poses.careful_paths
+    careful = spoilt(all_poses.careful_paths, spoil)
     monkeypatch.setattr(all_poses, "careful_paths", careful)
     found = solve(given, starts=SolvedStarts())
     assert found.proof == known.proof
@@ -326,8 +320,8 @@ def test_poses_that_every_first_path_misses_are_found_with_more_digits(lost, mon
 def test_platforms_without_products_have_quicker_paths():
     legs = random_instance(parse_type("6PP"), np.random.default_rng(3))[0]
     problem = Problem(legs, starts=SolvedStarts())
-    assert list(all_poses.short_series(problem)) == []
-    [ends] = all_poses.reduced_paths(problem)
+    assert added(all_poses.quick_paths, problem) == []
+    [ends] = added(all_poses.reduced_paths, problem)[:1]
     assert ends.points.shape == (1, 1, 40, 8)
 
 
@@ -381,7 +375,7 @@ def test_paths_from_the_pool_are_shorter():
     parameters = start._parameters(rows)
     steps = []
     for each in (start, _first_of(start)):
-        given = parameters.astype(complex), each._nearest(parameters), VALUE_STEPS, 1
+        given = parameters.astype(complex), each._nearest(parameters), QUICK, 1
         steps.append(each._track(*given).steps.mean())
     assert steps[0] < 0.8 * steps[1]
 
@@ -428,7 +422,7 @@ def test_what_long_steps_lose_is_found_by_short_ones(monkeypatch):
     def losing(*given, options, jobs):
         ends = track(*given, options=options, jobs=jobs)
         tolerances.append(options.predictor_tolerance)
-        if options is VALUE_STEPS:
+        if options is QUICK:
             ends.status[2, 3] = PathStatus.FAILED
         return ends
 

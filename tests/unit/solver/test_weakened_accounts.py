@@ -16,8 +16,8 @@ from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Line, Plane, Point, vector
 from gspcli.geometry.quaternions import study_from_pose
 from gspcli.solver.by_count import _by_geometry, _different, _multiplicities, _proof
-from gspcli.solver.ledger import Ledger
 from gspcli.solver.poses import CountKind
+from gspcli.solver.search import Search
 from gspcli.solver.side_poses import SidePoses
 
 
@@ -65,20 +65,20 @@ def test_ends_that_differ_by_less_than_their_errors_may_be_one() -> None:
         assert near.all() or groups == 2
 
 
-def ledger(**count: object) -> Ledger:
-    found = Ledger.__new__(Ledger)
+def search(**count: object) -> Search:
+    found = Search.__new__(Search)
     known = SimpleNamespace(**{"solutions": 28, "has_lone_lines": True, "error": 1e-12, **count})
     found.problem = SimpleNamespace(expected=40, known_geometry_count=known)
     return found
 
 
 def test_poses_are_all_if_the_type_or_the_geometry_has_as_many() -> None:
-    assert ledger()._counted(40).by is CountKind.TYPE
-    assert ledger()._counted(28).by is CountKind.GEOMETRY
-    assert ledger()._counted(27) is None
-    assert ledger()._counted(29) is None
+    assert search()._counted(40).by is CountKind.TYPE
+    assert search()._counted(28).by is CountKind.GEOMETRY
+    assert search()._counted(27) is None
+    assert search()._counted(29) is None
     # Two pairs of lines that may be parallel at once hide solutions of the equations.
-    assert ledger(has_lone_lines=False)._counted(28) is None
+    assert search(has_lone_lines=False)._counted(28) is None
     poses = SimpleNamespace(certified=np.ones(28, bool), account=SimpleNamespace(expected=40))
     count = SimpleNamespace(solutions=28, has_lone_lines=True, error=1e-12)
     assert _by_geometry(poses, count).by is CountKind.GEOMETRY

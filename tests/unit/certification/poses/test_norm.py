@@ -5,6 +5,7 @@ from __future__ import annotations
 from gspcli.solver.all_poses import careful_paths
 from gspcli.solver.problem import Problem
 from gspcli.spec import loads
+from tests.support.strategies import added
 
 #: Of its 208 paths 48 lead to infinity, many to simple solutions with N = 0 exactly.
 AT_INFINITY = """
@@ -37,7 +38,7 @@ def test_no_solution_at_infinity_is_certified() -> None:
     """Whether a pose is rounded correctly is left out: 160 exist (msolve, modulo two primes)."""
     problem = Problem(loads(AT_INFINITY))
     assert problem.proofs is not None
-    (ends,) = careful_paths(problem)
+    (ends,) = added(careful_paths, problem)
     found = problem.proofs.decide(problem.choices, ends.points, ends.frames)
     assert found.certified.shape == (1, 208)
     assert (found.certified.sum(), found.real.sum()) == (160, 10)

@@ -1,29 +1,56 @@
-"""The proved poses of a platform, and which sets of values have not all of theirs yet."""
+"""The search for all poses: what strategies add, what is proved, and what is missing."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from gspcli.certification.equations.local_frames import StudyFrames
 from gspcli.certification.poses.many_values import OF_POSES, ProvedPoses
 from gspcli.continuation.paths import Basis, PathAccount
-from gspcli.solver.ends import Ends
+from gspcli.continuation.quadrics import ComplexArray
 from gspcli.solver.poses import CountKind, PoseSet, Proof, joined, on_sides
 from gspcli.solver.problem import Problem
 
 if TYPE_CHECKING:
     from gspcli.certification.poses.collection import StudyPoints
+    from gspcli.certification.poses.far_poses import FarPoses
     from gspcli.solver.side_poses import SidePoses
 
 
 Index = NDArray[np.intp]
 
 
-class Ledger:
+class Ends(NamedTuple):
+    """Points that may be poses, for each of b sets of values.
+
+    Attributes
+    ----------
+    points, frames
+        Study points of any norm for k choices of sides, shape (b, k, m, 8), and their frames; not
+        a number where a path is lost.
+    far
+        Poses far away, to which no paths lead, if there is one choice of sides.
+    has_directions
+        Whether quaternions are right in all digits, up to a factor, where N nearly vanishes, too:
+        where paths with fewer unknowns to one platform have arrived.
+    planes
+        For each end and constraint 1 or -1 for the complex plane through the line that the point
+        is in, 0 for constraints without points and lines, shape (m, 6); None if there are none.
+    """
+
+    points: ComplexArray
+    frames: StudyFrames
+    far: FarPoses | None = None
+    has_directions: bool = False
+    planes: NDArray[np.int64] | None = None
+
+
+class Search:
     """The proved poses of a platform, or of one geometry with each of b sets of values.
 
     Parameters
@@ -69,7 +96,10 @@ class Ledger:
         return self.problem if self.proved is None else self.problem.part(self.left)
 
     def add(self, ends: Ends) -> None:
-        """Prove poses near the ends of paths to the incomplete sets of values, by the kernel."""
+        """Prove poses near the ends of paths to the incomplete sets of values, by the kernel.
+
+        Where ends have directions and poses are missing, poses far away are located in balls.
+        """
         problem = self.problem
         if problem.proofs is None:
             return
@@ -87,20 +117,12 @@ class Ledger:
                 side.add_first(
                     found._replace(**{name: getattr(found, name)[:, each] for name in OF_POSES})
                 )
-
-    def add_far(self, ends: Ends) -> None:
-        """Add poses far away of one platform; count its geometry if some are missing still.
-
-        Parameters
-        ----------
-        ends
-            Where paths have led, with all digits of quaternions (`Ends.has_directions`).
-        """
-        for k, side in enumerate(self.sides if self.problem.proofs is not None else ()):
-            side.add_far(ends.points[0, k], ends.planes)
-        if self._answer is None and self.problem.is_reducible:
-            # From now on the ledger has the count of the geometry.
-            _ = self.problem.geometry_count
+        if ends.has_directions and not self.is_complete:
+            for k, side in enumerate(self.sides):
+                side.add_far(ends.points[0, k], ends.planes)
+            if self._answer is None and problem.is_reducible:
+                # From now on the search has the count of the geometry.
+                _ = problem.geometry_count
 
     def _keep(self, found: ProvedPoses) -> None:
         """Keep the poses for sets of values that were left and are complete now."""
@@ -141,7 +163,7 @@ class Ledger:
         """Return how many poses of one platform are proved."""
         if self.proved is not None:
             return int(self.proved.certified.shape[1])
-        return sum(len(side.found) for side in self.sides)
+        return sum(len(side.found) for side in self._sides)
 
     def _counted(self, number: int) -> Proof | None:
         """Return the proof that there are exactly this many poses; None if no count says so."""
