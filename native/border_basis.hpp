@@ -17,11 +17,120 @@
 
 #include "budget.hpp"
 #include "echelon.hpp"
+#include "monomials.hpp"
 #include "motion_ring.hpp"
-#include "normal_forms.hpp"
 
 namespace gsp {
 namespace {
+
+// Normal monomials and the normal forms of the monomials at their border, as far as they are known.
+
+template <class F>
+class NormalForms {
+ public:
+  using Residue = typename F::Residue;
+  // A vector over the normal monomials up to some degree, the last one first.
+  using Vector = std::vector<Residue>;
+
+  int dimension() const { return static_cast<int>(normal_.size()); }
+  // A variable times a normal monomial, over the normal monomials in their order.
+  Vector image(int k, int i) {
+    Vector result = product(normal_[k], i);
+    std::reverse(result.begin(), result.end());
+    result.resize(dimension(), 0);
+    return result;
+  }
+  // The position of a variable times a normal monomial among the normal ones, or -1.
+  int position_of_product(int k, int i) { return position_[times(normal_[k], i)]; }
+
+ protected:
+  NormalForms(const F& field, int variables, Budget& budget)
+      : field_(field), variables_(variables), budget_(budget), monomials_(variables) {}
+
+  void grow() {
+    if (position_.size() < static_cast<std::size_t>(monomials_.size())) {
+      position_.resize(monomials_.size(), -1);
+      form_.resize(monomials_.size());
+    }
+  }
+  int times(int k, int i) {
+    const int result = monomials_.times(k, i);
+    grow();
+    return result;
+  }
+  bool is_normal(int k) const { return position_[k] >= 0; }
+  Vector unit(int position) const {
+    Vector result(position + 1, 0);
+    result[0] = 1;
+    return result;
+  }
+  const Vector& known(int k) {
+    if (is_normal(k) && form_[k].empty()) {
+      form_[k] = unit(position_[k]);
+      budget_.keep(form_[k].size());
+    }
+    return form_[k];
+  }
+  const Vector& product(int k, int i) { return known(times(k, i)); }
+  // The normal form of a monomial below the present degree.
+  Vector normal_form(Monomial m, int degree) {
+    const int k = monomials_.find(m);
+    if (k >= 0 && (is_normal(k) || !form_[k].empty())) return known(k);
+    const int i = divisor(m);
+    const Vector rest = normal_form(m - variable(i), degree - 1);
+    Accumulator<F> sums(field_, dimension());
+    add_multiple(sums, rest, i, 1, degree, 0);
+    Vector result(dimension());
+    for (int t = 0; t < dimension(); ++t) result[t] = sums.at(t);
+    return result;
+  }
+  // A variable that divides a monomial, such that the rest is known, if there is one.
+  int divisor(Monomial m) {
+    int any = -1;
+    for (int i = 0; i < variables_; ++i) {
+      if (exponent(m, i) == 0) continue;
+      const int k = monomials_.find(m - variable(i));
+      if (k >= 0 && (is_normal(k) || !form_[k].empty())) return i;
+      any = i;
+    }
+    return any;
+  }
+  // Adds a multiple of a variable times a vector. Columns: those of degree d, then the normal
+  // monomials, the last one first.
+  void add_multiple(Accumulator<F>& sums, const Vector& vector, int i, Residue factor, int d,
+                    int top) {
+    const int length = static_cast<int>(vector.size());
+    for (int t = 0; t < length; ++t) {
+      if (vector[t] == 0) continue;
+      const Residue value = factor == 1 ? vector[t] : field_.multiply(vector[t], factor);
+      add_known(sums, times(normal_[length - 1 - t], i), value, d, top);
+    }
+    sums.flush();
+  }
+  void add_known(Accumulator<F>& sums, int k, Residue value, int d, int top) {
+    if (top > 0 && monomials_.degree(k) == d) {
+      sums.add(column_[k], value);
+    } else if (is_normal(k)) {
+      sums.add(top + dimension() - 1 - position_[k], value);
+    } else {
+      const Vector& form = form_[k];
+      const int length = static_cast<int>(form.size());
+      sums.subtract_later(top + dimension() - length, form.data(), field_.negative(value), length);
+      spent_ += length;
+    }
+  }
+
+  const F& field_;
+  int variables_;
+  Budget& budget_;
+  Monomials monomials_;
+  std::vector<int> position_;  // of each monomial among the normal ones, or -1
+  std::vector<Vector> form_;   // of each border monomial its normal form
+  std::vector<int> normal_;    // the normal monomials, degree by degree
+  std::vector<int> start_;     // of each degree the position of its first
+  std::vector<int> column_;    // of each monomial of the present degree
+  std::uint64_t spent_ = 0;    // multiplications not yet charged
+};
 
 template <class F>
 class BorderBasis : public NormalForms<F> {
@@ -324,8 +433,156 @@ bool BorderBasis<F>::is_positive(int d) const {
   return false;
 }
 
+// Border bases: rows that were reduced before a fall of degree and are used again after it.
+
+template <class F>
+void BorderBasis<F>::add_carried(Echelon<F>& matrix, int d) {
+  if (!is_carried(d)) return;
+  for (const Carried& carried : carried_[d]) {
+    matrix.accumulator.clear();
+    for (const auto& [k, value] : carried.terms) {
+      const int degree = monomials_.degree(k);
+      if (degree == d && k < static_cast<int>(column_.size()) && column_[k] >= 0) {
+        matrix.accumulator.add(column_[k], value);
+      } else if (degree < d && (is_normal(k) || !form_[k].empty())) {
+        add_known(matrix.accumulator, k, value, d, top_);
+      } else {
+        add_term(matrix.accumulator, monomials_[k], degree, value, d);
+      }
+    }
+    matrix.accumulator.flush();
+    push(matrix, [&] { return std::vector<int>{-1, carried.step, carried.row}; });
+  }
+  budget_.spend(carried_[d].size());
+}
+
+// Keeps the reduced rows of the degrees that will be done again.
+template <class F>
+void BorderBasis<F>::carry(const Echelon<F>& matrix, const std::vector<int>& columns, int from,
+                           int d) {
+  if (static_cast<int>(carried_.size()) <= d) carried_.resize(d + 1);
+  for (int degree = from; degree <= d; ++degree) carried_[degree].clear();
+  std::fill(was_normal_.begin(), was_normal_.end(), 0);
+  std::fill(is_fresh_.begin(), is_fresh_.end(), 0);
+  for (const int k : normal_) was_normal_[k] = 1;
+  for (int c = 0; c < top_; ++c) {
+    const int row = matrix.row_of(c);
+    if (row < 0) {
+      was_normal_[columns[c]] = 1;
+      continue;
+    }
+    Carried kept{steps_ - 1, row, {}};
+    for (int other = c; other < matrix.columns(); ++other) {
+      const Residue value = matrix.entry(row, other);
+      if (value == 0) continue;
+      kept.terms.emplace_back(
+          other < top_ ? columns[other] : normal_[top_ + dimension() - 1 - other], value);
+    }
+    carried_[d].push_back(std::move(kept));
+  }
+  for (int k = 0; k < static_cast<int>(form_.size()); ++k) {
+    const int degree = monomials_.degree(k);
+    if (degree < from || degree >= d || is_normal(k) || form_[k].empty()) continue;
+    Carried kept{origin_[k].first, origin_[k].second, {{k, 1}}};
+    const int length = static_cast<int>(form_[k].size());
+    for (int t = 0; t < length; ++t)
+      if (form_[k][t] != 0)
+        kept.terms.emplace_back(normal_[length - 1 - t], field_.negative(form_[k][t]));
+    carried_[degree].push_back(std::move(kept));
+  }
+  // The least leading monomials first, so that tails are reduced when they are used.
+  for (int degree = from; degree <= d; ++degree)
+    std::sort(carried_[degree].begin(), carried_[degree].end(),
+              [&](const Carried& a, const Carried& b) {
+                return monomials_.greater(b.terms.front().first, a.terms.front().first);
+              });
+}
+
+// Border bases: commutators of two variables on the normal monomials, and a test whether there are enough.
+
+template <class F>
+void BorderBasis<F>::add_commutators(Echelon<F>& matrix, int d) {
+  // The first row of each column that is a multiple of an old leading monomial comes first, the
+  // least columns first, so that its tail is reduced already.
+  std::vector<std::pair<int, Commutator>> first;
+  std::vector<Commutator> rest;
+  std::vector<char> seen(top_, 0);
+  for (int k = start_[d - 2]; k < start_[d - 1]; ++k)
+    for (int i = 0; i < variables_; ++i)
+      for (int j = i + 1; j < variables_; ++j) {
+        const int a = times(normal_[k], i), b = times(normal_[k], j);
+        if (is_normal(a) && is_normal(b)) continue;
+        const int both = times(a, j);
+        const int column =
+            both < static_cast<int>(column_.size()) ? column_[both] : -1;
+        const bool next_door = is_normal(a) || is_normal(b);
+        if (next_door && column >= 0 && !seen[column]) {
+          seen[column] = 1;
+          first.push_back({column, {normal_[k], i, j}});
+        } else {
+          rest.push_back({normal_[k], i, j});
+        }
+      }
+  std::sort(first.begin(), first.end(),
+            [](const auto& a, const auto& b) { return a.first > b.first; });
+  if (is_carried(d)) {
+    // Old commutators lie in the span of the rows carried over; new ones come from monomials that
+    // did not lead before.
+    for (const auto& [column, row] : first) rest.push_back(row);
+    const auto old = std::stable_partition(rest.begin(), rest.end(), [&](const Commutator& row) {
+      return is_fresh_[times(row.monomial, row.i)] || is_fresh_[times(row.monomial, row.j)];
+    });
+    for (auto row = rest.begin(); row != old; ++row) push_commutator(matrix, *row, d);
+    rest.erase(rest.begin(), old);
+  } else {
+    for (const auto& [column, row] : first) push_commutator(matrix, row, d);
+  }
+  std::shuffle(rest.begin(), rest.end(), random_);
+  // Random combinations of all commutators show whether the remaining ones add nothing new.
+  std::size_t next = 0;
+  int streak = kStreak;
+  while (next < rest.size()) {
+    if (streak >= kStreak) {
+      streak = 0;
+      int tests = 0;
+      while (tests < kTests && !has_new_commutator(matrix, d)) ++tests;
+      if (tests == kTests) {
+        all_commutators_ = false;
+        return;
+      }
+    }
+    for (int k = 0; k < kRowsBetweenTrials && next < rest.size(); ++k, ++next)
+      streak = push_commutator(matrix, rest[next], d) ? 0 : streak + 1;
+  }
+}
+
+template <class F>
+typename BorderBasis<F>::Vector BorderBasis<F>::times_form(const Vector& form,
+                                                            const Vector& vector, int d) {
+  Accumulator<F> sums(field_, dimension());
+  for (int i = 0; i < variables_; ++i) add_multiple(sums, vector, i, form[i], d, 0);
+  Vector result(dimension());
+  for (int t = 0; t < dimension(); ++t) result[t] = sums.at(t);
+  return result;
+}
+
+// Whether a (b u) - b (a u), for random linear forms a, b and a random combination u, is new.
+template <class F>
+bool BorderBasis<F>::has_new_commutator(Echelon<F>& matrix, int d) {
+  Vector a(variables_), b(variables_), u(start_[d - 1], 0);
+  for (Residue& x : a) x = random();
+  for (Residue& x : b) x = random();
+  for (int t = 0; t < start_[d - 1] - start_[d - 2]; ++t) u[t] = random();
+  const Vector au = times_form(a, u, d), bu = times_form(b, u, d);
+  matrix.accumulator.clear();
+  for (int i = 0; i < variables_; ++i) {
+    add_multiple(matrix.accumulator, bu, i, a[i], d, top_);
+    add_multiple(matrix.accumulator, au, i, field_.negative(b[i]), d, top_);
+  }
+  const bool is_new = matrix.reduce() >= 0;
+  spend(matrix);
+  return is_new;
+}
+
 }  // namespace
 }  // namespace gsp
-
-#include "carried_rows.hpp"
-#include "commutators.hpp"
