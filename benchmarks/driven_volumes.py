@@ -23,7 +23,7 @@ from gspcli.geometry.instance import Instance
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Geometry, Point
 from gspcli.motion import measure
-from gspcli.motion.workspace.box_division import workspace
+from gspcli.motion.workspace.workspaces import workspace
 from tests.support.independent_machines import Machine, PlaneGeometry, machines
 
 #: The gap of the bounds of a volume, and what is free in a section.

@@ -79,7 +79,7 @@ if TYPE_CHECKING:
     from gspcli.motion.singularities.clearances import clearance as clearance
     from gspcli.motion.singularities.scans import scan as scan
     from gspcli.motion.statics.freedoms import freedoms as freedoms
-    from gspcli.motion.workspace.box_division import workspace as workspace
+    from gspcli.motion.workspace.workspaces import workspace as workspace
     from gspcli.paper.tables import table as table
     from gspcli.pictures.page import notebook_view as notebook_view
     from gspcli.pictures.whole_views import view as view
@@ -137,7 +137,7 @@ _NAMES = {
     "gspcli.motion.singularities.clearances": "clearance",
     "gspcli.motion.singularities.scans": "scan",
     "gspcli.motion.statics.freedoms": "freedoms",
-    "gspcli.motion.workspace.box_division": "workspace",
+    "gspcli.motion.workspace.workspaces": "workspace",
     "gspcli.paper.tables": "table",
     "gspcli.pictures.page": "notebook_view",
     "gspcli.pictures.whole_views": "view",

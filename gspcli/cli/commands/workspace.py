@@ -182,7 +182,7 @@ def command(o: Options) -> None:
         o.connected is not None or _keeps_limits(moving, home, working_modes, o.leg_gap)
     )
     wanted = o.gap or _default_gap(free, o.listed, o.output)
-    from gspcli.motion.workspace.box_division import workspace
+    from gspcli.motion.workspace.workspaces import workspace
 
     with _interruptible() as interrupted:
         found = workspace(

@@ -86,7 +86,7 @@ def moved(
         The numbers that are added to some of x, y, z, rx, ry, rz; angles turn about axes of the
         base.
     pivot, sequence
-        As in `gspcli.motion.workspace.box_division.workspace`.
+        As in `gspcli.motion.workspace.workspaces.workspace`.
     in_radians
         The unit of angles.
     """

@@ -15,7 +15,7 @@ from gspcli.motion.paths.ends import PathEnd
 from gspcli.motion.paths.guides import DriveGuide
 from gspcli.motion.paths.planner import path
 from gspcli.motion.paths.pose_ways import PoseWays
-from gspcli.motion.workspace.box_division import workspace
+from gspcli.motion.workspace.workspaces import workspace
 from gspcli.solver import solve
 from gspcli.spec.reading import example
 

@@ -7,9 +7,9 @@ from gspcli.errors import ArgumentError
 from gspcli.geometry.limits import within_limits
 from gspcli.motion.collisions.compared import ComparedShapes
 from gspcli.motion.poses.inverse_kinematics import values_at
-from gspcli.motion.workspace.box_division import workspace
 from gspcli.motion.workspace.pose_boxes import PARAMETERS
 from gspcli.motion.workspace.travels import travels
+from gspcli.motion.workspace.workspaces import workspace
 from gspcli.spec.reading import example
 from tests.support.thick_legs import thick
 

@@ -17,9 +17,9 @@ from flint import arb
 from gspcli import _kernel
 from gspcli.certification.numbers.limit_balls import limit_balls
 from gspcli.geometry.instance import Instance
-from gspcli.motion.workspace.box_division import HomePart
 from gspcli.motion.workspace.pose_boxes import BoxSet, PoseBoxes
 from gspcli.motion.workspace.travels import _first_gap
+from gspcli.motion.workspace.workspaces import HomePart
 from gspcli.resources import data_path
 from gspcli.spec import load
 

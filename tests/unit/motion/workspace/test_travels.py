@@ -13,8 +13,8 @@ from gspcli.geometry.machine import Machine
 from gspcli.geometry.numbers import Number
 from gspcli.motion import measure
 from gspcli.motion.statics.wrenches import wrenches
-from gspcli.motion.workspace.box_division import workspace
 from gspcli.motion.workspace.travels import moved, travels, violations
+from gspcli.motion.workspace.workspaces import workspace
 from tests.support.limited import limited, one_leg, study
 from tests.support.surface_machines import tripod
 

@@ -12,8 +12,8 @@ from gspcli.geometry.limits import within_limits
 from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.motion import measure
 from gspcli.motion.statics.wrenches import wrenches
-from gspcli.motion.workspace.box_division import workspace
 from gspcli.motion.workspace.pose_boxes import PARAMETERS
+from gspcli.motion.workspace.workspaces import workspace
 from tests.support.limited import limited, one_leg, study, turned
 
 HOME = np.eye(3), np.zeros(3)
