@@ -20,9 +20,10 @@ import pytest
 import gspcli
 from gspcli.catalogue.names import parse_type
 from gspcli.certification.numbers.doubled import ERROR, SINE_ERROR, SineNumbers
-from gspcli.certification.numbers.rounding import COMPLEX, ISOLATED, REAL, ROUNDED, ROUNDING
+from gspcli.certification.numbers.rounding import COMPLEX, ISOLATED, REAL, ROUNDED
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.coordinates import choose, moved
+from gspcli.geometry.enclosures import roundings
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.machine import Machine, driven_points
 from gspcli.geometry.numbers import Number
@@ -545,7 +546,7 @@ def skew(library: ctypes.CDLL) -> Callable[[np.ndarray, float], bool]:
     line = np.zeros(9)
     line[0] = 1
     head = np.concatenate(([0], np.full(18, -1.0), np.zeros(24), np.full(6, -1.0), np.zeros(6)))
-    data = np.concatenate((head, [1, 1e-9, 1, 1], line, [ROUNDING]))
+    data = np.concatenate((head, [1, 1e-9, 1, 1], line, [roundings(8, 1.0)]))
 
     def asked(R: np.ndarray, deviation: float) -> bool:
         rotation = np.ascontiguousarray(R.ravel())
