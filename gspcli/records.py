@@ -14,6 +14,9 @@ from collections.abc import Callable
 from operator import attrgetter
 from typing import TYPE_CHECKING, Any, Literal, NoReturn, TypeVar
 
+if TYPE_CHECKING:
+    import pandas as pd
+
 Class = TypeVar("Class", bound=type[Any])
 Fields = tuple[dataclasses.Field[Any], ...]
 
@@ -148,6 +151,20 @@ class EqualByContent:
     def __hash__(self) -> int:
         # Equal objects have equal hashes, and arrays have none.
         return hash(type(self))
+
+
+class Tabular(EqualByContent):
+    """A base of results that are also rows of plain data."""
+
+    def rows(self) -> list[dict[str, Any]]:
+        """Return the rows."""
+        raise NotImplementedError
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return the rows as a table (pandas is imported now)."""
+        import pandas as pd
+
+        return pd.DataFrame(self.rows())
 
 
 def _same(one: Any, other: Any) -> bool:

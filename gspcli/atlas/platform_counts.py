@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from random import Random
-from typing import TYPE_CHECKING, Any, TypeAlias, overload
+from typing import Any, TypeAlias, overload
 
 from gspcli import __version__
 from gspcli.catalogue.counts import generic_counts
@@ -18,11 +18,7 @@ from gspcli.errors import ArgumentError, GspError
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Units
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Geometry, Line, Plane, Point, Vector, vector
-from gspcli.records import dataclass
-
-if TYPE_CHECKING:
-    import pandas as pd
-
+from gspcli.records import Tabular, dataclass
 
 #: Coordinates are integers of at most this size.
 _SIZE = 1000
@@ -263,7 +259,7 @@ class GeometryCount:
 
 
 @dataclass(frozen=True)
-class TypeCounts:
+class TypeCounts(Tabular):
     """The counts of classes of geometry of a type.
 
     Attributes
@@ -297,12 +293,6 @@ class TypeCounts:
             }
             for one in self.counts
         ]
-
-    def to_frame(self) -> pd.DataFrame:
-        """Return a row for each class (pandas is imported now)."""
-        import pandas as pd
-
-        return pd.DataFrame(self.rows())
 
     def to_json(self) -> dict[str, Any]:
         """Return everything as plain data of schema ``gsp.count-geometries/1``."""

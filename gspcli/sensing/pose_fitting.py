@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,7 +25,7 @@ from gspcli.geometry.quaternions import (
     vector_from_rotation,
 )
 from gspcli.motion.poses.inverse_kinematics import values_at
-from gspcli.records import EqualByContent, dataclass
+from gspcli.records import Tabular, dataclass
 from gspcli.sensing.mode_readings import parsed_readings
 from gspcli.sensing.sensor_kinds import (
     Inclinometer,
@@ -37,9 +37,6 @@ from gspcli.sensing.sensor_kinds import (
 from gspcli.solver import SolveResult, solve
 from gspcli.ties import first_largest
 from gspcli.wording import counted, listed, shown
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 Array = NDArray[np.float64]
 
@@ -401,7 +398,7 @@ class Without:
 
 
 @dataclass(frozen=True, eq=False)
-class PoseFit(EqualByContent):
+class PoseFit(Tabular):
     """The poses that fit six values and further readings.
 
     Attributes
@@ -497,12 +494,6 @@ class PoseFit(EqualByContent):
             row |= {"sigma_turn": float(pose.sigma[:3].max()) / unit, "fits": pose.fits}
             found.append(row)
         return found
-
-    def to_frame(self) -> pd.DataFrame:
-        """Return a row for each pose (pandas is imported now)."""
-        import pandas as pd
-
-        return pd.DataFrame(self.rows())
 
     def to_json(self) -> dict[str, Any]:
         """Return all of it as plain data."""

@@ -11,7 +11,7 @@ import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -25,13 +25,10 @@ from gspcli.geometry.instance import Instance
 from gspcli.geometry.machine import Machine, is_driven
 from gspcli.geometry.quaternions import apply, vector_from_rotation
 from gspcli.geometry.readings import problems_of, readings_of, value_rows, values_of
-from gspcli.records import EqualByContent, dataclass
+from gspcli.records import Tabular, dataclass
 from gspcli.sensing.sensor_kinds import KINDS, Sensor, body_normal, candidates, parse_sensor
 from gspcli.solver import SolveResult, solve, solve_batch
 from gspcli.solver.api import whole
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -252,7 +249,7 @@ def _of_pairs(apart: Array) -> Array:
 
 
 @dataclass(frozen=True, eq=False)
-class SensorResult(EqualByContent):
+class SensorResult(Tabular):
     """How well one additional sensor distinguishes the real modes of a platform.
 
     Attributes
@@ -377,12 +374,6 @@ class SensorResult(EqualByContent):
             head = {"sensor": str(sensor), "kind": sensor.kind, "sigma": float(self.sigmas[k])}
             rows.append(head | (numbers if known else dict.fromkeys(numbers)))
         return rows
-
-    def to_frame(self) -> pd.DataFrame:
-        """Return the sensors as a table, the best first (pandas is imported now)."""
-        import pandas as pd
-
-        return pd.DataFrame(self.rows())
 
     def to_json(self) -> dict[str, Any]:
         """Return the result as plain data of schema ``gsp.sensors/1``."""

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import field
 from functools import cached_property
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,11 +17,8 @@ from gspcli.geometry.frames import IDENTITY, PoseFrame
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.measurement import condition_numbers, printed_conditions
 from gspcli.geometry.quaternions import quaternion_from_rotation, vector_from_rotation
-from gspcli.records import EqualByContent, dataclass
+from gspcli.records import Tabular, dataclass
 from gspcli.wording import counted
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 Array = NDArray[np.float64]
 #: Columns of a pose.
@@ -96,7 +93,7 @@ class Event:
 
 
 @dataclass(frozen=True, eq=False)
-class Track(EqualByContent):
+class Track(Tabular):
     """Assembly modes along a trajectory.
 
     Attributes
@@ -225,12 +222,6 @@ class Track(EqualByContent):
             for mode, pose, here in zip(modes, poses, known, strict=True)
             if here
         ]
-
-    def to_frame(self) -> pd.DataFrame:
-        """Return a row for each pose (pandas is imported now)."""
-        import pandas as pd
-
-        return pd.DataFrame(self.rows())
 
     def to_json(
         self, rows: list[dict[str, Any]] | None = None, frame: PoseFrame = IDENTITY

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from time import monotonic
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -13,11 +13,8 @@ from gspcli.motion.paths.classes import PoseClass
 from gspcli.motion.paths.ends import Modes, PathEnd
 from gspcli.motion.paths.maps import Connections, PoseMap, ValueMap
 from gspcli.motion.paths.planner import Planner
-from gspcli.records import dataclass
+from gspcli.records import Tabular, dataclass
 from gspcli.wording import counted
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,7 +44,7 @@ class ModeGroup:
 
 
 @dataclass(frozen=True, eq=False)
-class ModeGroups:
+class ModeGroups(Tabular):
     """All modes of a platform in groups.
 
     Attributes
@@ -101,12 +98,6 @@ class ModeGroups:
             }
             for one in self.modes
         ]
-
-    def to_frame(self) -> pd.DataFrame:
-        """Return a row for each mode (pandas is imported now)."""
-        import pandas as pd
-
-        return pd.DataFrame(self.rows())
 
     def to_json(self) -> dict[str, Any]:
         """Return everything as plain data of schema ``gsp.path/1``."""

@@ -19,12 +19,10 @@ from gspcli.geometry.machine import Machine, is_driven
 from gspcli.geometry.measurement import condition_numbers, printed_conditions
 from gspcli.geometry.readings import readings_of
 from gspcli.motion.following.tracks import POSE, continuous_quaternions
-from gspcli.records import EqualByContent, dataclass
+from gspcli.records import Tabular, dataclass
 from gspcli.wording import counted
 
 if TYPE_CHECKING:
-    import pandas as pd
-
     from gspcli.motion.paths.timing import Timing
 
 Array = NDArray[np.float64]
@@ -79,7 +77,7 @@ class PathPart:
 
 
 @dataclass(frozen=True, eq=False)
-class PlannedPath(EqualByContent):
+class PlannedPath(Tabular):
     """The answer of `gspcli.path`.
 
     Attributes
@@ -198,12 +196,6 @@ class PlannedPath(EqualByContent):
             )
         )
         return [dict(zip(keys, row, strict=True)) for row in numbers.tolist()]
-
-    def to_frame(self) -> pd.DataFrame:
-        """Return a row for each row of the path (pandas is imported now)."""
-        import pandas as pd
-
-        return pd.DataFrame(self.rows())
 
     def to_json(self, frame: PoseFrame = IDENTITY) -> dict[str, Any]:
         """Return everything as plain data of schema ``gsp.path/1``.

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import field, replace
 from functools import cached_property, partial
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -33,15 +33,11 @@ from gspcli.motion.following.trajectories import track
 from gspcli.motion.poses.inverse_kinematics import drive_values
 from gspcli.motion.singularities.clearances import clearances, drive_clearances, range_weights
 from gspcli.motion.singularities.pose_clearances import pose_clearances
-from gspcli.records import EqualByContent, dataclass
+from gspcli.records import Tabular, dataclass
 from gspcli.solver import solve, solve_batch
 from gspcli.ties import definite_sign
 from gspcli.wording import counted, listed, shown
 from gspcli.workers import HERE, Workers
-
-if TYPE_CHECKING:
-    import pandas as pd
-
 
 Array = NDArray[np.float64]
 #: An edge of a grid: its axis and its first node.
@@ -402,7 +398,7 @@ POSE = ("Tx", "Ty", "Tz", "qw", "qx", "qy", "qz")
 
 
 @dataclass(frozen=True, eq=False)
-class ScanResult(EqualByContent):
+class ScanResult(Tabular):
     """The result of a scan of values.
 
     Attributes
@@ -435,12 +431,6 @@ class ScanResult(EqualByContent):
     def rows(self) -> list[dict[str, Any]]:
         """Return the nodes that are known, or the folds, as plain data."""
         return self._crossings() if self.folds else self._nodes()
-
-    def to_frame(self) -> pd.DataFrame:
-        """Return the nodes, or the folds, as a table (pandas is imported now)."""
-        import pandas as pd
-
-        return pd.DataFrame(self.rows())
 
     def to_json(self) -> dict[str, Any]:
         """Return everything as plain data of schema ``gsp.scan/1``."""

@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -34,10 +34,7 @@ from gspcli.motion.workspace.pose_boxes import (
     places,
 )
 from gspcli.progress import Progress, silent
-from gspcli.records import EqualByContent, dataclass
-
-if TYPE_CHECKING:
-    import pandas as pd
+from gspcli.records import Tabular, dataclass
 
 Array = NDArray[np.float64]
 
@@ -51,7 +48,7 @@ _SAME = 1e-7
 
 
 @dataclass(frozen=True, eq=False)
-class Workspace(EqualByContent):
+class Workspace(Tabular):
     """The poses that keep all limits, enclosed between two sets of boxes.
 
     It is proved that every pose of an inner box keeps the limits, and that every pose outside the
@@ -98,12 +95,6 @@ class Workspace(EqualByContent):
             row = {"name": name, "least": least, "lowest": low, "highest": high, "most": most}
             rows.append(row)
         return rows
-
-    def to_frame(self) -> pd.DataFrame:
-        """Return the extent of the set in each parameter (pandas is imported now)."""
-        import pandas as pd
-
-        return pd.DataFrame(self.rows())
 
     def to_json(self) -> dict[str, Any]:
         """Return the numbers of the volume that `gsp workspace` prints, as plain data."""
