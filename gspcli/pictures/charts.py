@@ -16,12 +16,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from gspcli.calibration import Calibration
+    from gspcli.geometry.instance import Instance
     from gspcli.motion import Workspace
     from gspcli.motion.singularities.scans import Boundary, PoseScan, Scan
-
-
-#: Colours that people with any colour vision can distinguish (Okabe and Ito).
-PALETTE = ("#0072b2", "#e69f00", "#009e73", "#d55e00")
 
 
 def bar_chart(
@@ -182,7 +179,7 @@ def pose_map(found: PoseScan, quantity: str, fmt: str) -> bytes:
             "clearance": lambda: found.clearances,
         }[quantity]()
         grids = [np.array(axis.values) for axis in found.axes]
-        labels = [f"{axis.name} ({_unit(found, axis.name)})" for axis in found.axes]
+        labels = [f"{axis.name} ({_unit(found.instance, axis.name)})" for axis in found.axes]
         if flat:
             axes.plot(grids[0], numbers, color=PLATFORM)
             if quantity == "determinant":
@@ -204,9 +201,9 @@ def pose_map(found: PoseScan, quantity: str, fmt: str) -> bytes:
         return written(figure, fmt)
 
 
-def _unit(found: PoseScan, name: str) -> str:
-    units = found.instance.units
-    return units.angle.value if name.startswith("r") else units.length
+def _unit(instance: Instance, name: str) -> str:
+    """Return the unit of x, y, z, rx, ry or rz."""
+    return instance.units.angle.value if name.startswith("r") else instance.units.length
 
 
 _SLICES = 6
@@ -232,6 +229,7 @@ def workspace_slices(found: Workspace, fmt: str) -> bytes:
     """
     with styled():
         from matplotlib.figure import Figure
+        from matplotlib.patches import Patch
 
         flat = len(found.free) == 2
         size = (4.6, 4.4) if flat else (8.4, 6.0)
@@ -247,8 +245,10 @@ def workspace_slices(found: Workspace, fmt: str) -> bytes:
                 at = low + (high - low) * (k + 0.5) / _SLICES
                 _draw(axes, found, *(_cut(boxes, at) for boxes in (found.inner, found.open)))
                 _frame(axes, found, left=k % _COLUMNS == 0, below=k >= _SLICES - _COLUMNS)
-                axes.set_title(f"{found.free[2]} = {at:.4g} {_slice_unit(found, 2)}")
-        figure.legend(handles=_legend(), loc="outside lower center", ncols=2)
+                axes.set_title(f"{found.free[2]} = {at:.4g} {_unit(found.instance, found.free[2])}")
+        inside = Patch(color=PLATFORM, label="can be reached, proved")
+        edge = Patch(color=ANGLE, label="the boundary is in here; outside none can, proved")
+        figure.legend(handles=[inside, edge], loc="outside lower center", ncols=2)
         return written_drawing(figure, fmt)
 
 
@@ -293,29 +293,13 @@ def _frame(axes: Axes, found: Workspace, *, left: bool = True, below: bool = Tru
     same = found.free[0].startswith("r") == found.free[1].startswith("r")
     axes.set_aspect("equal" if same else "auto")
     if below:
-        axes.set_xlabel(f"{found.free[0]} ({_slice_unit(found, 0)})")
+        axes.set_xlabel(f"{found.free[0]} ({_unit(found.instance, found.free[0])})")
     if left:
-        axes.set_ylabel(f"{found.free[1]} ({_slice_unit(found, 1)})")
-
-
-def _slice_unit(found: Workspace, k: int) -> str:
-    units = found.instance.units
-    return units.angle.value if found.free[k].startswith("r") else units.length
-
-
-def _legend() -> list[object]:
-    from matplotlib.patches import Patch
-
-    return [
-        Patch(color=PLATFORM, label="can be reached, proved"),
-        Patch(color=ANGLE, label="the boundary is in here; outside none can, proved"),
-    ]
+        axes.set_ylabel(f"{found.free[1]} ({_unit(found.instance, found.free[1])})")
 
 
 #: Residuals are drawn to this many decimals: the last bits are not those of another run.
 _DECIMALS = 4
-
-
 #: Deviations of an outlier.
 _FAR_OUT = 5.0
 
@@ -333,7 +317,6 @@ def residual_chart(result: Calibration, fmt: str) -> bytes:
         ``svg``, ``png`` or ``pdf``.
     """
     with styled():
-        import numpy as np
         from matplotlib.figure import Figure
 
         readings, poses = (

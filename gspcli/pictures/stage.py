@@ -471,7 +471,7 @@ class Stage:
             label = placed.platform if platform else placed.base
             if label not in elements:
                 feet = [
-                    self._feet(other, platform)
+                    self.to_platform(other.ends.platform) if platform else other.ends.base
                     for other in self.placed
                     if (other.platform if platform else other.base) == label
                     and other.kind.is_distance
@@ -482,12 +482,6 @@ class Stage:
         return DrawnBody(
             name, tuple(elements.values()), convex_hull(np.array(joined).reshape(-1, 3))
         )
-
-    def _feet(self, placed: _Placed, platform: bool) -> Array:
-        """Return the ends of a distance on a body in the body's frame."""
-        if platform:
-            return self.to_platform(placed.ends.platform)
-        return placed.ends.base
 
     def _element(self, name: str, primitive: Geometry, feet: list[Array]) -> DrawnPrimitive:
         anchor = primitive.point
@@ -722,12 +716,6 @@ def drawn_diameters(instance: Instance) -> dict[int, float]:
     return {k: diameter for k, diameter in zip(legs, every, strict=True) if diameter > 0}
 
 
-def drawn_arms(instance: Instance) -> dict[int, float]:
-    """Return the stated diameters of arms that are not zero, by the index of the constraint."""
-    stated = {k: arm.diameter.value for k, arm in arms_of(instance).items()}
-    return {k: diameter for k, diameter in stated.items() if diameter > 0}
-
-
 def drawn_shells(instance: Instance) -> dict[str, tuple[Array, ...]]:
     """Return the faces of the stated outlines by the name of the body, in its frame."""
     found = {}
@@ -788,18 +776,18 @@ def scene_of(
     strokes, labels = staged.drawn(platform, base)
     series, first = [], 0
     for poses in shown:
-        arms = arm_strokes(instance, poses, staged.size)
+        drives = arm_strokes(instance, poses, staged.size)
         if poses.coordinates:
             moving = moving_series(instance, poses, staged.size)
-            series.append(replace(moving, strokes=joined(moving.strokes, arms)))
+            series.append(replace(moving, strokes=joined(moving.strokes, drives)))
             continue
         chosen = slice(first, first + len(poses.R))
         here = [tuple(Stroke(s.style, s.points[chosen]) for s in each) for each in strokes]
-        here = [*joined(here, arms)]
+        here = [*joined(here, drives)]
         series.append(series_of(arrangement, poses, here, labels[chosen]))
         first = chosen.stop
     units, kind, diameters = instance.units, instance.type, drawn_diameters(instance)
-    thick_arms = drawn_arms(instance)
+    arms = {k: arm.diameter.value for k, arm in arms_of(instance).items()}
     return Scene(
         title=instance.name or kind.id,
         type_id=f"{kind.id} (type {kind.number}, {kind.platform_class.id})",
@@ -811,7 +799,7 @@ def scene_of(
         base=base,
         bonds=tuple(
             DrawnConstraint(
-                i + 1, row.kind, *names[i], row.value.value, diameters.get(i), thick_arms.get(i)
+                i + 1, row.kind, *names[i], row.value.value, diameters.get(i), arms.get(i) or None
             )
             for i, row in enumerate(instance.constraints)
         ),

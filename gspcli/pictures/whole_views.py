@@ -77,11 +77,16 @@ def read_tracks(text: str, name: str, form: PoseFormat) -> list[Poses]:
     table.check()
     assert poses is not None
     cells = table.texts(_MODE) if _MODE in table.heading else [""] * len(table)
-    facts = {key: table.texts(key) for key in _FACTS if key in table.heading}
+    facts: dict[str, list[float | str]] = {
+        key: [cell if wrong_number(cell) else float(cell) for cell in table.texts(key)]
+        for key in _FACTS
+        if key in table.heading
+    }
     tracks = []
     for mode in dict.fromkeys(cells):
         every = [row for row, cell in enumerate(cells) if cell == mode]
-        places = _thinned(len(every))
+        # The last pose is shown: there the motion ends.
+        places = [*range(0, len(every) - 1, -(-len(every) // MOST_POSES)), len(every) - 1]
         rows = [every[place] for place in places]
         tracks.append(
             Poses(
@@ -89,7 +94,7 @@ def read_tracks(text: str, name: str, form: PoseFormat) -> list[Poses]:
                 "pose",
                 poses.R[rows],
                 poses.T[rows],
-                facts={key: [_fact(column[row]) for row in rows] for key, column in facts.items()},
+                facts={key: [column[row] for row in rows] for key, column in facts.items()},
                 parameter=(
                     parameter or "row",
                     np.array(places) + 1.0 if way is None else way[rows],
@@ -97,20 +102,10 @@ def read_tracks(text: str, name: str, form: PoseFormat) -> list[Poses]:
                 conditions=None if conditions is None else conditions[rows],
                 coordinates=tuple(moving),
                 places=coordinates[rows],
-                note=_note(len(rows), len(every)),
+                note=f"{len(rows)} of {len(every)} poses are shown." if rows != every else "",
             )
         )
     return tracks
-
-
-def _thinned(count: int) -> list[int]:
-    """Return which of this many poses are shown; the last one is: there the motion ends."""
-    step = -(-count // MOST_POSES)
-    return [*range(0, count - 1, step), count - 1]
-
-
-def _note(shown: int, count: int) -> str:
-    return f"{shown} of {count} poses are shown." if shown < count else ""
 
 
 def _conditions(table: NumberTable) -> Array:
@@ -122,10 +117,6 @@ def _conditions(table: NumberTable) -> Array:
             table.note_cell(row, _CONDITION, message)
         column.append(math.inf if infinite or message else float(cell))
     return np.array(column)
-
-
-def _fact(cell: str) -> float | str:
-    return cell if wrong_number(cell) else float(cell)
 
 
 _PAGE, _DRAWINGS = "html", ("svg", "png", "pdf")
