@@ -21,8 +21,10 @@ from gspcli.cli.options import (
     Whole,
     exclusive,
     jobs_option,
+    needs,
     output_options,
     value_options,
+    without,
 )
 from gspcli.cli.pose_options import (
     PARAMETERS,
@@ -33,10 +35,11 @@ from gspcli.cli.pose_options import (
     one_mode,
     pose_options,
     pose_value_option,
+    real_poses,
     span_of,
 )
-from gspcli.cli.render import Output, emit, write
-from gspcli.cli.result import Field, Fields, Result, vector_text
+from gspcli.cli.render import emit, write
+from gspcli.cli.result import Fields, Result, vector_text
 from gspcli.cli.streams import progress, say
 from gspcli.errors import GspError, IncompleteError
 from gspcli.geometry.frames import IDENTITY, PoseFrame
@@ -48,7 +51,6 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import ArrayLike, NDArray
 
-    from gspcli.cli.pose_options import GivenPose, Mode
     from gspcli.geometry.instance import Instance
     from gspcli.motion import PoseFormat, Travel, Workspace
 
@@ -63,6 +65,9 @@ _MOST_SHOWN = 2_000_000
 
 @click.command(cls=Command)
 @exclusive("--mode", "--pose")
+@without("--shift", "--over", "--orientation", "--position")
+@needs("--within", "--over", "--orientation", "--position")
+@needs("--boxes", "--over", "--orientation", "--position")
 @click.argument("spec", metavar="SPEC")
 @mode_option("where to begin.  [default: home]")
 @pose_value_option("home, instead of a mode of SPEC")
@@ -154,7 +159,10 @@ def command(o: Options) -> None:
       gsp workspace thick.yaml --over x,z --leg-gap 2
     """
     free = _free(o.over, o.orientation, o.position)
-    _check(free, o.intervals, o.held, o.listed, o.output)
+    if o.output.format in DRAWINGS and len(free or ()) not in (2, 3):
+        raise click.UsageError(
+            "a picture needs two or three parameters: give --orientation, --position or --over"
+        )
     instance = o.instance
     form = o.form
     only = instance.home is not None if o.connected is None else o.connected
@@ -167,21 +175,13 @@ def command(o: Options) -> None:
     moving = _moving(instance, form, relative=o.relative_to is not None)
     working_modes = _working_modes(instance, moving, home)
     if free is None:
-        show_travels(
-            moving,
-            home,
-            sequence,
-            o.held,
-            o.output,
-            connected=only,
-            working_modes=working_modes,
-            gap=o.leg_gap,
-        )
+        emit(o.output, _travels(o, moving, home, working_modes, connected=only))
         return
     only = only and (
         o.connected is not None or _keeps_limits(moving, home, working_modes, o.leg_gap)
     )
-    wanted = o.gap or _default_gap(free, o.listed, o.output)
+    coarse = (o.listed or o.output.format in DRAWINGS) and len(free) >= 3
+    wanted = o.gap or (_COARSE if coarse else _TOLERANCE)
     from gspcli.motion.workspace.workspaces import workspace
 
     with _interruptible() as interrupted:
@@ -192,10 +192,19 @@ def command(o: Options) -> None:
             tolerance=wanted, most_boxes=o.most_boxes, jobs=o.jobs, stop=interrupted,
             progress=partial(progress, lines=True),
         )  # fmt: skip
-    _show(found, home, instance, o.listed, o.output)
+    if o.output.format in DRAWINGS:
+        from gspcli.pictures.charts import workspace_slices
+
+        write(o.output, workspace_slices(found, o.output.format))
+    else:
+        emit(o.output, _volume(o, found, home))
     if interrupted():
         raise KeyboardInterrupt
-    _refuse_wide_bounds(found, wanted)
+    if found.gap > wanted:
+        raise IncompleteError(
+            f"the bounds of the volume differ by {found.gap:.3g}, relatively, after "
+            f"{found.judged} boxes: more than --gap {wanted:g}"
+        )
 
 
 def _moving(instance: Instance, form: PoseFormat, *, relative: bool) -> Instance:
@@ -205,11 +214,6 @@ def _moving(instance: Instance, form: PoseFormat, *, relative: bool) -> Instance
     from gspcli.geometry.expressed_instances import expressed_instance
 
     return expressed_instance(instance, pivot=form.pivot, relative=relative)
-
-
-def _default_gap(free: tuple[str, ...], listed: bool, output: Output) -> float:
-    coarse = (listed or output.format in DRAWINGS) and len(free) >= 3
-    return _COARSE if coarse else _TOLERANCE
 
 
 def _working_modes(instance: Instance, moving: Instance, home: Home) -> ArrayLike | None:
@@ -267,33 +271,6 @@ def _free(
     return ("rx", "ry", "rz") if position is not None else None
 
 
-def _check(
-    free: tuple[str, ...] | None,
-    intervals: tuple[str, ...],
-    held: tuple[str, ...],
-    listed: bool,
-    output: Output,
-) -> None:
-    """Raise for options that cannot be combined."""
-    message = ""
-    if free is None and (intervals or listed or output.format in DRAWINGS):
-        message = "boxes and pictures need --orientation, --position or --over"
-    elif free is not None and held:
-        message = "--shift is for the travel of axes: leave out --over and the like, or use --pose"
-    elif free is not None and len(free) not in (2, 3) and output.format in DRAWINGS:
-        message = "a picture needs two or three parameters"
-    if message:
-        raise click.UsageError(message)
-
-
-def _refuse_wide_bounds(found: Workspace, wanted: float) -> None:
-    if found.gap > wanted:
-        raise IncompleteError(
-            f"the bounds of the volume differ by {found.gap:.3g}, relatively, after "
-            f"{found.judged} boxes: more than --gap {wanted:g}"
-        )
-
-
 def _interval(text: str) -> tuple[str, tuple[float, float]]:
     name, low, high, count = span_of("within", text)
     if count is not None:
@@ -301,49 +278,7 @@ def _interval(text: str) -> tuple[str, tuple[float, float]]:
     return name, (low, high)
 
 
-def _show(found: Workspace, home: Home, instance: Instance, listed: bool, output: Output) -> None:
-    if output.format in DRAWINGS:
-        from gspcli.pictures.charts import workspace_slices
-
-        write(output, workspace_slices(found, output.format))
-        return
-    count = len(found.inner_keys) + len(found.open_keys)
-    if listed and count > _MOST_SHOWN:
-        raise GspError(f"found {count} boxes, expected at most {_MOST_SHOWN}: try a larger --gap")
-    boxes = box_rows(found) if listed else []
-    document = None
-    if output.format == "json":
-        document = workspace_document(found, home, instance, boxes if listed else None)
-    table = box_table(found, boxes) if listed else volume_table(found, home, instance)
-    emit(output, table, document=document)
-
-
 _POSE = ("x", "y", "z", "qw", "qx", "qy", "qz")
-
-
-def workspace_document(
-    found: Workspace, home: Home, instance: Instance, boxes: list[dict[str, Any]] | None
-) -> dict[str, Any]:
-    """Return a workspace of an instance for JSON, with its boxes if they are asked for."""
-    heading = home.document(
-        instance, found.boxes.sequence, connected=found.connected, gap=found.boxes.gap
-    )
-    document = {
-        **heading,
-        "travel": None,
-        **found.to_json(),
-        "modes_inside": modes_inside(found, home, instance),
-    }
-    if boxes is not None:
-        document["boxes"] = [
-            {
-                "status": row["status"],
-                **_own_pose(row, home),
-                "box": {name: [row[f"{name}_low"], row[f"{name}_high"]] for name in found.free},
-            }
-            for row in boxes
-        ]
-    return document
 
 
 def _own_pose(row: dict[str, Any], home: Home) -> dict[str, list[float]]:
@@ -359,13 +294,11 @@ def _own_pose(row: dict[str, Any], home: Home) -> dict[str, list[float]]:
     return {"T": position, "quaternion": quaternion}
 
 
-def modes_inside(found: Workspace, home: Home, instance: Instance) -> list[int]:
+def _modes_inside(found: Workspace, home: Home, instance: Instance) -> list[int]:
     """Return the numbers of the modes of SPEC that are in the set, if all its parts are counted.
 
     Of two of them one is the mirror image of the other, for instance.
     """
-    from gspcli.cli.pose_options import real_poses
-
     if found.connected:
         return []
     try:
@@ -376,52 +309,70 @@ def modes_inside(found: Workspace, home: Home, instance: Instance) -> list[int]:
     return [k + 1 for k, judged in enumerate(found.judged_poses(R, T).tolist()) if judged >= 0]
 
 
-def _parts_note(found: Workspace, home: Home, instance: Instance) -> list[str]:
-    if found.connected:
-        return [
-            "connected with home; not counted: what lies beyond singular poses, such as a mirror "
-            "image (--all-parts)"
-        ]
-    inside = modes_inside(found, home, instance)
-    if len(inside) < 2:
-        return []
-    names = listed([str(number) for number in inside], "and")
-    return [
-        f"all parts are counted: modes {names} are in them, as a mode and its mirror image "
-        "(--connected counts one part)"
-    ]
-
-
-def volume_table(found: Workspace, home: Home, instance: Instance) -> Result:
-    """Return the extents over each parameter, and the volume above them."""
+def _volume(o: Options, found: Workspace, home: Home) -> Result:
+    """Return the extents over each parameter, and the volume above them; or the boxes."""
+    instance, is_json, gap = o.instance, o.output.format == "json", found.boxes.gap
+    count, between = len(found.inner_keys), len(found.open_keys)
+    if o.listed and count + between > _MOST_SHOWN:
+        raise GspError(
+            f"found {count + between} boxes, expected at most {_MOST_SHOWN}: try a larger --gap"
+        )
+    inside = _modes_inside(found, home, instance) if is_json or not o.listed else []
+    head = {
+        **home.document(instance, found.boxes.sequence, connected=found.connected, gap=gap),
+        "travel": None,
+        **found.to_json(),
+        "modes_inside": inside,
+    }
     low, high = found.volume
-    count = len(found.inner_keys)
     verb = "can be reached without a singular pose" if found.connected else "can be reached"
-    summary = [
-        f"between {low:.6g} and {high:.6g} {found.measure} {verb} ({100 * found.gap:.2g} % apart)"
-    ]
     notes = [
         f"home: {home.text}",
-        f"proved: {count} boxes inside, {len(found.open_keys)} between, {found.judged} judged; the "
+        f"proved: {count} boxes inside, {between} between, {found.judged} judged; the "
         "set ends between least and lowest and between highest and most",
-        *_parts_note(found, home, instance),
-        *frame_note(home.frame),
     ]
-    columns = [
-        FIELDS["name"],
-        *(
-            Field(key, align="right", essential=True)
-            for key in ("least", "lowest", "highest", "most")
-        ),
-    ]
-    if found.boxes.gap is not None:
+    if found.connected:
         notes.append(
-            f"legs and bodies are at least {found.boxes.gap:g} {instance.units.length} apart"
+            "connected with home; not counted: what lies beyond singular poses, such as a mirror "
+            "image (--all-parts)"
         )
-    return Result(columns, found.rows(), title=found.instance.title, notes=notes, summary=summary)
+    elif len(inside) > 1:
+        notes.append(
+            f"all parts are counted: modes {listed(map(str, inside), 'and')} are in them, as a "
+            "mode and its mirror image (--connected counts one part)"
+        )
+    notes += frame_note(home.frame)
+    if gap is not None:
+        notes.append(f"legs and bodies are at least {gap:g} {instance.units.length} apart")
+    volume = f"between {low:.6g} and {high:.6g} {found.measure} {verb}"
+    result = Result(
+        FIELDS.of("name least lowest highest most"),
+        head["extents"],
+        found.instance.title,
+        notes,
+        [f"{volume} ({100 * found.gap:.2g} % apart)"],
+        schema="workspace",
+        name="extents",
+        head=head,
+    )
+    if not o.listed:
+        return result
+    rows = _box_rows(found)
+    if is_json:
+        head["boxes"] = [
+            {
+                "status": row["status"],
+                **_own_pose(row, home),
+                "box": {name: [row[f"{name}_low"], row[f"{name}_high"]] for name in found.free},
+            }
+            for row in rows
+        ]
+    ends = [f"{name}_{end}" for name in found.free for end in ("low", "high")]
+    boxes = Result(FIELDS.of(" ".join(("status", *_POSE, *ends))), rows)
+    return replace(result, summary=(), parts=[boxes])
 
 
-def box_rows(found: Workspace) -> list[dict[str, Any]]:
+def _box_rows(found: Workspace) -> list[dict[str, Any]]:
     """Return the boxes with the pose in the middle of each, inner ones first."""
     import numpy as np
 
@@ -444,15 +395,6 @@ def box_rows(found: Workspace) -> list[dict[str, Any]]:
         }
         for k, (pose, ends) in enumerate(zip(poses, flat, strict=True))
     ]
-
-
-def box_table(found: Workspace, rows: list[dict[str, Any]]) -> Result:
-    """Return the table of boxes."""
-    keys = [f"{name}_{end}" for name in found.free for end in ("low", "high")]
-    columns = FIELDS.of("status")
-    columns += [Field(key, align="right") for key in _POSE]
-    columns += [Field(key, align="right", essential=True) for key in keys]
-    return Result(columns, rows, title=found.instance.title)
 
 
 _MOST_HELD = 1000
@@ -485,40 +427,29 @@ def _offsets(held: tuple[str, ...]) -> list[dict[str, float]]:
     return found
 
 
-def show_travels(
+def _travels(
+    o: Options,
     instance: Instance,
     home: Home,
-    sequence: str,
-    held: tuple[str, ...],
-    output: Output,
+    working_modes: ArrayLike | None,
     *,
     connected: bool,
-    working_modes: ArrayLike | None = None,
-    gap: float | None = None,
-) -> None:
-    """Show how far each axis travels from home."""
-    offsets = _offsets(held)
-    names = list(offsets[0])
+) -> Result:
+    """Return how far each axis travels from home, a row for each; instance: in frames of poses."""
+    offsets, sequence, gap = _offsets(o.held), o.form.euler or "ZYX", o.leg_gap
     rows: list[dict[str, Any]] = []
     for offset in progress(offsets, total=len(offsets), label="travels", lines=True):
         rows += _offset_rows(
-            instance,
-            home,
-            sequence,
-            offset,
-            connected=connected,
-            working_modes=working_modes,
+            instance, home, sequence, offset, connected=connected, working_modes=working_modes,
             gap=gap,
-        )
+        )  # fmt: skip
     units = instance.units
     columns = [
-        *(Field(f"held_{name}", f"{name} held", "right", True) for name in names),
-        FIELDS["axis"],
-        *(Field(key, align="right", essential=True) for key in ("down", "up", "total")),
-        *FIELDS.of("down_stops up_stops"),
+        FIELDS[f"held_{name}"].but(title=f"{name} held", source=f"held.{name}")
+        for name in offsets[0]
     ]
-    if output.format == "csv":
-        columns[-2:-2] = FIELDS.of("down_end up_end")
+    ends = "down_end up_end" if o.output.format == "csv" else ""
+    columns += FIELDS.of(f"axis down up total {ends} down_stops up_stops")
     apart = "" if gap is None else f", legs are {gap:g} {units.length} apart"
     what = f"all limits are kept{apart}" + (" and no pose is singular" if connected else "")
     notes = [
@@ -531,20 +462,11 @@ def show_travels(
         notes.append("rods share drives: what the platform reaches when it turns is not computed")
     if any(row["down"] is None for row in rows):
         notes.append("without numbers: the pose from which an axis would travel leaves the limits")
-    prefix = "held_"
-    travel = [
-        {
-            "held": {name: row[prefix + name] for name in names},
-            **{key: value for key, value in row.items() if not key.startswith(prefix)},
-        }
-        for row in rows
-    ]
-    document = {
-        **home.document(instance, sequence, connected=connected, gap=gap),
-        "travel": travel,
-        "volume": None,
-    }
-    emit(output, Result(columns, rows, title=instance.title, notes=notes), document=document)
+    head = home.document(instance, sequence, connected=connected, gap=gap)
+    head |= {"travel": rows, "volume": None}
+    return Result(
+        columns, rows, instance.title, notes, schema="workspace", name="travel", head=head
+    )
 
 
 def _fixed_values(instance: Instance) -> list[str]:
@@ -592,8 +514,10 @@ def _offset_rows(
         if not offset:
             raise
         found = [None] * len(axes)
-    held = {f"held_{name}": value for name, value in offset.items()}
-    return [held | _travel_row(axis, travel) for axis, travel in zip(axes, found, strict=True)]
+    return [
+        {"held": offset} | _travel_row(axis, travel)
+        for axis, travel in zip(axes, found, strict=True)
+    ]
 
 
 def _travel_row(axis: str, travel: Travel | None) -> dict[str, Any]:
