@@ -16,7 +16,6 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from gspcli.geometry.arrangement import Arrangement
     from gspcli.geometry.instance import Instance
     from gspcli.geometry.machine import Machine
     from gspcli.motion.files.requirements import QuantityParts, Requirement, RequirementVerdict
@@ -99,12 +98,13 @@ def _measured(
         return limits_of(instance, name, values, R, T)
     if name == "gap":
         return gaps_of(instance, R, T)
+    from gspcli.geometry.machine import Machine, is_driven
+
     if name == "condition":
         from gspcli.geometry.measurement import condition_numbers, printed_conditions
 
-        return printed_conditions(condition_numbers(_arrangement(instance, R, T), R, T))
-    from gspcli.geometry.machine import is_driven
-
+        placed = Machine.of(instance).placed(R, T)
+        return printed_conditions(condition_numbers(placed, R, T))
     if name == "clearance" and is_driven(instance):
         from gspcli.motion.singularities.clearances import drive_clearances
 
@@ -138,19 +138,6 @@ def gaps_of(instance: Instance, R: Array, T: Array, q: Array | None = None) -> Q
         raise GspError("--require gap: SPEC states no shapes of its legs (shapes: {diameter: ...})")
     compared = ComparedShapes(instance)
     return QuantityParts(compared.gaps(R, T, q), compared.names)
-
-
-def _arrangement(instance: Instance, R: Array, T: Array) -> Arrangement:
-    """Return the platform at poses, with the points that its drives move there."""
-    from gspcli.geometry.arrangement import Arrangement
-    from gspcli.geometry.machine import is_driven
-
-    if not is_driven(instance):
-        return Arrangement.of(instance)
-    from gspcli.motion.poses.inverse_kinematics import drive_values
-
-    drives, q = drive_values(instance, R, T)
-    return drives.arrangement(q)
 
 
 def limits_of(

@@ -25,7 +25,7 @@ from gspcli import _kernel
 from gspcli.errors import ArgumentError
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.limits import joint_cones
-from gspcli.geometry.machine import Machine, is_driven
+from gspcli.geometry.machine import Machine
 from gspcli.geometry.quaternions import (
     quaternion_from_rotation,
     rotation_from_quaternion,
@@ -326,7 +326,7 @@ class LimitSearch:
             one = joint_cones(self.instance)[slack - 12]
             return f"cone of {one.name} at leg {one.constraint + 1}"
         k = slack // 2
-        if not is_driven(self.instance) or not self._drives.driven[k]:
+        if not self._drives.driven[k]:
             return f"range of {k + 1}"
         drives, (first, second) = self._drives, self._drives.roots(R, T)[k].tolist()
         drive = drives.index[k]

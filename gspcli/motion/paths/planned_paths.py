@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.frames import IDENTITY, PoseFrame
 from gspcli.geometry.instance import Instance
-from gspcli.geometry.machine import Machine, is_driven
+from gspcli.geometry.machine import Machine
 from gspcli.geometry.measurement import condition_numbers, printed_conditions
 from gspcli.geometry.readings import readings_of
 from gspcli.motion.following.tracks import POSE, continuous_quaternions
@@ -245,7 +245,7 @@ def cost(instance: Instance, R: Array, T: Array, power: float = 1.0) -> float:
         Of the condition number; with 0 the cost is the length.
     """
     a = Arrangement.of(instance)
-    regular = 1 / condition_numbers(_driven(instance, R, T), R, T)
+    regular = 1 / condition_numbers(Machine.of(instance).placed(R, T), R, T)
     if not regular.all():
         return np.inf
     # The harmonic mean between rows: 1 / condition is nearly linear.
@@ -265,7 +265,7 @@ class WayCosts:
     def add(self, R: Array, T: Array) -> None:
         """Add nodes, shapes (n, 3, 3) and (n, 3)."""
         self._places += [*_places(self.instance, R, T)]
-        conditions = condition_numbers(_driven(self.instance, R, T), R, T)
+        conditions = condition_numbers(Machine.of(self.instance).placed(R, T), R, T)
         self._regular += (1 / conditions).tolist()
 
     def between(self, i: int, j: int) -> float:
@@ -273,14 +273,6 @@ class WayCosts:
         moved = self._places[j] - self._places[i]
         length = float(np.sqrt((moved**2).sum(axis=1).mean())) / self._arrangement.length
         return round(2 * length / max(self._regular[i] + self._regular[j], 1e-12), _DECIMALS)
-
-
-def _driven(instance: Instance, R: Array, T: Array) -> Arrangement:
-    """Return the platform at poses: points of cranks and slides are where they reach them."""
-    if not is_driven(instance):
-        return Arrangement.of(instance)
-    drives = Machine.of(instance)
-    return drives.arrangement(drives.inverse(R, T))
 
 
 def _places(instance: Instance, R: Array, T: Array) -> Array:

@@ -632,8 +632,6 @@ class PoseScan(Grid):
 
     def _arrangement(self, R: Array, T: Array) -> Arrangement:
         """Return the platform with its joints where its drives have them, NaN out of reach."""
-        if not is_driven(self.instance):
-            return Arrangement.of(self.instance)
         drives, q = drive_values(self.instance, R, T, along=False)
         return drives.arrangement(q)
 
