@@ -31,7 +31,7 @@ def first_smallest(values: ArrayLike) -> NDArray[np.int64]:
 
 
 def ascending(values: ArrayLike, alike: float = ALIKE) -> NDArray[np.int64]:
-    """Return indices in ascending order of the numbers, but of those equal to the least by theirs.
+    """Return the indices that sort numbers; those equal to the least stay in their order.
 
     Parameters
     ----------

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from gspcli.ties import (
+    ascending,
     definite_basis,
     definite_pairs,
     definite_sign,
@@ -94,3 +95,10 @@ def test_pairs_of_equal_singular_values_do_not_depend_on_rounding(size):
     assert np.allclose(np.linalg.det(a) * np.linalg.det(b), np.linalg.det(u) * np.linalg.det(vt))
     assert np.abs(a[0][:, [0, 1, 2, 4, 5]] - a[1][:, [0, 1, 2, 4, 5]]).max() < 1e3 * size + 1e-12
     assert (a[2] == u[2]).all()
+
+
+def test_of_numbers_equal_to_the_least_the_first_comes_first() -> None:
+    """And those that are greater by more stay in their order, however near they are."""
+    assert ascending([3.0, 1 + 1e-12, np.inf, 1.0, 1 + 1e-6]).tolist() == [1, 3, 4, 0, 2]
+    assert ascending([2.0, 1 + 1e-6, 1.0], 1e-5).tolist() == [1, 2, 0]
+    assert ascending([]).tolist() == []
