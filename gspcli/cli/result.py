@@ -291,20 +291,15 @@ class Result:
         return {"schema": schema, **platform, **first, **self.head, name: rows}
 
 
-def pose_columns(keys: Sequence[str], length: float) -> list[Field]:
-    """Return the columns of poses.
+#: The columns of a pose: the position, then the quaternion.
+POSE = ("x", "y", "z", "qw", "qx", "qy", "qz")
 
-    Parameters
-    ----------
-    keys
-        Three of the position, then four of the quaternion.
-    length
-        A typical length of the platform.
-    """
-    sizes = [length] * 3 + [1.0] * 4
+
+def pose_columns(length: float) -> list[Field]:
+    """Return the columns of poses; `length` is a typical one of the platform."""
     return [
-        Field(key, "", "right", essential=True, aligned=True, size=size)
-        for key, size in zip(keys, sizes, strict=True)
+        Field(key, "", "right", essential=True, aligned=True, size=1.0 if "q" in key else length)
+        for key in POSE
     ]
 
 

@@ -31,7 +31,7 @@ from gspcli.cli.pose_options import (
 )
 from gspcli.cli.render import emit, write
 from gspcli.cli.requirements import measured_quantities, require_option, required
-from gspcli.cli.result import Fields, Result, pose_columns
+from gspcli.cli.result import POSE, Fields, Result, pose_columns
 from gspcli.cli.specs import standard_deviations
 from gspcli.cli.streams import say, working
 from gspcli.errors import CheckFailed
@@ -57,7 +57,6 @@ FIELDS = Fields("calibrate")
 #: The most poses of a plan. More poses take hours to choose, and determine the numbers hardly
 #: better than as many random poses.
 _MOST_PLANNED = 300
-_POSE = ("x", "y", "z", "qw", "qx", "qy", "qz")
 
 
 @click.command(cls=Command)
@@ -393,10 +392,10 @@ def plan_table(plan: Plan, frame: PoseFrame) -> Result:
         for k, row in enumerate(plan.instance.constraints, 1)
         if k - 1 not in plan.driven
     } | dict.fromkeys(plan.drive_names, "")
-    columns = FIELDS.of("t") + pose_columns(_POSE, Arrangement.of(plan.instance).length)
+    columns = FIELDS.of("t") + pose_columns(Arrangement.of(plan.instance).length)
     columns += [FIELDS["1…6"].but(key=key, title=title) for key, title in titles.items()]
     numbers = zip(plan.expressed(frame), plan.readings, plan.drives, strict=True)
-    keys = (*_POSE, *map(str, range(1, 7)), *plan.drive_names)
+    keys = (*POSE, *map(str, range(1, 7)), *plan.drive_names)
     rows = [
         {"t": k, **dict(zip(keys, [x for part in parts for x in part.tolist()], strict=True))}
         for k, parts in enumerate(numbers, 1)

@@ -21,7 +21,7 @@ from gspcli.cli.pose_options import (
 )
 from gspcli.cli.render import emit
 from gspcli.cli.requirements import refuse, require_option, required, settled
-from gspcli.cli.result import Field, Fields, Result
+from gspcli.cli.result import POSE, Field, Fields, Result
 from gspcli.cli.streams import say
 from gspcli.errors import CheckFailed, IncompleteError
 from gspcli.wording import counted
@@ -40,7 +40,6 @@ if TYPE_CHECKING:
 FIELDS = Fields("measure")
 #: What stands for the limits of a nearest pose where none is found.
 _NOT_FOUND = "none found"
-_POSE = ("x", "y", "z", "qw", "qx", "qy", "qz")
 
 
 @click.command(cls=Command)
@@ -209,9 +208,7 @@ def _values(instance: Instance, table: PoseTable, t: list[float]) -> tuple[Array
     for k, constraint in enumerate(instance.constraints, 1):
         size = length if constraint.kind.is_distance else angle
         title = f"{k} {constraint.kind.name}"
-        columns.append(
-            FIELDS["1…6"].but(key=str(k), title=title, within="values", size=size, essential=True)
-        )
+        columns.append(FIELDS[str(k)].but(title=title, within="values", size=size, essential=True))
     sided = [str(k) for k, row in enumerate(instance.constraints, 1) if row.kind.has_sides]
     rows: list[dict[str, Any]] = []
     for time, numbers in zip(t, values.tolist(), strict=True):
@@ -293,12 +290,12 @@ def _nearest(instance: Instance, table: PoseTable, t: list[float], form: PoseFor
     for time, one in zip(t, found, strict=True):
         R, T = form.frame.from_platform(one.R, one.T)
         numbers = [*one.values.tolist(), *T.tolist(), *quaternion_from_rotation(R).tolist()]
-        row = {"t": time, **dict(zip((*names, *_POSE), numbers, strict=True))}
+        row = {"t": time, **dict(zip((*names, *POSE), numbers, strict=True))}
         rows.append(row | {"shift": one.shift, "turn": one.turn, "limits": [*one.limits]})
     columns = [
         *FIELDS.of("t"),
         *(FIELDS["1…6"].but(key=key, title=said, minor=1) for key, said in names.items()),
-        *FIELDS.of(" ".join(_POSE)),
+        *FIELDS.of(" ".join(POSE)),
         FIELDS["shift"].but(title=f"shift [{instance.units.length}]"),
         FIELDS["turn"].but(title=f"turn [{instance.units.angle.value}]"),
         FIELDS["limits"],

@@ -237,9 +237,6 @@ def _refuse_undecided(groups: ModeGroups) -> None:
         )
 
 
-_POSE = ("x", "y", "z", "qw", "qx", "qy", "qz")
-
-
 def path_table(found: PlannedPath, frame: PoseFrame) -> Result:
     """Return the rows of a path, with what is proved of its parts above them."""
     from gspcli.geometry.arrangement import Arrangement
@@ -252,7 +249,7 @@ def path_table(found: PlannedPath, frame: PoseFrame) -> Result:
         title = f"{name} {kinds[int(name) - 1]}" if name.isdecimal() else name.replace(".", " ")
         size = length if _is_length(found, name) else turn
         columns.append(FIELDS[name].but(title=title, size=size))
-    columns += pose_columns(_POSE, length)
+    columns += pose_columns(length)
     document = found.to_json(frame)
     columns += FIELDS.of("condition clearance? gap?", document["rows"])
     return Result(

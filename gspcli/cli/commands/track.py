@@ -333,10 +333,9 @@ def track_table(
 ) -> Result:
     """Return the table of the rows, with what is proved of the track below it."""
     from gspcli.geometry.arrangement import Arrangement
-    from gspcli.motion.following.tracks import POSE
 
     columns = FIELDS.of("t mode")
-    columns += pose_columns(POSE, Arrangement.of(result.instance).length)
+    columns += pose_columns(Arrangement.of(result.instance).length)
     columns += FIELDS.of("condition clearance? pose_clearance?", rows)
     names = [one.name for one in result.coordinates]
     columns += [FIELDS[name] for name in names]

@@ -39,7 +39,7 @@ from gspcli.cli.pose_options import (
     span_of,
 )
 from gspcli.cli.render import emit, write
-from gspcli.cli.result import Fields, Result, vector_text
+from gspcli.cli.result import POSE, Fields, Result, vector_text
 from gspcli.cli.streams import progress, say
 from gspcli.errors import GspError, IncompleteError
 from gspcli.geometry.frames import IDENTITY, PoseFrame
@@ -278,12 +278,9 @@ def _interval(text: str) -> tuple[str, tuple[float, float]]:
     return name, (low, high)
 
 
-_POSE = ("x", "y", "z", "qw", "qx", "qy", "qz")
-
-
 def _own_pose(row: dict[str, Any], home: Home) -> dict[str, list[float]]:
     """Return the pose of the platform itself in the middle of a box."""
-    position, quaternion = ([row[key] for key in keys] for keys in (_POSE[:3], _POSE[3:]))
+    position, quaternion = ([row[key] for key in keys] for keys in (POSE[:3], POSE[3:]))
     if not home.frame.is_identity:
         import numpy as np
 
@@ -368,7 +365,7 @@ def _volume(o: Options, found: Workspace, home: Home) -> Result:
             for row in rows
         ]
     ends = [f"{name}_{end}" for name in found.free for end in ("low", "high")]
-    boxes = Result(FIELDS.of(" ".join(("status", *_POSE, *ends))), rows)
+    boxes = Result(FIELDS.of(" ".join(("status", *POSE, *ends))), rows)
     return replace(result, summary=(), parts=[boxes])
 
 
@@ -390,7 +387,7 @@ def _box_rows(found: Workspace) -> list[dict[str, Any]]:
     return [
         {
             "status": "inside" if k < count else "open",
-            **dict(zip(_POSE, pose, strict=True)),
+            **dict(zip(POSE, pose, strict=True)),
             **dict(zip(keys, ends, strict=True)),
         }
         for k, (pose, ends) in enumerate(zip(poses, flat, strict=True))
