@@ -731,27 +731,20 @@ def remarks(result: SolveResult, numbers: Sequence[int]) -> list[str]:
 
 def _limits(result: SolveResult, numbers: Sequence[int]) -> list[str]:
     """Say which of the real poses shown are outside the ranges and cones of the machine."""
-    left = {number: result.solutions[number - 1].limits for number in numbers}
-    ranges = {
-        one.constraint for limits in left.values() for one in limits or () if one.kind == "range"
-    }
+    poses = {number: result.solutions[number - 1] for number in numbers}
+    limits = [(number, one) for number, pose in poses.items() for one in pose.limits or ()]
     notes = [
-        f"constraint {k + 1} is outside its range: the machine can take none of these poses"
-        for k in sorted(ranges)
+        f"constraint {k} is outside its range: the machine can take none of these poses"
+        for k in sorted({one.constraint + 1 for _, one in limits if one.kind == "range"})
     ]
-    beyond = [n for n, limits in left.items() if any(one.kind == "cone" for one in limits or ())]
-    if beyond:
-        names = ", ".join(map(str, beyond))
-        notes.append(f"a leg leaves the cone of a joint in pose{'s' * (len(beyond) > 1)} {names}")
-    beyond = [
-        n for n, limits in left.items() if any(one.kind == "working mode" for one in limits or ())
-    ]
-    if beyond:
-        names = ", ".join(map(str, beyond))
-        notes.append(
-            f"an arm or carriage is on the other side of its dead point than at home in "
-            f"pose{'s' * (len(beyond) > 1)} {names}"
-        )
+    sentences = {
+        "cone": "a leg leaves the cone of a joint",
+        "working mode": "an arm or carriage is on the other side of its dead point than at home",
+    }
+    for kind, said in sentences.items():
+        if beyond := [*dict.fromkeys(number for number, one in limits if one.kind == kind)]:
+            plural = "s" * (len(beyond) > 1)
+            notes.append(f"{said} in pose{plural} {', '.join(map(str, beyond))}")
     return notes
 
 
