@@ -18,7 +18,7 @@ from gspcli.calibration.model import Body, Model
 from gspcli.catalogue.kinds import DLL
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.measurement import Gradient, by_twist, gradients, measured
-from gspcli.geometry.quaternions import rotation_from_vector, vector_from_rotation
+from gspcli.geometry.quaternions import cross_matrix, rotation_from_vector, vector_from_rotation
 from gspcli.motion.files.value_files import nominal_values
 from gspcli.records import dataclass
 
@@ -242,13 +242,6 @@ def alike(seen: Measurements, R: Array, T: Array, drives: Array | None) -> Measu
     )
 
 
-def hat(a: Array) -> Array:
-    """Return the matrices of cross products, ``hat(a) b = a x b``, (..., 3) -> (..., 3, 3)."""
-    x, y, z = np.moveaxis(a, -1, 0)
-    o = np.zeros_like(x)
-    return np.stack((o, -z, y, z, o, -x, -y, x, o), axis=-1).reshape(*a.shape, 3)
-
-
 def value_rows(model: Model, R: Array, T: Array, seen: Measurements, noise: Noise) -> WhitenedRows:
     """Return ``f - v (1 + s) - o`` for each reading v of each pose."""
     bodies = model.bodies(seen.drives)
@@ -354,7 +347,7 @@ def _rotation_rows(model: Model, R: Array, seen: Array, sigma: float) -> Whitene
     turn = vector_from_rotation(there @ np.swapaxes(np.nan_to_num(seen, nan=0.5), 1, 2))
     turn[~np.isfinite(seen).all(axis=(1, 2))] = np.nan
     # The inverse of the left Jacobian matrix of the exponential, to its third order.
-    K = hat(turn)
+    K = cross_matrix(turn)
     inverse = np.eye(3) - K / 2 + K @ K / 12
     by_model = np.zeros((len(R), 3, len(model.free)))
     at = model.geometry + 12
@@ -367,7 +360,7 @@ def _rotation_rows(model: Model, R: Array, seen: Array, sigma: float) -> Whitene
 def _left(omega: Array) -> Array:
     """Return the left Jacobian matrix of the exponential: how a rotation turns with its vector."""
     angle = float(np.linalg.norm(omega))
-    K = hat(omega)
+    K = cross_matrix(omega)
     if angle < 1e-6:
         half: Array = np.eye(3) + K / 2
         return half
@@ -405,7 +398,9 @@ def _point_rows(
     first, by_model = model.geometry + 12, np.zeros((len(R), 3, len(model.free)))
     if at is not None:
         local = B @ at + b
-        by_model[:, :, first + 6 : first + 9] = -A @ R @ hat(B @ at) @ _left(model.frames[6:9])
+        by_model[:, :, first + 6 : first + 9] = (
+            -A @ R @ cross_matrix(B @ at) @ _left(model.frames[6:9])
+        )
         by_model[:, :, first + 9 :] = A @ R
     else:
         block, span = next(
@@ -417,9 +412,9 @@ def _point_rows(
         by_model[:, :, span] = A @ R @ block.shifts.T
     arm = R @ local
     place = (arm + T) @ A.T
-    by_model[:, :, first : first + 3] = -hat(place) @ _left(model.frames[:3])
+    by_model[:, :, first : first + 3] = -cross_matrix(place) @ _left(model.frames[:3])
     by_model[:, :, first + 3 : first + 6] = np.eye(3)
-    by_pose = np.concatenate((-A @ hat(arm), np.broadcast_to(A, R.shape)), axis=2)
+    by_pose = np.concatenate((-A @ cross_matrix(arm), np.broadcast_to(A, R.shape)), axis=2)
     return WhitenedRows((place + a - seen) / sigma, by_model / sigma, by_pose / sigma)
 
 
@@ -433,12 +428,12 @@ def _inclination_rows(model: Model, R: Array, seen: Array, sigma: float) -> Whit
     # A turn omega of R changes R^T up by R^T (up x omega), one of A likewise; one of B by B^T (up
     # x).
     by_pose = np.zeros((len(R), 2, 6))
-    by_pose[:, :, :3] = (B.T @ np.swapaxes(R, 1, 2) @ hat(up))[:, :2]
+    by_pose[:, :, :3] = (B.T @ np.swapaxes(R, 1, 2) @ cross_matrix(up))[:, :2]
     by_model = np.zeros((len(R), 2, len(model.free)))
     at = model.geometry + 12
-    turned = B.T @ np.swapaxes(R, 1, 2) @ A.T @ hat(_VERTICAL) @ _left(model.frames[:3])
+    turned = B.T @ np.swapaxes(R, 1, 2) @ A.T @ cross_matrix(_VERTICAL) @ _left(model.frames[:3])
     by_model[:, :, at : at + 3] = turned[:, :2]
-    by_model[:, :, at + 6 : at + 9] = (B.T @ hat(here) @ _left(model.frames[6:9]))[:, :2]
+    by_model[:, :, at + 6 : at + 9] = (B.T @ cross_matrix(here) @ _left(model.frames[6:9]))[:, :2]
     weight = slope[..., None] / sigma
     return WhitenedRows(
         (np.arcsin(np.clip(sines, -1, 1)) - seen) / sigma, by_model * weight, by_pose * weight

@@ -30,15 +30,12 @@ from gspcli.geometry.quaternions import (
     Field,
     apply,
     cross,
+    cross_matrix,
     dot,
 )
 from gspcli.geometry.tolerances import NEARLY_PARALLEL_SINE_SQUARE, PARALLEL_SINE
 
 _IDENTITY = np.eye(3)
-#: ``_CROSS[i, j, k] a_j b_k`` is the vector product.
-_CROSS = np.zeros((3, 3, 3))
-for _i, _j, _k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
-    _CROSS[_i, _j, _k], _CROSS[_i, _k, _j] = 1.0, -1.0
 
 
 class Gradient(NamedTuple):
@@ -90,12 +87,6 @@ def perpendicular(r: Field, axis: Field) -> Field:
 def _outer(a: Field, b: Field) -> Field:
     product: Field = a[..., :, None] * b[..., None, :]
     return product
-
-
-def _cross_matrix(a: Field) -> Field:
-    """Return the matrix of ``b -> a x b``, shape (..., 3, 3)."""
-    matrix: Field = np.einsum("ijk,...j->...ik", _CROSS, a)
-    return matrix
 
 
 def _zeros(r: Field) -> Field:
@@ -173,7 +164,7 @@ def _line_line() -> ConstraintPolynomial:
     return ConstraintPolynomial(
         lambda r, w, v: dot(r, cross(w, v)),
         lambda r, w, v: Gradient(cross(w, v), cross(v, r), cross(r, w)),
-        lambda r, w, v: Hessian(_zeros(r), -_cross_matrix(v) + _zeros(r), _zeros(r)),
+        lambda r, w, v: Hessian(_zeros(r), -cross_matrix(v) + _zeros(r), _zeros(r)),
     )
 
 

@@ -40,6 +40,13 @@ def cross(a: Field, b: Field) -> Field:
     return np.stack((a1 * b2 - a2 * b1, a2 * b0 - a0 * b2, a0 * b1 - a1 * b0), axis=-1)
 
 
+def cross_matrix(a: Field) -> Field:
+    """Return the matrices of vector products, ``cross_matrix(a) b = a x b``, (..., 3, 3)."""
+    x, y, z = np.moveaxis(a, -1, 0)
+    o = np.zeros_like(x)
+    return np.stack((o, -z, y, z, o, -x, -y, x, o), axis=-1).reshape(*a.shape, 3)
+
+
 def apply(R: Field, a: Field) -> Field:
     """Return ``R a``, ``(..., 3, 3), (..., 3) -> (..., 3)``."""
     turned: Field = np.einsum("...ij,...j->...i", R, a)

@@ -18,7 +18,7 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.least_squares import Point, descend
 from gspcli.geometry.measurement import jacobian, measured
 from gspcli.geometry.quaternions import (
-    cross,
+    cross_matrix,
     rotation_from_quaternion,
     rotation_from_vector,
     unit_quaternion,
@@ -150,7 +150,7 @@ class _Search:
             blocks = np.zeros((n, s, 3, s, 3))
             k = np.arange(s)
             blocks[:, k, :, k] = np.swapaxes(
-                wanted[..., None] * (_crossed(directions) @ self._turns), 0, 1
+                wanted[..., None] * (cross_matrix(directions) @ self._turns), 0, 1
             )
             by_turns = np.concatenate((by_turns, blocks.reshape(n, 3 * s, 3 * s)), axis=1)
         return values, np.concatenate((by_pose, by_turns), axis=-1)
@@ -166,10 +166,5 @@ class _Search:
         axes = self._axes
         frames = (np.eye(3) - axes[:, :, None] * axes[:, None, :]) @ frames
         about = np.where(lines[:, 0], arm - r, arm)
-        slopes = np.concatenate((-frames @ _crossed(about), frames), axis=-1)
+        slopes = np.concatenate((-frames @ cross_matrix(about), frames), axis=-1)
         return (frames @ r[..., None])[..., 0], slopes
-
-
-def _crossed(a: Array) -> Array:
-    """Return the matrices of ``a x``, (..., 3) -> (..., 3, 3)."""
-    return np.asarray(np.stack([cross(a, np.broadcast_to(e, a.shape)) for e in np.eye(3)], axis=-1))

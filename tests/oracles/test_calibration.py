@@ -7,9 +7,9 @@ import pytest
 from measured_machines import SIGMA, noisy, nominal, reachable, real, seen_of
 
 import gspcli
-from gspcli.calibration.measurements import Noise, hat
+from gspcli.calibration.measurements import Noise
 from gspcli.calibration.model import Model
-from gspcli.geometry.quaternions import rotation_from_vector, vector_from_rotation
+from gspcli.geometry.quaternions import cross_matrix, rotation_from_vector, vector_from_rotation
 
 optimize = pytest.importorskip("scipy.optimize")
 
@@ -54,7 +54,7 @@ def test_least_squares(robust):
         places = rotation_from_vector(twist[:, :3]) @ R, T + twist[:, 3:]
         _, by_model, by_pose = seen.rows(model.moved(step), *places, noise)
         # A rotation turns with its vector by the left Jacobian matrix, here next to one.
-        K = hat(twist[:, :3])
+        K = cross_matrix(twist[:, :3])
         by_pose[..., :3] = by_pose[..., :3] @ (np.eye(3) + K / 2 + K @ K / 6)
         whole = np.zeros((n, 12, 42 + 6 * n))
         whole[..., :42] = by_model[..., model.free] * size

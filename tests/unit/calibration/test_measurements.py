@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 import gspcli
-from gspcli.calibration.measurements import Measurements, Noise, hat
+from gspcli.calibration.measurements import Measurements, Noise
 from gspcli.calibration.model import Model, calibrated, file_numbers
 from gspcli.geometry.measurement import measured
-from gspcli.geometry.quaternions import rotation_from_vector
+from gspcli.geometry.quaternions import cross_matrix, rotation_from_vector
 from gspcli.resources import data_path
 
 MACHINES = [
@@ -31,7 +31,7 @@ def _load(folder, name):
 
 def test_hat_is_the_cross_product():
     a, b = np.random.default_rng(1).normal(size=(2, 4, 3))
-    assert np.allclose((hat(a) @ b[..., None])[..., 0], np.cross(a, b))
+    assert np.allclose((cross_matrix(a) @ b[..., None])[..., 0], np.cross(a, b))
 
 
 @pytest.mark.parametrize(("folder", "name"), MACHINES)
