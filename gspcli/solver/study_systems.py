@@ -181,12 +181,12 @@ def equation(kind: Kind, y: Array, x: Array, u: Array, v: Array, value: Scalars)
         shape (...). Lines at a distance of zero have one quadric, so all of them or none.
     """
     # Components first, as `forms_of` takes vectors.
-    a, b = np.moveaxis(y, -1, 0), np.moveaxis(x, -1, 0)
-    form, *further = study.forms_of(kind, a, b, np.moveaxis(u, -1, 0), np.moveaxis(v, -1, 0))
+    a, b = _components(y), _components(x)
+    form, *further = study.forms_of(kind, a, b, _components(u), _components(v))
     letter = kind.space
     if kind in (DPL, DLP):
         height, direction = (study.base_height, v) if kind is DPL else (_plane_point, u)
-        normals = (np.moveaxis(normal, -1, 0) for normal in _across(direction))
+        normals = map(_components, _across(direction))
         first, second = (_quadric(letter, height(a, b, normal)) for normal in normals)
         return _factors(letter, first, second, value)
     quadric = _quadric(letter, form)
@@ -197,7 +197,11 @@ def equation(kind: Kind, y: Array, x: Array, u: Array, v: Array, value: Scalars)
     return _factors(letter, quadric, value[..., None] * _quadric(letter, *further), value)
 
 
-def _plane_point(y: Scalars, x: Scalars, u: Scalars) -> study.Form:
+def _components(vectors: Scalars) -> list[Scalars]:
+    return [vectors[..., k] for k in range(3)]
+
+
+def _plane_point(y: study.Vector, x: study.Vector, u: study.Vector) -> study.Form:
     return study.scaled(study.platform_height(y, x, u), -1)
 
 
@@ -220,21 +224,28 @@ def _across(direction: Array) -> tuple[Array, Array]:
     return rows[..., 0, :], rows[..., 1, :]
 
 
-#: The functions that span each space, in the order of its basis.
+#: The places in its basis of the functions that span each space.
 _ROTATION = (study.NORM, *chain(*study.ROTATION))
 _SPACES = {
-    "a": _ROTATION,
-    "p": (*_ROTATION, *study.TRANSLATION),
-    "q": (*_ROTATION, *study.BODY),
-    "l": (*_ROTATION, *chain(*study.MOMENT)),
-    "s": (*_ROTATION, *study.TRANSLATION, *study.BODY, study.RHO),
+    letter: {place: k for k, place in enumerate(functions)}
+    for letter, functions in {
+        "a": _ROTATION,
+        "p": (*_ROTATION, *study.TRANSLATION),
+        "q": (*_ROTATION, *study.BODY),
+        "l": (*_ROTATION, *chain(*study.MOMENT)),
+        "s": (*_ROTATION, *study.TRANSLATION, *study.BODY, study.RHO),
+    }.items()
 }
 
 
 def _quadric(letter: str, form: study.Form) -> Scalars:
     """Return the quadric of a combination of the functions of a space, shape (..., 27)."""
-    entries = [form.get(place, 0.0) for place in _SPACES[letter]]
-    return _times(np.stack(np.broadcast_arrays(*entries), axis=-1), BASES[letter])
+    places, entries = _SPACES[letter], [np.asarray(entry) for entry in form.values()]
+    shape = max(entries, key=np.ndim).shape
+    rows = np.zeros((*shape, len(places)), np.result_type(*entries))
+    for place, entry in zip(form, entries, strict=True):
+        rows[..., places[place]] = entry
+    return _times(rows, BASES[letter])
 
 
 def _times(rows: Scalars, basis: NDArray[np.float64]) -> Scalars:
