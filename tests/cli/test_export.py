@@ -7,7 +7,8 @@ import re
 import pytest
 
 import gspcli
-from gspcli.export.controller.writing import TRIES, controller
+from gspcli.export.controller.writing import controller
+from gspcli.export.formats import TRIES
 from gspcli.resources import instance_files
 
 # `gsp export --to c`: two files, and what is refused.

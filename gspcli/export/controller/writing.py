@@ -26,33 +26,17 @@ from gspcli.solver import Solution
 from gspcli.spec import dumps
 from gspcli.wording import shown
 
-#: How many parts of a line of values are tried before it is refused.
-TRIES = 48
 _IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,40}")
 _CONDITION = re.compile(r"#if (HAS_\w+(?: \|\| HAS_\w+)*)$")
 _WORD = re.compile(r"@(\w+)@")
 _WIDTH = 100
 
 
-def checked_prefix(prefix: str) -> str:
-    """Return a prefix if names in C can begin with it.
-
-    Raises
-    ------
-    ArgumentError
-        If they cannot.
-    """
-    if not _IDENTIFIER.fullmatch(prefix):
-        message = f"found {shown(prefix)}, expected a name in C: letters, digits and _"
-        raise ArgumentError(message, "prefix")
-    return prefix
-
-
 def controller(
     instance: Instance,
     prefix: str,
     *,
-    tries: int = TRIES,
+    tries: int = 48,
     name: str = "",
     home: Solution | None = None,
     margin: float = 0.0,
@@ -80,7 +64,9 @@ def controller(
         If the prefix is no name in C, the margin is not from 0 to 1, or a crank or slide is not at
         the end of exactly one leg.
     """
-    checked_prefix(prefix)
+    if not _IDENTIFIER.fullmatch(prefix):
+        message = f"found {shown(prefix)}, expected a name in C: letters, digits and _"
+        raise ArgumentError(message, "prefix")
     numbers = platform_numbers(instance, margin)
     pivot = PoseFrame.of(instance).tool.T
     limits = limit_numbers(instance, numbers, pivot=pivot)

@@ -10,7 +10,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.export.controller.writing import TRIES, controller
+from gspcli.export.controller.writing import controller
+from gspcli.export.formats import TRIES
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.quaternions import quaternion_from_rotation
 

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 import gspcli
-from gspcli.export.controller.writing import TRIES, controller
+from gspcli.export.controller.writing import controller
+from gspcli.export.formats import TRIES
 from gspcli.geometry.quaternions import rotation_from_quaternion
 from gspcli.geometry.random_instances import random_instance
 from gspcli.motion import Follower, FollowerStatus, measure
