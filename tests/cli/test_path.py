@@ -44,14 +44,14 @@ def test_a_path_with_a_time_is_proved_again(gsp, tmp_path):
     limits = ("--speed", "0.001", "--acceleration", "0.002")
     run = gsp("path", "@rubin-m2", *ends, *limits, "-o", file)
     assert run.code == 0
-    assert run.err.splitlines()[3].endswith("s: each motor at most 0.001 m/s and 0.002 m/s^2")
+    assert run.err.splitlines()[3].endswith("s: each drive at most 0.001 m/s and 0.002 m/s^2")
     assert gsp("track", "@rubin-m2", file, "--require", "range").code == 0
-    more = ("--speed", "motors=0.001,platform=0.0005", "--format", "json")
+    more = ("--speed", "drives=0.001,platform=0.0005", "--format", "json")
     run = gsp("path", "@rubin-m2", *ends, *limits, *more)
     document = json.loads(run.out)
     assert document["along"] == "poses"
     timing = document["timing"]
-    assert timing["speed"] == {"motors": 0.001, "platform": 0.0005}
+    assert timing["speed"] == {"drives": 0.001, "platform": 0.0005}
     assert timing["seconds"] == document["rows"][-1]["t"] >= 0.001 / 0.0005
     assert timing["corners"] == 0
 
@@ -133,9 +133,9 @@ def test_all_modes(gsp):
             "--speed is for --acceleration: give it, too",
         ),
         (("--all", "--speed", "1", "--acceleration", "1"), "give either --all or --speed"),
-        (("--speed", "motor=1"), "'motor' is not one of motors, platform, turn"),
-        (("--speed", "1,2"), "motors stands twice"),
-        (("--speed", "turn=1"), "give motors, or both platform and turn"),
+        (("--speed", "drive=1"), "'drive' is not one of drives, platform, turn"),
+        (("--speed", "1,2"), "drives stands twice"),
+        (("--speed", "turn=1"), "give drives, or both platform and turn"),
         (("--speed", "-1"), "-1.0 is not in the range"),
         (("--speed", "nan"), "not"),
     ],

@@ -57,7 +57,7 @@ class _EndType(click.ParamType):  # type: ignore[type-arg]
 
 
 class _LimitType(click.ParamType):  # type: ignore[type-arg]
-    """A number above zero of the motors, or NAME=NUMBER of motors, platform and turn."""
+    """A number above zero of the drives, or NAME=NUMBER of drives, platform and turn."""
 
     name = "limit"
 
@@ -65,17 +65,17 @@ class _LimitType(click.ParamType):  # type: ignore[type-arg]
         """Return the numbers by name."""
         if not isinstance(value, str):
             return value
-        names, found = ("motors", "platform", "turn"), {}
+        names, found = ("drives", "platform", "turn"), {}
         for part in value.split(","):
             name, equals, number = part.rpartition("=")
             name = name.strip() if equals else names[0]
             if name not in names:
-                self.fail(f"{shown(name)} is not one of motors, platform, turn.", param, ctx)
+                self.fail(f"{shown(name)} is not one of drives, platform, turn.", param, ctx)
             if name in found:
                 self.fail(f"{name} stands twice.", param, ctx)
             found[name] = Positive().convert(number.strip(), param, ctx)
-        if "motors" not in found and len(found) < 2:
-            self.fail("give motors, or both platform and turn.", param, ctx)
+        if "drives" not in found and len(found) < 2:
+            self.fail("give drives, or both platform and turn.", param, ctx)
         return found
 
 
@@ -136,8 +136,8 @@ class _LimitType(click.ParamType):  # type: ignore[type-arg]
     "--speed",
     type=_LimitType(),
     metavar="V",
-    help="Give the rows times in seconds, at which no motor is faster than V, in the unit of its "
-    "value a second: proved, between rows too. Or motors=V,platform=V,turn=V.",
+    help="Give the rows times in seconds, at which no drive is faster than V, in the unit of its "
+    "value a second: proved, between rows too. Or drives=V,platform=V,turn=V.",
 )
 @click.option(
     "--acceleration",
@@ -166,9 +166,9 @@ def command(o: Options) -> None:
     path keeps each sign. The mode fills its whole box of ranges. Legs are nearer at an end than
     --leg-gap. The exit code is 4 if no path was found in the time given.
 
-    With --speed and --acceleration t is in seconds. One number limits each motor: in mm/s and
+    With --speed and --acceleration t is in seconds. One number limits each drive: in mm/s and
     mm/s^2 for lengths in mm, in deg/s and deg/s^2 for angles in degrees.
-    `motors=50,platform=100,turn=30` limits the pivot of the platform and its turn, too, on ways of
+    `drives=50,platform=100,turn=30` limits the pivot of the platform and its turn, too, on ways of
     poses. The platform begins and ends at rest and stops at corners.
 
     With --all the modes of SPEC are grouped: those of one group are joined by proved paths. The
@@ -245,7 +245,7 @@ def path_table(found: PlannedPath, frame: PoseFrame) -> Result:
     turn = 1 / found.instance.units.angle.in_radians
     kinds = [one.kind.name for one in found.instance.constraints]
     columns = FIELDS.of("t")
-    for name in found.motors:
+    for name in found.columns:
         title = f"{name} {kinds[int(name) - 1]}" if name.isdecimal() else name.replace(".", " ")
         size = length if _is_length(found, name) else turn
         columns.append(FIELDS[name].but(title=title, size=size))
@@ -294,21 +294,21 @@ def _summary(found: PlannedPath) -> list[str]:
     return lines
 
 
-def _is_length(found: PlannedPath, motor: str) -> bool:
-    """Return whether what a motor moves is a length; else it is an angle."""
-    if motor.isdecimal():
-        return found.instance.constraints[int(motor) - 1].kind.is_distance
-    return motor.startswith("slide")
+def _is_length(found: PlannedPath, drive: str) -> bool:
+    """Return whether the number of a drive is a length; else it is an angle."""
+    if drive.isdecimal():
+        return found.instance.constraints[int(drive) - 1].kind.is_distance
+    return drive.startswith("slide")
 
 
 def _time(found: PlannedPath, timing: Timing) -> str:
     """Return the time of a path, and which speeds and accelerations are below which limits."""
     units = found.instance.units
     angle, length = units.angle.value, str(units.length)
-    lengths = {length if _is_length(found, name) else angle for name in found.motors}
-    of = {"motors": " or ".join(sorted(lengths, key=length.__ne__)), "platform": length}
+    lengths = {length if _is_length(found, name) else angle for name in found.columns}
+    of = {"drives": " or ".join(sorted(lengths, key=length.__ne__)), "platform": length}
     of["turn"] = angle
-    names = {"motors": "each motor", "platform": "the platform", "turn": "its turn"}
+    names = {"drives": "each drive", "platform": "the platform", "turn": "its turn"}
     limits = []
     for name in names:
         numbers = [

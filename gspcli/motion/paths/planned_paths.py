@@ -157,8 +157,8 @@ class PlannedPath(Tabular):
         return float(steps(self.instance, self.R[ends], self.T[ends])[0])
 
     @property
-    def motors(self) -> tuple[str, ...]:
-        """The names of the columns of what the motors move: constraints, or cranks and slides."""
+    def columns(self) -> tuple[str, ...]:
+        """The names of the columns of the drives: constraints, or cranks and slides."""
         return tuple("123456") if self.drives is None else Machine.of(self.instance).names
 
     def _readings(self) -> Array:
@@ -177,7 +177,7 @@ class PlannedPath(Tabular):
         if not len(self.t):
             return []
         R, T = frame.from_platform(self.R, self.T)
-        keys = ("t", *self.motors, *POSE, "condition")
+        keys = ("t", *self.columns, *POSE, "condition")
         # Those of cranks and slides take long: they are computed if they are asked for.
         known = self.drives is None or bool(self.clearances.any())
         clearances = [self.clearances] if known else []

@@ -119,7 +119,7 @@ def path(
         ways of poses.
     speed, acceleration
         Limits on the whole way, also between rows; then the rows have times in seconds. A number is
-        of each motor, in the unit of its value a second (squared). By name: of the ``motors``, of
+        of each drive, in the unit of its value a second (squared). By name: of the ``drives``, of
         the ``platform``'s pivot, and of its ``turn`` in the unit of angles; the last two are proved
         on ways of poses.
 

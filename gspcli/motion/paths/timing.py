@@ -1,7 +1,7 @@
 """The time of paths: speeds and accelerations below limits.
 
-Of straight ways of values the motors move linearly, so their limits hold exactly. On straight ways
-of poses the speeds and accelerations of motors, and of the turn of the platform, are those at
+Of straight ways of values the drives move linearly, so their limits hold exactly. On straight ways
+of poses the speeds and accelerations of drives, and of the turn of the platform, are those at
 samples, with a margin. The platform stops at corners: on each straight part its
 speed rises, stays and falls.
 """
@@ -21,11 +21,11 @@ from gspcli.motion.paths.pose_ways import PoseWays
 from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
-#: What can be limited: each motor, the pivot, the turn of the platform.
-MOTORS, PLATFORM, TURN = NAMES = ("motors", "platform", "turn")
+#: What can be limited: each drive, the pivot, the turn of the platform.
+DRIVES, PLATFORM, TURN = NAMES = ("drives", "platform", "turn")
 #: The least rows of a part.
 _CHANGING = 12
-#: Shares of the acceleration that full speed may need on a bent way of the motors.
+#: Shares of the acceleration that full speed may need on a bent way of the drives.
 _BENT = (0.02, 0.1, 0.25, 0.5, 0.75, 0.9)
 #: Speeds and accelerations are this much larger than what is computed exactly, or from samples.
 _MARGIN, _SAMPLED = 1 + 1e-9, 1 + 1e-5
@@ -40,7 +40,7 @@ class PathLimits:
     Attributes
     ----------
     speed, acceleration
-        By name: of each of the ``motors`` (lengths, or angles in the unit of the instance), of the
+        By name: of each of the ``drives`` (lengths, or angles in the unit of the instance), of the
         ``platform``'s pivot (lengths), of its ``turn`` (angles); a second, and a second squared.
     """
 
@@ -53,7 +53,7 @@ class PathLimits:
         speed: float | Mapping[str, float] | None,
         acceleration: float | Mapping[str, float] | None,
     ) -> PathLimits | None:
-        """Return limits from numbers, which are of the motors, or by name; None without any.
+        """Return limits from numbers, which are of the drives, or by name; None without any.
 
         Raises
         ------
@@ -69,7 +69,7 @@ class PathLimits:
                 raise ArgumentError(
                     "found none: a path is timed by a speed and an acceleration", name
                 )
-            limits = dict(given) if isinstance(given, Mapping) else {MOTORS: float(given)}
+            limits = dict(given) if isinstance(given, Mapping) else {DRIVES: float(given)}
             for what, number in limits.items():
                 if what not in NAMES:
                     raise ArgumentError(
@@ -79,22 +79,22 @@ class PathLimits:
                     raise ArgumentError(
                         f"found {number} for {what}, expected a number above zero", name
                     )
-            if MOTORS not in limits and not {PLATFORM, TURN} <= set(limits):
+            if DRIVES not in limits and not {PLATFORM, TURN} <= set(limits):
                 raise ArgumentError(
-                    "found no limit of the motors, nor of both the platform and its turn", name
+                    "found no limit of the drives, nor of both the platform and its turn", name
                 )
             found[name] = limits
         return cls(**found)
 
     @property
     def of_platform(self) -> bool:
-        """Whether the platform is limited, too, not only the motors."""
-        return bool({*self.speed, *self.acceleration} - {MOTORS})
+        """Whether the platform is limited, too, not only the drives."""
+        return bool({*self.speed, *self.acceleration} - {DRIVES})
 
-    def arrays(self, motors: int, in_radians: float) -> tuple[Array, Array]:
+    def arrays(self, drives: int, in_radians: float) -> tuple[Array, Array]:
         """Return the limits in the order of `Rates.largest`, infinite where there is none."""
-        units = [1.0] * motors + [1.0, in_radians]
-        names = [MOTORS] * motors + [PLATFORM, TURN]
+        units = [1.0] * drives + [1.0, in_radians]
+        names = [DRIVES] * drives + [PLATFORM, TURN]
         speed, acceleration = (
             np.array([limits.get(n, np.inf) * u for n, u in zip(names, units, strict=True)])
             for limits in (self.speed, self.acceleration)
@@ -142,7 +142,7 @@ class TimedTrace(NamedTuple):
 
 
 def _value_line(way: Array, speed: Array, acceleration: Array) -> LineMove:
-    """Return a straight part of motors that move linearly."""
+    """Return a straight part of drives that move linearly."""
     duration = float((np.abs(way) / speed).max()) * _MARGIN
     with np.errstate(divide="ignore"):
         rise = float((acceleration * duration / np.abs(way)).min()) / _MARGIN
@@ -161,13 +161,13 @@ class Rates:
     def __init__(self, ways: PoseWays) -> None:
         self.ways = ways
 
-    def _motors(self, R: Array, T: Array) -> Array:
-        """Return what the motors are at along rows of poses, in their units, shape (r, m)."""
+    def _drives(self, R: Array, T: Array) -> Array:
+        """Return what the drives are at along rows of poses, in their units, shape (r, m)."""
         return self.ways.machine.along(R, T) / self.ways.machine.units
 
     @property
     def count(self) -> int:
-        """The number of motors."""
+        """The number of drives."""
         return self.ways.machine.count
 
     def largest(self, place: Array, way: Array) -> tuple[Array, Array]:
@@ -181,14 +181,14 @@ class Rates:
         Returns
         -------
         speeds, accelerations
-            Of the m motors in the units of the instance, of the pivot, and of the turn of the
-            platform in radians, shapes (m + 2,). Infinite where a motor does not reach.
+            Of the m drives in the units of the instance, of the pivot, and of the turn of the
+            platform in radians, shapes (m + 2,). Infinite where a drive does not reach.
         """
         step = _STEP / max(float((np.abs(way) / self.ways.sizes).max()), 1e-300)
         middles = np.linspace(0.0, 1.0, _SAMPLES + 1)[:, None]
         t = (middles + step * np.array([-1.0, 0.0, 1.0])).ravel()[:, None]
         R, T = self.ways.poses(place + way * t)
-        x = self._motors(R, T).reshape(len(middles), 3, -1)
+        x = self._drives(R, T).reshape(len(middles), 3, -1)
         R = R.reshape(-1, 3, 3, 3)
         before, after = (R[:, k].swapaxes(1, 2) @ R[:, k + 1] for k in range(2))
         first, second = (_spin(one) for one in (before, after))
@@ -214,7 +214,7 @@ def _spin(turns: Array) -> Array:
 
 
 def _pose_line(rates: Rates, first: Array, way: Array, v: Array, a: Array) -> LineMove:
-    """Return a straight part in position and angles: motors at samples."""
+    """Return a straight part in position and angles: drives at samples."""
     speeds, bends = rates.largest(first, way)
     best, time = LineMove(way, np.inf, 0.0), np.inf
     for share in _BENT:

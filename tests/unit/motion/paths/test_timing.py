@@ -115,7 +115,7 @@ def test_motors_keep_limits_on_ways_of_poses(study):
 
 def test_the_platform_keeps_limits_around_corners():
     platform = gspcli.example("surfaces-sss")
-    speed = {"motors": 1.0, "platform": 0.005, "turn": 20.0}
+    speed = {"drives": 1.0, "platform": 0.005, "turn": 20.0}
     acceleration = {"platform": 0.02, "turn": 60.0}
     more = {"speed": speed, "acceleration": acceleration}
     found = gspcli.path(platform, 1, 5, **more)
@@ -163,12 +163,12 @@ def test_a_short_part_does_not_reach_its_speed():
     [
         ({"speed": 5}, "acceleration: found none"),
         ({"acceleration": 5}, "speed: found none"),
-        ({"speed": 0, "acceleration": 5}, "found 0.0 for motors"),
-        ({"speed": np.nan, "acceleration": 5}, "found nan for motors"),
+        ({"speed": 0, "acceleration": 5}, "found 0.0 for drives"),
+        ({"speed": np.nan, "acceleration": 5}, "found nan for drives"),
         ({"speed": {"motor": 1}, "acceleration": 5}, "found 'motor'"),
-        ({"speed": {"turn": 1}, "acceleration": 5}, "found no limit of the motors"),
+        ({"speed": {"turn": 1}, "acceleration": 5}, "found no limit of the drives"),
         (
-            {"speed": {"motors": 1, "turn": 1}, "acceleration": 5, "along": "values"},
+            {"speed": {"drives": 1, "turn": 1}, "acceleration": 5, "along": "values"},
             "proved along poses only",
         ),
     ],
