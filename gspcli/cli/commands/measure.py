@@ -54,14 +54,10 @@ _NOT_FOUND = "none found"
     help="The numbers of the drives: angles of cranks, places of slides, other values.",
 )
 @click.option(
-    "--cranks",
-    is_flag=True,
-    help="The angles of the cranks only; the values of SPEC are kept.",
+    "--cranks", is_flag=True, help="The angles of the cranks only; the values of SPEC are kept."
 )
 @click.option(
-    "--nearest",
-    is_flag=True,
-    help="The nearest poses within ranges and cones, and their values.",
+    "--nearest", is_flag=True, help="The nearest poses within ranges and cones, and their values."
 )
 @pose_options
 @column_options

@@ -18,11 +18,7 @@ from gspcli.cli.options import (
     seed_option,
     value_options,
 )
-from gspcli.cli.pose_options import (
-    GivenPose,
-    frame_note,
-    pose_options,
-)
+from gspcli.cli.pose_options import GivenPose, frame_note, pose_options
 from gspcli.cli.render import emit
 from gspcli.cli.result import Fields, Result, pose_columns
 from gspcli.cli.streams import working

@@ -22,13 +22,7 @@ from gspcli.cli.options import (
     value_options,
     worker_options,
 )
-from gspcli.cli.pose_options import (
-    PARAMETERS,
-    axes_of,
-    frame_note,
-    pose_options,
-    pose_value_option,
-)
+from gspcli.cli.pose_options import PARAMETERS, axes_of, frame_note, pose_options, pose_value_option
 from gspcli.cli.render import emit, write
 from gspcli.cli.result import Fields, Result
 from gspcli.cli.streams import progress, say, working

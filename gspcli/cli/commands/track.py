@@ -28,7 +28,7 @@ from gspcli.cli.pose_options import (
     pose_options,
     text_of,
 )
-from gspcli.cli.render import Output, emit
+from gspcli.cli.render import emit
 from gspcli.cli.requirements import (
     gaps_of,
     judged,
@@ -42,6 +42,7 @@ from gspcli.cli.result import Fields, Result, pose_columns
 from gspcli.cli.streams import say, working
 from gspcli.errors import GspError, IncompleteError
 from gspcli.geometry.limits import joint_cones
+from gspcli.geometry.machine import Machine, is_driven
 from gspcli.records import dataclass
 from gspcli.wording import counted, listed
 
@@ -53,12 +54,8 @@ if TYPE_CHECKING:
 
     from gspcli.geometry.frames import PoseFrame
     from gspcli.geometry.instance import Instance
-    from gspcli.motion import Event, PoseFormat, Track, ValueTable
-    from gspcli.motion.files.requirements import (
-        QuantityParts,
-        Requirement,
-        RequirementVerdict,
-    )
+    from gspcli.motion import Event, Track, ValueTable
+    from gspcli.motion.files.requirements import QuantityParts, Requirement, RequirementVerdict
     from gspcli.motion.following.tracks import Departure
     from gspcli.motion.paths.limit_events import LimitEvent
     from gspcli.motion.paths.pose_ways import PoseWays
@@ -176,72 +173,44 @@ def command(o: Options) -> None:
     """
     from gspcli.motion import read_values
 
-    instance = o.instance
     requirements = required(o.require)
     form = o.form
-    table = read_values(*text_of(o.values), instance, form, delta=o.relative)
-    if o.along == "poses":
-        if table.poses is None:
-            raise click.UsageError("--along poses is about a file of poses: found values")
-        if o.mode is not None or o.near is not None or o.all_modes or o.everything:
-            raise click.UsageError(
-                "--along poses follows the poses of the file: leave out --mode, --near, "
-                "--all-modes and --complete"
-            )
-        done = along_poses(instance, table, form, o.steps, relative=o.relative_to is not None)
-    else:
-        table = table.subdivided(o.steps)
-        start = table.start if o.near is None else o.near.read(form)
-        if o.near is None and (o.mode is not None or o.all_modes or o.everything):
-            start = None
-        done = along_values(
-            instance,
-            table,
-            modes=None if o.mode is None else [mode_number(instance, o.mode)],
-            near=start,
-            everything=o.everything,
-            jobs=o.jobs,
-        )
+    table = read_values(*text_of(o.values), o.instance, form, delta=o.relative)
+    done = _along_poses(o, table) if o.along == "poses" else _along_values(o, table)
     result, limits, left = done.track, done.limits, done.left
     with working("looking for singularities"):
-        more = _clearances(result, requirements, clear=o.clear, pose_clear=o.pose_clear)
+        more = _clearances(o, result, requirements)
     rows = result.rows(more, form.frame)
-    shown = track_table(result, rows, limits, form.frame)
-    head: dict[str, Any] = {**shown.head, "limits": [*map(plain_limit, limits)]}
+    shown = _track_table(result, rows, limits, form.frame)
+    head: dict[str, Any] = {**shown.head, "limits": [*map(_plain_limit, limits)]}
     head |= {"requirements": []} if requirements else {}
     head["departures"] = [one.to_json(form.in_radians) for one in left]
     shown = replace(shown, head=head)
     verdicts: list[RequirementVerdict] = []
     if requirements:
-        verdicts, quantities = judged_track(done, requirements, rows)
+        verdicts, quantities = _judged_track(done, requirements, rows)
         numbers = {
             t: k // o.steps + 1 for k, t in enumerate(dict.fromkeys(row["t"] for row in rows))
         }
         places = [{"row": numbers[row["t"]], "t": row["t"], "mode": row["mode"]} for row in rows]
         shown = judged(shown, verdicts, quantities, places, between=True)
     emit(o.output, shown)
-    _tell(result, limits, o.output)
+    if o.output.format != "json":
+        for line in (
+            *_new_modes(result),
+            *map(_event_sentence, result.events),
+            *_limit_sentences(result, limits),
+        ):
+            say(line)
     _refuse_losses(result, left, allowed=o.allow_loss)
     refuse(verdicts)
 
 
-def _tell(result: Track, limits: list[LimitEvent], output: Output) -> None:
-    """Say which modes are new, and list the events between the rows; a document has both, too."""
-    if output.format == "json":
-        return
-    if result.new:
-        say(_new_modes(result))
-    for line in (*map(event_sentence, result.events), *limit_sentences(result, limits)):
-        say(line)
-
-
-def _clearances(
-    result: Track, requirements: list[Requirement], *, clear: bool, pose_clear: bool
-) -> dict[str, Array]:
+def _clearances(o: Options, result: Track, requirements: list[Requirement]) -> dict[str, Array]:
     """Return the clearances that are asked for, by their names in rows, each of shape (m, r)."""
     asked = {one.quantity for one in requirements}
     found = {}
-    if clear or "clearance" in asked:
+    if o.clear or "clearance" in asked:
         from gspcli.motion.paths.track_bounds import moves_by_drives
         from gspcli.motion.singularities.clearances import (
             clearances,
@@ -255,7 +224,7 @@ def _clearances(
         else:
             weighted = partial(clearances, weights=range_weights(result.instance))
             found["clearance"] = _at_poses(result, weighted, result.instances())
-    if pose_clear or "pose-clearance" in asked:
+    if o.pose_clear or "pose-clearance" in asked:
         from gspcli.motion.singularities.pose_clearances import pose_clearances
 
         found["pose_clearance"] = _at_poses(result, pose_clearances, result.instances())
@@ -271,39 +240,34 @@ def _refuse_losses(result: Track, left: list[Departure], *, allowed: bool) -> No
         )
     if result.ends and not allowed:
         names = ", ".join(str(event.mode) for event in result.ends)
-        many = len(result.ends) > 1
+        verb = f"s {names} end" if len(result.ends) > 1 else f" {names} ends"
         raise IncompleteError(
-            f"mode{'s' if many else ''} {names} end{'' if many else 's'} before the last row\n"
-            "use --allow-loss if that is expected"
+            f"mode{verb} before the last row\nuse --allow-loss if that is expected"
         )
     if left:
-        raise IncompleteError(_departure_sentences(left, result.instance))
+        first, units = left[0], result.instance.units
+        rows = len({one.row for one in left})
+        more = f" (and at {counted(rows - 1, 'more row')})" if rows > 1 else ""
+        turn = first.turn / units.angle.in_radians
+        raise IncompleteError(
+            f"row {first.row + 1} (t = {first.t:.6g}): mode {first.mode} is not at the pose of the "
+            f"file, but {first.distance:.3g} {units.length} and {turn:.3g} {units.angle.value} "
+            f"away{more}\nbetween rows the values change linearly, and another pose has these "
+            f"values, too\ngive more poses before row {max(first.row + 1, 2)}"
+        )
 
 
-def _departure_sentences(left: list[Departure], instance: Instance) -> str:
-    """Return which mode is not at which pose of the file, why that can be, and what to do."""
-    first, units = left[0], instance.units
-    rows = len({one.row for one in left})
-    more = f" (and at {counted(rows - 1, 'more row')})" if rows > 1 else ""
-    turn = first.turn / units.angle.in_radians
-    return (
-        f"row {first.row + 1} (t = {first.t:.6g}): mode {first.mode} is not at the pose of the "
-        f"file, but {first.distance:.3g} {units.length} and {turn:.3g} {units.angle.value} away"
-        f"{more}\nbetween rows the values change linearly, and another pose has these values, too"
-        f"\ngive more poses before row {max(first.row + 1, 2)}"
-    )
-
-
-def _new_modes(result: Track) -> str:
-    """Say which modes have no number of `gsp solve SPEC`."""
+def _new_modes(result: Track) -> list[str]:
+    """Say which modes have no number of `gsp solve SPEC`, if any."""
+    if not result.new:
+        return []
     names = ", ".join(map(str, result.new))
     if not result.known:
-        return f"mode {names}: new, for SPEC has no numbers to carry to the first row"
-    many = len(result.new) > 1
-    return (
-        f"mode{'s' if many else ''} {names}: new, not reached from the {result.known} real poses "
-        "of SPEC on the way to the first row"
-    )
+        return [f"mode {names}: new, for SPEC has no numbers to carry to the first row"]
+    return [
+        f"mode{'s' if len(result.new) > 1 else ''} {names}: new, not reached from the "
+        f"{result.known} real poses of SPEC on the way to the first row"
+    ]
 
 
 def _at_poses(
@@ -325,11 +289,8 @@ def _at_poses(
     return found
 
 
-def track_table(
-    result: Track,
-    rows: list[dict[str, Any]],
-    limits: list[LimitEvent],
-    frame: PoseFrame,
+def _track_table(
+    result: Track, rows: list[dict[str, Any]], limits: list[LimitEvent], frame: PoseFrame
 ) -> Result:
     """Return the table of the rows, with what is proved of the track below it."""
     from gspcli.geometry.arrangement import Arrangement
@@ -344,34 +305,30 @@ def track_table(
         places = zip(result.t.tolist(), result.places.tolist(), strict=True)
         at = {t: dict(zip(names, place, strict=True)) for t, place in places}
         rows = [{**row, **at[row["t"]]} for row in rows]
-    instance = result.instance
-    title = instance.title
-    kept = len(result.modes) - len(result.events)
-    how = "proved" if result.certified else "not proved"
     note = (
-        f"{counted(len(result.modes), 'mode')}, {kept} of them from the first row to the last, "
-        f"{how}"
+        f"{counted(len(result.modes), 'mode')}, {len(result.modes) - len(result.events)} of them "
+        f"from the first row to the last, {'proved' if result.certified else 'not proved'}"
     )
     if result.complete:
         note += "; every real pose at the last row is accounted for"
-    notes = [note, *cones_notes(result, limits), *frame_note(frame)]
+    notes = [note, *_cones_notes(result, limits), *frame_note(frame)]
+    title = result.instance.title
     return Result(columns, rows, title, notes, schema="track", name="poses", head=document)
 
 
-def event_sentence(event: Event) -> str:
+def _event_sentence(event: Event) -> str:
     """Return an event of a mode between rows, in words."""
     if event.kind == "undecided":
         what = "cannot be followed back before" if event.begins else "cannot be followed beyond"
         t = event.high if event.begins else event.low
         return f"mode {event.mode} {what} t = {t:.10g}: {event.reason} (undecided)"
     partner = "another" if event.partner is None else f"mode {event.partner}"
-    if event.begins:
-        return f"mode {event.mode} begins with {partner} in a fold at t = {event.low:.12g}, proved"
-    return f"mode {event.mode} meets {partner} in a fold at t = {event.low:.12g} and ends, proved"
+    what, end = ("begins with", "") if event.begins else ("meets", " and ends")
+    return f"mode {event.mode} {what} {partner} in a fold at t = {event.low:.12g}{end}, proved"
 
 
 @dataclass(frozen=True, eq=False)
-class FollowedTrack:
+class _FollowedTrack:
     """A track, with its limits and events.
 
     Attributes
@@ -395,31 +352,23 @@ class FollowedTrack:
     frame: PoseFrame | None = None
 
 
-def along_values(
-    instance: Instance,
-    table: ValueTable,
-    *,
-    modes: Sequence[int] | None,
-    near: tuple[Array, Array] | None,
-    everything: bool,
-    jobs: int,
-) -> FollowedTrack:
-    """Follow modes while the values change linearly; arguments as for `gspcli.track`."""
+def _along_values(o: Options, table: ValueTable) -> _FollowedTrack:
+    """Follow modes while the values change linearly."""
     from gspcli.motion import departures, track
     from gspcli.motion.paths.limit_events import limit_events
 
+    table = table.subdivided(o.steps)
+    if o.near is not None:
+        start = o.near.read(o.form)
+    else:
+        start = None if o.mode is not None or o.all_modes or o.everything else table.start
+    modes = None if o.mode is None else [mode_number(o.instance, o.mode)]
     with working("following"):
         result = track(
-            instance,
-            table.values,
-            coordinates=table.coordinates,
-            t=table.t,
-            modes=modes,
-            near=near,
-            everything=everything,
-            jobs=jobs,
-        )
-    if not everything and not len(result.modes):
+            o.instance, table.values, coordinates=table.coordinates, t=table.t, modes=modes,
+            near=start, everything=o.everything, jobs=o.jobs,
+        )  # fmt: skip
+    if not o.everything and not len(result.modes):
         raise GspError(
             "there is no real pose at the first row\n"
             "begin with other values, or use --complete for modes that begin on the way"
@@ -427,82 +376,70 @@ def along_values(
     with working("looking at limits"):
         limits = limit_events(result)
     left = [] if table.poses is None else departures(result, *table.poses)
-    return FollowedTrack(result, limits, left)
+    return _FollowedTrack(result, limits, left)
 
 
-def along_poses(
-    instance: Instance,
-    table: ValueTable,
-    form: PoseFormat,
-    steps: int,
-    *,
-    relative: bool,
-) -> FollowedTrack:
+def _along_poses(o: Options, table: ValueTable) -> _FollowedTrack:
     """Prove the straight ways in position and angles between the poses of a file."""
     from gspcli.geometry.expressed_instances import expressed_instance
     from gspcli.geometry.readings import without_corrections
     from gspcli.motion import track
     from gspcli.motion.paths.pose_tracks import pose_track
 
-    assert table.poses is not None
+    if table.poses is None:
+        raise click.UsageError("--along poses is about a file of poses: found values")
+    if o.mode is not None or o.near is not None or o.all_modes or o.everything:
+        raise click.UsageError(
+            "--along poses follows the poses of the file: leave out --mode, --near, "
+            "--all-modes and --complete"
+        )
     with working("proving"):
         # Its only row determines the mode at which the file begins.
         at = {name: column[:1] for name, column in table.coordinates.items()}
-        first = track(instance, table.values[:1], coordinates=at, near=table.start)
-        given, frame = without_corrections(instance), form.pivot_frame
+        first = track(o.instance, table.values[:1], coordinates=at, near=table.start)
+        given, frame = without_corrections(o.instance), o.form.pivot_frame
         expressed = given
         if not frame.is_identity:
-            expressed = expressed_instance(given, pivot=form.pivot, relative=relative)
+            relative = o.relative_to is not None
+            expressed = expressed_instance(given, pivot=o.form.pivot, relative=relative)
         found = pose_track(
-            given,
-            expressed,
-            frame,
-            table.t,
-            *table.poses,
-            sequence=form.euler or "ZYX",
-            mode=int(first.modes[0]),
-            steps=steps,
-        )
+            given, expressed, frame, table.t, *table.poses, sequence=o.form.euler or "ZYX",
+            mode=int(first.modes[0]), steps=o.steps,
+        )  # fmt: skip
     # Readings are those of the file.
-    result = replace(found.track, instance=instance)
-    return FollowedTrack(result, list(found.limits), [], found.ways, frame)
+    result = replace(found.track, instance=o.instance)
+    return _FollowedTrack(result, list(found.limits), [], found.ways, frame)
 
 
 #: Quantities that have their columns in every track, or by options.
 _KNOWN = ("condition", "clearance", "pose_clearance")
 
 
-def judged_track(
-    done: FollowedTrack,
-    requirements: Sequence[Requirement],
-    rows: list[dict[str, Any]],
+def _judged_track(
+    done: _FollowedTrack, requirements: Sequence[Requirement], rows: list[dict[str, Any]]
 ) -> tuple[list[RequirementVerdict], dict[str, Array | QuantityParts]]:
     """Return whether a track keeps what is required, and quantities that its rows do not have."""
     import numpy as np
 
     from gspcli.motion.files.requirements import judge
 
-    result = done.track
-
     known = {
         key.replace("_", "-"): np.array([row[key] for row in rows])
         for key in _KNOWN
         if all(key in row for row in rows)
     }
-    quantities: dict[str, Array | QuantityParts] = dict(known)
-    for one in requirements:
-        if one.quantity not in quantities:
-            quantities[one.quantity] = _at_all_rows(result, one)
-    verdicts = [_between(one, done) for one in judge(requirements, quantities)]
-    more = {name: numbers for name, numbers in quantities.items() if name not in known}
-    return verdicts, more
+    more = {
+        one.quantity: _at_all_rows(done.track, one)
+        for one in requirements
+        if one.quantity not in known
+    }
+    return [_between(one, done) for one in judge(requirements, {**known, **more})], more
 
 
 def _at_all_rows(result: Track, requirement: Requirement) -> Array | QuantityParts:
     """Return a quantity of each pose, in the order of the rows; the geometry may move."""
     import numpy as np
 
-    from gspcli.geometry.machine import Machine, is_driven
     from gspcli.motion.files.requirements import QuantityParts
     from gspcli.motion.paths.limit_events import drive_rows
 
@@ -530,7 +467,7 @@ def _at_all_rows(result: Track, requirement: Requirement) -> Array | QuantityPar
     return np.concatenate([part for part in found if not isinstance(part, QuantityParts)])
 
 
-def _between(verdict: RequirementVerdict, done: FollowedTrack) -> RequirementVerdict:
+def _between(verdict: RequirementVerdict, done: _FollowedTrack) -> RequirementVerdict:
     """Return a verdict that also holds between the rows, where that can be proved."""
     from gspcli.motion.paths.limit_events import cones_proved
     from gspcli.motion.paths.track_bounds import BOUNDED, can_be_bounded
@@ -553,7 +490,7 @@ def _between(verdict: RequirementVerdict, done: FollowedTrack) -> RequirementVer
     return replace(verdict, met=False, part=where, between=known)
 
 
-def _bounded(verdict: RequirementVerdict, done: FollowedTrack) -> RequirementVerdict:
+def _bounded(verdict: RequirementVerdict, done: _FollowedTrack) -> RequirementVerdict:
     """Return a verdict on a quantity of `BOUNDED` that also holds between the rows."""
     from gspcli.motion.paths.track_bounds import worst_between
 
@@ -570,9 +507,8 @@ def _bounded(verdict: RequirementVerdict, done: FollowedTrack) -> RequirementVer
     return replace(verdict, met=False, part=where, between=True)
 
 
-def plain_limit(event: LimitEvent) -> dict[str, Any]:
+def _plain_limit(event: LimitEvent) -> dict[str, Any]:
     """Return an event as plain data."""
-    drive = {"drive": event.drive} if event.drive else {}
     return {
         "kind": event.kind,
         "leaves": event.leaves,
@@ -581,11 +517,11 @@ def plain_limit(event: LimitEvent) -> dict[str, Any]:
         "mode": event.mode,
         "t": [event.low, event.high],
         "proved": event.proved,
-        **drive,
+        **({"drive": event.drive} if event.drive else {}),
     }
 
 
-def cones_notes(result: Track, events: list[LimitEvent]) -> list[str]:
+def _cones_notes(result: Track, events: list[LimitEvent]) -> list[str]:
     """Return which modes are proved to keep all cones, where there are any and anything is."""
     from gspcli.motion.paths.limit_events import cones_proved
 
@@ -596,80 +532,62 @@ def cones_notes(result: Track, events: list[LimitEvent]) -> list[str]:
     if not modes:
         return ["no mode keeps all cones from beginning to end"] if leaving else []
     every = len(modes) == len(result.modes) > 1
-    names = "all modes keep" if every else _named(modes)
+    names = "all modes keep" if every else _keep("mode", modes)
     return [f"{names} all cones from beginning to end, between rows too: proved"]
 
 
-def _named(modes: list[int]) -> str:
-    if len(modes) == 1:
-        return f"mode {modes[0]} keeps"
-    return f"modes {listed(map(str, modes), 'and')} keep"
+def _keep(noun: str, numbers: Sequence[int]) -> str:
+    """Return the beginning of a sentence: ``mode 1 keeps``, ``legs 1 and 2 keep``."""
+    noun, verb = (f"{noun}s", "keep") if len(numbers) > 1 else (noun, "keeps")
+    return f"{noun} {listed(map(str, numbers), 'and')} {verb}"
 
 
-def limit_sentences(result: Track, events: list[LimitEvent]) -> list[str]:
-    """Return in words where limits are left and kept again."""
+def _limit_sentences(result: Track, events: list[LimitEvent]) -> list[str]:
+    """Return in words where limits are left and kept again.
+
+    Cones of one mode about which nothing is known at one time share a sentence.
+    """
     from gspcli.motion.paths.limit_events import cones_proved
 
-    found = []
-    certain = cones_proved(result)
-    for _, same in groupby(events, lambda event: (event.proved, event.mode, event.low, event.high)):
-        together = list(same)
-        cones = [one for one in together if one.kind == "cone"]
-        if certain and cones and not cones[0].proved:
-            found += [_sentence(result, one) for one in together if one.kind != "cone"]
-            found.append(_undecided(cones))
-        else:
-            found += [_sentence(result, event) for event in together]
+    found, certain = [], cones_proved(result)
+    for (proved, mode, *_), same in groupby(
+        events, lambda event: (event.proved, event.mode, event.low, event.high)
+    ):
+        together = [*same]
+        cones = [one for one in together if certain and not proved and one.kind == "cone"]
+        found += [_limit_sentence(result, one) for one in together if one not in cones]
+        if cones:
+            legs = sorted({one.constraint + 1 for one in cones})
+            kept = f"{_keep('leg', legs)} {'their cones' if len(legs) > 1 else 'its cone'}"
+            found.append(f"mode {mode}: whether {kept} {_interval(cones[0])} is undecided")
     return found
 
 
-def _undecided(events: list[LimitEvent]) -> str:
-    """Return that it is not known whether some cones of a mode are left."""
-    event = events[0]
-    legs = sorted({one.constraint + 1 for one in events})
-    which = (
-        f"leg {legs[0]} keeps" if len(legs) == 1 else f"legs {listed(map(str, legs), 'and')} keep"
-    )
-    cone = "its cone" if len(legs) == 1 else "their cones"
-    when = f"between t = {event.low:.10g} and {event.high:.10g}"
-    return f"mode {event.mode}: whether {which} {cone} {when} is undecided"
+def _interval(event: LimitEvent) -> str:
+    return f"between t = {event.low:.10g} and {event.high:.10g}"
 
 
-def _sentence(result: Track, event: LimitEvent) -> str:
-    at_first = event.high == result.t[0]
-    what = "is outside" if at_first else "leaves" if event.leaves else "comes back into"
-    if event.drive:
-        return _of_drive(result, event, what)
-    if event.kind == "range":
-        row = result.instance.constraints[event.constraint]
-        low, high = map(row.reading_of, row.limits or ())
-        when = f"at t = {event.low:.10g}"
-        if not event.proved and event.low < event.high:
-            what = "may leave"
-            when = f"between t = {event.low:.10g} and {event.high:.10g}"
-        subject = f"the value of constraint {event.constraint + 1} {what} its range"
-        return f"{subject} from {low} to {high} {when}"
-    when = f"between t = {event.low:.10g} and {event.high:.10g}"
-    if event.proved or event.low == event.high:
-        when = f"at t = {event.low:.9g}"
-    proved = ", proved" if event.proved else ""
-    subject = f"mode {event.mode}: leg {event.constraint + 1} {what} its cone"
-    return f"{subject} at the {event.body} {when}{proved}"
-
-
-def _of_drive(result: Track, event: LimitEvent, what: str) -> str:
-    """Return what a crank or slide does."""
+def _limit_sentence(result: Track, event: LimitEvent) -> str:
+    """Return where one limit is left or kept again, or a dead point is passed."""
+    what = "leaves" if event.leaves else "comes back into"
+    if event.high == result.t[0]:
+        what = "is outside"
+    certain, number = event.proved or event.low == event.high, event.constraint + 1
     if event.kind == "dead point":
-        when = f"between t = {event.low:.10g} and {event.high:.10g}"
-        subject = f"mode {event.mode}: rod {event.constraint + 1} passes a dead point"
-        return f"{subject} of {event.drive} {when}"
-    from gspcli.geometry.machine import Machine
-
-    drives = Machine.of(result.instance)
-    k = drives.names.index(event.drive)
-    low, high = (f"{drives.readings(end)[k]:.10g}" for end in (drives.low, drives.high))
-    when = f"at t = {event.low:.10g}"
-    if not event.proved and event.low < event.high:
-        what = "may leave"
-        when = f"between t = {event.low:.10g} and {event.high:.10g}"
-    return f"{event.drive} {what} its range from {low} to {high} {when}"
+        subject = f"mode {event.mode}: rod {number} passes a dead point of {event.drive}"
+        return f"{subject} {_interval(event)}"
+    if event.kind == "cone":
+        when = f"at t = {event.low:.9g}" if certain else _interval(event)
+        when += ", proved" if event.proved else ""
+        return f"mode {event.mode}: leg {number} {what} its cone at the {event.body} {when}"
+    if event.drive:
+        drives = Machine.of(result.instance)
+        k = drives.names.index(event.drive)
+        low, high = (f"{drives.readings(end)[k]:.10g}" for end in (drives.low, drives.high))
+    else:
+        row = result.instance.constraints[event.constraint]
+        low, high = map(str, map(row.reading_of, row.limits or ()))
+    subject = event.drive or f"the value of constraint {number}"
+    if certain:
+        return f"{subject} {what} its range from {low} to {high} at t = {event.low:.10g}"
+    return f"{subject} may leave its range from {low} to {high} {_interval(event)}"

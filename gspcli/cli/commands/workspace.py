@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import signal
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
@@ -28,8 +28,6 @@ from gspcli.cli.options import (
 )
 from gspcli.cli.pose_options import (
     PARAMETERS,
-    GivenPose,
-    Mode,
     frame_note,
     mode_option,
     one_mode,
@@ -41,7 +39,7 @@ from gspcli.cli.pose_options import (
 from gspcli.cli.render import emit, write
 from gspcli.cli.result import POSE, Fields, Result, vector_text
 from gspcli.cli.streams import progress, say
-from gspcli.errors import GspError, IncompleteError
+from gspcli.errors import ArgumentError, GspError, IncompleteError
 from gspcli.geometry.frames import IDENTITY, PoseFrame
 from gspcli.geometry.machine import Machine, is_driven
 from gspcli.records import dataclass
@@ -52,7 +50,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from gspcli.geometry.instance import Instance
-    from gspcli.motion import PoseFormat, Travel, Workspace
+    from gspcli.motion import Travel, Workspace
 
     Array = NDArray[np.float64]
 
@@ -166,16 +164,23 @@ def command(o: Options) -> None:
     instance = o.instance
     form = o.form
     only = instance.home is not None if o.connected is None else o.connected
-    home = home_pose(
-        instance, form, mode=o.mode, pose=o.pose, orientation=o.orientation, position=o.position,
-        needed=is_driven(instance) or free is None or only or o.orientation is None
-        or set(free) != set("xyz"),
-    )  # fmt: skip
-    sequence = form.euler or "ZYX"
-    moving = _moving(instance, form, relative=o.relative_to is not None)
+    turning = free is None or o.orientation is None or set(free) != set("xyz")
+    home = _home(o, needed=turning or only or is_driven(instance))
+    moving = instance
+    if not form.frame.is_identity:
+        from gspcli.geometry.expressed_instances import expressed_instance
+
+        relative = o.relative_to is not None
+        moving = expressed_instance(instance, pivot=form.pivot, relative=relative)
     working_modes = _working_modes(instance, moving, home)
+    asked = {
+        "pivot": home.pivot,
+        "sequence": form.euler or "ZYX",
+        "working_modes": working_modes,
+        "gap": o.leg_gap,
+    }
     if free is None:
-        emit(o.output, _travels(o, moving, home, working_modes, connected=only))
+        emit(o.output, _travels(o, moving, home, asked | {"connected": only}))
         return
     only = only and (
         o.connected is not None or _keeps_limits(moving, home, working_modes, o.leg_gap)
@@ -186,11 +191,9 @@ def command(o: Options) -> None:
 
     with _interruptible() as interrupted:
         found = workspace(
-            moving, home.R, home.T, free=free, pivot=home.pivot, sequence=sequence,
-            within=dict(map(_interval, o.intervals)), connected=only,
-            working_modes=working_modes, gap=o.leg_gap,
-            tolerance=wanted, most_boxes=o.most_boxes, jobs=o.jobs, stop=interrupted,
-            progress=partial(progress, lines=True),
+            moving, home.R, home.T, free=free, within=dict(map(_interval, o.intervals)),
+            connected=only, tolerance=wanted, most_boxes=o.most_boxes, jobs=o.jobs,
+            stop=interrupted, progress=partial(progress, lines=True), **asked,
         )  # fmt: skip
     if o.output.format in DRAWINGS:
         from gspcli.pictures.charts import workspace_slices
@@ -207,16 +210,7 @@ def command(o: Options) -> None:
         )
 
 
-def _moving(instance: Instance, form: PoseFormat, *, relative: bool) -> Instance:
-    """Return the platform in the frames in which its poses are expressed."""
-    if form.frame.is_identity:
-        return instance
-    from gspcli.geometry.expressed_instances import expressed_instance
-
-    return expressed_instance(instance, pivot=form.pivot, relative=relative)
-
-
-def _working_modes(instance: Instance, moving: Instance, home: Home) -> ArrayLike | None:
+def _working_modes(instance: Instance, moving: Instance, home: _Home) -> ArrayLike | None:
     """Return the working modes of cranks and slides at the stated home, or that asked for."""
     if not is_driven(instance):
         return None
@@ -226,7 +220,7 @@ def _working_modes(instance: Instance, moving: Instance, home: Home) -> ArrayLik
 
 
 def _keeps_limits(
-    instance: Instance, home: Home, working_modes: ArrayLike | None, gap: float | None
+    instance: Instance, home: _Home, working_modes: ArrayLike | None, gap: float | None
 ) -> bool:
     """Return whether home keeps the limits; if not, print which it leaves."""
     from gspcli.motion.workspace.travels import too_near, violations
@@ -278,20 +272,20 @@ def _interval(text: str) -> tuple[str, tuple[float, float]]:
     return name, (low, high)
 
 
-def _own_pose(row: dict[str, Any], home: Home) -> dict[str, list[float]]:
+def _own_pose(row: dict[str, Any], frame: PoseFrame) -> dict[str, list[float]]:
     """Return the pose of the platform itself in the middle of a box."""
     position, quaternion = ([row[key] for key in keys] for keys in (POSE[:3], POSE[3:]))
-    if not home.frame.is_identity:
+    if not frame.is_identity:
         import numpy as np
 
         from gspcli.geometry.quaternions import quaternion_from_rotation, rotation_from_quaternion
 
-        R, T = home.frame.to_platform(rotation_from_quaternion(np.array(quaternion)), position)
+        R, T = frame.to_platform(rotation_from_quaternion(np.array(quaternion)), position)
         position, quaternion = T.tolist(), quaternion_from_rotation(R).tolist()
     return {"T": position, "quaternion": quaternion}
 
 
-def _modes_inside(found: Workspace, home: Home, instance: Instance) -> list[int]:
+def _modes_inside(found: Workspace, home: _Home, instance: Instance) -> list[int]:
     """Return the numbers of the modes of SPEC that are in the set, if all its parts are counted.
 
     Of two of them one is the mirror image of the other, for instance.
@@ -306,7 +300,7 @@ def _modes_inside(found: Workspace, home: Home, instance: Instance) -> list[int]
     return [k + 1 for k, judged in enumerate(found.judged_poses(R, T).tolist()) if judged >= 0]
 
 
-def _volume(o: Options, found: Workspace, home: Home) -> Result:
+def _volume(o: Options, found: Workspace, home: _Home) -> Result:
     """Return the extents over each parameter, and the volume above them; or the boxes."""
     instance, is_json, gap = o.instance, o.output.format == "json", found.boxes.gap
     count, between = len(found.inner_keys), len(found.open_keys)
@@ -316,7 +310,7 @@ def _volume(o: Options, found: Workspace, home: Home) -> Result:
         )
     inside = _modes_inside(found, home, instance) if is_json or not o.listed else []
     head = {
-        **home.document(instance, found.boxes.sequence, connected=found.connected, gap=gap),
+        **_head(o, instance, home, connected=found.connected),
         "travel": None,
         **found.to_json(),
         "modes_inside": inside,
@@ -342,15 +336,11 @@ def _volume(o: Options, found: Workspace, home: Home) -> Result:
     if gap is not None:
         notes.append(f"legs and bodies are at least {gap:g} {instance.units.length} apart")
     volume = f"between {low:.6g} and {high:.6g} {found.measure} {verb}"
+    summary = [f"{volume} ({100 * found.gap:.2g} % apart)"]
+    columns = FIELDS.of("name least lowest highest most")
+    title, rows = found.instance.title, head["extents"]
     result = Result(
-        FIELDS.of("name least lowest highest most"),
-        head["extents"],
-        found.instance.title,
-        notes,
-        [f"{volume} ({100 * found.gap:.2g} % apart)"],
-        schema="workspace",
-        name="extents",
-        head=head,
+        columns, rows, title, notes, summary, schema="workspace", name="extents", head=head
     )
     if not o.listed:
         return result
@@ -359,7 +349,7 @@ def _volume(o: Options, found: Workspace, home: Home) -> Result:
         head["boxes"] = [
             {
                 "status": row["status"],
-                **_own_pose(row, home),
+                **_own_pose(row, home.frame),
                 "box": {name: [row[f"{name}_low"], row[f"{name}_high"]] for name in found.free},
             }
             for row in rows
@@ -424,111 +414,78 @@ def _offsets(held: tuple[str, ...]) -> list[dict[str, float]]:
     return found
 
 
-def _travels(
-    o: Options,
-    instance: Instance,
-    home: Home,
-    working_modes: ArrayLike | None,
-    *,
-    connected: bool,
-) -> Result:
-    """Return how far each axis travels from home, a row for each; instance: in frames of poses."""
-    offsets, sequence, gap = _offsets(o.held), o.form.euler or "ZYX", o.leg_gap
+#: What a row of travels has beside the axis.
+_TRAVEL = ("down", "up", "total", "down_end", "up_end", "down_stops", "up_stops")
+
+
+def _travels(o: Options, instance: Instance, home: _Home, asked: dict[str, Any]) -> Result:
+    """Return how far each axis travels from home, a row for each.
+
+    The instance is in the frames of poses; what is asked for are arguments of `travels`.
+    """
+    offsets, machine, units = _offsets(o.held), Machine.of(instance), instance.units
     rows: list[dict[str, Any]] = []
     for offset in progress(offsets, total=len(offsets), label="travels", lines=True):
-        rows += _offset_rows(
-            instance, home, sequence, offset, connected=connected, working_modes=working_modes,
-            gap=gap,
-        )  # fmt: skip
-    units = instance.units
+        # Rods that share a carriage stay parallel when the platform moves, not when it turns.
+        known = PARAMETERS[:3] if machine.shared else PARAMETERS
+        axes = [name for name in known if name not in offset]
+        found = _travels_of(instance, home, axes, offset, asked)
+        rows += ({"held": offset, **row} for row in map(_travel_row, axes, found))
     columns = [
         FIELDS[f"held_{name}"].but(title=f"{name} held", source=f"held.{name}")
         for name in offsets[0]
     ]
     ends = "down_end up_end" if o.output.format == "csv" else ""
     columns += FIELDS.of(f"axis down up total {ends} down_stops up_stops")
-    apart = "" if gap is None else f", legs are {gap:g} {units.length} apart"
-    what = f"all limits are kept{apart}" + (" and no pose is singular" if connected else "")
+    apart = "" if o.leg_gap is None else f", legs are {o.leg_gap:g} {units.length} apart"
+    what = f"all limits are kept{apart}"
+    what += " and no pose is singular" if asked["connected"] else ""
     notes = [
         f"from home: {home.text}",
         f"x, y, z in {units.length}, rx, ry, rz in {units.angle.value}; proved: up to there {what}",
     ]
     notes += frame_note(home.frame)
-    notes += _fixed_values(instance)
-    if Machine.of(instance).shared:
+    if fixed := [str(k) for k, stays in enumerate(machine.fixed, 1) if stays]:
+        stay = "s, kept by all" if len(fixed) > 1 else ", which every pose keeps"
+        notes.append(f"fixed value{stay}: {listed(fixed, 'and')}")
+    if machine.shared:
         notes.append("rods share drives: what the platform reaches when it turns is not computed")
     if any(row["down"] is None for row in rows):
         notes.append("without numbers: the pose from which an axis would travel leaves the limits")
-    head = home.document(instance, sequence, connected=connected, gap=gap)
-    head |= {"travel": rows, "volume": None}
+    head = _head(o, instance, home, connected=asked["connected"]) | {"travel": rows, "volume": None}
     return Result(
         columns, rows, instance.title, notes, schema="workspace", name="travel", head=head
     )
 
 
-def _fixed_values(instance: Instance) -> list[str]:
-    """Return which values no drive and no range changes, in words."""
-    fixed = [str(k) for k, stays in enumerate(Machine.of(instance).fixed, 1) if stays]
-    if not fixed:
-        return []
-    stay = "fixed value, which every pose keeps" if len(fixed) == 1 else "fixed values, kept by all"
-    return [f"{stay}: {listed(fixed, 'and')}"]
-
-
-def _offset_rows(
+def _travels_of(
     instance: Instance,
-    home: Home,
-    sequence: str,
+    home: _Home,
+    axes: list[str],
     offset: dict[str, float],
-    *,
-    connected: bool,
-    working_modes: ArrayLike | None,
-    gap: float | None,
-) -> list[dict[str, Any]]:
-    """Return a row for each axis that is free, without numbers if the moved pose is refused."""
-    from gspcli.errors import ArgumentError
+    asked: dict[str, Any],
+) -> Sequence[Travel | None]:
+    """Return the travel of each axis from home, moved by an offset; None if that is refused."""
     from gspcli.motion.workspace.travels import moved, travels
 
-    R, T = moved(
-        home.R,
-        home.T,
-        offset,
-        pivot=home.pivot,
-        sequence=sequence,
-        in_radians=instance.units.angle.in_radians,
-    )
-    # Rods that share a carriage stay parallel when the platform moves, not when it turns.
-    known = PARAMETERS[:3] if Machine.of(instance).shared else PARAMETERS
-    axes = [name for name in known if name not in offset]
+    turns = {key: asked[key] for key in ("pivot", "sequence")}
+    in_radians = instance.units.angle.in_radians
+    R, T = moved(home.R, home.T, offset, in_radians=in_radians, **turns)
     try:
-        found: list[Travel | None] = list(
-            travels(
-                instance, R, T, axes=axes, pivot=home.pivot, sequence=sequence,
-                connected=connected, working_modes=working_modes, gap=gap,
-            )
-        )  # fmt: skip
+        return travels(instance, R, T, axes=axes, **asked)
     except ArgumentError:
         if not offset:
             raise
-        found = [None] * len(axes)
-    return [
-        {"held": offset} | _travel_row(axis, travel)
-        for axis, travel in zip(axes, found, strict=True)
-    ]
+        return [None] * len(axes)
 
 
 def _travel_row(axis: str, travel: Travel | None) -> dict[str, Any]:
-    row: dict[str, Any] = {"axis": axis}
     if travel is None:
-        keys = ("down", "up", "total", "down_end", "up_end", "down_stops", "up_stops")
-        return row | dict.fromkeys(keys)
+        return {"axis": axis, **dict.fromkeys(_TRAVEL)}
     down, up = (value + 0.0 for value in travel.reached)
     ends = [value if abs(value) < float("inf") else None for value in travel.ends]
-    stops = [_grouped(names) for names in travel.stops]
-    return row | {
-        "down": down, "up": up, "total": up - down, "down_end": ends[0], "up_end": ends[1],
-        "down_stops": stops[0], "up_stops": stops[1],
-    }  # fmt: skip
+    numbers = (down, up, up - down, *ends, *map(_grouped, travel.stops))
+    return {"axis": axis, **dict(zip(_TRAVEL, numbers, strict=True))}
 
 
 def _grouped(names: tuple[str, ...]) -> str:
@@ -544,106 +501,94 @@ def _grouped(names: tuple[str, ...]) -> str:
 
 
 @dataclass(frozen=True, eq=False)
-class Home:
+class _Home:
     """A pose to start from.
 
     Attributes
     ----------
     R, T
-        The pose, shapes (3, 3) and (3,).
+        The pose, shapes (3, 3) and (3,), expressed in `frame`.
     pivot
         The point of the platform whose position counts, in its frame.
     size
         The typical length of the instance, next to which rounding errors are zero.
+    frame
+        The frame in which the pose is expressed; the platform's own is the identity.
     mode
         Its number as a mode of the instance, or None.
     placed
         Whether its position is given.
-    frame
-        The frame in which R and T are expressed; those of the platform itself without one.
     """
 
     R: Array
     T: Array
     pivot: tuple[float, float, float]
     size: float
+    frame: PoseFrame
     mode: int | None = None
     placed: bool = True
-    frame: PoseFrame = IDENTITY
-
-    def document(
-        self, instance: Instance, sequence: str, *, connected: bool, gap: float | None
-    ) -> dict[str, Any]:
-        """Return what every document of `gsp workspace` begins with."""
-        R, T = self.frame.to_platform(self.R, self.T)
-        expressed = {} if self.frame.is_identity else {"frames": self.frame.to_json()}
-        return {
-            "schema": "gsp.workspace/1",
-            **instance.to_json(),
-            "home": {"mode": self.mode, "R": R.tolist(), "T": T.tolist()},
-            **expressed,
-            "pivot": list(self.pivot),
-            "sequence": sequence,
-            "connected": connected,
-            "leg_gap": gap,
-        }
 
     @property
     def text(self) -> str:
         """The pose in a few words."""
         from gspcli.geometry.quaternions import quaternion_from_rotation
 
-        at = self.T + self.R @ self.pivot
-        position, rotation = (
-            vector_text(part.tolist(), size=size)
-            for part, size in ((at, self.size), (quaternion_from_rotation(self.R), 1.0))
-        )
+        rotation = vector_text(quaternion_from_rotation(self.R).tolist(), size=1.0)
         if not self.placed:
             return f"quaternion ({rotation})"
+        position = vector_text((self.T + self.R @ self.pivot).tolist(), size=self.size)
         name = "" if self.mode is None else f"mode {self.mode}, "
         return f"{name}position ({position}), quaternion ({rotation})"
 
 
-def home_pose(
-    instance: Instance,
-    form: PoseFormat,
-    *,
-    mode: Mode | None,
-    pose: GivenPose | None,
-    orientation: str | None,
-    position: str | None,
-    needed: bool,
-) -> Home:
+def _head(o: Options, instance: Instance, home: _Home, *, connected: bool) -> dict[str, Any]:
+    """Return what every document of `gsp workspace` begins with."""
+    R, T = home.frame.to_platform(home.R, home.T)
+    return {
+        "schema": "gsp.workspace/1",
+        **instance.to_json(),
+        "home": {"mode": home.mode, "R": R.tolist(), "T": T.tolist()},
+        **({} if home.frame.is_identity else {"frames": home.frame.to_json()}),
+        "pivot": list(home.pivot),
+        "sequence": o.form.euler or "ZYX",
+        "connected": connected,
+        "leg_gap": o.leg_gap,
+    }
+
+
+def _home(o: Options, *, needed: bool) -> _Home:
     """Return the home pose; without a position if none is needed.
 
-    It is expressed in the frame of `form`, if that has one: then with the pivot as its origin.
+    It is expressed in the frame of the options, if there is one: then the pivot is its origin.
     """
     import numpy as np
 
     from gspcli.geometry.arrangement import Arrangement
     from gspcli.motion import read_pose
 
-    size, frame = Arrangement.of(instance).length, IDENTITY
+    form, orientation, position, frame = o.form, o.orientation, o.position, IDENTITY
     if not form.frame.is_identity:
         frame = form.pivot_frame
         form = replace(form, pivot=(0.0, 0.0, 0.0), frame=IDENTITY)
-    if pose is not None:
-        home = Home(*pose.read(form), form.pivot, size, frame=frame)
-    elif mode is None and (not needed or (orientation is not None and position is not None)):
-        home = Home(np.eye(3), np.zeros(3), form.pivot, size, placed=needed, frame=frame)
+    pivot, size = form.pivot, Arrangement.of(o.instance).length
+    number, placed = None, True
+    if o.pose is not None:
+        R, T = o.pose.read(form)
+    elif o.mode is None and (not needed or (orientation is not None and position is not None)):
+        R, T, placed = np.eye(3), np.zeros(3), needed
     else:
-        number, R, T = one_mode(instance, mode)
-        home = Home(*frame.from_platform(R[0], T[0]), form.pivot, size, number, frame=frame)
-    at = home.T + home.R @ form.pivot
+        number, R, T = one_mode(o.instance, o.mode)
+        R, T = frame.from_platform(R[0], T[0])
+    home = _Home(R, T, pivot, size, frame, number, placed)
+    at = home.T + home.R @ pivot
     if orientation is not None:
         count = 3 if form.euler else 4
         if len(orientation.split(",")) != count:
             what = "rx,ry,rz" if form.euler else "qw,qx,qy,qz, or rx,ry,rz with --euler"
             raise GspError(f"--orientation: found {shown(orientation)}, expected {what}")
         R = read_pose(f"0,0,0,{orientation}", form, "--orientation").R[0]
-        home = replace(home, R=R, T=at - R @ form.pivot, mode=None)
+        home = replace(home, R=R, T=at - R @ pivot, mode=None)
     if position is not None:
         at = read_pose(f"{position},1,0,0,0", replace(form, euler=None), "--position").T[0]
-        at = at + np.asarray(form.pivot)
-        home = replace(home, T=at - home.R @ form.pivot, mode=None)
+        home = replace(home, T=at + np.asarray(pivot) - home.R @ pivot, mode=None)
     return home
