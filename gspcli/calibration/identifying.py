@@ -522,9 +522,8 @@ class Identification(EqualByContent):
     @property
     def doubt(self) -> list[str]:
         """The next lines about a log that does not determine the machine, at most three."""
-        lines = [f"best: {self.turns.words()}, where the lengths fit to {self.scatter:.2g} "]
-        lines[0] += self.leg_unit
-        return [*lines, *self.sentences[2:]]
+        fits = f"where the lengths fit to {self.scatter:.2g} {self.leg_unit}"
+        return [f"best: {self.turns.words()}, {fits}", *self.sentences[2:]]
 
     def to_json(self) -> dict[str, Any]:
         """Return all of it as plain data."""
@@ -720,13 +719,7 @@ def _start(log: Log, best: Convention, pivot: Array, unit: str, *, offsets: bool
 
 
 def _check_only(
-    R: Array,
-    T: Array,
-    lengths: Array,
-    best: Convention,
-    kept: NDArray[np.bool_],
-    *,
-    offsets: bool,
+    R: Array, T: Array, lengths: Array, best: Convention, kept: NDArray[np.bool_], *, offsets: bool
 ) -> None:
     """Raise if other joints of a leg explain its lengths as well; found from starts at random."""
     long = float(lengths.mean())

@@ -26,16 +26,7 @@ from gspcli.geometry.arrangement import Arrangement, Bodies
 from gspcli.geometry.instance import Constraint, Instance, as_read
 from gspcli.geometry.machine import Machine
 from gspcli.geometry.numbers import Number
-from gspcli.geometry.primitives import (
-    Crank,
-    Geometry,
-    Line,
-    Plane,
-    Point,
-    Slide,
-    Vector,
-    as_array,
-)
+from gspcli.geometry.primitives import Crank, Geometry, Line, Plane, Point, Slide, Vector, as_array
 from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.geometry.readings import factors, offsets
 from gspcli.records import dataclass
@@ -554,11 +545,6 @@ class FileNumbers:
     values: Array
     slopes: Array
 
-    def covariance(self, of_parameters: Array) -> Array:
-        """Return the covariance of the numbers, shape (m, m)."""
-        found: Array = self.slopes @ of_parameters @ self.slopes.T
-        return found
-
 
 def file_numbers(instance: Instance, model: Model) -> FileNumbers:
     """Return the numbers of a file for a model of the instance; as stated for a model of it."""
@@ -638,7 +624,8 @@ def calibrated(instance: Instance, model: Model, deviations: dict[str, float]) -
         The standard deviation of each number that was estimated, by its name: numbers are rounded
         to a thousandth of it.
     """
-    found = dict(zip(*_named(file_numbers(instance, model)), strict=True))
+    numbers = file_numbers(instance, model)
+    found = dict(zip(numbers.names, numbers.values.tolist(), strict=True))
     least = _DIGITS - int(np.floor(np.log10(model.length)))
 
     def number(name: str, stated: Number) -> Number:
@@ -708,10 +695,6 @@ def _with_range_of(stated: Crank | Slide, found: Crank | Slide) -> Crank | Slide
         low, high = (stated.reading_of(end) for end in limits)
         limits = (found.value_of(low), found.value_of(high))
     return replace(found, limits=limits)
-
-
-def _named(numbers: FileNumbers) -> tuple[tuple[str, ...], list[float]]:
-    return numbers.names, numbers.values.tolist()
 
 
 def _reread(row: Constraint, offset: Number | None, scale: Number | None) -> Constraint:

@@ -14,15 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.calibration.calibrating import Options, chosen_model, noise_of, prior_of
-from gspcli.calibration.fitting import fit, reduced
-from gspcli.calibration.measurements import (
-    Measurements,
-    Noise,
-    alike,
-    constant_rods,
-)
+from gspcli.calibration.fitting import fit, reduced, started
+from gspcli.calibration.measurements import Measurements, Noise, alike, constant_rods
 from gspcli.calibration.model import Model, file_numbers
-from gspcli.calibration.starts import started
 from gspcli.defaults import SEED
 from gspcli.errors import ArgumentError, IncompleteError
 from gspcli.geometry.arrangement import Arrangement
@@ -435,15 +429,6 @@ class Plan:
 _NO_LENGTHS = ("direction.", "normal.", "axis.", "scale", "crank.offset", ".rx", ".ry", ".rz")
 
 
-def _too_much_alike(count: int) -> IncompleteError:
-    message = (
-        f"the poses within ranges and cones are so much alike that {count} of them would tell "
-        "no number even twice as well as it is known now\n"
-        "widen the ranges to those that the machine can have, or measure more exactly (--sigma)"
-    )
-    return IncompleteError(message)
-
-
 def planned(
     instance: Instance,
     count: int,
@@ -511,7 +496,12 @@ def planned(
     known = deviations(after)
     untold = int((known > _HARDLY * deviations(nothing)).sum())
     if untold == len(known) and 6 * count >= len(nothing):
-        raise _too_much_alike(count)
+        message = (
+            f"the poses within ranges and cones are so much alike that {count} of them would tell "
+            "no number even twice as well as it is known now\n"
+            "widen the ranges to those that the machine can have, or measure more exactly (--sigma)"
+        )
+        raise IncompleteError(message)
     there = places.taken(chosen)
     return Plan(
         instance=instance,
@@ -546,11 +536,9 @@ def _values(instance: Instance, model: Model, places: Places) -> Array:
 
 def told_by(model: Model, places: Places, seen: Measurements | None, noise: Noise) -> Array:
     """Return the derivatives of what each pose tells by the scaled free parameters, (n, q, f)."""
-    R, T, _ = places
-    n = len(R)
     one = _whole(model, places) if seen is None else alike(seen, *places)
-    slopes = reduced(model, R, T, one, noise).slopes * model.sizes[model.free]
-    found: Array = slopes.reshape(n, -1, slopes.shape[1])
+    slopes = reduced(model, places.R, places.T, one, noise).slopes * model.sizes[model.free]
+    found: Array = slopes.reshape(len(places.R), -1, slopes.shape[1])
     return found
 
 

@@ -58,9 +58,8 @@ class ModelFormat:
     suffixes: tuple[str, ...] = ("",)
 
 
-def _julia(system: PolynomialSystem, digits: int) -> str:
+def _julia(system: PolynomialSystem, _: int) -> str:
     """Return a script for Julia with HomotopyContinuation.jl."""
-    del digits
     style = Style(quotient="//")
     rows = ",\n".join(style.written(row.terms) for row in system.polynomials)
     constants = "".join(
@@ -117,9 +116,8 @@ def msolve_input(
     return f"{','.join(names)}\n{characteristic}\n" + ",\n".join(texts) + "\n"
 
 
-def _phcpack(system: PolynomialSystem, digits: int) -> str:
+def _phcpack(system: PolynomialSystem, _: int) -> str:
     """Return the input of PHCpack's ``phc -b``; it computes in doubles."""
-    del digits
     exact = system.rounded(20)
     return phcpack_input(Style().written(_scaled(row)) for row in exact.polynomials)
 
@@ -166,9 +164,8 @@ def _singular(system: PolynomialSystem, digits: int) -> str:
     )
 
 
-def _sympy(system: PolynomialSystem, digits: int) -> str:
+def _sympy(system: PolynomialSystem, _: int) -> str:
     """Return a Python module that defines ``unknowns`` and ``system`` with exact constants."""
-    del digits
     style = Style(power="**")
     # Fractions of integers would be floating-point numbers in Python.
     rows = []

@@ -53,12 +53,7 @@ _HELD = '<!-- drive_k moves nothing while hold_k holds its joint: active="false"
 
 
 def mjcf(
-    instance: Instance,
-    R: Array,
-    T: Array,
-    *,
-    gravity: float | None = None,
-    step: float = TIME_STEP,
+    instance: Instance, R: Array, T: Array, *, gravity: float | None = None, step: float = TIME_STEP
 ) -> str:
     """Return the model of an instance at a real pose as XML.
 

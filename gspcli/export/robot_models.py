@@ -21,6 +21,7 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.euler import euler_from_rotation
 from gspcli.geometry.frames import Placement, PoseFrame
 from gspcli.geometry.instance import METRES, Instance
+from gspcli.machines.graph import ENTRIES
 from gspcli.machines.stored import signed
 from gspcli.records import dataclass
 
@@ -220,7 +221,6 @@ _CONTROLLER = {
     "filename": "gz-sim-joint-position-controller-system",
     "name": "gz::sim::systems::JointPositionController",
 }
-_ENTRIES = (("xx", 0, 0), ("xy", 0, 1), ("xz", 0, 2), ("yy", 1, 1), ("yz", 1, 2), ("zz", 2, 2))
 
 
 def sdf(instance: Instance, R: Array, T: Array) -> str:
@@ -277,7 +277,7 @@ def _link(model: ET.Element, name: str, pose: Array, inertial: Inertial) -> None
     ET.SubElement(body, "pose").text = numbers([*inertial.centre, 0, 0, 0])
     ET.SubElement(body, "mass").text = numbers(inertial.mass)
     matrix = ET.SubElement(body, "inertia")
-    for axes, i, j in _ENTRIES:
+    for axes, i, j in ENTRIES:
         ET.SubElement(matrix, f"i{axes}").text = numbers(inertial.matrix[i, j])
 
 
@@ -365,7 +365,7 @@ class _Robot:
             body = ET.SubElement(link, "inertial")
             ET.SubElement(body, "origin", xyz=numbers(inertial.centre), rpy="0 0 0")
             ET.SubElement(body, "mass", value=numbers(inertial.mass))
-            entries = {f"i{axes}": numbers(inertial.matrix[i, j]) for axes, i, j in _ENTRIES}
+            entries = {f"i{axes}": numbers(inertial.matrix[i, j]) for axes, i, j in ENTRIES}
             ET.SubElement(body, "inertia", entries)
 
     def _between(

@@ -1,5 +1,5 @@
 """Machines in the files of other programs: bodies and joints in, an instance out.
 
-``source`` and ``readers/`` make a `graph.Graph` of a file; ``structure``, ``chain_constraints``
-and ``recognition`` find the six constraints in it; ``api`` writes them.
+``source`` and ``readers/`` make a `graph.Graph` of a file, ``recognition`` finds the six
+constraints in it, and ``api`` writes them.
 """

@@ -71,21 +71,17 @@ def machine_of(path: Path, *, stored: bool = True) -> Graph | Instance:
 
 
 def _marked_up(text: str, path: Path, stored: bool) -> Graph | Instance:
+    from gspcli.machines.readers import robot_models
+
     root = parse(text, str(path))
     if root.tag == "mujoco":
-        from gspcli.machines.readers import mjcf
-
-        return _or_stored(root, path, stored, lambda: mjcf.read(root, path.stem))
+        return _or_stored(root, path, stored, lambda: robot_models.read_mjcf(root, path.stem))
     if root.tag == "sdf":
-        from gspcli.machines.readers import sdf
-
-        return _or_stored(root, path, stored, lambda: sdf.read(root, path.stem))
+        return _or_stored(root, path, stored, lambda: robot_models.read_sdf(root, path.stem))
     if root.tag == "robot":
-        from gspcli.machines.readers import urdf
-
-        beside = urdf.beside(path)
+        beside = robot_models.beside(path)
         texts = [text_of(beside)] if beside.exists() else []
-        return _or_stored(root, path, stored, lambda: urdf.read(root, path), *texts)
+        return _or_stored(root, path, stored, lambda: robot_models.read_urdf(root, path), *texts)
     if root.tag in ("cables", "bodies_system"):
         return _caspr(root, path)
     raise root.error(f"found <{root.tag}>, expected {listed(FORMATS)}")

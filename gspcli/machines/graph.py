@@ -324,7 +324,8 @@ def opposite(joint: Joint) -> Joint:
     return replace(joint, first=joint.second, second=joint.first, relative=X, parts=parts)
 
 
-_ENTRIES = (("xx", 0, 0), ("yy", 1, 1), ("zz", 2, 2), ("xy", 0, 1), ("xz", 0, 2), ("yz", 1, 2))
+#: The names of the entries of a matrix of inertia, and where they are.
+ENTRIES = (("xx", 0, 0), ("xy", 0, 1), ("xz", 0, 2), ("yy", 1, 1), ("yz", 1, 2), ("zz", 2, 2))
 
 
 def matrix(entry: Callable[[str], float], X: Array) -> Array:
@@ -338,7 +339,7 @@ def matrix(entry: Callable[[str], float], X: Array) -> Array:
         The frame of the centre of mass in the body, shape (4, 4).
     """
     own = np.zeros((3, 3))
-    for axes, i, j in _ENTRIES:
+    for axes, i, j in ENTRIES:
         own[i, j] = own[j, i] = entry(f"i{axes}")
     turned: Array = X[:3, :3] @ own @ X[:3, :3].T
     return turned

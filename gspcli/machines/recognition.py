@@ -2,41 +2,812 @@
 
 There is no table of chains. The drives are held, and bodies that then do not move against each
 other are one body. Two bodies on which three or more chains end are the base and the platform.
-`chain_constraints` finds what each chain holds; six constraints are a platform. If the file does
-not name drives, the usual ones are tried, and the notes say which.
+A chain whose passive screws have rank r holds 6 - r constraints: distances and angles of primitives
+of its joints that stay the same over random finite motions, the first with independent gradients in
+the order of `ORDER`. Six constraints are a platform. If the file does not name drives, the usual
+ones are tried, and the notes say which.
 """
 
 from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import replace
-from itertools import pairwise
+from itertools import combinations, pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.defaults import MEETING_SHARE
-from gspcli.geometry.tolerances import MEASURED_PARALLEL_SINE
-from gspcli.machines.chain_constraints import (
-    Held,
-    Primitives,
-    held_constraints,
-    measured,
-    pose_after,
+from gspcli.geometry.quaternions import rotation_from_vector
+from gspcli.geometry.tolerances import MEASURED_PARALLEL_SINE, PARALLEL_SINE
+from gspcli.machines.graph import (
+    Graph,
+    Joint,
+    NoPlatform,
+    Part,
+    extent,
+    frame,
+    inverse,
+    opposite,
+    place,
+    scaled,
+    split,
+    turn,
 )
-from gspcli.machines.graph import Graph, Joint, NoPlatform, Part, extent, inverse, split
 from gspcli.machines.source import LARGEST_NUMBER
-from gspcli.machines.structure import (
-    BodyChain,
-    ChainPart,
-    Clusters,
-    JoinedBodies,
-    structure,
-)
 from gspcli.records import dataclass
-from gspcli.wording import counted, nearest, shown
+from gspcli.wording import counted, listed, nearest, shown
+
+Array = NDArray[np.float64]
+
+#: A joint by its place in `Clusters.joints`, and whether it is passed from its first body.
+Step = tuple[int, bool]
+
+
+@dataclass(frozen=True, eq=False)
+class Clusters:
+    """The bodies of a graph; bodies that rigid or held joints join are one cluster.
+
+    Attributes
+    ----------
+    graph
+        The machine.
+    joints
+        Its joints of at most one part each (`graph.split`).
+    held
+        The indices of the held ones.
+    of
+        For each body the one that stands for its cluster.
+    passive
+        The indices of the joints between clusters.
+    """
+
+    graph: Graph
+    joints: tuple[Joint, ...]
+    held: frozenset[int]
+    of: dict[str, str]
+    passive: tuple[int, ...]
+    _branches: dict[str, list[Step]]
+
+    @staticmethod
+    def made(graph: Graph, joints: Sequence[Joint], held: Collection[int]) -> Clusters:
+        """Return the clusters of a graph while some of its joints are held."""
+        bodies = dict.fromkeys(
+            [*graph.bodies, *(end for j in joints for end in (j.first, j.second))]
+        )
+        rigid = [k for k, joint in enumerate(joints) if not joint.parts or k in held]
+        # Frames come from the tree of the file: closures join what nothing else does.
+        rigid.sort(key=lambda k: joints[k].closure)
+        branches: dict[str, list[Step]] = {body: [] for body in bodies}
+        of = {body: body for body in bodies}
+        members = {body: [body] for body in bodies}
+        for k in rigid:
+            first, second = joints[k].first, joints[k].second
+            if of[first] != of[second]:
+                moved = members.pop(of[second])
+                members[of[first]] += moved
+                of |= dict.fromkeys(moved, of[first])
+                branches[first].append((k, True))
+                branches[second].append((k, False))
+        loose = [k for k, j in enumerate(joints) if k not in rigid and of[j.first] != of[j.second]]
+        return Clusters(graph, tuple(joints), frozenset(held), of, tuple(loose), branches)
+
+    def members(self, cluster: str) -> list[str]:
+        """Return the bodies of the file in a cluster."""
+        return [body for body in self.graph.bodies if self.of[body] == cluster]
+
+    def ends(self, k: int) -> tuple[str, str]:
+        """Return the clusters at the ends of a joint."""
+        return self.of[self.joints[k].first], self.of[self.joints[k].second]
+
+    def step(self, step: Step) -> Joint:
+        """Return the joint of a step in the direction of the step."""
+        k, forwards = step
+        return self.joints[k] if forwards else opposite(self.joints[k])
+
+    def path(self, start: str, end: str) -> list[Step]:
+        """Return the steps from a body to another of its cluster, through rigid and held joints."""
+        before: dict[str, tuple[str, Step] | None] = {start: None}
+        waiting = [start]
+        while end not in before:
+            body = waiting.pop()
+            for step in self._branches[body]:
+                joint = self.joints[step[0]]
+                other = joint.second if step[1] else joint.first
+                if other not in before:
+                    before[other] = body, step
+                    waiting.append(other)
+        steps: list[Step] = []
+        while (link := before[end]) is not None:
+            end, step = link
+            steps.append(step)
+        return steps[::-1]
+
+
+#: What names of bases and of platforms contain.
+_BASE_WORDS = ("base", "ground", "bottom", "fixed", "world")
+_PLATFORM_WORDS = ("top", "platform", "head", "effector", "moving", "plate")
+
+
+@dataclass(frozen=True, eq=False)
+class ChainPart:
+    """A part of a joint in a chain.
+
+    Attributes
+    ----------
+    part
+        The part in the frame of the base, in the configuration of the file.
+    held
+        Whether it is held: driven.
+    where
+        Its place relative to the passive joints: ``base``, ``inside`` or ``platform``.
+    """
+
+    part: Part
+    held: bool
+    where: str
+
+
+@dataclass(frozen=True, eq=False)
+class BodyChain:
+    """What joins the base and the platform.
+
+    Attributes
+    ----------
+    name
+        The name of its drive, else of its first joint.
+    parts
+        From the base to the platform.
+    pose
+        The pose of the platform in the base along the chain, shape (4, 4).
+    """
+
+    name: str
+    parts: tuple[ChainPart, ...]
+    pose: Array
+
+    @property
+    def letters(self) -> str:
+        """Its parts, as U-P*-S is R-R-P*-S; a star marks those that are held."""
+        return "-".join(p.part.letter + "*" * p.held for p in self.parts)
+
+    @property
+    def size(self) -> float:
+        """The diagonal of the box around its joints."""
+        return extent([*(p.part.point for p in self.parts), self.pose[:3, 3]])
+
+
+@dataclass(frozen=True, eq=False)
+class JoinedBodies:
+    """Two bodies and what joins them.
+
+    Attributes
+    ----------
+    base, platform
+        The bodies.
+    chains
+        From the base to the platform.
+    reason
+        Why this body is the base.
+    """
+
+    base: str
+    platform: str
+    chains: tuple[BodyChain, ...]
+    reason: str
+
+
+def structure(clusters: Clusters, base: str | None, platform: str | None) -> JoinedBodies:
+    """Return the base, the platform and the chains of a machine.
+
+    Parameters
+    ----------
+    clusters
+        The machine while its drives are held.
+    base, platform
+        The names of the bodies to take as base and platform, if known.
+
+    Raises
+    ------
+    NoPlatform
+        If there are no two bodies on which at least three chains end.
+    """
+    asked = [body for body in (base, platform) if body is not None]
+    hubs, passive = _hubs(clusters, asked)
+    hanging = set(clusters.passive) - set(passive)
+    first, second, reason = _ordered(clusters, hubs, hanging, base, platform)
+    walks = _walks(clusters, passive, first, second)
+    starts = [clusters.step(walk[0]).first for walk in walks]
+    ends = [clusters.step(walk[-1]).second for walk in walks]
+    bottom = base or _own_body(clusters, first, starts)
+    top = platform or _own_body(clusters, second, ends)
+    chains = tuple(_chain(clusters, bottom, top, walk) for walk in walks)
+    return JoinedBodies(bottom, top, chains, reason)
+
+
+def _hubs(clusters: Clusters, asked: Sequence[str]) -> tuple[list[str], list[int]]:
+    """Return the two clusters on which chains end, and the joints of the chains.
+
+    Bodies with one joint only, such as an antenna, are left out.
+    """
+    keep = {clusters.of[body] for body in asked}
+    passive = list(clusters.passive)
+    while True:
+        degree = Counter(end for k in passive for end in clusters.ends(k))
+        hanging = {c for c, count in degree.items() if count == 1 and c not in keep}
+        left = [k for k in passive if not hanging & set(clusters.ends(k))]
+        if len(left) == len(passive):
+            break
+        passive = left
+    hubs = [cluster for cluster, count in degree.most_common() if count >= 3]
+    if len(hubs) != 2:
+        found = ", ".join(f"{shown(hub)} ({degree[hub]} chains)" for hub in hubs[:6]) or "none"
+        if len(hubs) > 6:
+            found += f" and {len(hubs) - 6} more"
+        message = f"found bodies on which three chains or more end: {found}; expected two, "
+        raise NoPlatform(message + "a base and a platform")
+    return hubs, passive
+
+
+def _ordered(
+    clusters: Clusters,
+    hubs: list[str],
+    hanging: Collection[int],
+    base: str | None,
+    platform: str | None,
+) -> tuple[str, str, str]:
+    """Return the clusters of the base and the platform, and the reason of the choice."""
+    first, second = hubs
+    if base is not None or platform is not None:
+        asked = [None if body is None else clusters.of[body] for body in (base, platform)]
+        for body, cluster in zip((base, platform), asked, strict=True):
+            if cluster is not None and cluster not in hubs:
+                ends = listed(map(shown, hubs), "and")
+                message = f"found no three chains that end on {shown(str(body))}, but on {ends}"
+                raise NoPlatform(message)
+        if asked[0] == asked[1]:
+            message = f"found {shown(str(base))} and {shown(str(platform))} rigid together"
+            raise NoPlatform(message)
+        swapped = asked[0] == second or asked[1] == first
+        return (second, first, "as asked for") if swapped else (first, second, "as asked for")
+    world = clusters.graph.world
+    tests: tuple[tuple[str, Callable[[Clusters, str], float]], ...] = (
+        ("it does not move", lambda c, hub: world is not None and c.of[world] == hub),
+        ("the world hangs on it", lambda c, hub: _near_the_world(c, hub, hanging)),
+        ("by its name", _named_base),
+        ("the file begins with it", _above),
+        ("it is heavier", _mass),
+    )
+    for reason, test in tests:
+        here, there = test(clusters, first), test(clusters, second)
+        if here != there:
+            return (first, second, reason) if here > there else (second, first, reason)
+    return first, second, "the file has it first"
+
+
+def _near_the_world(clusters: Clusters, hub: str, hanging: Collection[int]) -> float:
+    """Return whether joints that belong to no chain connect the world with a hub."""
+    seen, waiting = {hub}, [hub]
+    while waiting:
+        here = waiting.pop()
+        for k in hanging:
+            ends = clusters.ends(k)
+            if here in ends and not seen.issuperset(ends):
+                waiting += set(ends) - seen
+                seen.update(ends)
+    world = clusters.graph.world
+    return world is not None and clusters.of[world] in seen
+
+
+def _named_base(clusters: Clusters, hub: str) -> float:
+    names = [name.lower() for name in clusters.members(hub)]
+    return sum(any(word in name for word in _BASE_WORDS) for name in names) - sum(
+        any(word in name for word in _PLATFORM_WORDS) for name in names
+    )
+
+
+def _above(clusters: Clusters, hub: str) -> float:
+    count = 0
+    for k in clusters.passive:
+        if not clusters.joints[k].closure:
+            first, second = clusters.ends(k)
+            count += (first == hub) - (second == hub)
+    return count
+
+
+def _mass(clusters: Clusters, hub: str) -> float:
+    return sum(clusters.graph.bodies[body].mass or 0.0 for body in clusters.members(hub))
+
+
+def _walks(
+    clusters: Clusters, passive: Collection[int], first: str, second: str
+) -> list[list[Step]]:
+    """Return the passive joints of each chain from the first cluster to the second."""
+    touching: dict[str, list[int]] = {}
+    for k in passive:
+        for end in clusters.ends(k):
+            touching.setdefault(end, []).append(k)
+    walks, used = [], set()
+    for start in touching[first]:
+        here, walk, k = first, list[Step](), start
+        while k not in used:
+            used.add(k)
+            ends = clusters.ends(k)
+            forwards = ends[0] == here
+            walk.append((k, forwards))
+            here = ends[1] if forwards else ends[0]
+            if here in (first, second):
+                break
+            k = next((other for other in touching[here] if other != k), k)
+        if walk and here == first:
+            joints = "-".join(clusters.joints[k].letters for k, _ in walk)
+            message = f"found a chain that begins and ends on {shown(first)}: {joints}"
+            raise NoPlatform(message)
+        if walk:
+            walks.append(walk)
+    return walks
+
+
+def _own_body(clusters: Clusters, cluster: str, ends: Sequence[str]) -> str:
+    """Return the body of a cluster from which the drives of the chains are fewest.
+
+    A drive between this body and the ends of all chains would not move the platform.
+    """
+    members = clusters.members(cluster)
+    if not members:
+        message = f"found only {counted(0, 'body')} at one end of the chains"
+        raise NoPlatform(message)
+
+    def drives(body: str) -> int:
+        return sum(k in clusters.held for end in ends for k, _ in clusters.path(body, end))
+
+    fewest = min(map(drives, members))
+    own = [body for body in members if drives(body) == fewest]
+    world = clusters.graph.world
+    if world in own:
+        return str(world)
+    return max(own, key=lambda body: (clusters.graph.bodies[body].mass or 0.0, body == cluster))
+
+
+def _chain(clusters: Clusters, base: str, platform: str, walk: list[Step]) -> BodyChain:
+    legs: list[tuple[Joint, bool, str]] = []
+
+    def through(start: str, end: str, where: str) -> None:
+        path = clusters.path(start, end)
+        legs.extend((clusters.step(step), step[0] in clusters.held, where) for step in path)
+
+    joints = [clusters.step(step) for step in walk]
+    through(base, joints[0].first, "base")
+    for joint, following in pairwise(joints):
+        legs.append((joint, False, "inside"))
+        through(joint.second, following.first, "inside")
+    legs.append((joints[-1], False, "inside"))
+    through(joints[-1].second, platform, "platform")
+    X, parts = np.eye(4), []
+    for joint, held, where in legs:
+        parts += [ChainPart(part.moved(X), held, where) for part in joint.parts]
+        X = X @ joint.relative
+    driven = (p.part.name for p in parts if p.held and p.part.name)
+    name = next(driven, clusters.joints[walk[0][0]].name)
+    return BodyChain(name, tuple(parts), X)
+
+
+#: The kinds that are looked for, in this order. A chain that holds an angle of a line or plane
+#: holds the angle of two lines, too: ALL stands for all four. DLL is the last: lines that are
+#: parallel in one pose are held there by more than one constraint.
+ORDER = ("DPP", "ALL", "DPL", "DLP", "DPH", "DHP", "DLL")
+
+
+@dataclass(frozen=True, eq=False)
+class Primitives:
+    """Points or lines or planes of one body; of a point the direction is not used.
+
+    Attributes
+    ----------
+    points
+        A point of each, shape (n, 3).
+    directions
+        The unit direction or normal of each, shape (n, 3); zeros for points.
+    """
+
+    points: Array
+    directions: Array
+
+    @staticmethod
+    def of(points: list[Array], directions: list[Array] | None = None) -> Primitives:
+        """Return primitives from lists."""
+        made = np.array(points, float).reshape(-1, 3)
+        if directions is None:
+            return Primitives(made, np.zeros_like(made))
+        return Primitives(made, np.array(directions, float).reshape(-1, 3))
+
+    def __len__(self) -> int:
+        return len(self.points)
+
+    def moved(self, X: Array) -> Primitives:
+        """Return them in another frame."""
+        return Primitives(place(X, self.points), turn(X, self.directions))
+
+    def one(self, index: int) -> Primitives:
+        """Return one of them, still with an axis of length 1."""
+        return Primitives(self.points[[index]], self.directions[[index]])
+
+
+def measured(kind: str, platform: Primitives, base: Primitives, X: Array) -> Array:
+    """Return the distances or angles of primitives at a pose.
+
+    Parameters
+    ----------
+    kind
+        One of `ORDER`.
+    platform, base
+        Those of the platform, in its frame, and of the base, in its own: n and m.
+    X
+        The pose of the platform, shape (4, 4).
+
+    Returns
+    -------
+    Array
+        Shape (n, m). Angles are between 0 and pi; distances to planes are signed.
+    """
+    own = platform.moved(X)
+    r = own.points[:, None] - base.points[None]
+    u, v = own.directions[:, None], base.directions[None]
+    if kind == "DPP":
+        return np.asarray(np.linalg.norm(r, axis=-1))
+    if kind == "DPL":
+        return np.asarray(np.linalg.norm(np.cross(r, v), axis=-1))
+    if kind == "DLP":
+        return np.asarray(np.linalg.norm(np.cross(r, u), axis=-1))
+    if kind == "DPH":
+        return np.asarray((r * v).sum(axis=-1))
+    if kind == "DHP":
+        return np.asarray(-(r * u).sum(axis=-1))
+    normal = np.cross(u, v)
+    sine = np.linalg.norm(normal, axis=-1)
+    if kind == "ALL":
+        return np.asarray(np.arctan2(sine, (u * v).sum(axis=-1)))
+    across = np.abs((r * normal).sum(axis=-1)) / np.where(sine > PARALLEL_SINE, sine, 1.0)
+    apart = np.linalg.norm(np.cross(r, v), axis=-1)
+    return np.asarray(np.where(sine > PARALLEL_SINE, across, apart))
+
+
+#: Primitives that agree to this share of the size are one.
+_SAME = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class CandidatePrimitives:
+    """Primitives of a chain in the configuration of the file, in the frame of the base.
+
+    Attributes
+    ----------
+    centres
+        Centres of balls and crossings of hinge axes: only these have distances of two points.
+    points
+        All points that can have a distance from a line or plane.
+    lines
+        The axes of hinges.
+    directions
+        Directions that can have angles: those of the lines.
+    planes
+        Normals, with any point: it is moved to where the distance is to be measured.
+    """
+
+    centres: Primitives
+    points: Primitives
+    lines: Primitives
+    directions: Primitives
+    planes: Primitives
+
+    def pairs(self, kind: str) -> tuple[Primitives, Primitives]:
+        """Return candidates for both primitives of a kind, platform's and base's, in one frame.
+
+        The points of planes are not chosen yet.
+        """
+        sorts = {"P": self.points, "L": self.lines, "H": self.planes}
+        if kind == "DPP":
+            return self.centres, self.centres
+        if kind == "ALL":
+            return self.directions, self.directions
+        return sorts[kind[1]], sorts[kind[2]]
+
+
+def candidates(passive: list[Part], size: float, near: float) -> CandidatePrimitives:
+    """Return the candidates of a chain.
+
+    Parameters
+    ----------
+    passive
+        Its parts that are not held, in the frame of the base.
+    size
+        The size of the chain.
+    near
+        Axes that pass each other at a smaller distance than this cross.
+    """
+    balls = [part.point for part in passive if part.letter == "S"]
+    hinges = [part for part in passive if part.letter == "R"]
+    slides = [part for part in passive if part.letter == "P"]
+    same = _SAME * size
+    centres = balls + [
+        crossing
+        for first, second in combinations(hinges, 2)
+        if (crossing := _crossing(first, second, near)) is not None
+    ]
+    for hinge in hinges:
+        centres += [hinge.point + hinge.axis * ((c - hinge.point) @ hinge.axis) for c in centres]
+        centres = _different(centres, same)
+    centres = _different(centres, same)
+    further = [hinge.point for hinge in hinges]
+    further += [hinge.point + size * hinge.axis for hinge in hinges]
+    points = _different(centres + further + [slide.point for slide in slides], same)
+    lines = [np.concatenate((_foot(hinge), hinge.axis)) for hinge in hinges]
+    kept = _places(lines, same)
+    normals = _normals(balls, hinges, slides) if passive else []
+    normals = _different(normals, _SAME)
+    directions = _different([hinge.axis for hinge in hinges], _SAME)
+    return CandidatePrimitives(
+        Primitives.of(centres),
+        Primitives.of(points),
+        Primitives.of([hinges[k].point for k in kept], [hinges[k].axis for k in kept]),
+        Primitives.of([np.zeros(3)] * len(directions), directions),
+        Primitives.of([np.zeros(3)] * len(normals), normals),
+    )
+
+
+def _normals(balls: list[Array], hinges: list[Part], slides: list[Part]) -> list[Array]:
+    """Return normals of planes in which points may stay: of slides, of hinges and across them."""
+    normals = [
+        across / np.linalg.norm(across)
+        for first, second in combinations(slides, 2)
+        if np.linalg.norm(across := np.cross(first.axis, second.axis)) > MEASURED_PARALLEL_SINE
+    ]
+    normals += [hinge.axis for hinge in hinges]
+    if len(balls) == 1 and not hinges and not slides:
+        return list(np.eye(3))
+    for part in [*hinges, *slides]:
+        first = np.cross(part.axis, np.eye(3)[np.argmin(np.abs(part.axis))])
+        first /= np.linalg.norm(first)
+        normals += [first, np.cross(part.axis, first)]
+    return normals
+
+
+def _crossing(first: Part, second: Part, near: float) -> Array | None:
+    """Return where two axes cross, if they do."""
+    across = np.cross(first.axis, second.axis)
+    length = float(np.linalg.norm(across))
+    if length < MEASURED_PARALLEL_SINE:
+        return None
+    sides = np.array([first.axis, -second.axis, across]).T
+    s, t, gap = np.linalg.solve(sides, second.point - first.point)
+    if abs(gap) * length > near:
+        return None
+    middle: Array = (first.point + s * first.axis + second.point + t * second.axis) / 2
+    return middle
+
+
+def _foot(part: Part) -> Array:
+    foot: Array = part.point - part.axis * (part.point @ part.axis)
+    return foot
+
+
+def _places(vectors: list[Array], same: float) -> list[int]:
+    """Return the indices of the vectors that differ from all earlier ones."""
+    kept: list[int] = []
+    for k, vector in enumerate(vectors):
+        if all(np.linalg.norm(vector - vectors[other]) > same for other in kept):
+            kept.append(k)
+    return kept
+
+
+def _different(vectors: list[Array], same: float) -> list[Array]:
+    return [vectors[k] for k in _places(vectors, same)]
+
+
+#: Random motions over which a constraint must hold, and configurations for the rank.
+_MOTIONS, _CONFIGURATIONS = 8, 6
+#: Singular values of screws up to this, or a tenth of the share up to which axes meet, are zero:
+#: lengths are in units of the chain's size.
+_NO_FREEDOM = 1e-6
+#: Shares of the size up to which what is constant may change: rounding, then files of few digits.
+_CHANGES = (1e-9, 1e-7, 1e-5)
+#: Two gradients are independent if what one adds to the others is at least this share of it.
+_INDEPENDENT = 1e-5
+#: Distances of points below this share, and angles of lines (radians), are none: two or three
+#: constraints in one.
+_DEGENERATE = 1e-6
+#: Step of difference quotients, as a share of the size, and in radians.
+_STEP = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class Held:
+    """A constraint that a chain holds.
+
+    Attributes
+    ----------
+    kind
+        One of `ORDER`.
+    platform, base
+        One primitive each, in the frame of its body.
+    value
+        The distance, signed towards the normal of a plane, or the angle in radians.
+    change
+        The largest change of the value over random motions.
+    """
+
+    kind: str
+    platform: Primitives
+    base: Primitives
+    value: float
+    change: float
+
+
+def held_constraints(chain: BodyChain, meet: float) -> tuple[list[Held], int]:
+    """Return the constraints that were found, and how many the chain holds.
+
+    Parameters
+    ----------
+    chain
+        The chain, with its drives held.
+    meet
+        The share of the size up to which axes meet and constants may change.
+    """
+    rng = np.random.default_rng(1)
+    size = chain.size
+    count = 6 - _rank(chain, size, max(_NO_FREEDOM, meet / 10), rng)
+    if count == 0:
+        return [], 0
+    rest = random_changes(chain, size, None)
+    motions = [moved(chain, rest)]
+    motions += [moved(chain, random_changes(chain, size, rng)) for _ in range(_MOTIONS)]
+    passive = [p.part for p in chain.parts if not p.held]
+    found = candidates(passive, size, near=max(meet, 1e-9) * size)
+    search = _Search(motions, size, count)
+    for change in sorted({*_CHANGES, max(meet, _CHANGES[0])}):
+        search.run(found, change)
+        if len(search.held) == count or change >= meet:
+            break
+    return search.held, count
+
+
+def random_changes(
+    chain: BodyChain, size: float, rng: np.random.Generator | None
+) -> list[Array | float]:
+    """Return changes of all coordinates: zero for held ones, random or zero for the others."""
+    changes: list[Array | float] = []
+    for p in chain.parts:
+        ball = p.part.letter == "S"
+        if p.held or rng is None:
+            changes.append(np.zeros(3) if ball else 0.0)
+        elif ball:
+            changes.append(0.6 * rng.normal(size=3))
+        else:
+            changes.append(float(rng.uniform(-1, 1)) * (size / 2 if p.part.letter == "P" else 1.0))
+    return changes
+
+
+def moved(chain: BodyChain, changes: list[Array | float]) -> Array:
+    """Return the pose of the platform after changes of the coordinates, shape (4, 4)."""
+    X = np.eye(4)
+    for p, change in zip(chain.parts, changes, strict=True):
+        X = X @ p.part.motion(change)
+    moved: Array = X @ chain.pose
+    return moved
+
+
+def pose_after(chain: BodyChain, place: int, change: float) -> Array:
+    """Return the pose of the platform after the change of one coordinate, shape (4, 4)."""
+    changes = random_changes(chain, 1.0, None)
+    changes[place] = change
+    return moved(chain, changes)
+
+
+def _rank(chain: BodyChain, size: float, least: float, rng: np.random.Generator) -> int:
+    """Return how many freedoms the platform has in the chain, in general configurations.
+
+    Singular values of the screws up to `least` count as zero.
+    """
+    ranks = []
+    centre = np.mean([p.part.point for p in chain.parts], axis=0)
+    for _ in range(_CONFIGURATIONS):
+        X, screws = frame(T=-centre), [np.zeros((0, 6))]
+        for p, change in zip(chain.parts, random_changes(chain, size, rng), strict=True):
+            if not p.held:
+                screws.append(scaled(p.part.moved(X), size).screws)
+            X = X @ p.part.motion(change)
+        values = np.linalg.svd(np.concatenate(screws), compute_uv=False)
+        ranks.append(int((values > least).sum()))
+    return max(ranks)
+
+
+def _through_points(kind: str, platform: Primitives, base: Primitives, X: Array) -> Array:
+    """Return distances to planes, each of which goes through the point at the first pose.
+
+    They differ from those of `measured` by a constant, shape (n, m).
+    """
+    own = platform.moved(X)
+    if kind == "DPH":
+        return np.asarray(own.points @ base.directions.T)
+    return np.asarray(own.directions @ base.points.T - (own.directions * X[:3, 3]).sum(1)[:, None])
+
+
+class _Search:
+    """What is constant over some poses.
+
+    Parameters
+    ----------
+    motions
+        Poses of the platform, that of the file first.
+    size
+        The size of the chain.
+    count
+        How many constraints there are.
+    """
+
+    def __init__(self, motions: list[Array], size: float, count: int) -> None:
+        self.motions, self.size, self.count = motions, size, count
+        self.held: list[Held] = []
+        self.gradients: list[Array] = []
+
+    def run(self, found: CandidatePrimitives, change: float) -> None:
+        """Add what changes by at most a share of the size, until there are enough."""
+        back = inverse(self.motions[0])
+        for kind in ORDER:
+            there, fixed = found.pairs(kind)
+            own = there.moved(back)
+            values = _through_points if "H" in kind else measured
+            measures = np.array([values(kind, own, fixed, X) for X in self.motions])
+            changes = np.ptp(measures, axis=0) / (1.0 if kind[0] == "A" else self.size)
+            for i, j in np.argwhere(changes <= change):
+                value = 0.0 if "H" in kind else float(measures[0, i, j])
+                if self._degenerate(kind, value):
+                    continue
+                pair = own.one(i), fixed.one(j)
+                if kind == "DPH":
+                    pair = pair[0], Primitives(there.points[[i]], pair[1].directions)
+                elif kind == "DHP":
+                    through = Primitives(fixed.points[[j]], there.directions[[i]])
+                    pair = through.moved(back), pair[1]
+                gradient = self._gradient(kind, *pair)
+                if self._adds(gradient):
+                    self.gradients.append(gradient)
+                    moved = float(np.ptp(measures[:, i, j]))
+                    self.held.append(Held(kind, *pair, value, moved))
+                    if len(self.held) == self.count:
+                        return
+
+    def _degenerate(self, kind: str, value: float) -> bool:
+        if kind == "DPP":
+            return abs(value) < _DEGENERATE * self.size
+        return kind == "ALL" and min(value, np.pi - value) < _DEGENERATE
+
+    def _gradient(self, kind: str, platform: Primitives, base: Primitives) -> Array:
+        """Return the derivatives by a twist, at the third random pose, shape (6,)."""
+        X = self.motions[3]
+        gradient = np.zeros(6)
+        for k, axis in enumerate((*np.eye(3), *np.eye(3))):
+            ends = []
+            for step in (_STEP, -_STEP):
+                if k < 3:
+                    R = rotation_from_vector(step * axis)
+                    moved = frame(R @ X[:3, :3], X[:3, 3])
+                else:
+                    moved = frame(X[:3, :3], X[:3, 3] + step * self.size * axis)
+                ends.append(float(measured(kind, platform, base, moved)[0, 0]))
+            gradient[k] = (ends[0] - ends[1]) / (2 * _STEP)
+        return gradient if kind[0] == "A" else gradient / self.size
+
+    def _adds(self, gradient: Array) -> bool:
+        length = float(np.linalg.norm(gradient))
+        if not length > 0:
+            return False
+        rows = np.array([*self.gradients, gradient])
+        rows /= np.linalg.norm(rows, axis=1, keepdims=True)
+        return float(np.linalg.svd(rows, compute_uv=False)[-1]) > _INDEPENDENT
+
 
 #: A drive changes a value if it does by more than this, as a share of the size, or in radians.
 _CHANGED = 1e-9
@@ -285,8 +1056,6 @@ def _moved(
     remarks.append(said)
     return None
 
-
-Array = NDArray[np.float64]
 
 #: What the configuration of a file misses by more than this share of the size is said.
 _EXACT = 1e-9

@@ -338,12 +338,7 @@ _NAMED_PANELS = 6
 
 
 def drawing(
-    scene: Scene,
-    fmt: str,
-    modes: Sequence[int],
-    view: View | None = None,
-    *,
-    names: bool = True,
+    scene: Scene, fmt: str, modes: Sequence[int], view: View | None = None, *, names: bool = True
 ) -> bytes:
     """Return a drawing of assembly modes as the content of a file.
 

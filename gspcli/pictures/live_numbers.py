@@ -25,12 +25,7 @@ from gspcli.certification.equations.local_frames import reach
 from gspcli.certification.numbers.doubled import SINE_ERROR, Doubled, SineNumbers
 from gspcli.certification.poses.many_values import COSINE_ERROR, ValueProofs
 from gspcli.continuation.systems import DEGREE_IN_F, Coefficients
-from gspcli.continuation.tracker import (
-    CAREFUL,
-    DEFAULT,
-    QUICK,
-    TrackerOptions,
-)
+from gspcli.continuation.tracker import CAREFUL, DEFAULT, QUICK, TrackerOptions
 from gspcli.defaults import COUNT_LIMIT, SEED, TOLERANCE
 from gspcli.errors import ArgumentError, GspError
 from gspcli.geometry.checking import value_range
@@ -97,7 +92,7 @@ def live_home(result: SolveResult) -> dict[str, Any]:
     return {
         "within": _within(instance),
         "cones": _cones(result),
-        "middle": _middle(result),
+        "middle": result.arrangement.platform_centre.tolist(),
         # A distance of two lines turns at zero, where no pose need be singular.
         "signed": all(row.kind is not DLL for row in instance.constraints),
         **_map(result),
@@ -139,10 +134,6 @@ def _cones(result: SolveResult) -> list[dict[str, Any]] | None:
         }
         for one in cones
     ]
-
-
-def _middle(result: SolveResult) -> list[float]:
-    return [float(x) for x in result.arrangement.platform_centre]
 
 
 def _map(result: SolveResult) -> dict[str, Any]:
@@ -200,18 +191,15 @@ def anywhere(instance: Instance, held: frozenset[str] = frozenset()) -> Instance
             name = one.point.partner or one.name or str(k + 1)
             size = 1.0 if one.drive.sort == "crank" else row.value.value
             if (one.body, name) not in drawn:
-                first, second = (rng.integers(-_PLACES, _PLACES, 2) * _SPREAD * size).tolist()
-                drawn[one.body, name] = _fraction(first), _fraction(second)
+                parts = (rng.integers(-_PLACES, _PLACES, 2) * _SPREAD * size).tolist()
+                first, second = (Number.of(Fraction(round(x), _PLACES)) for x in parts)
+                drawn[one.body, name] = first, second
             place = one.point.position
             if f"{one.drive.sort}.{name}" not in held:
                 place = _place(one, *drawn[one.body, name])
             still[one.body] = Point(place, one.point.cone)
         rows.append(replace(row, limits=None, **still) if still else row)
     return replace(instance, constraints=tuple(rows), dynamics=None, home=None)
-
-
-def _fraction(x: float) -> Number:
-    return Number.of(Fraction(round(x), _PLACES))
 
 
 def _place(one: MovedPoint, along: Number, beside: Number) -> Vector:
@@ -293,43 +281,6 @@ def apart(instance: Instance) -> Instance:
     return replace(instance, constraints=tuple(rows), dynamics=None)
 
 
-def terms(drives: Machine, start: Start) -> Coefficients:
-    """Return the three quadrics of each rod, shape (3, 6, ...), multiplied as those of the start.
-
-    Rows of values have no meaning.
-    """
-    given, inner = start.given, start.inner
-    unit = start.length
-    cranked = np.array([drives.sorts[k] == "crank" for k in drives.index])
-    # A crank at 0, 90 and 180 degrees, a slide at -1, 0 and 1 units.
-    steps = np.where(cranked, np.array([[0.0], [0.5], [1.0]]) * np.pi, [[-unit], [0.0], [unit]])
-    samples = []
-    for step in steps:
-        place = np.where(drives.on_platform, 0, 1)
-        q = np.zeros(drives.count)
-        q[drives.index] = step
-        points = drives.points(q)
-        y, x = (
-            np.where((drives.driven & (place == body))[:, None], (points - centre) / unit, own)
-            for body, centre, own in (
-                (0, given.platform_centre, inner.y),
-                (1, given.base_centre, inner.x),
-            )
-        )
-        values = np.where(drives.driven, drives.rods / unit, 1.0)
-        samples.append(coefficients_of(inner.kinds, y, x, inner.u, inner.v, values[None])[1])
-    found = Coefficients(*(np.concatenate(parts) for parts in zip(*samples, strict=True)))
-    found = found.in_units(start.scale)
-    square = [kind is DPP for kind in inner.kinds]
-    complex_values = start.parameters[0]
-    complex_values = np.where(square, np.sqrt(complex_values), complex_values)
-    own = coefficients_of(inner.kinds, inner.y, inner.x, inner.u, inner.v, complex_values[None])[1]
-    sizes = own.in_units(start.scale).sizes()[0][0]
-    parts = [_parts(x, cranked, unit) for x in found]
-    parts[0] = parts[0] / sizes[:, None]
-    return Coefficients(*parts)
-
-
 @dataclass(frozen=True, eq=False)
 class LiveMotors:
     """The motors of a machine that a live page moves.
@@ -364,12 +315,57 @@ class LiveMotors:
         )
 
     def terms(self, start: Start) -> Coefficients:
-        """As the function."""
-        return terms(self.drives, start)
+        """Return the three quadrics of each rod, (3, 6, ...), multiplied as those of the start.
+
+        Rows of values have no meaning.
+        """
+        drives, unit = self.drives, start.length
+        given, inner = start.given, start.inner
+        cranked = np.array([drives.sorts[k] == "crank" for k in drives.index])
+        # A crank at 0, 90 and 180 degrees, a slide at -1, 0 and 1 units.
+        steps = np.where(cranked, np.array([[0.0], [0.5], [1.0]]) * np.pi, [[-unit], [0.0], [unit]])
+        samples = []
+        for step in steps:
+            place = np.where(drives.on_platform, 0, 1)
+            q = np.zeros(drives.count)
+            q[drives.index] = step
+            points = drives.points(q)
+            y, x = (
+                np.where((drives.driven & (place == body))[:, None], (points - centre) / unit, own)
+                for body, centre, own in (
+                    (0, given.platform_centre, inner.y),
+                    (1, given.base_centre, inner.x),
+                )
+            )
+            values = np.where(drives.driven, drives.rods / unit, 1.0)
+            samples.append(coefficients_of(inner.kinds, y, x, inner.u, inner.v, values[None])[1])
+        found = Coefficients(*(np.concatenate(parts) for parts in zip(*samples, strict=True)))
+        found = found.in_units(start.scale)
+        square = [kind is DPP for kind in inner.kinds]
+        complex_values = start.parameters[0]
+        complex_values = np.where(square, np.sqrt(complex_values), complex_values)
+        bodies = inner.kinds, inner.y, inner.x, inner.u, inner.v
+        own = coefficients_of(*bodies, complex_values[None])[1]
+        sizes = own.in_units(start.scale).sizes()[0][0]
+        parts = [_parts(x, cranked, unit) for x in found]
+        parts[0] = parts[0] / sizes[:, None]
+        return Coefficients(*parts)
 
     def numbers(self, proofs: ValueProofs) -> list[Any]:
-        """As `joint_numbers`."""
-        return joint_numbers(self.given, self.drives, proofs)
+        """Return the numbers of viewer/module/joints.cpp after the first."""
+        drives, scale = self.drives, proofs.scale
+        relations, primitives, forms, tiny = proofs.opened
+        found: list[Any] = [scale]
+        for k, row in enumerate(self.given.constraints):
+            sort = drives.sorts[drives.index[k]] if drives.driven[k] else "value"
+            places = np.zeros((3, 3, 3))
+            for one in driven_points(row):
+                places = _circle(one, scale)
+            rod = row.value.value
+            found += [_SORTS[sort], drives.on_platform[k], rod, places]
+        for k, relation in enumerate(relations):
+            found += [relation, np.moveaxis(primitives[:, k], 0, -1)]
+        return [*found, forms, tiny]
 
     def moved(
         self, found: Mapping[str, list[Any]], start: Start
@@ -436,23 +432,6 @@ def _parts(samples: Any, cranked: Any, unit: float) -> Any:
     crank = np.stack((middle, (one - three) / 2, two - middle))
     slide = np.stack((two, (three - one) / (2 * unit), (middle - two) / unit**2))
     return np.where(cranked.reshape(shape), crank, slide)
-
-
-def joint_numbers(instance: Instance, drives: Machine, proofs: ValueProofs) -> list[Any]:
-    """Return the numbers of viewer/module/joints.cpp after the first."""
-    scale = proofs.scale
-    relations, primitives, forms, tiny = proofs.opened
-    found: list[Any] = [scale]
-    for k, row in enumerate(instance.constraints):
-        sort = drives.sorts[drives.index[k]] if drives.driven[k] else "value"
-        places = np.zeros((3, 3, 3))
-        for one in driven_points(row):
-            places = _circle(one, scale)
-        rod = row.value.value
-        found += [_SORTS[sort], drives.on_platform[k], rod, places]
-    for k, relation in enumerate(relations):
-        found += [relation, np.moveaxis(primitives[:, k], 0, -1)]
-    return [*found, forms, tiny]
 
 
 def _circle(one: MovedPoint, scale: float) -> Array:
@@ -680,11 +659,10 @@ def _put_values(
     if motors is not None:
         scale, shift = motors.corrections(scale, shift)
     for i, row in enumerate(instance.constraints):
-        kind = row.kind
-        square = kind.is_squared
+        kind, law = row.kind, row.kind.law
         height = kind.is_distance and kind.has_sides
-        law = kind.law
-        numbers.put(kind.is_distance, square, height, law.is_cosine, law.sign, scale[i], shift[i])
+        numbers.put(kind.is_distance, kind.is_squared, height, law.is_cosine, law.sign)
+        numbers.put(scale[i], shift[i])
     numbers.put(len(start.choices), start.choices, start.length)
     degrees = instance.units.angle is AngleUnit.DEGREE
     sine = SineNumbers.of(degrees=degrees)
@@ -697,8 +675,7 @@ def _put_pools(numbers: _Numbers, start: Start) -> None:
     if homotopy is None:
         numbers.put(0)
         return
-    first = slice(1)
-    stages: list[tuple[slice, TrackerOptions]] = [(start.near, QUICK), (first, DEFAULT)]
+    stages: list[tuple[slice, TrackerOptions]] = [(start.near, QUICK), (slice(1), DEFAULT)]
     has_h = len(homotopy.pivots) + len(homotopy.free) == 7
     numbers.put(len(stages), len(homotopy.free), has_h, homotopy.pivots, homotopy.free)
     numbers.put(homotopy.forms, homotopy.slopes, homotopy.combinations)
@@ -767,14 +744,14 @@ def _put_far(numbers: _Numbers, start: Start) -> None:
 
 
 def _put_clearance(numbers: _Numbers, instance: Instance) -> None:
-    if any(one.body == BODIES[0] for row in instance.constraints for one in driven_points(row)):
-        # The ellipsoid of the platform's points would move.
-        numbers.put(0)
-        return
+    moved = [one for row in instance.constraints for one in driven_points(row)]
     try:
         home = Displacements(instance, np.eye(3)[None], np.zeros((1, 3)))
     except ArgumentError:
         # Its points lie on a line.
+        home = None
+    # The ellipsoid of the platform's points moves where drives move these.
+    if home is None or any(one.body == BODIES[0] for one in moved):
         numbers.put(0)
         return
     given = home.arrangement

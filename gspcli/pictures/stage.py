@@ -603,7 +603,7 @@ def series_of(
     strokes, labels
         As in `SceneSeries`.
     """
-    R, T = poses.R, poses.T
+    R, T, conditions = poses.R, poses.T, poses.conditions
     values = np.asarray(measured(arrangement, R, T).real).copy()
     values[:, arrangement.distances] = np.abs(values[:, arrangement.distances])
     values[:, arrangement.angles] /= arrangement.in_radians
@@ -613,7 +613,6 @@ def series_of(
         facts["sides"] = [
             "".join({1: "+", -1: "−", 0: ""}[s] for s in row) for row in sides.tolist()
         ]
-    conditions = poses.conditions
     if conditions is None:
         conditions = condition_numbers(arrangement, R, T)
     return SceneSeries(
@@ -742,11 +741,7 @@ def _corners(points: Array) -> Array:
 
 
 def scene_of(
-    result: SolveResult,
-    tracks: Sequence[Poses] = (),
-    *,
-    only: int | None = None,
-    summary: str = "",
+    result: SolveResult, tracks: Sequence[Poses] = (), *, only: int | None = None, summary: str = ""
 ) -> Scene:
     """Return the scene of a result: its assembly modes, its motions, and tracks if given.
 
@@ -771,8 +766,9 @@ def scene_of(
     T = np.concatenate([poses.T for poses in still])
     names = names_of(instance.constraints)
     staged = Stage(arrangement, names, R, T)
-    platform = staged.body("platform", [row.platform for row in instance.constraints])
-    base = staged.body("base", [row.base for row in instance.constraints])
+    platform, base = (
+        staged.body(name, [getattr(row, name) for row in instance.constraints]) for name in BODIES
+    )
     strokes, labels = staged.drawn(platform, base)
     series, first = [], 0
     for poses in shown:

@@ -58,11 +58,7 @@ def platform_of(instance: Instance) -> tuple[Platforms, float]:
 
 
 def real_instance(
-    platform: Platforms,
-    count: int,
-    *,
-    units: Units = DEFAULT_UNITS,
-    length: float = 1.0,
+    platform: Platforms, count: int, *, units: Units = DEFAULT_UNITS, length: float = 1.0
 ) -> Instance:
     """Return an instance with short decimals near a reduced platform, with as many real poses.
 

@@ -1,12 +1,15 @@
-"""Least-squares poses of more than six measurements, each mode that fits, and the outlier."""
+"""What fits readings of sensors: modes of a solved platform, and poses of least squares.
+
+Least squares of more than six measurements find each pose that fits, and the outlier.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,20 +28,207 @@ from gspcli.geometry.quaternions import (
     vector_from_rotation,
 )
 from gspcli.motion.poses.inverse_kinematics import values_at
-from gspcli.records import Tabular, dataclass
-from gspcli.sensing.mode_readings import parsed_readings
+from gspcli.records import EqualByContent, Tabular, dataclass
 from gspcli.sensing.sensor_kinds import (
     Inclinometer,
     JointSensor,
     SensorReading,
     ValueSensor,
+    parse_reading,
     verticals,
 )
 from gspcli.solver import SolveResult, solve
 from gspcli.ties import first_largest
 from gspcli.wording import counted, listed, shown
 
+if TYPE_CHECKING:
+    import pandas as pd
+
+
 Array = NDArray[np.float64]
+
+#: A mode fits if no reading differs by more than this many standard deviations.
+_MOST_OFF = 3.0
+
+
+@dataclass(frozen=True, eq=False)
+class ReadingFit(EqualByContent):
+    """The differences of readings from the expected ones at the m real modes of a platform.
+
+    Attributes
+    ----------
+    result
+        The modes: real poses, in this order.
+    readings
+        The r readings.
+    expected
+        The expected readings of each sensor at each mode: r arrays of shape (m, 1), for
+        inclinometers (m, 2), in the units of the instance.
+    off
+        The differences of the readings from these, in their standard deviations, shape (m, r).
+    """
+
+    result: SolveResult
+    readings: tuple[SensorReading, ...]
+    expected: tuple[Array, ...]
+    off: Array
+
+    def __repr__(self) -> str:
+        return f"<ReadingFit: {self.sentence}>"
+
+    @cached_property
+    def worst(self) -> Array:
+        """The largest difference for each mode, shape (m,)."""
+        return np.asarray(self.off.max(axis=1, initial=0.0))
+
+    @property
+    def fits(self) -> NDArray[np.bool_]:
+        """Which modes fit: all readings are within three standard deviations, shape (m,)."""
+        return np.asarray(self.worst <= _MOST_OFF)
+
+    @property
+    def modes(self) -> list[int]:
+        """The numbers of the modes that fit, from 1, the best first."""
+        order = np.argsort(self.worst, kind="stable")
+        return [int(k) + 1 for k in order if self.fits[k]]
+
+    @property
+    def mode(self) -> int | None:
+        """The number of the only mode that fits; None if there is no or more than one mode."""
+        return self.modes[0] if len(self.modes) == 1 else None
+
+    @property
+    def sentence(self) -> str:
+        """The result in a sentence."""
+        what = "reading" if len(self.readings) == 1 else "readings"
+        if not len(self.worst):
+            return f"there is no mode that could fit the {what}"
+        order = np.argsort(self.worst, kind="stable").tolist()
+        texts = [f"{self.worst[k]:.3g}" for k in order]
+        if not self.modes:
+            nearest = f"mode {order[0] + 1} is nearest, off by {texts[0]} standard deviations"
+            return f"no mode fits the {what}: {nearest}"
+        if self.mode is None:
+            names = listed(map(str, sorted(self.modes)), "and")
+            return f"{len(self.modes)} modes fit the {what}: {names}"
+        text = f"mode {self.mode} fits the {what}: off by {texts[0]} standard deviations"
+        return f"{text}, the next, mode {order[1] + 1}, by {texts[1]}" if len(order) > 1 else text
+
+    def rows(self) -> list[dict[str, Any]]:
+        """Return for each mode its number, its difference, and whether it fits."""
+        return [
+            {"number": k + 1, "off": float(self.worst[k]), "fits": bool(self.fits[k])}
+            for k in range(len(self.worst))
+        ]
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return the modes as a table with the expected readings (pandas is imported now)."""
+        import pandas as pd
+
+        frame = pd.DataFrame(self.rows(), columns=["number", "off", "fits"])
+        for reading, read in zip(self.readings, self.expected, strict=True):
+            names = ("",) if read.shape[1] == 1 else (" rx", " ry")
+            for name, column in zip(names, read.T, strict=True):
+                frame[f"{reading.sensor}{name}"] = column
+        return frame
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the readings and which modes fit as plain data."""
+        return {
+            "readings": [
+                {
+                    "sensor": str(reading.sensor),
+                    "values": list(reading.values),
+                    "sigma": reading.sigma,
+                }
+                for reading in self.readings
+            ],
+            "fitting": self.modes,
+        }
+
+    def of_mode(self, k: int) -> dict[str, Any]:
+        """Return the fit of a mode, by its index, as plain data."""
+        return {
+            "expected_readings": [read[k].tolist() for read in self.expected],
+            "off": self.off[k].tolist(),
+            "fits": bool(self.fits[k]),
+        }
+
+
+def parsed_readings(
+    instance: Instance, readings: Sequence[str | SensorReading], *, repeated: bool = False
+) -> list[SensorReading]:
+    """Return readings that are given as texts or as such.
+
+    Parameters
+    ----------
+    instance
+        The platform of their names.
+    readings
+        One, or several.
+    repeated
+        Whether they may be those of constraints, too.
+
+    Raises
+    ------
+    ArgumentError
+        If there is none, or one is wrong.
+    """
+    given = [readings] if isinstance(readings, str | SensorReading) else list(readings)
+    if not given:
+        message = "found none, expected at least one"
+        raise ArgumentError(message, "readings")
+    parsed: list[SensorReading] = []
+    for k, one in enumerate(given):
+        if isinstance(one, SensorReading):
+            parsed.append(one)
+            continue
+        try:
+            parsed.append(parse_reading(one, instance, repeated=repeated))
+        except ArgumentError as error:
+            message = f"readings[{k}], {error.where}" if error.where else f"readings[{k}]"
+            raise ArgumentError(error.message, message) from None
+    return parsed
+
+
+def fit_readings(result: SolveResult, readings: Sequence[str | SensorReading]) -> ReadingFit:
+    """Return the differences of readings from the expected ones at each real mode.
+
+    Parameters
+    ----------
+    result
+        A solved platform, as `gspcli.solve` returns it.
+    readings
+        Texts such as ``"leg P7 B7 = 212.4 ± 0.1"`` (`gspcli.sensing.sensor_kinds`); their errors
+        are independent.
+
+    Raises
+    ------
+    ArgumentError
+        If there is none, or one is wrong; the column of the mistake is named.
+
+    Examples
+    --------
+    >>> import gspcli
+    >>> from gspcli.resources import instance_files
+    >>> m2 = gspcli.load(instance_files()["rubin-m2"])
+    >>> gspcli.fit_readings(gspcli.solve(m2), ["leg P1 B2 = 2.913 ± 0.002"]).mode
+    2
+    """
+    instance, shown = result.instance, result.drawn
+    parsed = parsed_readings(instance, readings)
+    R, T = shown.R[shown.real].real, shown.T[shown.real].real
+    expected = tuple(one.sensor.read(instance, R, T) for one in parsed)
+    off = np.stack(
+        [
+            one.sensor.apart(instance, read, np.array(one.values)) / one.sigma
+            for one, read in zip(parsed, expected, strict=True)
+        ],
+        axis=1,
+    )
+    for array in (off, *expected):
+        array.setflags(write=False)
+    return ReadingFit(result, tuple(parsed), expected, off)
 
 
 #: The step of central differences, of which the error is least: the cube root of rounding.
@@ -79,6 +269,16 @@ class PoseNumbers:
         owners = np.repeat(np.arange(len(counts)), counts)
         return np.asarray(owners[np.array(kept)[owners]])
 
+    @property
+    def sizes(self) -> Array:
+        """The sizes of a turn and of a shift that move values alike, shape (6,)."""
+        return np.array([1.0] * 3 + [Arrangement.of(self.instance).length] * 3)
+
+    def moved(self, step: NDArray[Any], R: Array, T: Array) -> tuple[Array, Array]:
+        """Return poses after twists in units of `sizes`, shape (n, 6)."""
+        step = step * self.sizes
+        return rotation_from_vector(step[:, :3]) @ R, T + step[:, 3:]
+
     def residuals(self, R: Array, T: Array) -> Array:
         """Return measured less expected numbers at poses, over their deviations, shape (..., m)."""
         values = values_at(self.instance, R, T) * self._signs(R, T)
@@ -98,7 +298,7 @@ class PoseNumbers:
         scale = self._signs(R, T) / (self.sigmas * units)
         values = value_slopes(arrangement, R, T) * scale[..., None]
         columns = []
-        for size, unit in zip(_STEP * pose_sizes(self.instance), np.eye(6), strict=True):
+        for size, unit in zip(_STEP * self.sizes, np.eye(6), strict=True):
             step = size * unit
             ends = [
                 np.concatenate(self._of_sensors(rotation_from_vector(turn) @ R, T + shift), axis=-1)
@@ -131,11 +331,6 @@ class PoseNumbers:
         whole = replace(self, left_out=frozenset())
         kept = [k for k, owner in enumerate(whole.owners.tolist()) if owner not in self.left_out]
         return np.take(numbers, kept, axis=axis)
-
-
-def pose_sizes(instance: Instance) -> Array:
-    """Return the sizes of a turn and of a shift that move values alike, shape (6,)."""
-    return np.array([1.0] * 3 + [Arrangement.of(instance).length] * 3)
 
 
 def _apart(instance: Instance, one: SensorReading, R: Array, T: Array) -> Array:
@@ -503,7 +698,7 @@ class PoseFit(Tabular):
             "freedom": self.poses[0].freedom if self.poses else 0,
             "measurements": [
                 {"name": name, "values": values, "sigma": sigma}
-                for name, values, sigma in zip(names, *self._measured(), strict=True)
+                for name, (values, sigma) in zip(names, self._measured(), strict=True)
             ],
             "choices": [[names[k] for k in choice] for choice in self.choices],
             "starts": self.starts,
@@ -518,14 +713,12 @@ class PoseFit(Tabular):
             },
         }
 
-    def _measured(self) -> tuple[list[list[float]], list[float]]:
-        rows = self.numbers.instance.constraints
-        values = [[row.value.value] for row in rows]
-        values += [list(one.values) for one in self.numbers.readings]
-        return values, [
-            *self.numbers.sigmas.tolist(),
-            *(one.sigma for one in self.numbers.readings),
-        ]
+    def _measured(self) -> Iterator[tuple[list[float], float]]:
+        numbers = self.numbers
+        for row, sigma in zip(numbers.instance.constraints, numbers.sigmas.tolist(), strict=True):
+            yield [row.value.value], sigma
+        for one in numbers.readings:
+            yield list(one.values), one.sigma
 
     def _of(self, pose: FittedPose) -> dict[str, Any]:
         unit = self.numbers.instance.units.angle.in_radians
@@ -652,7 +845,6 @@ def _starts(numbers: PoseNumbers) -> tuple[tuple[Array, Array], tuple[tuple[int,
     """
     instance = numbers.instance
     candidates = candidates_of(instance, numbers.readings)
-    size = pose_sizes(instance)
     used, chosen = np.zeros(len(candidates), int), candidates[:6]
     R, T, solved = np.zeros((0, 3, 3)), np.zeros((0, 3)), []
     for _ in range(CHOICES):
@@ -669,16 +861,12 @@ def _starts(numbers: PoseNumbers) -> tuple[tuple[Array, Array], tuple[tuple[int,
                 solved.append(owners)
         for k, one in enumerate(candidates):
             used[k] += one in chosen
-        if not len(R) or len(candidates) == 6:
-            if len(candidates) == 6:
-                break
-            at = np.eye(3), np.zeros(3)
-        else:
-            # Where the best pose so far is.
-            at = _near_best(numbers, *more, size)
-        following = next_choice(
-            candidates, numbers.slopes(at[0][None], at[1][None])[0] * size, used
-        )
+        if len(candidates) == 6:
+            break
+        # Where the best pose so far is.
+        at = _near_best(numbers, *more) if len(R) else (np.eye(3), np.zeros(3))
+        slopes = numbers.slopes(at[0][None], at[1][None])[0] * numbers.sizes
+        following = next_choice(candidates, slopes, used)
         if following is None or all(used[candidates.index(one)] > 1 for one in following):
             break
         chosen = following
@@ -699,27 +887,26 @@ def _real_starts(result: SolveResult) -> tuple[Array, Array]:
     return U @ V, result.T.real.copy()
 
 
-def _near_best(numbers: PoseNumbers, R: Array, T: Array, size: Array) -> tuple[Array, Array]:
+def _near_best(numbers: PoseNumbers, R: Array, T: Array) -> tuple[Array, Array]:
     """Return where the best of some short descents ends."""
-    ends = _descended(numbers, R, T, size, _SHORT)
+    ends = _descended(numbers, R, T, _SHORT)
     best = _in_order(ends.squares)[0]
     return ends.point[0][best], ends.point[1][best]
 
 
 def _minima(numbers: PoseNumbers, R: Array, T: Array) -> Minima:
     """Return the distinct ends of descents from poses, the best first."""
-    size = pose_sizes(numbers.instance)
-    ends = _descended(numbers, R, T, size)
+    ends = _descended(numbers, R, T)
     (R, T), cost = ends.point, ends.squares
     kept: list[int] = []
     for k in _in_order(cost):
         if not ends.ended[k] or not np.isfinite(cost[k]):
             continue
         turns = np.linalg.norm(vector_from_rotation(R[kept] @ R[k].T), axis=-1) if kept else []
-        moves = np.linalg.norm(T[kept] - T[k], axis=-1) / size[-1] if kept else []
+        moves = np.linalg.norm(T[kept] - T[k], axis=-1) / numbers.sizes[-1] if kept else []
         if not any(a < _SAME and b < _SAME for a, b in zip(turns, moves, strict=True)):
             kept.append(k)
-    R, T, cost = _polished(numbers, R[kept], T[kept], size)
+    R, T, cost = _polished(numbers, R[kept], T[kept])
     order = _in_order(cost)
     return Minima(R[order], T[order], cost[order])
 
@@ -735,7 +922,7 @@ def _in_order(cost: Array) -> list[int]:
     return order
 
 
-def _polished(numbers: PoseNumbers, R: Array, T: Array, size: Array) -> tuple[Array, Array, Array]:
+def _polished(numbers: PoseNumbers, R: Array, T: Array) -> tuple[Array, Array, Array]:
     """Return minima to the last digits, by Newton's method, and their sums of squares.
 
     Descents end where the sum of squares does not fall: there half of the digits of a pose are
@@ -744,11 +931,8 @@ def _polished(numbers: PoseNumbers, R: Array, T: Array, size: Array) -> tuple[Ar
     """
 
     def gradient(R: Array, T: Array) -> Array:
-        slopes = numbers.slopes(R, T) * size
+        slopes = numbers.slopes(R, T) * numbers.sizes
         return np.asarray(np.einsum("nmk,nm->nk", slopes, numbers.residuals(R, T)))
-
-    def moved(R: Array, T: Array, step: NDArray[Any]) -> tuple[Array, Array]:
-        return rotation_from_vector(step[:, :3]) @ R, T + step[:, 3:] * size[3:]
 
     start = R, T
     if not len(R):
@@ -756,7 +940,8 @@ def _polished(numbers: PoseNumbers, R: Array, T: Array, size: Array) -> tuple[Ar
     with np.errstate(all="ignore"):
         columns = []
         for unit in _APART * np.eye(6):
-            ends = [gradient(*moved(R, T, sign * np.tile(unit, (len(R), 1)))) for sign in (-1, 1)]
+            steps = np.tile(unit, (len(R), 1))
+            ends = [gradient(*numbers.moved(sign * steps, R, T)) for sign in (-1, 1)]
             columns.append((ends[0] - ends[1]) / (2 * _APART))
         curvature = np.stack(columns, axis=-1)
         curvature = np.nan_to_num((curvature + np.swapaxes(curvature, 1, 2)) / 2)
@@ -764,31 +949,29 @@ def _polished(numbers: PoseNumbers, R: Array, T: Array, size: Array) -> tuple[Ar
         minimum = values[:, 0] > _UNCHECKED * values[:, -1]
         curvature[~minimum] = np.eye(6)
         for _ in range(_POLISH):
-            R, T = moved(R, T, np.linalg.solve(curvature, gradient(R, T)[..., None])[..., 0])
-        kept = minimum & (np.linalg.norm(T - start[1], axis=1) < _SAME * size[-1])
+            step = np.linalg.solve(curvature, gradient(R, T)[..., None])[..., 0]
+            R, T = numbers.moved(step, R, T)
+        kept = minimum & (np.linalg.norm(T - start[1], axis=1) < _SAME * numbers.sizes[-1])
         kept &= np.linalg.norm(R - start[0], axis=(1, 2)) < _SAME
     R = np.where(kept[:, None, None], R, start[0])
     T = np.where(kept[:, None], T, start[1])
     return R, T, (numbers.residuals(R, T) ** 2).sum(axis=1)
 
 
-def _descended(numbers: PoseNumbers, R: Array, T: Array, size: Array, steps: int = _STEPS) -> Ends:
+def _descended(numbers: PoseNumbers, R: Array, T: Array, steps: int = _STEPS) -> Ends:
     """Return where descents from poses end, with steps in radians and typical lengths."""
 
     def equations(R: Array, T: Array) -> tuple[Array, Array]:
         # A residual is the reading less the value at the pose.
-        return numbers.residuals(R, T), -numbers.slopes(R, T) * size
-
-    def moved(step: Array, R: Array, T: Array) -> tuple[Array, Array]:
-        return rotation_from_vector(step[:, :3]) @ R, T + step[:, 3:] * size[3:]
+        return numbers.residuals(R, T), -numbers.slopes(R, T) * numbers.sizes
 
     # Residuals are in standard deviations.
-    return descend(equations, moved, (R, T), steps=steps, noise=1.0)
+    return descend(equations, numbers.moved, (R, T), steps=steps, noise=1.0)
 
 
 def _pose(numbers: PoseNumbers, R: Array, T: Array, cost: float) -> FittedPose:
     """Return a minimum with its covariance and residuals."""
-    size = pose_sizes(numbers.instance)
+    size = numbers.sizes
     residual = numbers.residuals(R, T)
     slopes = numbers.slopes(R[None], T[None])[0] * size
     U, s, V = np.linalg.svd(slopes, full_matrices=False)

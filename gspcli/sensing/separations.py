@@ -493,10 +493,7 @@ def sensors(
     if known_side:
         side = _home_side(instance, seed, jobs)
         blocks = [block.on_side(side) for block in blocks]
-    found = separations(blocks, chosen, deviations)
-    told = found.complete & (found.modes > 1)
-    enough = not told.any() or bool((found.least[:, told] >= need).all(axis=1).any())
-    return SensorResult(
+    found = SensorResult(
         instance=instance,
         values=rows,
         sensors=tuple(chosen),
@@ -504,9 +501,12 @@ def sensors(
         close=float(need * usual["leg"]),
         need=float(need),
         known_side=known_side,
-        separations=found,
-        pair=None if enough else best_pair(blocks, chosen, deviations, need, told),
+        separations=separations(blocks, chosen, deviations),
+        pair=None,
     )
+    if found.suffices:
+        return found
+    return replace(found, pair=best_pair(blocks, chosen, deviations, need, found.told))
 
 
 def default_sigmas(instance: Instance) -> dict[str, float]:

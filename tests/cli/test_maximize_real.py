@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from gspcli.reality import maximize
-from gspcli.reality.maximize import Solved
+from gspcli.reality import real_search
+from gspcli.reality.real_search import Solved
 from gspcli.spec import dumps, loads
 
 
@@ -46,7 +46,7 @@ def test_a_state_is_continued(gsp, tmp_path: Path, monkeypatch: pytest.MonkeyPat
     def never(*_: object) -> None:
         pytest.fail("an attempt that is done is made again")
 
-    monkeypatch.setattr(maximize.Search, "attempt", never)
+    monkeypatch.setattr(real_search.Search, "attempt", never)
     again = gsp("maximize-real", name, "--real", "2", "--attempts", "1", "--resume", state)
     assert again.code == 0
     assert again.out == done.out
@@ -67,22 +67,22 @@ def test_an_instance_file_is_where_the_search_begins(gsp, tmp_path: Path) -> Non
 
 
 def test_an_interruption_writes_the_best_so_far(gsp, monkeypatch: pytest.MonkeyPatch) -> None:
-    real_attempt = maximize.Search.attempt
+    real_attempt = real_search.Search.attempt
 
-    def attempt(self: maximize.Search, number: int) -> Solved | None:
+    def attempt(self: real_search.Search, number: int) -> Solved | None:
         if number:
             raise KeyboardInterrupt
-        return real_attempt(maximize.Search(self.kinds, starts=2, steps=2), 0)
+        return real_attempt(real_search.Search(self.kinds, starts=2, steps=2), 0)
 
-    monkeypatch.setattr(maximize.Search, "attempt", attempt)
+    monkeypatch.setattr(real_search.Search, "attempt", attempt)
     done = gsp("maximize-real", "6PP", "--jobs", "1")
     assert done.code == 130
     assert done.out.startswith("gsp: 1\n")
 
-    def at_once(self: maximize.Search, number: int) -> Solved | None:
+    def at_once(self: real_search.Search, number: int) -> Solved | None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(maximize.Search, "attempt", at_once)
+    monkeypatch.setattr(real_search.Search, "attempt", at_once)
     done = gsp("maximize-real", "6PP", "--jobs", "1")
     assert (done.code, done.out) == (130, "")
     assert done.err == "interrupted before the end of an attempt\n"

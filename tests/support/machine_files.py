@@ -10,10 +10,8 @@ from numpy.typing import NDArray
 import gspcli
 from gspcli.errors import GspError
 from gspcli.geometry.instance import METRES, Instance, Side
-from gspcli.machines.chain_constraints import moved
 from gspcli.machines.graph import frame
-from gspcli.machines.recognition import Machine
-from gspcli.machines.structure import BodyChain
+from gspcli.machines.recognition import BodyChain, Machine, moved
 
 Array = NDArray[np.float64]
 

@@ -22,7 +22,7 @@ import pytest
 from gspcli import workers as module
 from gspcli.catalogue.names import parse_type
 from gspcli.errors import GspError
-from gspcli.reality.maximize import Search, attempts
+from gspcli.reality.real_search import Search, attempts
 from gspcli.workers import HERE, Workers
 from tools.atlas.tasks import Task, count_all, measure
 

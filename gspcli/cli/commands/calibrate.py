@@ -314,7 +314,7 @@ def _summary(result: Calibration) -> list[str]:
     """Return the result in sentences."""
     import numpy as np
 
-    from gspcli.calibration.judging import quantile
+    from gspcli.calibration.calibrating import quantile
 
     chi, freedom = result.chi_squared, result.freedom
     lines = [f"the data do not fit: {doubt}" for doubt in result.doubts]

@@ -16,16 +16,7 @@ from numpy.typing import NDArray
 from gspcli.errors import SpecError
 from gspcli.geometry.euler import rotation_from_euler
 from gspcli.geometry.quaternions import rotation_from_quaternion
-from gspcli.machines.graph import (
-    Body,
-    Graph,
-    Joint,
-    NoPlatform,
-    Part,
-    ball,
-    frame,
-    place,
-)
+from gspcli.machines.graph import Body, Graph, Joint, NoPlatform, Part, ball, frame, place
 from gspcli.machines.source import MarkupElement, SourceLine, text_of
 from gspcli.records import dataclass
 from gspcli.wording import counted, listed, shown
@@ -102,13 +93,7 @@ def legs_graph(
         made += [
             Joint(f"{said}, base", "base", f"{said}, foot", np.eye(4), (ball(leg.base, said),)),
             # The length is that of the file, for any pose that the file states.
-            Joint(
-                said,
-                f"{said}, foot",
-                f"{said}, head",
-                frame(T=e * (value - apart)),
-                (slide,),
-            ),
+            Joint(said, f"{said}, foot", f"{said}, head", frame(T=e * (value - apart)), (slide,)),
             Joint(
                 f"{said}, platform",
                 f"{said}, head",

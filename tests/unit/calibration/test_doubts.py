@@ -7,7 +7,7 @@ import pytest
 from measured_machines import SIGMA, noisy, nominal, reachable, readings, real, rotary
 
 import gspcli
-from gspcli.calibration.judging import RULES
+from gspcli.calibration.calibrating import RULES
 from gspcli.errors import IncompleteError
 from gspcli.geometry.euler import euler_from_rotation
 from gspcli.geometry.quaternions import (

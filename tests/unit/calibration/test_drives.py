@@ -8,8 +8,7 @@ import pytest
 from mpmath import mp, mpf
 
 import gspcli
-from gspcli.calibration.calibrating import calibrated_text
-from gspcli.calibration.judging import likely_cause
+from gspcli.calibration.calibrating import calibrated_text, likely_cause
 from gspcli.calibration.measurements import Measurements, Noise, constant_rods, value_rows
 from gspcli.calibration.model import Model, calibrated, file_numbers
 from gspcli.errors import ArgumentError

@@ -17,9 +17,17 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import AngleUnit, Units
 from gspcli.geometry.quaternions import pose_from_study
 from gspcli.geometry.shortest_step import nonnegative_least_squares, shortest_step
-from gspcli.reality.maximize import Search, Solved, free_numbers, moved, neighbours, solved
 from gspcli.reality.platforms import Platforms, look_real, multiplier, random_platforms, reduced
-from gspcli.reality.real_search import State, read_state
+from gspcli.reality.real_search import (
+    Search,
+    Solved,
+    State,
+    free_numbers,
+    moved,
+    neighbours,
+    read_state,
+    solved,
+)
 from gspcli.reality.witness_proofs import certified_real, platform_of, real_instance
 from tests.support.oracle.poses_by_paths import solve_by_tracking
 

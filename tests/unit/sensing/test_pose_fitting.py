@@ -12,7 +12,6 @@ import pytest
 import gspcli
 from gspcli.errors import ArgumentError, GspError
 from gspcli.geometry.quaternions import rotation_from_vector
-from gspcli.sensing.mode_readings import parsed_readings
 from gspcli.sensing.pose_fitting import (
     PoseNumbers,
     _in_order,
@@ -22,6 +21,7 @@ from gspcli.sensing.pose_fitting import (
     chance,
     fit_poses,
     next_choice,
+    parsed_readings,
     platform_of,
     value_sigmas,
 )
