@@ -43,8 +43,7 @@ def write_help(command: click.Command, ctx: click.Context, formatter: click.Help
         formatter.write_text(first)
     examples = [_wrapped(line, formatter.width) for line in shown.replace("\\\n", "").splitlines()]
     count = next(
-        (k for k in range(len(examples), 1, -1) if sum(map(len, examples[:k])) <= _FIRST_LINES),
-        1,
+        (k for k in range(len(examples), 1, -1) if sum(map(len, examples[:k])) <= _FIRST_LINES), 1
     )
     _write_examples(formatter, "Examples", examples[:count])
     _write_options(command, ctx, formatter)

@@ -72,7 +72,11 @@ def _unknown_command(name: str) -> str:
 
 @click.group(
     cls=CommandGroup,
-    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
+    context_settings={
+        "help_option_names": ["-h", "--help"],
+        "max_content_width": 100,
+        "show_default": True,
+    },
     epilog="Exit codes: 0 done; 1 a check failed; 2 bad usage or input; 3 the solution set is "
     "not finite; 4 the answer could not be completed or certified; 130 interrupted; 70 a "
     "mistake in gsp itself, which should be reported.",

@@ -352,6 +352,10 @@ class Whole(click.IntRange):
             self.fail(f"{shortened(str(value))} is not at most {self._most}.", param, ctx)
         return number
 
+    def get_metavar(self, *_: Any, **__: Any) -> str:
+        """Return what stands for the number in the help."""
+        return "N"
+
 
 class Finite(click.FloatRange):
     """A finite number: every option that is a number has this type, or one derived from it."""
@@ -374,12 +378,7 @@ class Positive(Finite):
 def seed_option(more: str = "") -> Callable[[Function], Function]:
     """Return the option `--seed`; the command gets ``seed: int``."""
     return click.option(
-        "--seed",
-        type=Whole(0, _LARGEST_SEED),
-        default=SEED,
-        show_default=True,
-        metavar="N",
-        help=f"Seed of random choices{more}.",
+        "--seed", type=Whole(0, _LARGEST_SEED), default=SEED, help=f"Seed of random choices{more}."
     )
 
 
@@ -391,8 +390,6 @@ def decimals_option(
         "--decimals",
         type=Whole(least, most),
         default=default,
-        show_default=default is not None,
-        metavar="N",
         help=f"Write numbers with N decimals{more}.",
     )
 
@@ -426,7 +423,6 @@ value_options = together(
 jobs_option = click.option(
     "--jobs",
     type=Whole(1, MOST_JOBS),
-    metavar="N",
     callback=lambda _, __, jobs: jobs or os.cpu_count() or 1,
     help="How many cores work at once; the answer does not depend on it.  [default: all]",
 )

@@ -6,13 +6,14 @@ import math
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 import click
 
 from gspcli.cli.options import (
     HOME,
     RELATIVE,
+    Function,
     Options,
     Whole,
     exclusive,
@@ -38,8 +39,6 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
     from gspcli.geometry.home_mode import HomeMode
     from gspcli.motion.files.pose_files import PoseTable
-
-Function = TypeVar("Function", bound=Callable[..., Any])
 
 
 def frame_note(frame: PoseFrame) -> list[str]:

@@ -16,13 +16,7 @@ from typing import Any
 import click
 
 from gspcli.cli.result import DIGITS, Field, Result, cell_of, column_texts
-from gspcli.cli.streams import (
-    check_writable,
-    coloured,
-    printable,
-    say,
-    write_whole,
-)
+from gspcli.cli.streams import check_writable, coloured, printable, say, write_whole
 from gspcli.errors import GspError
 from gspcli.records import dataclass
 from gspcli.wording import listed, named

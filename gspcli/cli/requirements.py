@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 import click
 
+from gspcli.cli.options import Function
 from gspcli.cli.result import Field, Result
 from gspcli.errors import CheckFailed, GspError
 from gspcli.wording import listed
@@ -21,8 +22,6 @@ if TYPE_CHECKING:
     from gspcli.motion.files.requirements import QuantityParts, Requirement, RequirementVerdict
 
     Array = NDArray[np.float64]
-
-Function = TypeVar("Function", bound=Callable[..., Any])
 
 #: The commands that compute the numbers which not every command has.
 _SOURCES = {

@@ -119,11 +119,7 @@ def _wrapped(text: str, begun: int) -> str:
         if len(line) + (0 if i else begun) > width:
             first = " " * (0 if i else begun)
             parts = textwrap.wrap(
-                line,
-                width,
-                initial_indent=first,
-                break_long_words=False,
-                break_on_hyphens=False,
+                line, width, initial_indent=first, break_long_words=False, break_on_hyphens=False
             )
             lines[i] = "\n".join(parts)[len(first) :]
     return "\n".join(lines)

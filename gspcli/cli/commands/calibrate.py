@@ -8,19 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from gspcli.cli.options import (
-    DRAWINGS,
-    FORMATS,
-    Command,
-    Options,
-    Positive,
-    Whole,
-    exclusive,
-    needs,
-    output_options,
-    seed_option,
-    without,
-)
+from gspcli.cli import options
 from gspcli.cli.pose_options import (
     column_options,
     frame_note,
@@ -59,11 +47,11 @@ FIELDS = Fields("calibrate")
 _MOST_PLANNED = 300
 
 
-@click.command(cls=Command)
-@exclusive("SPEC", "--from")
-@without("--from", "--plan", "--target")
-@needs("--mode", "--plan")
-@needs("--require", "--plan")
+@click.command(cls=options.Command)
+@options.exclusive("SPEC", "--from")
+@options.without("--from", "--plan", "--target")
+@options.needs("--mode", "--plan")
+@options.needs("--require", "--plan")
 @click.argument("spec", metavar="[SPEC]", required=False)
 @click.argument("data", metavar="[DATA]", required=False)
 @click.option(
@@ -107,7 +95,7 @@ _MOST_PLANNED = 300
 )
 @click.option(
     "--prior",
-    type=Positive(),
+    type=options.Positive(),
     metavar="D",
     help="How exactly the stated numbers are known, as a length.  [default: 1/200 of a typical "
     "length]",
@@ -123,17 +111,16 @@ _MOST_PLANNED = 300
 )
 @click.option(
     "--plan",
-    type=Whole(1, _MOST_PLANNED),
-    metavar="N",
+    type=options.Whole(1, _MOST_PLANNED),
     help="Plan N poses to measure, in addition to those of DATA if it is given.",
 )
 @mode_option("about which poses are planned.  [default: home]")
 @require_option("condition<=50, clearance>=0.5", "for rows of --plan")
-@seed_option(": of --plan")
+@options.seed_option(": of --plan")
 @pose_options
 @column_options
-@output_options(formats=(*FORMATS, "yaml", *DRAWINGS))
-def command(o: Options) -> None:
+@options.output_options(formats=(*options.FORMATS, "yaml", *options.DRAWINGS))
+def command(o: options.Options) -> None:
     """Find the true numbers of a platform from measured values and poses.
 
     The coordinates of all points, lines and planes and the offsets of the values are found by
@@ -190,28 +177,29 @@ def command(o: Options) -> None:
         raise click.UsageError("give SPEC and DATA, or --from LOG without a file to start from")
     if o.log is None and o.data is None and o.plan is None:
         raise click.UsageError("give DATA, or --plan N for which poses to measure")
-    if o.plan is not None and o.output.format in ("yaml", *DRAWINGS):
-        wrong = f"a plan cannot be written as {o.output.format}: use one of {', '.join(FORMATS)}"
+    if o.plan is not None and o.output.format in ("yaml", *options.DRAWINGS):
+        formats = ", ".join(options.FORMATS)
+        wrong = f"a plan cannot be written as {o.output.format}: use one of {formats}"
         raise click.UsageError(wrong)
     from gspcli.calibration import Options as FitOptions
     from gspcli.calibration import calibrate_rows
     from gspcli.calibration.logs import read_measurements, targets_of
 
     noise = standard_deviations(o.sigmas)
-    options = FitOptions(o.estimate, o.hold, o.robust, o.prior, o.hold_unknown)
+    settings = FitOptions(o.estimate, o.hold, o.robust, o.prior, o.hold_unknown)
     if o.log is not None:
-        _identify(o, noise, options)
+        _identify(o, noise, settings)
         return
     places, seen = targets_of(o.targets), None
     if o.data is not None:
         seen = read_measurements(*text_of(o.data), o.instance, o.form, places)
     if o.plan is not None:
-        plan = _planned(o, seen, noise, options)
+        plan = _planned(o, seen, noise, settings)
         emit(o.output, plan_table(plan, o.form.frame), document=_document(plan))
         return
     assert seen is not None
     with working("fitting"):
-        result = calibrate_rows(o.instance, seen, noise, options)
+        result = calibrate_rows(o.instance, seen, noise, settings)
     _show(o, result, result)
     if result.doubts and not o.accept:
         what = [f"the data do not fit the machine: {result.doubts[0]}"]
@@ -228,7 +216,7 @@ def _document(found: Calibration | Identification | Plan) -> dict[str, Any]:
     return {"schema": "gsp.calibrate/1", **found.to_json()}
 
 
-def _identify(o: Options, noise: dict[str, float], options: FitOptions) -> None:
+def _identify(o: options.Options, noise: dict[str, float], settings: FitOptions) -> None:
     """Find a hexapod from a log, and write its numbers, its instance file or the residuals."""
     import numpy as np
 
@@ -238,7 +226,7 @@ def _identify(o: Options, noise: dict[str, float], options: FitOptions) -> None:
     form = o.form_of(None)
     log = read_log(*text_of(o.log), form.ignore, form.columns)
     with working("finding the machine"):
-        found = identify_log(log, form.euler, np.array(form.pivot), noise, options)
+        found = identify_log(log, form.euler, np.array(form.pivot), noise, settings)
     _show(o, found, found.calibration, found.sentences)
     if found.doubts and not o.accept:
         raise CheckFailed(
@@ -248,7 +236,7 @@ def _identify(o: Options, noise: dict[str, float], options: FitOptions) -> None:
 
 
 def _show(
-    o: Options,
+    o: options.Options,
     found: Calibration | Identification,
     result: Calibration,
     remarks: Sequence[str] | None = None,
@@ -260,7 +248,7 @@ def _show(
         comments = [] if remarks is None else [f"from {named(o.log)}", *remarks]
         if o.accept or not found.doubts:
             write(o.output, calibrated_text(result, comments))
-    elif o.output.format in DRAWINGS:
+    elif o.output.format in options.DRAWINGS:
         from gspcli.pictures.charts import residual_chart
 
         write(o.output, residual_chart(result, o.output.format))
@@ -272,7 +260,7 @@ def _show(
 
 
 def _planned(
-    o: Options, seen: Measurements | None, noise: dict[str, float], options: FitOptions
+    o: options.Options, seen: Measurements | None, noise: dict[str, float], settings: FitOptions
 ) -> Plan:
     """Return which poses to measure."""
     from gspcli.calibration.planning import planned
@@ -280,7 +268,7 @@ def _planned(
     requirements = required(o.require)
     allowed = partial(_allowed, o.instance, requirements) if requirements else None
     _, R, T = one_mode(o.instance, o.mode)
-    given = {"seen": seen, "sigma": noise, "options": options, "seed": o.seed, "allowed": allowed}
+    given = {"seen": seen, "sigma": noise, "options": settings, "seed": o.seed, "allowed": allowed}
     with working("choosing poses"):
         return planned(o.instance, o.plan, R[0], T[0], **given)
 

@@ -8,13 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from gspcli.cli.commands.solve import DECIMALS, digit_cells, digit_table, digits_option, refined
-from gspcli.cli.options import (
-    Command,
-    Options,
-    Positive,
-    output_options,
-    value_options,
-)
+from gspcli.cli.options import Command, Options, Positive, output_options, value_options
 from gspcli.cli.pose_options import text_of
 from gspcli.cli.render import emit
 from gspcli.cli.result import Field, Fields, Result
@@ -40,7 +34,6 @@ _COLUMNS = FIELDS.of(
 @click.option(
     "--max-deviation",
     default=TOLERANCE,
-    show_default=True,
     type=Positive(),
     metavar="D",
     help="Largest difference of a pose from its solution, lengths by the smaller body; "
@@ -49,7 +42,6 @@ _COLUMNS = FIELDS.of(
 @click.option(
     "--max-precision",
     default=MAX_PRECISION,
-    show_default=True,
     type=click.IntRange(64, 1_000_000),
     metavar="BITS",
     help="Where to stop raising the precision.",

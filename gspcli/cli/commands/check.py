@@ -25,9 +25,7 @@ _COLUMNS = FIELDS.of("file valid class number type expected bound warnings share
 @click.command(cls=Command)
 @click.argument("specs", metavar="[SPEC...]", nargs=-1)
 @click.option(
-    "--schema",
-    is_flag=True,
-    help="Print the JSON Schema of instance files instead, for an editor.",
+    "--schema", is_flag=True, help="Print the JSON Schema of instance files instead, for an editor."
 )
 @output_options()
 def command(o: Options) -> None:

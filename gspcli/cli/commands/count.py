@@ -7,16 +7,7 @@ from typing import Any
 
 import click
 
-from gspcli.cli.options import (
-    Command,
-    Options,
-    Positive,
-    exclusive,
-    output_options,
-    seed_option,
-    value_options,
-    without,
-)
+from gspcli.cli import options
 from gspcli.cli.render import emit
 from gspcli.cli.result import Fields, Result
 from gspcli.cli.specs import load_instance, read_type
@@ -36,31 +27,29 @@ _LEGEND = (
 )
 
 
-@click.command(cls=Command)
-@exclusive("SPEC", "--type")
-@without("--type", "--set", "--delta")
+@click.command(cls=options.Command)
+@options.exclusive("SPEC", "--type")
+@options.without("--type", "--set", "--delta")
 @click.argument("specs", metavar="[SPEC]...", nargs=-1)
-@value_options
+@options.value_options
 @click.option("--type", "type_name", metavar="TYPE", help="Count random platforms of a type.")
 @click.option(
     "--geometry",
     "geometries",
     metavar="CLASS,...",
     default="generic",
-    show_default=True,
     help="With --type: the classes of geometry to count, or all.",
 )
 @click.option(
     "--effort",
     default=LONG_COUNT,
-    show_default=True,
-    type=Positive(),
+    type=options.Positive(),
     metavar="BILLIONS",
     help="Stop after this many multiplications; a billion takes a second or two.",
 )
-@seed_option(": the prime, and random platforms")
-@output_options()
-def command(o: Options) -> None:
+@options.seed_option(": the prime, and random platforms")
+@options.output_options()
+def command(o: options.Options) -> None:
     """Count the complex solutions of a platform exactly, without finding them.
 
     SPEC is an instance file, - for standard input, or @NAME of an example (`gsp example`); its
@@ -120,7 +109,7 @@ def _progress(items: Sequence[Item]) -> Iterable[Item]:
     return progress(items, total=len(items), label="counting solutions")
 
 
-def _count_geometries(o: Options) -> None:
+def _count_geometries(o: options.Options) -> None:
     """Count random platforms of a type, with special geometries."""
     from gspcli.atlas.platform_counts import count_type, possible_geometries
 

@@ -46,7 +46,6 @@ def _ceilings(function: Callable[..., Any]) -> Callable[..., Any]:
             f"--max-{one.key.replace('_', '-')}",
             f"max_{one.key}",
             type=Whole(0),
-            metavar="N",
             help=f"Keep types whose {one.key} is at most N.",
         )(function)
     return function
@@ -66,7 +65,7 @@ def _ceilings(function: Callable[..., Any]) -> Callable[..., Any]:
 @_ceilings
 @click.option("--sort", metavar="COLUMNS", help="Sort by columns; -COLUMN is descending.")
 @click.option("--columns", metavar="COLUMNS", help="Show these columns, in this order.")
-@click.option("--first", type=Whole(0), metavar="N", help="Show the first N rows.")
+@click.option("--first", type=Whole(0), help="Show the first N rows.")
 @click.option("--by-class", is_flag=True, help="Count by class, beside Proposition 2.2.")
 @click.option(
     "--coincident",

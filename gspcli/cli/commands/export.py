@@ -7,14 +7,7 @@ from pathlib import Path
 
 import click
 
-from gspcli.cli.options import (
-    Command,
-    Finite,
-    Options,
-    Whole,
-    file_option,
-    value_options,
-)
+from gspcli.cli.options import Command, Finite, Options, Whole, file_option, value_options
 from gspcli.cli.pose_options import mode_option
 from gspcli.cli.render import Output, write
 from gspcli.cli.streams import say, working
@@ -36,28 +29,19 @@ _MODELS = {name: form for name, form in FORMATS.items() if isinstance(form, Mode
 
 @click.command(cls=Command)
 @click.argument("spec", metavar="SPEC")
-@click.option(
-    "--to",
-    "target",
-    type=click.Choice(tuple(FORMATS)),
-    required=True,
-    help="For which.",
-)
+@click.option("--to", "target", type=click.Choice(tuple(FORMATS)), required=True, help="For which.")
 @value_options
 @mode_option(f"what is built for {listed(_MODELS, 'and')}.  [default: home]")
 @click.option(
     "--coordinates",
     type=click.Choice(COORDINATES),
     default=COORDINATES[0],
-    show_default=True,
     help="For systems: the unknowns.",
 )
 @click.option(
     "--significant-digits",
     type=Whole(1, 1000),
     default=DIGITS,
-    show_default=True,
-    metavar="N",
     help="For systems: to how many digits irrational numbers are written.",
 )
 @click.option(
@@ -69,15 +53,12 @@ _MODELS = {name: form for name, form in FORMATS.items() if isinstance(form, Mode
     "--tries",
     type=Whole(1, 1000),
     default=TRIES,
-    show_default=True,
-    metavar="N",
     help="For c: how many parts of a line of values a step tries: its time is bounded by them.",
 )
 @click.option(
     "--margin",
     type=Finite(0, 1),
     default=0.0,
-    show_default=True,
     metavar="PART",
     help="For c: by which part of its range a value may leave it, as with readings at a stop.",
 )
@@ -139,8 +120,7 @@ def _irrational() -> str:
 
 
 command.help = cleandoc(str(command.help)).format(
-    models="\n\n".join(form.what for form in _MODELS.values()),
-    irrational=_irrational(),
+    models="\n\n".join(form.what for form in _MODELS.values()), irrational=_irrational()
 )
 
 

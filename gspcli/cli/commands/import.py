@@ -24,7 +24,6 @@ from gspcli.wording import named
     "--meet",
     type=Finite(0, 1, max_open=True),
     default=MEETING_SHARE,
-    show_default=True,
     metavar="SHARE",
     help="Axes that pass each other at up to this share of the machine's size count as meeting.",
 )
@@ -32,8 +31,6 @@ from gspcli.wording import named
     "--digits",
     type=Whole(3, 17),
     default=IMPORTED_DIGITS,
-    show_default=True,
-    metavar="N",
     help="Digits of the numbers that are written, counted from the first digit of the machine's "
     "size.",
 )

@@ -8,17 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from gspcli.cli.options import (
-    Command,
-    Options,
-    Positive,
-    Whole,
-    file_option,
-    resume_option,
-    seed_option,
-    without,
-    worker_options,
-)
+from gspcli.cli import options
 from gspcli.cli.render import write
 from gspcli.cli.specs import is_file, load_instance, read_type
 from gspcli.cli.streams import check_writable, progress, say, write_whole
@@ -30,32 +20,30 @@ if TYPE_CHECKING:
     from gspcli.workers import Workers
 
 
-@click.command(cls=Command)
-@without("--show", "--time", "--attempts", "--seed", "--jobs", "--scheduler", "--resume")
+@click.command(cls=options.Command)
+@options.without("--show", "--time", "--attempts", "--seed", "--jobs", "--scheduler", "--resume")
 @click.argument("names", nargs=-1, required=True, metavar="TYPE|SPEC")
 @click.option("--show", is_flag=True, help="Do not search: write the best known platform.")
 @click.option(
     "--real",
-    type=Whole(0),
-    metavar="N",
+    type=options.Whole(0),
     help="Stop at N real poses; the exit code is 1 if fewer are found. With --show: the known "
     "platform with N.  [default: as many as possible, as many as known]",
 )
 @click.option(
     "--time",
     "seconds",
-    type=Positive(),
+    type=options.Positive(),
     metavar="SECONDS",
     default=SEARCH_SECONDS,
-    show_default=True,
     help="Stop after this time.",
 )
-@click.option("--attempts", "most", type=Whole(1), metavar="N", help="Stop after N attempts.")
-@seed_option("; an attempt depends only on it and on its number")
-@worker_options
-@resume_option
-@file_option("yaml")
-def command(o: Options) -> int:
+@click.option("--attempts", "most", type=options.Whole(1), help="Stop after N attempts.")
+@options.seed_option("; an attempt depends only on it and on its number")
+@options.worker_options
+@options.resume_option
+@options.file_option("yaml")
+def command(o: options.Options) -> int:
     """Search for a platform with as many real poses as possible.
 
     The search begins with random platforms of TYPE, or with the instance file SPEC. It moves

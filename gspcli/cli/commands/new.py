@@ -6,16 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from gspcli.cli.options import (
-    Command,
-    Options,
-    decimals_option,
-    exclusive,
-    file_option,
-    one_sided_option,
-    seed_option,
-    without,
-)
+from gspcli.cli import options
 from gspcli.cli.render import write
 
 if TYPE_CHECKING:
@@ -40,10 +31,10 @@ _TEMPLATE_HEAD = """\
 """
 
 
-@click.command(cls=Command)
-@exclusive("--rotary", "--linear")
-@without("--rotary", "--seed", "--decimals", "--planar", "--one-sided")
-@without("--linear", "--seed", "--decimals", "--planar", "--one-sided")
+@click.command(cls=options.Command)
+@options.exclusive("--rotary", "--linear")
+@options.without("--rotary", "--seed", "--decimals", "--planar", "--one-sided")
+@options.without("--linear", "--seed", "--decimals", "--planar", "--one-sided")
 @click.argument("type_words", metavar="TYPE...", nargs=-1, required=True)
 @click.option(
     "--rotary", is_flag=True, help="Write a hexapod whose motors turn arms, from KEY=NUMBER."
@@ -54,12 +45,12 @@ _TEMPLATE_HEAD = """\
     help="Write a hexapod whose motors move carriages along rails, from KEY=NUMBER.",
 )
 @click.option("--template", is_flag=True, help="Also write comments that say what to replace.")
-@seed_option("; the same seed gives the same file")
-@decimals_option(3, 1, 15, "")
+@options.seed_option("; the same seed gives the same file")
+@options.decimals_option(3, 1, 15, "")
 @click.option("--planar", is_flag=True, help="Put the points of each body in one plane.")
-@one_sided_option
-@file_option("yaml")
-def command(o: Options) -> None:
+@options.one_sided_option
+@options.file_option("yaml")
+def command(o: options.Options) -> None:
     """Write a random instance of a type, or a machine from its drawing, as YAML.
 
     TYPE is a name in any spelling, a number from 1 to 3850, or a pattern of shared primitives as

@@ -109,6 +109,7 @@ class _LimitType(click.ParamType):  # type: ignore[type-arg]
     "--clear",
     type=Finite(0.0),
     default=0.0,
+    show_default=False,
     metavar="D",
     help="Every pose must have this clearance, proved, as gsp clearance measures it.",
 )
@@ -124,7 +125,6 @@ class _LimitType(click.ParamType):  # type: ignore[type-arg]
     "seconds",
     type=Positive(),
     default=PATH_SECONDS,
-    show_default=True,
     metavar="SECONDS",
     help="Stop after this time. A path that is found does not depend on it.",
 )

@@ -51,7 +51,6 @@ _COLUMNS = FIELDS.of(
     "chosen",
     type=click.Choice(list(REALIZATIONS)),
     default=next(iter(REALIZATIONS)),
-    show_default=True,
     help="Chains of the paper's figures; chains without idle freedoms; or chains with all driven "
     "joints at the base (Figure 8).",
 )

@@ -8,17 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from gspcli.cli.options import (
-    DRAWINGS,
-    FORMATS,
-    Command,
-    Options,
-    Whole,
-    one_sided_option,
-    output_options,
-    seed_option,
-    worker_options,
-)
+from gspcli.cli import options
 from gspcli.cli.render import emit, write
 from gspcli.cli.result import Fields, Result
 from gspcli.cli.specs import read_type
@@ -36,18 +26,11 @@ _BAR = 40
 _ALL_DIGITS = 17
 
 
-@click.command(cls=Command)
+@click.command(cls=options.Command)
 @click.argument("names", nargs=-1, required=True, metavar="TYPE")
-@click.option(
-    "--count",
-    default=1000,
-    show_default=True,
-    type=Whole(1),
-    metavar="N",
-    help="How many platforms to draw.",
-)
-@seed_option("; the same seed gives the same numbers")
-@one_sided_option
+@click.option("--count", default=1000, type=options.Whole(1), help="How many platforms to draw.")
+@options.seed_option("; the same seed gives the same numbers")
+@options.one_sided_option
 @click.option(
     "--save",
     "folder",
@@ -55,9 +38,9 @@ _ALL_DIGITS = 17
     metavar="FOLDER",
     help="Keep undecided and incomplete platforms there, as instance files.",
 )
-@worker_options
-@output_options((*FORMATS, *DRAWINGS))
-def command(o: Options) -> int:
+@options.worker_options
+@options.output_options((*options.FORMATS, *options.DRAWINGS))
+def command(o: options.Options) -> int:
     """Count the real solutions of random platforms of a type.
 
     Points are uniform in a cube, directions and a hidden pose are uniform. The values are those
@@ -91,7 +74,7 @@ def command(o: Options) -> int:
         say(f"interrupted after {total.platforms} of {o.count} platforms")
     if o.folder is not None:
         _save(o.folder, wanted, total)
-    if o.output.format in DRAWINGS:
+    if o.output.format in options.DRAWINGS:
         write(o.output, histogram(wanted, total, o.output.format))
     else:
         table = _table(wanted, total, bars=o.output.format == "table")

@@ -72,7 +72,6 @@ _NUMBERS = tuple("123456")
     "--quantity",
     type=click.Choice(QUANTITIES),
     default=QUANTITIES[0],
-    show_default=True,
     help="The quantity of pictures (over poses the determinant instead of modes). With clearance "
     "it is a column, too (some milliseconds a mode or pose).",
 )

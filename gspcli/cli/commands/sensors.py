@@ -6,21 +6,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from gspcli.cli.options import (
-    Command,
-    Options,
-    Positive,
-    jobs_option,
-    needs,
-    output_options,
-    seed_option,
-    value_options,
-)
-from gspcli.cli.pose_options import (
-    column_options,
-    pose_options,
-    text_of,
-)
+from gspcli.cli import options
+from gspcli.cli.pose_options import column_options, pose_options, text_of
 from gspcli.cli.render import emit
 from gspcli.cli.result import Field, Fields, Result
 from gspcli.cli.streams import working
@@ -34,18 +21,15 @@ if TYPE_CHECKING:
 FIELDS = Fields("sensors")
 
 _KINDS = ("leg", "joint", "inclinometer", "distance", "angle")
+#: The options that say how ROWS are read.
+_ABOUT_ROWS = ("--relative", "--euler", "--pivot", "--relative-to", "--ignore", "--columns")
 
 
-@click.command(cls=Command)
-@needs("--relative", "ROWS")
-@needs("--euler", "ROWS")
-@needs("--pivot", "ROWS")
-@needs("--relative-to", "ROWS")
-@needs("--ignore", "ROWS")
-@needs("--columns", "ROWS")
+@click.command(cls=options.Command)
+@options.together(*(options.needs(name, "ROWS") for name in _ABOUT_ROWS))
 @click.argument("spec", metavar="SPEC")
 @click.argument("rows", metavar="[ROWS]", required=False)
-@value_options
+@options.value_options
 @click.option("--relative", is_flag=True, help="The values in the file are added to those of SPEC.")
 @pose_options
 @column_options
@@ -67,9 +51,8 @@ _KINDS = ("leg", "joint", "inclinometer", "distance", "angle")
 )
 @click.option(
     "--need",
-    type=Positive(),
+    type=options.Positive(),
     default=6.0,
-    show_default=True,
     metavar="N",
     help="Modes count as distinguished if their readings differ by at least N standard deviations.",
 )
@@ -81,10 +64,10 @@ _KINDS = ("leg", "joint", "inclinometer", "distance", "angle")
 @click.option(
     "--all-sensors", "everything", is_flag=True, help="Show each sensor, not the best ones only."
 )
-@seed_option(": of --random")
-@jobs_option
-@output_options()
-def command(o: Options) -> None:
+@options.seed_option(": of --random")
+@options.jobs_option
+@options.output_options()
+def command(o: options.Options) -> None:
     """Say which one more sensor tells the assembly modes of a platform apart.
 
     All real modes are found, and the reading of each sensor at each of them. Sensors are one more

@@ -16,20 +16,7 @@ import numpy as np
 
 from gspcli.catalogue.kinds import DLL
 from gspcli.catalogue.types import MAX_ANGLES
-from gspcli.cli.options import (
-    FORMATS,
-    RELATIVE,
-    Command,
-    Options,
-    decimals_option,
-    jobs_option,
-    needs,
-    order_named,
-    output_options,
-    seed_option,
-    value_options,
-    without,
-)
+from gspcli.cli import options
 from gspcli.cli.pose_options import frame_note, near_option, pose_options
 from gspcli.cli.render import emit, write
 from gspcli.cli.result import Field, Fields, Result
@@ -120,11 +107,13 @@ def _conditions(_: click.Context, __: click.Parameter, texts: Sequence[str]) -> 
         raise GspError(f"--where: {error}") from None
 
 
-@click.command(cls=Command)
-@without("--fit", "--all", "--near", "--digits", "--prove", "--where", "--within-limits", "--above")
-@needs("--sigma", "--fit")
-@needs("--euler", "--near", "--where")
-@needs("--pivot", "--near", "--where")
+@click.command(cls=options.Command)
+@options.without(
+    "--fit", "--all", "--near", "--digits", "--prove", "--where", "--within-limits", "--above"
+)
+@options.needs("--sigma", "--fit")
+@options.needs("--euler", "--near", "--where")
+@options.needs("--pivot", "--near", "--where")
 @click.argument("specs", metavar="SPEC...", nargs=-1, required=True)
 @click.option(
     "--lines",
@@ -132,7 +121,7 @@ def _conditions(_: click.Context, __: click.Parameter, texts: Sequence[str]) -> 
     is_flag=True,
     help="SPEC has an instance in each line, as JSON: the default for files that end with .jsonl.",
 )
-@value_options
+@options.value_options
 @click.option("--all", "everything", is_flag=True, help="Also show poses that are not real.")
 @click.option(
     "--prove/--no-prove",
@@ -141,17 +130,16 @@ def _conditions(_: click.Context, __: click.Parameter, texts: Sequence[str]) -> 
     "modulo two random primes. --no-prove never counts. By default poses are counted "
     "if that takes a few seconds at most.",
 )
-@seed_option("; the answer does not depend on it")
-@jobs_option
+@options.seed_option("; the answer does not depend on it")
+@options.jobs_option
 @click.option(
     "--rotation",
     default="quaternion",
-    show_default=True,
     metavar="FORM",
     help="Write rotations as quaternion, matrix, rotvec, or angles about axes: ZYX and the like "
     "about those of the platform, xyz about those of the base, PI, LinuxCNC or Symetrie.",
 )
-@decimals_option(None, 0, 17, ": positions and rotations, independently of the width")
+@options.decimals_option(None, 0, 17, ": positions and rotations, independently of the width")
 @near_option("poses are sorted by their distance from it")
 @pose_options
 @click.option(
@@ -194,8 +182,8 @@ def _conditions(_: click.Context, __: click.Parameter, texts: Sequence[str]) -> 
     "constraint; else `tolerance` in SPEC. With --fit; may be repeated.",
 )
 @digits_option
-@output_options(formats=(*FORMATS, LINES))
-def command(o: Options) -> int:
+@options.output_options(formats=(*options.FORMATS, LINES))
+def command(o: options.Options) -> int:
     """Find every pose of a platform and account for every path.
 
     SPEC is an instance file, - for standard input, or @NAME of an example (`gsp example`). The
@@ -244,7 +232,7 @@ def command(o: Options) -> int:
     """
     columns = rotation_columns(o.rotation)
     if o.rotation.strip().lower() in MAKERS:
-        order_named("--rotation", o.rotation)
+        options.order_named("--rotation", o.rotation)
     if o.everything and o.rotation not in ("quaternion", "matrix"):
         raise click.UsageError(
             f"--rotation {o.rotation} cannot write poses that are not real: leave out --all"
@@ -286,7 +274,7 @@ def command(o: Options) -> int:
     return 0
 
 
-def _readings(o: Options) -> list[SensorReading]:
+def _readings(o: options.Options) -> list[SensorReading]:
     """Return the readings that are given; with `--fit` they may be those of constraints, too."""
     if not o.readings:
         return []
@@ -302,7 +290,7 @@ def _readings(o: Options) -> list[SensorReading]:
 
 
 def _answered(
-    o: Options, instance: Instance, frame: PoseFrame, turns: Sequence[PoseColumn], jobs: int
+    o: options.Options, instance: Instance, frame: PoseFrame, turns: Sequence[PoseColumn], jobs: int
 ) -> Answer:
     """Solve an instance, and choose the poses that are shown; the others are not home."""
     from gspcli.solver import solve
@@ -347,7 +335,7 @@ class Answer:
     """
 
     result: SolveResult
-    o: Options
+    o: options.Options
     columns: Sequence[PoseColumn]
     frame: PoseFrame
     indices: Sequence[int]
@@ -860,12 +848,12 @@ def _complain(result: SolveResult) -> None:
         raise IncompleteError(f"{missing} of {counts.found} poses could not be certified")
 
 
-def _has_lines(o: Options, spec: str) -> bool:
+def _has_lines(o: options.Options, spec: str) -> bool:
     """Return whether a file has an instance in each line."""
     return o.by_line or spec.lower().endswith(LINE_SUFFIXES)
 
 
-def _solve_many(o: Options) -> int:
+def _solve_many(o: options.Options) -> int:
     """Solve instances one after the other; write an answer for each, in their order.
 
     Answers in JSON, one a line, are written as soon as they are known. An error of one instance is
@@ -873,7 +861,7 @@ def _solve_many(o: Options) -> int:
     """
     alone = {"--near": o.near, "--reading": o.readings, "--fit": o.fitting}
     given = [name for name, value in alone.items() if value]
-    given += [name for name in o.conventions if name != RELATIVE]
+    given += [name for name in o.conventions if name != options.RELATIVE]
     if given:
         raise click.UsageError(f"{listed(given, 'and')}: for one SPEC and its table only")
     if o.specs.count("-") > 1:
@@ -920,7 +908,7 @@ def _solve_many(o: Options) -> int:
 
 
 def _answers(
-    sources: Iterator[tuple[str, str | None]], o: Options
+    sources: Iterator[tuple[str, str | None]], o: options.Options
 ) -> Iterator[tuple[dict[str, Any], dict[str, Any]]]:
     """Yield the answers in the order of the sources."""
     from gspcli.workers import Workers
@@ -952,7 +940,9 @@ def _lines_of(spec: str) -> Iterator[tuple[str, str]]:
         ) from error
 
 
-def _answer(o: Options, source: tuple[str, str | None]) -> tuple[dict[str, Any], dict[str, Any]]:
+def _answer(
+    o: options.Options, source: tuple[str, str | None]
+) -> tuple[dict[str, Any], dict[str, Any]]:
     """Return the row and the document of one instance; its error, if any, is part of both.
 
     A source is the name of an instance, and its text; None if it is the name of a file.
@@ -996,7 +986,7 @@ def _instance(name: str, text: str | None) -> Instance:
 
 
 def _show_fit(
-    o: Options,
+    o: options.Options,
     readings: Sequence[SensorReading],
     rotation: Sequence[PoseColumn],
     frame: PoseFrame,

@@ -76,15 +76,12 @@ FIELDS = Fields("track")
     "--steps",
     type=Whole(1),
     default=1,
-    show_default=True,
-    metavar="N",
     help="Write N rows for each row of VALUES, evenly between it and the next one.",
 )
 @click.option(
     "--along",
     type=click.Choice(["values", "poses"]),
     default="values",
-    show_default=True,
     help="What changes linearly between rows; of a file of poses it can be x, y, z and the angles.",
 )
 @click.option("--relative", is_flag=True, help="The values in the file are added to those of SPEC.")

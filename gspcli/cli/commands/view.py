@@ -10,21 +10,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from gspcli.cli.options import (
-    DRAWINGS,
-    Command,
-    Options,
-    output_options,
-    value_options,
-)
-from gspcli.cli.pose_options import (
-    Mode,
-    chosen,
-    column_options,
-    mode_option,
-    pose_options,
-    text_of,
-)
+from gspcli.cli.options import DRAWINGS, Command, Options, output_options, value_options
+from gspcli.cli.pose_options import Mode, chosen, column_options, mode_option, pose_options, text_of
 from gspcli.cli.render import write
 from gspcli.cli.streams import check_writable, say, working
 from gspcli.errors import GspError

@@ -114,8 +114,6 @@ _MOST_SHOWN = 2_000_000
     "--most-boxes",
     type=Whole(1),
     default=100_000_000,
-    show_default=True,
-    metavar="N",
     help="Judge at most about this many boxes.",
 )
 @click.option("--boxes", "listed", is_flag=True, help="Write the boxes instead of the volume.")
