@@ -10,17 +10,8 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 import click
 
-from gspcli.cli.options import (
-    HOME,
-    RELATIVE,
-    Function,
-    Options,
-    Whole,
-    exclusive,
-    needs,
-    together,
-    value_options,
-)
+from gspcli.cli import options
+from gspcli.cli.options import HOME, Function, Options
 from gspcli.cli.specs import refuse_to_replace
 from gspcli.cli.streams import say, working
 from gspcli.errors import GspError, IncompleteError, NotFiniteError
@@ -47,7 +38,7 @@ def frame_note(frame: PoseFrame) -> list[str]:
 
 
 #: `--euler`, `--pivot` and `--relative-to`; the command gets them as `Options.form`.
-pose_options = together(
+pose_options = options.together(
     click.option(
         "--euler",
         metavar="AXES",
@@ -61,7 +52,7 @@ pose_options = together(
         "the platform, or of the tool that SPEC states.",
     ),
     click.option(
-        RELATIVE,
+        options.RELATIVE,
         "relative_to",
         type=click.Choice([HOME]),
         help="Poses are relative to the home of SPEC: zero is home.",
@@ -76,7 +67,7 @@ def _names(_: click.Context, __: click.Parameter, texts: Any) -> tuple[str, ...]
 
 
 #: `--ignore` and `--columns`; the command gets them as `Options.form`.
-column_options = together(
+column_options = options.together(
     click.option(
         "--ignore",
         metavar="COLUMN",
@@ -226,7 +217,7 @@ def near_option(more: str) -> Callable[[Function], Function]:
 Mode: TypeAlias = "int | Literal['home']"
 
 
-class ModeNumber(Whole):
+class ModeNumber(options.Whole):
     """A whole number of at least 1, or the word home."""
 
     name = "mode"
@@ -388,16 +379,16 @@ class AskedPoses:
 
 def rows_options(mode: str) -> Callable[[Function], Function]:
     """Return SPEC, ROWS and the options of commands that take both; what ``--mode`` is for."""
-    return together(
-        exclusive("--mode", "--pose", "--near"),
-        exclusive("ROWS", "--pose"),
-        needs("--near", "ROWS"),
+    return options.together(
+        options.exclusive("--mode", "--pose", "--near"),
+        options.exclusive("ROWS", "--pose"),
+        options.needs("--near", "ROWS"),
         click.argument("spec", metavar="SPEC"),
         click.argument("rows", metavar="[ROWS]", required=False),
         mode_option(mode),
         pose_value_option("instead of the modes of SPEC"),
         near_option("of a file of values only this one is followed"),
-        value_options,
+        options.value_options,
         pose_options,
         column_options,
     )

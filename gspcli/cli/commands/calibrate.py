@@ -32,7 +32,6 @@ if TYPE_CHECKING:
     from gspcli.calibration import Calibration
     from gspcli.calibration import Options as FitOptions
     from gspcli.calibration.identifying import Identification
-    from gspcli.calibration.measurements import Measurements
     from gspcli.calibration.planning import Plan
     from gspcli.geometry.frames import PoseFrame
     from gspcli.geometry.instance import Instance
@@ -194,7 +193,14 @@ def command(o: options.Options) -> None:
     if o.data is not None:
         seen = read_measurements(*text_of(o.data), o.instance, o.form, places)
     if o.plan is not None:
-        plan = _planned(o, seen, noise, settings)
+        from gspcli.calibration.planning import planned
+
+        requirements = required(o.require)
+        allowed = partial(_allowed, o.instance, requirements) if requirements else None
+        _, R, T = one_mode(o.instance, o.mode)
+        given = {"sigma": noise, "options": settings, "seed": o.seed, "allowed": allowed}
+        with working("choosing poses"):
+            plan = planned(o.instance, o.plan, R[0], T[0], seen=seen, **given)
         emit(o.output, plan_table(plan, o.form.frame), document=_document(plan))
         return
     assert seen is not None
@@ -259,20 +265,6 @@ def _show(
         say(sentence)
 
 
-def _planned(
-    o: options.Options, seen: Measurements | None, noise: dict[str, float], settings: FitOptions
-) -> Plan:
-    """Return which poses to measure."""
-    from gspcli.calibration.planning import planned
-
-    requirements = required(o.require)
-    allowed = partial(_allowed, o.instance, requirements) if requirements else None
-    _, R, T = one_mode(o.instance, o.mode)
-    given = {"seen": seen, "sigma": noise, "options": settings, "seed": o.seed, "allowed": allowed}
-    with working("choosing poses"):
-        return planned(o.instance, o.plan, R[0], T[0], **given)
-
-
 def _allowed(
     instance: Instance, requirements: list[Requirement], R: Array, T: Array
 ) -> NDArray[np.bool_]:
@@ -323,9 +315,8 @@ def _summary(result: Calibration) -> list[str]:
         if result.seen.rods.all():
             # Nothing is read but drives.
             noise = _noise_of_drives(result)
-        lines.append(
-            f"the noise is not stated: {noise} by the scatter ({freedom} degrees of freedom)"
-        )
+        of = f"({freedom} degrees of freedom)"
+        lines.append(f"the noise is not stated: {noise} by the scatter {of}")
     if result.outliers.any():
         rows = [result.seen.lines[k] for k in np.flatnonzero(result.outliers.any(axis=1))]
         lines.append(
@@ -334,10 +325,8 @@ def _summary(result: Calibration) -> list[str]:
         )
     if result.unknowns.missing:
         what = counted(result.unknowns.missing, "direction")
-        lines.append(
-            f"{what} not determined by the data, kept as stated: "
-            f"{'; '.join(result.unknowns.sentences)}"
-        )
+        which = "; ".join(result.unknowns.sentences)
+        lines.append(f"{what} not determined by the data, kept as stated: {which}")
     if result.repeated:
         lines.append(
             f"{counted(result.repeated, 'row')} with the same numbers as another: each counts as "
@@ -347,9 +336,8 @@ def _summary(result: Calibration) -> list[str]:
         lines.append(result.home)
     if result.unknowns.frames:
         lines.append("the frames of base and platform are fitted to those stated")
-    worst = result.worst
-    if worst is not None:
-        row, left, moved = worst
+    if result.worst is not None:
+        row, left, moved = result.worst
         rest = result.without_worst[1].freedom if result.without_worst else 0
         name = result.seen.lines[row]
         line = f"worst row: {name if name == str(row + 1) else f't = {name}'}"
@@ -388,8 +376,6 @@ def plan_table(plan: Plan, frame: PoseFrame) -> Result:
         {"t": k, **dict(zip(keys, [x for part in parts for x in part.tolist()], strict=True))}
         for k, parts in enumerate(numbers, 1)
     ]
-    note = (
-        f"{listed(titles, 'and')} are readings with the geometry as stated: replace them by what "
-    )
-    notes = [f"{note}is read", *frame_note(frame)]
+    note = f"{listed(titles, 'and')} are readings with the geometry as stated: "
+    notes = [f"{note}replace them by what is read", *frame_note(frame)]
     return Result(columns, rows, plan.instance.title, notes, plan.sentences)

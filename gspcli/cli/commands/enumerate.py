@@ -136,10 +136,12 @@ def _share(selected: TypeList) -> str:
 
 
 def _counts(selected: TypeList) -> Result:
-    rows = [
-        {"class": one.id, "formula": _formula(one), "types": one.size, "selected": len(members)}
-        for one, members in _by_class(selected)
-    ]
+    rows: list[dict[str, Any]] = []
+    for one, members in _by_class(selected):
+        d, a = one.distances, one.angles
+        formula = f"C({a + 3},{a}) · C({d + 5},{d}) = {one.angle_choices} · {one.distance_choices}"
+        row = {"class": one.id, "formula": formula}
+        rows.append({**row, "types": one.size, "selected": len(members)})
     total = sum(one.size for one in CLASSES)
     sizes = " + ".join(str(one.size) for one in CLASSES)
     rows.append({"class": "all", "formula": sizes, "types": total, "selected": len(selected)})
@@ -154,11 +156,6 @@ def _counts(selected: TypeList) -> Result:
 
 def _by_class(selected: TypeList) -> list[tuple[PlatformClass, list[GspType]]]:
     return [(one, [t for t in selected if t.platform_class == one]) for one in CLASSES]
-
-
-def _formula(one: PlatformClass) -> str:
-    d, a = one.distances, one.angles
-    return f"C({a + 3},{a}) · C({d + 5},{d}) = {one.angle_choices} · {one.distance_choices}"
 
 
 def _sharing(selected: TypeList) -> Result:

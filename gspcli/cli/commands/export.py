@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from inspect import cleandoc
-from pathlib import Path
 
 import click
 
 from gspcli.cli.options import Command, Finite, Options, Whole, file_option, value_options
 from gspcli.cli.pose_options import mode_option
-from gspcli.cli.render import Output, write
+from gspcli.cli.render import write
 from gspcli.cli.streams import say, working
 from gspcli.errors import GspError
 from gspcli.export.formats import (
@@ -87,11 +86,15 @@ def command(o: Options) -> None:
     """
     instance = o.instance
     form = FORMATS[o.target]
-    pair = form.suffixes if isinstance(form, ModelFormat) and len(form.suffixes) > 1 else None
-    source = None if pair is None else _source(o.output, *pair)
-    places = {}
-    if source is not None:
-        places = {suffix: o.output.beside(source.with_suffix(suffix)) for suffix in pair or ()}
+    path, name, places = o.output.path, "", {}
+    if isinstance(form, ModelFormat) and len(form.suffixes) > 1:
+        last, suffix = form.suffixes
+        if path is None or path.suffix != suffix:
+            raise GspError(
+                f"two files are written: expected -o NAME{suffix}, NAME{last} is then beside it"
+            )
+        name = path.stem
+        places = {one: o.output.beside(path.with_suffix(one)) for one in form.suffixes}
     with working("exporting"):
         found = exported(
             instance,
@@ -99,7 +102,7 @@ def command(o: Options) -> None:
             mode=o.mode if isinstance(o.mode, int) else None,
             coordinates=o.coordinates,
             digits=o.significant_digits,
-            name="" if source is None else source.stem,
+            name=name,
             prefix=o.prefix,
             tries=o.tries,
             margin=o.margin,
@@ -122,13 +125,3 @@ def _irrational() -> str:
 command.help = cleandoc(str(command.help)).format(
     models="\n\n".join(form.what for form in _MODELS.values()), irrational=_irrational()
 )
-
-
-def _source(output: Output, last: str, suffix: str) -> Path:
-    """Return where one of two files is written; the other is beside it."""
-    source = output.path
-    if source is None or source.suffix != suffix:
-        raise GspError(
-            f"two files are written: expected -o NAME{suffix}, NAME{last} is then beside it"
-        )
-    return source

@@ -8,7 +8,7 @@ from pathlib import Path
 import click
 
 from gspcli.cli.options import Command, Finite, Options, Whole, file_option
-from gspcli.cli.render import Output, write
+from gspcli.cli.render import write
 from gspcli.cli.specs import refuse_to_replace
 from gspcli.cli.streams import say
 from gspcli.defaults import IMPORTED_DIGITS, MEETING_SHARE
@@ -54,21 +54,17 @@ def command(o: Options) -> None:
     from gspcli.machines.api import import_machine
 
     refuse_to_replace(str(o.file))
-    _spare(o.output)
+    path = o.output.path
+    if path is not None and path.is_file() and not o.output.force:
+        # Machines of other programs have several files: only an instance file is replaced.
+        head = path.read_bytes()[:65536]
+        if head and not re.search(rb"\A(\s*(#.*)?\n)*(---\n)?gsp\s*:", head):
+            raise GspError(f"-o {named(path)}: it is no instance file: choose another, or --force")
     found = import_machine(o.file, base=o.base, platform=o.platform, meet=o.meet, digits=o.digits)
     say(f"{o.file}: {found.described}")
     for line in (*found.chains, *found.notes):
         say(line)
     write(o.output, found.text)
-
-
-def _spare(output: Output) -> None:
-    """Refuse to replace what is no instance file: machines of other programs have several files."""
-    path = output.path
-    if path is not None and path.is_file() and not output.force:
-        head = path.read_bytes()[:65536]
-        if head and not re.search(rb"\A(\s*(#.*)?\n)*(---\n)?gsp\s*:", head):
-            raise GspError(f"-o {named(path)}: it is no instance file: choose another, or --force")
 
 
 command.help = str(command.help).format(

@@ -81,15 +81,11 @@ def command(o: options.Options) -> int:
 
     search = RealSearch.of(gsp_type if given is None else given, o.real, o.seconds, o.seed)
     subject = search.subject
-    interrupted = False
     with nullcontext() if o.resume is None else held(o.resume):
         state = (
             State(subject, o.seed) if o.resume is None else read_state(o.resume, subject, o.seed)
         )
-        try:
-            state = _searched(search, state, o.most, o.workers, o.resume)
-        except _Interrupted as interruption:
-            state, interrupted = interruption.state, True
+        state, interrupted = _searched(search, state, o.most, o.workers, o.resume)
     if state.platform is None and interrupted:
         say("interrupted before the end of an attempt")
         return INTERRUPTED
@@ -103,17 +99,10 @@ def command(o: options.Options) -> int:
     return INTERRUPTED if interrupted else 0
 
 
-class _Interrupted(Exception):
-    """Ctrl-C, with the result so far."""
-
-    def __init__(self, state: State) -> None:
-        self.state = state
-
-
 def _searched(
     search: RealSearch, state: State, most: int | None, workers: Workers, resume: Path | None
-) -> State:
-    """Return the state after the search; reports each attempt on stderr."""
+) -> tuple[State, bool]:
+    """Return the state after the search, and if Ctrl-C ended it; report attempts on stderr."""
     before, each = state.attempts, search.each
     steps = search.steps(state, most, workers)
     try:
@@ -128,5 +117,5 @@ def _searched(
                 )
             before = state.attempts
     except KeyboardInterrupt:
-        raise _Interrupted(state) from None
-    return state
+        return state, True
+    return state, False

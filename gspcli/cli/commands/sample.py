@@ -75,7 +75,12 @@ def command(o: options.Options) -> int:
     if o.folder is not None:
         _save(o.folder, wanted, total)
     if o.output.format in options.DRAWINGS:
-        write(o.output, histogram(wanted, total, o.output.format))
+        from gspcli.pictures.charts import bar_chart
+
+        title = f"{wanted.gsp_type.id}: {total.platforms} random platforms by their number of "
+        labels = {"title": f"{title}real solutions", "x_label": "real solutions"}
+        chart = bar_chart(total.real, o.output.format, **labels, y_label="platforms")
+        write(o.output, chart)
     else:
         table = _table(wanted, total, bars=o.output.format == "table")
         emit(o.output, table, document=SampleResult(wanted, total).to_json())
@@ -116,17 +121,3 @@ def _table(wanted: Sample, tally: Tally, *, bars: bool) -> Result:
     )
     title = f"{wanted.gsp_type.id}: real ones of {wanted.expected} solutions{sides}"
     return Result(columns, rows, title, summary=[summary])
-
-
-def histogram(wanted: Sample, tally: Tally, fmt: str) -> bytes:
-    """Return the distribution as a picture in one of `DRAWINGS`."""
-    from gspcli.pictures.charts import bar_chart
-
-    return bar_chart(
-        tally.real,
-        fmt,
-        title=f"{wanted.gsp_type.id}: {tally.platforms} random platforms by their number of "
-        "real solutions",
-        x_label="real solutions",
-        y_label="platforms",
-    )

@@ -201,10 +201,8 @@ def _summary(result: SensorResult) -> list[str]:
         if modes < 2:
             return [f"{lines[0]}: there is nothing to tell apart"]
     else:
-        ends = (
-            sorted({int(known.min()), int(known.max())}) if len(known) else ["unknown numbers of"]
-        )
-        number = " to ".join(map(str, ends))
+        ends = sorted({int(known.min()), int(known.max())}) if len(known) else []
+        number = " to ".join(map(str, ends)) or "unknown numbers of"
         lines = [
             f"{counted(len(result.values), 'set')} of values of the file, with {number} real "
             f"modes{side}; {told} with more than one"
@@ -248,12 +246,12 @@ def _fold(result: SensorResult) -> str:
     assert near is not None
     units = result.instance.units
     first, second = near["modes"]
-    which = f"modes {first} and {second} are"
-    if result.values is not None:
+    which = f"modes {first} and {second}"
+    if result.values is None:
+        which += " are"
+    else:
         sets = counted(near["hopeless"], "set")
-        which = (
-            f"in {sets} two modes are too close; modes {first} and {second} of set {near['set']}"
-        )
+        which = f"in {sets} two modes are too close; {which} of set {near['set']}"
     length, turn = f"{near['translation']:.2g} {units.length}", f"{near['turn']:.2g}"
     return (
         f"{which} only {length} and {turn} {units.angle.value} apart: near a fold, where modes "

@@ -40,14 +40,7 @@ from gspcli.geometry.quaternions import quaternion_from_rotation
 from gspcli.geometry.tolerances import PARALLEL_SINE
 from gspcli.records import dataclass
 from gspcli.solver.poses import CountKind
-from gspcli.solver.result import (
-    FACTS,
-    TRANSLATION,
-    PoseColumn,
-    expressed,
-    expressed_columns,
-    rotation_columns,
-)
+from gspcli.solver.result import FACTS, TRANSLATION, expressed, expressed_columns, rotation_columns
 from gspcli.wording import counted, listed, named, shown
 
 if TYPE_CHECKING:
@@ -59,6 +52,7 @@ if TYPE_CHECKING:
     from gspcli.sensing import PoseFit, ReadingFit
     from gspcli.sensing.sensor_kinds import SensorReading
     from gspcli.solver import SolveResult
+    from gspcli.solver.result import PoseColumn
 
 FIELDS = Fields("solve")
 
@@ -252,11 +246,10 @@ def command(o: options.Options) -> int:
             from gspcli.sensing import fit_readings
 
             answer = replace(answer, fit=fit_readings(answer.result, readings))
-        lines = answer.sentences
         if o.output.format == "json":
             emit(o.output, (), document=answer.document)
         else:
-            emit(o.output, answer.csv(lines) if o.output.format == "csv" else answer.tables(lines))
+            emit(o.output, answer.csv() if o.output.format == "csv" else answer.tables())
     result, fit = answer.result, answer.fit
     if result.home is not None and result.home.doubt and not o.changes.given:
         say(f"warning: {result.home.doubt}")
@@ -382,9 +375,8 @@ class Answer:
         lines = summary(self.result, contradicting=self.contradicting)
         if self.omitted is not None:
             parts = [f"{len(those)} by {reason}" for reason, those in self.omitted.items()]
-            real = self.result.counts.real
+            real, what = self.result.counts.real, ", ".join(parts) or "none"
             kept = real - sum(map(len, self.omitted.values()))
-            what = ", ".join(parts) or "none"
             lines.append(f"{kept} of {counted(real, 'real pose')} kept; left out: {what}")
         return lines if self.fit is None else [*lines, self.fit.sentence]
 
@@ -437,7 +429,7 @@ class Answer:
             row |= digit_cells(pose or {})
         return rows
 
-    def csv(self, lines: Sequence[str]) -> Result:
+    def csv(self) -> Result:
         """Return every column of the poses, for programs."""
         rows = []
         for row in self._rows():
@@ -450,9 +442,9 @@ class Answer:
         keys += [] if self.fit is None else ["off", "fits"]
         keys += [f"{column.key}_imag" for column in self.columns] if self.o.everything else []
         keys += [key for key in DECIMALS if any(key in row for row in rows)]
-        return Result([Field(key) for key in keys], rows, summary=lines, part="poses")
+        return Result([Field(key) for key in keys], rows, summary=self.sentences, part="poses")
 
-    def tables(self, lines: Sequence[str]) -> list[Result]:
+    def tables(self) -> list[Result]:
         """Return the result for people: poses, those that cannot move, proved digits."""
         result = self.result
         notes = [*frame_note(self.frame), *remarks(result, [k + 1 for k in self.indices])]
@@ -460,7 +452,7 @@ class Answer:
             notes.append(f"{others} more are not real: --all shows them")
         if self.distances is not None:
             notes.append("nearest: by the translation and the turn times the platform's size")
-        tables = [*self._pose_tables(lines, notes), *self._lone_tables()]
+        tables = [*self._pose_tables(self.sentences, notes), *self._lone_tables()]
         if any(self.digits):
             tables.append(digit_table(self._rows()))
         return tables
@@ -616,12 +608,11 @@ def _real_words(result: SolveResult) -> str:
     if not result.counts.found:
         return text
     # Without a real pose the certificates of the others prove that.
-    known = proved(result)[:real] if real else proved(result)
+    known = proved(result)[: real or None]
     if known.all():
         return text + (", all proved different" if real > 1 else ", proved")
-    if real == 0:
-        return text
-    return text + (f", {known.sum()} of them proved" if known.any() else ", not proved")
+    some = f", {known.sum()} of them proved" if known.any() else ", not proved"
+    return text + some if real else text
 
 
 def fixed(result: SolveResult) -> bool:
@@ -685,18 +676,19 @@ def _reason(result: SolveResult, contradicting: Sequence[int]) -> str:
         return f"no pose was found for {what} {contradicting[0]} alone"
     if len(contradicting) == len(constraints):
         return "any five of the constraints have common poses, all six have none"
-    *first, last = map(str, contradicting)
     return (
-        f"{what}s {', '.join(first)} and {last} contradict each other: "
+        f"{what}s {listed(map(str, contradicting), 'and')} contradict each other: "
         "no pose was found for them without the others"
     )
 
 
 def remarks(result: SolveResult, numbers: Sequence[int]) -> list[str]:
     """Return notes on the poses shown, whose numbers count from 1."""
+    causes = [*_far(result), *_parallel(result)]
+    if result.proof is not None and result.proof.reservation:
+        causes.append(result.proof.reservation)
     if not numbers:
-        return [*_far(result), *_parallel(result), *_reservation(result)]
-    limits = _limits(result, numbers)
+        return causes
     shown = [number - 1 for number in numbers]
     residual = printed_residual(float(result.residuals[shown].max()), result.arrangement.length)
     notes = [f"residuals at most {residual:.0e}"]
@@ -705,16 +697,15 @@ def remarks(result: SolveResult, numbers: Sequence[int]) -> list[str]:
     condition = np.array([float(f"{x:.{_DIGITS}g}") for x in result.conditions[shown]])
     best, worst = int(np.argmin(condition)), int(np.argmax(condition))
     lowest, highest = (f"{condition[k]:.{_DIGITS}g}" for k in (best, worst))
-    if len(numbers) > 1 and lowest != highest:
+    if lowest != highest:
         notes.append(
             f"best conditioned: pose {numbers[best]} ({lowest}); "
             f"worst: pose {numbers[worst]} ({highest})"
         )
-    if len(numbers) > 1 and lowest == highest:
+    elif len(numbers) > 1:
         notes.append(f"every pose has condition {lowest}")
     home = [result.home.text] if result.home and result.counts.real else []
-    causes = [*_far(result), *_parallel(result), *_reservation(result)]
-    return ["; ".join(notes), *home, *limits, *causes]
+    return ["; ".join(notes), *home, *_limits(result, numbers), *causes]
 
 
 def _limits(result: SolveResult, numbers: Sequence[int]) -> list[str]:
@@ -761,18 +752,10 @@ def _parallel(result: SolveResult) -> list[str]:
     ]
     if not numbers:
         return []
-    several = len(numbers) > 1
-    names = f"s {', '.join(numbers[:-1])} and {numbers[-1]}" if several else f" {numbers[0]}"
     return [
-        f"the lines of constraint{names} are parallel at every pose: "
-        "a point of one has its distance from the other"
+        f"the lines of constraint{'s' * (len(numbers) > 1)} {listed(numbers, 'and')} are parallel "
+        "at every pose: a point of one has its distance from the other"
     ]
-
-
-def _reservation(result: SolveResult) -> list[str]:
-    """Return that the proof is up to a random prime, in words, if it is."""
-    said = "" if result.proof is None else result.proof.reservation
-    return [said] if said else []
 
 
 def refined(instance: Instance, certificate: Certificate, digits: int) -> dict[str, Any]:
@@ -1003,8 +986,7 @@ def _show_fit(
         fit = fit_poses(o.instance, readings or None, sigma=standard_deviations(o.sigmas))
     document = {"schema": "gsp.solve/1", **o.instance.to_json(), "fit": fit.to_json()}
     tables = [_fitted_poses(fit, rotation, o.decimals, frame)]
-    if fit.poses and o.output.format != "csv":
-        tables.append(_residuals(fit))
+    tables += [_residuals(fit)] if fit.poses and o.output.format != "csv" else []
     emit(o.output, tables, document=document)
     if len(fit.fitting) == 1:
         return 0

@@ -72,19 +72,15 @@ def command(o: Options) -> None:
     plain = o.output.format == "csv"
     # A row of a CSV names its errata. They are a separate table if nothing else is shown.
     listed = errata and (not plain or not comparisons or o.output.part == "errata")
-    emit(
-        o.output,
-        [
-            *(_table(comparison, plain=plain) for comparison in comparisons),
-            *([_errata(errata, evidence, confirmed)] if listed else []),
-        ],
-        document={
-            "schema": "gsp.table/1",
-            "tables": [comparison.to_json() for comparison in comparisons],
-            "errata": [_document(erratum, evidence) for erratum in errata],
-            "table_3_confirmed": confirmed,
-        },
-    )
+    tables = [_table(comparison, plain=plain) for comparison in comparisons]
+    tables += [_errata(errata, evidence, confirmed)] if listed else []
+    document = {
+        "schema": "gsp.table/1",
+        "tables": [comparison.to_json() for comparison in comparisons],
+        "errata": [_document(erratum, evidence) for erratum in errata],
+        "table_3_confirmed": confirmed,
+    }
+    emit(o.output, tables, document=document)
     unexplained = [str(d) for comparison in comparisons for d in comparison.unexplained]
     if o.check and unexplained:
         lines = "\n".join(unexplained)
@@ -157,10 +153,6 @@ def _errata(
         notes += [f"{erratum.place}: {erratum.argument}"]
         if erratum.key in evidence:
             notes += [f"  proved: {evidence[erratum.key]}"]
-    return Result(
-        FIELDS.of("key sort place printed correct"),
-        rows,
-        "Errata",
-        part="errata",
-        notes=[*notes, *([confirmed] if confirmed else [])],
-    )
+    notes += [confirmed] if confirmed else []
+    columns = FIELDS.of("key sort place printed correct")
+    return Result(columns, rows, "Errata", notes, part="errata")

@@ -19,7 +19,6 @@ from gspcli.wording import shown
 
 if TYPE_CHECKING:
     from gspcli.pictures.line_drawings import View
-    from gspcli.pictures.scene import Scene
     from gspcli.solver import SolveResult
 
 #: From the zenith, in degrees.
@@ -98,7 +97,9 @@ def command(o: Options) -> None:
     form = o.form
     tracks = read_tracks(*text_of(o.track), form) if o.track is not None else []
     if o.output.path is None and (o.opened or sys.stdout.isatty()):
-        path = Path(f"{_stem(o.spec)}.{o.output.format}")
+        name = "platform" if o.spec == "-" else Path(o.spec).stem
+        name = o.spec[1:] if o.spec.startswith("@") else name
+        path = Path(f"{name}.{o.output.format}")
         check_writable(path)
         o.output = replace(o.output, path=path)
     with working("solving"):
@@ -119,7 +120,12 @@ def command(o: Options) -> None:
         )
     write(o.output, content)
     if o.output.path is not None:
-        _say(o.output.path, scene, len(content))
+        parts = ", ".join(
+            f"{len(one)} {one.item}{'s' if len(one) != 1 else ''} ({one.title.lower()})"
+            for one in scene.series
+            if len(one)
+        )
+        say(f"{o.output.path}: {parts or 'no real pose'}, {len(content) / 1000:.0f} kB")
         if o.opened:
             click.launch(o.output.path.resolve().as_uri())
 
@@ -142,25 +148,8 @@ def _view(text: str | None) -> View | None:
     return View(azimuth, elevation)
 
 
-def _stem(spec: str) -> str:
-    """Return the name of a file after a SPEC."""
-    if spec.startswith("@"):
-        return spec[1:]
-    return "platform" if spec == "-" else Path(spec).stem
-
-
 def _start(result: SolveResult, mode: Mode | None) -> int:
     """Return the index of the mode that is asked for; 0 if there is none to show."""
     if mode is None and result.home is None:
         return 0
     return chosen(mode, result.home, result.counts.real) - 1
-
-
-def _say(path: Path, scene: Scene, size: int) -> None:
-    """Print on standard error where the page is and what it shows."""
-    parts = ", ".join(
-        f"{len(series)} {series.item}{'s' if len(series) != 1 else ''} ({series.title.lower()})"
-        for series in scene.series
-        if len(series)
-    )
-    say(f"{path}: {parts or 'no real pose'}, {size / 1000:.0f} kB")
