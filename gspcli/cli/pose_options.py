@@ -120,7 +120,7 @@ def warn_of_range(instance: Instance, t: Sequence[float], values: Array) -> None
 #: The first character of the name of a file where a POSE is expected.
 _FILE = "@"
 #: The ways to write a POSE, for help texts.
-POSE_HELP = "x,y,z,qw,qx,qy,qz, or x,y,z,rx,ry,rz with --euler, or @FILE"
+_POSE_HELP = "x,y,z,qw,qx,qy,qz, or x,y,z,rx,ry,rz with --euler, or @FILE"
 
 
 @dataclass(frozen=True)
@@ -196,21 +196,19 @@ class PoseType(click.ParamType):  # type: ignore[type-arg]
         return GivenPose(value, max(param.opts, key=len))
 
 
-def pose_option(option: str, sentence: str, more: str) -> Callable[[Function], Function]:
-    """Return an option that takes a POSE."""
-    return click.option(
-        option, type=PoseType(), metavar="POSE", help=f"{sentence}: {more} ({POSE_HELP})."
-    )
+def _pose_option(option: str, meaning: str) -> Callable[[Function], Function]:
+    """Return an option that takes a POSE; the command gets a `GivenPose` or None."""
+    return click.option(option, type=PoseType(), metavar="POSE", help=f"{meaning} ({_POSE_HELP}).")
 
 
 def pose_value_option(more: str) -> Callable[[Function], Function]:
-    """Return `--pose`; the command gets ``pose: GivenPose | None``."""
-    return pose_option("--pose", "A pose of the platform", more)
+    """Return `--pose`."""
+    return _pose_option("--pose", f"A pose of the platform: {more}")
 
 
 def near_option(more: str) -> Callable[[Function], Function]:
-    """Return `--near`; the command gets ``near: GivenPose | None``."""
-    return pose_option("--near", "A pose near the mode that is meant", more)
+    """Return `--near`."""
+    return _pose_option("--near", f"A pose near the mode that is meant: {more}")
 
 
 #: A number as `gsp solve` lists the real poses, from 1, or the home mode.
@@ -277,15 +275,13 @@ def _axis(text: str, names: Sequence[str]) -> tuple[str, tuple[float, ...]]:
 
     from gspcli.motion.files.number_tables import wrong_number
 
-    match = _AXIS.fullmatch(text.replace(" ", ""))
+    match, found = _AXIS.fullmatch(text.replace(" ", "")), f"--vary: found {shown(text)}, expected"
     if match is None or match[1] not in names or wrong_number(match[2]) or wrong_number(match[3]):
         form = f"NAME=LOW:HIGH:COUNT with {listed(names)}, such as {names[0]}=5:7:200"
-        raise GspError(f"--vary: found {shown(text)}, expected {form}")
+        raise GspError(f"{found} {form}")
     low, high, count = float(match[2]), float(match[3]), int(match[4])
     if not low < high or count < 2:
-        raise GspError(
-            f"--vary: found {shown(text)}, expected LOW below HIGH and at least two values"
-        )
+        raise GspError(f"{found} LOW below HIGH and at least two values")
     if count > _MOST_NODES:
         raise GspError(f"found {count} nodes, expected at most {_MOST_NODES}")
     return match[1], tuple(np.linspace(low, high, count).tolist())
@@ -326,9 +322,8 @@ def real_poses(instance: Instance) -> tuple[Array, Array]:
     if result.verdict == "infinite":
         raise NotFiniteError("the poses of the platform are infinitely many\ngive one with --pose")
     if result.verdict != "complete":
-        raise IncompleteError(
-            "the poses of the platform could not all be found\ngive one with --pose"
-        )
+        what = "the poses of the platform could not all be found"
+        raise IncompleteError(f"{what}\ngive one with --pose")
     R, T = result.R[result.real].real, result.T[result.real].real
     if not len(R):
         raise GspError(
@@ -402,14 +397,13 @@ def asked_poses(o: Options) -> AskedPoses:
     if o.pose is not None:
         R, T = o.pose.read(form)
         return AskedPoses(R[None], T[None], [{"mode": None}])
-    numbers: Sequence[int]
     if o.mode is not None:
         number, R, T = one_mode(instance, o.mode)
-        numbers = [number]
+        places = [{"mode": number}]
     else:
         R, T = real_poses(instance)
-        numbers = range(1, len(R) + 1)
-    return AskedPoses(R, T, [{"mode": k} for k in numbers], _stated_drives(instance, len(R)))
+        places = [{"mode": k} for k in range(1, len(R) + 1)]
+    return AskedPoses(R, T, places, _stated_drives(instance, len(R)))
 
 
 def _stated_drives(instance: Instance, count: int) -> Array | None:
@@ -439,9 +433,7 @@ def _of_file(o: Options) -> AskedPoses:
     if has_poses(text, name, form):
         refuse_modes(o, name)
         table = read_poses(text, name, form)
-        if not len(table.R):
-            raise GspError(f"{name}: found no poses, expected at least one")
-        warn_of_values(text, name, form, instance, values_on_rods(instance, table.R, table.T))
+        check_poses(o, text, name, table.R, table.T)
         t = range(1, len(table.R) + 1) if table.t is None else table.t.tolist()
         places = [{"row": k, "t": float(at), "mode": None} for k, at in enumerate(t, 1)]
         return AskedPoses(table.R, table.T, places)
@@ -462,10 +454,7 @@ def _of_file(o: Options) -> AskedPoses:
     return AskedPoses(
         found.R[which, rows],
         found.T[which, rows],
-        [
-            dict(zip(("row", "t", "mode"), place, strict=True))
-            for place in zip(*numbers, strict=True)
-        ],
+        [{"row": row, "t": t, "mode": mode} for row, t, mode in zip(*numbers, strict=True)],
         _stated_drives(instance, len(rows)),
         tuple(f"mode {one.mode} ends at t = {one.low:.10g} ({one.kind})" for one in found.ends),
     )
@@ -476,6 +465,24 @@ def refuse_modes(o: Options, name: str) -> None:
     if o.mode is not None or o.near is not None:
         option = "--near" if o.mode is None else "--mode"
         raise GspError(f"{option}: found the poses of {name}, expected a file of values to follow")
+
+
+def check_poses(o: Options, text: str, name: str, R: Array, T: Array) -> None:
+    """Refuse a file without poses, and compare what it says of values with them.
+
+    The rods of cranks and slides have the values of SPEC.
+    """
+    if not len(R):
+        raise GspError(f"{name}: found no poses, expected at least one")
+    import numpy as np
+
+    from gspcli.geometry.machine import driven_points
+    from gspcli.motion.files.value_files import nominal_values
+    from gspcli.motion.poses.inverse_kinematics import measure
+
+    rods = [bool(driven_points(one)) for one in o.instance.constraints]
+    values = np.where(rods, nominal_values(o.instance), measure(o.instance, R, T))
+    warn_of_values(text, name, o.form, o.instance, values)
 
 
 def warn_of_values(
@@ -500,15 +507,3 @@ def warn_of_values(
     if table.mistakes:
         more = f" (and {len(table.mistakes) - 1} more)" if len(table.mistakes) > 1 else ""
         say(f"warning: {table.mistakes[0]}{more}: not used, the values are measured")
-
-
-def values_on_rods(instance: Instance, R: Array, T: Array) -> Array:
-    """Return the values at n poses, shape (n, 6), those of the rods of cranks and slides stated."""
-    import numpy as np
-
-    from gspcli.geometry.machine import driven_points
-    from gspcli.motion.files.value_files import nominal_values
-    from gspcli.motion.poses.inverse_kinematics import measure
-
-    rods = [bool(driven_points(one)) for one in instance.constraints]
-    return np.where(rods, nominal_values(instance), measure(instance, R, T))

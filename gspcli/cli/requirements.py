@@ -104,13 +104,15 @@ def _measured(
 
         placed = Machine.of(instance).placed(R, T)
         return printed_conditions(condition_numbers(placed, R, T))
-    if name == "clearance" and is_driven(instance):
-        from gspcli.motion.singularities.clearances import drive_clearances
-
-        return drive_clearances(instance, R, T)[0]
     if name == "clearance":
-        from gspcli.motion.singularities.clearances import clearances, range_weights
+        from gspcli.motion.singularities.clearances import (
+            clearances,
+            drive_clearances,
+            range_weights,
+        )
 
+        if is_driven(instance):
+            return drive_clearances(instance, R, T)[0]
         return clearances(instance, R, T, weights=range_weights(instance))
     if is_driven(instance):
         raise GspError(
@@ -164,65 +166,41 @@ def limits_of(
     GspError
         If the instance states no such limit.
     """
-    from gspcli.geometry.limits import cone_shares, joint_cones, range_shares
+    import numpy as np
+
+    from gspcli.geometry.limits import cone_shares, joint_cones, motor_shares, range_shares
     from gspcli.geometry.machine import is_driven
     from gspcli.motion.files.requirements import QuantityParts
+    from gspcli.motion.poses.inverse_kinematics import drive_values
 
-    drives, q = (None, None) if at is None else at
+    rows, numbers = instance.constraints, np.empty((len(R), 0))
+    names: list[str] = []
     if at is None and is_driven(instance):
-        from gspcli.motion.poses.inverse_kinematics import drive_values
-
-        drives, q = drive_values(instance, R, T)
+        at = drive_values(instance, R, T)
     if name == "cone":
-        cones = joint_cones(instance)
-        names = [f"leg {joint.constraint + 1} at the {joint.body}" for joint in cones]
-        parts = QuantityParts(cone_shares(instance, R, T, q), names)
-    elif name == "transmission":
-        names, parts = _transmissions(drives, q, R, T)
-    else:
-        rows = instance.constraints
-        moved = [False] * len(rows) if drives is None else drives.driven
+        numbers = cone_shares(instance, R, T, None if at is None else at[1])
+        names = [f"leg {cone.constraint + 1} at the {cone.body}" for cone in joint_cones(instance)]
+    elif name == "range":
+        moved = [False] * len(rows) if at is None else at[0].driven
         which = [k for k, row in enumerate(rows) if row.limits is not None and not moved[k]]
         names = [f"constraint {k + 1}" for k in which]
-        parts = QuantityParts(range_shares(instance, values)[:, which], names)
-        if drives is not None and q is not None:
-            names, parts = _with_motors(drives, q, parts)
+        numbers = range_shares(instance, values)[:, which]
+        if at is not None:
+            shares = motor_shares(*at)
+            # A pose can be out of reach of a drive without a range, too.
+            shares = np.where(np.isnan(shares) & np.isinf(shares).any(axis=0), 0.0, shares)
+            which = np.flatnonzero(~np.isnan(shares).all(axis=0)).tolist()
+            names += [at[0].names[k] for k in which]
+            numbers = np.concatenate((numbers, shares[:, which]), axis=1)
+    elif at is not None:
+        drives, q = at
+        which = np.flatnonzero(drives.driven).tolist()
+        names = [f"{drives.names[drives.index[k]]}, rod {k + 1}" for k in which]
+        numbers = drives.transmission(drives.gains(R, T, q))[:, which]
     if not names:
         what = "cranks and slides" if name == "transmission" else name
         raise GspError(f"--require {name}: SPEC states no {what}")
-    return parts
-
-
-def _with_motors(
-    drives: Machine, q: Array, parts: QuantityParts
-) -> tuple[list[str], QuantityParts]:
-    """Return shares of ranges with those of cranks and slides; infinite out of reach."""
-    import numpy as np
-
-    from gspcli.geometry.limits import motor_shares
-    from gspcli.motion.files.requirements import QuantityParts
-
-    shares = motor_shares(drives, q)
-    # A pose can be out of reach of a drive without a range, too.
-    shares = np.where(np.isnan(shares) & np.isinf(shares).any(axis=0), 0.0, shares)
-    which = np.flatnonzero(~np.isnan(shares).all(axis=0)).tolist()
-    names = [*parts.names, *(drives.names[k] for k in which)]
-    return names, QuantityParts(np.concatenate((parts.values, shares[:, which]), axis=1), names)
-
-
-def _transmissions(
-    drives: Machine | None, q: Array | None, R: Array, T: Array
-) -> tuple[list[str], QuantityParts]:
-    import numpy as np
-
-    from gspcli.motion.files.requirements import QuantityParts
-
-    if drives is None or q is None:
-        return [], QuantityParts(np.empty((len(R), 0)), ())
-    which = np.flatnonzero(drives.driven).tolist()
-    names = [f"{drives.names[drives.index[k]]}, rod {k + 1}" for k in which]
-    numbers = drives.transmission(drives.gains(R, T, q))[:, which]
-    return names, QuantityParts(numbers, names)
+    return QuantityParts(numbers, names)
 
 
 def refuse(verdicts: Sequence[RequirementVerdict]) -> None:
@@ -300,20 +278,11 @@ def judged(
         worst = f"worst {one.worst:.6g}" if one.worst == one.worst else "not known"
         place = places[one.row]
         lines.append(f"{one.requirement}: {met}; {worst} {place_text(place)}{of}")
-        entry: dict[str, Any] = {
-            "requirement": str(one.requirement),
-            "met": one.met,
-            "worst": finite(one.worst),
-        }
+        entry = {"requirement": str(one.requirement), "met": one.met, "worst": finite(one.worst)}
         entry |= {"part": one.part or None, **place}
-        entries.append(entry | {"between": one.between} if between else entry)
-    return replace(
-        result,
-        columns=columns,
-        rows=rows,
-        summary=[*result.summary, *lines],
-        head={**result.head, "requirements": entries},
-    )
+        entries.append(entry | ({"between": one.between} if between else {}))
+    summary, head = [*result.summary, *lines], {**result.head, "requirements": entries}
+    return replace(result, columns=columns, rows=rows, summary=summary, head=head)
 
 
 def place_text(place: Mapping[str, Any]) -> str:

@@ -168,37 +168,30 @@ def overview(analysis: Analysis, asked: AskedPoses, document: dict[str, Any]) ->
         f"lengths divided by {given.length:.6g} {unit}; worst force: the largest load of a "
         "constraint by a unit force at the point"
     ]
-    if "force" in row or "moment" in row:
-        notes.append(
-            "largest force, moment: in a constraint under the load, and in which; without @ the "
-            "load acts at the mean of the platform's points"
-        )
-    if "transmission" in row:
-        notes.append(_TRANSMISSION)
-    if "torque" in row:
-        notes.append(f"largest torque: of cranks force times {unit}, of slides a force")
-    if "least_stiffness" in row:
-        notes.append("least stiffness: a force at the point by the shift that it causes")
-    if "accuracy" in row or "geometry" in row:
-        notes.append(
-            f"errors in {unit}: the largest of the point, from the values and the geometry"
-        )
+    load = (
+        "largest force, moment: in a constraint under the load, and in which; without @ the load "
+        "acts at the mean of the platform's points"
+    )
+    errors = f"errors in {unit}: the largest of the point, from the values and the geometry"
+    for keys, note in (
+        (("force", "moment"), load),
+        (("transmission",), _TRANSMISSION),
+        (("torque",), f"largest torque: of cranks force times {unit}, of slides a force"),
+        (("least_stiffness",), "least stiffness: a force at the point by the shift that it causes"),
+        (("accuracy", "geometry"), errors),
+    ):
+        notes += [note] if any(key in row for key in keys) else []
     columns = FIELDS.of(
         f"{asked.columns} condition transmission? torque? torque_of? manipulability largest "
         "smallest worst force? force_in? moment? moment_in? least_stiffness? worst_shift? "
         "bound_shift? geometry_shift?",
         rows,
     )
+    notes += _weights(given)
     return Result(
-        columns,
-        rows,
-        given.instance.title,
-        [*notes, *_weights(given)],
-        instance=given.instance,
-        schema="analyze",
-        name="poses",
-        head=document,
-    )
+        columns, rows, given.instance.title, notes, instance=given.instance, schema="analyze",
+        name="poses", head=document,
+    )  # fmt: skip
 
 
 def _most(entry: Mapping[str, Any], analysis: Analysis) -> dict[str, Any]:

@@ -133,12 +133,5 @@ def _result(found: Clearances, asked: AskedPoses) -> Result:
         for k, (name, title) in enumerate(names.items())
     ]
     document = found.to_json(asked.places)
-    return Result(
-        columns,
-        document["modes"],
-        instance.title,
-        [note],
-        schema="clearance",
-        name="modes",
-        head=document,
-    )
+    rows, title = document["modes"], instance.title
+    return Result(columns, rows, title, [note], schema="clearance", name="modes", head=document)

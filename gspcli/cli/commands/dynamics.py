@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 import numpy as np
@@ -13,18 +13,17 @@ from gspcli.cli.options import Command, Options, output_options
 from gspcli.cli.pose_options import (
     AskedPoses,
     asked_poses,
+    check_poses,
     mode_number,
     refuse_modes,
     rows_options,
     text_of,
-    values_on_rods,
-    warn_of_values,
 )
 from gspcli.cli.render import emit
 from gspcli.cli.requirements import place_text, refuse, require_option, required, settled
 from gspcli.cli.result import Field, Fields, Result
 from gspcli.cli.streams import working
-from gspcli.errors import GspError, IncompleteError
+from gspcli.errors import IncompleteError
 from gspcli.wording import listed
 
 if TYPE_CHECKING:
@@ -34,6 +33,7 @@ if TYPE_CHECKING:
     from gspcli.motion.files.requirements import QuantityParts
 
     Array = NDArray[np.float64]
+    Quantities = Mapping[str, Array | QuantityParts]
 
 FIELDS = Fields("dynamics")
 
@@ -116,17 +116,13 @@ def _asked(o: Options) -> AskedPoses:
     instance, form = o.instance, o.form
     text, name = text_of(o.rows)
     rows = read_rows(text, name, instance, form)
-    times: list[dict[str, float]] = [{}] * len(
-        rows.R if isinstance(rows, PoseRows) else rows.values
-    )
+    count = len(rows.R if isinstance(rows, PoseRows) else rows.values)
+    places: list[dict[str, Any]] = [{"row": k} for k in range(1, count + 1)]
     if rows.t is not None:
-        times = [{"t": t} for t in rows.t.tolist()]
-    places = [{"row": k, **at} for k, at in enumerate(times, 1)]
+        places = [{**place, "t": t} for place, t in zip(places, rows.t.tolist(), strict=True)]
     if isinstance(rows, PoseRows):
         refuse_modes(o, name)
-        if not len(rows.T):
-            raise GspError(f"{name}: found no poses, expected at least one")
-        warn_of_values(text, name, form, instance, values_on_rods(instance, rows.R, rows.T))
+        check_poses(o, text, name, rows.R, rows.T)
         return AskedPoses(rows.R, rows.T, places, t=rows.t, motion=rows.motion)
     start = None if o.near is None else o.near.read(form)
     modes = None if start is not None else [mode_number(instance, o.mode)]
@@ -154,21 +150,14 @@ def _result(
     names = [{"mode": place["mode"]} if "mode" in place else {} for place in asked.places]
     rows = [{**row, **name} for row, name in zip(document["rows"], names, strict=True)]
     first = "mode" if names[0] else "row" if asked.t is None else "t"
+    columns = [Field(first, align="right", essential=True), *columns]
     return Result(
-        [Field(first, align="right", essential=True), *columns],
-        rows,
-        found.instance.title,
-        notes,
-        instance=found.instance,
-        schema="dynamics",
-        name="rows",
-        head=document,
-    )
+        columns, rows, found.instance.title, notes, instance=found.instance, schema="dynamics",
+        name="rows", head=document,
+    )  # fmt: skip
 
 
-def _forces(
-    o: Options, asked: AskedPoses
-) -> tuple[DriveForces, Result, Mapping[str, Array | QuantityParts]]:
+def _forces(o: Options, asked: AskedPoses) -> tuple[DriveForces, Result, Quantities]:
     """Return the forces of the drives, their table, and what may be required."""
     from gspcli.dynamics import inverse_dynamics
     from gspcli.motion.files.requirements import QuantityParts
@@ -222,9 +211,7 @@ def _forces(
     return found, _result(found, asked, columns, notes), known
 
 
-def _modes(
-    o: Options, asked: AskedPoses
-) -> tuple[NaturalModes, Result, Mapping[str, Array | QuantityParts]]:
+def _modes(o: Options, asked: AskedPoses) -> tuple[NaturalModes, Result, Quantities]:
     """Return the natural modes, their table, and what may be required."""
     from gspcli.dynamics import natural_modes
     from gspcli.geometry.machine import Machine
@@ -263,26 +250,24 @@ def _modes(
 def _warn(found: DriveForces | NaturalModes, asked: AskedPoses) -> None:
     """Say at which rows numbers have lost digits."""
     for row in np.flatnonzero(found.nearly_singular < np.inf)[:_MOST_NAMED].tolist():
-        if found.singular[row]:
-            continue
-        condition = found.nearly_singular[row]
-        digits = max(0, 16 - int(np.ceil(np.log10(condition))))
-        place = place_text(asked.places[row])
-        click.echo(
-            f"warning: {place} the pose is nearly singular (condition {condition:.2g}): "
-            f"about {digits} digits of its forces are right",
-            err=True,
-        )
+        if not found.singular[row]:
+            condition = found.nearly_singular[row]
+            digits = max(0, 16 - int(np.ceil(np.log10(condition))))
+            click.echo(
+                f"warning: {place_text(asked.places[row])} the pose is nearly singular (condition "
+                f"{condition:.2g}): about {digits} digits of its forces are right",
+                err=True,
+            )
 
 
 def _refuse_singular(found: DriveForces | NaturalModes, asked: AskedPoses) -> None:
     """Raise if there are singular poses, and name them."""
-    rows = found.singular.nonzero()[0].tolist()
-    if not rows:
-        return
-    named = listed([place_text(asked.places[row]) for row in rows[:_MOST_NAMED]], "and")
-    more = f" and {len(rows) - _MOST_NAMED} more" if len(rows) > _MOST_NAMED else ""
-    raise IncompleteError(f"{named}{more} the pose is singular: no forces hold every load there")
+    if rows := found.singular.nonzero()[0].tolist():
+        named = listed([place_text(asked.places[row]) for row in rows[:_MOST_NAMED]], "and")
+        more = f" and {len(rows) - _MOST_NAMED} more" if len(rows) > _MOST_NAMED else ""
+        raise IncompleteError(
+            f"{named}{more} the pose is singular: no forces hold every load there"
+        )
 
 
 def _size(numbers: Array) -> float:

@@ -188,8 +188,15 @@ def command(o: Options) -> None:
     if o.everything:
         with working("joining modes"):
             groups = mode_groups(instance, along=o.along, time=o.seconds, seed=o.seed)
-        emit(o.output, groups_table(groups))
-        _refuse_undecided(groups)
+        emit(o.output, _groups_table(groups))
+        if groups.undecided:
+            one, other = groups.undecided[0]
+            rest = len(groups.undecided) - 1
+            more = f" (and of {rest} more pairs)" if rest else ""
+            raise IncompleteError(
+                f"groups {one} and {other}{more}: no path was found, and it is not proved that "
+                "there is none\ntry --time or another --seed"
+            )
         return
     first, last = (
         one.read(form) if isinstance(one, GivenPose) else one for one in (o.start, o.goal)
@@ -204,36 +211,18 @@ def command(o: Options) -> None:
             speed=o.speed, acceleration=o.acceleration,
         )  # fmt: skip
     if found.verdict == "proved" or o.output.format == "json":
-        emit(o.output, path_table(found, form.frame))
-    _refuse(found)
-
-
-def _refuse(found: PlannedPath) -> None:
-    """Raise unless there is a path."""
+        emit(o.output, _path_table(found, form.frame))
+    ends = f"from {found.start} to {found.goal}"
     if found.verdict == "impossible":
-        raise CheckFailed(
-            f"from {found.start} to {found.goal} there is no path, proved\n{found.reason}"
-        )
+        raise CheckFailed(f"{ends} there is no path, proved\n{found.reason}")
     if found.verdict == "not found":
         raise IncompleteError(
-            f"from {found.start} to {found.goal} no path was found in the time given\n"
+            f"{ends} no path was found in the time given\n"
             "it is not proved that there is none: try --time or another --seed"
         )
 
 
-def _refuse_undecided(groups: ModeGroups) -> None:
-    """Raise if some groups may belong together."""
-    if groups.undecided:
-        first, second = groups.undecided[0]
-        rest = len(groups.undecided) - 1
-        more = f" (and of {rest} more pairs)" if rest else ""
-        raise IncompleteError(
-            f"groups {first} and {second}{more}: no path was found, and it is not proved that "
-            "there is none\ntry --time or another --seed"
-        )
-
-
-def path_table(found: PlannedPath, frame: PoseFrame) -> Result:
+def _path_table(found: PlannedPath, frame: PoseFrame) -> Result:
     """Return the rows of a path, with what is proved of its parts above them."""
     from gspcli.geometry.arrangement import Arrangement
 
@@ -248,16 +237,11 @@ def path_table(found: PlannedPath, frame: PoseFrame) -> Result:
     columns += pose_columns(length)
     document = found.to_json(frame)
     columns += FIELDS.of("condition clearance? gap?", document["rows"])
+    title, notes = found.instance.title, frame_note(frame)
     return Result(
-        columns,
-        document["rows"],
-        found.instance.title,
-        frame_note(frame),
-        _summary(found),
-        schema="path",
-        name="rows",
+        columns, document["rows"], title, notes, _summary(found), schema="path", name="rows",
         head=document,
-    )
+    )  # fmt: skip
 
 
 def _summary(found: PlannedPath) -> list[str]:
@@ -302,26 +286,24 @@ def _time(found: PlannedPath, timing: Timing) -> str:
     units = found.instance.units
     angle, length = units.angle.value, str(units.length)
     lengths = {length if _is_length(found, name) else angle for name in found.columns}
-    of = {"drives": " or ".join(sorted(lengths, key=length.__ne__)), "platform": length}
-    of["turn"] = angle
-    names = {"drives": "each drive", "platform": "the platform", "turn": "its turn"}
     limits = []
-    for name in names:
+    for name, subject, unit in (
+        ("drives", "each drive", " or ".join(sorted(lengths, key=length.__ne__))),
+        ("platform", "the platform", length),
+        ("turn", "its turn", angle),
+    ):
         numbers = [
-            f"{given[name]:.10g} {of[name]}/{second}"
+            f"{given[name]:.10g} {unit}/{second}"
             for given, second in ((timing.limits.speed, "s"), (timing.limits.acceleration, "s^2"))
             if name in given
         ]
-        if numbers:
-            limits.append(f"{names[name]} at most {listed(numbers, 'and')}")
+        limits += [f"{subject} at most {listed(numbers, 'and')}"] if numbers else []
     text = f"{timing.seconds:.4g} s: {', '.join(limits)}"
     stops = len(timing.moves.tops) - 1
-    if stops:
-        text += f"; stops at {counted(stops, 'corner')}"
-    return text
+    return text + (f"; stops at {counted(stops, 'corner')}" if stops else "")
 
 
-def groups_table(found: ModeGroups) -> Result:
+def _groups_table(found: ModeGroups) -> Result:
     """Return which modes belong together."""
     document = found.to_json()
     rows = [{**row, "status": _status(row)} for row in document["modes"]]
@@ -334,16 +316,8 @@ def groups_table(found: ModeGroups) -> Result:
     notes = [f"signs are those of {listed(found.names, 'and')}: a regular path keeps them"]
     if any("?" in str(row["signs"]) for row in rows):
         notes.append("?: the sign is not proved")
-    return Result(
-        FIELDS.of("mode signs group others status"),
-        rows,
-        found.instance.title,
-        notes,
-        [text],
-        schema="path",
-        name="modes",
-        head=document,
-    )
+    columns, title = FIELDS.of("mode signs group others status"), found.instance.title
+    return Result(columns, rows, title, notes, [text], schema="path", name="modes", head=document)
 
 
 def _status(row: dict[str, object]) -> str:

@@ -24,6 +24,7 @@ from gspcli.cli.options import (
 )
 from gspcli.cli.pose_options import PARAMETERS, axes_of, frame_note, pose_options, pose_value_option
 from gspcli.cli.render import emit, write
+from gspcli.cli.requirements import finite
 from gspcli.cli.result import Fields, Result
 from gspcli.cli.streams import progress, say, working
 from gspcli.defaults import SEED
@@ -31,16 +32,10 @@ from gspcli.errors import INTERRUPTED, ArgumentError, GspError, IncompleteError
 from gspcli.wording import counted
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
-    from gspcli.geometry.instance import Instance
-    from gspcli.motion.singularities.scans import Axis, Boundary, Scan
-    from gspcli.workers import Workers
-
-    Array = NDArray[np.float64]
     from gspcli.geometry.frames import PoseFrame
-    from gspcli.motion.singularities.scans import Meeting, PoseScan, ScanResult
+    from gspcli.geometry.instance import Instance
+    from gspcli.motion.singularities.scans import Boundary, Meeting, Scan, ScanResult
+    from gspcli.workers import Workers
 
 FIELDS = Fields("scan")
 
@@ -119,13 +114,27 @@ def command(o: Options) -> int:
     instance = o.instance
     frame = o.frame_of(instance)
     if o.pose is not None:
-        shown = "determinant" if o.quantity == QUANTITIES[0] else o.quantity
-        _scan_poses(o, shown)
+        _scan_poses(o)
         return 0
-    _refuse_coordinates(o)
-    from gspcli.motion.singularities.scans import MISSING, Boundary, Scan, ScanResult
+    if any(text.strip()[:1] in "xyzr" for text in o.texts):
+        raise click.UsageError(
+            "--vary: found coordinates of a pose: give --pose, too, for the coordinates that stay"
+        )
+    if o.euler or o.pivot:
+        raise click.UsageError("--euler and --pivot say how --pose is read: give --pose, too")
+    from gspcli.motion.singularities.scans import (
+        MISSING,
+        Boundary,
+        Scan,
+        ScanResult,
+        axis_of,
+        drive_names,
+    )
 
-    axes = _axes(instance, o.texts)
+    axes = [
+        axis_of(instance, int(name) if name in _NUMBERS else name, nodes)
+        for name, nodes in axes_of(o.texts, (*_NUMBERS, *drive_names(instance)))
+    ]
     try:
         found = Scan.empty(instance, axes, clearance=o.quantity == "clearance")
     except ArgumentError as error:
@@ -154,27 +163,6 @@ def command(o: Options) -> int:
     return 0
 
 
-def _axes(instance: Instance, texts: tuple[str, ...]) -> list[Axis]:
-    """Return the values and drives that vary."""
-    from gspcli.motion.singularities.scans import axis_of, drive_names
-
-    known = (*_NUMBERS, *drive_names(instance))
-    return [
-        axis_of(instance, int(name) if name in _NUMBERS else name, nodes)
-        for name, nodes in axes_of(texts, known)
-    ]
-
-
-def _refuse_coordinates(o: Options) -> None:
-    """Raise for options about poses where values vary."""
-    if any(text.strip()[:1] in "xyzr" for text in o.texts):
-        raise click.UsageError(
-            "--vary: found coordinates of a pose: give --pose, too, for the coordinates that stay"
-        )
-    if o.euler or o.pivot:
-        raise click.UsageError("--euler and --pivot say how --pose is read: give --pose, too")
-
-
 def _refuse_gaps(found: Scan, limits: Boundary) -> None:
     """Raise if poses of a node are missing, or folds do not explain a change of the number."""
     from gspcli.motion.singularities.scans import UNKNOWN
@@ -194,9 +182,12 @@ def _fill(found: Scan, workers: Workers, journal: Path | None) -> None:
     """Find the poses at all nodes, but for those in the work file."""
     from gspcli.journal import Journal
     from gspcli.motion.singularities.scans import Piece, scanned
+    from gspcli.spec import dumps
 
     done: set[int] = set()
-    title = _identity(found)
+    # The data that identify the scan in the work file.
+    parts = (dumps(found.instance), found.axes, found.clearances is not None, __version__)
+    title = hashlib.sha256(repr(parts).encode()).hexdigest()[:16]
     with nullcontext() if journal is None else Journal.opened(journal) as work:
         if work is not None:
             for scan, piece in work.read(lambda line: (line.pop("scan"), Piece(**line))):
@@ -205,23 +196,11 @@ def _fill(found: Scan, workers: Workers, journal: Path | None) -> None:
                     done.add(piece.number)
         missing = [number for number in range(found.pieces) if number not in done]
         results = workers.as_completed(partial(scanned, found, SEED), missing)
-        for piece in progress(
-            results,
-            total=len(missing),
-            label="nodes in thousands" if found.piece == 1000 else "parts of the nodes",
-            lines=True,
-        ):
+        label = "nodes in thousands" if found.piece == 1000 else "parts of the nodes"
+        for piece in progress(results, total=len(missing), label=label, lines=True):
             found.enter(piece)
             if work is not None:
                 work.append({"scan": title, **asdict(piece)})
-
-
-def _identity(found: Scan) -> str:
-    """Return the data that identify a scan in a work file."""
-    from gspcli.spec import dumps
-
-    parts = (dumps(found.instance), found.axes, found.clearances is not None, __version__)
-    return hashlib.sha256(repr(parts).encode()).hexdigest()[:16]
 
 
 def _boundary(found: Scan) -> Boundary:
@@ -238,6 +217,8 @@ _TURN = ("qw", "qx", "qy", "qz")
 
 def scan_table(result: ScanResult, form: str, frame: PoseFrame) -> Result:
     """Return the table of the nodes, or that of the folds with poses as expressed in a frame."""
+    import numpy as np
+
     from gspcli.geometry.arrangement import Arrangement
 
     found, limits, instance = result.found, result.limits, result.found.instance
@@ -245,38 +226,34 @@ def scan_table(result: ScanResult, form: str, frame: PoseFrame) -> Result:
     columns = [
         FIELDS[name].but(title=_heading(instance, name), essential=True) for name in result.names
     ]
-    if result.folds:
-        position = _OWN if frame.is_identity else _EXPRESSED
-        columns += FIELDS.of("change")
-        # Tables for people show positions, which distinguish mirror images.
-        shown = (*position, *_TURN) if form == "csv" else position
-        size = Arrangement.of(instance).length
-        columns += [
-            FIELDS[key].but(minor=1, aligned=True, size=size, essential=False) for key in shown
-        ]
-    else:
-        columns += FIELDS.of("modes condition clearance?", document["nodes"])
-    notes = [_note(found)]
+    numbers, counts = np.unique(found.modes[found.modes >= 0], return_counts=True)
+    tally = zip(numbers.tolist(), counts.tolist(), strict=True)
+    modes = ", ".join(f"{number} at {count}" for number, count in tally)
+    notes = [f"{found.modes.size} nodes; modes: {modes}"]
     if limits.curves:
         cusps = sum(len(curve.cusps) for curve in limits.curves)
         curves = counted(len(limits.curves), "curve")
         notes.append(f"discriminant: {curves}, {counted(cusps, 'cusp')}")
     notes += [_meeting(result.names, one, frame) for one in limits.meetings]
+    name = "folds" if result.folds else "nodes"
     if result.folds:
+        position = _OWN if frame.is_identity else _EXPRESSED
+        # Tables for people show positions, which distinguish mirror images.
+        shown = (*position, *_TURN) if form == "csv" else position
+        size = Arrangement.of(instance).length
+        columns += FIELDS.of("change")
+        columns += [
+            FIELDS[key].but(minor=1, aligned=True, size=size, essential=False) for key in shown
+        ]
         notes += frame_note(frame)
-    rows = document["folds" if result.folds else "nodes"]
+    else:
+        columns += FIELDS.of("modes condition clearance?", document["nodes"])
     table = Result(
-        columns,
-        rows,
-        instance.title,
-        notes,
-        schema="scan",
-        name="folds" if result.folds else "nodes",
-        head=document,
+        columns, document[name], instance.title, notes, schema="scan", name=name, head=document
     )
     if not result.folds or frame.is_identity:
         return table
-    return replace(table, parts=[replace(table, rows=_expressed(rows, result, frame))])
+    return replace(table, parts=[replace(table, rows=_expressed(document[name], result, frame))])
 
 
 def _expressed(
@@ -300,12 +277,6 @@ def _heading(instance: Instance, name: str) -> str:
     return f"{name} {instance.constraints[int(name) - 1].kind.name}" if name.isdecimal() else name
 
 
-def _note(found: Scan) -> str:
-    numbers, counts = _tally(found)
-    parts = [f"{modes} at {count}" for modes, count in zip(numbers, counts, strict=True)]
-    return f"{found.modes.size} nodes; modes: {', '.join(parts)}"
-
-
 def _meeting(names: list[str], one: Meeting, frame: PoseFrame) -> str:
     """Return what is known about modes that meet in no simple fold."""
     ends = (
@@ -322,77 +293,49 @@ def _meeting(names: list[str], one: Meeting, frame: PoseFrame) -> str:
     )
 
 
-def _tally(found: Scan) -> tuple[list[int], list[int]]:
-    import numpy as np
-
-    numbers, counts = np.unique(found.modes[found.modes >= 0], return_counts=True)
-    return numbers.tolist(), counts.tolist()
-
-
-def _scan_poses(o: Options, quantity: str) -> None:
+def _scan_poses(o: Options) -> None:
     """Scan poses and show what was found."""
+    from gspcli.geometry.measurement import printed_conditions
     from gspcli.motion.singularities.scans import Axis, PoseScan
 
     axes = tuple(Axis(*axis) for axis in axes_of(o.texts, PARAMETERS))
     o.pose.read(o.form)
     found = PoseScan(o.instance, axes, o.pose.numbers(o.form), o.form)
-    cleared = quantity == "clearance" and not o.folds
-    if cleared:
+    if o.quantity == "clearance" and not o.folds:
         with working("clearances"):
             found.clearances  # noqa: B018
     if o.output.format in DRAWINGS:
         from gspcli.pictures.charts import pose_map
 
+        quantity = "determinant" if o.quantity == QUANTITIES[0] else o.quantity
         write(o.output, pose_map(found, quantity, o.output.format))
         return
     names = [axis.name for axis in axes]
-    rows = _singular_rows(found, names) if o.folds else _node_rows(found, names, cleared=cleared)
     columns = FIELDS.of(" ".join(names))
+    if o.folds:
+        name, places = "singular", sorted(point.tolist() for point in found.singular.values())
+    else:
+        name, places = "nodes", found.places.reshape(-1, len(names)).tolist()
+    rows: list[dict[str, Any]] = [dict(zip(names, place, strict=True)) for place in places]
     if not o.folds:
+        shown = {"determinant": found.determinants}
+        shown["condition"] = printed_conditions(found.conditions)
+        if o.quantity == "clearance":
+            shown["clearance"] = found.clearances
+        for key, numbers in shown.items():
+            for row, number in zip(rows, numbers.ravel().tolist(), strict=True):
+                row[key] = number if key == "clearance" else finite(number)
         columns += FIELDS.of("determinant condition clearance?", rows)
     positive, negative = (int((found.determinants * sign > 0).sum()) for sign in (1, -1))
     note = (
         f"{found.determinants.size} poses; determinant positive at {positive}, negative at "
         f"{negative}; {len(found.singular)} singular poses on edges of the grid"
     )
-    name = "singular" if o.folds else "nodes"
     head: dict[str, Any] = {"over": {axis.name: list(axis.values) for axis in axes}, name: rows}
     if o.folds:
         head["curves"] = [{"values": curve.tolist()} for curve in found.curves]
-    emit(
-        o.output,
-        Result(
-            columns,
-            rows,
-            o.instance.title,
-            [note],
-            instance=o.instance,
-            schema="scan",
-            name=name,
-            head=head,
-        ),
-    )
-
-
-def _node_rows(found: PoseScan, names: list[str], *, cleared: bool) -> list[dict[str, Any]]:
-    import numpy as np
-
-    from gspcli.geometry.measurement import printed_conditions
-
-    conditions, rows = printed_conditions(found.conditions), []
-    for node in np.ndindex(*found.determinants.shape):
-        determinant, condition = found.determinants[node], conditions[node]
-        rows.append(
-            {
-                **dict(zip(names, found.places[node].tolist(), strict=True)),
-                "determinant": float(determinant) if np.isfinite(determinant) else None,
-                "condition": float(condition) if np.isfinite(condition) else None,
-                **({"clearance": float(found.clearances[node])} if cleared else {}),
-            }
-        )
-    return rows
-
-
-def _singular_rows(found: PoseScan, names: list[str]) -> list[dict[str, Any]]:
-    points = sorted(point.tolist() for point in found.singular.values())
-    return [dict(zip(names, point, strict=True)) for point in points]
+    result = Result(
+        columns, rows, o.instance.title, [note], instance=o.instance, schema="scan", name=name,
+        head=head,
+    )  # fmt: skip
+    emit(o.output, result)
