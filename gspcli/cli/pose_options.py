@@ -490,12 +490,7 @@ def warn_of_values(
 ) -> None:
     """Say on standard error that values beside poses, which are not used, contradict them.
 
-    Parameters
-    ----------
-    text, name, form
-        A file of n poses.
-    instance, values
-        The platform, and what its constraints measure at the poses, shape (n, 6).
+    The file is one of n poses, at which the constraints measure the values, shape (n, 6).
     """
     if not text or text.lstrip()[:1] in "{[":
         return

@@ -63,18 +63,10 @@ def measured_quantities(
     T: Array,
     known: Mapping[str, Array | QuantityParts] | None = None,
 ) -> dict[str, Array | QuantityParts]:
-    """Return the numbers that requirements are about.
+    """Return the numbers that requirements are about, at n poses R, T.
 
-    Parameters
-    ----------
-    instance
-        The platform.
-    requirements
-        What is required.
-    values, R, T
-        What n poses measure, shape (n, 6), and the poses.
-    known
-        Numbers that the command has already computed.
+    The poses measure the values, shape (n, 6); known numbers are those that the command has
+    already computed.
 
     Raises
     ------
@@ -149,17 +141,10 @@ def limits_of(
     T: Array,
     at: tuple[Machine, Array] | None = None,
 ) -> QuantityParts:
-    """Return shares of ranges or cones, or transmissions, of n poses.
+    """Return the ``range`` or ``cone`` as shares, or the ``transmission``, at n poses R, T.
 
-    Parameters
-    ----------
-    instance, values, R, T
-        As for `measured_quantities`.
-    name
-        ``range``, ``cone`` or ``transmission``.
-    at
-        The drives of an instance with cranks or slides, and their numbers at the poses, shape
-        (n, m); where the poses ask them to be if None.
+    The poses measure the values, shape (n, 6). Drives of cranks and slides have the numbers `at`,
+    shape (n, m), or those that the poses ask for if it is None.
 
     Raises
     ------
@@ -219,18 +204,8 @@ def settled(
 ) -> tuple[Result, list[RequirementVerdict]]:
     """Return a result with what is required of it and the verdicts, and these.
 
-    Parameters
-    ----------
-    result
-        A row for each of n poses of its instance.
-    requirements
-        What is required.
-    R, T
-        The poses, shapes (n, 3, 3) and (n, 3).
-    places
-        What each is called, see `place_text`.
-    known
-        Numbers that the command has already computed and shows.
+    The result has a row for each of n poses R, T of its instance; `place_text` says what each place
+    is. Known numbers are those that the command has already computed and shows.
     """
     if not requirements:
         return result, []

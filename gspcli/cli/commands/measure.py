@@ -8,17 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from gspcli.cli import pose_options
 from gspcli.cli.options import Command, Options, exclusive, output_options
-from gspcli.cli.pose_options import (
-    column_options,
-    frame_note,
-    one_mode,
-    pose_options,
-    pose_value_option,
-    text_of,
-    warn_of_range,
-    warn_of_values,
-)
 from gspcli.cli.render import emit
 from gspcli.cli.requirements import refuse, require_option, required, settled
 from gspcli.cli.result import POSE, Field, Fields, Result
@@ -47,7 +38,7 @@ _NOT_FOUND = "none found"
 @click.argument("poses", metavar="[POSES]", required=False)
 @exclusive("--drives", "--cranks")
 @exclusive("--cranks", "--nearest")
-@pose_value_option("instead of POSES")
+@pose_options.pose_value_option("instead of POSES")
 @click.option(
     "--drives",
     is_flag=True,
@@ -59,8 +50,8 @@ _NOT_FOUND = "none found"
 @click.option(
     "--nearest", is_flag=True, help="The nearest poses within ranges and cones, and their values."
 )
-@pose_options
-@column_options
+@pose_options.pose_options
+@pose_options.column_options
 @require_option("range, cone, clearance>=0.5, condition<=50")
 @output_options()
 def command(o: Options) -> None:
@@ -127,7 +118,7 @@ def command(o: Options) -> None:
     form = o.form
     text = name = ""
     if o.pose is None:
-        text, name = text_of(str(o.poses))
+        text, name = pose_options.text_of(str(o.poses))
         table = read_poses(text, name, form)
     else:
         R, T = o.pose.read(form)
@@ -139,7 +130,7 @@ def command(o: Options) -> None:
         result = _motors(instance, table, t, cranks=o.cranks)
     else:
         values, result = _values(instance, table, t)
-        warn_of_values(text, name, form, instance, values)
+        pose_options.warn_of_values(text, name, form, instance, values)
     verdicts: list[RequirementVerdict] = []
     if not (o.cranks or o.nearest):
         # Poses that are refused have no other numbers.
@@ -156,7 +147,7 @@ def command(o: Options) -> None:
         result = replace(part, rows=rows)
     emit(o.output, result)
     if not (o.drives or o.cranks or o.nearest):
-        warn_of_range(instance, t, values)
+        pose_options.warn_of_range(instance, t, values)
     refuse(verdicts)
     _say_refused(result.rows, required=bool(requirements))
     missing = [row["t"] for row in result.rows if row.get("limits") == [_NOT_FOUND]]
@@ -275,7 +266,7 @@ def _nearest(instance: Instance, table: PoseTable, t: list[float], form: PoseFor
     from gspcli.geometry.quaternions import quaternion_from_rotation
     from gspcli.motion.paths.nearest_poses import NearestPoses
 
-    _, R, T = one_mode(instance, None)
+    _, R, T = pose_options.one_mode(instance, None)
     tool = form.frame.tool.shifted(form.pivot).T
     pivot = None if tool is None else tool.tolist()
     names = {str(k): f"{k} {row.kind.name}" for k, row in enumerate(instance.constraints, 1)}
@@ -298,4 +289,4 @@ def _nearest(instance: Instance, table: PoseTable, t: list[float], form: PoseFor
     ]
     moved = sum(bool(row["limits"]) for row in rows)
     summary = f"{counted(moved, 'pose')} of {len(rows)} moved to the nearest one within the limits"
-    return _result(instance, columns, rows, [*frame_note(form.frame)], [summary])
+    return _result(instance, columns, rows, [*pose_options.frame_note(form.frame)], [summary])

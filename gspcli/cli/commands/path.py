@@ -6,18 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from gspcli.cli.options import (
-    HOME,
-    Command,
-    Finite,
-    Options,
-    Positive,
-    exclusive,
-    needs,
-    output_options,
-    seed_option,
-    value_options,
-)
+from gspcli.cli import options
 from gspcli.cli.pose_options import GivenPose, frame_note, pose_options
 from gspcli.cli.render import emit
 from gspcli.cli.result import Fields, Result, pose_columns
@@ -45,7 +34,7 @@ class _EndType(click.ParamType):  # type: ignore[type-arg]
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         """Return a number, ``home``, or a `GivenPose`."""
         del ctx
-        if not isinstance(value, str) or value == HOME:
+        if not isinstance(value, str) or value == options.HOME:
             return value
         if value.isascii() and value.isdigit():
             return int(value)
@@ -69,18 +58,18 @@ class _LimitType(click.ParamType):  # type: ignore[type-arg]
                 self.fail(f"{shown(name)} is not one of drives, platform, turn.", param, ctx)
             if name in found:
                 self.fail(f"{name} stands twice.", param, ctx)
-            found[name] = Positive().convert(number.strip(), param, ctx)
+            found[name] = options.Positive().convert(number.strip(), param, ctx)
         if "drives" not in found and len(found) < 2:
             self.fail("give drives, or both platform and turn.", param, ctx)
         return found
 
 
-@click.command(cls=Command)
-@exclusive("--all", "--from")
-@exclusive("--all", "--to")
-@exclusive("--all", "--speed")
-@needs("--speed", "--acceleration")
-@needs("--acceleration", "--speed")
+@click.command(cls=options.Command)
+@options.exclusive("--all", "--from")
+@options.exclusive("--all", "--to")
+@options.exclusive("--all", "--speed")
+@options.needs("--speed", "--acceleration")
+@options.needs("--acceleration", "--speed")
 @click.argument("spec", metavar="SPEC")
 @click.option(
     "--from",
@@ -107,7 +96,7 @@ class _LimitType(click.ParamType):  # type: ignore[type-arg]
 )
 @click.option(
     "--clear",
-    type=Finite(0.0),
+    type=options.Finite(0.0),
     default=0.0,
     show_default=False,
     metavar="D",
@@ -116,14 +105,14 @@ class _LimitType(click.ParamType):  # type: ignore[type-arg]
 @click.option(
     "--leg-gap",
     "gap",
-    type=Finite(),
+    type=options.Finite(),
     metavar="D",
     help="Legs must be D apart at every pose, proved; SPEC states their diameters.",
 )
 @click.option(
     "--time",
     "seconds",
-    type=Positive(),
+    type=options.Positive(),
     default=PATH_SECONDS,
     metavar="SECONDS",
     help="Stop after this time. A path that is found does not depend on it.",
@@ -141,11 +130,11 @@ class _LimitType(click.ParamType):  # type: ignore[type-arg]
     metavar="A",
     help="With --speed: no acceleration is above A, in units a second squared, proved likewise.",
 )
-@seed_option("")
-@value_options
+@options.seed_option("")
+@options.value_options
 @pose_options
-@output_options()
-def command(o: Options) -> None:
+@options.output_options()
+def command(o: options.Options) -> None:
     """Plan a path from one pose to another that is proved safe on the whole way.
 
     Two facts are proved for every pose of the path, also between its rows: it is not singular, and

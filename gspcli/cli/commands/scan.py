@@ -12,16 +12,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from gspcli import __version__
-from gspcli.cli.options import (
-    DRAWINGS,
-    FORMATS,
-    Command,
-    Options,
-    output_options,
-    resume_option,
-    value_options,
-    worker_options,
-)
+from gspcli.cli import options
 from gspcli.cli.pose_options import PARAMETERS, axes_of, frame_note, pose_options, pose_value_option
 from gspcli.cli.render import emit, write
 from gspcli.cli.requirements import finite
@@ -43,7 +34,7 @@ QUANTITIES = ("modes", "condition", "clearance")
 _NUMBERS = tuple("123456")
 
 
-@click.command(cls=Command)
+@click.command(cls=options.Command)
 @click.argument("spec", metavar="SPEC")
 @click.option(
     "--vary",
@@ -55,7 +46,7 @@ _NUMBERS = tuple("123456")
     "such as crank.B1, or, with --pose, x, y, z (rx, ry, rz with --euler); once or twice.",
 )
 @pose_value_option("the pose whose coordinates vary; the other coordinates stay")
-@value_options
+@options.value_options
 @pose_options
 @click.option(
     "--folds",
@@ -70,10 +61,10 @@ _NUMBERS = tuple("123456")
     help="The quantity of pictures (over poses the determinant instead of modes). With clearance "
     "it is a column, too (some milliseconds a mode or pose).",
 )
-@resume_option
-@worker_options
-@output_options(formats=(*FORMATS, *DRAWINGS))
-def command(o: Options) -> int:
+@options.resume_option
+@options.worker_options
+@options.output_options(formats=(*options.FORMATS, *options.DRAWINGS))
+def command(o: options.Options) -> int:
     """Count the real assembly modes where one or two values or drives vary.
 
     All poses are found at every node of the grid. The column modes has the number of real ones,
@@ -151,7 +142,7 @@ def command(o: Options) -> int:
     if interrupted and o.output.path is not None:
         say(f"{o.output.path}: not written; --resume keeps what is done for the next run")
         return INTERRUPTED
-    if o.output.format in DRAWINGS:
+    if o.output.format in options.DRAWINGS:
         from gspcli.pictures.charts import mode_map
 
         write(o.output, mode_map(found, limits, o.quantity, o.output.format))
@@ -293,7 +284,7 @@ def _meeting(names: list[str], one: Meeting, frame: PoseFrame) -> str:
     )
 
 
-def _scan_poses(o: Options) -> None:
+def _scan_poses(o: options.Options) -> None:
     """Scan poses and show what was found."""
     from gspcli.geometry.measurement import printed_conditions
     from gspcli.motion.singularities.scans import Axis, PoseScan
@@ -304,7 +295,7 @@ def _scan_poses(o: Options) -> None:
     if o.quantity == "clearance" and not o.folds:
         with working("clearances"):
             found.clearances  # noqa: B018
-    if o.output.format in DRAWINGS:
+    if o.output.format in options.DRAWINGS:
         from gspcli.pictures.charts import pose_map
 
         quantity = "determinant" if o.quantity == QUANTITIES[0] else o.quantity

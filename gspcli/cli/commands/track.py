@@ -10,24 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from gspcli.cli.options import (
-    Command,
-    Options,
-    Whole,
-    exclusive,
-    jobs_option,
-    output_options,
-    value_options,
-)
-from gspcli.cli.pose_options import (
-    column_options,
-    frame_note,
-    mode_number,
-    mode_option,
-    near_option,
-    pose_options,
-    text_of,
-)
+from gspcli.cli import options, pose_options
 from gspcli.cli.render import emit
 from gspcli.cli.requirements import (
     gaps_of,
@@ -65,16 +48,16 @@ if TYPE_CHECKING:
 FIELDS = Fields("track")
 
 
-@click.command(cls=Command)
-@exclusive("--mode", "--near")
+@click.command(cls=options.Command)
+@options.exclusive("--mode", "--near")
 @click.argument("spec", metavar="SPEC")
 @click.argument("values", metavar="VALUES")
-@mode_option("only this one is followed.")
-@near_option("only this one is followed")
-@value_options
+@pose_options.mode_option("only this one is followed.")
+@pose_options.near_option("only this one is followed")
+@options.value_options
 @click.option(
     "--steps",
-    type=Whole(1),
+    type=options.Whole(1),
     default=1,
     help="Write N rows for each row of VALUES, evenly between it and the next one.",
 )
@@ -111,11 +94,11 @@ FIELDS = Fields("track")
     "independent (gsp clearance --of pose).",
 )
 @require_option("range, cone, clearance>=0.5, condition<=50")
-@pose_options
-@column_options
-@jobs_option
-@output_options()
-def command(o: Options) -> None:
+@pose_options.pose_options
+@pose_options.column_options
+@options.jobs_option
+@options.output_options()
+def command(o: options.Options) -> None:
     """Follow assembly modes while the values change, and prove that none jumps.
 
     Each row of the output is one mode at one row of VALUES: position and unit quaternion of the
@@ -172,7 +155,7 @@ def command(o: Options) -> None:
 
     requirements = required(o.require)
     form = o.form
-    table = read_values(*text_of(o.values), o.instance, form, delta=o.relative)
+    table = read_values(*pose_options.text_of(o.values), o.instance, form, delta=o.relative)
     done = _along_poses(o, table) if o.along == "poses" else _along_values(o, table)
     result, limits, left = done.track, done.limits, done.left
     with working("looking for singularities"):
@@ -203,7 +186,9 @@ def command(o: Options) -> None:
     refuse(verdicts)
 
 
-def _clearances(o: Options, result: Track, requirements: list[Requirement]) -> dict[str, Array]:
+def _clearances(
+    o: options.Options, result: Track, requirements: list[Requirement]
+) -> dict[str, Array]:
     """Return the clearances that are asked for, by their names in rows, each of shape (m, r)."""
     asked = {one.quantity for one in requirements}
     found = {}
@@ -308,7 +293,7 @@ def _track_table(
     )
     if result.complete:
         note += "; every real pose at the last row is accounted for"
-    notes = [note, *_cones_notes(result, limits), *frame_note(frame)]
+    notes = [note, *_cones_notes(result, limits), *pose_options.frame_note(frame)]
     title = result.instance.title
     return Result(columns, rows, title, notes, schema="track", name="poses", head=document)
 
@@ -349,7 +334,7 @@ class _FollowedTrack:
     frame: PoseFrame | None = None
 
 
-def _along_values(o: Options, table: ValueTable) -> _FollowedTrack:
+def _along_values(o: options.Options, table: ValueTable) -> _FollowedTrack:
     """Follow modes while the values change linearly."""
     from gspcli.motion import departures, track
     from gspcli.motion.paths.limit_events import limit_events
@@ -359,7 +344,7 @@ def _along_values(o: Options, table: ValueTable) -> _FollowedTrack:
         start = o.near.read(o.form)
     else:
         start = None if o.mode is not None or o.all_modes or o.everything else table.start
-    modes = None if o.mode is None else [mode_number(o.instance, o.mode)]
+    modes = None if o.mode is None else [pose_options.mode_number(o.instance, o.mode)]
     with working("following"):
         result = track(
             o.instance, table.values, coordinates=table.coordinates, t=table.t, modes=modes,
@@ -376,7 +361,7 @@ def _along_values(o: Options, table: ValueTable) -> _FollowedTrack:
     return _FollowedTrack(result, limits, left)
 
 
-def _along_poses(o: Options, table: ValueTable) -> _FollowedTrack:
+def _along_poses(o: options.Options, table: ValueTable) -> _FollowedTrack:
     """Prove the straight ways in position and angles between the poses of a file."""
     from gspcli.geometry.expressed_instances import expressed_instance
     from gspcli.geometry.readings import without_corrections

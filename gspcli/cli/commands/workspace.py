@@ -12,30 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from gspcli.cli.options import (
-    DRAWINGS,
-    FORMATS,
-    Command,
-    Finite,
-    Options,
-    Whole,
-    exclusive,
-    jobs_option,
-    needs,
-    output_options,
-    value_options,
-    without,
-)
-from gspcli.cli.pose_options import (
-    PARAMETERS,
-    frame_note,
-    mode_option,
-    one_mode,
-    pose_options,
-    pose_value_option,
-    real_poses,
-    span_of,
-)
+from gspcli.cli import options, pose_options
+from gspcli.cli.pose_options import PARAMETERS
 from gspcli.cli.render import emit, write
 from gspcli.cli.result import POSE, Fields, Result, vector_text
 from gspcli.cli.streams import progress, say
@@ -61,14 +39,14 @@ _TOLERANCE, _COARSE = 0.01, 0.1
 _MOST_SHOWN = 2_000_000
 
 
-@click.command(cls=Command)
-@exclusive("--mode", "--pose")
-@without("--shift", "--over", "--orientation", "--position")
-@needs("--within", "--over", "--orientation", "--position")
-@needs("--boxes", "--over", "--orientation", "--position")
+@click.command(cls=options.Command)
+@options.exclusive("--mode", "--pose")
+@options.without("--shift", "--over", "--orientation", "--position")
+@options.needs("--within", "--over", "--orientation", "--position")
+@options.needs("--boxes", "--over", "--orientation", "--position")
 @click.argument("spec", metavar="SPEC")
-@mode_option("where to begin.  [default: home]")
-@pose_value_option("home, instead of a mode of SPEC")
+@pose_options.mode_option("where to begin.  [default: home]")
+@pose_options.pose_value_option("home, instead of a mode of SPEC")
 @click.option(
     "--orientation",
     metavar="NUMBERS",
@@ -99,29 +77,29 @@ _MOST_SHOWN = 2_000_000
 )
 @click.option(
     "--leg-gap",
-    type=Finite(),
+    type=options.Finite(),
     metavar="D",
     help="Legs must be D apart at every pose, proved; SPEC states their diameters.",
 )
 @click.option(
     "--gap",
-    type=Finite(0, 1, min_open=True, max_open=True),
+    type=options.Finite(0, 1, min_open=True, max_open=True),
     metavar="R",
     help=f"The largest relative difference of the bounds of the volume.  [default: {_TOLERANCE}, "
     f"for boxes and pictures of three or more parameters {_COARSE}]",
 )
 @click.option(
     "--most-boxes",
-    type=Whole(1),
+    type=options.Whole(1),
     default=100_000_000,
     help="Judge at most about this many boxes.",
 )
 @click.option("--boxes", "listed", is_flag=True, help="Write the boxes instead of the volume.")
-@value_options
-@pose_options
-@jobs_option
-@output_options(formats=(*FORMATS, *DRAWINGS))
-def command(o: Options) -> None:
+@options.value_options
+@pose_options.pose_options
+@options.jobs_option
+@options.output_options(formats=(*options.FORMATS, *options.DRAWINGS))
+def command(o: options.Options) -> None:
     """Show what a platform can reach: travel of each axis, positions, orientations.
 
     A pose can be reached if each value is in its range, and each leg in the cones that SPEC
@@ -155,7 +133,7 @@ def command(o: Options) -> None:
       gsp workspace thick.yaml --over x,z --leg-gap 2
     """
     free = _free(o.over, o.orientation, o.position)
-    if o.output.format in DRAWINGS and len(free or ()) not in (2, 3):
+    if o.output.format in options.DRAWINGS and len(free or ()) not in (2, 3):
         raise click.UsageError(
             "a picture needs two or three parameters: give --orientation, --position or --over"
         )
@@ -183,7 +161,7 @@ def command(o: Options) -> None:
     only = only and (
         o.connected is not None or _keeps_limits(moving, home, working_modes, o.leg_gap)
     )
-    coarse = (o.listed or o.output.format in DRAWINGS) and len(free) >= 3
+    coarse = (o.listed or o.output.format in options.DRAWINGS) and len(free) >= 3
     wanted = o.gap or (_COARSE if coarse else _TOLERANCE)
     from gspcli.motion.workspace.workspaces import workspace
 
@@ -193,7 +171,7 @@ def command(o: Options) -> None:
             connected=only, tolerance=wanted, most_boxes=o.most_boxes, jobs=o.jobs,
             stop=interrupted, progress=partial(progress, lines=True), **asked,
         )  # fmt: skip
-    if o.output.format in DRAWINGS:
+    if o.output.format in options.DRAWINGS:
         from gspcli.pictures.charts import workspace_slices
 
         write(o.output, workspace_slices(found, o.output.format))
@@ -264,7 +242,7 @@ def _free(
 
 
 def _interval(text: str) -> tuple[str, tuple[float, float]]:
-    name, low, high, count = span_of("within", text)
+    name, low, high, count = pose_options.span_of("within", text)
     if count is not None:
         raise GspError(f"--within: found {shown(text)}, expected NAME=LOW:HIGH, such as z=60:140")
     return name, (low, high)
@@ -291,14 +269,14 @@ def _modes_inside(found: Workspace, home: _Home, instance: Instance) -> list[int
     if found.connected:
         return []
     try:
-        R, T = home.frame.from_platform(*real_poses(instance))
+        R, T = home.frame.from_platform(*pose_options.real_poses(instance))
     except GspError:
         # Modes without numbers are not named.
         return []
     return [k + 1 for k, judged in enumerate(found.judged_poses(R, T).tolist()) if judged >= 0]
 
 
-def _volume(o: Options, found: Workspace, home: _Home) -> Result:
+def _volume(o: options.Options, found: Workspace, home: _Home) -> Result:
     """Return the extents over each parameter, and the volume above them; or the boxes."""
     instance, is_json, gap = o.instance, o.output.format == "json", found.boxes.gap
     count, between = len(found.inner_keys), len(found.open_keys)
@@ -330,7 +308,7 @@ def _volume(o: Options, found: Workspace, home: _Home) -> Result:
             f"all parts are counted: modes {listed(map(str, inside), 'and')} are in them, as a "
             "mode and its mirror image (--connected counts one part)"
         )
-    notes += frame_note(home.frame)
+    notes += pose_options.frame_note(home.frame)
     if gap is not None:
         notes.append(f"legs and bodies are at least {gap:g} {instance.units.length} apart")
     volume = f"between {low:.6g} and {high:.6g} {found.measure} {verb}"
@@ -397,7 +375,7 @@ def _offsets(held: tuple[str, ...]) -> list[dict[str, float]]:
         if equals and name in PARAMETERS and not wrong_number(value):
             values = [float(value)]
         else:
-            name, low, high, count = span_of("shift", text)
+            name, low, high, count = pose_options.span_of("shift", text)
             if count is None or count < 1:
                 raise GspError(
                     f"--shift: found {shown(text)}, expected NAME=VALUE or NAME=LOW:HIGH:COUNT"
@@ -416,7 +394,7 @@ def _offsets(held: tuple[str, ...]) -> list[dict[str, float]]:
 _TRAVEL = ("down", "up", "total", "down_end", "up_end", "down_stops", "up_stops")
 
 
-def _travels(o: Options, instance: Instance, home: _Home, asked: dict[str, Any]) -> Result:
+def _travels(o: options.Options, instance: Instance, home: _Home, asked: dict[str, Any]) -> Result:
     """Return how far each axis travels from home, a row for each.
 
     The instance is in the frames of poses; what is asked for are arguments of `travels`.
@@ -442,7 +420,7 @@ def _travels(o: Options, instance: Instance, home: _Home, asked: dict[str, Any])
         f"from home: {home.text}",
         f"x, y, z in {units.length}, rx, ry, rz in {units.angle.value}; proved: up to there {what}",
     ]
-    notes += frame_note(home.frame)
+    notes += pose_options.frame_note(home.frame)
     if fixed := [str(k) for k, stays in enumerate(machine.fixed, 1) if stays]:
         stay = "s, kept by all" if len(fixed) > 1 else ", which every pose keeps"
         notes.append(f"fixed value{stay}: {listed(fixed, 'and')}")
@@ -539,7 +517,9 @@ class _Home:
         return f"{name}position ({position}), quaternion ({rotation})"
 
 
-def _head(o: Options, instance: Instance, home: _Home, *, connected: bool) -> dict[str, Any]:
+def _head(
+    o: options.Options, instance: Instance, home: _Home, *, connected: bool
+) -> dict[str, Any]:
     """Return what every document of `gsp workspace` begins with."""
     R, T = home.frame.to_platform(home.R, home.T)
     return {
@@ -554,7 +534,7 @@ def _head(o: Options, instance: Instance, home: _Home, *, connected: bool) -> di
     }
 
 
-def _home(o: Options, *, needed: bool) -> _Home:
+def _home(o: options.Options, *, needed: bool) -> _Home:
     """Return the home pose; without a position if none is needed.
 
     It is expressed in the frame of the options, if there is one: then the pivot is its origin.
@@ -575,7 +555,7 @@ def _home(o: Options, *, needed: bool) -> _Home:
     elif o.mode is None and (not needed or (orientation is not None and position is not None)):
         R, T, placed = np.eye(3), np.zeros(3), needed
     else:
-        number, R, T = one_mode(o.instance, o.mode)
+        number, R, T = pose_options.one_mode(o.instance, o.mode)
         R, T = frame.from_platform(R[0], T[0])
     home = _Home(R, T, pivot, size, frame, number, placed)
     at = home.T + home.R @ pivot
