@@ -201,14 +201,11 @@ def _most(entry: Mapping[str, Any], analysis: Analysis) -> dict[str, Any]:
     found: dict[str, Any] = {}
     loads, angles = entry.get("reactions", [None]), analysis.given.angles
     for name, of_angles in (("force", False), ("moment", True)):
-        sizes = {
-            k: abs(x)
-            for k, x in enumerate(loads, 1)
-            if x is not None and angles[k - 1] == of_angles
-        }
-        if sizes and None not in loads:
-            most = list(sizes)[int(first_largest(list(sizes.values())))]
-            found |= {name: sizes[most], f"{name}_in": most}
+        those = [k for k in range(len(loads)) if None not in loads and angles[k] == of_angles]
+        if those:
+            sizes = [abs(loads[k]) for k in those]
+            most = int(first_largest(sizes))
+            found |= {name: sizes[most], f"{name}_in": those[most] + 1}
     torques = entry.get("torques", [None])
     if None not in torques:
         torque, k = max((abs(x), -k) for k, x in enumerate(torques))
@@ -316,7 +313,7 @@ def _matrix(part: str, title: str, corner: str, rows: Any, columns: Any, matrix:
 def _errors(part: str, title: str, errors: Mapping[str, Any], note: str) -> Result:
     """Return the errors of each coordinate, and those of the whole rotation and distance."""
     keys = [key for key in ("worst", "bound", "rms") if key in errors]
-    rows: list[dict[str, Any]] = [
+    rows = [
         {"error": name, **{key: errors[key][k] for key in keys}} for k, name in enumerate(_TWIST)
     ]
     for name, key in (("rotation", "turn"), ("distance", "shift")):

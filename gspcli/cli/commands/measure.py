@@ -22,11 +22,10 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from gspcli.geometry.instance import Instance
-    from gspcli.motion import PoseTable
+    from gspcli.motion import PoseFormat, PoseTable
     from gspcli.motion.files.requirements import QuantityParts, RequirementVerdict
 
     Array = NDArray[np.float64]
-    from gspcli.motion import PoseFormat
 
 FIELDS = Fields("measure")
 #: What stands for the limits of a nearest pose where none is found.
@@ -191,12 +190,12 @@ def _values(instance: Instance, table: PoseTable, t: list[float]) -> tuple[Array
 
     units, values = instance.units, measure(instance, table.R, table.T)
     length, angle = Arrangement.of(instance).length, 1 / units.angle.in_radians
-    columns = FIELDS.of("t")
+    columns, sided = FIELDS.of("t"), []
     for k, constraint in enumerate(instance.constraints, 1):
         size = length if constraint.kind.is_distance else angle
         title = f"{k} {constraint.kind.name}"
         columns.append(FIELDS[str(k)].but(title=title, within="values", size=size, essential=True))
-    sided = [str(k) for k, row in enumerate(instance.constraints, 1) if row.kind.has_sides]
+        sided += [str(k)] if constraint.kind.has_sides else []
     rows: list[dict[str, Any]] = []
     for time, numbers in zip(t, values.tolist(), strict=True):
         row = {"t": time, **{str(k): x for k, x in enumerate(numbers, 1)}}
@@ -228,10 +227,8 @@ def _motors(instance: Instance, table: PoseTable, t: list[float], *, cranks: boo
     drives, q = drive_values(instance, table.R, table.T)
     refused = refusals(drives, table.R, table.T, q)
     names = turned or list(drives.names)
-    columns = FIELDS.of("t")
-    columns += [
-        FIELDS["crank.*"].but(key=name, within="angles" if cranks else "numbers") for name in names
-    ]
+    within = "angles" if cranks else "numbers"
+    columns = [*FIELDS.of("t"), *(FIELDS["crank.*"].but(key=name, within=within) for name in names)]
     rows: list[dict[str, Any]] = []
     for time, numbers in zip(t, drives.readings(q).tolist(), strict=True):
         row = dict(zip(drives.names, numbers, strict=True))

@@ -132,7 +132,10 @@ def command(o: options.Options) -> None:
       gsp workspace platform.yaml --over x,z -o section.svg
       gsp workspace thick.yaml --over x,z --leg-gap 2
     """
-    free = _free(o.over, o.orientation, o.position)
+    from gspcli.motion.workspace.travels import too_near, violations
+    from gspcli.motion.workspace.workspaces import workspace
+
+    free = _free(o)
     if o.output.format in options.DRAWINGS and len(free or ()) not in (2, 3):
         raise click.UsageError(
             "a picture needs two or three parameters: give --orientation, --position or --over"
@@ -158,13 +161,14 @@ def command(o: options.Options) -> None:
     if free is None:
         emit(o.output, _travels(o, moving, home, asked | {"connected": only}))
         return
-    only = only and (
-        o.connected is not None or _keeps_limits(moving, home, working_modes, o.leg_gap)
-    )
+    if only and o.connected is None:
+        left = violations(moving, home.R, home.T, working_modes)
+        left += [] if o.leg_gap is None else too_near(moving, home.R, home.T, o.leg_gap)
+        only = not left
+        if left:
+            say(f"home, moved as asked, leaves its limits ({left[0]}): all parts are counted")
     coarse = (o.listed or o.output.format in options.DRAWINGS) and len(free) >= 3
     wanted = o.gap or (_COARSE if coarse else _TOLERANCE)
-    from gspcli.motion.workspace.workspaces import workspace
-
     with _interruptible() as interrupted:
         found = workspace(
             moving, home.R, home.T, free=free, within=dict(map(_interval, o.intervals)),
@@ -195,19 +199,6 @@ def _working_modes(instance: Instance, moving: Instance, home: _Home) -> ArrayLi
     return Machine.of(moving).at_home(home.R, home.T).signs
 
 
-def _keeps_limits(
-    instance: Instance, home: _Home, working_modes: ArrayLike | None, gap: float | None
-) -> bool:
-    """Return whether home keeps the limits; if not, print which it leaves."""
-    from gspcli.motion.workspace.travels import too_near, violations
-
-    left = violations(instance, home.R, home.T, working_modes)
-    left += [] if gap is None else too_near(instance, home.R, home.T, gap)
-    if left:
-        say(f"home, moved as asked, leaves its limits ({left[0]}): all parts are counted")
-    return not left
-
-
 @contextmanager
 def _interruptible() -> Iterator[Callable[[], bool]]:
     """Note Ctrl-C instead of stopping at once, so that the result so far is shown."""
@@ -223,22 +214,19 @@ def _interruptible() -> Iterator[Callable[[], bool]]:
         signal.signal(signal.SIGINT, before)
 
 
-def _free(
-    over: str | None, orientation: str | None, position: str | None
-) -> tuple[str, ...] | None:
+def _free(o: options.Options) -> tuple[str, ...] | None:
     """Return which parameters vary; None for the travels."""
-    if over is not None:
-        names = tuple(name.strip() for name in over.split(","))
+    if o.over is not None:
+        names = tuple(name.strip() for name in o.over.split(","))
         if len(set(names)) < len(names) or not set(names) <= set(PARAMETERS):
-            raise GspError(
-                f"--over: found {shown(over)}, expected one or more of {', '.join(PARAMETERS)}"
-            )
+            expected = f"expected one or more of {', '.join(PARAMETERS)}"
+            raise GspError(f"--over: found {shown(o.over)}, {expected}")
         return names
-    if orientation is not None and position is not None:
+    if o.orientation is not None and o.position is not None:
         raise click.UsageError("with both --orientation and --position give --over, too")
-    if orientation is not None:
-        return ("x", "y", "z")
-    return ("rx", "ry", "rz") if position is not None else None
+    if o.orientation is not None:
+        return PARAMETERS[:3]
+    return PARAMETERS[3:] if o.position is not None else None
 
 
 def _interval(text: str) -> tuple[str, tuple[float, float]]:
