@@ -25,9 +25,9 @@ from gspcli.solver.kept_geometry import (
     from_nearest,
     same_geometry,
 )
-from gspcli.solver.poses import PoseSet
+from gspcli.solver.poses import Ends, PoseSet
 from gspcli.solver.problem import Problem
-from gspcli.solver.search import Ends, Search
+from gspcli.solver.search import Search
 from gspcli.solver.solved_starts import SolvedStarts, Sort
 from gspcli.solver.study_systems import complex_system
 

@@ -7,12 +7,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from enum import StrEnum
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.continuation.paths import PathAccount
+from gspcli.continuation.quadrics import ComplexArray
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.local_motions import Motion
 from gspcli.geometry.measurement import condition_numbers, proved_residuals, residuals
@@ -21,7 +22,8 @@ from gspcli.records import EqualByContent, dataclass
 
 if TYPE_CHECKING:
     from gspcli.certification.counting import ExactCount
-    from gspcli.certification.equations.local_frames import LocalFrames
+    from gspcli.certification.equations.local_frames import LocalFrames, StudyFrames
+    from gspcli.certification.poses.far_poses import FarPoses
 
 
 class CountKind(StrEnum):
@@ -184,6 +186,33 @@ class PoseBatch(EqualByContent):
 _FAR = 64
 #: What there is one of for each pose.
 _OF_POSES = ("quaternions", "R", "T", "real", "certified", "multiplicity")
+
+
+class Ends(NamedTuple):
+    """Points that may be poses, for each of b sets of values.
+
+    Attributes
+    ----------
+    points, frames
+        Study points of any norm for k choices of sides, shape (b, k, m, 8), and their frames; not
+        a number where a path is lost.
+    far
+        Poses far away, to which no paths lead, if there is one choice of sides.
+    has_directions
+        Whether quaternions are right in all digits, up to a factor, where N nearly vanishes, too:
+        where paths with fewer unknowns to one platform have arrived.
+    planes
+        For each end and constraint 1 or -1 for the complex plane through the line that the point
+        is in, 0 for constraints without points and lines, shape (m, 6); None if there are none.
+    """
+
+    points: ComplexArray
+    frames: StudyFrames
+    far: FarPoses | None = None
+    has_directions: bool = False
+    planes: NDArray[np.int64] | None = None
+
+
 #: Ends of paths that are no isolated poses.
 _NO_POSES = ("at_infinity", "on_curves", "spurious", "lost")
 

@@ -174,7 +174,7 @@ class SidePoses:
             Study points of any norm with quaternions that are right in double precision, up to a
             factor, one for each path, shape (n, 8).
         planes
-            As in `gspcli.solver.search.Ends`.
+            As in `gspcli.solver.poses.Ends`.
         """
         from gspcli.certification.poses.far_points import far_points
 

@@ -40,8 +40,7 @@ from gspcli.continuation.tracker import (
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.quaternions import apply, study_from_pose
 from gspcli.records import dataclass
-from gspcli.solver.poses import CountKind, PoseSet, Proof
-from gspcli.solver.search import Ends
+from gspcli.solver.poses import CountKind, Ends, PoseSet, Proof
 from gspcli.solver.solved_starts import SolvedStarts, Sort
 from gspcli.solver.study_systems import coefficients_of, complex_system, side_choices
 

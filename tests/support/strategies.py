@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from gspcli.solver.poses import Ends
 from gspcli.solver.problem import Problem
-from gspcli.solver.search import Ends, Search
+from gspcli.solver.search import Search
 
 Strategy = Callable[[Search], None]
 
