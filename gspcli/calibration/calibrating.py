@@ -155,8 +155,7 @@ def _vector_rate(vector: Array, omega: Array) -> Array:
         vector_from_rotation(rotation_from_vector(s * step * omega) @ rotation_from_vector(vector))
         for s in (1, -1)
     ]
-    rate: Array = (ends[0] - ends[1]) / (2 * step)
-    return rate
+    return np.asarray((ends[0] - ends[1]) / (2 * step))
 
 
 def _sparse(rows: Array) -> Array:
@@ -510,8 +509,7 @@ def prior_of(options: Options, model: Model) -> float:
     if options.prior is None:
         return PRIOR * model.length
     if not 0 < options.prior < np.inf:
-        message = f"found {options.prior:g}, expected a positive number"
-        raise ArgumentError(message, "prior")
+        raise ArgumentError(f"found {options.prior:g}, expected a positive number", "prior")
     return float(options.prior)
 
 
@@ -535,8 +533,7 @@ def chosen_model(instance: Instance, options: Options, *, drives: bool) -> Model
     for name in options.hold:
         free[_meant(model, name, "hold")] = False
     if not free.any():
-        message = "found nothing that is to be estimated"
-        raise ArgumentError(message, "hold")
+        raise ArgumentError("found nothing that is to be estimated", "hold")
     return replace(model, free=free)
 
 
@@ -589,8 +586,7 @@ def noise_of(model: Model, sigma: Mapping[str, float]) -> Noise:
         least = 0.0 if name in exact else np.nextafter(0, 1)
         if not (np.isfinite(number) and number >= least):
             expected = "a positive number" if least else "a number of at least 0"
-            message = f"found {number:g}, expected {expected}"
-            raise ArgumentError(message, f"sigma[{name!r}]")
+            raise ArgumentError(f"found {number:g}, expected {expected}", f"sigma[{name!r}]")
         changes[name] = float(number) * (model.in_radians if name in _ANGLES else 1.0)
     noise = replace(Noise.usual(model.length), **changes)
     for drive, deviation in zip(model.drives, noise.of_drives(model), strict=True):
@@ -974,9 +970,8 @@ def calibrate(
     """
     seen = _measurements(instance, values, R, T, points, targets, inclinations)
     if drives is not None:
-        blocks, turn = Model.of(instance, drives=True).drives, instance.units.angle.in_radians
-        readings = _shaped(drives, "drives", (len(seen), len(blocks)))
-        units = np.array([turn if one.sort == "crank" else 1.0 for one in blocks])
+        units = Model.of(instance, drives=True).drive_units
+        readings = _shaped(drives, "drives", (len(seen), len(units)))
         seen = replace(seen, drives=readings * units)
     options = Options(tuple(estimate), tuple(hold), robust, prior, hold_unknown)
     return calibrate_rows(instance, seen, sigma or {}, options)
@@ -1117,11 +1112,10 @@ def _without_worst(
 def _check_told(seen: Measurements, noise: Noise) -> None:
     """Raise if no row has more numbers than a pose has."""
     if not len(seen) or (not noise.exact and int(seen.numbers.max()) <= 6):
-        message = (
+        raise IncompleteError(
             "no row has more than six numbers; six are explained by a pose of any platform: "
             "measure values and poses, or points"
         )
-        raise IncompleteError(message)
 
 
 def _refusal(
@@ -1190,8 +1184,7 @@ def _shaped(given: ArrayLike, name: str, shape: tuple[int | None, ...]) -> Array
     )
     if not fits:
         expected = ", ".join("rows" if n is None else str(n) for n in shape)
-        message = f"found shape {array.shape}, expected ({expected})"
-        raise ArgumentError(message, name)
+        raise ArgumentError(f"found shape {array.shape}, expected ({expected})", name)
     if np.isinf(array).any():
         message = "found an infinite number, expected finite ones, NaN for what was not measured"
         raise ArgumentError(message, name)

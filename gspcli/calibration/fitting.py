@@ -284,11 +284,10 @@ def redundancies(found: Fit, seen: Measurements, noise: Noise) -> Array:
 def _check(wrong: NDArray[np.bool_], seen: Measurements) -> None:
     if wrong.any():
         row, column = np.argwhere(wrong)[0].tolist()
-        message = (
+        raise GspError(
             f"row {seen.lines[row]}: the value of constraint {column + 1} is zero or at its end "
             "there and has no derivative: leave that number blank"
         )
-        raise GspError(message)
 
 
 def _twist_sizes(model: Model) -> Array:
@@ -382,8 +381,7 @@ def started(instance: Instance, model: Model, seen: Measurements, noise: Noise) 
             R[rest], T[rest] = _agreeing(model, some, _modes(instance, model, some, noise), noise)
         return FitStart(model, *_with_less(instance, model, seen, R, T, noise, ~seen.whole & ~read))
     if not read.any():
-        message = "no row has all six readings: with unknown frames some rows must have them"
-        raise GspError(message)
+        raise GspError("no row has all six readings: with unknown frames some rows must have them")
     some = seen.taken(read)
     first, home = _from_home(instance, model, some, _modes(instance, model, some, noise), noise)
     R[read], T[read] = first.R, first.T
@@ -397,8 +395,7 @@ def _from_home(
     """Return the fit of frames to the poses of all rows near home, and which home that is."""
     result = solve(instance)
     if result.home is None:
-        message = "the stated values have no real pose: state those of a pose of the machine"
-        raise GspError(message)
+        raise GspError("the stated values have no real pose: state those of a pose of the machine")
 
     if instance.home is not None:
         places = _nearest(model, modes, result.home.R, result.home.T)
@@ -462,11 +459,10 @@ def _with_less(
         best = int(costs.argmin())
         # As far off as poses of stated numbers can be, and not only noise.
         if not costs[best] < (_AGREES * model.length / (noise.value or noise.position)) ** 2:
-            message = (
+            raise GspError(
                 f"row {seen.lines[k]}: no pose near those of other rows agrees with what it has: "
                 "leave the row out"
             )
-            raise GspError(message)
         R[k], T[k] = found[0][best], found[1][best]
     return R, T
 
@@ -506,11 +502,10 @@ def _modes(instance: Instance, model: Model, seen: Measurements, noise: Noise) -
         # Readings of distances to planes have a sign.
         right = apart * plain.value < 1e-3 * model.length
         if not right.any():
-            message = (
+            raise GspError(
                 f"row {seen.lines[k]}: no real pose has these readings with the stated geometry: "
                 "measure the whole pose, or leave the row out"
             )
-            raise GspError(message)
         found.append((R[right], T[right]))
     return found
 
@@ -604,8 +599,7 @@ def _common_turns(R: Array, seen: Array) -> tuple[Array, Array]:
 def _nearest_rotation(matrix: Array) -> Array:
     left, _, right = np.linalg.svd(matrix)
     sign = np.array([1.0, 1.0, np.linalg.det(left @ right)])
-    rotation: Array = (left * sign) @ right
-    return rotation
+    return np.asarray((left * sign) @ right)
 
 
 def _places(

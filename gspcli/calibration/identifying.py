@@ -319,8 +319,7 @@ def left_of_lengths(R: Array, T: Array, lengths: Array, factors: Array, *, offse
     square = lengths**2
 
     def across(part: Array) -> Array:
-        left: Array = part - basis @ (basis.T @ part)
-        return left
+        return np.asarray(part - basis @ (basis.T @ part))
 
     rest, of_rho, of_length = across(square), across(rho), across(lengths)
     left = rest[None] - factors[:, None, None] ** 2 * of_rho[None, :, None]
@@ -670,9 +669,8 @@ def _with_offsets(
     log: Log, rows: NDArray[np.intp], euler: str | None, best: Convention
 ) -> float | None:
     """Return how well lengths fit with a constant of each leg, if that is much better."""
-    if best.scatter < USUAL * float(log.lengths[rows].mean()):
-        return None
-    if len(rows) < UNKNOWNS + 1 + _SPARE:
+    exact = best.scatter < USUAL * float(log.lengths[rows].mean())
+    if exact or len(rows) < UNKNOWNS + 1 + _SPARE:
         return None
     other = conventions(log, rows, euler, offsets=True)[0][0]
     return other.scatter if other.scatter * _BETTER < best.scatter else None
@@ -687,11 +685,10 @@ def _check_rows(log: Log, rows: NDArray[np.intp], *, offsets: bool) -> None:
         raise IncompleteError(message)
     found, wanted = len(np.unique(poses, axis=0)), UNKNOWNS + offsets + _SPARE
     if found < wanted:
-        message = (
+        raise IncompleteError(
             f"found {counted(found, 'different pose')} with all six lengths, expected at least "
             f"{wanted} to find a machine without a file to start from: add rows, or give SPEC"
         )
-        raise IncompleteError(message)
 
 
 def _start(log: Log, best: Convention, pivot: Array, unit: str, *, offsets: bool) -> Instance:
@@ -732,8 +729,7 @@ def _check_only(
     legs = sorted({int(leg) + 1 for _, leg in np.argwhere(alike & apart)})
     if legs:
         what = "leg" if len(legs) == 1 else "legs"
-        message = (
+        raise IncompleteError(
             f"other joints of {what} {listed(map(str, legs), 'and')} explain the log as well: "
             "add poses that move and turn the platform, along and about all axes"
         )
-        raise IncompleteError(message)

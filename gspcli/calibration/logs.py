@@ -268,9 +268,9 @@ def _drives(table: NumberTable, instance: Instance) -> Array | None:
     }
     if not written:
         return None
-    drives = Model.of(instance, drives=True).drives
-    names = [drive.drive_name for drive in drives]
-    sorts = {drive.sort for drive in drives}
+    model = Model.of(instance, drives=True)
+    names = [drive.drive_name for drive in model.drives]
+    sorts = {drive.sort for drive in model.drives}
     what = {"crank": "cranks", "slide": "slides"}[sorts.pop()] if len(sorts) == 1 else "drives"
     for name, one in written.items():
         if name not in names:
@@ -280,10 +280,7 @@ def _drives(table: NumberTable, instance: Instance) -> Array | None:
         table.note_heading(f"the columns of {what} lack {listed(lacking, 'and')}")
     if table.mistakes:
         return None
-    angle = instance.units.angle.in_radians
-    units = np.array([angle if drive.sort == "crank" else 1.0 for drive in drives])
-    readings: Array = table.numbers(names, blanks=True) * units
-    return readings
+    return np.asarray(table.numbers(names, blanks=True) * model.drive_units)
 
 
 def _poses(table: NumberTable, form: PoseFormat) -> tuple[Array, Array]:

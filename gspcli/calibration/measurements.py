@@ -190,12 +190,10 @@ class Measurements:
                 parts.append(_point_rows(model, R, T, at, seen, noise.position, moves=moves))
             if len(self.inclinations):
                 parts.append(_inclination_rows(model, R, self.inclinations, noise.inclination))
-        found = WhitenedRows(
-            *(np.concatenate(arrays, axis=1) for arrays in zip(*parts, strict=True))
-        )
-        if self.left_out is None:
-            return found
-        return found._replace(residual=np.where(self.left_out, np.nan, found.residual))
+        r, J, P = (np.concatenate(arrays, axis=1) for arrays in zip(*parts, strict=True))
+        if self.left_out is not None:
+            r = np.where(self.left_out, np.nan, r)
+        return WhitenedRows(r, J, P)
 
 
 def constant_rods(instance: Instance, model: Model, seen: Measurements) -> Measurements:
@@ -267,10 +265,8 @@ def value_rows(model: Model, R: Array, T: Array, seen: Measurements, noise: Nois
     found = WhitenedRows(residual, by_model, by_twist(by, arm, w))
     if seen.drives is not None and model.drives:
         return _whitened(found, *_errors(model, R, by, seen, noise, sigma), model)
-    weight = 1 / np.broadcast_to(sigma, residual.shape)
-    return WhitenedRows(
-        residual * weight, by_model * weight[..., None], found.by_pose * weight[..., None]
-    )
+    weight = (1 / sigma)[:, None]
+    return WhitenedRows(residual * weight[:, 0], by_model * weight, found.by_pose * weight)
 
 
 def _in_body(by: Gradient, R: Array, body: Body, rows: list[int]) -> tuple[Array, Array]:
@@ -362,11 +358,9 @@ def _left(omega: Array) -> Array:
     angle = float(np.linalg.norm(omega))
     K = cross_matrix(omega)
     if angle < 1e-6:
-        half: Array = np.eye(3) + K / 2
-        return half
+        return np.asarray(np.eye(3) + K / 2)
     flat = (1 - np.cos(angle)) / angle**2
-    left: Array = np.eye(3) + flat * K + (angle - np.sin(angle)) / angle**3 * K @ K
-    return left
+    return np.asarray(np.eye(3) + flat * K + (angle - np.sin(angle)) / angle**3 * K @ K)
 
 
 def _point_rows(

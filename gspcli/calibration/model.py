@@ -134,14 +134,12 @@ class Block:
     def numbers(self, readings: Array) -> Array:
         """Return the numbers q of a drive for its readings."""
         offset, scale = self.corrections
-        numbers: Array = readings * (1 + scale) + offset
-        return numbers
+        return np.asarray(readings * (1 + scale) + offset)
 
     def readings(self, numbers: Array) -> Array:
         """Return the readings of a drive at its numbers q."""
         offset, scale = self.corrections
-        readings: Array = (numbers - offset) / (1 + scale)
-        return readings
+        return np.asarray((numbers - offset) / (1 + scale))
 
     def anchored(self, near: Array) -> Block:
         """Return the same primitive with its point moved within it, nearest to another one."""
@@ -155,8 +153,7 @@ class Block:
 
 def across(unit: Array) -> Array:
     """Return two unit vectors perpendicular to one and to each other, shape (2, 3)."""
-    rows: Array = np.linalg.svd(unit[None])[2][1:]
-    return rows
+    return np.asarray(np.linalg.svd(unit[None])[2][1:])
 
 
 def blocks_of(
@@ -399,6 +396,11 @@ class Model:
         """The blocks of cranks and slides."""
         return tuple(block for block in self.blocks if block.is_drive)
 
+    @property
+    def drive_units(self) -> Array:
+        """The units of the readings of drives in radians and lengths, shape (m,)."""
+        return np.array([self.in_radians if one.sort == "crank" else 1.0 for one in self.drives])
+
     def bodies(self, readings: Array | None = None) -> Bodies:
         """Return the primitives as they are now.
 
@@ -553,7 +555,8 @@ def file_numbers(instance: Instance, model: Model) -> FileNumbers:
     slopes: list[Array] = []
     count = len(model.free)
     for block, span in model.spans():
-        for label, vector, by in _vectors(_geometry(instance, block), block):
+        stated = getattr(instance.constraints[block.rows[0]], block.body)
+        for label, vector, by in _vectors(stated, block):
             whole = np.zeros((3, count))
             whole[:, span] = by
             names += [f"{block.body}.{block.name}.{label}{axis}" for axis in _AXES]
@@ -572,11 +575,6 @@ def file_numbers(instance: Instance, model: Model) -> FileNumbers:
     units = np.concatenate((angle, np.ones(6), turn))
     slopes.append(np.eye(count)[at:] / units[:, None])
     return FileNumbers(tuple(names), np.concatenate(values), np.concatenate(slopes))
-
-
-def _geometry(instance: Instance, block: Block) -> Geometry:
-    geometry: Geometry = getattr(instance.constraints[block.rows[0]], block.body)
-    return geometry
 
 
 def _vectors(stated: Geometry, block: Block) -> list[tuple[str, Array, Array]]:

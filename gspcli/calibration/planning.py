@@ -120,19 +120,16 @@ def candidates(
     centre = Arrangement.of(instance).platform_centre
     home = _kept(instance, model, R[None], T[None])
     if not len(home.T):
-        message = "home does not keep the limits: choose another with --mode"
-        raise ArgumentError(message)
+        raise ArgumentError("home does not keep the limits: choose another with --mode")
     if allowed is not None and not allowed(home.R, home.T).all():
-        message = "home does not keep what is required of planned poses: require less"
-        raise ArgumentError(message)
+        raise ArgumentError("home does not keep what is required of planned poses: require less")
     low, high = _box(instance, model, R, T)
     if not (high > low).any():
-        message = (
+        raise ArgumentError(
             "the ranges and cones leave no room about home: as stated the machine cannot move\n"
             "widen the ranges to those that it can have, or leave them out; where cranks or slides "
             "drive it, state them"
         )
-        raise ArgumentError(message)
     random = np.random.default_rng(seed)
     sign = _signs(model, home)[0]
     shared = any(len(drive.carried) > 1 for drive in model.drives)
@@ -155,8 +152,7 @@ def candidates(
             break
     if not number:
         what = "the ranges and cones" if allowed is None else "ranges, cones and what is required"
-        message = f"no pose about home keeps {what}: choose another with --mode"
-        raise ArgumentError(message)
+        raise ArgumentError(f"no pose about home keeps {what}: choose another with --mode")
     turns, places = (
         np.concatenate(part)[:count] for part in zip(*(p[:2] for p in found), strict=True)
     )
@@ -496,12 +492,11 @@ def planned(
     known = deviations(after)
     untold = int((known > _HARDLY * deviations(nothing)).sum())
     if untold == len(known) and 6 * count >= len(nothing):
-        message = (
+        raise IncompleteError(
             f"the poses within ranges and cones are so much alike that {count} of them would tell "
             "no number even twice as well as it is known now\n"
             "widen the ranges to those that the machine can have, or measure more exactly (--sigma)"
         )
-        raise IncompleteError(message)
     there = places.taken(chosen)
     return Plan(
         instance=instance,
@@ -510,7 +505,7 @@ def planned(
         readings=readings_of(instance, _values(instance, model, there)),
         drive_names=tuple(one.drive_name for one in model.drives),
         driven=tuple(k for one in model.drives for k in one.rows),
-        drives=np.zeros((count, 0)) if there.drives is None else there.drives / _units(model),
+        drives=np.zeros((count, 0)) if there.drives is None else there.drives / model.drive_units,
         names=tuple(np.array(numbers.names)[told].tolist()),
         sigma=known,
         before=deviations(before),
@@ -518,11 +513,6 @@ def planned(
         candidates=len(places.T),
         untold=untold,
     )
-
-
-def _units(model: Model) -> Array:
-    """Return the units of the readings of drives in radians and lengths, shape (m,)."""
-    return np.array([model.in_radians if one.sort == "crank" else 1.0 for one in model.drives])
 
 
 def _values(instance: Instance, model: Model, places: Places) -> Array:
@@ -538,8 +528,7 @@ def told_by(model: Model, places: Places, seen: Measurements | None, noise: Nois
     """Return the derivatives of what each pose tells by the scaled free parameters, (n, q, f)."""
     one = _whole(model, places) if seen is None else alike(seen, *places)
     slopes = reduced(model, places.R, places.T, one, noise).slopes * model.sizes[model.free]
-    found: Array = slopes.reshape(len(places.R), -1, slopes.shape[1])
-    return found
+    return np.asarray(slopes.reshape(len(places.R), -1, slopes.shape[1]))
 
 
 def _whole(model: Model, places: Places) -> Measurements:

@@ -87,8 +87,7 @@ def read_candidates(text: str, name: str, frame: PoseFrame = IDENTITY) -> Candid
         _json(text, name) if text.lstrip()[:1] in ("[", "{") else _poses_of_csv(text, name)
     )
     if not entries:
-        message = f"{name}: found no poses, expected at least one: {_EXPECTED}"
-        raise SpecError([Mistake(None, "", message)])
+        raise _unreadable(f"{name}: found no poses, expected at least one: {_EXPECTED}")
     mistakes: list[Mistake] = []
     poses = []
     for entry, (location, path) in zip(entries, where, strict=True):
@@ -128,8 +127,8 @@ def _json(text: str, name: str) -> tuple[list[Any], Places]:
         location = Location(name, error.lineno, error.colno)
         raise SpecError([Mistake(location, "", f"not JSON: {error.msg}")]) from error
     except RecursionError:
-        message = f"{name}: found lists that are nested too deeply, expected a list of poses"
-        raise SpecError([Mistake(None, "", message)]) from None
+        what = "found lists that are nested too deeply, expected a list of poses"
+        raise _unreadable(f"{name}: {what}") from None
     is_object = isinstance(document, dict)
     entries = document.get("solutions") if is_object else document
     if not isinstance(entries, list):
@@ -214,8 +213,7 @@ def _pose(entry: object) -> _Pose:
         return _Pose(numbers[:9].reshape(3, 3).astype(complex), numbers[9:].astype(complex))
     if not isinstance(entry, Mapping):
         found = f"{entry:g}" if isinstance(entry, float) else repr(entry)
-        message = f"found {found}, expected a pose: {_EXPECTED}"
-        raise ValueError(message)
+        raise ValueError(f"found {found}, expected a pose: {_EXPECTED}")
     parts = {
         key + suffix: _array(entry[key + suffix], shape, key + suffix)
         for key, shape in _SHAPES.items()
@@ -225,8 +223,7 @@ def _pose(entry: object) -> _Pose:
     rotation = "R" if "R" in parts else "quaternion"
     if rotation not in parts or "T" not in parts:
         found = ", ".join(parts) or "neither"
-        message = f"found {found}, expected {_EXPECTED}"
-        raise ValueError(message)
+        raise ValueError(f"found {found}, expected {_EXPECTED}")
     R, T = (
         parts[key].astype(complex) + 1j * parts.get(key + _IMAGINARY_PART, np.zeros(1))
         for key in (rotation, "T")
@@ -260,8 +257,7 @@ def _array(value: object, shape: tuple[int, ...], name: str) -> NDArray[np.float
         array = np.array(math.nan)
     if array.shape != shape or not np.isfinite(array).all():
         size = " x ".join(map(str, shape))
-        message = f"{name} is not {size} finite numbers"
-        raise ValueError(message)
+        raise ValueError(f"{name} is not {size} finite numbers")
     return array
 
 
@@ -275,8 +271,7 @@ def _has_truth_values(value: object) -> bool:
 def _rotation(quaternion: NDArray[Any]) -> NDArray[np.complex128]:
     norm = quaternion @ quaternion
     if norm == 0:
-        message = "found a quaternion of norm zero, expected one of a rotation"
-        raise ValueError(message)
+        raise ValueError("found a quaternion of norm zero, expected one of a rotation")
     return rotation_from_quaternion(quaternion).astype(complex)
 
 
@@ -348,8 +343,7 @@ def read_msolve(text: str, name: str) -> Points:
         raise _unreadable(message) from error
     if not boxes:
         return np.zeros((0, 0), complex)
-    middles: Points = array.reshape(len(boxes), -1, 2).mean(axis=2).astype(complex)
-    return middles
+    return np.asarray(array.reshape(len(boxes), -1, 2).mean(axis=2).astype(complex))
 
 
 def read_phcpack(text: str) -> tuple[tuple[str, ...], Points]:
@@ -376,8 +370,7 @@ def _csv(heading: Sequence[str], lines: Sequence[str], name: str) -> tuple[tuple
             for row in csv.DictReader(lines, fieldnames=heading)
         ]
     except (TypeError, ValueError, csv.Error) as error:
-        message = f"{name}: a line has no number for each of {', '.join(names)}"
-        raise _unreadable(message) from error
+        raise _unreadable(f"{name}: a line has no number for each of {', '.join(names)}") from error
     return names, np.array(numbers, complex).reshape(-1, len(names))
 
 
@@ -389,8 +382,7 @@ def _names(points: Points, name: str) -> tuple[str, ...]:
     if count == len(_STUDY):
         on_study = np.abs(dot(points[:, :4], points[:, :4]) - 1) < _TOLERANCE
         return _STUDY if on_study.all() else _AFFINE
-    message = f"{name}: found {count} unknowns, expected {len(_STUDY)} or {len(_RT)}"
-    raise _unreadable(message)
+    raise _unreadable(f"{name}: found {count} unknowns, expected {len(_STUDY)} or {len(_RT)}")
 
 
 def _candidates(

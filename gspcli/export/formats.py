@@ -302,8 +302,7 @@ def exported(
         If there is no such program, unknowns or mode.
     """
     if target not in FORMATS:
-        message = f"found {shown(target)}, expected {listed(FORMATS)}"
-        raise ArgumentError(message, "target")
+        raise ArgumentError(f"found {shown(target)}, expected {listed(FORMATS)}", "target")
     form = FORMATS[target]
     if isinstance(form, SystemFormat):
         return _system(instance, target, form, coordinates, digits)
@@ -358,8 +357,7 @@ def _system(
         message = f"found {shown(coordinates)}, expected {listed(COORDINATES)}"
         raise ArgumentError(message, "coordinates")
     if digits < 1:
-        message = f"found {digits}, expected at least 1"
-        raise ArgumentError(message, "digits")
+        raise ArgumentError(f"found {digits}, expected at least 1", "digits")
     found = system(instance, MOTIONS[coordinates]())
     notes: tuple[str, ...] = ()
     if found.constants and form.irrational != "exact":

@@ -308,15 +308,7 @@ _FAR = "1e16"
 
 
 def urdf(instance: Instance, R: Array, T: Array) -> tuple[str, str]:
-    """Return the loops in YAML, and the robot as XML, of an instance at a real pose.
-
-    Parameters
-    ----------
-    instance
-        The platform.
-    R, T
-        The pose: rotation, shape (3, 3), and translation, shape (3,), in its units.
-    """
+    """Return the loops in YAML, and the robot as XML, of an instance at a real pose, as `sdf`."""
     robot = _Robot(JointedModel.of(instance, R, T))
     head = f"gsp {__version__}: {instance.type.id}; {robot.model.scale}; radians"
     loops = f"# {head}\n{robot.loops()}"

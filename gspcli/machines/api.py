@@ -200,11 +200,10 @@ def _check_repetitions(machine: Machine, instance: Instance) -> None:
         key = (row.kind.name, row.platform_name, row.base_name)
         if key in first:
             what = "distance" if row.kind.is_distance else "angle"
-            message = (
+            raise NoPlatform(
                 f"chains {shown(first[key])} and {shown(found.chain)} hold the same {what}: these "
                 "are at most five different constraints, expected six"
             )
-            raise NoPlatform(message)
         first[key] = found.chain
 
 
@@ -219,16 +218,15 @@ def _constraint(found: Found, rounding: _Rounding) -> Constraint:
             ends.append(Point(position))
         else:
             ends.append((Line if letter == "L" else Plane)(position, direction))
-    if found.crank is not None:
+    if (drive := found.drive) is not None:
         assert isinstance(ends[1], Point)
-        centre, axis = rounding.point(found.crank.centre), rounding.direction(found.crank.axis)
-        span = found.crank.limits and [rounding.share(x) for x in found.crank.limits]
-        ends[1] = Point(ends[1].position, crank=Crank(centre, axis, span))
-    if found.rail is not None:
-        assert isinstance(ends[1], Point)
-        span = found.rail.limits and [rounding.length(x) for x in found.rail.limits]
-        slide = Slide(rounding.direction(found.rail.axis), span)
-        ends[1] = Point(ends[1].position, slide=slide)
+        axis, at = rounding.direction(drive.axis), ends[1].position
+        if drive.centre is None:
+            span = drive.limits and [rounding.length(x) for x in drive.limits]
+            ends[1] = Point(at, slide=Slide(axis, span))
+        else:
+            span = drive.limits and [rounding.share(x) for x in drive.limits]
+            ends[1] = Point(at, crank=Crank(rounding.point(drive.centre), axis, span))
     side = Side.BOTH
     if kind.has_sides and (held.value != 0 or found.driven):
         side = Side.NEGATIVE if found.negative else Side.POSITIVE
@@ -241,7 +239,7 @@ def _constraint(found: Found, rounding: _Rounding) -> Constraint:
 
 
 def _value(value: float, found: Found, rounding: _Rounding) -> Number:
-    if found.kind[0] == "A":
+    if found.held.kind[0] == "A":
         return rounding.share(float(np.degrees(value)))
     return rounding.length(value)
 
@@ -292,16 +290,13 @@ def sentences(machine: Machine) -> list[str]:
             least = _ROUNDING * (1.0 if held.kind[0] == "A" else machine.size)
             low, high = (scale * (x if abs(x) > least else 0.0) for x in found.limits)
             parts.append("fixed" if low == high else f"range {low:.6g} to {high:.6g}")
-        if found.crank is not None:
-            parts.append(f"base point on a crank of {found.crank.radius:.6g}")
-            if found.crank.limits is not None:
-                low, high = found.crank.limits
-                parts.append(f"which turns by {low:.6g} to {high:.6g} deg")
-        if found.rail is not None:
-            parts.append("base point on a rail")
-            if found.rail.limits is not None:
-                low, high = found.rail.limits
-                parts.append(f"which slides by {low:.6g} to {high:.6g} {machine.graph.length}")
+        if (drive := found.drive) is not None:
+            turns = drive.centre is not None
+            parts.append(f"base point on a {f'crank of {drive.radius:.6g}' if turns else 'rail'}")
+            if drive.limits is not None:
+                low, high = drive.limits
+                moves, unit = ("turns", "deg") if turns else ("slides", machine.graph.length)
+                parts.append(f"which {moves} by {low:.6g} to {high:.6g} {unit}")
         parts += remarks(machine, found)
         lines.append(f"{number} {plain(found.chain)}: {found.letters}: {', '.join(parts)}")
     return lines

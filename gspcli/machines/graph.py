@@ -37,14 +37,12 @@ def inverse(X: Array) -> Array:
 
 def place(X: Array, point: Array) -> Array:
     """Return where a motion takes points, shape (..., 3)."""
-    moved: Array = point @ X[:3, :3].T + X[:3, 3]
-    return moved
+    return np.asarray(point @ X[:3, :3].T + X[:3, 3])
 
 
 def turn(X: Array, direction: Array) -> Array:
     """Return where a motion takes directions, shape (..., 3)."""
-    turned: Array = direction @ X[:3, :3].T
-    return turned
+    return np.asarray(direction @ X[:3, :3].T)
 
 
 def unit(vector: Array) -> Array | None:
@@ -341,5 +339,4 @@ def matrix(entry: Callable[[str], float], X: Array) -> Array:
     own = np.zeros((3, 3))
     for axes, i, j in ENTRIES:
         own[i, j] = own[j, i] = entry(f"i{axes}")
-    turned: Array = X[:3, :3] @ own @ X[:3, :3].T
-    return turned
+    return np.asarray(X[:3, :3] @ own @ X[:3, :3].T)

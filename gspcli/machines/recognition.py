@@ -268,8 +268,7 @@ def _ordered(
                 message = f"found no three chains that end on {shown(str(body))}, but on {ends}"
                 raise NoPlatform(message)
         if asked[0] == asked[1]:
-            message = f"found {shown(str(base))} and {shown(str(platform))} rigid together"
-            raise NoPlatform(message)
+            raise NoPlatform(f"found {shown(str(base))} and {shown(str(platform))} rigid together")
         swapped = asked[0] == second or asked[1] == first
         return (second, first, "as asked for") if swapped else (first, second, "as asked for")
     world = clusters.graph.world
@@ -343,8 +342,7 @@ def _walks(
             k = next((other for other in touching[here] if other != k), k)
         if walk and here == first:
             joints = "-".join(clusters.joints[k].letters for k, _ in walk)
-            message = f"found a chain that begins and ends on {shown(first)}: {joints}"
-            raise NoPlatform(message)
+            raise NoPlatform(f"found a chain that begins and ends on {shown(first)}: {joints}")
         if walk:
             walks.append(walk)
     return walks
@@ -357,8 +355,7 @@ def _own_body(clusters: Clusters, cluster: str, ends: Sequence[str]) -> str:
     """
     members = clusters.members(cluster)
     if not members:
-        message = f"found only {counted(0, 'body')} at one end of the chains"
-        raise NoPlatform(message)
+        raise NoPlatform(f"found only {counted(0, 'body')} at one end of the chains")
 
     def drives(body: str) -> int:
         return sum(k in clusters.held for end in ends for k, _ in clusters.path(body, end))
@@ -584,13 +581,11 @@ def _crossing(first: Part, second: Part, near: float) -> Array | None:
     s, t, gap = np.linalg.solve(sides, second.point - first.point)
     if abs(gap) * length > near:
         return None
-    middle: Array = (first.point + s * first.axis + second.point + t * second.axis) / 2
-    return middle
+    return np.asarray((first.point + s * first.axis + second.point + t * second.axis) / 2)
 
 
 def _foot(part: Part) -> Array:
-    foot: Array = part.point - part.axis * (part.point @ part.axis)
-    return foot
+    return np.asarray(part.point - part.axis * (part.point @ part.axis))
 
 
 def _places(vectors: list[Array], same: float) -> list[int]:
@@ -694,8 +689,7 @@ def moved(chain: BodyChain, changes: list[Array | float]) -> Array:
     X = np.eye(4)
     for p, change in zip(chain.parts, changes, strict=True):
         X = X @ p.part.motion(change)
-    moved: Array = X @ chain.pose
-    return moved
+    return np.asarray(X @ chain.pose)
 
 
 def pose_after(chain: BodyChain, place: int, change: float) -> Array:
@@ -820,40 +814,26 @@ _SAMPLES = 17
 
 
 @dataclass(frozen=True, eq=False)
-class ArmOfCrank:
-    """What turns the base's point of a constraint.
-
-    Attributes
-    ----------
-    centre, axis
-        A point of the axis and the unit axis in the frame of the base, shape (3,).
-    radius
-        The distance of the point from it.
-    limits
-        The least and the greatest angle from where the point is, in degrees; None if they are not
-        known, or more than a turn apart.
-    """
-
-    centre: Array
-    axis: Array
-    radius: float
-    limits: tuple[float, float] | None
-
-
-@dataclass(frozen=True, eq=False)
-class RailOfCarriage:
-    """What moves the base's point of a constraint along a line.
+class PointDrive:
+    """A crank or a rail, which moves the base's point of a constraint.
 
     Attributes
     ----------
     axis
-        The unit direction of the rail in the frame of the base, shape (3,).
+        The unit axis of the crank, or direction of the rail, in the frame of the base, shape (3,).
     limits
-        The least and the greatest way from where the point is, if they are known.
+        The least and the greatest angle (degrees) or way from where the point is; None if they are
+        not known, or more than a turn apart.
+    centre
+        The point of the axis of a crank that is nearest to the point, shape (3,); None of a rail.
+    radius
+        The distance of the point from it.
     """
 
     axis: Array
     limits: tuple[float, float] | None
+    centre: Array | None = None
+    radius: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -875,8 +855,8 @@ class Found:
     negative
         Of a distance to a plane: whether the point lies where the normal does not point. The
         limits are then those of the modulus.
-    crank, rail
-        What moves the base's point of a distance of two points: a hinge or a slide.
+    drive
+        What moves the base's point of a distance of two points.
     remarks
         What an instance file cannot state.
     """
@@ -887,14 +867,8 @@ class Found:
     limits: tuple[float, float] | None
     driven: bool
     negative: bool
-    crank: ArmOfCrank | None
-    rail: RailOfCarriage | None
+    drive: PointDrive | None
     remarks: tuple[str, ...]
-
-    @property
-    def kind(self) -> str:
-        """Its kind."""
-        return self.held.kind
 
 
 def with_drives(held: Held, chain: BodyChain, length: str) -> Found:
@@ -936,10 +910,8 @@ def with_drives(held: Held, chain: BodyChain, length: str) -> Found:
         low, high = limits
         remarks.append(f"range [{low:.6g}, {high:.6g}], which passes zero")
         limits = None
-    crank = moved if isinstance(moved, ArmOfCrank) else None
-    rail = moved if isinstance(moved, RailOfCarriage) else None
-    said = tuple(remarks)
-    return Found(held, chain.name, chain.letters, limits, bool(inside), negative, crank, rail, said)
+    said, letters = tuple(remarks), chain.letters
+    return Found(held, chain.name, letters, limits, bool(inside), negative, moved, said)
 
 
 def _named(drive: ChainPart) -> str:
@@ -1019,7 +991,7 @@ def _limits(
 
 def _moved(
     held: Held, outer: list[ChainPart], remarks: list[str], length: str
-) -> ArmOfCrank | RailOfCarriage | None:
+) -> PointDrive | None:
     """Return what turns or slides the base's point; refuse other drives with what they move."""
     if not outer:
         return None
@@ -1042,9 +1014,9 @@ def _moved(
                 limits = low, high
             else:
                 remarks.append(f"the crank {_named(drive)} turns from {low:.6g} to {high:.6g} deg")
-        return ArmOfCrank(centre, part.axis, float(np.linalg.norm(point - centre)), limits)
+        return PointDrive(part.axis, limits, centre, float(np.linalg.norm(point - centre)))
     if part.letter == "P" and held.kind == "DPP":
-        return RailOfCarriage(part.axis, (low, high) if bounded else None)
+        return PointDrive(part.axis, (low, high) if bounded else None)
     moves = "slides" if part.letter == "P" else "turns"
     axis = ", ".join(f"{x:.12g}" for x in part.axis)
     said = f"{primitive} {moves} with {_named(drive)} along [{axis}]"
@@ -1122,8 +1094,7 @@ def recognized(
         If it is no platform; the message says what it is, and what would make it one.
     """
     if len(graph.bodies) > _MOST_BODIES:
-        message = f"found {len(graph.bodies)} bodies, expected at most {_MOST_BODIES}"
-        raise NoPlatform(message)
+        raise NoPlatform(f"found {len(graph.bodies)} bodies, expected at most {_MOST_BODIES}")
     for body in (base, platform):
         if body is not None and body not in graph.bodies:
             near = nearest(body, graph.bodies)
@@ -1230,7 +1201,7 @@ def _recognized(
     if moved > _EXACT * size:
         notes.append(f"axes that pass each other at up to {moved:.2g} {graph.length} are taken "
                      "to meet")  # fmt: skip
-    slack = max(f.held.change * (size if f.kind[0] == "A" else 1.0) for f in found)
+    slack = max(f.held.change * (size if f.held.kind[0] == "A" else 1.0) for f in found)
     if slack > 1e-7 * size:
         notes.append(f"constraints hold within {slack:.2g} {graph.length}: the file has few digits")
     bodies = graph.bodies

@@ -111,8 +111,7 @@ def text_of(path: Path) -> str:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError:
         if b"\0" in content:
-            message = f"{named(path.name)} is no text"
-            raise place.error(message) from None
+            raise place.error(f"{named(path.name)} is no text") from None
         # Comments in the encoding of Western Europe are common, and every byte is a letter there.
         return content.decode("latin-1")
 

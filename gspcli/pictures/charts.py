@@ -1,4 +1,4 @@
-"""Bars of a distribution over whole numbers."""
+"""Charts of distributions, scans, workspaces and residuals."""
 
 from __future__ import annotations
 
@@ -173,11 +173,7 @@ def pose_map(found: PoseScan, quantity: str, fmt: str) -> bytes:
         flat = len(found.axes) == 1
         figure = Figure(figsize=(6.0, 3.0 if flat else 4.4), layout="constrained")
         axes = figure.subplots()
-        numbers = {
-            "determinant": lambda: found.determinants,
-            "condition": lambda: found.conditions,
-            "clearance": lambda: found.clearances,
-        }[quantity]()
+        numbers = getattr(found, f"{quantity}s")
         grids = [np.array(axis.values) for axis in found.axes]
         labels = [f"{axis.name} ({_unit(found.instance, axis.name)})" for axis in found.axes]
         if flat:
@@ -232,8 +228,7 @@ def workspace_slices(found: Workspace, fmt: str) -> bytes:
         from matplotlib.patches import Patch
 
         flat = len(found.free) == 2
-        size = (4.6, 4.4) if flat else (8.4, 6.0)
-        figure = Figure(figsize=size, layout="constrained")
+        figure = Figure(figsize=(4.6, 4.4) if flat else (8.4, 6.0), layout="constrained")
         if flat:
             axes = figure.subplots()
             _draw(axes, found, found.inner, found.open)
@@ -269,15 +264,10 @@ def _draw(axes: Axes, found: Workspace, inner: Array, open_: Array) -> None:
 
     for boxes, colour in ((open_, ANGLE), (inner, PLATFORM)):
         (left, right), (below, above) = boxes[:, 0].T, boxes[:, 1].T
-        corners = np.stack(
-            [
-                np.stack(pair, axis=1)
-                for pair in ((left, below), (right, below), (right, above), (left, above))
-            ],
-            axis=1,
-        )
+        pairs = (left, below), (right, below), (right, above), (left, above)
+        corners = list(np.array(pairs).transpose(2, 0, 1))
         axes.add_collection(
-            PolyCollection(list(corners), facecolors=colour, edgecolors="none", rasterized=True)
+            PolyCollection(corners, facecolors=colour, edgecolors="none", rasterized=True)
         )
     for k, name in enumerate(found.free[:2]):
         at = found.boxes.home["xyz".index(name[-1]) + (3 if name.startswith("r") else 0)]
@@ -332,17 +322,12 @@ def residual_chart(result: Calibration, fmt: str) -> bytes:
         groups = (("poses", poses, "x", ANGLE), ("readings", readings, "o", PLATFORM))
         for label, part, mark, color in groups:
             if part.size:
-                places = np.repeat(rows[:, None], part.shape[1], axis=1)
+                places = np.repeat(rows, part.shape[1])
+                size, edge = (3.4, 0) if mark == "o" else (3.0, 0.8)
                 left.plot(
-                    places.ravel(),
-                    part.ravel(),
-                    mark,
-                    color=color,
-                    markersize=3.4 if mark == "o" else 3.0,
-                    markeredgewidth=0 if mark == "o" else 0.8,
-                    alpha=0.8,
-                    label=label,
-                )
+                    places, part.ravel(), mark, color=color, markersize=size,
+                    markeredgewidth=edge, alpha=0.8, label=label,
+                )  # fmt: skip
         # The worst rows: those whose outliers are left out, or the one that adds most.
         outliers = np.asarray(result.outliers.any(axis=1))
         worst = [] if result.worst is None else [result.worst[0]]
@@ -351,12 +336,9 @@ def residual_chart(result: Calibration, fmt: str) -> bytes:
             height = float(every[int(np.nanargmax(np.abs(every)))])
             left.annotate(
                 f"row {result.seen.lines[row]}" + (", left out" if outliers[row] else ""),
-                (row + 1, height),
-                textcoords="offset points",
-                xytext=(5, -3 if height > 0 else 3),
-                fontsize=7,
-                color=SOFT,
-            )
+                (row + 1, height), textcoords="offset points",
+                xytext=(5, -3 if height > 0 else 3), fontsize=7, color=SOFT,
+            )  # fmt: skip
         every = np.concatenate((readings.ravel(), poses.ravel()))
         every = every[np.isfinite(every)]
         limit = max(3.5, 1.08 * float(np.abs(every).max(initial=0.0)))
@@ -369,8 +351,8 @@ def residual_chart(result: Calibration, fmt: str) -> bytes:
         bell = np.exp(-0.5 * (middle / spread) ** 2) / (spread * np.sqrt(2 * np.pi))
         right.plot(bell * len(every) * (steps[1] - steps[0]), middle, color=PLATFORM, linewidth=1.1)
         left.set(xlabel="row", ylabel="residual / standard deviation", ylim=(-limit, limit))
-        chi = f"chi-squared {result.chi_squared / result.scatter**2:.4g} of {result.freedom}"
-        left.set_title(chi)
+        chi_squared = result.chi_squared / result.scatter**2
+        left.set_title(f"chi-squared {chi_squared:.4g} of {result.freedom}")
         left.legend(loc="upper left" if outliers.any() else "lower left", ncols=2, fontsize=7)
         right.set(xlabel="how many", title="all")
         return written_drawing(figure, fmt)

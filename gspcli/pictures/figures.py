@@ -56,8 +56,7 @@ def require_matplotlib() -> None:
         What to install.
     """
     if find_spec("matplotlib") is None:
-        message = "pictures of this kind need matplotlib: pip install 'gspcli[plot]'"
-        raise GspError(message)
+        raise GspError("pictures of this kind need matplotlib: pip install 'gspcli[plot]'")
 
 
 @contextmanager

@@ -139,13 +139,13 @@ class Paper:
             joinstyle="round",
         )  # fmt: skip
 
-    def dot(self, point: Array, color: str, size: float, *, hollow: bool = False) -> None:
+    def dot(self, point: Array, color: str, size: float) -> None:
         """Draw a point as a disc of a diameter in points."""
         flat, layer = self.project(point[None])
         self._include(flat)
         self.axes.plot(
             *flat.T, "o", markersize=size, color=color, zorder=layer + 0.1,
-            markerfacecolor="white" if hollow else color, markeredgewidth=max(0.8, size / 6),
+            markeredgewidth=max(0.8, size / 6),
         )  # fmt: skip
 
     def arrow(self, start: Array, end: Array, color: str, width: float) -> None:
@@ -160,27 +160,21 @@ class Paper:
             },
         )  # fmt: skip
 
-    def text(
-        self, point: Array, words: str, color: str, shift: Array | None = None, **more: Any
-    ) -> Annotation:
-        """Write beside a point; `shift` is the way there in points, shape (2,)."""
+    def label(
+        self, point: Array, words: str, color: str, way: Array | None = None, **more: Any
+    ) -> None:
+        """Write a name in a direction from its point, or a number on it; `separate` moves both."""
         from matplotlib.patheffects import withStroke
 
         flat, _ = self.project(point[None])
         self._include(flat)
         halo = [] if "bbox" in more else [withStroke(linewidth=2, foreground="white")]
-        return self.axes.annotate(
-            words, xy=flat[0], xytext=(0, 0) if shift is None else tuple(shift), color=color,
-            textcoords="offset points", ha="center", va="center", annotation_clip=False,
-            zorder=100 + len(self.axes.texts) / 1000,
-            path_effects=halo, **more,
+        text = self.axes.annotate(
+            words, xy=flat[0], xytext=(0, 0), color=color, textcoords="offset points",
+            ha="center", va="center", annotation_clip=False,
+            zorder=100 + len(self.axes.texts) / 1000, path_effects=halo, **more,
         )  # fmt: skip
-
-    def label(
-        self, point: Array, words: str, color: str, way: Array | None = None, **more: Any
-    ) -> None:
-        """Write a name in a direction from its point, or a number on it; `separate` moves both."""
-        self.labels.append((self.text(point, words, color, **more), way))
+        self.labels.append((text, way))
 
     def finish(self, reach: Array | None = None) -> None:
         """Fit the panel to what was drawn, true to scale and without axes.
@@ -403,13 +397,11 @@ def _scales(papers: Sequence[Paper]) -> tuple[Array, list[float]]:
 
 
 def _draw(paper: Paper, scene: Scene, mode: int, *, named: bool, fine: bool) -> None:
-    modes = scene.series[0]
-    weight = 0.6 if fine else 1.0
+    modes, weight = scene.series[0], 0.6 if fine else 1.0
     draw_body(paper, scene.base, BASE, weight, np.eye(3), np.zeros(3), named=named)
     if mode >= 0:
-        draw_body(
-            paper, scene.platform, PLATFORM, weight, modes.R[mode], modes.T[mode], named=named
-        )
+        R, T = modes.R[mode], modes.T[mode]
+        draw_body(paper, scene.platform, PLATFORM, weight, R, T, named=named)
         _constraints(paper, scene, modes, mode, weight, named=named)
 
 

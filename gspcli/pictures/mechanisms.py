@@ -31,7 +31,7 @@ from gspcli.pictures.figures import (
 )
 from gspcli.pictures.line_drawings import Paper, View, draw_body, separate
 from gspcli.pictures.scene import DrawnBody, DrawnPrimitive, Scene
-from gspcli.pictures.stage import connection, perpendicular
+from gspcli.pictures.stage import ConstraintEnds, connection, perpendicular
 from gspcli.records import dataclass
 
 #: The size of a joint where a chain is one unit long.
@@ -78,17 +78,15 @@ def chain_drawing(chains: Sequence[tuple[str, Realization]], fmt: str) -> bytes:
         return written(figure, fmt)
 
 
-def draw_links(paper: Paper, joints: Sequence[MountedJoint], ends: ChainEnds) -> None:
+def draw_links(paper: Paper, joints: Sequence[MountedJoint], ends: ConstraintEnds) -> None:
     """Draw the links of a chain: bars from the platform through all joints to the base."""
-    places = [ends.platform, *(joint.at for joint in joints), *_ground(joints, ends)]
+    places = [ends.platform, *(joint.at for joint in joints)]
+    if not joints[-1].placed.driven:
+        # A driver is beyond the base.
+        places.append(ends.base)
     for a, b in pairwise(places):
         if not np.allclose(a, b):
             paper.line(np.stack((a, b)), INK, 1.8, above=-0.2)
-
-
-def _ground(joints: Sequence[MountedJoint], ends: ChainEnds) -> list[Array]:
-    """Return where the last link ends: at the base, unless a driver is beyond it."""
-    return [] if joints[-1].placed.driven else [ends.base]
 
 
 def _panel(paper: Paper, realization: Realization) -> None:
@@ -117,7 +115,7 @@ def _panel(paper: Paper, realization: Realization) -> None:
     paper.finish()
 
 
-def _canonical(kind: Kind) -> ChainEnds:
+def _canonical(kind: Kind) -> ConstraintEnds:
     """Return primitives that show a kind well: the platform's above the base's."""
     top, bottom = np.array([0.0, 0.0, _HEIGHT]), np.zeros(3)
     x, z = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])
@@ -135,7 +133,7 @@ def _canonical(kind: Kind) -> ChainEnds:
         (Primitive.PLANE, Primitive.PLANE): (np.cross([0, 1.0, 0], inclined), z),
     }
     w, v = directions[kind.platform, kind.base]
-    return ChainEnds(top, bottom, w, v)
+    return ConstraintEnds(top, bottom, w, v)
 
 
 def _piece(paper: Paper, sort: Primitive, at: Array, direction: Array, color: str) -> None:
@@ -169,24 +167,6 @@ _SMALLEST = 0.4
 
 
 @dataclass(frozen=True, eq=False)
-class ChainEnds:
-    """What a chain connects, at one pose.
-
-    Attributes
-    ----------
-    platform, base
-        A point of each primitive, shape (3,).
-    w, v
-        Unit direction or normal of each primitive, shape (3,); zero for a point.
-    """
-
-    platform: Array
-    base: Array
-    w: Array
-    v: Array
-
-
-@dataclass(frozen=True, eq=False)
 class MountedJoint:
     """A joint in space: where it is, and the unit direction of its axis, shapes (3,)."""
 
@@ -195,7 +175,9 @@ class MountedJoint:
     axis: Array
 
 
-def mounted(realization: Realization, ends: ChainEnds, joint: float) -> tuple[MountedJoint, ...]:
+def mounted(
+    realization: Realization, ends: ConstraintEnds, joint: float
+) -> tuple[MountedJoint, ...]:
     """Return the joints of a chain in space, from the platform to the base.
 
     Joints on the leg share the way between the ends; those on a line or in a plane lie side by
@@ -235,13 +217,13 @@ def mounted(realization: Realization, ends: ChainEnds, joint: float) -> tuple[Mo
     )
 
 
-def fitting(ends: ChainEnds, joint: float) -> float:
+def fitting(ends: ConstraintEnds, joint: float) -> float:
     """Return the size of joints that find room between the ends, at most `joint`."""
     length = float(np.linalg.norm(ends.platform - ends.base))
     return joint * min(1.0, max(length / (_SHORTEST * joint), _SMALLEST))
 
 
-def stretched(ends: ChainEnds, joint: float) -> ChainEnds:
+def stretched(ends: ConstraintEnds, joint: float) -> ConstraintEnds:
     """Return the ends apart enough to draw joints between them.
 
     The ends of angles may be anywhere on their lines and planes; where those meet, the ends
@@ -250,10 +232,10 @@ def stretched(ends: ChainEnds, joint: float) -> ChainEnds:
     if np.linalg.norm(ends.platform - ends.base) >= _SHORTEST * joint:
         return ends
     step = _SHORTEST * joint
-    return ChainEnds(ends.platform + step * ends.w, ends.base + step * ends.v, ends.w, ends.v)
+    return ConstraintEnds(ends.platform + step * ends.w, ends.base + step * ends.v, ends.w, ends.v)
 
 
-def _hinge(ends: ChainEnds, down: Array) -> Array:
+def _hinge(ends: ConstraintEnds, down: Array) -> Array:
     """Return the axis about which an angle turns: perpendicular to both directions."""
     axis = np.cross(ends.w, ends.v)
     norm = float(np.linalg.norm(axis))
@@ -261,7 +243,7 @@ def _hinge(ends: ChainEnds, down: Array) -> Array:
 
 
 def _places(
-    joints: tuple[PlacedJoint, ...], ends: ChainEnds, down: Array, joint: float
+    joints: tuple[PlacedJoint, ...], ends: ConstraintEnds, down: Array, joint: float
 ) -> list[Array]:
     """Return the places of the joints of a chain, in order."""
     last = len(joints)
@@ -315,12 +297,9 @@ def draw_joint(paper: Paper, mounted: MountedJoint, size: float, *, letter: bool
     fill, edge = (_DRIVEN, ANGLE) if driven else (_FREE, INK)
     if joint is JointKind.SPHERICAL:
         _ball(paper, at, _BALL * size, fill, edge)
-    elif joint is JointKind.CYLINDRICAL:
-        half, radius = (size * part for part in _CYLINDER)
-        paper.line(np.stack((at - 2 * half * axis, at + 2 * half * axis)), edge, 1.1)
-        _sleeve(paper, at, axis, half, radius, fill, edge)
-    elif joint is JointKind.REVOLUTE:
-        half, radius = (size * part for part in _HINGE)
+    elif joint in (JointKind.CYLINDRICAL, JointKind.REVOLUTE):
+        sleeve = _HINGE if joint is JointKind.REVOLUTE else _CYLINDER
+        half, radius = (size * part for part in sleeve)
         paper.line(np.stack((at - 2 * half * axis, at + 2 * half * axis)), edge, 1.1)
         _sleeve(paper, at, axis, half, radius, fill, edge)
     else:
@@ -442,7 +421,7 @@ def mechanism_drawing(scene: Scene, mechanism: Mechanism, fmt: str, mode: int) -
         placed = [(chain, _ends(scene, chain, mode, size)) for chain in mechanism.chains]
         # The nearest chain last, each as a whole.
 
-        def depth(ends: ChainEnds) -> float:
+        def depth(ends: ConstraintEnds) -> float:
             return round(float((ends.platform + ends.base) @ paper.view.axes[2]) / scene.size, 6)
 
         placed.sort(key=lambda pair: depth(pair[1]))
@@ -458,7 +437,7 @@ def mechanism_drawing(scene: Scene, mechanism: Mechanism, fmt: str, mode: int) -
         return written_drawing(figure, fmt)
 
 
-def _ends(scene: Scene, chain: MountedChain, mode: int, size: float) -> ChainEnds:
+def _ends(scene: Scene, chain: MountedChain, mode: int, size: float) -> ConstraintEnds:
     """Return what a chain connects at a mode."""
     modes = scene.series[0]
     R, T = modes.R[mode], modes.T[mode]
@@ -470,13 +449,13 @@ def _ends(scene: Scene, chain: MountedChain, mode: int, size: float) -> ChainEnd
     w = R @ w
     if kind.is_distance:
         platform, base = modes.strokes[number][0].points[mode]
-        return ChainEnds(platform, base, w, v)
+        return ConstraintEnds(platform, base, w, v)
     platform, base = R @ on_platform.centre + T, on_base.centre
     if on_platform.primitive is on_base.primitive is Primitive.LINE:
         feet = connection(DLL, *(part[None] for part in (platform, w, base, v)))
         platform = platform + _drawn(on_platform, (feet.platform[0] - platform) @ w) * w
         base = base + _drawn(on_base, (feet.base[0] - base) @ v) * v
-    return stretched(ChainEnds(platform, base, w, v), size)
+    return stretched(ConstraintEnds(platform, base, w, v), size)
 
 
 def _drawn(element: DrawnPrimitive, along: float) -> float:

@@ -131,28 +131,21 @@ def _modes(scene: Scene, modes: SceneSeries) -> str:
         which = "isolated real" if len(scene.series) > 1 else "real"
         return f"<p>There is no {which} pose.</p>"
     places = max(0, _DIGITS - math.ceil(math.log10(scene.size)))
+    shown = {name: x for name, x in modes.facts.items() if name in _COLUMNS and len({*x}) > 1}
     rows = "".join(
         f'<tr><td><button type="button" aria-label="show mode {k + 1}">{k + 1}</button></td>'
         + "".join(f"<td>{fixed(x, places)}</td>" for x in modes.T[k].tolist())
         + f'<td><i class="chip"></i>{condition(modes.conditions[k])}</td>'
-        + "".join(f"<td>{escape(str(values[k]))}</td>" for values in _shown(modes))
+        + "".join(f"<td>{escape(str(values[k]))}</td>" for values in shown.values())
         + "</tr>"
         for k in range(len(modes))
     )
-    heads = ["no.", "x", "y", "z", "condition", *_shown_names(modes)]
+    heads = ["no.", "x", "y", "z", "condition", *shown]
     return _table("modes", heads, rows)
 
 
 #: Facts that have a column in the list; all of them are shown for the chosen pose.
 _COLUMNS = ("sides", "multiplicity")
-
-
-def _shown_names(modes: SceneSeries) -> list[str]:
-    return [name for name, values in modes.facts.items() if name in _COLUMNS and len({*values}) > 1]
-
-
-def _shown(modes: SceneSeries) -> list[list[object]]:
-    return [modes.facts[name] for name in _shown_names(modes)]
 
 
 def _constraints(scene: Scene, modes: SceneSeries, start: int) -> str:

@@ -54,8 +54,8 @@ class Sizes(NamedTuple):
     arc: float
 
 
-class StrokeEnds(NamedTuple):
-    """Where a constraint meets its primitives at n poses, in the frame of the base.
+class ConstraintEnds(NamedTuple):
+    """Where a constraint meets its primitives at n poses (or at one), in the frame of the base.
 
     Attributes
     ----------
@@ -73,7 +73,7 @@ class StrokeEnds(NamedTuple):
     v: Array
 
 
-def connection(kind: Kind, p: Array, w: Array, x: Array, v: Array) -> StrokeEnds:
+def connection(kind: Kind, p: Array, w: Array, x: Array, v: Array) -> ConstraintEnds:
     """Return the ends of the shortest connection of a distance.
 
     Parameters
@@ -87,13 +87,13 @@ def connection(kind: Kind, p: Array, w: Array, x: Array, v: Array) -> StrokeEnds
     """
     r = p - x
     if kind is DPL:
-        return StrokeEnds(p, x + _along(r, v), w, v)
+        return ConstraintEnds(p, x + _along(r, v), w, v)
     if kind is DLP:
-        return StrokeEnds(p - _along(r, w), x, w, v)
+        return ConstraintEnds(p - _along(r, w), x, w, v)
     if kind is DPH:
-        return StrokeEnds(p, p - _along(r, v), w, v)
+        return ConstraintEnds(p, p - _along(r, v), w, v)
     if kind is DHP:
-        return StrokeEnds(x + _along(r, w), x, w, v)
+        return ConstraintEnds(x + _along(r, w), x, w, v)
     if kind is DLL:
         normal = cross(w, v)
         square = dot(normal, normal)[:, None]
@@ -103,13 +103,13 @@ def connection(kind: Kind, p: Array, w: Array, x: Array, v: Array) -> StrokeEnds
         t = dot(cross(w, r), normal)[:, None] / safe
         at_platform = np.where(parallel, p, p + s * w)
         at_base = np.where(parallel, x + _along(r, v), x + t * v)
-        return StrokeEnds(at_platform, at_base, w, v)
+        return ConstraintEnds(at_platform, at_base, w, v)
     if kind is not DPP:
         raise ValueError(kind)
-    return StrokeEnds(p, x, w, v)
+    return ConstraintEnds(p, x, w, v)
 
 
-def distance_strokes(kind: Kind, ends: StrokeEnds, sizes: Sizes) -> Iterator[Stroke]:
+def distance_strokes(kind: Kind, ends: ConstraintEnds, sizes: Sizes) -> Iterator[Stroke]:
     """Yield what is drawn for a distance."""
     style = StrokeStyle.LEG if kind is DPP else StrokeStyle.PERPENDICULAR
     yield Stroke(style, np.stack((ends.platform, ends.base), axis=1))
@@ -125,7 +125,7 @@ def distance_strokes(kind: Kind, ends: StrokeEnds, sizes: Sizes) -> Iterator[Str
         yield _square(ends.platform, -leg, aside, size)
 
 
-def angle_strokes(kind: Kind, ends: StrokeEnds, sizes: Sizes) -> Iterator[Stroke]:
+def angle_strokes(kind: Kind, ends: ConstraintEnds, sizes: Sizes) -> Iterator[Stroke]:
     """Yield what is drawn for an angle at ``ends.base``: the arc first."""
     at = ends.base
     first, second = arms(kind, ends)
@@ -142,7 +142,7 @@ def angle_strokes(kind: Kind, ends: StrokeEnds, sizes: Sizes) -> Iterator[Stroke
         yield Stroke(StrokeStyle.RAY, np.stack((at, at + sizes.ray * arm), axis=1))
 
 
-def arms(kind: Kind, ends: StrokeEnds) -> tuple[Array, Array]:
+def arms(kind: Kind, ends: ConstraintEnds) -> tuple[Array, Array]:
     """Return the unit directions between which an angle lies, from the base on, (n, 3) each."""
     w, v = ends.w, ends.v
     if kind.law.is_cosine:
@@ -403,7 +403,7 @@ class _Placed(NamedTuple):
     """A constraint at all poses of all series, in the frame of the base."""
 
     kind: Kind
-    ends: StrokeEnds
+    ends: ConstraintEnds
     platform: str
     base: str
 
@@ -444,7 +444,7 @@ class Stage:
             w = R @ arrangement.u[i]
             x = np.broadcast_to(arrangement.x[i], (n, 3))
             v = np.broadcast_to(arrangement.v[i], (n, 3))
-            ends = connection(kind, p, w, x, v) if kind.is_distance else StrokeEnds(p, x, w, v)
+            ends = connection(kind, p, w, x, v) if kind.is_distance else ConstraintEnds(p, x, w, v)
             self.placed.append(_Placed(kind, ends, *names[i]))
         #: Six digits, so that pages do not depend on rounding errors of poses.
         self.size = float(f"{self._size(arrangement):.6g}") if size is None else size

@@ -160,11 +160,9 @@ def view(
         If there is no such mode, or a page cannot solve this platform.
     """
     if fmt not in (_PAGE, *_DRAWINGS):
-        message = f"found {shown(fmt)}, expected {listed((_PAGE, *_DRAWINGS))}"
-        raise ArgumentError(message, "fmt")
+        raise ArgumentError(f"found {shown(fmt)}, expected {listed((_PAGE, *_DRAWINGS))}", "fmt")
     if live and fmt != _PAGE:
-        message = f"found a {fmt} that is to be live, expected {_PAGE}"
-        raise ArgumentError(message, "fmt")
+        raise ArgumentError(f"found a {fmt} that is to be live, expected {_PAGE}", "fmt")
     result = solve(platform) if isinstance(platform, Instance) else platform
     seen = None if seen_from is None else View(*seen_from)
     start = 0

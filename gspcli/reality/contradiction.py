@@ -35,15 +35,13 @@ _SOLVED = 1e-7
 _SHORT = 0.3
 
 
-def contradiction(arrangement: Arrangement, *, seed: int = SEED) -> tuple[int, ...]:
+def contradiction(arrangement: Arrangement) -> tuple[int, ...]:
     """Return constraints that no pose was found to satisfy together, none of them needless.
 
     Parameters
     ----------
     arrangement
         A platform without a real pose.
-    seed
-        Source of the random poses.
 
     Returns
     -------
@@ -53,16 +51,16 @@ def contradiction(arrangement: Arrangement, *, seed: int = SEED) -> tuple[int, .
     """
     platform = arrangement.normalized
     needed = list(range(len(platform.kinds)))
-    if _is_satisfied(platform, needed, seed):
+    if _is_satisfied(platform, needed):
         return ()
     for index in tuple(needed):
         others = [k for k in needed if k != index]
-        if others and not _is_satisfied(platform, others, seed):
+        if others and not _is_satisfied(platform, others):
             needed = others
     return tuple(needed)
 
 
-def _is_satisfied(platform: Arrangement, chosen: list[int], seed: int) -> bool:
+def _is_satisfied(platform: Arrangement, chosen: list[int]) -> bool:
     """Return whether some of the constraints are satisfied where the minimization ends."""
     part = replace(
         platform,
@@ -72,7 +70,7 @@ def _is_satisfied(platform: Arrangement, chosen: list[int], seed: int) -> bool:
             for name in ("y", "x", "u", "v", "values", "sides")
         },
     )
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng(SEED)
     R = rotation_from_quaternion(unit_quaternion(rng.standard_normal((STARTS, 4))))
     T = rng.uniform(-2, 2, (STARTS, 3))
     # A distance to a plane or between lines has a sign; where it is free, some starts have each.
@@ -83,13 +81,8 @@ def _is_satisfied(platform: Arrangement, chosen: list[int], seed: int) -> bool:
     targets = np.where(unsigned, np.abs(targets), targets)
     short = np.flatnonzero(unsigned & (targets[0] <= _SHORT))
     search = _Search(part, targets, short)
-    ends = descend(
-        search.equations,
-        search.moved,
-        (R, T, search.directions(rng)),
-        steps=_STEPS,
-        enough=_SOLVED**2,
-    )
+    start = R, T, search.directions(rng)
+    ends = descend(search.equations, search.moved, start, steps=_STEPS, enough=_SOLVED**2)
     return bool(ends.squares.min() <= _SOLVED**2)
 
 

@@ -539,8 +539,7 @@ def read_state(path: Path, subject: str, seed: int) -> State:
         return State(subject, seed)
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or error
-        message = f"{named(path)}: cannot be read: {reason}"
-        raise GspError(message) from error
+        raise GspError(f"{named(path)}: cannot be read: {reason}") from error
     try:
         document = json.loads(content)
         if document["schema"] != SCHEMA:
@@ -594,8 +593,7 @@ class RealSearch:
     ) -> RealSearch:
         """Return a search for a number of real poses, or as many as possible, that begins now."""
         if real is not None and real < 1:
-            message = f"found {real}, expected at least one real pose"
-            raise ArgumentError(message, "real")
+            raise ArgumentError(f"found {real}, expected at least one real pose", "real")
         kinds, start = (given if isinstance(given, GspType) else given.type).kinds, None
         platform, length = (None, 1.0) if isinstance(given, GspType) else platform_of(given)
         if platform is not None:
@@ -654,14 +652,12 @@ class RealSearch:
             If not all of its real poses can be certified.
         """
         if state.platform is None:
-            message = "no platform was solved in the time given: give more"
-            raise IncompleteError(message)
+            raise IncompleteError("no platform was solved in the time given: give more")
         wanted = self.each * state.real
         found = real_instance(state.platform, wanted, units=self.units, length=self.length)
         real = certified_real(found)
         if real < wanted:
-            message = f"only {real} of {wanted} real poses could be certified"
-            raise GspError(message)
+            raise GspError(f"only {real} of {wanted} real poses could be certified")
         name = f"{found.type.family.id} with {real} real poses"
         return RealSearchResult(replace(found, name=name), real, state.attempts)
 

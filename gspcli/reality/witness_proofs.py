@@ -99,8 +99,7 @@ def real_instance(
 
     first = next((digits for digits in _DIGITS if instance_with(digits)), None)
     if first is None:
-        message = f"no rounding of the platform keeps its {count} real poses"
-        raise GspError(message)
+        raise GspError(f"no rounding of the platform keeps its {count} real poses")
     fewer = takewhile(instance_with, range(first - 1, _LEAST_DIGITS - 1, -1))
     is_quick = first == _DIGITS[0] and count < _MANY
     found = instance_with(min(fewer, default=first) if is_quick else first)
@@ -177,8 +176,7 @@ def _look_real(arrangement: Arrangement, seed: int) -> Complex:
     tracked = track_all(target_systems(arrangement.normalized), seed=seed)
     ends = [paths.first() for paths in tracked]
     points = np.concatenate([end.points[end.converged] for end in ends])
-    found: Complex = points[look_real(points)]
-    return found
+    return np.asarray(points[look_real(points)])
 
 
 def rounded(
@@ -200,6 +198,9 @@ def rounded(
         largest = max(np.abs(platform.y[i]).max(), np.abs(platform.x[i]).max(), 10.0**exponent)
         finely = digits + math.floor(math.log10(largest)) - exponent
         decimals = places if kind.is_distance else digits
+        side = Side.BOTH
+        if kind.has_sides and one_sided:
+            side = Side.NEGATIVE if value < 0 else Side.POSITIVE
         if not kind.is_distance:
             value = angle_of(kind, value) / units.angle.in_radians
         constraints.append(
@@ -208,14 +209,10 @@ def rounded(
                 _geometry(kind.platform, platform.y[i], platform.u[i], places, finely),
                 _geometry(kind.base, platform.x[i], platform.v[i], places, finely),
                 _decimal(abs(value) if kind.has_sides else value, decimals),
-                _side(value) if kind.has_sides and one_sided else Side.BOTH,
+                side,
             )
         )
     return Instance(tuple(constraints), units)
-
-
-def _side(value: float) -> Side:
-    return Side.NEGATIVE if value < 0 else Side.POSITIVE
 
 
 def _geometry(
@@ -248,8 +245,7 @@ def known_instance(gsp_type: GspType, real: int | None = None) -> Instance:
     family = gsp_type.family
     found = witness(family) if real is None else witness_with(family, real)
     if found is None:
-        message = f"{gsp_type.id}: no witness is recorded: search for one"
-        raise GspError(message)
+        raise GspError(f"{gsp_type.id}: no witness is recorded: search for one")
     return replace(
         witness_instance(found, gsp_type.angles),
         name=f"{gsp_type.family.id} with {found.real} real poses",

@@ -176,8 +176,7 @@ def parsed_readings(
     """
     given = [readings] if isinstance(readings, str | SensorReading) else list(readings)
     if not given:
-        message = "found none, expected at least one"
-        raise ArgumentError(message, "readings")
+        raise ArgumentError("found none, expected at least one", "readings")
     parsed: list[SensorReading] = []
     for k, one in enumerate(given):
         if isinstance(one, SensorReading):
@@ -396,11 +395,10 @@ def value_sigmas(instance: Instance, sigma: Mapping[str, float]) -> Array:
             if number in unknown
         )
         how = listed((f"{sort}=NUMBER" for sort in sorts), "and")
-        message = (
+        raise ArgumentError(
             f"nothing says how exact the values {listed(unknown, 'and')} are: give --sigma {how}, "
             "or `tolerance` in the file"
         )
-        raise ArgumentError(message)
     return np.array(found)
 
 
@@ -871,11 +869,10 @@ def _starts(numbers: PoseNumbers) -> tuple[tuple[Array, Array], tuple[tuple[int,
             break
         chosen = following
     if not len(R):
-        message = (
+        raise GspError(
             "no choice of six of the measurements has a pose: are they in the units of SPEC, and "
             "at one pose?"
         )
-        raise GspError(message)
     return (R, T), tuple(solved)
 
 
@@ -980,12 +977,9 @@ def _pose(numbers: PoseNumbers, R: Array, T: Array, cost: float) -> FittedPose:
     covariance: Array = np.full((6, 6), np.inf)
     if told:
         covariance = (gain.T / np.asarray(s, float) ** 2) @ gain * np.outer(size, size)
-    hat = (U[:, s > 1e-9 * s[0]] ** 2).sum(axis=1)
-    open_part = 1 - hat
-    checked_ones = open_part > _UNCHECKED
-    studentised = np.where(
-        checked_ones, residual / np.sqrt(np.where(checked_ones, open_part, 1.0)), np.nan
-    )
+    open_part = 1 - (U[:, s > 1e-9 * s[0]] ** 2).sum(axis=1)
+    open_part[open_part <= _UNCHECKED] = np.nan
+    studentised = residual / np.sqrt(open_part)
     freedom = len(residual) - int((s > 1e-9 * s[0]).sum())
     return FittedPose(R, T, cost, freedom, covariance, residual, studentised, numbers.owners)
 
@@ -1000,9 +994,8 @@ def _without(numbers: PoseNumbers, starts: Minima, best: FittedPose) -> Without 
     sizes = best.measurement_sizes
     if best.freedom < 1 or not np.isfinite(sizes).any():
         return None
-    suspects = np.flatnonzero(sizes >= _SUSPECT * np.nanmax(sizes)).tolist()
     fits = []
-    for k in suspects:
+    for k in np.flatnonzero(sizes >= _SUSPECT * np.nanmax(sizes)).tolist():
         rest = replace(numbers, left_out=frozenset((k,)))
         if len(rest.owners) < 6:
             continue

@@ -401,8 +401,7 @@ class _Words:
     def take(self, expected: str) -> tuple[str, int]:
         """Return the next word and its column."""
         if not self.words:
-            message = f"found no more words, expected {expected}"
-            raise ArgumentError(message, f"column {self.end}")
+            raise ArgumentError(f"found no more words, expected {expected}", f"column {self.end}")
         return self.words.pop(0)
 
     def wrong(self, word: tuple[str, int], expected: str) -> ArgumentError:

@@ -129,8 +129,7 @@ def _heights(instance: Instance, R: Array, T: Array) -> Array:
     """
     normal = body_normal(instance, "base")
     if normal is None:
-        message = "the base has no sides: its points do not span a plane"
-        raise ArgumentError(message, "known_side")
+        raise ArgumentError("the base has no sides: its points do not span a plane", "known_side")
     arrangement = Arrangement.of(instance)
     middle = apply(R, arrangement.platform_centre) + T
     return np.asarray((middle - arrangement.base_centre) @ normal)
@@ -350,8 +349,7 @@ class SensorResult(Tabular):
     @property
     def kinds(self) -> tuple[str, ...]:
         """The kinds of the sensors."""
-        there = {sensor.kind for sensor in self.sensors}
-        return tuple(kind for kind in KINDS if kind in there)
+        return tuple(kind for kind in KINDS if self.of_kind(kind))
 
     def rows(self) -> list[dict[str, Any]]:
         """Return the numbers of each sensor, the best first."""
@@ -480,8 +478,7 @@ def sensors(
     checked(instance)
     seed, jobs = whole(seed, "seed", least=0), whole(jobs, "jobs", least=1)
     if not (isinstance(need, int | float) and 0 < need < math.inf):
-        message = f"found {need!r}, expected a number above 0"
-        raise ArgumentError(message, "need")
+        raise ArgumentError(f"found {need!r}, expected a number above 0", "need")
     chosen = candidates(instance) if sensors is None else _named(sensors, instance)
     usual = _sigmas(instance, sigma or {})
     deviations = np.array([usual[sensor.kind] for sensor in chosen])
@@ -523,8 +520,7 @@ def _sigmas(instance: Instance, given: Mapping[str, float]) -> dict[str, float]:
     """Return the standard deviations by kind: given ones, or else the default."""
     for kind, value in given.items():
         if kind not in KINDS:
-            message = f"found {kind!r}, expected one of {', '.join(KINDS)}"
-            raise ArgumentError(message, "sigma")
+            raise ArgumentError(f"found {kind!r}, expected one of {', '.join(KINDS)}", "sigma")
         if not 0 < value < math.inf:
             message = f"found {value!r}, expected a standard deviation above 0"
             raise ArgumentError(message, f"sigma[{kind!r}]")
@@ -533,8 +529,7 @@ def _sigmas(instance: Instance, given: Mapping[str, float]) -> dict[str, float]:
 
 def _named(given: Sequence[str | Sensor], instance: Instance) -> list[Sensor]:
     if not len(given):
-        message = "found none, expected at least one sensor, or None for all"
-        raise ArgumentError(message, "sensors")
+        raise ArgumentError("found none, expected at least one sensor, or None for all", "sensors")
     found = []
     for k, one in enumerate(given):
         try:
@@ -556,8 +551,7 @@ def _checked_rows(
     """
     rows = value_rows(values)
     if not len(rows):
-        message = "found no set of values, expected at least one"
-        raise ArgumentError(message, "values")
+        raise ArgumentError("found no set of values, expected at least one", "values")
     arrangement = Arrangement.of(instance)
     meant = np.array(values_of(instance, rows))
     wrong = arrangement.sided & (np.sign(meant) == -arrangement.sides) & (arrangement.sides != 0)
@@ -575,8 +569,7 @@ def _checked_rows(
     known = () if numbers is None else Machine.of(instance).names
     for name in coordinates:
         if name not in known:
-            message = f"found {name}, expected a drive"
-            raise ArgumentError(message, "coordinates")
+            raise ArgumentError(f"found {name}, expected a drive", "coordinates")
     meant[:, arrangement.sided] = np.abs(meant[:, arrangement.sided])
     for problem in problems_of(instance, meant).values():
         raise ArgumentError(problem)
@@ -601,11 +594,9 @@ def _finite(instance: Instance, seed: int, jobs: int) -> SolveResult:
     """Return the poses of an instance; raise an error if they are infinite or incomplete."""
     result = solve(instance, seed=seed, jobs=jobs)
     if result.verdict == "infinite" and not len(result.lone.R):
-        message = "the poses are infinitely many: there are no modes to tell apart"
-        raise NotFiniteError(message)
+        raise NotFiniteError("the poses are infinitely many: there are no modes to tell apart")
     if result.verdict == "incomplete":
-        message = "not all poses could be found: gsp solve says what is missing"
-        raise IncompleteError(message)
+        raise IncompleteError("not all poses could be found: gsp solve says what is missing")
     return result
 
 

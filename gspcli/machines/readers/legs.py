@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from gspcli.errors import SpecError
 from gspcli.geometry.euler import rotation_from_euler
 from gspcli.geometry.quaternions import rotation_from_quaternion
-from gspcli.machines.graph import Body, Graph, Joint, NoPlatform, Part, ball, frame, place
+from gspcli.machines.graph import Body, Graph, Joint, NoPlatform, Part, ball, frame, matrix, place
 from gspcli.machines.source import MarkupElement, SourceLine, text_of
 from gspcli.records import dataclass
 from gspcli.wording import counted, listed, shown
@@ -219,10 +219,7 @@ def _inertia(physical: MarkupElement) -> Array:
     found = physical.first("inertia")
     if found is None:
         return np.zeros((3, 3))
-    xx, yy, zz, xy, xz, yz = (
-        found.decimal(f"I{axes}") for axes in ("xx", "yy", "zz", "xy", "xz", "yz")
-    )
-    return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    return matrix(lambda entry: found.decimal(f"I{entry[1:]}"), np.eye(4))
 
 
 _PIN = re.compile(r"\s*setp\s+genhexkins\.(base|platform)\.([0-5])\.([xyz])\s+(\S+)")

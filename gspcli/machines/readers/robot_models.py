@@ -72,8 +72,7 @@ def read_sdf(root: MarkupElement, name: str) -> Graph:
     models = list(root.everywhere("model"))
     for wrong in root.everywhere("include", "model"):
         if wrong.tag == "include" or wrong is not models[0]:
-            message = f"found <{wrong.tag}> too, expected one model without others in it"
-            raise wrong.error(message)
+            raise wrong.error(f"found <{wrong.tag}> too, expected one model without others in it")
     if not models:
         raise root.error("found no <model>, expected one")
     return _SdfModel(models[0], root.get("version") or "1.5", name).graph()
@@ -325,9 +324,9 @@ class _Robot:
             driven |= {j.get("name") for j in control.all("joint") if j.first("command_interface")}
         return driven & set(names)
 
-    def _end(self, joint: MarkupElement, end: str, attribute: str = "link") -> str:
+    def _end(self, joint: MarkupElement, end: str) -> str:
         element = joint.child(end)
-        link = element.needed(attribute)
+        link = element.needed("link")
         if link not in self.links:
             known = listed([shown(name) for name in list(self.links)[:8]] or ["a link"])
             raise element.error(f"found the link {shown(link)}, expected {known}")
@@ -368,10 +367,9 @@ class _Robot:
     def _joint(self, joint: MarkupElement) -> Joint | None:
         name, kind = joint.get("name"), joint.get("type")
         if joint.first("mimic") is not None:
-            message = (
+            raise NoPlatform(
                 f"found the joint {shown(name)} geared to another, expected independent joints"
             )
-            raise NoPlatform(message)
         X = _origin(joint)
         parent, child = self._end(joint, "parent"), self._end(joint, "child")
         if kind == "floating":
@@ -623,8 +621,7 @@ class _CompiledModel:
                 driven.add(int(model.actuator_trnid[i, 0]))
             elif kind == kinds.mjTRN_TENDON:
                 name = shown(model.actuator(i).name)
-                message = f"found the actuator {name} on a tendon, expected it on a joint"
-                raise NoPlatform(message)
+                raise NoPlatform(f"found the actuator {name} on a tendon, expected it on a joint")
         equality = self.mujoco.mjtEq
         for i in range(model.neq):
             first, second = int(model.eq_obj1id[i]), int(model.eq_obj2id[i])
@@ -634,8 +631,7 @@ class _CompiledModel:
             if int(model.eq_type[i]) == equality.mjEQ_JOINT:
                 if second >= 0:
                     pair = " and ".join(shown(model.jnt(k).name) for k in (first, second))
-                    message = f"found the joints {pair} geared, expected independent joints"
-                    raise NoPlatform(message)
+                    raise NoPlatform(f"found the joints {pair} geared, expected independent joints")
                 driven.add(first)
         return driven
 

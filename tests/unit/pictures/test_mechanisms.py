@@ -15,8 +15,8 @@ from gspcli.catalogue.realization import (
     outside,
     realization,
 )
-from gspcli.pictures.mechanisms import ChainEnds, chain_drawing, mechanism_drawing, mounted
-from gspcli.pictures.stage import first_mode, scene_of
+from gspcli.pictures.mechanisms import chain_drawing, mechanism_drawing, mounted
+from gspcli.pictures.stage import ConstraintEnds, first_mode, scene_of
 from gspcli.resources import instance_files
 from gspcli.solver import solve
 from gspcli.spec import load
@@ -26,11 +26,11 @@ X, Z = np.array([1.0, 0, 0]), np.array([0, 0, 1.0])
 GROUPS = [*((kind,) for kind in KINDS), (DLL, ALL)]
 
 
-def ends(kind: Kind) -> ChainEnds:
+def ends(kind: Kind) -> ConstraintEnds:
     zero = np.zeros(3)
     directions = {"P": (zero, zero), "L": (np.array([0, 0.6, 0.8]), X), "H": (Z, Z)}
     w, v = directions[kind.platform.value][0], directions[kind.base.value][1]
-    return ChainEnds(2 * Z, zero, w, v)
+    return ConstraintEnds(2 * Z, zero, w, v)
 
 
 @pytest.mark.parametrize("kinds", GROUPS, ids=str)

@@ -15,7 +15,7 @@ from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Geometry, Line, Plane, Point, vector
 from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.pictures.scene import Stroke, StrokeStyle
-from gspcli.pictures.stage import Sizes, StrokeEnds, angle_strokes, connection, distance_strokes
+from gspcli.pictures.stage import ConstraintEnds, Sizes, angle_strokes, connection, distance_strokes
 
 SIZES = Sizes(0.1, 1.0, 0.5)
 POSES = 20
@@ -29,13 +29,13 @@ def _primitive(sort: Primitive, rng: np.random.Generator) -> Geometry:
     return (Line if sort is Primitive.LINE else Plane)(position, direction)
 
 
-def _drawn(kind: Kind) -> tuple[list[Stroke], np.ndarray, StrokeEnds]:
+def _drawn(kind: Kind) -> tuple[list[Stroke], np.ndarray, ConstraintEnds]:
     """Return the strokes of a random constraint at random poses, its values and its ends."""
     rng = np.random.default_rng(kind.order)
     row = Constraint(kind, _primitive(kind.platform, rng), _primitive(kind.base, rng), Number.of(1))
     one = Arrangement.of(Instance((row,), Units("m", AngleUnit.RADIAN)))
     R, T = rotation_from_vector(rng.normal(size=(POSES, 3))), rng.normal(size=(POSES, 3))
-    ends = StrokeEnds(
+    ends = ConstraintEnds(
         R @ one.y[0] + T,
         np.broadcast_to(one.x[0], (POSES, 3)),
         R @ one.u[0],
@@ -89,5 +89,5 @@ def test_parallel_lines_and_right_angles_to_planes_are_drawn() -> None:
     ends = connection(KINDS[5], offset, along, np.zeros((1, 3)), along)
     assert np.linalg.norm(ends.platform - ends.base) == pytest.approx(2)
     for kind in KINDS[6:]:
-        for stroke in angle_strokes(kind, StrokeEnds(offset, offset, along, along), SIZES):
+        for stroke in angle_strokes(kind, ConstraintEnds(offset, offset, along, along), SIZES):
             assert np.isfinite(stroke.points).all()
