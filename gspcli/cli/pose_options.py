@@ -407,10 +407,7 @@ def asked_poses(o: Options) -> AskedPoses:
 
 
 def _stated_drives(instance: Instance, count: int) -> Array | None:
-    """Return readings of the drives where all points are as stated, shape (count, m).
-
-    None without cranks and slides.
-    """
+    """Return readings of drives as stated, shape (count, m); None without cranks and slides."""
     from gspcli.geometry.machine import Machine, is_driven
 
     if not is_driven(instance):

@@ -173,14 +173,14 @@ def _with_gaps(result: Result, R: Array, T: Array) -> tuple[Result, dict[str, Qu
 
 def _say_refused(rows: Sequence[Mapping[str, Any]], *, required: bool) -> None:
     """Say on standard error how many poses are refused; raise if something is required."""
-    refused = [row for row in rows if row.get("refused")]
-    if not refused:
-        return
-    message = f"{len(refused)} of {counted(len(rows), 'pose')} cannot be taken, first at "
-    message += f"t = {refused[0]['t']:.10g}: {refused[0]['refused']}"
-    if required:
-        raise CheckFailed(message)
-    say(message)
+    if refused := [row for row in rows if row.get("refused")]:
+        message = (
+            f"{len(refused)} of {counted(len(rows), 'pose')} cannot be taken, first at "
+            f"t = {refused[0]['t']:.10g}: {refused[0]['refused']}"
+        )
+        if required:
+            raise CheckFailed(message)
+        say(message)
 
 
 def _values(instance: Instance, table: PoseTable, t: list[float]) -> tuple[Array, Result]:
