@@ -11,36 +11,32 @@ from gspcli.cli.pose_options import mode_option
 from gspcli.cli.render import write
 from gspcli.cli.streams import say, working
 from gspcli.errors import GspError
-from gspcli.export.formats import (
-    COORDINATES,
-    DIGITS,
-    FORMATS,
-    TRIES,
-    ModelFormat,
-    SystemFormat,
-    exported,
-)
+from gspcli.export import formats
 from gspcli.wording import listed
 
 #: Formats of a model at a pose, of a program, and of equations.
-_MODELS = {name: form for name, form in FORMATS.items() if isinstance(form, ModelFormat)}
+_MODELS = {
+    name: form for name, form in formats.FORMATS.items() if isinstance(form, formats.ModelFormat)
+}
 
 
 @click.command(cls=Command)
 @click.argument("spec", metavar="SPEC")
-@click.option("--to", "target", type=click.Choice(tuple(FORMATS)), required=True, help="For which.")
+@click.option(
+    "--to", "target", type=click.Choice(tuple(formats.FORMATS)), required=True, help="For which."
+)
 @value_options
 @mode_option(f"what is built for {listed(_MODELS, 'and')}.  [default: home]")
 @click.option(
     "--coordinates",
-    type=click.Choice(COORDINATES),
-    default=COORDINATES[0],
+    type=click.Choice(formats.COORDINATES),
+    default=formats.COORDINATES[0],
     help="For systems: the unknowns.",
 )
 @click.option(
     "--significant-digits",
     type=Whole(1, 1000),
-    default=DIGITS,
+    default=formats.DIGITS,
     help="For systems: to how many digits irrational numbers are written.",
 )
 @click.option(
@@ -51,7 +47,7 @@ _MODELS = {name: form for name, form in FORMATS.items() if isinstance(form, Mode
 @click.option(
     "--tries",
     type=Whole(1, 1000),
-    default=TRIES,
+    default=formats.TRIES,
     help="For c: how many parts of a line of values a step tries: its time is bounded by them.",
 )
 @click.option(
@@ -85,9 +81,9 @@ def command(o: Options) -> None:
       gsp certify @dietmaier d.out
     """
     instance = o.instance
-    form = FORMATS[o.target]
+    form = formats.FORMATS[o.target]
     path, name, places = o.output.path, "", {}
-    if isinstance(form, ModelFormat) and len(form.suffixes) > 1:
+    if isinstance(form, formats.ModelFormat) and len(form.suffixes) > 1:
         last, suffix = form.suffixes
         if path is None or path.suffix != suffix:
             raise GspError(
@@ -96,7 +92,7 @@ def command(o: Options) -> None:
         name = path.stem
         places = {one: o.output.beside(path.with_suffix(one)) for one in form.suffixes}
     with working("exporting"):
-        found = exported(
+        found = formats.exported(
             instance,
             o.target,
             mode=o.mode if isinstance(o.mode, int) else None,
@@ -116,8 +112,8 @@ def command(o: Options) -> None:
 def _irrational() -> str:
     """Return what irrational numbers become for which programs."""
     names: dict[str, list[str]] = {"exact": [], "decimals": [], "doubles": []}
-    for name, form in FORMATS.items():
-        if isinstance(form, SystemFormat):
+    for name, form in formats.FORMATS.items():
+        if isinstance(form, formats.SystemFormat):
             names[form.irrational].append(name)
     return ", ".join(f"{how} for {listed(those, 'and')}" for how, those in names.items())
 

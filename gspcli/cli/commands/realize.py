@@ -5,34 +5,26 @@ from __future__ import annotations
 import itertools
 import re
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from gspcli.catalogue.coincidence import (
-    Connection,
-    coincident_types,
-    over_constraint,
-    parse_sharing,
-)
-from gspcli.catalogue.kinds import Kind
+from gspcli.catalogue.coincidence import coincident_types, over_constraint, parse_sharing
 from gspcli.catalogue.names import find_alias, parse_kinds, parse_type
-from gspcli.catalogue.realization import (
-    REALIZATIONS,
-    Mechanism,
-    MountedChain,
-    Realization,
-    alternative,
-    mechanism,
-    outside,
-)
-from gspcli.catalogue.types import CONSTRAINTS, GspType
+from gspcli.catalogue.realization import REALIZATIONS, alternative, mechanism, outside
+from gspcli.catalogue.types import CONSTRAINTS
 from gspcli.cli.options import DRAWINGS, FORMATS, Command, Options, output_options
 from gspcli.cli.render import emit, write
 from gspcli.cli.result import Fields, Result
 from gspcli.cli.specs import is_file, load_instance
 from gspcli.cli.streams import working
 from gspcli.errors import GspError, TypeNameError
+
+if TYPE_CHECKING:
+    from gspcli.catalogue.coincidence import Connection
+    from gspcli.catalogue.kinds import Kind
+    from gspcli.catalogue.realization import Mechanism, MountedChain, Realization
+    from gspcli.catalogue.types import GspType
 
 FIELDS = Fields("realize")
 
@@ -97,11 +89,8 @@ def command(o: Options) -> None:
     notes += _driven_joints(o.names)
     chains = [_entry(mounted) for mounted in built.chains]
     rows = list(map(_row, itertools.count(1), chains, built.chains))
-    document: dict[str, Any] = {
-        "schema": "gsp.realize/1",
-        "type": gsp_type.to_json(),
-        "chains": chains,
-    }
+    document: dict[str, Any] = {"schema": "gsp.realize/1", "type": gsp_type.to_json()}
+    document["chains"] = chains
     document["shared"] = [
         {"body": one.body, "name": one.name, "joints": one.joints, "chains": _from_one(one.chains)}
         for one in built.shared

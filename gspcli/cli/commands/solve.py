@@ -22,15 +22,7 @@ from gspcli.cli.render import emit, write
 from gspcli.cli.result import Field, Fields, Result
 from gspcli.cli.specs import spec_source, standard_deviations
 from gspcli.cli.streams import progress, say, working
-from gspcli.errors import (
-    ArgumentError,
-    CheckFailed,
-    GspError,
-    IncompleteError,
-    Mistake,
-    NotFiniteError,
-    SpecError,
-)
+from gspcli.errors import ArgumentError, CheckFailed, GspError, IncompleteError, NotFiniteError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.euler import MAKERS
 from gspcli.geometry.frames import PoseFrame
@@ -964,7 +956,7 @@ def _instance(name: str, text: str | None) -> Instance:
     try:
         text.encode()
     except UnicodeEncodeError as error:
-        raise SpecError([Mistake(None, "", f"{name}: expected text in UTF-8")]) from error
+        raise GspError(f"{name}: expected text in UTF-8") from error
     return read_text(text, name=name).instance
 
 
