@@ -118,7 +118,6 @@ def run(arguments: Sequence[str] | None = None) -> int:
 
 def _outcome(words: list[str]) -> tuple[int, str]:
     """Run a command line; return the exit code and the error message, if there is one."""
-    debug = "--debug" in words[:1]
     try:
         outcome = cli.main(words, prog_name="gsp", standalone_mode=False)
     except click.exceptions.NoArgsIsHelpError as error:
@@ -137,17 +136,13 @@ def _outcome(words: list[str]) -> tuple[int, str]:
             # Of a standard stream.
             raise
         return GspError.exit_code, brief(f"error: {reason(error)}")
-    except MemoryError as error:
-        if debug:
-            raise
-        return IncompleteError.exit_code, brief(f"error: there is not enough memory: {error}")
-    except GspError as error:
-        if debug:
-            raise
-        return error.exit_code, brief(f"error: {error}")
     except Exception as error:
-        if debug:
+        if "--debug" in words[:1]:
             raise
+        if isinstance(error, MemoryError):
+            return IncompleteError.exit_code, brief(f"error: there is not enough memory: {error}")
+        if isinstance(error, GspError):
+            return error.exit_code, brief(f"error: {error}")
         what = f"{type(error).__name__}: {error}"
         return INTERNAL_ERROR, brief(f"error: internal error: {what}\nrun with `gsp --debug …`")
     return outcome if isinstance(outcome, int) else 0, ""

@@ -252,17 +252,6 @@ def _keys_option(function: Function) -> Function:
     )(function)
 
 
-def _format_of(path: str, formats: Sequence[str]) -> str:
-    """Return the format that the suffix of a file names."""
-    chosen = _SUFFIXES.get(Path(path).suffix.lower(), "")
-    if chosen not in formats:
-        known = ", ".join(suffix for suffix, name in _SUFFIXES.items() if name in formats)
-        raise click.BadParameter(
-            f"no format known from {shown(path)}: use --format, or one of {known}"
-        )
-    return chosen
-
-
 def _file_options(
     formats: Sequence[str], default: str, more: str = ""
 ) -> Callable[[Function], Function]:
@@ -274,7 +263,12 @@ def _file_options(
         if value not in (None, "-"):
             path = Path(str(value))
             if chosen is None and len(formats) > 1:
-                chosen = _format_of(str(value), formats)
+                chosen = _SUFFIXES.get(path.suffix.lower())
+                if chosen not in formats:
+                    known = ", ".join(end for end, name in _SUFFIXES.items() if name in formats)
+                    raise click.BadParameter(
+                        f"no format known from {shown(value)}: use --format, or one of {known}"
+                    )
             check_writable(path)
         if chosen in DRAWINGS:
             from gspcli.pictures.figures import require_matplotlib

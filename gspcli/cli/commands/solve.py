@@ -724,12 +724,8 @@ def _far(result: SolveResult) -> list[str]:
     arrangement = result.arrangement
     offset = result.R @ arrangement.platform_centre + result.T - arrangement.base_centre
     far = int((np.abs(offset).max(axis=1) > _FAR * arrangement.length).sum())
-    if not far:
-        return []
-    return [
-        f"{far} of the {result.counts.found} poses lie beyond {_FAR:.0e} lengths: "
-        "caused by rounded coordinates, harmless"
-    ]
+    said = f"{far} of the {result.counts.found} poses lie beyond {_FAR:.0e} lengths: "
+    return [f"{said}caused by rounded coordinates, harmless"] if far else []
 
 
 def _parallel(result: SolveResult) -> list[str]:
@@ -841,17 +837,20 @@ def _solve_many(o: options.Options) -> int:
         raise click.UsageError(f"{listed(given, 'and')}: for one SPEC and its table only")
     if o.specs.count("-") > 1:
         raise GspError("standard input can be one SPEC only: - is given more than once")
-    by_line = [_has_lines(o, spec) for spec in o.specs]
+    by_line = {spec: _has_lines(o, spec) for spec in o.specs}
     sources = chain.from_iterable(
-        _lines_of(spec) if lines else [(spec, None)]
-        for spec, lines in zip(o.specs, by_line, strict=True)
+        _lines_of(spec) if by_line[spec] else [(spec, None)] for spec in o.specs
     )
-    answers = _answers(sources, o)
+    from gspcli.workers import Workers
+
+    answer = partial(_answer, o)
+    first = map(answer, islice(sources, _HERE_FIRST))
+    answers: Iterator[Any] = chain(first, Workers(o.jobs).in_order(answer, sources))
     as_lines = o.output.format == LINES
     streamed = as_lines and o.output.path is None
     if not (streamed and sys.stdout.isatty()):
         # A progress bar would be printed between the lines.
-        total = None if any(by_line) else len(o.specs)
+        total = None if any(by_line.values()) else len(o.specs)
         answers = progress(answers, total=total, label="instances")
     rows, texts = [], []
     for row, document in answers:
@@ -880,18 +879,6 @@ def _solve_many(o: options.Options) -> int:
     if as_lines and max(codes):
         say(said)
     return max(codes)
-
-
-def _answers(
-    sources: Iterator[tuple[str, str | None]], o: options.Options
-) -> Iterator[tuple[dict[str, Any], dict[str, Any]]]:
-    """Yield the answers in the order of the sources."""
-    from gspcli.workers import Workers
-
-    answer = partial(_answer, o)
-    yield from map(answer, islice(sources, _HERE_FIRST))
-    if more := list(islice(sources, 1)):
-        yield from Workers(o.jobs).in_order(answer, chain(more, sources))
 
 
 def _lines_of(spec: str) -> Iterator[tuple[str, str]]:
