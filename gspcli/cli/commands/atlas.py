@@ -37,32 +37,22 @@ def summary(o: Options) -> None:
 
     found = atlas_summary().to_json()
     confirmed = [family_counts(family).confirmed for family in all_families()]
-    notes = [
+    notes = ["All counts are proved, see docs/counts.md."]
+    notes += [
         f"{sum(method in found for found in confirmed)} of {len(confirmed)} families were "
         f"confirmed by {method.meaning}"
         for method in Method
     ]
     defect, without_one = trace_extremes()
-    counts = Result(
-        FIELDS.of("name sides types smallest median largest of_largest different"),
-        found["counts"],
-        "Generic counts",
-        [
-            "All counts are proved, see docs/counts.md.",
-            *notes,
-            f"trace tests: defect at most {defect:.0e}, without one pose at least "
-            f"{without_one:.0e}",
-        ],
-        part="counts",
-    )
-    bounds = Result(
-        FIELDS.of("bound name types sharp median@2 largest@2 of_largest"),
-        found["bounds"],
-        "Bounds against generic counts",
-        [
-            "sharp: the bound is the count; factor: the bound over the count. Table 3 counts",
-            "one of the two planes of a DLL and is compared with that count.",
-        ],
-        part="bounds",
-    )
+    apart = f"defect at most {defect:.0e}, without one pose at least {without_one:.0e}"
+    notes.append(f"trace tests: {apart}")
+    columns = FIELDS.of("name sides types smallest median largest of_largest different")
+    counts = Result(columns, found["counts"], "Generic counts", notes, part="counts")
+    notes = [
+        "sharp: the bound is the count; factor: the bound over the count. Table 3 counts",
+        "one of the two planes of a DLL and is compared with that count.",
+    ]
+    columns = FIELDS.of("bound name types sharp median@2 largest@2 of_largest")
+    title = "Bounds against generic counts"
+    bounds = Result(columns, found["bounds"], title, notes, part="bounds")
     emit(o.output, [counts, bounds], document=found)

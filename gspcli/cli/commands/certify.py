@@ -87,12 +87,8 @@ def command(o: Options) -> None:
             tolerance=o.max_deviation,
             max_precision=o.max_precision,
         )
-        document = {
-            "schema": "gsp.certify/1",
-            **instance.to_json(),
-            "tolerance": o.max_deviation,
-            **proved.to_json(),
-        }
+        document = {"schema": "gsp.certify/1", **instance.to_json(), "tolerance": o.max_deviation}
+        document |= proved.to_json()
         solutions = document["solutions"]
         claims = zip(given.claimed_real, given.claimed_sides.tolist(), strict=True)
         for entry, item, (real, signs) in zip(solutions, proved, claims, strict=True):

@@ -145,13 +145,12 @@ def _counts(selected: TypeList) -> Result:
     total = sum(one.size for one in CLASSES)
     sizes = " + ".join(str(one.size) for one in CLASSES)
     rows.append({"class": "all", "formula": sizes, "types": total, "selected": len(selected)})
-    part, schema = "classes", "enumerate-count"
-    columns = FIELDS.of("class@2 formula types selected")
+    columns, notes = FIELDS.of("class@2 formula types selected"), []
     if len(selected) == total:
         columns[-1] = columns[-1].but(title="enumerated")
-        return Result(columns, rows, part=part, schema=schema)
-    notes = [f"{_share(selected)}, as the options select them"]
-    return Result(columns, rows, notes=notes, part=part, schema=schema)
+    else:
+        notes = [f"{_share(selected)}, as the options select them"]
+    return Result(columns, rows, notes=notes, part="classes", schema="enumerate-count")
 
 
 def _by_class(selected: TypeList) -> list[tuple[PlatformClass, list[GspType]]]:
@@ -168,18 +167,14 @@ def _sharing(selected: TypeList) -> Result:
         return {"class": name, "types": len(members), "patterns": patterns, "up_to_swap": swapped}
 
     closed = {t.mirrored for t in selected} == set(selected)
-    rows = [*(row(one.id, members) for one, members in _by_class(selected))]
+    rows = [row(one.id, members) for one, members in _by_class(selected)]
+    rows.append(row("all", list(selected)))
     notes = [
         "A pattern says which constraints share a primitive, up to renaming; a pair of",
         "primitives carries no kind twice. All primitives distinct is one pattern of a type.",
     ]
-    return Result(
-        FIELDS.of("class@2 types@2 patterns@2 up_to_swap"),
-        [*rows, row("all", list(selected))],
-        notes=notes,
-        part="classes",
-        schema="enumerate-sharing",
-    )
+    columns = FIELDS.of("class@2 types@2 patterns@2 up_to_swap")
+    return Result(columns, rows, notes=notes, part="classes", schema="enumerate-sharing")
 
 
 def _patterns(name: str, limit: int | None) -> Result:

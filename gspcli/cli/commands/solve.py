@@ -464,14 +464,11 @@ class Answer:
             "That all constraints hold there is checked to 50 decimals; to 9 where poses meet, and "
             "for the distance of parallel lines"
         ]
-        return [
-            replace(
-                table,
-                title="real poses",
-                columns=[one for one in table.columns if one.key not in ("condition", "residual")],
-            )
-            for table in alone._pose_tables([], notes)
-        ]
+        tables = []
+        for table in alone._pose_tables([], notes):
+            kept = [one for one in table.columns if one.key not in ("condition", "residual")]
+            tables.append(replace(table, title="real poses", columns=kept))
+        return tables
 
     def _pose_tables(self, lines: Sequence[str], notes: Sequence[str]) -> list[Result]:
         """Return the poses: units in the headings, exceptions marked."""
