@@ -208,14 +208,13 @@ def command(o: options.Options) -> None:
         result = calibrate_rows(o.instance, seen, noise, settings)
     _show(o, result, result)
     if result.doubts and not o.accept:
-        what = [f"the data do not fit the machine: {result.doubts[0]}"]
-        what += [result.cause] if result.cause else []
+        cause = f"\n{result.cause}" if result.cause else ""
         robust = "" if result.options.robust else ", or try --robust"
-        what.append(
+        raise CheckFailed(
+            f"the data do not fit the machine: {result.doubts[0]}{cause}\n"
             f"look for wrong rows and columns (-o FILE.svg shows residuals){robust}; --accept "
             "takes the result unchanged"
         )
-        raise CheckFailed("\n".join(what))
 
 
 def _document(found: Calibration | Identification | Plan) -> dict[str, Any]:
@@ -300,9 +299,8 @@ def _summary(result: Calibration) -> list[str]:
     lines = [f"the data do not fit: {doubt}" for doubt in result.doubts]
     if result.cause:
         lines.append(result.cause)
-    lines.append(
-        f"{counted(len(result.seen), 'row')}, {counted(len(result.names), 'number')} found"
-    )
+    numbers = counted(len(result.names), "number")
+    lines.append(f"{counted(len(result.seen), 'row')}, {numbers} found")
     if freedom <= 0:
         lines.append("as many numbers are found as were measured: their errors are not known")
     elif result.scatter == 1.0:
@@ -319,10 +317,9 @@ def _summary(result: Calibration) -> list[str]:
         lines.append(f"the noise is not stated: {noise} by the scatter {of}")
     if result.outliers.any():
         rows = [result.seen.lines[k] for k in np.flatnonzero(result.outliers.any(axis=1))]
-        lines.append(
-            f"{counted(int(result.outliers.sum()), 'number')} left out, more than 5 sigma away: in "
-            f"{'row' if len(rows) == 1 else 'rows'} {listed(rows, 'and')}"
-        )
+        where = f"in {'row' if len(rows) == 1 else 'rows'} {listed(rows, 'and')}"
+        numbers = counted(int(result.outliers.sum()), "number")
+        lines.append(f"{numbers} left out, more than 5 sigma away: {where}")
     if result.unknowns.missing:
         what = counted(result.unknowns.missing, "direction")
         which = "; ".join(result.unknowns.sentences)

@@ -82,9 +82,7 @@ def command(o: options.Options) -> int:
     search = RealSearch.of(gsp_type if given is None else given, o.real, o.seconds, o.seed)
     subject = search.subject
     with nullcontext() if o.resume is None else held(o.resume):
-        state = (
-            State(subject, o.seed) if o.resume is None else read_state(o.resume, subject, o.seed)
-        )
+        state = read_state(o.resume, subject, o.seed) if o.resume else State(subject, o.seed)
         state, interrupted = _searched(search, state, o.most, o.workers, o.resume)
     if state.platform is None and interrupted:
         say("interrupted before the end of an attempt")
@@ -110,11 +108,9 @@ def _searched(
             if resume is not None:
                 write_whole(resume, state.text())
             if found is not None:
-                say(
-                    f"attempt {number}: {each * found.count} of {each * len(found.points)} real"
-                    f" (best: {each * state.real})"
-                    + (", cut short" if state.attempts == before else "")
-                )
+                real = f"{each * found.count} of {each * len(found.points)} real"
+                cut = ", cut short" if state.attempts == before else ""
+                say(f"attempt {number}: {real} (best: {each * state.real}){cut}")
             before = state.attempts
     except KeyboardInterrupt:
         return state, True

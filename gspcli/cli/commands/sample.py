@@ -65,9 +65,8 @@ def command(o: options.Options) -> int:
     total = Tally()
     interrupted = False
     try:
-        for part in progress(
-            tallies(wanted, o.workers), total=len(wanted.pieces), label="solving platforms"
-        ):
+        parts = tallies(wanted, o.workers)
+        for part in progress(parts, total=len(wanted.pieces), label="solving platforms"):
             total.add(part)
     except KeyboardInterrupt:
         interrupted = True
@@ -115,9 +114,6 @@ def _table(wanted: Sample, tally: Tally, *, bars: bool) -> Result:
     columns += [FIELDS["bar"].but(title=" ")] if bars else []
     sides = " for one choice of sides" if wanted.one_sided else ""
     mean = "" if tally.mean is None else f", {tally.mean:.4g} real on average"
-    summary = (
-        f"{tally.platforms} platforms{mean}; {tally.undecided} undecided, "
-        f"{tally.incomplete} incomplete"
-    )
+    others = f"{tally.undecided} undecided, {tally.incomplete} incomplete"
     title = f"{wanted.gsp_type.id}: real ones of {wanted.expected} solutions{sides}"
-    return Result(columns, rows, title, summary=[summary])
+    return Result(columns, rows, title, summary=[f"{tally.platforms} platforms{mean}; {others}"])
