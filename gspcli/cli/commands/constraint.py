@@ -142,13 +142,12 @@ def _page(facts: ConstraintFacts) -> list[Result]:
 
 def _remarks(facts: ConstraintFacts) -> list[str]:
     where = f"in {coordinates_label(facts.lowest_coordinates)}"
+    remarks = [f"degree {facts.lowest.two_sided} {where}: {facts.why_lowest}"]
     if facts.kind.has_sides:
         remarks = [
             f"one-sided: degree {facts.lowest.one_sided} {where}, {facts.why_lowest}",
             f"two-sided: degree {facts.lowest.two_sided}, the square of that equation",
         ]
-    else:
-        remarks = [f"degree {facts.lowest.two_sided} {where}: {facts.why_lowest}"]
     remarks.append(_PROOF)
     paper = facts.paper_mourrain.two_sided
     if paper > facts.lowest.two_sided:

@@ -126,8 +126,7 @@ def _types(selected: TypeList, keys: str | None) -> Result:
     notes = [_share(selected)]
     if "table_3" in names and any(DLL in t.kinds for t in selected if type_bounds(t).table_3):
         notes.append(f"Table 3 counts {ONE_ORIENTATION}; all other columns count both")
-    rows = list(selected.rows(shown))
-    columns = FIELDS.of(" ".join(names))
+    columns, rows = FIELDS.of(" ".join(names)), list(selected.rows(shown))
     return Result(columns, rows, notes=notes, part="types", schema="enumerate")
 
 

@@ -108,10 +108,7 @@ def _tables(found: Freedoms, *, everything: bool, readable: bool) -> list[Result
     if wrong:
         names = ", ".join(map(str, wrong))
         lines.append(f"this pose does not meet the stated value of {names}: it counts as movable")
-    rows = [
-        {"number": number, "freedom": screw.words(unit)}
-        for number, screw in enumerate(found.screws, 1)
-    ]
+    rows = [{"number": k, "freedom": screw.words(unit)} for k, screw in enumerate(found.screws, 1)]
     columns = FIELDS.of("number freedom" if rows or not readable else "")
     kinds = " ".join(row.kind.name for row in found.instance.constraints)
     title = f"{found.instance.name}: {kinds}" if found.instance.name else kinds

@@ -171,9 +171,8 @@ def sensor_table(result: SensorResult, form: str, *, everything: bool) -> Result
     least = FIELDS["least"].but(title="5 % below" if several else "apart by")
     middle = "median" if several else "pair"
     columns = [*FIELDS.of("sensor sigma"), least, *FIELDS.of(f"{middle} suffices")]
-    note = "in standard deviations of the sensor"
-    note += ", of the pair of modes that it tells apart worst" if several else ""
-    notes = [note]
+    worst = ", of the pair of modes that it tells apart worst" if several else ""
+    notes = [f"in standard deviations of the sensor{worst}"]
     if not everything:
         counts = ", ".join(f"{len(result.of_kind(kind))} {kind}" for kind in result.kinds)
         notes.append(f"the best of each sort ({counts}): --all-sensors shows each")

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import itertools
 import json
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property, partial
-from itertools import chain, islice
+from itertools import chain, islice, product
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -550,7 +549,7 @@ class Answer:
         if len(groups) == len(self.indices):
             return {}
         alphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZ"
-        letters = chain(alphabet, map("".join, itertools.product(alphabet, repeat=2)))
+        letters = chain(alphabet, map("".join, product(alphabet, repeat=2)))
         return dict(zip(letters, groups, strict=False))
 
 
@@ -635,14 +634,13 @@ def _completeness(result: SolveResult) -> str:
         )
     if ends.found != found:
         poses += f", {ends.found} with multiplicities"
-    named = {
+    elsewhere = {
         "at infinity": ends.at_infinity,
         "on curves": ends.on_curves,
         "where parallel lines have another distance": ends.spurious,
         "lost": ends.lost,
     }
-    others = [f"{count} {where}" for where, count in named.items() if count]
-    where = "".join(f", {other}" for other in others)
+    where = "".join(f", {count} {place}" for place, count in elsewhere.items() if count)
     geometry = result.geometry_count
     if geometry is None:
         return f"{verdict}: {poses}{where}, of the type's {result.expected}"
@@ -748,11 +746,8 @@ def refined(instance: Instance, certificate: Certificate, digits: int) -> dict[s
     from gspcli.certification import refine
 
     pose = refine(instance, certificate, digits)
-    return {
-        key: value
-        for key in ("R", "T", "R_imag", "T_imag")
-        if (value := getattr(pose, key)) is not None
-    }
+    entries = {key: getattr(pose, key) for key in ("R", "T", "R_imag", "T_imag")}
+    return {key: value for key, value in entries.items() if value is not None}
 
 
 def digit_cells(pose: Mapping[str, Any]) -> dict[str, str]:
@@ -774,8 +769,7 @@ def digit_table(rows: Sequence[Mapping[str, Any]]) -> Result:
         for key in DECIMALS
         if key in row
     ]
-    columns = FIELDS.of("number entry value")
-    return Result(columns, lines, title="Proved digits", part="digits")
+    return Result(FIELDS.of("number entry value"), lines, "Proved digits", part="digits")
 
 
 def _complain(result: SolveResult) -> None:
