@@ -440,7 +440,7 @@ def test_sets_of_several_sizes_have_a_start_each(name, monkeypatch):
         return start_among(arrangement, group, *rest)
 
     monkeypatch.setattr(api, "start_among", counting)
-    batch = solve_batch(instance, mixed)
+    batch = solve_batch(instance, mixed, starts=SolvedStarts())
     assert sorted(sizes) == [SETS // 2] * 2
     assert batch.proved.all()
     assert not batch.others
@@ -463,7 +463,7 @@ def test_a_start_that_proves_something_else_leaves_its_sets_to_others(monkeypatc
         return geometry
 
     monkeypatch.setattr(api, "start_among", unproved)
-    batch = solve_batch(instance, mixed)
+    batch = solve_batch(instance, mixed, starts=SolvedStarts())
     assert sorted(batch.others) == [5, 6, 7, 8, 9]
     assert batch.proved.all()
 
