@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
-from gspcli.pictures.charts import PALETTE
 from gspcli.pictures.figures import ANGLE, PLATFORM, SOFT, styled, written
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+#: Of groups, as people with any sight of colours tell them apart (Okabe and Ito 2008).
+PALETTE = ("#0072b2", "#e69f00", "#009e73", "#d55e00")
 #: Area of a bubble of weight one, in square points.
 _BUBBLE = 1.6
 

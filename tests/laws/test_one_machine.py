@@ -56,12 +56,12 @@ def moved_home(machine: Instance, degrees: float, lift: float) -> tuple[Any, Any
     return (R, T), (turn @ R, T + np.array([0, 0, lift]))
 
 
-#: Limits of a path of the M2 hexapod of which each in turn is the slowest: motors and the platform
+#: Limits of a path of the M2 hexapod of which each in turn is the slowest: drives and the platform
 #: in m/s, turning in degrees a second.
 LIMITS = {
-    "motors": {"motors": 1e-5, "platform": 1.0, "turn": 60.0},
-    "platform": {"motors": 1.0, "platform": 1e-5, "turn": 60.0},
-    "turn": {"motors": 1.0, "platform": 1.0, "turn": 0.001},
+    "drives": {"drives": 1e-5, "platform": 1.0, "turn": 60.0},
+    "platform": {"drives": 1.0, "platform": 1e-5, "turn": 60.0},
+    "turn": {"drives": 1.0, "platform": 1.0, "turn": 0.001},
 }
 
 
@@ -75,7 +75,7 @@ def duration(machine: Instance, ends: Any, speed: Any, acceleration: Any) -> flo
 def test_each_limit_of_a_path_binds_in_turn_in_each_unit(slow: str) -> None:
     machine = gspcli.example("rubin-m2")
     ends = moved_home(machine, 0.05, 0.001)
-    speed, quick = LIMITS[slow], {"motors": 1e3, "platform": 1e3, "turn": 6e4}
+    speed, quick = LIMITS[slow], {"drives": 1e3, "platform": 1e3, "turn": 6e4}
     whole = duration(machine, ends, speed, quick)
     # It is this limit that binds: twice as high, the path takes half of the time.
     faster = duration(machine, ends, speed | {slow: 2 * speed[slow]}, quick)

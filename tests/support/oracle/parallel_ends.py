@@ -29,7 +29,7 @@ _EQUAL = 1e-5
 _DIFFERENT = 1e-3
 _POLISHING_STEPS = 2
 #: Poses are sought about an end from this many places turned by this much, by this many steps.
-_TRIALS, _TURNS, _TRIAL_STEPS = 4, (1e-7, 1e-6, 1e-5), 12
+_TRIALS, _TURNS, _TRIAL_STEPS = 24, (1e-7, 1e-6, 1e-5), 12
 #: Residual, lengths by that of the platform, at which a trial has arrived, and how near to the end
 #: it must be.
 _ARRIVED, _NEAR = 1e-9, 1e-3
