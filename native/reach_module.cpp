@@ -255,9 +255,9 @@ void bind_reach(nb::module_& m) {
         "of_base"_a, "axes"_a, "cosines"_a, "turn"_a, nb::kw_only(), "bounds"_a,
         "free"_a, "level"_a, "keys"_a, "left"_a, "split"_a, "jobs"_a,
         "drives"_a = nb::none(),
-        "Judge boxes of poses by limits; see gspcli.motion.boxes.");
+        "Judge boxes of poses by limits; see gspcli.motion.workspace.pose_boxes.");
   m.def("connected_boxes", &connected_boxes, "keys"_a, "levels"_a, "dimensions"_a, "touching"_a,
-        "periodic"_a, "poles"_a, "Label connected boxes; see gspcli.motion.boxes.");
+        "periodic"_a, "poles"_a, "Label connected boxes; see gspcli.motion.workspace.pose_boxes.");
 }
 
 }  // namespace gsp

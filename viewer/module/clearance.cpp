@@ -12,7 +12,7 @@ constexpr double kRounding = 0x1p-48, kOutward = 1.0 + 0x1p-30, kClose = 1.01;
 
 enum Kind { kDPP, kDPL, kDLP, kDPH, kDHP, kDLL };  // others are angles
 
-// gspcli.motion.singularities.taylor_forms, over the unit ball; numbers have one component.
+// Taylor forms of first order over the unit ball: value, linear part, rest; one component a number.
 struct Form {
   double value[3]{}, linear[3][kParameters]{}, rest = 0.0;
 

@@ -1,7 +1,7 @@
 // How far a pose may move before its six screws become dependent: a proved lower bound.
 //
-// The theorem and the numbers are those of gspcli.motion.singularities.screw_forms, for balls about a
-// pose (gspcli.motion.singularities.pose_clearances).
+// The theorem is that of gspcli.motion.singularities.pose_clearances, for balls about a pose; the bounds are
+// those of forms of first order, so the numbers differ a little from those of the package.
 #pragma once
 
 #include <vector>
