@@ -121,11 +121,7 @@ def _with_values(draft: Instance, rng: np.random.Generator, one_sided: bool) -> 
 
 
 def _primitive(
-    primitive: Primitive,
-    rng: np.random.Generator,
-    directions: Iterator[list[int]],
-    *,
-    planar: bool,
+    primitive: Primitive, rng: np.random.Generator, directions: Iterator[list[int]], *, planar: bool
 ) -> Geometry:
     position = vector(*(_decimal(x) for x in rng.uniform(-1, 1, size=3) * (1, 1, not planar)))
     if primitive is Primitive.POINT:

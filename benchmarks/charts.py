@@ -63,12 +63,7 @@ class Bubble(NamedTuple):
 
 
 def bubble_chart(
-    panels: Mapping[str, Sequence[Bubble]],
-    fmt: str,
-    *,
-    x_label: str,
-    y_label: str,
-    note: str,
+    panels: Mapping[str, Sequence[Bubble]], fmt: str, *, x_label: str, y_label: str, note: str
 ) -> bytes:
     """Return panels of bubbles on binary logarithmic axes, with the line on which both agree.
 

@@ -238,12 +238,8 @@ _NEWTON: dict[str, Make] = {
 MACHINES: dict[str, dict[str, Make]] = {
     "nano-hexapod": _NEWTON,
     "linuxcnc-hexapod": _NEWTON,
-    "reachy-mini-head": {
-        "Reachy Mini's library": lambda instance, _, __: reachy(instance),
-    },
-    "rubin-camera": {
-        "Nelder-Mead": lambda instance, _, size: nelder_mead(instance, size),
-    },
+    "reachy-mini-head": {"Reachy Mini's library": lambda instance, _, __: reachy(instance)},
+    "rubin-camera": {"Nelder-Mead": lambda instance, _, size: nelder_mead(instance, size)},
 }
 #: The poses of the machines at rest: their heights above the base in the frames of their files.
 HOMES = {

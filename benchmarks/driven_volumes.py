@@ -102,11 +102,7 @@ def _on_legs(
     values = measure(still, R[reached], T[reached])
     limits = zip(values.min(axis=0).tolist(), values.max(axis=0).tolist(), strict=True)
     legs = [
-        replace(
-            row,
-            value=Number.of((low + high) / 2),
-            limits=(Number.of(low), Number.of(high)),
-        )
+        replace(row, value=Number.of((low + high) / 2), limits=(Number.of(low), Number.of(high)))
         for row, (low, high) in zip(rows, limits, strict=True)
     ]
     return replace(still, constraints=tuple(legs))

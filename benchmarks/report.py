@@ -167,13 +167,7 @@ class Report:
         if not self.throughputs:
             return ""
         rows = (
-            [
-                x.type_text,
-                str(x.batch),
-                str(x.jobs),
-                duration(x.seconds),
-                f"{1 / x.seconds:.0f}",
-            ]
+            [x.type_text, str(x.batch), str(x.jobs), duration(x.seconds), f"{1 / x.seconds:.0f}"]
             for x in self.throughputs
         )
         heading = ["type", "batch", "threads", "wall time each", "per second"]

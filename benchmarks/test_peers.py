@@ -186,11 +186,7 @@ def test_fksgp_is_asked_in_frames_that_begin_at_the_first_points(
     assert compare(fksgp.solve(tmp_path, instance, SEED), result).clean
     for module in modules:
         del sys.modules[module]
-    assert [case.key for case in SMALL if fksgp.can(case)] == [
-        "6-6",
-        "planar 6-6",
-        "Dietmaier",
-    ]
+    assert [case.key for case in SMALL if fksgp.can(case)] == ["6-6", "planar 6-6", "Dietmaier"]
 
 
 @pytest.mark.parametrize("given", ["fksgp", "other=.", "fksgp=nowhere"])
@@ -287,8 +283,4 @@ def test_the_readme_says_what_a_first_solution_of_sampled_machines_costs(
     monkeypatch.setattr(peer_table, "BENCHMARKS", page)
     real, sampled = peer_table._machines()
     assert real[0] == "1 real machines, first solve"
-    assert sampled[:3] == [
-        "1 sampled machines, first solve, median",
-        f"{1e3 * seconds:g} ms",
-        said,
-    ]
+    assert sampled[:3] == ["1 sampled machines, first solve, median", f"{1e3 * seconds:g} ms", said]

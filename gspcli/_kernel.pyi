@@ -70,10 +70,7 @@ def surfaces(
     flat: NDArray[np.float64],
     curved: NDArray[np.float64],
 ) -> tuple[
-    NDArray[np.complex128],
-    NDArray[np.complex128],
-    NDArray[np.complex128],
-    NDArray[np.float64],
+    NDArray[np.complex128], NDArray[np.complex128], NDArray[np.complex128], NDArray[np.float64]
 ]: ...
 def closed_forms(
     u: NDArray[np.float64],
@@ -286,10 +283,7 @@ def track_values(
     jobs: int = 1,
     build: str = "",
 ) -> tuple[
-    NDArray[np.complex128],
-    NDArray[np.complex128],
-    NDArray[np.uint8],
-    NDArray[np.int32],
+    NDArray[np.complex128], NDArray[np.complex128], NDArray[np.uint8], NDArray[np.int32]
 ]: ...
 
 class Controller:

@@ -18,11 +18,6 @@ class Progress(Protocol):
         ...
 
 
-def silent(
-    items: Iterable[Item],
-    *,
-    total: int | None = None,
-    label: str = "",
-) -> Iterable[Item]:
+def silent(items: Iterable[Item], *, total: int | None = None, label: str = "") -> Iterable[Item]:
     """Report nothing: the default `Progress`."""
     return items

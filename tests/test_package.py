@@ -176,10 +176,7 @@ HEAVY = {"numpy", "sympy", "pandas", "flint", "yaml", "rich", "scipy", "matplotl
         ("import gspcli", HEAVY | {"click"}),
         ("from gspcli.cli.main import run; run(['--help'])", HEAVY),
         ("from gspcli.cli.main import run; run(['--version'])", HEAVY),
-        (
-            "from gspcli.cli.main import run; run(['enumerate', '--format', 'csv'])",
-            HEAVY,
-        ),
+        ("from gspcli.cli.main import run; run(['enumerate', '--format', 'csv'])", HEAVY),
         ("from gspcli.cli.main import run; run(['bound', '17', '--format', 'json'])", HEAVY),
         (
             "from gspcli.cli.main import run; run(['solve', '@dietmaier', '--format', 'json'])",

@@ -182,9 +182,7 @@ _CLASSES = (
     GeometryClass("planar", "points of either body in a plane"),
     GeometryClass("mirror", "planar, with a mirror symmetry of both at once", _mirror),
     GeometryClass(
-        "hexagons",
-        "planar, with threefold symmetry: three pairs of points on a circle",
-        _hexagons,
+        "hexagons", "planar, with threefold symmetry: three pairs of points on a circle", _hexagons
     ),
     GeometryClass(
         "regular-hexagons",
@@ -215,9 +213,7 @@ _CLASSES = (
         lambda rng: _mapped(rng, _scaling(1), flat=True),
     ),
     GeometryClass(
-        "planar-similar",
-        "similar bodies, planar",
-        lambda rng: _mapped(rng, _scaling(2), flat=True),
+        "planar-similar", "similar bodies, planar", lambda rng: _mapped(rng, _scaling(2), flat=True)
     ),
     GeometryClass(
         "planar-affine",

@@ -78,12 +78,7 @@ COLUMNS: tuple[TypeColumn, ...] = (
     TypeColumn("generic_one_sided", _count("one_sided")),
     TypeColumn("generic_two_sided", _count("two_sided")),
     TypeColumn("best_real", best_real),
-    TypeColumn(
-        "real_counts",
-        lambda t: spelled(real_counts(t)),
-        numeric=False,
-        default=False,
-    ),
+    TypeColumn("real_counts", lambda t: spelled(real_counts(t)), numeric=False, default=False),
     TypeColumn("patterns", _shared_patterns, default=False),
 )
 DEFAULT_COLUMNS: tuple[TypeColumn, ...] = tuple(c for c in COLUMNS if c.default)

@@ -27,14 +27,7 @@ _HOMES = {
     "refine": "gspcli.certification.poses.certificates",
 }
 
-__all__ = [
-    "Certificate",
-    "Certificates",
-    "Outcome",
-    "RefinedPose",
-    "certify",
-    "refine",
-]
+__all__ = ["Certificate", "Certificates", "Outcome", "RefinedPose", "certify", "refine"]
 
 
 def __getattr__(name: str) -> Any:

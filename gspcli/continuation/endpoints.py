@@ -359,8 +359,7 @@ def nonlinearity(target: System, points: ComplexArray) -> FloatArray:
         # The first-order move for each change, (P, changes, 8).
         first = values @ inverse.swapaxes(1, 2)
         second = np.stack(
-            [target.bends(points, first[:, k] * unit) for k in range(_CHANGES)],
-            axis=1,
+            [target.bends(points, first[:, k] * unit) for k in range(_CHANGES)], axis=1
         )
         bent = np.linalg.norm(second @ inverse.swapaxes(1, 2), axis=2)
         return np.asarray((bent / np.linalg.norm(first, axis=2)).max(axis=1))

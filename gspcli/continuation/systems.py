@@ -74,8 +74,7 @@ class Structure:
     @cached_property
     def _canonical(self) -> Structure:
         return Structure(
-            "".join(self.spaces[i] for i in self.order),
-            tuple(self.products[i] for i in self.order),
+            "".join(self.spaces[i] for i in self.order), tuple(self.products[i] for i in self.order)
         )
 
 
@@ -132,9 +131,7 @@ class Coefficients(NamedTuple):
 
     def towards(self, target: Coefficients, t: complex) -> Coefficients:
         """Return the point `t` of the line from these coefficients (0) to `target` (1)."""
-        return Coefficients(
-            *(x + t * (y - x) for x, y in zip(self, target, strict=True)),
-        )
+        return Coefficients(*(x + t * (y - x) for x, y in zip(self, target, strict=True)))
 
     @classmethod
     def stacked(cls, systems: Sequence[System]) -> Coefficients:

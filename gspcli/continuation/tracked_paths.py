@@ -27,10 +27,7 @@ from gspcli.continuation.endpoints import (
     simple,
 )
 from gspcli.continuation.paths import PathAccount
-from gspcli.continuation.quadrics import (
-    ComplexArray,
-    FloatArray,
-)
+from gspcli.continuation.quadrics import ComplexArray, FloatArray
 from gspcli.continuation.start import StartSystem, start_system
 from gspcli.continuation.systems import EQUATIONS, Coefficients, FineCoefficients, System
 from gspcli.continuation.tracker import (
@@ -348,10 +345,7 @@ def _in_kernel(
 
 
 def sample_motions(
-    target: System,
-    points: ComplexArray,
-    directions: ComplexArray,
-    steps: int = 24,
+    target: System, points: ComplexArray, directions: ComplexArray, steps: int = 24
 ) -> list[ComplexArray]:
     """Return consecutive solutions along positive-dimensional solution sets.
 
@@ -860,11 +854,7 @@ class TrackedPaths:
         return given.in_units(np.array(self.scale)).divided(*self._sizes)
 
     def track(
-        self,
-        index: NDArray[np.intp],
-        target: FineCoefficients,
-        *,
-        attempt: int = 0,
+        self, index: NDArray[np.intp], target: FineCoefficients, *, attempt: int = 0
     ) -> Iterator[tuple[NDArray[np.intp], PathEnds]]:
         """Track some paths with more digits up to the target, from where fewer digits may fail.
 
@@ -972,11 +962,7 @@ def solve_systems(targets: Iterable[System], *, seed: int = SEED) -> Iterator[Sy
 
 
 def track_all(
-    targets: Iterable[System],
-    *,
-    seed: int,
-    jobs: int = 1,
-    options: TrackerOptions = DEFAULT,
+    targets: Iterable[System], *, seed: int, jobs: int = 1, options: TrackerOptions = DEFAULT
 ) -> Iterator[TrackedPaths]:
     """Yield the first attempt at the paths of many systems, in order.
 

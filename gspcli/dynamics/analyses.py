@@ -132,10 +132,7 @@ class Analysis(EqualByContent):
             **({"drives": list(self.given.drives.names)} if self.moves_points else {}),
             "length": self.given.length,
             "poses": [
-                {
-                    **called[k],
-                    **{key: x for key, x in self.entry(k).items() if key not in left_out},
-                }
+                {**called[k], **{key: x for key, x in self.entry(k).items() if key not in left_out}}
                 for k in range(count)
             ],
         }

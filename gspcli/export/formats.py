@@ -194,12 +194,12 @@ FORMATS: dict[str, ModelFormat | SystemFormat] = {
         "by six chains of joints. The joint value_k is what constraint k measures, in metres "
         "or radians; the equality hold_k keeps it (its first coefficient is the change), and "
         "without it the actuator drive_k moves it. A crank or slide is the joint drive_k of "
-        "an arm or a carriage.",
+        "an arm or a carriage."
     ),
     "sdf": ModelFormat(
         "sdf is a model for Gazebo and other readers of SDF 1.9: six chains of joints from "
         "the base to the platform, which close loops. The joint value_k is what constraint k "
-        "measures, less its value.",
+        "measures, less its value."
     ),
     "urdf": ModelFormat(
         "urdf is NAME.urdf, a tree in which the first chain carries the platform, and "

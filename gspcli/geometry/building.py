@@ -13,25 +13,11 @@ from typing import Any
 
 import numpy as np
 
-from gspcli.catalogue.kinds import (
-    ANGLE_KINDS,
-    DISTANCE_KINDS,
-    DPP,
-    KINDS_BY_NAME,
-    Kind,
-    Primitive,
-)
+from gspcli.catalogue.kinds import ANGLE_KINDS, DISTANCE_KINDS, DPP, KINDS_BY_NAME, Kind, Primitive
 from gspcli.catalogue.types import CONSTRAINTS
 from gspcli.errors import ArgumentError
 from gspcli.geometry.checking import checked, wrong_scale
-from gspcli.geometry.instance import (
-    AngleUnit,
-    Constraint,
-    Instance,
-    Side,
-    Units,
-    as_read,
-)
+from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side, Units, as_read
 from gspcli.geometry.numbers import Number, Real
 from gspcli.geometry.primitives import Geometry, Line, Plane, Point
 from gspcli.wording import listed, shortened, shown

@@ -166,9 +166,7 @@ class Drives:
     stiffness: tuple[Number, ...] | None
 
     def __init__(
-        self,
-        inertia: Real | Sequence[Real] = 0,
-        stiffness: Real | Sequence[Real] | None = None,
+        self, inertia: Real | Sequence[Real] = 0, stiffness: Real | Sequence[Real] | None = None
     ) -> None:
         held = None if stiffness is None else _several(stiffness, "stiffness")
         object.__setattr__(self, "inertia", _several(inertia, "inertia"))

@@ -26,13 +26,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, DPP, Kind, Law, Primitive
 from gspcli.geometry.arrangement import Arrangement, Bodies, Placed
-from gspcli.geometry.quaternions import (
-    Field,
-    apply,
-    cross,
-    cross_matrix,
-    dot,
-)
+from gspcli.geometry.quaternions import Field, apply, cross, cross_matrix, dot
 from gspcli.geometry.tolerances import NEARLY_PARALLEL_SINE_SQUARE, PARALLEL_SINE
 
 _IDENTITY = np.eye(3)

@@ -429,13 +429,7 @@ def certify(
     from gspcli import certification
 
     return certification.certify(
-        instance,
-        R,
-        T,
-        sides=sides,
-        tolerance=tolerance,
-        max_precision=max_precision,
-        solve=_proved,
+        instance, R, T, sides=sides, tolerance=tolerance, max_precision=max_precision, solve=_proved
     )
 
 

@@ -156,11 +156,7 @@ def complete_parts(
     reached = min(sum(poses.account.found for poses in found), paths)
     lost = min(sum(poses.account.lost for poses in found), paths - reached)
     account = PathAccount(
-        expected=paths,
-        found=reached,
-        spurious=paths - reached - lost,
-        lost=lost,
-        basis=Basis.COUNT,
+        expected=paths, found=reached, spurious=paths - reached - lost, lost=lost, basis=Basis.COUNT
     )
     if not found:
         return replace(PoseSet.unsolved(paths), account=account)

@@ -196,11 +196,7 @@ def _leads_back(found: Start, problem: Problem, solved: Problem, known: SolvedPl
 
 
 def _about(
-    problem: Problem,
-    known: Arrangement,
-    poses: PoseSet,
-    seed: int,
-    far: FarPoses | None = None,
+    problem: Problem, known: Arrangement, poses: PoseSet, seed: int, far: FarPoses | None = None
 ) -> Start | None:
     """Return a start from a solved platform; None if that is not safe."""
     length, spread = problem.unit, _spread(problem, known)

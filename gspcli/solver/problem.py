@@ -79,10 +79,7 @@ class Problem:
         self.start: Start | None = None
 
     def like(
-        self,
-        instance: Instance,
-        arrangement: Arrangement | None = None,
-        rows: Array | None = None,
+        self, instance: Instance, arrangement: Arrangement | None = None, rows: Array | None = None
     ) -> Problem:
         """Return another platform, to be solved likewise."""
         seed, jobs, starts = self.seed, self.jobs, self.starts

@@ -29,14 +29,7 @@ from gspcli.continuation.reduced_homotopy import ReducedEnds, ReducedHomotopy
 from gspcli.continuation.start import path_count
 from gspcli.continuation.systems import EQUATIONS, Coefficients, System
 from gspcli.continuation.tracked_paths import TrackedPaths, track_all
-from gspcli.continuation.tracker import (
-    CAREFUL,
-    DEFAULT,
-    QUICK,
-    PathStatus,
-    TrackerOptions,
-    track,
-)
+from gspcli.continuation.tracker import CAREFUL, DEFAULT, QUICK, PathStatus, TrackerOptions, track
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.quaternions import apply, study_from_pose
 from gspcli.records import dataclass

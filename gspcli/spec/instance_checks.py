@@ -12,14 +12,7 @@ from gspcli.catalogue.names import parse_type
 from gspcli.catalogue.types import CONSTRAINTS, MAX_ANGLES
 from gspcli.errors import Mistake, TypeNameError
 from gspcli.geometry.checking import ONE_SIDE, turns, wrong_half_angle, wrong_scale, wrong_value
-from gspcli.geometry.instance import (
-    AngleUnit,
-    Constraint,
-    Instance,
-    Side,
-    Units,
-    as_read,
-)
+from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side, Units, as_read
 from gspcli.geometry.numbers import Number, value_of
 from gspcli.geometry.primitives import Cone, Crank, Geometry, Line, Plane, Point, Slide, Vector
 from gspcli.spec.document import Mapping, Scalar, Sequence, Value
@@ -75,12 +68,7 @@ class FileChecker:
     """Checks beyond the structure of a file: names, kinds, ranges, sums."""
 
     def __init__(
-        self,
-        root: Mapping,
-        model: Any,
-        mistakes: list[Mistake],
-        *,
-        any_number: bool = False,
+        self, root: Mapping, model: Any, mistakes: list[Mistake], *, any_number: bool = False
     ) -> None:
         self.root = root
         #: Whether there may be fewer constraints than six, or more.
@@ -92,9 +80,7 @@ class FileChecker:
         self.unit = AngleUnit(model.units.angle) if model.units else None
 
     @staticmethod
-    def _body(
-        models: Table[str, Any] | None,
-    ) -> Body | None:
+    def _body(models: Table[str, Any] | None) -> Body | None:
         if models is None:
             return None
         body = {name: _geometry(model) for name, model in models.items()}

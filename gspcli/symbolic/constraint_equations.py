@@ -184,23 +184,14 @@ def axial(matrix: Matrix) -> Matrix:
 
 #: Every way to express one block by R and another block; each is an identity on the motions.
 EXPRESSIONS: dict[str, dict[str, Callable[[Matrix, Matrix], Matrix]]] = {
-    "T": {
-        "U": lambda r, u: r * u,
-        "TxR": lambda r, w: axial(w * r.T),
-    },
-    "U": {
-        "T": lambda r, t: r.T * t,
-        "TxR": lambda r, w: axial(r.T * w),
-    },
+    "T": {"U": lambda r, u: r * u, "TxR": lambda r, w: axial(w * r.T)},
+    "U": {"T": lambda r, t: r.T * t, "TxR": lambda r, w: axial(r.T * w)},
     "rho": {
         "T": lambda _, t: t.T * t,
         "U": lambda _, u: u.T * u,
         "TxR": lambda _, w: Matrix([(w.T * w).trace() / 2]),
     },
-    "TxR": {
-        "T": lambda r, t: skew(t) * r,
-        "U": lambda r, u: r * skew(u),
-    },
+    "TxR": {"T": lambda r, t: skew(t) * r, "U": lambda r, u: r * skew(u)},
 }
 
 

@@ -23,13 +23,7 @@ from rich.cells import cell_len
 
 from gspcli.cli.render import Output, _lines, emit, folded, lay_out
 from gspcli.cli.result import Field, Result, cell_text, column_texts
-from gspcli.cli.streams import (
-    check_writable,
-    printable,
-    progress,
-    working,
-    write_whole,
-)
+from gspcli.cli.streams import check_writable, printable, progress, working, write_whole
 from gspcli.errors import GspError
 from gspcli.wording import MOST_LINES, brief, named, shown
 from tests.support.fuzz import commands
@@ -61,22 +55,14 @@ def _shown(capsys: pytest.CaptureFixture[str], fmt: str) -> str:
 
 def test_csv_has_full_precision_and_empty_cells(capsys: pytest.CaptureFixture[str]) -> None:
     rows = list(csv.reader(io.StringIO(_shown(capsys, "csv"))))
-    assert rows == [
-        ["name", "count", "value"],
-        ["a|b", "3", repr(1 / 3)],
-        ["c_d & e", "", "true"],
-    ]
+    assert rows == [["name", "count", "value"], ["a|b", "3", repr(1 / 3)], ["c_d & e", "", "true"]]
 
 
 def test_json_of_rows(capsys: pytest.CaptureFixture[str]) -> None:
     emit(Output("json", None), replace(TABLE, schema="things", name="rows"))
     document = json.loads(capsys.readouterr().out)
     assert document["schema"] == "gsp.things/1"
-    assert document["rows"][1] == {
-        "name": "c_d & e",
-        "count": None,
-        "value": True,
-    }
+    assert document["rows"][1] == {"name": "c_d & e", "count": None, "value": True}
 
 
 def test_json_of_a_document(capsys: pytest.CaptureFixture[str]) -> None:

@@ -226,10 +226,7 @@ def test_a_track_of_poses_follows_the_mode_of_these_poses(gsp, values):
     given = values("x,y,z,rx,ry,rz\n0,0,0.09,0,0,0\n0.001,0,0.091,1,0,0\n")
     run = gsp("track", "@nano-hexapod", given, "--euler", "ZYX", "--format", "csv")
     rows = list(csv.DictReader(io.StringIO(run.out)))
-    assert [(row["mode"], round(float(row["z"]), 9)) for row in rows] == [
-        ("8", 0.09),
-        ("8", 0.091),
-    ]
+    assert [(row["mode"], round(float(row["z"]), 9)) for row in rows] == [("8", 0.09), ("8", 0.091)]
     every = gsp(
         "track", "@nano-hexapod", given, "--euler", "ZYX", "--all-modes", "--allow-loss",
         "--format", "csv",

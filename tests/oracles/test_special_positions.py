@@ -190,14 +190,7 @@ def nearly_parallel(angle: float) -> tuple[Arrangement, Field, Field]:
     return arrangement.with_values(np.abs(measured(arrangement, R, T))), R, T
 
 
-@pytest.mark.parametrize(
-    "angle",
-    [
-        1e-2,
-        1e-4,
-        1e-5,
-    ],
-)
+@pytest.mark.parametrize("angle", [1e-2, 1e-4, 1e-5])
 def test_nearly_parallel_lines_are_a_pose(angle):
     arrangement, R, T = nearly_parallel(angle)
     poses = solve_by_tracking(arrangement, seed=1)

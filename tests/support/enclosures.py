@@ -234,12 +234,7 @@ _encloses(
     ),
     lambda a: [x * (1 + mp.mpf(2) ** -49) for x in a.x],
 )
-_encloses(
-    "widened",
-    (3,),
-    lambda E, a: a.widened(0.5),
-    lambda a: [a.x[0] + mp.mpf(0.5), *a.x[1:]],
-)
+_encloses("widened", (3,), lambda E, a: a.widened(0.5), lambda a: [a.x[0] + mp.mpf(0.5), *a.x[1:]])
 _encloses("joined", (2, 1), lambda E, a, b: E.joined(a, b), lambda a, b: [*a.x, *b.x])
 _encloses("across", (3, 3), lambda E, a, e: a.across(e), lambda a, e: a.across(e), of_unit=True)
 _encloses(

@@ -57,10 +57,7 @@ def _verify(arguments: argparse.Namespace) -> int:
         small = [task for task in tasks if recorded(task) <= largest]
         tasks = Random(arguments.seed).sample(small, size)
     results = count_all(
-        tasks,
-        journal=arguments.resume,
-        workers=workers_of(arguments),
-        timeout_s=arguments.timeout,
+        tasks, journal=arguments.resume, workers=workers_of(arguments), timeout_s=arguments.timeout
     )
     verdicts = {result: verdict(result) for result in map(results.__getitem__, tasks)}
     for result, said in verdicts.items():

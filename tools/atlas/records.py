@@ -14,13 +14,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from gspcli.catalogue.counts import (
-    FAMILIES_FILE,
-    Method,
-    all_families,
-    family_counts,
-    family_of,
-)
+from gspcli.catalogue.counts import FAMILIES_FILE, Method, all_families, family_counts, family_of
 from gspcli.catalogue.kinds import Kind
 from gspcli.catalogue.types import Family
 from gspcli.defaults import SEED

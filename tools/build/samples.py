@@ -57,12 +57,7 @@ SAMPLES: dict[str, tuple[str, ...]] = {
         "@rubin-m2 --reading 'leg P1 B2 = 2.913 ± 0.002' --reading 'inclinometer = 0, 0 ± 0.1'",
         "@rubin-m2 --reading 'leg P1 B2 = 2.953 ± 0.002' --fit --sigma value=0.001",
     ),
-    "sensors": (
-        "@rubin-m2",
-        "@linuxcnc-hexapod",
-        "@no-real-pose",
-        "@workspace-study --known-side",
-    ),
+    "sensors": ("@rubin-m2", "@linuxcnc-hexapod", "@no-real-pose", "@workspace-study --known-side"),
     "certify": ("@figure-3 POSES", "@figure-3 POSES --digits 20", "@figure-3 TWICE"),
     "count": (
         "@planar-hexagons @griffis-duffy @six-planes",
@@ -151,10 +146,7 @@ SAMPLES: dict[str, tuple[str, ...]] = {
         "@workspace-study --over z --within z=0:100",
         "THICK --over z --within z=0:100 --leg-gap 5",
     ),
-    "freedoms": (
-        "@workspace-study",
-        "@singular-pose",
-    ),
+    "freedoms": ("@workspace-study", "@singular-pose"),
     "calibrate": (
         "@workspace-study-cones MEASURED --sigma value=0.002 --sigma position=0.005",
         "@workspace-study-cones MEASURED --robust --hold offset.1",

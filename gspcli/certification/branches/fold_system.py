@@ -216,9 +216,7 @@ def _equation(
     factor, norm, first = (toeplitz(row.entries()) for row in (number, n.value, a.value))
     if b is None:
         return _Function(
-            a.value - number * norm,
-            a.gradient - n.gradient * factor,
-            a.by_time - slope * norm,
+            a.value - number * norm, a.gradient - n.gradient * factor, a.by_time - slope * norm
         )
     second = toeplitz(b.value.entries())
     if shape is Shape.LINES:

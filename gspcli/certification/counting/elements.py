@@ -223,8 +223,7 @@ class FieldElement:
             return self
         radicand, root = _root(value.numerator * value.denominator)
         return FieldElement(
-            {ONE._replace(radicand=radicand): Fraction(root, value.denominator)},
-            WHOLE,
+            {ONE._replace(radicand=radicand): Fraction(root, value.denominator)}, WHOLE
         )
 
 

@@ -35,11 +35,7 @@ _UNLIMITED = 2**62
 
 
 def exact_count(
-    instance: Instance,
-    *,
-    seed: int = SEED,
-    limit: float | None = COUNT_LIMIT,
-    suspect: bool = True,
+    instance: Instance, *, seed: int = SEED, limit: float | None = COUNT_LIMIT, suspect: bool = True
 ) -> ExactCount | None:
     """Return the number of solutions of an instance, or None if it could not be computed.
 
@@ -80,11 +76,7 @@ def geometry_count(
 
 
 def count_exactly(
-    instance: Instance,
-    *,
-    seed: int = SEED,
-    limit: float | None = COUNT_LIMIT,
-    suspect: bool = True,
+    instance: Instance, *, seed: int = SEED, limit: float | None = COUNT_LIMIT, suspect: bool = True
 ) -> ExactCount:
     """Return the number of solutions of an instance.
 

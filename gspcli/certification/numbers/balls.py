@@ -64,11 +64,7 @@ def dot(a: Sequence[Ball], b: Sequence[Ball]) -> Ball:
 
 def cross(a: Sequence[Ball], b: Sequence[Ball]) -> list[Ball]:
     """Return the cross product of two vectors."""
-    return [
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    ]
+    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 
 
 def rotated(rotation: Sequence[Sequence[Ball]], vector: Sequence[Ball]) -> list[Ball]:

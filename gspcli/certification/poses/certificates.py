@@ -28,12 +28,7 @@ from gspcli.certification.equations.ball_system import (
     residual,
     satisfies_constraints,
 )
-from gspcli.certification.equations.local_frames import (
-    FAR,
-    LocalFrames,
-    least_length,
-    length_scale,
-)
+from gspcli.certification.equations.local_frames import FAR, LocalFrames, least_length, length_scale
 from gspcli.certification.numbers.balls import float_above, largest
 from gspcli.certification.poses.isolation import Isolation, close_pairs, refine_point, same
 from gspcli.certification.poses.multiple import Complex, nearly_parallel, where_parallel
@@ -722,9 +717,7 @@ def _record(
     return Certificates(
         tuple(
             candidate.certificate(
-                system,
-                same_as=same_as.get(k),
-                unresolved=tuple(sorted(unresolved.get(k, ()))),
+                system, same_as=same_as.get(k), unresolved=tuple(sorted(unresolved.get(k, ())))
             )
             if candidate.outcome is Outcome.CERTIFIED
             else candidate.certificate(system)

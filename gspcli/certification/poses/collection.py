@@ -9,12 +9,7 @@ from flint import acb, ctx
 from numpy.typing import NDArray
 
 from gspcli.certification.poses.isolation import places, same
-from gspcli.certification.poses.locator import (
-    LAST_PRECISION,
-    AtInfinity,
-    Located,
-    Locator,
-)
+from gspcli.certification.poses.locator import LAST_PRECISION, AtInfinity, Located, Locator
 from gspcli.geometry.quaternions import Field
 
 Complex = NDArray[np.complex128]
@@ -73,12 +68,7 @@ class Collection:
                 yield T.tobytes(), located.isolation.centre
 
     def add_proved(
-        self,
-        R: Complex,
-        T: Complex,
-        quaternions: Complex,
-        real: NDArray[np.bool_],
-        off: Array,
+        self, R: Complex, T: Complex, quaternions: Complex, real: NDArray[np.bool_], off: Array
     ) -> NDArray[np.intp]:
         """Add poses that the kernel has proved; return the place of each in the collection.
 

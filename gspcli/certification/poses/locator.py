@@ -200,11 +200,7 @@ class Locator:
         )
 
     def locate(
-        self,
-        points: Complex,
-        low: Complex | None,
-        sides: tuple[int, ...],
-        bits: int = DOUBLE,
+        self, points: Complex, low: Complex | None, sides: tuple[int, ...], bits: int = DOUBLE
     ) -> list[Located | AtInfinity | None]:
         """Return the pose that is proved near each point, or None.
 

@@ -16,17 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli import _kernel
-from gspcli.catalogue.kinds import (
-    ANGLE_KINDS,
-    DHP,
-    DLL,
-    DLP,
-    DPH,
-    DPL,
-    DPP,
-    Kind,
-    Primitive,
-)
+from gspcli.catalogue.kinds import ANGLE_KINDS, DHP, DLL, DLP, DPH, DPL, DPP, Kind, Primitive
 from gspcli.certification.equations.local_frames import (
     LocalFrames,
     StudyFrames,
@@ -274,12 +264,7 @@ class ValueProofs:
         return Doubled.square(row.value).scaled(1 / self.scale**2)
 
     def _decide(
-        self,
-        values: Array,
-        units: Array,
-        points: Complex,
-        frames: StudyFrames,
-        jobs: int,
+        self, values: Array, units: Array, points: Complex, frames: StudyFrames, jobs: int
     ) -> ProvedPoses:
         """Return the proofs of the kernel about points (b, k, m, 8) for values (b, k, 6, 6).
 

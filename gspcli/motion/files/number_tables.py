@@ -700,13 +700,7 @@ class NumberTable:
         return factors
 
     def _complain(
-        self,
-        number: int,
-        line: str,
-        places: Sequence[int],
-        columns: Sequence[str],
-        *,
-        blanks: bool,
+        self, number: int, line: str, places: Sequence[int], columns: Sequence[str], *, blanks: bool
     ) -> list[float]:
         """Return the numbers of a row, and note the cells that are not numbers."""
         cells, found = self._cells(line), []

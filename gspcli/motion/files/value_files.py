@@ -13,11 +13,7 @@ from gspcli.catalogue.kinds import DLP, DPL, DPP
 from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.checking import value_range, wrong_value
-from gspcli.geometry.coordinates import (
-    Coordinate,
-    choose,
-    drive_corrections,
-)
+from gspcli.geometry.coordinates import Coordinate, choose, drive_corrections
 from gspcli.geometry.coordinates import coordinates as all_coordinates
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.machine import is_driven

@@ -296,10 +296,7 @@ class MovingPlatform(StudyUnits):
         high = np.where(square, far**2, most)
         outward = 1e-12 * far ** np.where(square, 2, 1)
         angles = self._angles
-        return (
-            np.where(angles, -1.0, low - outward),
-            np.where(angles, 1.0, high + outward),
-        )
+        return (np.where(angles, -1.0, low - outward), np.where(angles, 1.0, high + outward))
 
 
 def over_rows(instance: Instance, rows: Array) -> Instance:

@@ -223,13 +223,7 @@ def _with_births(run: Run, forward: Track, last: RowModes) -> Track:
     back = run.reversed.follow(last.R[fresh], last.T[fresh], numbers)
     rows = len(run.t)
     began = [
-        replace(
-            event,
-            begins=True,
-            row=rows - 2 - event.row,
-            low=-event.high,
-            high=-event.low,
-        )
+        replace(event, begins=True, row=rows - 2 - event.row, low=-event.high, high=-event.low)
         for event in back.events
     ]
     # A mode that can be followed back to the first row should have been followed from there.

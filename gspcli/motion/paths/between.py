@@ -21,14 +21,7 @@ from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, DPP
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.enclosures import (
-    Enclosure,
-    above,
-    joined,
-    roundings,
-    singular_values,
-    size,
-)
+from gspcli.geometry.enclosures import Enclosure, above, joined, roundings, singular_values, size
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.limits import cone_shares, joint_cones, tilts
 from gspcli.geometry.machine import Machine
@@ -575,11 +568,7 @@ def _least(
 
 
 def _judged(
-    measure: Measure,
-    parts: PoseParts | ValueParts,
-    ends: Array,
-    wanted: float,
-    halvings: int,
+    measure: Measure, parts: PoseParts | ValueParts, ends: Array, wanted: float, halvings: int
 ) -> tuple[Array, NDArray[np.bool_]]:
     """Return lower bounds on ways, and on which of them a pose is seen to have less, shapes (w,).
 

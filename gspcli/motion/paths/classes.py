@@ -134,10 +134,7 @@ def _factors(a: Arrangement) -> Iterator[tuple[Factor, Determinant]]:
             if len(members) in (2, 3) and len(members) == (3 if planes else 2):
                 space = f"one direction of the {said}"
                 yield Factor(tuple(members), space), partial(_of_planes, a, members, n, kind is DPH)
-    for kinds, points, said in (
-        ((DPP, DPL, DPH), a.y, "platform"),
-        ((DPP, DLP, DHP), a.x, "base"),
-    ):
+    for kinds, points, said in (((DPP, DPL, DPH), a.y, "platform"), ((DPP, DLP, DHP), a.x, "base")):
         for members in _at_one_point(a, kinds, points):
             if len(members) == 3:
                 yield (

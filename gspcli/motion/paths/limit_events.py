@@ -133,10 +133,7 @@ def _drive_ranges(track: Track, drives: Machine, q: Array) -> list[LimitEvent]:
         LimitEvent("range", leaves, drives.users(k)[0], "", None, time, time, True, drives.names[k])
         for k in np.flatnonzero(drives.moved & np.isfinite(drives.high)).tolist()
         for time, leaves in crossings(
-            track.t,
-            q[:, k],
-            np.array([drives.low[k], drives.high[k]]),
-            partial(outside, k),
+            track.t, q[:, k], np.array([drives.low[k], drives.high[k]]), partial(outside, k)
         )
     ]
 

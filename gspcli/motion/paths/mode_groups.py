@@ -113,11 +113,7 @@ class ModeGroups(Tabular):
 
 
 def mode_groups(
-    instance: Instance,
-    *,
-    along: str | None = None,
-    time: float = PATH_SECONDS,
-    seed: int = SEED,
+    instance: Instance, *, along: str | None = None, time: float = PATH_SECONDS, seed: int = SEED
 ) -> ModeGroups:
     """Return which assembly modes belong together, joined by proved paths.
 

@@ -208,10 +208,7 @@ class NearestPoses:
         return _rounded(R, T, self.length) if self._rounds else (R, T)
 
     def _answer(
-        self,
-        pose: tuple[Array, Array],
-        goal: tuple[Array, Array],
-        limits: tuple[str, ...] | None,
+        self, pose: tuple[Array, Array], goal: tuple[Array, Array], limits: tuple[str, ...] | None
     ) -> NearestPose:
         """Return a pose, by how far it is from the given one; that itself if it meets no limits."""
         R, T = pose

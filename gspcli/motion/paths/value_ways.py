@@ -126,10 +126,7 @@ class ValueWays:
     @staticmethod
     def same(a: Array, b: Array) -> NDArray[np.bool_]:
         """Return whether Study points are the same pose; each pose has two, ``(..., 8)``."""
-        away = np.minimum(
-            np.linalg.norm(a - b, axis=-1),
-            np.linalg.norm(a + b, axis=-1),
-        )
+        away = np.minimum(np.linalg.norm(a - b, axis=-1), np.linalg.norm(a + b, axis=-1))
         return np.asarray(away < SAME)
 
 

@@ -443,11 +443,7 @@ class ScanResult(Tabular):
         if not self.folds:
             return document | {"nodes": self.rows()}
         curves = [
-            {
-                "closed": curve.closed,
-                "values": curve.values.tolist(),
-                "cusps": curve.cusps.tolist(),
-            }
+            {"closed": curve.closed, "values": curve.values.tolist(), "cusps": curve.cusps.tolist()}
             for curve in self.limits.curves
         ]
         meetings = [
@@ -456,10 +452,7 @@ class ScanResult(Tabular):
                 "to": dict(zip(self.names, one.high, strict=True)),
                 "modes": [one.before, one.after],
                 "poses": [
-                    {
-                        "modes": [before, after],
-                        **dict(zip(POSE, _pose_numbers(R, T), strict=True)),
-                    }
+                    {"modes": [before, after], **dict(zip(POSE, _pose_numbers(R, T), strict=True))}
                     for before, after, R, T in one.poses
                 ],
             }
@@ -476,10 +469,7 @@ class ScanResult(Tabular):
             modes = int(found.modes[node])
             if modes == MISSING:
                 continue
-            row |= {
-                "modes": None if modes < 0 else modes,
-                "condition": _finite(conditions[node]),
-            }
+            row |= {"modes": None if modes < 0 else modes, "condition": _finite(conditions[node])}
             if found.clearances is not None:
                 row["clearance"] = _finite(found.clearances[node])
             rows.append(row)
@@ -900,10 +890,7 @@ class Discriminant:
             ahead, cusps = [*behind[:0:-1], *ahead], [*more, *cusps]
         x = np.stack(ahead)
         return Curve(
-            self.plane(x),
-            x,
-            self.plane(np.stack(cusps)) if cusps else np.zeros((0, 2)),
-            closed,
+            self.plane(x), x, self.plane(np.stack(cusps)) if cusps else np.zeros((0, 2)), closed
         )
 
     def _one_way(self, start: Array, tangent: Array) -> tuple[list[Array], list[Array], bool]:

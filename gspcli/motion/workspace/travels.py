@@ -11,23 +11,12 @@ from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.euler import rotation_from_euler
 from gspcli.geometry.instance import Instance
-from gspcli.geometry.limits import (
-    joint_cones,
-    out_of_cone,
-    out_of_motor_range,
-    out_of_range,
-    tilts,
-)
+from gspcli.geometry.limits import joint_cones, out_of_cone, out_of_motor_range, out_of_range, tilts
 from gspcli.geometry.machine import Machine, is_driven
 from gspcli.geometry.readings import readings_of
 from gspcli.motion.collisions.compared import ComparedShapes
 from gspcli.motion.poses.inverse_kinematics import changed_value, values_at
-from gspcli.motion.workspace.pose_boxes import (
-    NEGATIVE,
-    PARAMETERS,
-    REGULAR,
-    PoseBoxes,
-)
+from gspcli.motion.workspace.pose_boxes import NEGATIVE, PARAMETERS, REGULAR, PoseBoxes
 from gspcli.records import dataclass
 from gspcli.ties import first_smallest
 

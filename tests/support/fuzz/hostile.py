@@ -41,20 +41,7 @@ WORDS = (
     "é" * 999,
 )
 TYPES = (
-    *(
-        "6PP",
-        "6-3",
-        "421",
-        "0",
-        "3851",
-        "3D3A PL PL LP",
-        "PP",
-        "LL",
-        "P-P",
-        "3D3A",
-        "7PP",
-        "3-3",
-    ),
+    *("6PP", "6-3", "421", "0", "3851", "3D3A PL PL LP", "PP", "LL", "P-P", "3D3A", "7PP", "3-3"),
     *("P1-p1", "P1-p1 P1-p2 P2-p2 P2-p3 P3-p3 P3-p1", "DPL DPL DLP ALL ALH AHH", "L1^l1"),
 )
 SPECS = ("@octahedral-3-3", "@example-6.8", "@dietmaier", "@point-on-line", "@no-real-pose", "@")

@@ -86,10 +86,7 @@ def test_verdicts() -> None:
         ({(SUBJECT, 1, 0): 33}, "33 poses are certified"),
         ({("DPP DPP DPH", 2, 0): 33}, "33 poses are certified"),
         (
-            {
-                **_modulo("DPP DPP DPH", 16, 16),
-                **{("DPP DPP DPH", 2, p): 31 for p in PRIMES},
-            },
+            {**_modulo("DPP DPP DPH", 16, 16), **{("DPP DPP DPH", 2, p): 31 for p in PRIMES}},
             "by theorem, but counted were",
         ),
         ({("ssssss", 1, p): 39 for p in PRIMES}, "by theorem, but counted were"),

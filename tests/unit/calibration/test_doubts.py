@@ -10,11 +10,7 @@ import gspcli
 from gspcli.calibration.calibrating import RULES
 from gspcli.errors import IncompleteError
 from gspcli.geometry.euler import euler_from_rotation
-from gspcli.geometry.quaternions import (
-    apply,
-    quaternion_from_rotation,
-    rotation_from_quaternion,
-)
+from gspcli.geometry.quaternions import apply, quaternion_from_rotation, rotation_from_quaternion
 from gspcli.motion import crank_angles
 from gspcli.resources import data_path
 
@@ -38,10 +34,7 @@ def _rolled(R):
         (lambda v, R, T: (v, _transposed(R), T), "rotations are transposed"),
         (lambda v, R, T: (v, _rolled(R), T), "quaternions have the scalar last"),
         (lambda v, R, T: (v, R, T[:, [1, 0, 2]]), "positions x and y are exchanged"),
-        (
-            lambda v, R, T: (v, _transposed(R), -apply(_transposed(R), T)),
-            "poses are inverted",
-        ),
+        (lambda v, R, T: (v, _transposed(R), -apply(_transposed(R), T)), "poses are inverted"),
     ],
 )
 def test_mistakes_of_files_are_recognized(wrong, cause):

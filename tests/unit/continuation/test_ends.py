@@ -167,13 +167,7 @@ NOTHING = PathAccount(expected=0)
 
 @pytest.mark.parametrize(
     "parts",
-    [
-        {"found": 39},
-        {"found": 41},
-        {"found": 41, "lost": -1},
-        {"found": 40, "at_infinity": 1},
-        {},
-    ],
+    [{"found": 39}, {"found": 41}, {"found": 41, "lost": -1}, {"found": 40, "at_infinity": 1}, {}],
 )
 def test_an_account_adds_up(parts):
     with pytest.raises(ValueError, match="must add up"):

@@ -7,12 +7,7 @@ import hashlib
 import numpy as np
 import pytest
 
-from gspcli.continuation.start import (
-    distinct,
-    intersection_number,
-    path_count,
-    start_system,
-)
+from gspcli.continuation.start import distinct, intersection_number, path_count, start_system
 from gspcli.continuation.systems import Structure
 from gspcli.resources import data_json, data_path
 from tools.data.monodromy import solve_generic, trace_defects

@@ -13,13 +13,7 @@ from gspcli.dynamics.arrays import RowError
 from gspcli.geometry.machine import Machine
 from gspcli.geometry.masses import Carriage
 from gspcli.geometry.numbers import Number
-from tests.support.driven_machines import (
-    MADE_UP,
-    SHIPPED,
-    driven,
-    some_pose,
-    weighed,
-)
+from tests.support.driven_machines import MADE_UP, SHIPPED, driven, some_pose, weighed
 from tests.support.surface_machines import print_bed
 
 

@@ -10,14 +10,7 @@ import pytest
 
 from gspcli.geometry import enclosures
 from gspcli.geometry.enclosures import Enclosure, Matrix, operator_norm, spectral_norm
-from tests.support.enclosures import (
-    OPERATIONS,
-    Exact,
-    exact,
-    mp,
-    singular_values_hold,
-    violation,
-)
+from tests.support.enclosures import OPERATIONS, Exact, exact, mp, singular_values_hold, violation
 
 SOURCE = Path(enclosures.__file__).read_text("utf-8")
 

@@ -144,10 +144,7 @@ def test_folds_are_told_as_readings():
     crank = replace(row.base.crank, offset=Number.of(5), scale=Number.of(1))
     read = replace(
         machine,
-        constraints=(
-            replace(row, base=replace(row.base, crank=crank)),
-            *machine.constraints[1:],
-        ),
+        constraints=(replace(row, base=replace(row.base, crank=crank)), *machine.constraints[1:]),
     )
     (one,) = scan(machine, {"crank.B1": [15.0, 25.0]}, folds=True).limits.crossings
     (other,) = scan(read, {"crank.B1": [5.0, 10.0]}, folds=True).limits.crossings
@@ -163,8 +160,7 @@ def test_folds_are_told_as_readings():
 
 
 @pytest.mark.parametrize(
-    ("name", "drive", "places"),
-    [("6-PUS", "slide.B2", [0.04]), ("t-top-head", "crank.B1", [15.0])],
+    ("name", "drive", "places"), [("6-PUS", "slide.B2", [0.04]), ("t-top-head", "crank.B1", [15.0])]
 )
 def test_the_clearance_of_a_node_is_the_least_of_its_modes(name, drive, places):
     machine = driven(name)
@@ -213,10 +209,7 @@ def test_determinants_at_poses_are_those_of_the_moved_joints():
     assert isinstance(home, HomePose)
     z = home.T[2]
     found = PoseScan(
-        machine,
-        (Axis("x", (-0.5, 0.0, 0.01)),),
-        [0, 0, z + 0.005, 1, 0, 0, 0],
-        PoseFormat(),
+        machine, (Axis("x", (-0.5, 0.0, 0.01)),), [0, 0, z + 0.005, 1, 0, 0, 0], PoseFormat()
     )
     assert np.isnan(found.determinants[0])
     assert found.singular == {}

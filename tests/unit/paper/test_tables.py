@@ -79,10 +79,7 @@ def test_n1_depends_on_the_case_alone() -> None:
 
 def test_two_columns_are_misprinted() -> None:
     found = [(d.row, d.printed, d.computed) for d in differences_3()]
-    assert found == [
-        ("case PSS", "PP PP PP", "PP PP PH"),
-        ("case CCC", "LP LP LL", "LP LP LP"),
-    ]
+    assert found == [("case PSS", "PP PP PP", "PP PP PH"), ("case CCC", "LP LP LL", "LP LP LP")]
 
 
 def test_every_entry_is_confirmed_by_solving() -> None:

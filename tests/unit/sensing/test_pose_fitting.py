@@ -27,13 +27,7 @@ from gspcli.sensing.pose_fitting import (
 )
 from gspcli.sensing.sensor_kinds import parse_sensor
 
-SENSORS = (
-    "leg P1 B2",
-    "leg P3 B6",
-    "leg P1 (0, 1, -9)",
-    "inclinometer",
-    "joint 1 base about x",
-)
+SENSORS = ("leg P1 B2", "leg P3 B6", "leg P1 (0, 1, -9)", "inclinometer", "joint 1 base about x")
 SIGMA = 1e-3
 
 
@@ -79,9 +73,7 @@ def test_chi_squared_and_deviations_have_their_law():
     for seed in range(40):
         machine, texts, _, _ = measured_about(exact, R, T, seed)
         numbers = PoseNumbers(
-            machine,
-            tuple(parsed_readings(machine, texts)),
-            value_sigmas(machine, {"value": SIGMA}),
+            machine, tuple(parsed_readings(machine, texts)), value_sigmas(machine, {"value": SIGMA})
         )
         found = _minima(numbers, R[None], T[None])
         pose = _pose(numbers, found.R[0], found.T[0], float(found.cost[0]))

@@ -489,12 +489,7 @@ def test_tripods_have_a_common_start():
 # The closed form of one platform at once: as the one of many sets of values finds them.
 
 
-TYPES = (
-    "DPL DPL DLP 3ALL",
-    "DLL DLP DPP 3ALL",
-    "DPH DPL DPP ALL ALH AHH",
-    "DPP DPP DPP 3AHH",
-)
+TYPES = ("DPL DPL DLP 3ALL", "DLL DLP DPP 3ALL", "DPH DPL DPP ALL ALH AHH", "DPP DPP DPP 3AHH")
 
 
 def refused(*_):

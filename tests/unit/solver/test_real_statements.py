@@ -82,10 +82,7 @@ def test_ball_in_a_seat() -> None:
     assert len(modes) == len(expected)
 
 
-@pytest.mark.parametrize(
-    ("unit", "angle", "direction"),
-    [("deg", 0, 1), ("rad", "pi", -3)],
-)
+@pytest.mark.parametrize(("unit", "angle", "direction"), [("deg", 0, 1), ("rad", "pi", -3)])
 def test_shaft_in_a_hole(unit: str, angle: object, direction: int) -> None:
     found = lone(SHAFT.format(unit=unit, angle=angle, direction=direction, gap=3))
     # The key is 3 or 9 high, and it reaches up to 8 only.

@@ -184,11 +184,7 @@ def test_the_bound_of_a_random_prime_is_told(error: float) -> None:
 
 @pytest.mark.parametrize(
     ("error", "bound"),
-    [
-        (1.23e-12, "10^11, treat as certain"),
-        (9.9e-11, "10^10, treat as certain"),
-        (1e-3, "10^3"),
-    ],
+    [(1.23e-12, "10^11, treat as certain"), (9.9e-11, "10^10, treat as certain"), (1e-3, "10^3")],
 )
 def test_the_bound_that_is_printed_is_not_less_than_the_error(error: float, bound: str) -> None:
     said = Proof(CountKind.GEOMETRY, error).reservation

@@ -96,10 +96,7 @@ def test_a_good_file():
         "0.5",
         "sqrt(3) / 2",
     ]
-    assert sharing(instance) == (
-        {"P1": [1, 2, 3], "L1": [4, 5]},
-        {"L4": [2, 4], "H4": [3, 5, 6]},
-    )
+    assert sharing(instance) == ({"P1": [1, 2, 3], "L1": [4, 5]}, {"L4": [2, 4], "H4": [3, 5, 6]})
 
 
 MISTAKES = [
@@ -749,11 +746,7 @@ def test_rods_of_a_pair_of_a_delta_are_parallel_and_share_a_carriage():
         ("rotary", f"{RADII} horn=24 rod=130 range=60:-60", "range: found '60:-60'"),
         ("rotary", f"{RADII} horn=24 rod=130 horns=up", "horns: found 'up', expected out or in"),
         ("linear", f"{RADII} rod=130 height=3", "found rod and height, expected one of them"),
-        (
-            "linear",
-            "base=8,60 platform=5,0 rod=30",
-            "expected a half angle",
-        ),
+        ("linear", "base=8,60 platform=5,0 rod=30", "expected a half angle"),
     ],
 )
 def test_mistakes_of_a_drawing(sort, words, message):

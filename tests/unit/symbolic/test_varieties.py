@@ -135,12 +135,7 @@ def test_singular_confirms_the_record() -> None:
 
 def test_without_singular_the_tool_says_so() -> None:
     run = subprocess.run(
-        CHECK,
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-        check=False,
-        env={"PATH": "/nonexistent"},
+        CHECK, cwd=ROOT, capture_output=True, text=True, check=False, env={"PATH": "/nonexistent"}
     )
     assert run.returncode == 4
     assert "Singular is not installed" in run.stderr

@@ -22,12 +22,7 @@ from gspcli.geometry.primitives import Line, Point, vector
 from gspcli.geometry.study import product
 
 SINGLE = "DPP DPH DHP DPP ALL ALH"
-MIXED = [
-    SINGLE,
-    "DPP DPL DLP DPH DHP DLL",
-    "DPL DPL DLL ALL ALH AHH",
-    "DLP DLL DHP DPP AHL AHH",
-]
+MIXED = [SINGLE, "DPP DPL DLP DPH DHP DLL", "DPL DPL DLL ALL ALH AHH", "DLP DLL DHP DPP AHL AHH"]
 
 
 def exact(known) -> PoseBall:

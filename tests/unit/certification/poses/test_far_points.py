@@ -6,11 +6,7 @@ import numpy as np
 import pytest
 
 from gspcli import hexapod
-from gspcli.certification.equations.mirror_images import (
-    has_mirror_images,
-    mirrored,
-    mirrored_pose,
-)
+from gspcli.certification.equations.mirror_images import has_mirror_images, mirrored, mirrored_pose
 from gspcli.certification.poses.far_points import far_points
 from gspcli.certification.poses.locator import Located
 from gspcli.continuation.tracked_paths import TrackedPaths

@@ -32,8 +32,7 @@ def by_cases(points):
         return np.linalg.norm(p - u - np.clip(along, 0, 1)[:, None] * way, axis=1)
 
     ends = np.min(
-        [to_segment(a, c, d), to_segment(b, c, d), to_segment(c, a, b), to_segment(d, a, b)],
-        axis=0,
+        [to_segment(a, c, d), to_segment(b, c, d), to_segment(c, a, b), to_segment(d, a, b)], axis=0
     )
     u, v = b - a, d - c
     n = np.cross(u, v)

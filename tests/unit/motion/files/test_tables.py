@@ -581,14 +581,8 @@ def test_poses_are_measured(value_files_hexapod):
 @pytest.mark.parametrize(
     ("text", "lines"),
     [
-        (
-            "t,1\n0,1\n0,2\n",
-            ["v:3:1: found t = 0 after 0: t must increase"],
-        ),
-        (
-            "time,legs\n0,1\n",
-            ["v:1:1: found the columns 'time legs', expected 1 2 3 4 5 6"],
-        ),
+        ("t,1\n0,1\n0,2\n", ["v:3:1: found t = 0 after 0: t must increase"]),
+        ("time,legs\n0,1\n", ["v:1:1: found the columns 'time legs', expected 1 2 3 4 5 6"]),
         (
             "t,crank.B1\n0,0\n",
             [

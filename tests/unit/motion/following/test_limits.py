@@ -54,11 +54,7 @@ def machine_of(name: str) -> independent_machines.Machine:
     machine = machines()[name]()
     up, down = Cone((0, 0, 1), 60), Cone((0, 0, -1), 60)
     rows = tuple(
-        replace(
-            row,
-            base=replace(row.base, cone=up),
-            platform=replace(row.platform, cone=down),
-        )
+        replace(row, base=replace(row.base, cone=up), platform=replace(row.platform, cone=down))
         for row in machine.instance.constraints
     )
     return replace(machine, instance=replace(machine.instance, constraints=rows))
@@ -241,10 +237,7 @@ def test_signed_distances_cross_ranges_on_their_side(side, changes):
     """From -2 to 1 in four seconds, with a range from 1/2 to 3/2."""
     machine = one_leg((1, 2))
     planar = replace(
-        machine.constraints[0],
-        kind=DPH,
-        side=side,
-        limits=(Number.of("0.5"), Number.of("1.5")),
+        machine.constraints[0], kind=DPH, side=side, limits=(Number.of("0.5"), Number.of("1.5"))
     )
     machine = replace(machine, constraints=(planar, *machine.constraints[1:]))
     rows = np.ones((2, 6))

@@ -111,8 +111,7 @@ def test_units_of_length_change_no_scaled_number():
 def test_a_singular_pose_has_no_inverse():
     instance = gspcli.load(data_path("examples", "platform-6-6.yaml"))
     fold = gspcli.track(
-        instance,
-        [[2.53, 2.08, 0.93, 1.97, 1.46, 1.73], [2.6, 2.0, 1.0, 1.9, 1.46, 1.73]],
+        instance, [[2.53, 2.08, 0.93, 1.97, 1.46, 1.73], [2.6, 2.0, 1.0, 1.9, 1.46, 1.73]]
     ).events[0]
     given = wrenches(instance, fold.R, fold.T)
     assert given.conditions > 1e14

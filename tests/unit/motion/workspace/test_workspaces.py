@@ -93,12 +93,7 @@ def test_in_a_plane_and_along_a_line():
     assert line.judged < 500  # halved towards the four ends only
 
 
-FREE = [
-    ("x", "y", "z"),
-    ("x", "ry"),
-    ("rx", "ry", "rz"),
-    ("z", "rx", "rz"),
-]
+FREE = [("x", "y", "z"), ("x", "ry"), ("rx", "ry", "rz"), ("z", "rx", "rz")]
 
 
 @pytest.mark.parametrize("name", ALL_KINDS)
