@@ -32,6 +32,11 @@ def above(bound: Any) -> Any:
     return bound * OUT
 
 
+def below(bound: Any) -> Any:
+    """Round down a number, which is made of nonnegative numbers as `OUT` asks for."""
+    return bound * (2 - OUT)
+
+
 def roundings(count: float, scale: Any) -> Any:
     """Bound the errors of some sums of products, each as `ROUND` asks for.
 

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 #: A value is outside a limit if it is so by more than this part of it (angles: of a radian).
-_ROUNDING = 1e-12
+ROUNDING = 1e-12
 #: The least share above 1.
 _ABOVE_ONE = float(np.nextafter(1.0, 2.0))
 
@@ -167,10 +167,10 @@ def out_of_range(instance: Instance, values: Array) -> NDArray[np.bool_]:
         if constraint.limits is not None:
             value = _on_its_side(constraint, values[..., k])
             low, high = (limit.value for limit in constraint.limits)
-            room = _ROUNDING * max(abs(low), abs(high))
+            room = ROUNDING * max(abs(low), abs(high))
             if low == high and constraint.kind.has_sides:
                 # A distance to a plane is a difference of coordinates: it has their rounding error.
-                room = _ROUNDING * max(abs(low), Arrangement.of(instance).length)
+                room = ROUNDING * max(abs(low), Arrangement.of(instance).length)
             outside[..., k] = (value < low - room) | (value > high + room)
     return outside
 
@@ -206,7 +206,7 @@ def out_of_motor_range(drives: Machine, q: Array) -> NDArray[np.bool_]:
     By more than the rounding of doubles. A number that is NaN, out of reach, is outside; those of
     driven values are not, since `out_of_range` compares them.
     """
-    room = _ROUNDING * np.maximum(np.abs(drives.low), np.abs(drives.high))
+    room = ROUNDING * np.maximum(np.abs(drives.low), np.abs(drives.high))
     room = np.where(np.isfinite(room), room, 0.0)
     inside = (q >= drives.low - room) & (q <= drives.high + room)
     return ~inside & drives.moved
@@ -253,7 +253,7 @@ def out_of_cone(
     none. Arguments as for `tilts`.
     """
     angles = np.array([joint.cone.half_angle.value for joint in joint_cones(instance)])
-    room = _ROUNDING / instance.units.angle.in_radians
+    room = ROUNDING / instance.units.angle.in_radians
     outside: NDArray[np.bool_] = tilts(instance, R, T, q) > angles + room
     return outside
 

@@ -26,6 +26,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, DPP, Kind, Law, Primitive
 from gspcli.geometry.arrangement import Arrangement, Bodies, Placed
+from gspcli.geometry.enclosures import roundings
 from gspcli.geometry.quaternions import Field, apply, cross, cross_matrix, dot
 from gspcli.geometry.tolerances import NEARLY_PARALLEL_SINE_SQUARE, PARALLEL_SINE
 
@@ -445,8 +446,6 @@ def _plus(a: Gradient, b: Gradient) -> Gradient:
 Array = NDArray[np.float64]
 
 _DIGITS = 60
-#: A height below this part of the lengths in its sum may have either sign, by rounding.
-_SIGN_KNOWN = 2.0**-45
 #: A singular value of a 6x6 matrix of doubles below this part of the largest may be zero.
 _ROUNDING = 6 * float(np.finfo(np.float64).eps)
 #: Poses in one block: their matrices fit into the cache, and larger blocks take twice the time.
@@ -539,7 +538,7 @@ def known_sides(arrangement: Arrangement, R: Field, T: Field) -> NDArray[np.int6
     For poses ``(n, 3, 3), (n, 3)`` rounded to doubles, the error of a height is some units in the
     last place of the largest length in its sum.
     """
-    small = np.abs(arrangement.targets) <= _SIGN_KNOWN * _size(arrangement, R, T)[..., None]
+    small = np.abs(arrangement.targets) <= _doubt(arrangement, R, T)
     return np.where(small & (arrangement.signs == 0), 0, sides_of(arrangement, R, T))
 
 
@@ -552,13 +551,14 @@ def without_derivative(arrangement: Arrangement, R: Field, T: Field) -> NDArray[
     if not roots.any():
         return np.zeros((*T.shape[:-1], len(roots)), np.bool_)
     values = np.abs(measured(arrangement, R, T))
-    return np.asarray(roots & (values <= _SIGN_KNOWN * _size(arrangement, R, T)[..., None]))
+    return np.asarray(roots & (values <= _doubt(arrangement, R, T)))
 
 
-def _size(arrangement: Arrangement, R: Field, T: Field) -> Array:
-    """Return the largest length that values at poses are made of, shape (...)."""
+def _doubt(arrangement: Arrangement, R: Field, T: Field) -> Array:
+    """Bound what values at poses err by because of the rounding of the poses, shape (..., 1)."""
     extent = max(np.abs(arrangement.y).max(initial=0), np.abs(arrangement.x).max(initial=0))
-    return np.asarray((1 + np.abs(R).max(axis=(-1, -2))) * extent + np.abs(T).max(axis=-1))
+    lengths = (1 + np.abs(R).max(axis=(-1, -2))) * extent + np.abs(T).max(axis=-1)
+    return np.asarray(roundings(8, lengths)[..., None])
 
 
 def condition_numbers(

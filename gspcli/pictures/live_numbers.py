@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, DPP
 from gspcli.certification.equations.local_frames import reach
-from gspcli.certification.numbers.doubled import SINE_ERROR, Doubled, SineNumbers
+from gspcli.certification.numbers.doubled import ERROR, Doubled, SineNumbers
 from gspcli.certification.poses.many_values import COSINE_ERROR, ValueProofs
 from gspcli.continuation.systems import DEGREE_IN_F, Coefficients
 from gspcli.continuation.tracker import CAREFUL, DEFAULT, QUICK, TrackerOptions
@@ -667,7 +667,7 @@ def _put_values(
     degrees = instance.units.angle is AngleUnit.DEGREE
     sine = SineNumbers.of(degrees=degrees)
     numbers.put(degrees, sine.quarter, sine.unit, len(sine.terms), sine.small, sine.terms)
-    numbers.put(COSINE_ERROR, SINE_ERROR)
+    numbers.put(COSINE_ERROR, ERROR)
 
 
 def _put_pools(numbers: _Numbers, start: Start) -> None:

@@ -26,7 +26,6 @@ from numpy.typing import NDArray
 from gspcli.certification.branches.fold_system import CurveSystem
 from gspcli.certification.branches.taylor import MovingSystem
 from gspcli.certification.numbers.balls import float_above, float_ends, floats_above
-from gspcli.certification.numbers.rounding import OUTWARD
 from gspcli.geometry.enclosures import above, roundings
 
 Array = NDArray[np.float64]
@@ -39,16 +38,16 @@ _UNKNOWNS = 9
 _NOW = [*[arb(0)] * (_UNKNOWNS - 1), arb(1)]
 #: The most widenings of a box.
 _WIDENINGS = 8
-#: A box has at least this width.
-_LEAST = 2.0**-90
-#: A box that is to contain another one is wider than this.
-_WIDE = 2.0**-80
+#: A box that is to contain another one, or a point as accurate as its numbers, has this width; any
+#: box has at least the second.
+NARROW = 2.0**-80
+_LEAST = NARROW / 1024
 #: Newton's method: the most steps, and the size of the last one.
-_STEPS, _CONVERGED = 12, 2.0**-70
+STEPS, CONVERGED = 12, 2.0**-70
 #: Iterations of the power method for the weights.
 _ITERATIONS = 12
 #: The most arcs of a curve, the shortest one, and the part of an arc that is used.
-_MOST, _SHORTEST, _USED = 120, 2.0**-60, 0.9375
+_MOST, SHORTEST, _USED = 120, 2.0**-60, 0.9375
 
 
 class Arc:
@@ -185,7 +184,7 @@ class Arc:
     def _apart(self, moved: arb_mat) -> list[float]:
         """Bound the components of all x with Y M x in balls."""
         largest = (floats_above(moved.entries()) / self.sizes).max()
-        widths: list[float] = (largest / (1 - self.norm) * self.sizes * OUTWARD).tolist()
+        widths: list[float] = above(largest / (1 - self.norm) * self.sizes).tolist()
         return widths
 
     def on_curve(self, part: float) -> list[arb] | None:
@@ -205,13 +204,13 @@ def corrected(
 ) -> list[arb] | None:
     """Return a point very near the curve with the same g.x, by Newton's method, or None."""
     x = [value.mid() for value in guess]
-    for _ in range(_STEPS):
+    for _ in range(STEPS):
         ((values, rows),) = equations.along(x, gauge, 0)
         step = _step(rows, gauge, [*values, arb(0)])
         if step is None or not max(map(float_above, step)) < 1:
             return None
         x = [(a - b).mid() for a, b in zip(x, step, strict=True)]
-        if max(map(float_above, step)) < _CONVERGED:
+        if max(map(float_above, step)) < CONVERGED:
             return x
     return None
 
@@ -270,7 +269,7 @@ def near_point(
     v = None if x is None else tangent(equations, x, _NOW)
     if x is not None and v is not None:
         arc = Arc(equations, x, v, _NOW)
-        wanted = [a.abs_upper() + _WIDE for a in arc.place(guess)[1]]
+        wanted = [a.abs_upper() + NARROW for a in arc.place(guess)[1]]
         # The only solution in a box with the pose is the pose, also in a narrower box.
         if arc.holds(arb(_LEAST), wanted) and arc.contains(guess):
             exact = at_time(equations, x)
@@ -313,7 +312,7 @@ def continued(
     """
     last = None
     for count, (arc, end) in enumerate(_arcs(equations, pose, arb(goal)), 1):
-        time = goal if end[-1] > goal else min(goal, float_ends(end[-1])[0] - 2.0**-52)
+        time = goal if end[-1] > goal else min(goal, float_ends(end[-1])[0])
         found = at_time(equations, [*end[:-1], arb(time)])
         if found is not None and arc.contains(found) and found[-1] > pose[-1]:
             last = found, count
@@ -375,7 +374,7 @@ def _arcs(
                     end = arc.on_curve(_USED)
             if end is None:
                 length, longer = length / 2, arb(1)
-            if length < _SHORTEST:
+            if length < SHORTEST:
                 return
         yield arc, end
         known, x, length = end, [value.mid() for value in end], length * longer
@@ -415,4 +414,4 @@ def _contraction(matrix: arb_mat) -> tuple[float, Array]:
         for _ in range(_ITERATIONS):
             weights = moduli @ weights + 1e-3 * weights
             weights /= weights.max()
-        return float((moduli @ weights / weights).max()) * OUTWARD, weights
+        return above(float((moduli @ weights / weights).max())), weights

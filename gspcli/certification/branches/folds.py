@@ -24,21 +24,22 @@ import numpy as np
 from flint import arb, arb_mat
 from numpy.typing import NDArray
 
-from gspcli.certification.branches.arcs import PRECISION, Arc, near_point, towards
+from gspcli.certification.branches.arcs import (
+    CONVERGED,
+    NARROW,
+    PRECISION,
+    SHORTEST,
+    STEPS,
+    Arc,
+    near_point,
+    towards,
+)
 from gspcli.certification.branches.fold_system import UNKNOWNS, FoldSystem, unit
 from gspcli.certification.branches.taylor import MovingSystem
 from gspcli.certification.numbers.balls import float_above, float_ends
 from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
-
-_STEPS = 12
-#: Newton's method has converged if a step is below this.
-_CONVERGED = 2.0**-100
-#: The radius of Krawczyk's box about the zero.
-_RADIUS = 2.0**-80
-#: The shortest box in which the curve through a fold is tried to be proved.
-_SHORTEST = 2.0**-60
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,7 +56,7 @@ class Fold:
         The sign of the second derivative of t along the branches: -1 if both end at the fold, 1
         if both begin there.
     equations, zero
-        The equations, and their zero within 2^-80.
+        The equations, and their zero within `arcs.NARROW`.
     """
 
     low: float
@@ -114,7 +115,7 @@ def prove_fold(
         x[:8] = [(value / scale).mid() for value in x[:8]]
         equations.gauge = unit(direction)
         x[8:16] = list(equations.gauge)
-        for _ in range(_STEPS):
+        for _ in range(STEPS):
             values, jacobian = equations.at(x)
             try:
                 step = jacobian.mid().solve(arb_mat(UNKNOWNS, 1, values).mid()).entries()
@@ -124,7 +125,7 @@ def prove_fold(
             size = max(float_above(s) for s in step)
             if not size < 10:
                 return None
-            if size < _CONVERGED:
+            if size < CONVERGED:
                 return _krawczyk(equations, x)
     return None
 
@@ -136,7 +137,7 @@ def _krawczyk(system: FoldSystem, x: list[arb]) -> Fold | None:
     except ZeroDivisionError:
         return None
     step = (inverse * arb_mat(UNKNOWNS, 1, values)).entries()
-    radius = arb(_RADIUS)
+    radius = arb(NARROW)
     box = [arb(value, radius) for value in x]
     _, spread = system.at(box)
     defect = inverse * spread - 1
@@ -201,7 +202,7 @@ class _Turn:
 
     def proved_nearer(self) -> bool:
         """Whether an arc is proved, a shorter one if necessary."""
-        while not self.proved and self.reach > _SHORTEST:
+        while not self.proved and self.reach > SHORTEST:
             self.reach = self.reach / 8
             self.proved = self._proved([arb(0)] * 9)
         return self.proved

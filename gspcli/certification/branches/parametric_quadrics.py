@@ -24,8 +24,9 @@ from gspcli.catalogue.kinds import Kind
 from gspcli.certification.equations.local_frames import length_scale
 from gspcli.certification.equations.statement import statements
 from gspcli.certification.numbers.balls import norm
-from gspcli.certification.numbers.rounding import CONVERSION, OUTWARD, TINY
+from gspcli.certification.numbers.rounding import CONVERSION, TINY
 from gspcli.geometry import study
+from gspcli.geometry.enclosures import above
 from gspcli.geometry.instance import Instance
 from gspcli.records import dataclass
 
@@ -109,7 +110,7 @@ def moving_equations(instance: Instance) -> MovingEquations:
             for j, form in enumerate(forms):
                 for k, coefficient in form.items():
                     nearest[i, j, k] = value = float(coefficient)
-                    error = float((coefficient - value).abs_upper()) * OUTWARD + TINY
+                    error = above(float((coefficient - value).abs_upper())) + TINY
                     bounds[i, j, k] = max(abs(value), error / CONVERSION)
         terms = study.form_hessians().reshape(study.COUNT, -1)
     hessians, moduli = nearest @ terms, bounds @ np.abs(terms)

@@ -30,8 +30,8 @@ from gspcli.catalogue.kinds import DLL, Law
 from gspcli.certification.equations.local_frames import length_scale
 from gspcli.certification.equations.statement import Statement, statements
 from gspcli.certification.numbers.balls import cross, dot, floats_above, largest, norm, rotated
-from gspcli.certification.numbers.rounding import OUTWARD
 from gspcli.geometry import study
+from gspcli.geometry.enclosures import above
 from gspcli.geometry.instance import Instance, Side
 from gspcli.records import dataclass
 
@@ -390,7 +390,7 @@ class BallSystem:
             bounds = [np.full(shape, second[1])]
             mains = ([equation.main for equation in equations] for equations in self.equations)
             bounds += [np.full(shape, second[main].max()) for main in mains]
-            return np.asarray(np.stack(bounds, axis=-1) * OUTWARD)
+            return np.asarray(above(np.stack(bounds, axis=-1)))
         first = moduli @ self._moduli.sum(axis=1).T
         gradients = (moduli @ self._moduli.reshape(-1, 8).T).reshape(*first.shape, 8)
         value = (gradients * moduli[..., None, :]).sum(axis=-1) / 2
@@ -406,7 +406,7 @@ class BallSystem:
             for b in equations[0].squares:
                 bound += 2 * (first[..., b] ** 2 + value[..., b] * second[b])
             bounds.append(bound)
-        return np.asarray(np.stack(bounds, axis=-1) * OUTWARD)
+        return np.asarray(above(np.stack(bounds, axis=-1)))
 
 
 @cache

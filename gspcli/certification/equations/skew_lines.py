@@ -11,8 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import DLL
-from gspcli.certification.numbers.rounding import OUTWARD
-from gspcli.geometry.enclosures import roundings
+from gspcli.geometry.enclosures import above, roundings
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.primitives import Line
 
@@ -43,9 +42,9 @@ def are_skew(instance: Instance, R: Complex, deviation: Array) -> NDArray[np.boo
     entries = R.reshape(-1, 9)
     cosine = entries @ columns
     sizes, reach = np.abs(entries) @ np.abs(columns), np.abs(columns).sum(axis=0)
-    error = OUTWARD * (deviation[:, None] * reach + roundings(8, sizes))
+    error = above(deviation[:, None] * reach + roundings(8, sizes))
     # For unit vectors the right-hand side is d^2 times this.
     sine = np.abs(1 - cosine**2)
     rounding = roundings(8, 1 + np.abs(cosine) ** 2)
-    enough = OUTWARD * ((2 * np.abs(cosine) + error) * error + rounding)
+    enough = above((2 * np.abs(cosine) + error) * error + rounding)
     return np.asarray((sine > enough).all(axis=1))

@@ -16,7 +16,8 @@ import numpy as np
 from flint import acb, arb, ctx, fmpq
 from numpy.typing import NDArray
 
-from gspcli.certification.numbers.rounding import OUTWARD, TINY
+from gspcli.certification.numbers.rounding import TINY
+from gspcli.geometry.enclosures import above
 from gspcli.geometry.numbers import Number
 
 Ball = TypeVar("Ball", arb, acb)
@@ -89,7 +90,8 @@ def largest(values: Sequence[Ball]) -> arb:
 def floats_above(values: Iterable[Ball]) -> NDArray[np.float64]:
     """Return floats that are not below the moduli of any numbers in balls."""
     # `TINY` covers the rounding of subnormal floats.
-    return np.array([float(value.abs_upper()) for value in values]) * OUTWARD + TINY
+    bounds = np.array([float(value.abs_upper()) for value in values])
+    return np.asarray(above(bounds) + TINY)
 
 
 def float_above(value: Ball) -> float:

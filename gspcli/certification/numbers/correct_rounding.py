@@ -17,6 +17,8 @@ import numpy as np
 from flint import acb, arb
 from numpy.typing import NDArray
 
+from gspcli.certification.numbers.rounding import NEAREST
+
 #: The exponents of `SMALL`, of `GRID`, and of the largest radius of a ball about a possible tie.
 _SMALL, _GRID, _TIE = -12, -64, -900
 #: The limit of small numbers and the step of their grid, in units.
@@ -24,7 +26,7 @@ SMALL, GRID = Fraction(2) ** _SMALL, Fraction(2) ** _GRID
 
 
 #: Errors of complex numbers that are as good as rounded, as a part of the largest.
-_ACCURATE = 2.0**-55
+_ACCURATE = NEAREST / 4
 
 
 def rounded(

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli import _kernel
-from gspcli.certification.numbers.rounding import OUTWARD
+from gspcli.geometry.enclosures import above
 from gspcli.geometry.numbers import Number
 
 if TYPE_CHECKING:
@@ -21,7 +21,8 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-#: Largest relative difference of a number from its two doubles (native/open_equations.hpp).
+#: Largest difference of a number from its two doubles, as a part of its size
+#: (native/open_equations.hpp); the size of a sine is one.
 ERROR = 2.0**-96
 #: Integers up to this are doubles.
 _INTEGERS = 2**53
@@ -67,7 +68,7 @@ class Doubled(NamedTuple):
                     ball = compute()
             high = float(ball)
             low = float(ball - high)
-            error = float((ball - high - low).abs_upper()) * OUTWARD
+            error = above(float((ball - high - low).abs_upper()))
         return cls(high, low, max(abs(high), error / ERROR))
 
     @classmethod
@@ -125,13 +126,12 @@ def _split(x: Array) -> tuple[Array, Array]:
 #: Numbers as sums of two doubles.
 Pair = tuple[Array, Array]
 
-#: Absolute error of what is computed here. Of an argument of at most 1.6 the terms that are left
-#: out are less than 2^-108. With u = 2^-53 a product errs by at most 5 u^2 of itself, and a sum by
-#: 4 u^2 of the moduli of what is added; the argument errs by 7 u^2 of itself. By Horner's rule term
-#: k errs by at most (28 k + 12) u^2 of itself: its products and sums, its coefficient, the squares
-#: and the argument; less than 64 u^2 = 2^-100 for the sum of all terms. Those computed in doubles
-#: are less than 2^-50, and err by 2^-49 of themselves at most.
-SINE_ERROR = 2.0**-96
+# What is computed here errs by less than `ERROR`. Of an argument of at most 1.6 the terms that are
+# left out are less than 2^-108. With u = 2^-53 a product errs by at most 5 u^2 of itself, and a sum
+# by 4 u^2 of the moduli of what is added; the argument errs by 7 u^2 of itself. By Horner's rule
+# term k errs by at most (28 k + 12) u^2 of itself: its products and sums, its coefficient, the
+# squares and the argument; less than 64 u^2 = 2^-100 for the sum of all terms. Those computed in
+# doubles are less than 2^-50, and err by 2^-49 of themselves at most.
 
 
 def _pair(number: Fraction) -> tuple[float, float]:

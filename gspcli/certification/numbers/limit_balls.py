@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import AHH, AHL, ALH, ALL, DHP, DLL, DLP, DPH, DPL, DPP, Kind
 from gspcli.certification.numbers.balls import cross, dot, norm, rotated
-from gspcli.certification.numbers.rounding import OUTWARD, TINY
+from gspcli.certification.numbers.rounding import TINY
+from gspcli.geometry.enclosures import above
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side
 from gspcli.geometry.limits import joint_cones
 from gspcli.geometry.machine import MovedPoint, driven_points
@@ -169,7 +170,7 @@ def _pairs(vector: Sequence[arb]) -> list[tuple[float, float]]:
 def as_pair(value: arb) -> tuple[float, float]:
     """Return a double and a radius that enclose a ball."""
     nearest = float(value)
-    return nearest, float((value - nearest).abs_upper()) * OUTWARD + TINY
+    return nearest, above(float((value - nearest).abs_upper())) + TINY
 
 
 _Vector = list[arb]

@@ -1,8 +1,7 @@
 """Bounds of rounding in floating point, and the bits with which the kernel reports proofs."""
 
-#: Factor of outward rounding of a sum or product of at most a few hundred nonnegative floats: each
-#: operation has a relative error of at most 2^-53, and the factor covers four thousand of them.
-OUTWARD = 1 + 2.0**-40
+#: The error of a number that is rounded to the nearest double is at most this part of it.
+NEAREST = 2.0**-53
 
 #: A bound of the error where a result is below the normal range of floats.
 TINY = 2.0**-1000

@@ -8,6 +8,7 @@ import numpy as np
 from flint import acb, ctx
 from numpy.typing import NDArray
 
+from gspcli.certification.numbers.rounding import NEAREST
 from gspcli.certification.poses.isolation import places, same
 from gspcli.certification.poses.locator import LAST_PRECISION, AtInfinity, Located, Locator
 from gspcli.geometry.quaternions import Field
@@ -19,7 +20,7 @@ Array = NDArray[np.float64]
 StudyPoints = Mapping[bytes, Sequence[acb]]
 
 #: Bound of the relative error of a located pose that has been rounded to doubles.
-_ROUNDED = 2.0**-51
+_ERROR = 4 * NEAREST
 #: Poses that agree to this part of their largest entry are probably the same.
 _ALIKE = 1e-9
 
@@ -165,7 +166,7 @@ class Collection:
         """Return which poses doubles do not separate from a located one, and its error."""
         scale = self.locator.scale
         here = _entries(R[None], T[None] / scale)
-        deviation = float(_ROUNDED * np.abs(here).max(initial=1))
+        deviation = float(_ERROR * np.abs(here).max(initial=1))
         gaps = np.abs(_entries(self.R, self.T / scale) - here).max(axis=1, initial=0)
         return np.flatnonzero(gaps <= 2 * (self._deviations + deviation)), deviation
 
@@ -200,7 +201,7 @@ class Collection:
             return pose.real == bool(self.real[k])
         here = _entries(pose.R[None], pose.T[None] / pose.scale)
         gap = np.abs(_entries(self.R[k][None], self.T[k][None] / pose.scale) - here).max()
-        error = _ROUNDED * np.abs(here).max(initial=1)
+        error = _ERROR * np.abs(here).max(initial=1)
         return bool(gap + error <= self._deviations[k])
 
 

@@ -11,6 +11,7 @@ correctly.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
@@ -26,12 +27,13 @@ from gspcli.catalogue.kinds import DHP, DLP, DPH, DPL, DPP
 from gspcli.certification.equations.ball_system import OpenEquation
 from gspcli.certification.equations.local_frames import OWN
 from gspcli.certification.numbers.doubled import ERROR, Doubled, two_sum
-from gspcli.certification.numbers.rounding import OUTWARD
+from gspcli.certification.numbers.rounding import TINY
 from gspcli.certification.poses.isolation import all_different
 from gspcli.certification.poses.locator import Located, Locator
 from gspcli.certification.poses.many_values import OF_POSES, ProvedPoses, ValueProofs, proved_bits
 from gspcli.defaults import TOLERANCE
 from gspcli.geometry import study
+from gspcli.geometry.enclosures import above
 from gspcli.geometry.quaternions import quaternion_product
 from gspcli.records import dataclass
 
@@ -40,7 +42,7 @@ Complex = NDArray[np.complex128]
 #: Bits in which coefficients are computed, each tried in turn, and how much they may err then.
 _BITS, _KNOWN = (256, 512, 1024, 2048), 2.0**-120
 #: What is lost where doubles underflow.
-_LEAST = 2.0**-500
+_LEAST = math.sqrt(TINY)
 #: Coefficients may not be larger: their products are doubles.
 _LARGEST = 2.0**400
 #: Numbers of a pose without products; monomials of a form; numbers of each product besides.
@@ -295,7 +297,7 @@ def _in_doubles(numbers: Sequence[acb], *, real: bool) -> tuple[list[list[list[f
             parts.append((high, float(middle - high)))
             error = max(error, float(ball.rad()))
         found.append([list(both) for both in zip(*parts, strict=True)])
-    return found, error * OUTWARD
+    return found, above(error)
 
 
 Array = NDArray[np.float64]
@@ -386,7 +388,7 @@ class Shifts(NamedTuple):
         )
         gaps = (values.gaps + self.own.gaps) @ np.abs(self.matrix).T
         found[..., 2] += gaps
-        return np.ascontiguousarray(np.moveaxis(found * (1.0, 1.0, OUTWARD), 2, 1))
+        return np.ascontiguousarray(np.moveaxis(found * (1.0, 1.0, above(1.0)), 2, 1))
 
 
 def _rational(x: float) -> fmpq:
@@ -410,7 +412,7 @@ _SAMPLES, _SAMPLED = 24, 0.25
 _THINNEST = 1e-3
 #: Coordinates are chosen at most this many times. If solutions are lost, values differ by this part
 #: of what they did, down to the third. The last suffices.
-_STAGES, _NEARER, _LEAST_REACH, _NEARLY = 30, 0.25, 2.0**-60, 2.0**-4
+_STAGES, _NEARER, _LEAST_REACH, _NEARLY = 30, 0.25, 2.0**-60, 0.0625
 #: Conjugates agree to this part of their largest entry.
 _ALIKE = 1e-6
 #: To poses not farther away than this many lengths paths lead.
@@ -659,7 +661,7 @@ class FarPoses:
         with np.errstate(invalid="ignore"):
             least = (_largest(far.R, far.T / scale) - far.deviation).min(axis=1)
             largest = (_largest(near.R, near.T / scale) + near.deviation).max(axis=1, initial=0)
-        for row in np.flatnonzero(complete & ~(largest * OUTWARD < least)).tolist():
+        for row in np.flatnonzero(complete & ~(above(largest) < least)).tolist():
             complete[row] = _are_apart(near, far, row, scale)
         parts = (np.concatenate(both, axis=1) for both in zip(near[:-1], far[:-1], strict=True))
         return ProvedPoses._make([*parts, complete])
@@ -672,7 +674,7 @@ class FarPoses:
         own, own_low, own_gap = (self.values[k] for k in (0, 3, 4))
         difference, rest = two_sum(high, np.broadcast_to(-own, high.shape))
         size = np.abs(high) + np.abs(own)
-        gaps = OUTWARD * (gap + own_gap + ERROR * size)
+        gaps = above(gap + own_gap + ERROR * size)
         return np.ascontiguousarray(np.stack((difference, rest + (low - own_low), gaps), axis=1))
 
 
@@ -832,7 +834,7 @@ def _are_apart(near: ProvedPoses, far: ProvedPoses, row: int, scale: float) -> b
     ]
     gaps = np.abs(flat[0][:, None] - flat[1]).max(axis=2)
     off = near.deviation[row][:, None] + far.deviation[row]
-    return bool((gaps > OUTWARD * off).all())
+    return bool((gaps > above(off)).all())
 
 
 def _largest(R: Complex, T: Complex) -> Array:

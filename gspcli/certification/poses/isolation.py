@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 from gspcli.certification.equations.ball_system import BallSystem, PoseBall
 from gspcli.certification.numbers.balls import float_ends, floats_above, largest
-from gspcli.certification.numbers.rounding import OUTWARD
+from gspcli.geometry.enclosures import above, roundings
 from gspcli.records import dataclass
 
 #: Fractional parts of multiples of the golden ratio: a linear form without symmetries.
@@ -69,7 +69,7 @@ def all_different(entries: NDArray[np.complex128], deviations: NDArray[np.float6
         if len(others):
             first = order[position]
             gaps = np.abs(entries[others] - entries[first]).max(axis=1)
-            if not (gaps > (deviations[others] + deviations[first]) * OUTWARD).all():
+            if not (gaps > above(deviations[others] + deviations[first])).all():
                 return False
     return True
 
@@ -100,7 +100,7 @@ def _intervals(
     weights = np.array(_WEIGHTS)
     forms = parts @ weights
     # The error of the form, with its few roundings.
-    reach = (weights.sum() * deviations + (OUTWARD - 1) * (np.abs(parts) @ weights)) * OUTWARD
+    reach = above(weights.sum() * deviations + roundings(1, np.abs(parts) @ weights))
     return forms - reach, forms + reach
 
 
@@ -126,7 +126,7 @@ def places(
     for position in np.flatnonzero(following > np.arange(len(order)) + 1).tolist():
         first, others = int(order[position]), order[position + 1 : following[position]]
         gaps = np.abs(entries[others] - entries[first]).max(axis=1)
-        apart = gaps > (deviations[others] + deviations[first]) * OUTWARD
+        apart = gaps > above(deviations[others] + deviations[first])
         for other in others[~apart].tolist():
             alike.setdefault(max(first, other), []).append(min(first, other))
     found = np.arange(len(entries))
@@ -310,17 +310,17 @@ def _prove(
         defect[8 * k] -= 1
     # For a nearly singular matrix the sum may overflow.
     with np.errstate(over="ignore"):
-        a = float(floats_above(defect).reshape(7, 7).sum(axis=1).max() * OUTWARD)
+        a = float(above(floats_above(defect).reshape(7, 7).sum(axis=1).max()))
     if not a < 1:
         return None
     # Nothing is proved about points too far away for floats.
     with np.errstate(over="ignore", invalid="ignore"):
-        curvatures = system.curvatures((floats_above(newton.centre) + REACH) * OUTWARD)
+        curvatures = system.curvatures(above(floats_above(newton.centre) + REACH))
         sizes = floats_above(newton.inverse.entries()).reshape(7, 7)
-        b = float((sizes @ curvatures).max() * OUTWARD)
+        b = float(above((sizes @ curvatures).max()))
     # Any radius may be tried: q is rounded up and tested below.
     radius = min(REACH, (1 - a) / (2 * b))
-    q = (a + b * radius) * OUTWARD
+    q = above(a + b * radius)
     if not (q < 1 and newton.length <= (1 - arb(q)) * radius):
         return None
     error = (newton.length / (1 - arb(q))).upper()

@@ -27,6 +27,7 @@ from gspcli.certification.equations.local_frames import StudyFrames, length_scal
 from gspcli.certification.equations.mirror_images import STUDY_SIGNS, mirrored, mirrored_pose
 from gspcli.certification.numbers.balls import largest
 from gspcli.certification.numbers.correct_rounding import accurate, rounded
+from gspcli.certification.numbers.rounding import NEAREST
 from gspcli.certification.poses.isolation import Isolation, refine_point, step_length
 from gspcli.geometry import study
 from gspcli.geometry.instance import Instance, Side
@@ -43,8 +44,6 @@ _PATIENCE, _UNSETTLED = 256, 2.0**-12
 #: Bits for poses that 32 digits do not round correctly. The second are for numbers half-way between
 #: two doubles, as an entry of a rotation is where it is a ratio of two values.
 _MANY_BITS = 128, 512
-#: Largest error of numbers in doubles, as a part of the largest of them.
-_ROUNDING = 2.0**-53
 #: A solution with a smaller N counts as infinite: a platform with such a pose needs decimals of
 #: three hundred digits.
 _NULL = 2.0**-900
@@ -244,7 +243,7 @@ class Locator:
             if isinstance(found, Located):
                 gap = max(np.abs(found.R - R).max(), np.abs(found.T - T).max() / self.scale)
                 size = max(1.0, np.abs(R).max(), np.abs(T).max() / self.scale)
-                return found if gap <= off + _ROUNDING * size else None
+                return found if gap <= off + NEAREST * size else None
         return None
 
     @staticmethod

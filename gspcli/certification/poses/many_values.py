@@ -27,23 +27,15 @@ from gspcli.certification.equations.mirror_images import mirrored, mirrored_pose
 from gspcli.certification.equations.skew_lines import are_skew
 from gspcli.certification.numbers.doubled import (
     ERROR,
-    SINE_ERROR,
     Doubled,
     doubled,
     quotients,
     sines,
     two_product,
 )
-from gspcli.certification.numbers.rounding import (
-    COMPLEX,
-    CONVERSION,
-    ISOLATED,
-    OUTWARD,
-    REAL,
-    ROUNDED,
-    TINY,
-)
+from gspcli.certification.numbers.rounding import COMPLEX, CONVERSION, ISOLATED, REAL, ROUNDED, TINY
 from gspcli.defaults import TOLERANCE
+from gspcli.geometry.enclosures import above
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Point
@@ -57,8 +49,8 @@ Index = NDArray[np.intp]
 #: The numbers of the kinds in the kernel (native/open_equations.hpp), and that of lines that meet.
 _RELATIONS = {DPP: 0, DPH: 1, DHP: 2, DPL: 3, DLP: 4, DLL: 5, **dict.fromkeys(ANGLE_KINDS, 6)}
 _MEETING_LINES = 7
-#: A cosine errs by at most `SINE_ERROR`, which is this part of the unit of `converted`.
-COSINE_ERROR = SINE_ERROR / CONVERSION
+#: A cosine errs by at most `ERROR`, which is this part of the unit of `converted`.
+COSINE_ERROR = ERROR / CONVERSION
 #: The bits of the kernel.
 _BITS = np.arange(2 * max(ISOLATED, REAL, COMPLEX, ROUNDED))
 _CERTIFIED = ((_BITS & ISOLATED) > 0) & ((_BITS & (REAL | COMPLEX)) > 0)
@@ -179,7 +171,7 @@ class ValueProofs:
             k = self._angles
             values[..., k], lows[..., k] = (x[:, None] for x in self._cosines(rows))
             bounds[..., k] = np.abs(values[..., k]) + COSINE_ERROR
-            gaps[..., k] = SINE_ERROR
+            gaps[..., k] = ERROR
         distances = np.broadcast_to(np.abs(rows)[:, None] / self.scale, values.shape)
         return np.stack((values, bounds, distances, lows, gaps, np.zeros_like(gaps)), axis=2)
 
@@ -241,7 +233,7 @@ class ValueProofs:
             if row.kind is DLL:
                 turning[:, i] = self._turning(row)
         high, low, size = found
-        bounds, gaps = size + TINY / CONVERSION, size * ERROR * OUTWARD
+        bounds, gaps = size + TINY / CONVERSION, above(size * ERROR)
         columns = np.array([(high, bounds, turning[0], low, gaps, turning[1])] * len(choices))
         if any(signed):
             columns[:, [0, 3]] *= np.where(signed, choices, 1.0)[:, None]

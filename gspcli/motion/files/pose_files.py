@@ -37,7 +37,7 @@ COLUMNS = (*POSITION, *TRANSLATION, *QUATERNION, *ANGLES, *ENTRIES)
 _DRIVE = re.compile(r"(crank|slide)\..+", re.IGNORECASE)
 #: Largest difference of the entries of R from those of a rotation, since they are often rounded to
 #: three decimals. The nearest rotation is taken.
-_ROUNDED = 1e-3
+ROUNDED = 1e-3
 
 
 def _nothing(_: str) -> None:
@@ -317,10 +317,10 @@ def rotations_of(numbers: Array, form: PoseFormat) -> tuple[Array, list[tuple[in
     left, _, right = np.linalg.svd(given)
     R = left @ right
     errors = np.abs(R - given).max(axis=(1, 2))
-    for row in np.flatnonzero((errors > _ROUNDED) | (np.linalg.det(R) < 0)):
+    for row in np.flatnonzero((errors > ROUNDED) | (np.linalg.det(R) < 0)):
         what = (
             f"a matrix {errors[row]:.1g} away from the nearest orthogonal one"
-            if errors[row] > _ROUNDED
+            if errors[row] > ROUNDED
             else "a matrix with determinant -1"
         )
         wrong.append((int(row), f"found {what}, expected a rotation"))

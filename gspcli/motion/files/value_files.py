@@ -20,7 +20,7 @@ from gspcli.geometry.machine import is_driven
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.readings import readings_of, values_of
 from gspcli.motion.files.number_tables import NumberTable
-from gspcli.motion.files.pose_files import PoseFormat, names_poses, poses_in
+from gspcli.motion.files.pose_files import ROUNDED, PoseFormat, names_poses, poses_in
 from gspcli.motion.poses.inverse_kinematics import drive_values, measure, refusals
 from gspcli.records import dataclass
 from gspcli.wording import shortened
@@ -28,8 +28,6 @@ from gspcli.wording import shortened
 Array = NDArray[np.float64]
 
 _MOVING = ("crank", "slide")
-#: Values beside poses are what the poses measure, but for this part of the size: they are rounded.
-_ROUNDED = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -158,7 +156,7 @@ def compare_values(table: NumberTable, instance: Instance, measured: Array) -> N
     size = Arrangement.of(instance).length
     for name, column in zip(names, table.numbers(names).T, strict=True):
         k = int(name) - 1
-        room = _ROUNDED * (size if instance.constraints[k].kind.is_distance else 1.0)
+        room = ROUNDED * (size if instance.constraints[k].kind.is_distance else 1.0)
         for row in np.flatnonzero(~(np.abs(column - measured[:, k]) <= room)).tolist():
             message = (
                 f"found {column[row]:.12g} beside a pose that measures {measured[row, k]:.6g} "
@@ -184,7 +182,7 @@ def _compare_drives(
         if turns:
             whole = 2 * np.pi / radian
             away -= whole * np.round(away / whole)
-        room = _ROUNDED * (1 / radian if turns else size)
+        room = ROUNDED * (1 / radian if turns else size)
         for row in np.flatnonzero(~(np.abs(away) <= room)).tolist():
             message = (
                 f"found {column[row]:.12g} beside a pose that asks for "

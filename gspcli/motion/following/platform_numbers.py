@@ -19,7 +19,7 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.checking import value_range
 from gspcli.geometry.enclosures import above
 from gspcli.geometry.instance import Constraint, Instance, Side
-from gspcli.geometry.limits import joint_cones
+from gspcli.geometry.limits import ROUNDING, joint_cones
 from gspcli.geometry.machine import Machine, driven_points
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Crank, Geometry, Line, Point, Slide
@@ -36,9 +36,6 @@ CONTROLLER_KINDS = (
 )
 _DRIVES = CONTROLLER_KINDS[-4:]
 BODIES = ("platform", "base")
-#: A value is outside a limit if it exceeds it by more than this part of the limit, as in
-#: `geometry.limits`.
-_ROUNDING = 1e-12
 #: A number without a limit is between this and its negative.
 NEVER = 1e30
 #: No value is larger, in units of the size or radians.
@@ -349,7 +346,7 @@ def _limits(instance: Instance, largest: Array, margin: float) -> tuple[Array, A
             more = margin * (high - low)
             if more:
                 low, high = max(low - more, min(low, lowest)), min(high + more, max(high, highest))
-        room = _ROUNDING * max(abs(x) for x in (low, high) if math.isfinite(x) or x == low)
+        room = ROUNDING * max(abs(x) for x in (low, high) if math.isfinite(x) or x == low)
         room = room if math.isfinite(room) else 0.0
         distance = motor is None and row.kind.is_squared
         floor = 0.0 if distance and low >= 0 else -math.inf

@@ -33,7 +33,16 @@ from numpy.typing import NDArray
 from gspcli.certification.branches.moved_quadrics import moved_height, moved_quadric
 from gspcli.certification.branches.parametric_quadrics import Shape, ValueFunction
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.enclosures import OUT, ROUND, Enclosure, Jet, Matrix, size, spectral_norm
+from gspcli.geometry.enclosures import (
+    Enclosure,
+    Jet,
+    Matrix,
+    above,
+    below,
+    roundings,
+    size,
+    spectral_norm,
+)
 from gspcli.geometry.machine import Machine
 from gspcli.motion.following.branch_follower import MovingPlatform, apart
 from gspcli.motion.poses.inverse_kinematics import values_at
@@ -50,7 +59,7 @@ EXPONENTS = (0.0, 0.3, 0.5, 0.7, 0.85, 1.0)
 _TURNING = Matrix.exact(np.diag([2.0] * 4 + [0.0] * 4))
 STUDY = Matrix.exact(np.roll(np.eye(8), 4, axis=0))
 #: Relative error of computed singular vectors and of products with them.
-_BASIS = 4 * ROUND
+_BASIS: float = roundings(4, 1)
 #: The Kantorovich number is at most one less this; so the radius errs by less than a tenth of it.
 _MARGIN = 1e-7
 
@@ -119,7 +128,7 @@ def equations(
     """
     given = platform.equations
     # Entries of the quadrics are rounded.
-    rough = ROUND * given.moduli
+    rough = roundings(1, given.moduli)
     n = jet.quadric(_TURNING, x)
     for shape in np.unique(given.shapes):
         rows = np.flatnonzero(given.shapes == shape)
@@ -181,7 +190,7 @@ class Neighbourhood:
         self.inverse = whole[:, :, :7]
         defect = np.linalg.norm(whole @ safe - np.eye(8), axis=(1, 2))
         # The rounding of the products with the rows of F' is added in `box`.
-        self.defect = np.where(regular, defect * OUT + ROUND * size(whole[:, :, 7]), np.inf)
+        self.defect = np.where(regular, above(defect) + roundings(1, size(whole[:, :, 7])), np.inf)
         self._turning = 2 * np.concatenate((points[:, :4], 0 * points[:, 4:]), axis=1)
 
     def _put(self, rows: NDArray[np.intp], found: Jet) -> None:
@@ -208,7 +217,7 @@ class Neighbourhood:
         first = self.platform.slopes(self.values) * widths
         second = np.select([laws == ValueFunction.SQUARE, angle], [widths**2, widths**2 / 2], 0.0)
         # The slope of a cosine errs as the angle does.
-        return first, (np.abs(first) + second + np.where(angle, ROUND * widths, 0.0)) * OUT
+        return first, above(np.abs(first) + second + np.where(angle, roundings(1, widths), 0.0))
 
     def _spreads(self, whole: Array, widths: Array) -> Array:
         """Bound changes of second derivatives within each of `REACHES`, for all values.
@@ -238,8 +247,8 @@ class Neighbourhood:
         first, whole = self._changes(widths)
         given = _Given(first, whole, widths)
         given.spreads = self._spreads(whole, widths)
-        given.residual = (np.abs(self.residuals) + self.errors) * OUT
-        errors = self.gradient_errors + ROUND * size(self.jacobian)
+        given.residual = above(np.abs(self.residuals) + self.errors)
+        errors = self.gradient_errors + roundings(1, size(self.jacobian))
         errors[:, 1:] += whole * self.slope_errors
         given.gradient_errors = errors
         names = ("measure", "radius", "rest", "root", "q")
@@ -277,7 +286,7 @@ class Neighbourhood:
         q = norm.corners(np.where(plain, whole, 0.0)) * norm.slopes(self._turning[:, None])[:, 0]
         q += (sizes[:, 1:] * whole * np.where(plain, 0.0, slopes)).sum(axis=1)
         q += norm.weight * self.defect + (sizes * given.gradient_errors).sum(axis=1)
-        beta, q = beta * OUT, q * OUT
+        beta, q = above(beta), above(q)
         flat = norm.flattened(self.hessians)
         combined = np.einsum("nrk,nkij->nrij", right, flat)
         # Poses beyond the range of doubles have no clearance.
@@ -289,10 +298,10 @@ class Neighbourhood:
         beyond = (sizes[:, 1:] * (whole - np.abs(given.first)) * factors).sum(axis=1)
         beyond += (sizes * given.residual).sum(axis=1)
         for reach, spread in zip(REACHES, given.spreads, strict=True):
-            kappa = (along + (sizes * spread).sum(axis=1)) * OUT
+            kappa = above(along + (sizes * spread).sum(axis=1))
             measure, radius = self._contraction(beta, q, kappa, reach)
             with np.errstate(invalid="ignore", over="ignore"):
-                rest = (beyond + q * radius + kappa * radius**2 / 2) * OUT
+                rest = above(beyond + q * radius + kappa * radius**2 / 2)
                 root = np.sqrt(2 * kappa * beta)
             better = measure < found["measure"]
             for name, new in (("measure", measure), ("radius", radius), ("rest", rest)):
@@ -305,12 +314,12 @@ class Neighbourhood:
     ) -> tuple[Array, Array]:
         """Return the Kantorovich number, infinite without a proof, and the radius, (n,) each."""
         with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
-            measure = (q + np.sqrt(2 * kappa * beta)) * OUT
+            measure = above(q + np.sqrt(2 * kappa * beta))
             left = 1 - q
             radius = 2 * beta / (left + np.sqrt(np.maximum(left**2 - 2 * kappa * beta, 0.0)))
             radius = radius * (1 + _MARGIN)
             still = np.linalg.norm(self.points[:, :4], axis=1)
-            proved = (measure < 1 - _MARGIN) & (radius < reach) & (radius < still * (2 - OUT))
+            proved = (measure < 1 - _MARGIN) & (radius < reach) & (radius < below(still))
         return np.where(proved, measure, np.inf), radius
 
 
@@ -344,7 +353,7 @@ class Norm:
         self.inverse = np.einsum("nir,nik->nrk", left, inverse) * weights[..., None]
         error = _BASIS * self.weight[:, None] * np.linalg.norm(inverse, axis=1)
         #: Not below the norms of the columns of Y, shape (n, 7).
-        self.sizes = (np.linalg.norm(self.inverse, axis=1) + error) * OUT
+        self.sizes = above(np.linalg.norm(self.inverse, axis=1) + error)
         self._error = error
         #: Not below the singular values times their weights, shape (n, 7).
         self.stretched = np.linalg.norm(self.inverse, axis=2) + error.sum(axis=1, keepdims=True)
@@ -406,7 +415,7 @@ class MachineNeighbourhood(Neighbourhood):
         values = platform.internal(values_at(placed, R[None], T[None]))
         super().__init__(platform, platform.points(R[None], T[None]), values)
         # Points of cranks and slides are rounded, and what follows from them.
-        rough = 8 * ROUND * np.where(self.driven, platform.equations.moduli[:, 0], 0.0)
+        rough = roundings(8, np.where(self.driven, platform.equations.moduli[:, 0], 0.0))
         self._matrices = [Matrix.exact(part, rough) for part in (self.first, self.second)]
         x = Enclosure(self.points[:, None])
         self._moves = [Jet.quadric(part, x) for part in self._matrices]
@@ -424,11 +433,11 @@ class MachineNeighbourhood(Neighbourhood):
     def _changes(self, widths: Array) -> tuple[Array, Array]:
         first, whole = super()._changes(widths)
         # As changes of c, which the factors N turn into those of the equations.
-        least = (self.factors - self.factor_errors) * (2 - OUT)
+        least = below(self.factors - self.factor_errors)
         moved = np.abs(self._rates) * widths / self.factors
         rate, bend = (one.value.most for one in self._moves)
         every = (rate * widths + bend * widths**2 / 2) / np.where(self.driven, least, 1.0)
-        return np.where(self.driven, moved, first), np.where(self.driven, every * OUT, whole)
+        return np.where(self.driven, moved, first), np.where(self.driven, above(every), whole)
 
     def _gradients(self, norm: Norm, whole: Array, widths: Array) -> Array:
         others = super()._gradients(norm, whole, widths)
@@ -441,7 +450,7 @@ class MachineNeighbourhood(Neighbourhood):
     def _spreads(self, whole: Array, widths: Array) -> Array:
         found = super()._spreads(np.where(self.driven, 0.0, whole), widths)
         first, second = (part.most for part in self._matrices)
-        moved = (first * widths + second * widths**2 / 2) * OUT
+        moved = above(first * widths + second * widths**2 / 2)
         found[..., 1:] += np.where(self.driven, moved, 0.0)
         return found
 

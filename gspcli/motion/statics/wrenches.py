@@ -21,6 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.enclosures import roundings
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.machine import Machine
 from gspcli.geometry.measurement import condition_numbers, value_slopes, without_derivative
@@ -32,8 +33,6 @@ Array = NDArray[np.float64]
 
 #: Above this condition number the inverse matrix has no correct digits.
 _CONDITION = 1e14
-#: What rounding errors may be of the largest moment, relative to it.
-_ROUNDING = 1e-13
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,7 +93,7 @@ class Wrenches:
         square = np.einsum("...i,...i->...", self.forces, self.forces)
         along = np.einsum("...i,...i->...", self.forces, self.moments)
         arms = np.linalg.norm(self.moments, axis=-1).max(axis=-1, keepdims=True)
-        along = np.where(np.abs(along) <= _ROUNDING * np.sqrt(square) * arms, 0.0, along)
+        along = np.where(np.abs(along) <= roundings(28, np.sqrt(square) * arms), 0.0, along)
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.where(self.angles, np.inf, along / square)
 

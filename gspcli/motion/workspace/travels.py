@@ -24,8 +24,7 @@ Array = NDArray[np.float64]
 
 #: The search ends at this many typical lengths if nothing bounds the position.
 _FAR = 100.0
-#: The interval in which a travel ends is halved until it is this part of the whole.
-_FINEST = 2.0**-46
+#: The interval in which a travel ends is halved at most so often.
 _DEEPEST = 46
 #: More open intervals than this are not divided: a limit is nearly violated along the whole axis.
 _MOST_OPEN = 500
@@ -304,7 +303,7 @@ def _divided(
         # Where regularity is not proved, a motor may be near a dead point, and so near the end of
         # its reach.
         stops = int(left[-1 if boxes.rows else 0]) if len(left) else stops
-        if not len(keys) or len(keys) > _MOST_OPEN or part < _FINEST:
+        if not len(keys) or len(keys) > _MOST_OPEN:
             break
     # Where a value that stays is not proved to be the same, home alone keeps it.
     reached = 0.0 if stops & boxes.fixed else _first_gap(sorted(inner))

@@ -19,7 +19,7 @@ import pytest
 
 import gspcli
 from gspcli.catalogue.names import parse_type
-from gspcli.certification.numbers.doubled import ERROR, SINE_ERROR, SineNumbers
+from gspcli.certification.numbers.doubled import ERROR, SineNumbers
 from gspcli.certification.numbers.rounding import COMPLEX, ISOLATED, REAL, ROUNDED
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.coordinates import choose, moved
@@ -406,7 +406,7 @@ def turned(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., np.ndarray
         sine = SineNumbers.of(degrees=degrees)
         head = np.concatenate((np.zeros(6 * 7), [1], np.ones(6), [1.0, degrees]))
         rest = [*sine.quarter, *sine.unit, len(sine.terms), sine.small, *np.ravel(sine.terms)]
-        numbers = np.concatenate((head, rest, [SINE_ERROR, SINE_ERROR]))
+        numbers = np.concatenate((head, rest, [ERROR, ERROR]))
         found = np.empty(5)
         data = [ctypes.c_void_p(x.ctypes.data) for x in (numbers, found)]
         library.turned(data[0], ctypes.c_double(angle), data[1])

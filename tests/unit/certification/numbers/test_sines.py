@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from flint import arb, ctx
 
-from gspcli.certification.numbers.doubled import SINE_ERROR, sines
+from gspcli.certification.numbers.doubled import ERROR, sines
 
 
 @pytest.mark.parametrize("degrees", [True, False])
@@ -21,7 +21,7 @@ def test_sines_and_cosines_are_as_exact_as_they_say(degrees, complement):
             given = arb(angle) * (arb.pi() / 180 if degrees else 1)
             exact = given.cos() if complement else given.sin()
             error = exact - float(parts[0]) - float(parts[1])
-            assert error.abs_upper() < SINE_ERROR / 4
+            assert error.abs_upper() < ERROR / 4
             assert abs(parts[1]) <= 2.0**-53 * abs(parts[0])
 
 
