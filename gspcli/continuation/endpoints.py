@@ -14,7 +14,14 @@ from gspcli.continuation.paths import PathAccount
 from gspcli.continuation.quadrics import NORM, ComplexArray, FloatArray, evaluate
 from gspcli.continuation.start import StartSystem
 from gspcli.continuation.systems import EQUATIONS, System
-from gspcli.continuation.tracker import CAREFUL, PathResults, PathStatus, TrackerOptions, track
+from gspcli.continuation.tracker import (
+    CAREFUL,
+    ROUNDING,
+    PathResults,
+    PathStatus,
+    TrackerOptions,
+    track,
+)
 from gspcli.records import dataclass
 
 
@@ -293,7 +300,7 @@ def random_start(start: StartSystem, seed: int, attempt: int) -> System:
 def all_regular(results: PathResults) -> NDArray[np.bool_]:
     """Return for which targets (B,) all paths end at distinct finite regular solutions."""
     error = regular_error(results.correction)
-    good = np.asarray((clearly_simple(results) & ~infinite(results.points, error)).all(axis=1))
+    good = np.asarray((results.is_simple & ~infinite(results.points, error)).all(axis=1))
     near = may_coincide(results.points, error)[1].any(axis=1)
     for i in np.flatnonzero(good & near):
         good[i] = len(clusters(results.points[i], error[i])) == results.points.shape[1]
@@ -312,24 +319,10 @@ def regular_ends(results: PathResults, i: int) -> Endpoints:
     )
 
 
-# Rounding of the coefficients and the residual of Newton's step move a solution to first order by
-# some d. The solution is clearly simple if the second-order terms move it much less, by the
-# condition of Kantorovich's theorem, ``|J^-1 F''(d, d)| << |d|``. At a double solution that
-# rounding has split both are of one size, also if Newton's step is small; so they are where both
-# factors of a product vanish, although the Jacobian matrix with scaled rows is well-conditioned.
-_ROUNDING = 4e-16
-#: Largest ratio of second to first order of a clearly simple solution: for bounds, for estimates.
-_CLEARLY = 1e-3
+#: Largest ratio of second to first order of a simple solution, for estimates (`ROUNDING`).
 _LIMIT = 0.1
 #: The number of changes of the equations by rounding that are tried.
 _CHANGES = 8
-
-
-def clearly_simple(results: PathResults) -> NDArray[np.bool_]:
-    """Return which ends (B, P) are simple solutions by the numbers of the kernel."""
-    step = results.correction + _ROUNDING * results.condition
-    bounded = results.curvature * step < _CLEARLY
-    return np.asarray((results.status == PathStatus.REGULAR) & bounded)
 
 
 def simple(target: System, points: ComplexArray) -> NDArray[np.bool_]:
@@ -394,4 +387,4 @@ def _changes(target: System, points: ComplexArray) -> ComplexArray:
     size = np.concatenate([(e * f)[:, None], rows], axis=1)
     rng = np.random.default_rng(EQUATIONS)
     phases = np.exp(2j * np.pi * rng.random((_CHANGES, 1 + EQUATIONS)))
-    return np.asarray(_ROUNDING * size[:, None, :] * phases)
+    return np.asarray(ROUNDING * size[:, None, :] * phases)

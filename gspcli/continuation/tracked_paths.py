@@ -16,7 +16,6 @@ from gspcli.continuation.endpoints import (
     Endpoints,
     EndsOnCurve,
     all_regular,
-    clearly_simple,
     clusters,
     distances,
     find_ends,
@@ -132,7 +131,7 @@ def retracked(
     wrong, the target is special, and the first results are returned.
     """
     error = regular_error(first.correction[0])
-    known = clearly_simple(first)[0]
+    known = first.is_simple[0]
     wrong = collided(first.points[0], error, known)
     # Paths that have failed, and paths at whose end Newton's method has not converged.
     wrong |= ~known & (first.status[0] != PathStatus.SINGULAR)
@@ -489,7 +488,7 @@ class _Attempt:
         self.condition = results.condition[0].copy()
         self.residual = results.residual[0].copy()
         self.correction = results.correction[0].copy()
-        self.regular = clearly_simple(results)[0]
+        self.regular = results.is_simple[0]
         self.error = regular_error(self.correction)
 
     def endpoints(self, seed: int) -> Endpoints:
@@ -510,7 +509,7 @@ class _Attempt:
         results = self._track(self.origin, self.target, self.start.points[index], options)
         for name in ("points", "left", "status", "condition", "residual", "correction"):
             getattr(self, name)[index] = getattr(results, name)[0]
-        self.regular[index] = clearly_simple(results)[0]
+        self.regular[index] = results.is_simple[0]
         self.error[index] = regular_error(self.correction[index])
 
     def _find_singular_ends(self) -> NDArray[np.int64]:
@@ -735,50 +734,12 @@ def _scaled_to_one(points: ComplexArray, scale: float) -> ComplexArray:
     return points * np.where(largest.real < 0, -1.0, 1.0)[:, None]
 
 
-#: Newton's method has converged if its last correction is at most this part of e.
-_CONVERGES = 1e-3
 #: Distances from the target below which doubles may not distinguish paths.
 _NEAR = 1e-3
 #: Steps from near the target within which most paths arrive that do not end at infinity.
 _FEW_STEPS = 12
 _BATCH = 256
 _BATCH_PATHS = 65_536
-
-
-@dataclass(frozen=True, eq=False)
-class PathEnds:
-    """The ends of k paths, simple solutions or not.
-
-    Attributes
-    ----------
-    points
-        Study points in the coordinates of the target, of any norm, shape (k, 8).
-    low
-        The digits beyond doubles: one more double to add, shape (k, 1, 8); (k, 0, 8) if there
-        are none.
-    simple
-        Which are clearly simple solutions of the system in doubles, shape (k,).
-    converged
-        Whether Newton's method converges, with these digits, shape (k,).
-    digits
-        The number of digits of the computation.
-    """
-
-    points: ComplexArray
-    low: ComplexArray
-    simple: NDArray[np.bool_]
-    converged: NDArray[np.bool_]
-    digits: int
-
-    def take(self, index: NDArray[np.bool_] | NDArray[np.intp]) -> PathEnds:
-        """Return some of the ends."""
-        return PathEnds(
-            self.points[index],
-            self.low[index],
-            self.simple[index],
-            self.converged[index],
-            self.digits,
-        )
 
 
 class TrackedPaths:
@@ -827,9 +788,9 @@ class TrackedPaths:
         """The number of paths: the generic count of the structure."""
         return len(self._start.points)
 
-    def first(self) -> PathEnds:
-        """Return the ends of the first attempt at all paths."""
-        return self._ends(self._results, DEFAULT.digits)
+    def first(self) -> PathResults:
+        """Return the ends (1, P) of the first attempt at all paths, in the target's coordinates."""
+        return self._ends(self._results)
 
     def distinct_simple(self) -> ComplexArray:
         """Return the ends of the first attempt that no other path shares, shape (k, 8).
@@ -838,9 +799,9 @@ class TrackedPaths:
         """
         results = self._results
         points, error = results.points[0], regular_error(results.correction[0])
-        chosen = clearly_simple(results)[0] & ~infinite(points, error)
+        chosen = results.is_simple[0] & ~infinite(points, error)
         chosen &= ~collided(points, error, chosen)
-        ends: ComplexArray = self.first().points[chosen]
+        ends: ComplexArray = self.first().points[0, chosen]
         return ends
 
     def balanced(self, given: Coefficients) -> Coefficients:
@@ -855,7 +816,7 @@ class TrackedPaths:
 
     def track(
         self, index: NDArray[np.intp], target: FineCoefficients, *, attempt: int = 0
-    ) -> Iterator[tuple[NDArray[np.intp], PathEnds]]:
+    ) -> Iterator[tuple[NDArray[np.intp], PathResults]]:
         """Track some paths with more digits up to the target, from where fewer digits may fail.
 
         Parameters
@@ -884,7 +845,7 @@ class TrackedPaths:
         low: ComplexArray | None,
         left: FloatArray,
         options: TrackerOptions,
-    ) -> Iterator[tuple[NDArray[np.intp], PathEnds]]:
+    ) -> Iterator[tuple[NDArray[np.intp], PathResults]]:
         """Yield the paths that arrive after few steps, and their ends, then the other paths.
 
         Parameters
@@ -906,7 +867,7 @@ class TrackedPaths:
                 options=replace(options, max_steps=min(limit, options.max_steps)),
                 jobs=self._jobs,
             )
-            ends = self._ends(results, options.digits)
+            ends = self._ends(results)
             arrived = results.status[0] == PathStatus.REGULAR
             if limit >= options.max_steps or arrived.all():
                 yield rest, ends
@@ -939,15 +900,12 @@ class TrackedPaths:
             )
         return solutions_of(ends, self.scale, self.seed)
 
-    def _ends(self, results: PathResults, digits: int) -> PathEnds:
-        points = results.points[0].copy()
-        low = results.low[0].copy() if len(results.low) else np.zeros((len(points), 0, 8), complex)
+    def _ends(self, results: PathResults) -> PathResults:
+        """Return ends in the coordinates of the system."""
+        points, low = results.points.copy(), results.low.copy()
         for part in (points, low):
             part[..., 4:] *= self.scale
-        # The correction is negative if Newton's method was not run.
-        correction, e = results.correction[0], np.abs(results.points[0, :, :4]).max(axis=1)
-        converged = (correction >= 0) & (correction < _CONVERGES * e)
-        return PathEnds(points, low, clearly_simple(results)[0], converged, digits)
+        return replace(results, points=points, low=low)
 
 
 def solve_systems(targets: Iterable[System], *, seed: int = SEED) -> Iterator[SystemSolutions]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
 from enum import IntEnum
 
 import numpy as np
@@ -70,6 +71,17 @@ class PathStatus(IntEnum):
     front of the target that have passed no waypoint."""
 
 
+# Rounding of the coefficients and the residual of Newton's step move a solution to first order by
+# some d. The solution is clearly simple if the second-order terms move it much less, by the
+# condition of Kantorovich's theorem, ``|J^-1 F''(d, d)| << |d|``. At a double solution that
+# rounding has split both are of one size, also if Newton's step is small; so they are where both
+# factors of a product vanish, although the Jacobian matrix with scaled rows is well-conditioned.
+ROUNDING = 4e-16
+#: Largest ratio of second to first order of a clearly simple solution, for bounds.
+_CLEARLY = 1e-3
+#: Newton's method has converged if its last correction is at most this part of e.
+_CONVERGES = 1e-3
+
 #: At most this many threads are started.
 MOST_THREADS = 256
 
@@ -99,7 +111,29 @@ class PathResults:
     residual: FloatArray
     """Largest absolute value of the seven equations, divided likewise, shape (B, P)."""
     correction: FloatArray
-    """Length of the last Newton correction, shape (B, P)."""
+    """Length of the last Newton correction, shape (B, P); negative if none was made."""
+
+    @property
+    def is_simple(self) -> NDArray[np.bool_]:
+        """Which ends are clearly simple solutions by these numbers, shape (B, P)."""
+        step = self.correction + ROUNDING * self.condition
+        bounded = self.curvature * step < _CLEARLY
+        return np.asarray((self.status == PathStatus.REGULAR) & bounded)
+
+    @property
+    def has_converged(self) -> NDArray[np.bool_]:
+        """At which ends Newton's method converges, with these digits, shape (B, P)."""
+        e = np.abs(self.points[..., :4]).max(axis=-1)
+        return np.asarray((self.correction >= 0) & (self.correction < _CONVERGES * e))
+
+    @property
+    def more(self) -> ComplexArray:
+        """What more digits add to the points of one target, shape (P, 1, 8); else (P, 0, 8)."""
+        return self.low[:, :, 0].swapaxes(0, 1)
+
+    def take(self, index: NDArray[np.bool_] | NDArray[np.intp]) -> PathResults:
+        """Return the results of some of the paths."""
+        return PathResults(*(getattr(self, field.name)[:, index] for field in fields(self)))
 
 
 def track(

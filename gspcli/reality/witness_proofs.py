@@ -175,7 +175,7 @@ def _look_real(arrangement: Arrangement, seed: int) -> Complex:
     """Return the ends of first attempts at the paths that look real, Study points (k, 8)."""
     tracked = track_all(target_systems(arrangement.normalized), seed=seed)
     ends = [paths.first() for paths in tracked]
-    points = np.concatenate([end.points[end.converged] for end in ends])
+    points = np.concatenate([end.points[end.has_converged] for end in ends])
     return np.asarray(points[look_real(points)])
 
 

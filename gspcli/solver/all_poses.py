@@ -312,7 +312,7 @@ def careful_paths(search: Search) -> None:
 
 def ends_of(problem: Problem, tracked: Sequence[TrackedPaths]) -> Ends:
     """Return the ends of paths for each choice of sides."""
-    return Ends(np.stack([paths.first().points for paths in tracked])[None], problem.frames)
+    return Ends(np.stack([paths.first().points[0] for paths in tracked])[None], problem.frames)
 
 
 def all_poses(problem: Problem) -> PoseSet:

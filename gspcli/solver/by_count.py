@@ -439,7 +439,7 @@ def _places(
         yield motion.R[0], motion.T[0]
     for tracked_paths in tracked:
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            R, T = arrangement.poses_of(tracked_paths.first().points)
+            R, T = arrangement.poses_of(tracked_paths.first().points[0])
         finite = np.isfinite(R).all(axis=(1, 2)) & np.isfinite(T).all(axis=1)
         yield from zip(R[finite], T[finite], strict=True)
 
@@ -552,7 +552,7 @@ def _of_side(side: SidePoses, count: SideCount, solve: Callable[[Instance], Pose
 def _unresolved(side: SidePoses) -> int:
     """Return how many paths in double precision do not end at simple solutions."""
     ends = side.paths.first()
-    return int((~(ends.simple & ends.converged)).sum())
+    return int((~(ends.is_simple & ends.has_converged)).sum())
 
 
 def _too_many_unresolved(side: SidePoses) -> bool:

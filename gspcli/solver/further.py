@@ -68,7 +68,8 @@ def _followed(side: SidePoses, index: Index, attempt: int) -> Index:
     """Add the poses at the ends of some paths, with 32 digits; return which led to none."""
     new = np.zeros(len(index), np.bool_)
     for which, ends in side.paths.track(index, side.target, attempt=attempt):
-        new[which[ends.converged]] = side.add(ends.take(ends.converged))
+        converged = ends.has_converged[0]
+        new[which[converged]] = side.add(ends.take(converged))
         if side.is_complete:
             return index[~new]
     side.found.add_close_conjugates()
@@ -104,10 +105,11 @@ def _ends(problem: Problem, k: int) -> Iterator[tuple[ComplexArray, ComplexArray
     """Yield ends of paths with 32 digits: of each pair of conjugates one first, the farthest."""
     paths = problem.tracked[k]
     first = paths.first()
-    others = paths.track(np.flatnonzero(~first.simple), problem.target(k))
-    parts = [first.take(first.simple), *(ends.take(ends.converged) for _, ends in others)]
-    points = np.concatenate([ends.points for ends in parts])
-    low = [more for ends in parts for more in ends.low]
+    simple = first.is_simple[0]
+    others = paths.track(np.flatnonzero(~simple), problem.target(k))
+    parts = [first.take(simple), *(ends.take(ends.has_converged[0]) for _, ends in others)]
+    points = np.concatenate([ends.points[0] for ends in parts])
+    low = [more for ends in parts for more in ends.more]
     norm = np.abs((points[:, :4] ** 2).sum(axis=1)) / np.abs(points).max(axis=1) ** 2
     is_second = conjugate_sources(points) != np.arange(len(points))
     for i in np.lexsort((norm, is_second)).tolist():

@@ -14,7 +14,8 @@ from gspcli.certification.poses.locator import DOUBLE, AtInfinity, Located
 from gspcli.certification.poses.many_values import ProvedPoses
 from gspcli.continuation.paths import Basis, PathAccount
 from gspcli.continuation.systems import FineCoefficients
-from gspcli.continuation.tracked_paths import PathEnds, TrackedPaths
+from gspcli.continuation.tracked_paths import TrackedPaths
+from gspcli.continuation.tracker import PathResults
 from gspcli.geometry.quaternions import Field, canonical_sign, pose_from_study
 from gspcli.solver.poses import PoseSet
 from gspcli.solver.problem import Problem
@@ -126,15 +127,15 @@ class SidePoses:
                 place[k] = self.found.place_near(R[k], T[k], off[k])
         return place
 
-    def add(self, ends: PathEnds) -> Bits:
+    def add(self, ends: PathResults) -> Bits:
         """Add the poses near ends, by the kernel or in balls; return which have led to new ones."""
         before = len(self.found)
-        problem, new = self.problem, np.zeros(len(ends.points), np.bool_)
+        problem, new = self.problem, np.zeros(ends.points.shape[1], np.bool_)
         if not len(new):
             return new
         if problem.proofs is not None:
             choice = problem.choices[self.k : self.k + 1]
-            found = problem.proofs.decide(choice, ends.points[None, None], problem.frames)
+            found = problem.proofs.decide(choice, ends.points[None], problem.frames)
             place = self.add_proved(found)
             first = np.unique(place, return_index=True)[1]
             new[first[place[first] >= before]] = True
@@ -143,18 +144,18 @@ class SidePoses:
         new[rest] = self.locate(ends.take(rest))
         return new
 
-    def locate(self, ends: PathEnds) -> Bits:
+    def locate(self, ends: PathResults) -> Bits:
         """Add the poses near ends in balls, and conjugates; return which have led to new ones."""
-        if not len(ends.points):
+        points, low = ends.points[0], ends.more
+        if not len(points):
             return np.zeros(0, np.bool_)
-        new = ~self._are_known(ends)
+        new = ~self._are_known(points, low)
         index = np.flatnonzero(new)
         # One of each pair of conjugates is enough.
-        source = index[conjugate_sources(ends.points[index], ends.low[index])]
+        source = index[conjugate_sources(points[index], low[index])]
         sought = index[source == index]
-        bits = DOUBLE * ends.digits // 16
-        near = ends.take(sought)
-        located = self.locator.locate(near.points, near.low, self.sides, bits)
+        bits = DOUBLE * (1 + low.shape[1])
+        located = self.locator.locate(points[sought], low[sought], self.sides, bits)
         new[sought] = [bool(self.found.add([end])) for end in located]
         new[index] = new[source]
         self.found.add_conjugates()
@@ -194,16 +195,15 @@ class SidePoses:
                 self.found.add_conjugates()
         self.found.add_close_conjugates()
 
-    def _are_known(self, ends: PathEnds) -> Bits:
-        """Return which ends agree with a proved pose in all their digits, shape (k,)."""
-        near = self._near_known(ends.points)
+    def _are_known(self, points: Field, low: Field) -> Bits:
+        """Return which points agree with a proved pose in all their digits, shape (k,)."""
+        near = self._near_known(points)
         known = np.asarray(near.any(axis=1))
-        if ends.low.shape[1]:
+        if low.shape[1]:
             # Another pose may be nearer than doubles tell.
             for i in np.flatnonzero(known).tolist():
-                point, low = ends.points[i], ends.low[i]
                 alike = np.flatnonzero(near[i]).tolist()
-                known[i] = any(self.found.surrounds(k, point, low) for k in alike)
+                known[i] = any(self.found.surrounds(k, points[i], low[i]) for k in alike)
         return known
 
     def _near_known(self, points: Field) -> Bits:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from gspcli.continuation.endpoints import clearly_simple, nonlinearity, random_start, simple
+from gspcli.continuation.endpoints import nonlinearity, random_start, simple
 from gspcli.continuation.quadrics import evaluate
 from gspcli.continuation.systems import System
 from gspcli.continuation.tracked_paths import follow, solve_systems, start_system
@@ -144,7 +144,7 @@ def solved(target: System):
 def test_solutions_of_random_platforms_are_simple(build, kinds):
     target, _, _ = build.platform(kinds, np.random.default_rng(5))
     system, results = solved(target)
-    assert clearly_simple(results).all()
+    assert results.is_simple.all()
     assert nonlinearity(system, results.points[0]).max() < 1e-6
 
 
@@ -166,7 +166,7 @@ def test_a_point_on_a_line_is_not_simple(build):
     on_line = (factors[0] < 1e-6) & (factors[1] < 1e-6)
     assert on_line.sum() == 2
     assert not simple(system, ends[on_line]).any()
-    assert not clearly_simple(results)[0][on_line].any()
+    assert not results.is_simple[0][on_line].any()
     # Dividing the rows by what cancels in them hides it.
     assert results.condition[0][on_line].max() < 1e6
     assert simple(system, ends[~on_line]).all()

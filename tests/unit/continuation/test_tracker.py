@@ -13,7 +13,7 @@ from gspcli.continuation.endpoints import random_start
 from gspcli.continuation.quadrics import random_quadrics
 from gspcli.continuation.start import start_system
 from gspcli.continuation.systems import Coefficients, FineCoefficients, Structure, System
-from gspcli.continuation.tracked_paths import _IN_32_DIGITS, _TO_THE_END, PathEnds, track_all
+from gspcli.continuation.tracked_paths import _IN_32_DIGITS, _TO_THE_END, track_all
 from gspcli.continuation.tracker import PathStatus, TrackerOptions, track
 
 PRODUCTS = (False, True, False, True, False, False)
@@ -203,13 +203,14 @@ def target(tracked_paths):
 
 
 def _in_order(tracked_paths, index, target, **options):
-    """Return the ends of some paths in the order of their indices."""
+    """Return the ends of some paths, points and low parts, in the order of their indices."""
     parts = list(tracked_paths.track(index, target, **options))
     which = np.concatenate([index for index, _ in parts])
     assert sorted(which.tolist()) == list(range(len(index)))
-    names = ("points", "low", "simple", "converged")
-    joined = [np.concatenate([getattr(ends, name) for _, ends in parts]) for name in names]
-    return PathEnds(*joined, 32).take(np.argsort(which))
+    joined = np.concatenate([ends.points[0] for _, ends in parts])
+    more = np.concatenate([ends.more for _, ends in parts])
+    order = np.argsort(which)
+    return joined[order], more[order]
 
 
 def _overlaps(one, other):
@@ -224,40 +225,39 @@ def test_paths_that_arrive_early_come_first_and_each_once(tracked_paths, target,
     parts = list(tracked_paths.track(index, target))
     assert len(parts) == (1 if few > 1 else 2)
     assert sorted(np.concatenate([which for which, _ in parts]).tolist()) == list(range(6))
-    first = tracked_paths.first().points[index]
+    first = tracked_paths.first().points[0, index]
     for which, ends in parts:
-        assert ends.digits == 32
-        assert ends.low.shape == (len(which), 1, 8)
-        assert ends.converged.all()
+        assert ends.more.shape == (len(which), 1, 8)
+        assert ends.has_converged.all()
         # With more digits each path leads where it led with few.
-        assert np.diag(_overlaps(ends.points, first[which])).min(initial=1) > 1 - 1e-12
+        assert np.diag(_overlaps(ends.points[0], first[which])).min(initial=1) > 1 - 1e-12
 
 
 def test_ends_have_32_digits(tracked_paths, target):
     """Along other random paths the same solutions are reached, in other multiples."""
     every = np.arange(tracked_paths.count)
-    ends = _in_order(tracked_paths, every, target)
-    others = _in_order(tracked_paths, every, target, attempt=1)
-    overlaps = _overlaps(ends.points, others.points)
+    ends, low = _in_order(tracked_paths, every, target)
+    others, others_low = _in_order(tracked_paths, every, target, attempt=1)
+    overlaps = _overlaps(ends, others)
     partner = overlaps.argmax(axis=1)
     assert overlaps[every, partner].min() > 1 - 1e-12
-    ratios = _ratios(others)
-    for one, k in zip(_ratios(ends), partner.tolist(), strict=True):
+    ratios = _ratios(others, others_low)
+    for one, k in zip(_ratios(ends, low), partner.tolist(), strict=True):
         assert abs(one - ratios[k]) < 1e-22 * abs(one)
 
 
-def _ratios(ends):
+def _ratios(points, parts):
     """Return the quotients of the first two coordinates, in many digits."""
     from flint import acb, ctx
 
     with ctx.workprec(400):
         sums = [
             [sum((acb(x) for x in (high[k], *low[:, k])), acb(0)) for k in (0, 1)]
-            for high, low in zip(ends.points.tolist(), ends.low, strict=True)
+            for high, low in zip(points.tolist(), parts, strict=True)
         ]
         return [(a / b).mid() for a, b in sums]
 
 
 def test_no_paths_have_no_ends(tracked_paths, target):
-    ends = _in_order(tracked_paths, np.arange(0), target)
-    assert len(ends.points) == len(ends.low) == len(ends.converged) == 0
+    points, low = _in_order(tracked_paths, np.arange(0), target)
+    assert len(points) == len(low) == 0
