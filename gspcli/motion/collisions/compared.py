@@ -377,8 +377,8 @@ class ComparedShapes:
         if driven is not None:
             size = size + np.abs(x).max(axis=(1, 2)) + np.abs(y).max(axis=(1, 2))
             size = size + np.abs(self._drives.middle[self._drives.driven]).max(initial=0.0)
-        # Positions of two hulls are rounded.
-        return np.asarray(above(np.minimum(*sums)) + roundings(4, size[:, None]))
+        # Positions of two hulls are rounded, and so is the rotation.
+        return np.asarray(above(np.minimum(*sums)) + roundings(16, size[:, None]))
 
 
 def _joint(row: Constraint, body: str) -> Vector:

@@ -128,7 +128,8 @@ def _moved_bounds(given: Wrenches, limits: Array, off: Array) -> tuple[Array, Ar
     drives = given.drives
     ways = np.where(drives.driven, drives.arms * off[drives.index], 0.0)
     # Moved points are rounded.
-    ways += np.where(drives.driven, roundings(4, given.arrangement.length), 0.0)
+    size = np.abs(drives.points(given.q)).max() + np.abs(drives.middle).max()
+    ways += np.where(drives.driven, roundings(4, size), 0.0)
     n = len(given.T)
     found = np.empty((n, 6)), np.empty(n), np.empty(n)
     _, first, index = np.unique(
