@@ -34,7 +34,7 @@ from gspcli.geometry.instance import Instance
 from gspcli.geometry.primitives import as_array
 from gspcli.geometry.quaternions import rotation_from_quaternion, rotation_from_vector
 from gspcli.motion import measure
-from gspcli.motion.following.platform_numbers import platform_numbers
+from gspcli.motion.following.follower import platform_numbers
 from tests.support.controllers.compiled import CompiledController, Walks, poses_of
 from tests.support.controllers.walks import platform, walk_values
 

@@ -29,7 +29,7 @@ from gspcli.geometry.instance import Instance
 from gspcli.geometry.quaternions import rotation_from_quaternion
 from gspcli.geometry.random_instances import random_instance
 from gspcli.motion import FollowOptions, MovingPlatform, measure
-from gspcli.motion.following.trajectories import track_from
+from gspcli.motion.following.tracks import track_from
 
 Array = NDArray[np.float64]
 

@@ -12,11 +12,9 @@ if TYPE_CHECKING:
     from gspcli.motion.collisions.compared import Gaps, gaps
     from gspcli.motion.following.branch_follower import FollowOptions, MovingPlatform
     from gspcli.motion.following.follower import Follower, FollowerReport, FollowerStatus
-    from gspcli.motion.following.tracks import Departure, Event, Track, departures
-    from gspcli.motion.following.trajectories import track
-    from gspcli.motion.paths.mode_groups import ModeGroups, mode_groups
+    from gspcli.motion.following.tracks import Departure, Event, Track, departures, track
     from gspcli.motion.paths.planned_paths import PlannedPath
-    from gspcli.motion.paths.planner import path
+    from gspcli.motion.paths.planner import ModeGroups, mode_groups, path
     from gspcli.motion.workspace.travels import Travel, travels
     from gspcli.motion.workspace.workspaces import Workspace
 
@@ -30,7 +28,7 @@ _HOMES = {
     "FollowerReport": "following.follower",
     "FollowerStatus": "following.follower",
     "Gaps": "collisions.compared",
-    "ModeGroups": "paths.mode_groups",
+    "ModeGroups": "paths.planner",
     "MovingPlatform": "following.branch_follower",
     "PlannedPath": "paths.planned_paths",
     "Track": "following.tracks",
@@ -38,9 +36,9 @@ _HOMES = {
     "Workspace": "workspace.workspaces",
     "departures": "following.tracks",
     "gaps": "collisions.compared",
-    "mode_groups": "paths.mode_groups",
+    "mode_groups": "paths.planner",
     "path": "paths.planner",
-    "track": "following.trajectories",
+    "track": "following.tracks",
     "travels": "workspace.travels",
 }
 

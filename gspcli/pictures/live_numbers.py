@@ -39,7 +39,7 @@ from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Crank, Line, Point
 from gspcli.geometry.quaternions import quaternion_from_rotation
 from gspcli.geometry.readings import factors, offsets, readings_of
-from gspcli.motion.following.platform_numbers import NEVER, platform_numbers
+from gspcli.motion.following.follower import NEVER, platform_numbers
 from gspcli.motion.singularities.pose_clearances import Displacements
 from gspcli.pictures.line_drawings import View
 from gspcli.pictures.page import data, filled, parts
@@ -64,7 +64,7 @@ if TYPE_CHECKING:
 # What a live page needs to go home a safe way: limits, and a small map of poses.
 #
 # The page tries the straight way of values, then that of poses, then the poses of the map
-# (`gspcli.motion.paths.home_map`). It proves with the kernel that no pose on the way is singular,
+# (`gspcli.motion.paths.planner`). It proves with the kernel that no pose on the way is singular,
 # and looks at the limits itself.
 
 
@@ -137,7 +137,7 @@ def _cones(result: SolveResult) -> list[dict[str, Any]] | None:
 
 
 def _map(result: SolveResult) -> dict[str, Any]:
-    from gspcli.motion.paths.home_map import home_map
+    from gspcli.motion.paths.planner import home_map
 
     try:
         found = home_map(result, 0 if result.home is None else result.home.number - 1)

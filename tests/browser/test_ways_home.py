@@ -10,8 +10,8 @@ import pytest
 from numpy.typing import NDArray
 
 from gspcli.geometry.limits import cone_shares, within_limits
-from gspcli.motion.paths.mode_groups import mode_groups
-from gspcli.motion.paths.value_ways import ValueWays
+from gspcli.motion.paths.planner import mode_groups
+from gspcli.motion.paths.ways import ValueWays
 from gspcli.motion.poses.inverse_kinematics import values_at
 from gspcli.pictures.live_numbers import live_numbers
 from gspcli.solver import SolveResult, solve

@@ -48,7 +48,7 @@ OTHERS = {
     "certification/poses/multiple.py": (3, "where Newton's method stops, with 1024 bits"),
     "geometry/checking.py": (1, "masses as they are typed"),
     "motion/files/pose_files.py": (1, "rotations and values as they are typed"),
-    "motion/following/followed_rows.py": (1, "the shortest step"),
+    "motion/following/follower.py": (1, "the shortest step"),
     "motion/paths/between.py": (1, "the shortest piece"),
 }
 

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 import gspcli
 from gspcli.defaults import SEED
 from gspcli.geometry import machine as geometry
-from gspcli.motion.paths.pose_ways import PoseWays
+from gspcli.motion.paths.ways import PoseWays
 from tests.support.independent_machines import Equations, Machine, PlaneGeometry, machines
 
 Array = NDArray[np.float64]

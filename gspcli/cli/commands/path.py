@@ -19,9 +19,8 @@ if TYPE_CHECKING:
     from typing import Any
 
     from gspcli.geometry.frames import PoseFrame
-    from gspcli.motion.paths.mode_groups import ModeGroups
-    from gspcli.motion.paths.planned_paths import PlannedPath
-    from gspcli.motion.paths.timing import Timing
+    from gspcli.motion.paths.planned_paths import PlannedPath, Timing
+    from gspcli.motion.paths.planner import ModeGroups
 
 FIELDS = Fields("path")
 
@@ -169,8 +168,7 @@ def command(o: options.Options) -> None:
     """
     if not o.everything and (o.start is None or o.goal is None):
         raise click.UsageError("give --from and --to, or --all")
-    from gspcli.motion.paths.mode_groups import mode_groups
-    from gspcli.motion.paths.planner import path
+    from gspcli.motion.paths.planner import mode_groups, path
 
     instance = o.instance
     form = o.form

@@ -40,8 +40,8 @@ if TYPE_CHECKING:
     from gspcli.motion import Event, Track, ValueTable
     from gspcli.motion.files.requirements import QuantityParts, Requirement, RequirementVerdict
     from gspcli.motion.following.tracks import Departure
-    from gspcli.motion.paths.limit_events import LimitEvent
-    from gspcli.motion.paths.pose_ways import PoseWays
+    from gspcli.motion.paths.between import LimitEvent
+    from gspcli.motion.paths.ways import PoseWays
 
     Array = NDArray[np.float64]
 
@@ -193,7 +193,7 @@ def _clearances(
     asked = {one.quantity for one in requirements}
     found = {}
     if o.clear or "clearance" in asked:
-        from gspcli.motion.paths.track_bounds import moves_by_drives
+        from gspcli.motion.paths.between import moves_by_drives
         from gspcli.motion.singularities.clearances import (
             clearances,
             drive_clearances,
@@ -337,7 +337,7 @@ class _FollowedTrack:
 def _along_values(o: options.Options, table: ValueTable) -> _FollowedTrack:
     """Follow modes while the values change linearly."""
     from gspcli.motion import departures, track
-    from gspcli.motion.paths.limit_events import limit_events
+    from gspcli.motion.paths.between import limit_events
 
     table = table.subdivided(o.steps)
     if o.near is not None:
@@ -366,7 +366,7 @@ def _along_poses(o: options.Options, table: ValueTable) -> _FollowedTrack:
     from gspcli.geometry.expressed_instances import expressed_instance
     from gspcli.geometry.readings import without_corrections
     from gspcli.motion import track
-    from gspcli.motion.paths.pose_tracks import pose_track
+    from gspcli.motion.paths.between import pose_track
 
     if table.poses is None:
         raise click.UsageError("--along poses is about a file of poses: found values")
@@ -423,7 +423,7 @@ def _at_all_rows(result: Track, requirement: Requirement) -> Array | QuantityPar
     import numpy as np
 
     from gspcli.motion.files.requirements import QuantityParts
-    from gspcli.motion.paths.limit_events import drive_rows
+    from gspcli.motion.paths.between import drive_rows
 
     name, instance = requirement.quantity, result.instance
     if is_driven(instance) and name in ("range", "transmission", "gap"):
@@ -451,8 +451,7 @@ def _at_all_rows(result: Track, requirement: Requirement) -> Array | QuantityPar
 
 def _between(verdict: RequirementVerdict, done: _FollowedTrack) -> RequirementVerdict:
     """Return a verdict that also holds between the rows, where that can be proved."""
-    from gspcli.motion.paths.limit_events import cones_proved
-    from gspcli.motion.paths.track_bounds import BOUNDED, can_be_bounded
+    from gspcli.motion.paths.between import BOUNDED, can_be_bounded, cones_proved
 
     quantity = verdict.requirement.quantity
     proved = can_be_bounded(done.track, quantity)
@@ -474,7 +473,7 @@ def _between(verdict: RequirementVerdict, done: _FollowedTrack) -> RequirementVe
 
 def _bounded(verdict: RequirementVerdict, done: _FollowedTrack) -> RequirementVerdict:
     """Return a verdict on a quantity of `BOUNDED` that also holds between the rows."""
-    from gspcli.motion.paths.track_bounds import worst_between
+    from gspcli.motion.paths.between import worst_between
 
     quantity, wanted = verdict.requirement.quantity, verdict.requirement.limit
     found = worst_between(done.track, quantity, wanted, done.ways, done.frame)
@@ -505,7 +504,7 @@ def _plain_limit(event: LimitEvent) -> dict[str, Any]:
 
 def _cones_notes(result: Track, events: list[LimitEvent]) -> list[str]:
     """Return which modes are proved to keep all cones, where there are any and anything is."""
-    from gspcli.motion.paths.limit_events import cones_proved
+    from gspcli.motion.paths.between import cones_proved
 
     if not joint_cones(result.instance) or not cones_proved(result):
         return []
@@ -529,7 +528,7 @@ def _limit_sentences(result: Track, events: list[LimitEvent]) -> list[str]:
 
     Cones of one mode about which nothing is known at one time share a sentence.
     """
-    from gspcli.motion.paths.limit_events import cones_proved
+    from gspcli.motion.paths.between import cones_proved
 
     found, certain = [], cones_proved(result)
     for (proved, mode, *_), same in groupby(

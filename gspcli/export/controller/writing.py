@@ -16,7 +16,7 @@ import numpy as np
 from gspcli.errors import ArgumentError
 from gspcli.geometry.frames import PoseFrame
 from gspcli.geometry.instance import Instance
-from gspcli.motion.following.platform_numbers import (
+from gspcli.motion.following.follower import (
     LimitNumbers,
     PlatformNumbers,
     limit_numbers,

@@ -1,4 +1,4 @@
-"""What holds on the whole way between the rows of a proved path, not only at its rows.
+"""What holds on the whole way between the rows of a proved path or track, not only at its rows.
 
 A way is cut into pieces. All poses of a piece are near to the one in its middle: on a way of values
 or drives by the proved chords that it is followed on, on a way of poses since position and angles
@@ -9,29 +9,47 @@ For condition numbers the rows of the Jacobian matrix, (moment / L, force) of no
 by the formulas for screws: all arms, offsets and directions are in balls. The singular values of
 all matrices of such rows are bounded. For drives along straight ways of poses all vectors are
 enclosed as functions of one parameter of the way.
+
+Values and drives change linearly between rows, so they leave a range at one time. A mode passes a
+dead point between two rows if the gain of a drive has different signs there; gains between rows
+are not computed.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from typing import NamedTuple
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from functools import partial
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, DPP
+from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.coordinates import choose, coordinates, moved
 from gspcli.geometry.enclosures import Enclosure, above, joined, roundings, singular_values, size
-from gspcli.geometry.instance import Instance
-from gspcli.geometry.limits import cone_shares, joint_cones, tilts
-from gspcli.geometry.machine import Machine
+from gspcli.geometry.frames import PoseFrame
+from gspcli.geometry.instance import Instance, Side
+from gspcli.geometry.limits import (
+    cone_shares,
+    joint_cones,
+    out_of_cone,
+    out_of_motor_range,
+    out_of_range,
+    tilts,
+)
+from gspcli.geometry.machine import Machine, arms_of, is_driven
 from gspcli.geometry.measurement import condition_numbers
 from gspcli.geometry.quaternions import apply
+from gspcli.geometry.readings import without_corrections
 from gspcli.motion.collisions.compared import ComparedShapes, slips_near
-from gspcli.motion.following.followed_rows import FRAME_ERROR, RowFollower, Segments
-from gspcli.motion.following.moving_geometry import MovingGeometry
-from gspcli.motion.paths.pose_ways import PoseWays
-from gspcli.motion.paths.value_ways import ValueWays
+from gspcli.motion.following.branch_follower import MovingGeometry
+from gspcli.motion.following.follower import FRAME_ERROR, RowFollower, Segments
+from gspcli.motion.following.tracks import Event, Track
+from gspcli.motion.paths.ways import PoseWays, ValueWays, WayProof
+from gspcli.motion.poses.inverse_kinematics import refusals
 from gspcli.motion.screws import screw
 from gspcli.motion.singularities.clearances import (
     clearances,
@@ -888,3 +906,609 @@ def _angle(unit: Enclosure) -> Array:
     """Bound by which angles unit vectors turn from where they are in the middle."""
     chord = _moved(unit)
     return np.where(chord < 2, 2 * np.arcsin(np.minimum(chord / 2, 1.0)), np.inf)
+
+
+Mask = NDArray[np.bool_]
+
+#: The part of a step between rows next to a fold that may be skipped: parts get too short there.
+_BESIDE = 1e-7
+#: The sign of a smaller transmission is not known.
+_SIGN_KNOWN = 1e-9
+
+
+@dataclass(frozen=True)
+class LimitEvent:
+    """A time at which a limit is violated for the first time or kept again.
+
+    Attributes
+    ----------
+    kind
+        ``range`` for a value, a crank or a slide (the same for all modes), ``cone`` for a joint,
+        ``dead point`` for a crank or slide whose gain changes its sign.
+    leaves
+        Whether the limit is violated from here on; at the first row, whether it is violated at the
+        start.
+    constraint
+        The index of the constraint.
+    body
+        The body of the joint of the cone.
+    mode
+        The mode whose leg leaves the cone.
+    low, high
+        An interval that contains t. Values are linear between rows, so they leave a range at one t.
+    proved
+        Whether it is proved that the limit is kept before and violated after, or the reverse. An
+        unproved event of a certified track means that a cone may be violated between: the leg is
+        near the edge of the cone, or the mode is nearly singular. Without certification cones are
+        checked at rows.
+    drive
+        The name of the crank or slide; empty for values and cones.
+    """
+
+    kind: Literal["range", "cone", "dead point"]
+    leaves: bool
+    constraint: int
+    body: Literal["", "platform", "base"]
+    mode: int | None
+    low: float
+    high: float
+    proved: bool
+    drive: str = ""
+
+
+def limit_events(track: Track) -> list[LimitEvent]:
+    """Return the events at which a trajectory leaves limits or keeps them again, by t.
+
+    Those of cranks and slides only if they move.
+    """
+    found = _ranges(track)
+    if track.coordinates and is_driven(track.instance):
+        drives = Machine.of(track.instance)
+        q = drive_rows(track, drives)
+        found += [*_drive_ranges(track, drives, q), *_dead_points(track, drives, q)]
+    found += _cones(track)
+    return sorted(found, key=lambda event: (event.low, event.high, event.constraint))
+
+
+def _ranges(track: Track) -> list[LimitEvent]:
+    found, instance = [], track.instance
+    for k, row in enumerate(instance.constraints):
+        if row.limits is not None:
+            ends = np.array([limit.value for limit in row.limits])
+            if row.kind.has_sides and row.side is not Side.POSITIVE:
+                ends = np.concatenate((-ends, ends)) if row.side is Side.BOTH else -ends
+            found += [
+                LimitEvent("range", leaves, k, "", None, time, time, True)
+                for time, leaves in crossings(
+                    track.t, track.values[:, k], ends, partial(_outside, instance, k)
+                )
+            ]
+    return found
+
+
+def _outside(instance: Instance, k: int, values: Array) -> Mask:
+    """Return which values of one constraint are outside its range, shape (n,)."""
+    rows = np.zeros((len(values), len(instance.constraints)))
+    rows[:, k] = values
+    return out_of_range(instance, rows)[:, k]
+
+
+def drive_rows(track: Track, drives: Machine) -> Array:
+    """Return the numbers of the drives in each row, lengths and radians, shape (r, m)."""
+    q = np.zeros((len(track.t), drives.count))
+    for k in range(drives.count):
+        if not drives.moved[k]:
+            q[:, k] = track.values[:, drives.users(k)[0]] * drives.units[k]
+    for c, one in enumerate(track.coordinates):
+        k = drives.names.index(one.name)
+        q[:, k] = track.places[:, c] * drives.units[k]
+    return q
+
+
+def _drive_ranges(track: Track, drives: Machine, q: Array) -> list[LimitEvent]:
+    def outside(k: int, numbers: Array) -> Mask:
+        rows = np.tile(q[0], (len(numbers), 1))
+        rows[:, k] = numbers
+        return out_of_motor_range(drives, rows)[:, k]
+
+    return [
+        LimitEvent("range", leaves, drives.users(k)[0], "", None, time, time, True, drives.names[k])
+        for k in np.flatnonzero(drives.moved & np.isfinite(drives.high)).tolist()
+        for time, leaves in crossings(
+            track.t, q[:, k], np.array([drives.low[k], drives.high[k]]), partial(outside, k)
+        )
+    ]
+
+
+def crossings(
+    t: Array, numbers: Array, ends: Array, outside: Callable[[Array], Mask]
+) -> Iterator[tuple[float, bool]]:
+    """Yield when a number that is linear between rows leaves a range (true) or is in it again.
+
+    Parameters
+    ----------
+    t, numbers
+        The rows, shapes (r,).
+    ends
+        The numbers at which the range begins or ends, shape (e,).
+    outside
+        Returns which numbers are outside.
+    """
+    first, change = numbers[:-1, None], np.diff(numbers)[:, None]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        parts = (ends - first) / change
+    # Cuts outside the rows are NaN and are sorted last.
+    cuts = np.sort(np.where((parts > 0) & (parts < 1), parts, np.nan), axis=1)
+    edge = np.zeros((len(cuts), 1))
+    begins = np.hstack((edge, cuts))
+    stops = np.nan_to_num(np.hstack((cuts, edge + 1)), nan=1.0)
+    real = ~np.isnan(begins)
+    middles = (first + (begins + stops) / 2 * change)[real]
+    times = np.concatenate((t[:1], (t[:-1, None] + begins * np.diff(t)[:, None])[real]))
+    now = outside(np.concatenate((numbers[:1], middles)))
+    changes = np.flatnonzero(now != np.concatenate(([False], now[:-1])))
+    yield from zip(times[changes].tolist(), now[changes].tolist(), strict=True)
+
+
+def _dead_points(track: Track, drives: Machine, q: Array) -> list[LimitEvent]:
+    there = ~np.isnan(track.T[..., 0])
+    gains = np.full((*track.T.shape[:2], len(drives.index)), np.nan)
+    numbers = np.broadcast_to(q, (len(track.modes), *q.shape))
+    gains[there] = drives.gains(track.R[there], track.T[there], numbers[there])
+    found = []
+    for m, mode in enumerate(track.modes.tolist()):
+        for k in np.flatnonzero(drives.driven).tolist():
+            known = np.abs(gains[m, :, k]) > _SIGN_KNOWN * drives.arms[k]
+            rows = np.flatnonzero(known)
+            signs = np.sign(gains[m, rows, k])
+            for i in np.flatnonzero(signs[1:] != signs[:-1]):
+                low, high = track.t[rows[[i, i + 1]]].tolist()
+                name = drives.names[drives.index[k]]
+                event = LimitEvent(
+                    "dead point", True, k, "", mode, low, high, track.certified, name
+                )
+                found.append(event)
+    return found
+
+
+def cones_proved(track: Track) -> bool:
+    """Whether all statements about cones are proved, also between rows."""
+    legs = [joint.constraint for joint in joint_cones(track.instance)]
+    if not track.certified or len(track.t) < 2 or not (track.values[:, legs] >= 0).all():
+        return False
+    try:
+        follower = RowFollower(track.followed, track.coordinates)
+    except ArgumentError:
+        return False
+    return follower.knows(_followed(track))
+
+
+def _followed(track: Track) -> Array:
+    """Return values and numbers of drives at the rows, shape (r, 6 + d)."""
+    return np.column_stack((track.values, track.places)) if track.coordinates else track.values
+
+
+def _cones(track: Track) -> list[LimitEvent]:
+    if not joint_cones(track.instance):
+        return []
+    return _between_rows(track) if cones_proved(track) else _at_rows(track)
+
+
+def _between_rows(track: Track) -> list[LimitEvent]:
+    """Return the events of cones, proved between rows, too."""
+    instance, rows, cones, found = track.followed, _followed(track), joint_cones(track.instance), []
+    drives = Machine.of(instance) if track.coordinates else None
+    numbers = track.values if drives is None else drive_rows(track, drives)
+    follower = RowFollower(instance, track.coordinates)
+    measure, centre = cone_margins(instance, drives), Arrangement.of(instance).platform_centre
+    for m, mode in enumerate(track.modes.tolist()):
+        # Modes that begin on the way are followed back from the last row.
+        step = -1 if np.isnan(track.T[m, 0, 0]) else 1
+        R, T = track.R[m, ::step], track.T[m, ::step]
+        moving = MovingRows(follower, rows[::step], R, T, numbers[::step], drives)
+        end = int(np.isfinite(T[:, 0]).sum())
+        parts = ValueParts(moving, np.arange(min(end, len(rows) - 1)), centre)
+        begin, stop, sign = signs(measure, parts, len(cones))
+        if step < 0:
+            begin, stop, sign = len(rows) - 1 - stop[::-1], len(rows) - 1 - begin[::-1], sign[::-1]
+        times = [
+            (_time(track, a), _time(track, b))
+            for a, b in zip(begin.tolist(), stop.tolist(), strict=True)
+        ]
+        low, high = _lifetime(track, mode)
+        for cone, states in zip(cones, sign.T.tolist(), strict=True):
+            found += [
+                LimitEvent("cone", leaves, cone.constraint, cone.body, mode, since, until, proved)
+                for leaves, since, until, proved in _changes(times, states, low, high, _room(track))
+            ]
+    return found
+
+
+def _time(track: Track, row: float) -> float:
+    """Return t at a row, counted from 0, with a fraction."""
+    k = min(int(row), len(track.t) - 2)
+    return float(track.t[k] + (row - k) * (track.t[k + 1] - track.t[k]))
+
+
+def _room(track: Track) -> float:
+    """Return the time next to a fold that may be skipped, in units of t."""
+    return float(_BESIDE * np.diff(track.t).max(initial=0.0))
+
+
+def _lifetime(track: Track, mode: int) -> tuple[float, float]:
+    """Return the interval of t on which a mode is known."""
+    low, high = float(track.t[0]), float(track.t[-1])
+    for event in track.events:
+        if event.mode == mode:
+            low, high = (event.high, high) if event.begins else (low, event.low)
+    return low, high
+
+
+def _changes(
+    times: Sequence[tuple[float, float]],
+    states: Sequence[int],
+    low: float,
+    high: float,
+    room: float,
+) -> Iterator[tuple[bool, float, float, bool]]:
+    """Yield the events of one cone: whether it is left, the interval of t, whether it is proved.
+
+    Parameters
+    ----------
+    times, states
+        The proved stretches, in order; there may be gaps.
+    low, high
+        The interval that the stretches should cover, up to `room`.
+    """
+    state, since, allowed = 1, low, room
+    for (begin, end), now in zip(times, states, strict=True):
+        if now == 0:
+            continue
+        if now != state:
+            yield now < 0, since, begin, True
+        elif begin - since > allowed:
+            yield True, since, begin, False
+        state, since, allowed = now, end, 0.0
+    if high - since > room:
+        yield True, since, high, False
+
+
+def _at_rows(track: Track) -> list[LimitEvent]:
+    """Return the events of cones by the poses at the rows; each event is between two rows."""
+    cones = joint_cones(track.instance)
+    outside = np.zeros((*track.T.shape[:2], len(cones)), bool)
+    for rows, instance in track.instances():
+        with np.errstate(invalid="ignore"):
+            outside[:, rows] = out_of_cone(instance, track.R[:, rows], track.T[:, rows])
+    there = ~np.isnan(track.T[..., 0])
+    found = []
+    for m, mode in enumerate(track.modes.tolist()):
+        rows_there = there[m].nonzero()[0]
+        for k, cone in enumerate(cones):
+            state, before = False, None
+            for row in rows_there.tolist():
+                now = bool(outside[m, row, k])
+                if now != state:
+                    low, high = track.t[[row if before is None else before, row]].tolist()
+                    found.append(
+                        LimitEvent("cone", now, cone.constraint, cone.body, mode, low, high, False)
+                    )
+                    state = now
+                before = row
+    return found
+
+
+#: Rods are the stated ones up to this part of their length.
+_SAME = 1e-12
+
+#: What is judged between rows: whether the least counts, not the largest.
+_BOUNDS = {
+    "condition": largest_conditions,
+    "clearance": least_clearances,
+    "gap": least_gaps,
+    "transmission": least_transmissions,
+}
+BOUNDED = {"condition": False, "clearance": True, "gap": True, "transmission": True}
+
+
+@dataclass(frozen=True)
+class Between:
+    """A way between two rows on which a requirement is not proved.
+
+    Attributes
+    ----------
+    mode
+        The number of the mode.
+    row
+        The row before it, from 0.
+    bound
+        What is proved there: at most this condition number, at least this clearance or gap.
+    """
+
+    mode: int
+    row: int
+    bound: float
+
+
+def can_be_bounded(track: Track, quantity: str = "") -> bool:
+    """Whether bounds of a quantity between the rows of a track are known.
+
+    Its ways are proved, and where drives move the rods are those stated. Arms
+    of cranks that stay while the rods change have gaps at the rows only.
+    """
+    if not track.certified or len(track.t) < 2:
+        return False
+    if track.coordinates:
+        return moves_by_drives(track)
+    return quantity != "gap" or not arms_of(track.instance)
+
+
+def moves_by_drives(track: Track) -> bool:
+    """Whether cranks and slides move a track, and nothing else, with the stated rods."""
+    instance = track.instance
+    if not track.coordinates:
+        return False
+    drives = Machine.of(instance)
+    rods = track.values[:, drives.driven] - drives.rods[drives.driven]
+    return bool((np.abs(rods) <= _SAME * np.abs(drives.rods[drives.driven])).all())
+
+
+def worst_between(
+    track: Track,
+    quantity: str,
+    wanted: float,
+    ways: PoseWays | None = None,
+    frame: PoseFrame | None = None,
+) -> Between | None:
+    """Return the way between two rows on which a quantity is worst; None if all are proved.
+
+    Parameters
+    ----------
+    track
+        A track for which `can_be_bounded` holds.
+    quantity
+        A key of `BOUNDED`.
+    wanted
+        The largest condition number, or the least clearance, gap or transmission.
+    ways
+        Straight ways in position and angles, if they lead from row to row; None for values and
+        drives.
+    frame
+        The frame of the poses of these ways; None for the platform's own.
+    """
+    worst: Between | None = None
+    least = BOUNDED[quantity]
+    for k, mode in enumerate(track.modes.tolist()):
+        there = np.flatnonzero(~np.isnan(track.T[k, :, 0]))
+        if len(there) < 2:
+            continue
+        at, bounds = _BOUNDS[quantity](_rows(track, k, there, ways, frame), wanted)
+        sign = 1 if least else -1
+        ends = np.minimum(sign * at[:-1], sign * at[1:])
+        row = int(np.lexsort((ends, sign * bounds))[0])
+        kept = sign * bounds[row] >= sign * wanted
+        if not kept and (worst is None or sign * bounds[row] < sign * worst.bound):
+            worst = Between(mode, int(there[row]), float(bounds[row]))
+    return worst
+
+
+def _rows(
+    track: Track, k: int, there: NDArray[np.int64], ways: PoseWays | None, frame: PoseFrame | None
+) -> PathRows:
+    """Return the rows of one mode."""
+    R, T, values = track.R[k, there], track.T[k, there], track.values[there]
+    if ways is not None:
+        if frame is not None:
+            R, T = frame.from_platform(R, T)
+        parameters = ways.continued(R, T)
+        return PathRows(ways, values, R, T, parameters)
+    if track.coordinates:
+        return _of_drives(track, k, there)
+    instance = without_corrections(track.followed)
+    # Drives that no column moves stay where the file states their points.
+    still = coordinates(instance)
+    instance = moved(instance, still, np.zeros(len(still)))
+    # Limits are judged apart: a way that leaves them has its condition numbers all the same.
+    rows = tuple(replace(row, limits=None) for row in instance.constraints)
+    free = ValueWays(replace(instance, constraints=rows), np.sign(values[0]))
+    return PathRows(free, values, R, T, weights=range_weights(track.instance))
+
+
+def _of_drives(track: Track, k: int, there: NDArray[np.int64]) -> PathRows:
+    """Return the rows of one mode of a track of drives."""
+    instance = without_corrections(track.instance)
+    R, T = track.R[k, there], track.T[k, there]
+    drives = Machine.of(instance)
+    numbers = drive_rows(track, drives)[there]
+    # Where no home is stated the working modes are those of the mode.
+    gains = drives.gains(R[0], T[0], numbers[0])
+    working_modes = np.where(drives.driven & (gains < 0), -1, 1)
+    ways = PoseWays(instance, limits=False, working_modes=working_modes)
+    geometry = MovingGeometry(track.followed, track.coordinates)
+    return PathRows(ways, track.values[there], R, T, numbers=numbers, geometry=geometry)
+
+
+#: Poses of a way that are tested for the limit that it violates.
+_LOOKS = 64
+
+
+@dataclass(frozen=True, eq=False)
+class PoseTrack:
+    """A file of poses as a track.
+
+    Attributes
+    ----------
+    track
+        The poses as the only mode; it ends with an undecided event before the first way that is
+        not proved to be regular.
+    ways
+        The straight ways in position and angles, in the frames of the poses.
+    limits
+        Where ranges and cones are left, or not proved to be kept.
+    """
+
+    track: Track
+    ways: PoseWays
+    limits: tuple[LimitEvent, ...]
+
+
+def pose_track(
+    instance: Instance,
+    expressed: Instance,
+    frame: PoseFrame,
+    t: Array,
+    R: Array,
+    T: Array,
+    *,
+    sequence: str,
+    mode: int,
+    steps: int = 1,
+) -> PoseTrack:
+    """Prove the straight ways between the rows of a file of poses.
+
+    Parameters
+    ----------
+    instance
+        The platform, without offsets of readings.
+    expressed
+        The same in the frames in which poses are expressed.
+    frame
+        These frames; the position that changes linearly is that of their origin on the platform.
+    t, R, T
+        The n rows, poses of the platform.
+    sequence
+        The order of the axes of the angles that change linearly.
+    mode
+        The number of the mode.
+    steps
+        This many rows are made of each.
+    """
+    origin = np.zeros(3)
+    machine = Machine.of(instance).at_home(R[0], T[0])
+    regular, inside = (
+        PoseWays(
+            expressed, pivot=origin, sequence=sequence, limits=limits, working_modes=machine.signs
+        )
+        for limits in (False, True)
+    )
+    parameters = regular.continued(*frame.from_platform(R, T))
+    if steps > 1:
+        rows = np.arange(len(t))
+        places = np.linspace(0, len(t) - 1, steps * (len(t) - 1) + 1)
+        parameters = np.stack([np.interp(places, rows, one) for one in parameters.T], axis=1)
+        t = np.interp(places, rows, t)
+        R, T = frame.to_platform(*regular.poses(parameters))
+    moving = _moving(machine, R, T, t)
+    events: tuple[Event, ...] = ()
+    cells, end = 0, len(t)
+    for k in range(len(t) - 1):
+        proof = regular.prove(parameters[k], parameters[k + 1])
+        cells += proof.cells
+        if not proof.sign:
+            reason = _reason(proof)
+            low, high = float(t[k]), float(t[k + 1])
+            events = (Event("undecided", reason, False, mode, k, low, high, R[k], T[k]),)
+            end = k + 1
+            break
+    if len(t) == 1 and not regular.at(parameters[0]).sign:
+        reason = "the pose is nearly singular"
+        here = float(t[0])
+        events = (Event("undecided", reason, False, mode, 0, here, here, R[0], T[0]),)
+    known = np.arange(len(t)) < end
+    track = Track(
+        instance,
+        instance,
+        t,
+        machine.values(R, T),
+        np.array([mode]),
+        np.where(known[:, None, None], R, np.nan)[None],
+        np.where(known[:, None], T, np.nan)[None],
+        True,
+        events,
+        None,
+        cells,
+        known=mode,
+        **moving,
+    )
+    limits = tuple(_limits(inside, parameters[:end], t, mode))
+    return PoseTrack(track, regular, limits)
+
+
+def _moving(machine: Machine, R: Array, T: Array, t: Array) -> dict[str, Any]:
+    """Return the cranks and slides of a track and what they are at, as `Track` has them.
+
+    Raises
+    ------
+    ArgumentError
+        If the machine cannot take a row.
+    """
+    if not machine.moves:
+        return {}
+    q = machine.along(R, T)
+    if missing := refusals(machine, R, T, q):
+        row = min(missing)
+        raise ArgumentError(missing[row], f"the pose at t = {t[row]:.10g}")
+    moved = np.flatnonzero(machine.moved).tolist()
+    chosen = choose(machine.instance, [machine.names[k] for k in moved])
+    return {"coordinates": chosen, "places": (q / machine.units)[:, moved]}
+
+
+def _reason(proof: WayProof) -> str:
+    """Return why a way is not proved to be regular, in words."""
+    if proof.shared:
+        return "rods that share a motor are not parallel on the straight way"
+    if proof.reason.startswith("reach"):
+        return f"a rod may not reach its motor on the straight way ({proof.reason})"
+    if proof.reason == "limit":
+        return "a rod does not reach its motor on the straight way"
+    return "a pose on the straight way may be singular"
+
+
+def _limits(ways: PoseWays, parameters: Array, t: Array, mode: int) -> Iterator[LimitEvent]:
+    """Yield each limit where it is first left on a way, or first not proved to be kept."""
+    seen: set[tuple[str, int, str, str]] = set()
+    for k in range(len(parameters) - 1):
+        proof = ways.prove(parameters[k], parameters[k + 1])
+        if not proof.sign:
+            parts = np.linspace(0, 1, _LOOKS + 1)[:, None]
+            way = parameters[k] + (parameters[k + 1] - parameters[k]) * parts
+            times = t[k] + (t[k + 1] - t[k]) * parts[:, 0]
+            for event in _on_way(ways, *ways.poses(way), times, mode, proof):
+                name = event.kind, event.constraint, event.body, event.drive
+                if name not in seen:
+                    seen.add(name)
+                    yield event
+
+
+def _on_way(
+    ways: PoseWays, R: Array, T: Array, t: Array, mode: int, proof: WayProof
+) -> Iterator[LimitEvent]:
+    """Yield the limits that samples of a way violate; if there are none, those not proved."""
+    instance, machine = ways.instance, ways.machine
+    q, low, high = machine.along(R, T), float(t[0]), float(t[-1])
+    whole = LimitEvent("range", True, 0, "", None, low, high, False)
+    ranges = [replace(whole, constraint=k) for k in range(len(instance.constraints))]
+    moved = [
+        replace(whole, constraint=int(k), drive=name)
+        for k, name in zip(machine.first, machine.names, strict=True)
+    ]
+    cones = [
+        LimitEvent("cone", True, one.constraint, one.body, mode, low, high, False)
+        for one in joint_cones(instance)
+    ]
+    events = (*ranges, *moved, *cones)
+    outside = out_of_range(instance, machine.values(R, T)), out_of_motor_range(machine, q)
+    violated = np.concatenate((*outside, out_of_cone(instance, R, T, q)), axis=1)
+    seen = np.flatnonzero(violated.any(axis=0)).tolist()
+    for k in seen:
+        first = int(violated[:, k].argmax())
+        yield replace(events[k], low=float(t[max(first - 1, 0)]), high=float(t[first]))
+    if seen:
+        return
+    # Of a way with a pose that violates some limit it is not known which one.
+    left, driven = proof.left or int(ways.boxes.conditions), np.flatnonzero(machine.driven)
+    for k, event in enumerate((*ranges, *cones)):
+        drive = machine.names[machine.index[k]] if k in driven else ""
+        stated = k >= len(ranges) or drive or instance.constraints[k].limits is not None
+        if left >> k & 1 and stated:
+            yield replace(event, drive=drive)

@@ -33,7 +33,7 @@ from gspcli.geometry.quaternions import (
     unit_quaternion,
     vector_from_rotation,
 )
-from gspcli.motion.following.platform_numbers import NEVER, limit_numbers, platform_numbers
+from gspcli.motion.following.follower import NEVER, limit_numbers, platform_numbers
 from gspcli.motion.poses.inverse_kinematics import checked_poses
 from gspcli.records import dataclass
 

@@ -1,31 +1,158 @@
-"""What planning has found: a path with its proof, a proof that there is none, or neither.
+"""A path from one pose to another: polygons, each straight part proved, and their time.
+
+On straight ways of drives all cranks, slides and driven values change linearly. A mode is followed
+along them by `MovingGeometry`, which proves that it exists, is regular and is the only one near.
+Ranges are intervals, so a way keeps those that its ends keep; cones are proved by `limit_events`.
+No drive passes a dead point: each half of the way between two rows is in a box about the row at its
+end in which all drives are proved to keep their working modes.
 
 Paths and ways between nodes of a map cost their length times the condition number.
+
+Of straight ways of values the drives move linearly, so limits of speed and acceleration hold
+exactly. On straight ways of poses the speeds and accelerations of drives, and of the turn of the
+platform, are those at samples, with a margin. The platform stops at corners: on each straight part
+its speed rises, stays and falls.
 """
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
 from dataclasses import field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Literal
+from itertools import pairwise
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
+from gspcli.errors import ArgumentError, IncompleteError, NotFiniteError
 from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.coordinates import choose
+from gspcli.geometry.enclosures import above
 from gspcli.geometry.frames import IDENTITY, PoseFrame
+from gspcli.geometry.home_mode import HomeMode, home_mode
 from gspcli.geometry.instance import Instance
+from gspcli.geometry.limits import machine_keeps
 from gspcli.geometry.machine import Machine
 from gspcli.geometry.measurement import condition_numbers, printed_conditions
 from gspcli.geometry.readings import readings_of
-from gspcli.motion.following.tracks import POSE, continuous_quaternions
+from gspcli.motion.collisions.compared import ComparedShapes
+from gspcli.motion.following.branch_follower import FollowOptions, MovingGeometry, over_rows
+from gspcli.motion.following.tracks import POSE, Run, Track, continuous_quaternions
+from gspcli.motion.paths.between import (
+    PathRows,
+    cones_kept,
+    least_clearances,
+    least_gaps,
+    limit_events,
+)
+from gspcli.motion.paths.ways import PoseWays, ValueWays
+from gspcli.motion.poses.inverse_kinematics import checked_poses, pose_parts, values_at
+from gspcli.motion.poses.mode_filters import chosen_mode
+from gspcli.motion.singularities.neighbourhoods import MachineNeighbourhood
 from gspcli.records import Tabular, dataclass
+from gspcli.solver import SolveResult, solve
+from gspcli.solver.result import Solution
 from gspcli.wording import counted
 
-if TYPE_CHECKING:
-    from gspcli.motion.paths.timing import Timing
-
 Array = NDArray[np.float64]
+#: A mode by its number, ``home``, or a pose: (R, T), or a mode of a result.
+End = int | str | tuple[ArrayLike, ArrayLike] | HomeMode | Solution
+
+
+@dataclass(frozen=True, eq=False)
+class PathEnd:
+    """A pose with its values, and its name in messages.
+
+    Attributes
+    ----------
+    name
+        Such as ``mode 3``.
+    values
+        Shape (6,), distances to planes signed, without offsets; of a mode the stated ones.
+    R, T
+        The pose, shapes (3, 3) and (3,).
+    """
+
+    name: str
+    values: Array
+    R: Array
+    T: Array
+
+    @property
+    def is_mode(self) -> bool:
+        """Whether it is a mode of the stated values, with all drives where they are stated."""
+        return self.name.startswith("mode ")
+
+
+class Modes:
+    """The real poses of a platform as ends of paths, solved when they are first needed.
+
+    Parameters
+    ----------
+    instance
+        The platform.
+    solved
+        Its poses, if they are known.
+    """
+
+    def __init__(self, instance: Instance, solved: SolveResult | None = None) -> None:
+        self.instance = instance
+        self._solved = solved
+
+    def all(self) -> list[PathEnd]:
+        """Return all modes, in the order of `solve`.
+
+        Raises
+        ------
+        NotFiniteError, IncompleteError
+            If they are infinitely many, or could not all be found.
+        """
+        if self._solved is None:
+            self._solved = solve(self.instance)
+        found = self._solved
+        if found.verdict == "infinite":
+            raise NotFiniteError(
+                "the poses of the platform are infinitely many: give poses, not modes"
+            )
+        if found.verdict != "complete":
+            raise IncompleteError(
+                "the poses of the platform could not all be found: give poses, not modes"
+            )
+        R, T = found.R[found.real].real, found.T[found.real].real
+        stated = Arrangement.of(self.instance).values
+        values = np.where(values_at(self.instance, R, T) < 0, -stated, stated)
+        return [
+            PathEnd(f"mode {k}", *one) for k, one in enumerate(zip(values, R, T, strict=True), 1)
+        ]
+
+    def end(self, given: End, name: str) -> PathEnd:
+        """Return an end as it is given.
+
+        Parameters
+        ----------
+        given
+            A number, ``home``, or a pose: (R, T), or a mode of a result.
+        name
+            Of the argument, for messages and for the name of a pose.
+        """
+        if isinstance(given, str) and given != "home":
+            raise ArgumentError(
+                f"found {given!r}, expected a number of solve, home, or a pose (R, T)", name
+            )
+        if isinstance(given, int | np.integer | str):
+            modes = self.all()
+            R = np.array([one.R for one in modes]).reshape(-1, 3, 3)
+            T = np.array([one.T for one in modes]).reshape(-1, 3)
+            number = None if isinstance(given, str) else int(given)
+            return modes[chosen_mode(number, home_mode(self.instance, R, T), len(modes)) - 1]
+        R, T = checked_poses(*pose_parts(given, name))
+        if R.ndim != 2:
+            raise ArgumentError(f"found {R.shape[:-2]} poses, expected one", name)
+        return PathEnd(f"the {name}", values_at(self.instance, R, T), R, T)
+
+
 Verdict = Literal["proved", "impossible", "not found"]
 _EMPTY = np.zeros((0, 6))
 #: Decimals of estimated costs: last digits must not choose a way.
@@ -281,3 +408,691 @@ def _places(instance: Instance, R: Array, T: Array) -> Array:
     own = a.y[a.distances] if len(a.distances) else a.y
     places: Array = own @ np.swapaxes(R, -1, -2) + T[:, None]
     return places
+
+
+#: Rows of each straight part while paths are searched for and made smoother.
+PROVED_ROWS = 12
+#: Corners keep this part of a range away from its ends, so that rounding does not leave it.
+_MARGIN = 1e-4
+#: Digits of corners, relative to the sizes: files are short, and do not depend on last digits.
+_DIGITS = 6
+#: How often steps between rows are halved at most for working modes to be proved.
+_HALVINGS = 5
+
+
+class GuideRows(NamedTuple):
+    """Rows along a proved path."""
+
+    part: NDArray[np.int64]
+    """The straight part after each row, shape (r,); that of the last row is the last part."""
+    fraction: Array
+    """Where on its part each row is, shape (r,); the last row is at 1."""
+    proofs: NDArray[np.int64]
+    """How many pieces the proof of each straight part has, shape (parts,)."""
+    rows: PathRows
+    """The rows, with what holds between them."""
+
+
+class RowsOnWay(NamedTuple):
+    """Rows along a path before they are proved."""
+
+    part: NDArray[np.int64]
+    """The part after each row, shape (r,); that of the last row is the last part."""
+    fraction: Array
+    """Where on its part each row is, shape (r,); the last row is at 1."""
+    numbers: Array
+    """Values, or positions and angles, shape (r, 6)."""
+
+
+class Guide(ABC):
+    """Proves polygons between two poses, given by their corners.
+
+    Attributes
+    ----------
+    along
+        ``values``, ``drives`` or ``poses``.
+    sizes
+        How far corners may be moved, shape (6,).
+    clear
+        The clearance that every pose must have.
+    gap
+        The least gap between legs and bodies; None if gaps are not tested.
+    """
+
+    along: str
+    sizes: Array
+
+    def __init__(self, clear: float, gap: float | None) -> None:
+        self.clear, self.gap = clear, gap
+
+    def trace(self, corners: Array, rows: NDArray[np.int64]) -> GuideRows | None:
+        """Return rows along a polygon, or None if it is not proved.
+
+        Parameters
+        ----------
+        corners
+            Shape (k + 1, 6).
+        rows
+            In how many steps each straight part is divided, shape (k,).
+        """
+        return self.through(on_polygon(corners, rows))
+
+    @abstractmethod
+    def through(self, given: RowsOnWay) -> GuideRows | None:
+        """Return given rows with their poses, or None if the way through them is not proved."""
+
+    def placed(self, corner: Array) -> Array:
+        """Return a corner within the ranges, rounded."""
+        return corner
+
+    def unproved(self, corners: Array, rows: NDArray[np.int64]) -> tuple[Array, Array] | None:
+        """Return poses along a polygon without a proof; None if they are found by following."""
+        del corners, rows
+        return None
+
+    def _proved_rows(
+        self, given: RowsOnWay, proofs: NDArray[np.int64], rows: PathRows
+    ) -> GuideRows | None:
+        """Return rows that are proved, or None if they do not keep clearance and gap."""
+        clear, gap = self.clear, self.gap
+        if clear and not (least_clearances(rows, clear)[1] >= clear).all():
+            return None
+        if gap is not None and not (least_gaps(rows, gap)[1] >= gap).all():
+            return None
+        return GuideRows(given.part, given.fraction, proofs, rows)
+
+
+class ValueGuide(Guide):
+    """Polygons of values.
+
+    Parameters
+    ----------
+    ways
+        Straight ways of values.
+    first, last
+        The Study points of both ends; None for an end that is not asked for.
+    clear, gap
+        As for `Guide`.
+    """
+
+    along = "values"
+
+    def __init__(
+        self,
+        ways: ValueWays,
+        first: Array,
+        last: Array | None,
+        clear: float = 0.0,
+        gap: float | None = None,
+    ) -> None:
+        super().__init__(clear, gap)
+        self.ways, self.first, self.last = ways, first, last
+        self._low, self._high = ways.low.copy(), ways.high.copy()
+        width = self._high - self._low
+        finite = np.isfinite(width)
+        self._low[finite] += _MARGIN * width[finite]
+        self._high[finite] -= _MARGIN * width[finite]
+        self.sizes = np.where(finite, width, 0.0)
+        self._digits = _digits(self.sizes)
+
+    def widen(self, corners: Array) -> None:
+        """Set how far values without a range may be moved, by those of a path."""
+        span = np.ptp(corners, axis=0)
+        self.sizes = np.where(np.isfinite(self._high - self._low), self.sizes, span)
+        self._digits = _digits(self.sizes)
+
+    def through(self, given: RowsOnWay) -> GuideRows | None:
+        """Return given rows with their poses, or None; see `Guide`."""
+        part, values = given.part, given.numbers
+        if not self.ways.kept(values).all():
+            return None
+        found = self.ways.follow(values[None], np.zeros(1, np.int64), self.first[None])
+        points = found.points[0]
+        if not found.there[0]:
+            return None
+        if self.last is not None and not self.ways.same(points[-1], self.last):
+            return None
+        R, T = self.ways.poses(points)
+        proofs = _shared(int(found.parts[0]), np.bincount(part[:-1]))
+        between = PathRows(self.ways, values, R, T)
+        if not cones_kept(between):
+            return None
+        return self._proved_rows(given, proofs, between)
+
+    def placed(self, corner: Array) -> Array:
+        """Return a corner within the ranges, rounded."""
+        inside = np.clip(corner, self._low, self._high)
+        return np.array([round(x, d) for x, d in zip(inside, self._digits, strict=True)])
+
+
+class PoseGuide(Guide):
+    """Polygons of positions and angles.
+
+    Parameters
+    ----------
+    ways
+        Straight ways in position and angles.
+    span
+        How far positions may be moved.
+    clear, gap
+        As for `Guide`.
+    """
+
+    along = "poses"
+
+    def __init__(
+        self, ways: PoseWays, span: float, clear: float = 0.0, gap: float | None = None
+    ) -> None:
+        super().__init__(clear, gap)
+        self.ways = ways
+        self.sizes = np.array([span] * 3 + [1.0] * 3)
+        self._digits = _digits(self.sizes)
+        self._proved: dict[tuple[bytes, bytes], int] = {}
+
+    def trace(self, corners: Array, rows: NDArray[np.int64]) -> GuideRows | None:
+        """Return rows along a polygon, or None; see `Guide`."""
+        proofs = []
+        for first, last in pairwise(corners):
+            key = first.tobytes(), last.tobytes()
+            if key not in self._proved:
+                proof = self.ways.prove(first, last)
+                self._proved[key] = proof.cells if proof.sign else 0
+            if not self._proved[key]:
+                return None
+            proofs.append(self._proved[key])
+        return self._through(on_polygon(corners, rows), np.array(proofs))
+
+    def through(self, given: RowsOnWay) -> GuideRows | None:
+        """Return given rows with their poses, or None; see `Guide`."""
+        proofs = np.zeros(int(given.part[-1]) + 1, np.int64)
+        for part, (first, last) in zip(given.part.tolist(), pairwise(given.numbers), strict=False):
+            proof = self.ways.prove(first, last)
+            if not proof.sign:
+                return None
+            proofs[part] += proof.cells
+        return self._through(given, proofs)
+
+    def _through(self, given: RowsOnWay, proofs: NDArray[np.int64]) -> GuideRows | None:
+        R, T = self.ways.poses(given.numbers)
+        machine = self.ways.machine
+        if np.isnan(machine.along(R, T)).any():
+            return None
+        rows = PathRows(self.ways, machine.values(R, T), R, T, given.numbers)
+        return self._proved_rows(given, proofs, rows)
+
+    def placed(self, corner: Array) -> Array:
+        """Return a corner, rounded."""
+        return np.array([round(x, d) for x, d in zip(corner, self._digits, strict=True)])
+
+    def unproved(self, corners: Array, rows: NDArray[np.int64]) -> tuple[Array, Array]:
+        """Return poses along a polygon without a proof."""
+        return self.ways.poses(on_polygon(corners, rows).numbers)
+
+    def kept(self, R: Array, T: Array) -> NDArray[np.bool_]:
+        """Return whether poses keep the limits, shape (n,)."""
+        machine = self.ways.machine
+        kept = machine_keeps(machine, R, T)
+        if self.gap is not None:
+            low = ComparedShapes(self.ways.instance).bounds(R, T, machine.along(R, T)).low
+            kept &= (low >= self.gap).all(axis=1)
+        return kept
+
+
+def _digits(sizes: Array) -> list[int]:
+    positive = np.where(sizes > 0, sizes, 1.0)
+    return [_DIGITS - int(x) for x in np.floor(np.log10(positive)).tolist()]
+
+
+def on_polygon(corners: Array, rows: NDArray[np.int64]) -> RowsOnWay:
+    """Return rows along a polygon, evenly on each straight part; arguments as for `Guide.trace`."""
+    part = np.append(np.repeat(np.arange(len(rows)), rows), len(rows) - 1)
+    fraction = np.append(np.concatenate([np.arange(n) / n for n in rows.tolist()]), 1.0)
+    first, last = corners[part], corners[part + 1]
+    found = first + (last - first) * fraction[:, None]
+    found[-1] = corners[-1]
+    return RowsOnWay(part, fraction, found)
+
+
+def _shared(count: int, rows: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Share the pieces of a proof among the parts of a path by their rows."""
+    ends = np.round(np.cumsum(rows) * (count / rows.sum())).astype(np.int64)
+    return np.maximum(np.diff(np.concatenate(([0], ends))), 1)
+
+
+class DriveGuide(Guide):
+    """Straight ways of drives between two poses.
+
+    Parameters
+    ----------
+    machine
+        The drives of the platform.
+    ways
+        Straight ways of poses of the platform, for the rows.
+    start, goal
+        The ends.
+    clear
+        The clearance of the drives that every pose must have.
+    gap
+        The least gap between legs and bodies; None if gaps are not tested.
+    """
+
+    along = "drives"
+
+    def __init__(
+        self,
+        machine: Machine,
+        ways: PoseWays,
+        start: PathEnd,
+        goal: PathEnd,
+        clear: float = 0.0,
+        gap: float | None = None,
+    ) -> None:
+        self.machine, self.ways, self.start, self.goal = machine, ways, start, goal
+        super().__init__(clear, gap)
+        drives = machine
+        moved = np.flatnonzero(drives.moved).tolist()
+        self._chosen = choose(machine.instance, [drives.names[k] for k in moved])
+        self._moved = moved
+        self.sizes = np.ones(drives.count)
+
+    @property
+    def corners(self) -> Array:
+        """The numbers of the drives at both ends, in the units of the instance, (2, m)."""
+        R, T = (np.stack([getattr(end, n) for end in (self.start, self.goal)]) for n in ("R", "T"))
+        found: Array = self.machine.along(R, T) / self.machine.units
+        return found
+
+    def through(self, given: RowsOnWay) -> GuideRows | None:
+        """Return given rows with their poses, or None if the way through them is not proved."""
+        drives = self.machine
+        q = given.numbers * drives.units
+        followed = self._followed(given.numbers)
+        if followed.events or np.isnan(followed.T).any() or limit_events(followed):
+            return None
+        R, T = followed.R[0], followed.T[0]
+        geometry = MovingGeometry(followed.followed, self._chosen)
+        ends = ValueWays.same(*(geometry.points(*one) for one in self._ends(R, T)))
+        if not ends.all():
+            return None
+        proofs = np.zeros(int(given.part[-1]) + 1, np.int64)
+        for k, part in enumerate(given.part[:-1].tolist()):
+            pieces = self._keeps_working_modes(given.numbers[k : k + 2], R[k], T[k], _HALVINGS)
+            if not pieces:
+                return None
+            proofs[part] += pieces
+        rows = PathRows(self.ways, followed.values, R, T, numbers=q, geometry=geometry)
+        return self._proved_rows(given, proofs, rows)
+
+    def _ends(self, R: Array, T: Array) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
+        first, last = self.start, self.goal
+        wanted = np.stack((first.R, last.R)), np.stack((first.T, last.T))
+        return (R[[0, -1]], T[[0, -1]]), wanted
+
+    def _followed(self, numbers: Array) -> Track:
+        """Follow the mode of the start along rows of drives, in the units of the instance."""
+        instance, drives = self.machine.instance, self.machine
+        a = Arrangement.of(instance)
+        stated = np.where(a.sides < 0, -a.values, a.values)
+        values = np.tile(stated, (len(numbers), 1))
+        for k in range(drives.count):
+            if not drives.moved[k]:
+                values[:, drives.users(k)[0]] = numbers[:, k]
+        rows = np.column_stack((values, numbers[:, self._moved]))
+        geometry = MovingGeometry(over_rows(instance, rows), self._chosen)
+        run = Run(instance, geometry, np.arange(1.0, len(rows) + 1), rows, FollowOptions())
+        return run.follow(self.start.R[None], self.start.T[None], np.ones(1, np.int64))
+
+    def _keeps_working_modes(self, numbers: Array, R: Array, T: Array, halvings: int) -> int:
+        """Return in how many boxes after a row working modes are proved to be kept; else 0."""
+        drives = self.machine
+        q = numbers * drives.units
+        near = MachineNeighbourhood(drives, R, T, q[0])
+        widths = near.widths(above(np.abs(q[1] - q[0])[drives.index]))[None]
+        if near.keeps_working_modes(widths, near.box(widths))[0]:
+            return 1
+        if not halvings:
+            return 0
+        there = self._middle(q, R, T)
+        if there is None:
+            return 0
+        middle = numbers.mean(axis=0)
+        first = self._keeps_working_modes(np.stack((numbers[0], middle)), R, T, halvings - 1)
+        second = first and self._keeps_working_modes(
+            np.stack((middle, numbers[1])), *there, halvings - 1
+        )
+        return first + second if second else 0
+
+    def _middle(self, q: Array, R: Array, T: Array) -> tuple[Array, Array] | None:
+        """Return the pose in the middle of a way of drives from a pose; None if it is not found.
+
+        Parameters
+        ----------
+        q
+            The drives at both ends, shape (2, m).
+        R, T
+            The pose at the first.
+        """
+        numbers = np.stack((q[0], q.mean(axis=0))) / self.machine.units
+        begin = PathEnd("", np.zeros(6), R, T)
+        followed = DriveGuide(self.machine, self.ways, begin, begin)._followed(numbers)
+        if followed.events or np.isnan(followed.T).any():
+            return None
+        return followed.R[0, -1], followed.T[0, -1]
+
+
+#: What can be limited: each drive, the pivot, the turn of the platform.
+DRIVES, PLATFORM, TURN = NAMES = ("drives", "platform", "turn")
+#: The least rows of a part.
+_CHANGING = 12
+#: Shares of the acceleration that full speed may need on a bent way of the drives.
+_BENT = (0.02, 0.1, 0.25, 0.5, 0.75, 0.9)
+#: Speeds and accelerations are this much larger than what is computed exactly, or from samples.
+_RATE_MARGIN, _SAMPLED = 1 + 1e-9, 1 + 1e-5
+#: Samples of a move of a pose; the step of differences, in sizes of the platform.
+_SAMPLES, _STEP = 400, 1e-4
+
+
+@dataclass(frozen=True)
+class PathLimits:
+    """Limits of speeds and accelerations.
+
+    Attributes
+    ----------
+    speed, acceleration
+        By name: of each of the ``drives`` (lengths, or angles in the unit of the instance), of the
+        ``platform``'s pivot (lengths), of its ``turn`` (angles); a second, and a second squared.
+    """
+
+    speed: Mapping[str, float]
+    acceleration: Mapping[str, float]
+
+    @classmethod
+    def of(
+        cls,
+        speed: float | Mapping[str, float] | None,
+        acceleration: float | Mapping[str, float] | None,
+    ) -> PathLimits | None:
+        """Return limits from numbers, which are of the drives, or by name; None without any.
+
+        Raises
+        ------
+        ArgumentError
+            If only one is given, a number is not positive, or something would be unlimited.
+        """
+        if speed is None and acceleration is None:
+            return None
+        both = {"speed": speed, "acceleration": acceleration}
+        found = {}
+        for name, given in both.items():
+            if given is None:
+                raise ArgumentError(
+                    "found none: a path is timed by a speed and an acceleration", name
+                )
+            limits = dict(given) if isinstance(given, Mapping) else {DRIVES: float(given)}
+            for what, number in limits.items():
+                if what not in NAMES:
+                    raise ArgumentError(
+                        f"found {what!r}, expected {', '.join(NAMES[:-1])} or {TURN}", name
+                    )
+                if not (np.isfinite(number) and number > 0):
+                    raise ArgumentError(
+                        f"found {number} for {what}, expected a number above zero", name
+                    )
+            if DRIVES not in limits and not {PLATFORM, TURN} <= set(limits):
+                raise ArgumentError(
+                    "found no limit of the drives, nor of both the platform and its turn", name
+                )
+            found[name] = limits
+        return cls(**found)
+
+    @property
+    def of_platform(self) -> bool:
+        """Whether the platform is limited, too, not only the drives."""
+        return bool({*self.speed, *self.acceleration} - {DRIVES})
+
+    def arrays(self, drives: int, in_radians: float) -> tuple[Array, Array]:
+        """Return the limits in the order of `Rates.largest`, infinite where there is none."""
+        units = [1.0] * drives + [1.0, in_radians]
+        names = [DRIVES] * drives + [PLATFORM, TURN]
+        speed, acceleration = (
+            np.array([limits.get(n, np.inf) * u for n, u in zip(names, units, strict=True)])
+            for limits in (self.speed, self.acceleration)
+        )
+        return speed, acceleration
+
+
+@dataclass(frozen=True, eq=False)
+class Timing:
+    """The time of a path.
+
+    Attributes
+    ----------
+    limits
+        What was asked for.
+    moves
+        The moves, in values or in positions and angles.
+    """
+
+    limits: PathLimits
+    moves: Moves
+
+    @property
+    def seconds(self) -> float:
+        """How long the path takes."""
+        return self.moves.seconds
+
+    def to_json(self) -> dict[str, Any]:
+        """Return it as plain data."""
+        return {
+            "seconds": self.seconds,
+            "speed": dict(self.limits.speed),
+            "acceleration": dict(self.limits.acceleration),
+            "corners": len(self.moves.tops) - 1,
+        }
+
+
+class TimedTrace(NamedTuple):
+    """Rows of a path with their times."""
+
+    trace: GuideRows
+    t: Array
+    """Seconds, shape (r,)."""
+    timing: Timing
+
+
+def _value_line(way: Array, speed: Array, acceleration: Array) -> LineMove:
+    """Return a straight part of drives that move linearly."""
+    duration = float((np.abs(way) / speed).max()) * _RATE_MARGIN
+    with np.errstate(divide="ignore"):
+        rise = float((acceleration * duration / np.abs(way)).min()) / _RATE_MARGIN
+    return LineMove(way, duration, rise)
+
+
+class Rates:
+    """Speeds and accelerations of what moves with position and angles.
+
+    Parameters
+    ----------
+    ways
+        The ways of poses of a platform.
+    """
+
+    def __init__(self, ways: PoseWays) -> None:
+        self.ways = ways
+
+    def _drives(self, R: Array, T: Array) -> Array:
+        """Return what the drives are at along rows of poses, in their units, shape (r, m)."""
+        return self.ways.machine.along(R, T) / self.ways.machine.units
+
+    @property
+    def count(self) -> int:
+        """The number of drives."""
+        return self.ways.machine.count
+
+    def largest(self, place: Array, way: Array) -> tuple[Array, Array]:
+        """Return the largest speeds and accelerations at samples of a straight way in one second.
+
+        Parameters
+        ----------
+        place, way
+            Its beginning, and how far the parameters change, shape (6,) each.
+
+        Returns
+        -------
+        speeds, accelerations
+            Of the m drives in the units of the instance, of the pivot, and of the turn of the
+            platform in radians, shapes (m + 2,). Infinite where a drive does not reach.
+        """
+        step = _STEP / max(float((np.abs(way) / self.ways.sizes).max()), 1e-300)
+        middles = np.linspace(0.0, 1.0, _SAMPLES + 1)[:, None]
+        t = (middles + step * np.array([-1.0, 0.0, 1.0])).ravel()[:, None]
+        R, T = self.ways.poses(place + way * t)
+        x = self._drives(R, T).reshape(len(middles), 3, -1)
+        R = R.reshape(-1, 3, 3, 3)
+        before, after = (R[:, k].swapaxes(1, 2) @ R[:, k + 1] for k in range(2))
+        first, second = (_spin(one) for one in (before, after))
+        speeds = [
+            np.abs(x[:, 2] - x[:, 0]) / (2 * step),
+            np.full((len(middles), 1), np.linalg.norm(way[:3])),
+            np.linalg.norm(first + second, axis=1)[:, None] / (2 * step),
+        ]
+        bends = [
+            np.abs(x[:, 2] - 2 * x[:, 1] + x[:, 0]) / step**2,
+            np.zeros((len(middles), 1)),
+            np.linalg.norm(second - first, axis=1)[:, None] / step**2,
+        ]
+        both = (np.concatenate(parts, axis=1).max(axis=0) for parts in (speeds, bends))
+        fastest, most = (np.where(np.isnan(one), np.inf, one * _SAMPLED) for one in both)
+        return fastest, most
+
+
+def _spin(turns: Array) -> Array:
+    """Return the vectors of small rotations, ``(n, 3, 3) -> (n, 3)``."""
+    odd = (turns - turns.swapaxes(1, 2)) / 2
+    return np.stack((odd[:, 2, 1], odd[:, 0, 2], odd[:, 1, 0]), axis=1)
+
+
+def _pose_line(rates: Rates, first: Array, way: Array, v: Array, a: Array) -> LineMove:
+    """Return a straight part in position and angles: drives at samples."""
+    speeds, bends = rates.largest(first, way)
+    best, time = LineMove(way, np.inf, 0.0), np.inf
+    for share in _BENT:
+        duration = max(float((speeds / v).max()), float(np.sqrt((bends / (share * a)).max())))
+        duration *= _RATE_MARGIN
+        with np.errstate(divide="ignore", invalid="ignore"):
+            left = (a - bends / duration**2) * duration / speeds
+        rise = float(np.fmin(left, np.inf).min()) / _RATE_MARGIN
+        quick = rise * duration >= 1
+        here = duration + 1 / rise if quick else 2 * np.sqrt(duration / rise)
+        if here < time:
+            best, time = LineMove(way, duration, rise), here
+    if not np.isfinite(time):
+        raise ArgumentError("a drive does not reach the path", "speed")
+    return best
+
+
+def timed(
+    guide: Guide, corners: Array, limits: PathLimits, counts: NDArray[np.int64]
+) -> TimedTrace | None:
+    """Return rows along a path with their times, or None if they are not proved.
+
+    Parameters
+    ----------
+    guide
+        Proves paths.
+    corners
+        Those of a proved path, shape (k + 1, 6); the platform stops at them.
+    limits
+        Of speeds and accelerations.
+    counts
+        About how many rows each straight part has, shape (k,).
+    """
+    moving = [k for k in range(len(counts)) if np.any(corners[k] != corners[k + 1])]
+    places = np.stack([corners[0], *(corners[k + 1] for k in moving)])
+    if not moving:
+        trace = guide.trace(corners, counts)
+        still = Moves(*np.zeros((2, 1)), *np.zeros((3, 0)))
+        return (
+            None
+            if trace is None
+            else TimedTrace(trace, 0.0 * trace.fraction, Timing(limits, still))
+        )
+    if isinstance(guide, PoseGuide):
+        rates = Rates(guide.ways)
+        v, a = limits.arrays(rates.count, guide.ways.instance.units.angle.in_radians)
+        lines = [_pose_line(rates, x, y - x, v, a) for x, y in pairwise(places)]
+    else:
+        v, a = (one[: guide.sizes.size] for one in limits.arrays(guide.sizes.size, 1.0))
+        lines = [_value_line(y - x, v, a) for x, y in pairwise(places)]
+    moves = moves_of(places, lines)
+    times = [
+        np.linspace(begin, end, max(int(n), _CHANGING) + 1)[:-1]
+        for (begin, end), n in zip(pairwise(moves.begins), counts[moving], strict=True)
+    ]
+    t = np.append(np.concatenate(times), moves.seconds)
+    numbers, part = moves.at(t)
+    numbers[-1] = places[-1]
+    fraction = (t - moves.begins[part]) / np.diff(moves.begins)[part]
+    trace = guide.through(RowsOnWay(np.asarray(part, np.int64), fraction, numbers))
+    return None if trace is None else TimedTrace(trace, t, Timing(limits, moves))
+
+
+class LineMove(NamedTuple):
+    """A straight part with its limits."""
+
+    way: Array
+    """From its first to its last corner, shape (d,), not zero."""
+    duration: float
+    """How long it takes at the full velocity ``way / duration``."""
+    rise: float
+    """How quickly the rate, 1 at the full velocity, may change, a second."""
+
+
+@dataclass(frozen=True, eq=False)
+class Moves:
+    """Straight parts, one after the other, each from rest to rest.
+
+    Attributes
+    ----------
+    begins
+        When each part begins, and at last when all end, shape (k + 1,).
+    places, ways
+        Where each begins, and where it leads from there, shapes (k, d).
+    tops, rises
+        Its largest rate, and how quickly the rate changes, shape (k,).
+    """
+
+    begins: Array
+    places: Array
+    ways: Array
+    tops: Array
+    rises: Array
+
+    @property
+    def seconds(self) -> float:
+        """How long all moves take."""
+        return float(self.begins[-1])
+
+    def at(self, times: Array) -> tuple[Array, NDArray[np.intp]]:
+        """Return the places at times, shape (r, d), and on which parts they are."""
+        part = np.searchsorted(self.begins[1:-1], times, side="right")
+        span = np.diff(self.begins)[part]
+        up = self.tops[part] / self.rises[part]
+        since = times - self.begins[part]
+        near = np.minimum(since, span - since)
+        # The way from the nearer end, by the whole way: a parabola, then a line.
+        gone = self.rises[part] * np.minimum(near, up) ** 2 / 2
+        gone = gone + self.tops[part] * np.maximum(near - up, 0.0)
+        whole = self.tops[part] * (span - up)
+        share = np.where(since <= span / 2, gone, whole - gone) / whole
+        return self.places[part] + self.ways[part] * share[:, None], part
+
+
+def moves_of(places: Array, lines: list[LineMove]) -> Moves:
+    """Return the moves along straight parts; the corners are of shape (k + 1, d)."""
+    durations = np.array([line.duration for line in lines])
+    rises = np.array([line.rise for line in lines])
+    tops = np.minimum(1.0, np.sqrt(rises * durations))
+    spans = durations / tops + tops / rises
+    ways = np.array([line.way for line in lines])
+    return Moves(np.append(0.0, np.cumsum(spans)), places[:-1], ways, tops, rises)

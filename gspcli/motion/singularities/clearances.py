@@ -32,8 +32,8 @@ from gspcli.geometry.machine import Machine, is_driven
 from gspcli.geometry.measurement import condition_numbers
 from gspcli.geometry.readings import readings_of
 from gspcli.motion.following.branch_follower import MovingPlatform, Stop, apart, over_rows
-from gspcli.motion.following.followed_rows import FollowedMode, RowFollower
-from gspcli.motion.following.trajectories import track_from
+from gspcli.motion.following.follower import FollowedMode, RowFollower
+from gspcli.motion.following.tracks import track_from
 from gspcli.motion.poses.inverse_kinematics import checked_poses, drive_values, measure, values_at
 from gspcli.motion.singularities.neighbourhoods import MachineNeighbourhood, Neighbourhood
 from gspcli.motion.singularities.pose_clearances import PoseClearance, pose_clearance

@@ -25,11 +25,13 @@ from gspcli.geometry.quaternions import Field, quaternion_from_rotation
 from gspcli.geometry.readings import factors, offsets, without_corrections
 from gspcli.motion.files.pose_files import PoseFormat, pose_columns, poses_of
 from gspcli.motion.files.value_files import nominal_values
-from gspcli.motion.following.branch_follower import FollowOptions, MovingPlatform, at_values
-from gspcli.motion.following.branch_runs import NEARLY_SINGULAR, Run
-from gspcli.motion.following.moving_geometry import MovingGeometry
-from gspcli.motion.following.tracks import Event, Track
-from gspcli.motion.following.trajectories import track
+from gspcli.motion.following.branch_follower import (
+    FollowOptions,
+    MovingGeometry,
+    MovingPlatform,
+    at_values,
+)
+from gspcli.motion.following.tracks import NEARLY_SINGULAR, Event, Run, Track, track
 from gspcli.motion.poses.inverse_kinematics import drive_values
 from gspcli.motion.singularities.clearances import clearances, drive_clearances, range_weights
 from gspcli.motion.singularities.pose_clearances import pose_clearances

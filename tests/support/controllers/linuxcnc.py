@@ -27,7 +27,7 @@ from gspcli.defaults import SEED
 from gspcli.export.controller.writing import controller
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.quaternions import rotation_from_vector
-from gspcli.motion.following.platform_numbers import platform_numbers
+from gspcli.motion.following.follower import platform_numbers
 from gspcli.solver import Solution
 from tests.support.controllers.compiled import CompiledController, poses_of
 from tools.recording import ROOT

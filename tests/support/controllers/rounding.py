@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from gspcli.certification.numbers.balls import cross, dot
 from gspcli.geometry.instance import AngleUnit, Instance
 from gspcli.geometry.machine import driven_points
-from gspcli.motion.following.platform_numbers import PlatformNumbers
+from gspcli.motion.following.follower import PlatformNumbers
 
 Array = NDArray[np.float64]
 Vector = list[arb]

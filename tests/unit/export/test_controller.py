@@ -15,8 +15,8 @@ from gspcli.export.formats import TRIES
 from gspcli.geometry.quaternions import rotation_from_quaternion
 from gspcli.geometry.random_instances import random_instance
 from gspcli.motion import Follower, FollowerStatus, measure
-from gspcli.motion.following import platform_numbers as numbers_module
-from gspcli.motion.following.platform_numbers import platform_numbers
+from gspcli.motion.following import follower as numbers_module
+from gspcli.motion.following.follower import platform_numbers
 from gspcli.resources import instance_files
 from tests.support.controllers.compiled import CompiledController, poses_of
 from tests.support.controllers.rounding import ExactEquations

@@ -21,7 +21,7 @@ from gspcli.geometry.instance import Instance, Side
 from gspcli.geometry.limits import out_of_range
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.readings import factors, offsets, readings_of, values_of
-from gspcli.motion.paths.limit_events import limit_events
+from gspcli.motion.paths.between import limit_events
 from gspcli.motion.poses.inverse_kinematics import values_at
 from gspcli.resources import data_path
 

@@ -16,7 +16,7 @@ from gspcli.geometry.machine import Machine
 from gspcli.geometry.measurement import condition_numbers
 from gspcli.geometry.numbers import Number
 from gspcli.motion.files.pose_files import PoseFormat
-from gspcli.motion.following.moving_geometry import MovingGeometry
+from gspcli.motion.following.branch_follower import MovingGeometry
 from gspcli.motion.poses.inverse_kinematics import values_at
 from gspcli.motion.singularities.clearances import drive_clearances, drive_weights
 from gspcli.motion.singularities.scans import Axis, PoseScan, scan

@@ -23,7 +23,7 @@ from gspcli.geometry.measurement import measured, relative_residuals, residuals
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Line, Plane, vector
 from gspcli.geometry.random_instances import random_instance
-from gspcli.motion.following.trajectories import track
+from gspcli.motion.following.tracks import track
 from gspcli.motion.singularities.clearances import clearances
 from gspcli.solver import SolveResult, solve
 from gspcli.solver import certify as certify_poses

@@ -18,7 +18,7 @@ from gspcli.certification.branches.folds import Fold, _krawczyk, _Turn
 from gspcli.certification.branches.parametric_quadrics import moving_equations
 from gspcli.geometry.random_instances import random_instance
 from gspcli.motion import MovingPlatform
-from gspcli.motion.following.branch_runs import _same
+from gspcli.motion.following.tracks import _same
 
 NOTHING = [arb(0)] * 9
 

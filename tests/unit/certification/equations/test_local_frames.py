@@ -13,7 +13,7 @@ from gspcli.certification.equations.local_frames import LocalFrames
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import vector
-from gspcli.motion.following.trajectories import track
+from gspcli.motion.following.tracks import track
 from gspcli.resources import data_path
 from gspcli.solver import solve, solve_batch
 from gspcli.spec import load, loads

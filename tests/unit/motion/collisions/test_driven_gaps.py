@@ -11,10 +11,9 @@ import pytest
 from gspcli.geometry.instance import Instance, Shapes
 from gspcli.geometry.machine import Machine
 from gspcli.motion.collisions.compared import ComparedShapes
-from gspcli.motion.paths.ends import PathEnd
-from gspcli.motion.paths.guides import DriveGuide
+from gspcli.motion.paths.planned_paths import DriveGuide, PathEnd
 from gspcli.motion.paths.planner import path
-from gspcli.motion.paths.pose_ways import PoseWays
+from gspcli.motion.paths.ways import PoseWays
 from gspcli.motion.workspace.workspaces import workspace
 from gspcli.solver import solve
 from gspcli.spec.reading import example

@@ -11,7 +11,7 @@ import gspcli
 from gspcli.export.controller.writing import controller
 from gspcli.geometry.machine import Machine
 from gspcli.motion import FollowerStatus
-from gspcli.motion.following.platform_numbers import platform_numbers
+from gspcli.motion.following.follower import platform_numbers
 from tests.support.driven_machines import driven, some_pose
 from tests.support.independent_machines import upside_down
 

@@ -13,7 +13,7 @@ from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.geometry.random_instances import random_instance
 from gspcli.motion import FollowerStatus, MovingPlatform, crank_angles, measure
 from gspcli.motion.following.branch_follower import Stop
-from gspcli.motion.following.platform_numbers import platform_numbers
+from gspcli.motion.following.follower import platform_numbers
 from gspcli.resources import instance_files
 from tests.support.independent_machines import upside_down
 

@@ -12,7 +12,7 @@ from gspcli.catalogue.types import all_types
 from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.geometry.random_instances import random_instance
 from gspcli.motion import FollowerStatus, measure
-from gspcli.motion.following.platform_numbers import platform_numbers
+from gspcli.motion.following.follower import platform_numbers
 from gspcli.resources import instance_files
 from gspcli.spec import loads
 

@@ -23,10 +23,8 @@ from gspcli.geometry.quaternions import (
 )
 from gspcli.motion import measure, track
 from gspcli.motion.following.branch_follower import FollowOptions
-from gspcli.motion.following.followed_rows import RowFollower
-from gspcli.motion.following.platform_numbers import limit_numbers, platform_numbers
-from gspcli.motion.following.tracks import Track
-from gspcli.motion.following.trajectories import track_from
+from gspcli.motion.following.follower import RowFollower, limit_numbers, platform_numbers
+from gspcli.motion.following.tracks import Track, track_from
 from gspcli.motion.paths.between import (
     MovingRows,
     Near,
@@ -34,10 +32,10 @@ from gspcli.motion.paths.between import (
     ValueParts,
     cone_margins,
     cones_kept,
+    limit_events,
 )
-from gspcli.motion.paths.limit_events import limit_events
 from gspcli.motion.paths.nearest_poses import MARGIN, LimitSearch
-from gspcli.motion.paths.value_ways import ValueWays
+from gspcli.motion.paths.ways import ValueWays
 from tests.support import independent_machines
 from tests.support.independent_machines import machines
 from tests.support.limited import limited, one_leg, study

@@ -13,7 +13,7 @@ import pytest
 
 from gspcli import _kernel
 from gspcli.motion import FollowerStatus
-from gspcli.motion.following.platform_numbers import CONTROLLER_KINDS, NEVER, PlatformNumbers
+from gspcli.motion.following.follower import CONTROLLER_KINDS, NEVER, PlatformNumbers
 
 X, Y, Z = np.eye(3)
 NONE = np.zeros(3)

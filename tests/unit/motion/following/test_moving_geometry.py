@@ -8,10 +8,9 @@ from gspcli.geometry.coordinates import choose, coordinates, moved
 from gspcli.geometry.quaternions import rotation_from_vector, vector_from_rotation
 from gspcli.geometry.random_instances import random_instance
 from gspcli.motion import FollowOptions, MovingPlatform, measure, track
-from gspcli.motion.following.branch_follower import Stop
-from gspcli.motion.following.followed_rows import RowFollower
-from gspcli.motion.following.moving_geometry import MovingGeometry
-from gspcli.motion.following.trajectories import track_from
+from gspcli.motion.following.branch_follower import MovingGeometry, Stop
+from gspcli.motion.following.follower import RowFollower
+from gspcli.motion.following.tracks import track_from
 from gspcli.resources import data_path
 
 MIXED = ["6PP", "6DLL", "PP PL LP PH HP DLL", "PL PL LP ALL ALH AHH"]

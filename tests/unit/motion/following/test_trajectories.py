@@ -11,7 +11,7 @@ from gspcli.geometry.quaternions import rotation_from_quaternion, rotation_from_
 from gspcli.geometry.random_instances import random_instance
 from gspcli.motion import FollowOptions, MovingPlatform, measure, track
 from gspcli.motion.following.branch_follower import at_values
-from gspcli.motion.following.branch_runs import Run
+from gspcli.motion.following.tracks import Run
 from gspcli.motion.singularities.clearances import clearances
 from gspcli.resources import data_path
 

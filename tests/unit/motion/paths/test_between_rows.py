@@ -11,16 +11,16 @@ import gspcli
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.measurement import condition_numbers
 from gspcli.geometry.quaternions import rotation_from_quaternion
-from gspcli.motion.following.trajectories import track_from
+from gspcli.motion.following.tracks import track_from
 from gspcli.motion.paths.between import (
     PathRows,
+    can_be_bounded,
     condition_bounds,
     largest_conditions,
     least_clearances,
+    worst_between,
 )
-from gspcli.motion.paths.pose_ways import PoseWays
-from gspcli.motion.paths.track_bounds import can_be_bounded, worst_between
-from gspcli.motion.paths.value_ways import ValueWays
+from gspcli.motion.paths.ways import PoseWays, ValueWays
 from gspcli.motion.poses.inverse_kinematics import values_at
 from gspcli.motion.singularities.clearances import clearances, range_weights
 from tests.unit.motion.paths.test_pose_ways import MACHINES, ways_of

@@ -7,8 +7,8 @@ import pytest
 
 import gspcli
 from gspcli.geometry.quaternions import quaternion_from_rotation, rotation_from_vector
-from gspcli.motion.paths.classes import Classes
-from gspcli.motion.paths.pose_ways import PoseWays
+from gspcli.motion.paths.planner import Classes
+from gspcli.motion.paths.ways import PoseWays
 from tests.unit.motion.paths.test_pose_ways import ways_of
 
 #: What the factors of some platforms are of.

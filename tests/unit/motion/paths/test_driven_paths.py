@@ -12,7 +12,7 @@ from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.motion import mode_groups
 from gspcli.motion.following.tracks import departures
 from gspcli.motion.paths.between import PathRows
-from gspcli.motion.paths.pose_ways import PoseWays
+from gspcli.motion.paths.ways import PoseWays
 from gspcli.motion.singularities.clearances import drive_clearances, drive_weights
 from gspcli.motion.singularities.neighbourhoods import MachineNeighbourhood
 

@@ -18,13 +18,15 @@ from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.motion.collisions.compared import ComparedShapes
 from gspcli.motion.paths.between import (
     ValueParts,
+    _rows,
+    can_be_bounded,
     largest_conditions,
     least_gaps,
     least_transmissions,
+    pose_track,
+    worst_between,
 )
-from gspcli.motion.paths.pose_tracks import pose_track
-from gspcli.motion.paths.pose_ways import PoseWays, WayProof
-from gspcli.motion.paths.track_bounds import _rows, can_be_bounded, worst_between
+from gspcli.motion.paths.ways import PoseWays, WayProof
 
 ROWS, SAMPLES = 3, 60
 

@@ -11,10 +11,8 @@ from gspcli.geometry.home_mode import home_mode
 from gspcli.geometry.readings import without_corrections
 from gspcli.motion import measure, track
 from gspcli.motion.collisions.compared import ComparedShapes
-from gspcli.motion.paths.between import PathRows, least_gaps
-from gspcli.motion.paths.pose_tracks import pose_track
-from gspcli.motion.paths.pose_ways import PoseWays
-from gspcli.motion.paths.track_bounds import worst_between
+from gspcli.motion.paths.between import PathRows, least_gaps, pose_track, worst_between
+from gspcli.motion.paths.ways import PoseWays
 from gspcli.motion.poses.inverse_kinematics import values_at
 from gspcli.solver import solve
 from tests.support.thick_legs import MACHINES, poses_near, thick

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from gspcli.geometry.limits import within_limits
-from gspcli.motion.paths.home_map import home_map
-from gspcli.motion.paths.pose_ways import PoseWays
-from gspcli.motion.paths.value_ways import ValueWays
+from gspcli.motion.paths.planner import home_map
+from gspcli.motion.paths.ways import PoseWays, ValueWays
 from gspcli.motion.poses.inverse_kinematics import values_at
 from gspcli.pictures.live_numbers import live_home
 from gspcli.solver import SolveResult, solve

@@ -13,11 +13,10 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.limits import within_limits
 from gspcli.geometry.numbers import Number
 from gspcli.motion import mode_groups
-from gspcli.motion.following.tracks import departures
-from gspcli.motion.following.trajectories import track_from
+from gspcli.motion.following.tracks import departures, track_from
 from gspcli.motion.paths import planner
-from gspcli.motion.paths.guides import ValueGuide
-from gspcli.motion.paths.limit_events import limit_events
+from gspcli.motion.paths.between import limit_events
+from gspcli.motion.paths.planned_paths import ValueGuide
 
 
 def checked(found):
@@ -194,7 +193,7 @@ def test_a_distance_of_lines_does_not_pass_zero_along_values():
     assert lines
     solved = gspcli.solve(platform)
     R, T = (part[solved.real].real for part in (solved.R, solved.T))
-    from gspcli.motion.paths.value_ways import ValueWays
+    from gspcli.motion.paths.ways import ValueWays
 
     values = gspcli.measure(platform, R, T)
     ways = ValueWays(platform, np.sign(values[0]))

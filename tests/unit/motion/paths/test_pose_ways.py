@@ -11,8 +11,8 @@ import gspcli
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.limits import within_limits
 from gspcli.geometry.measurement import condition_numbers
-from gspcli.motion.paths.maps import PoseMap
-from gspcli.motion.paths.pose_ways import PoseWays
+from gspcli.motion.paths.planner import PoseMap
+from gspcli.motion.paths.ways import PoseWays
 from gspcli.motion.poses.inverse_kinematics import values_at
 
 #: Machines of all kinds of constraint, and with ranges and cones.

@@ -9,8 +9,8 @@ import gspcli
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.machine import Machine
 from gspcli.motion.paths.between import drive_travels
-from gspcli.motion.paths.pose_ways import PoseWays
-from gspcli.motion.paths.timing import Rates
+from gspcli.motion.paths.planned_paths import Rates
+from gspcli.motion.paths.ways import PoseWays
 from gspcli.motion.poses.inverse_kinematics import values_at
 
 PIVOT = np.array([0.1, 0.2, -0.05])

@@ -8,11 +8,9 @@ import pytest
 import gspcli
 from gspcli.errors import ArgumentError
 from gspcli.geometry.euler import rotation_from_euler
-from gspcli.motion.following.tracks import departures
-from gspcli.motion.following.trajectories import track_from
-from gspcli.motion.paths.ends import PathEnd
+from gspcli.motion.following.tracks import departures, track_from
+from gspcli.motion.paths.planned_paths import LineMove, PathEnd, PathLimits, moves_of
 from gspcli.motion.paths.planner import Planner, finished
-from gspcli.motion.paths.timing import LineMove, PathLimits, moves_of
 from gspcli.motion.poses.inverse_kinematics import values_at
 
 SPEED, ACCELERATION = 50.0, 200.0

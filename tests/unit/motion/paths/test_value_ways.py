@@ -8,8 +8,8 @@ import pytest
 import gspcli
 from gspcli.geometry.limits import out_of_cone
 from gspcli.motion.paths.between import PathRows, cones_kept
-from gspcli.motion.paths.ends import Modes
-from gspcli.motion.paths.value_ways import Sheet, ValueWays, whole_sheet
+from gspcli.motion.paths.planned_paths import Modes
+from gspcli.motion.paths.ways import Sheet, ValueWays, whole_sheet
 from gspcli.motion.poses.inverse_kinematics import values_at
 
 

@@ -8,7 +8,7 @@ import pytest
 import gspcli
 from gspcli.errors import ArgumentError
 from gspcli.motion.collisions.compared import ComparedShapes
-from gspcli.motion.paths.pose_ways import WayProof
+from gspcli.motion.paths.ways import WayProof
 from gspcli.spec.reading import example
 from tests.support import driven_paths
 from tests.support.thick_legs import thick
