@@ -18,7 +18,14 @@ def lines_of(folder: Path, name: str) -> list[str]:
     for path in (ROOT / "tests/support/counted").iterdir():
         if name in ("chord", "isolation", "far") or path.stem != "lanes":
             shutil.copy(path, folder)
-    options = ["-std=c++20", "-O1", "-w", f"-I{folder}", f"-I{ROOT / 'native'}"]
+    options = [
+        "-std=c++20",
+        "-O1",
+        "-w",
+        "-ffp-contract=off",
+        f"-I{folder}",
+        f"-I{ROOT / 'native'}",
+    ]
     program = folder / name
     subprocess.run(["g++", *options, folder / f"{name}.cpp", "-o", program], check=True)
     return subprocess.run([program], check=True, capture_output=True, text=True).stdout.splitlines()
@@ -60,6 +67,15 @@ def test_proofs_about_points_allow_for_all_roundings(tmp_path: Path, name: str, 
     assert 10 < product < rounding
     assert 10 < step < of_step
     assert 10 < bounds < outward
+
+
+def test_numbers_of_32_digits_err_by_less_than_is_allowed_for(tmp_path: Path) -> None:
+    """Shifts and values of far poses, with products, and values of near ones, by 34 digits."""
+    (far,), (near,) = lines_of(tmp_path, "far_fine"), lines_of(tmp_path, "near_fine")
+    errors = [*map(float, far.split()), float(near)]
+    for error, bound in zip(errors, (2.0**-97, 2.0**-96, 2.0**-95, 2.0**-94), strict=True):
+        # Sums of many terms hardly ever err by their bounds.
+        assert 2.0**-12 * bound < error < bound / 8
 
 
 def test_sizes_of_numbers_are_those_before_terms_cancel(tmp_path: Path) -> None:
