@@ -97,15 +97,9 @@ def _measured(
         placed = Machine.of(instance).placed(R, T)
         return printed_conditions(condition_numbers(placed, R, T))
     if name == "clearance":
-        from gspcli.motion.singularities.clearances import (
-            clearances,
-            drive_clearances,
-            range_weights,
-        )
+        from gspcli.motion.singularities.clearances import clearances
 
-        if is_driven(instance):
-            return drive_clearances(instance, R, T)[0]
-        return clearances(instance, R, T, weights=range_weights(instance))
+        return clearances(Machine.of(instance), R, T)[0]
     if is_driven(instance):
         raise GspError(
             "--require pose-clearance: not known of machines with cranks or slides, use clearance, "

@@ -12,8 +12,9 @@ import numpy as np
 import pytest
 
 import gspcli
+from gspcli.geometry.machine import Machine
 from gspcli.geometry.numbers import Number
-from gspcli.motion.singularities.clearances import drive_clearances
+from gspcli.motion.singularities.clearances import clearances
 
 EXAMPLES = Path(__file__).parents[2] / "data" / "examples"
 HEXAPOD = str(EXAMPLES / "platform-6-6.yaml")
@@ -437,7 +438,9 @@ def test_a_path_of_a_machine_with_slides_is_a_safe_file(gsp, tmp_path):
     # The clearance is that of the slides, as gsp measure has it.
     poses = document["poses"]
     T = np.array([[row[key] for key in "xyz"] for row in poses])
-    clear = drive_clearances(gspcli.example("three-prs"), np.tile(np.eye(3), (len(T), 1, 1)), T)[0]
+    clear = clearances(
+        Machine.of(gspcli.example("three-prs")), np.tile(np.eye(3), (len(T), 1, 1)), T
+    )[0]
     assert [row["clearance"] for row in poses] == pytest.approx(clear, rel=1e-9)
 
 

@@ -13,7 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from gspcli.defaults import SEED
-from gspcli.motion.singularities.clearances import drive_weights, each_drive_clearance
+from gspcli.geometry.machine import Machine
+from gspcli.motion.singularities.clearances import each_clearance, weights_of
 from tests.support.independent_machines import Equations, PlaneGeometry, machines
 
 #: Random changes of each machine, and the steps to each.
@@ -38,8 +39,9 @@ class Row:
 def examine(name: str, count: int = CHANGES) -> Row:
     """Bound the clearance of a machine, and try random changes within the bounds."""
     machine = machines()[name]()
-    weights, _ = drive_weights(machine.instance)
-    (found,) = each_drive_clearance(machine.instance, machine.R[None], machine.T[None])
+    drives = Machine.of(machine.instance)
+    weights, _ = weights_of(drives)
+    (found,) = each_clearance(drives, machine.R[None], machine.T[None])
     equations, geometry = Equations(machine), PlaneGeometry(machine)
     q0 = geometry.numbers(machine.R[None], machine.T[None])[0]
     wrong = 0

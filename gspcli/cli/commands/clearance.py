@@ -42,7 +42,8 @@ def command(o: Options) -> None:
 
     A clearance of r means: if every value changes by at most r times its weight, all at once and in
     any combination, the mode exists all the while and is not singular. The weight is half the range
-    of the constraint, if each has one in SPEC; else 1 in the unit of the value.
+    of the constraint, if each has one in SPEC; else 1 in the unit of the value. Values that stay,
+    because their range is one number, do not change.
 
     The lower bound is proved for the whole box of values. The upper bound is the nearest fold of
     the same mode that was found; it is proved, and its values are shown. It may also be where a
@@ -105,18 +106,19 @@ def _points(text: str) -> list[list[float]]:
 def _result(found: Clearances, asked: AskedPoses) -> Result:
     """Return a row for each pose, with the values or drives at the nearest event."""
     from gspcli.geometry.machine import Machine
-    from gspcli.motion.singularities.clearances import drive_weights, range_weights
+    from gspcli.motion.singularities.clearances import value_machine, weights_of
 
     instance, units, of = found.instance, found.instance.units, found.of
     if of == "drives":
         note = f"1 {units.angle.value} for cranks, 1 {units.length} for slides"
-        note = "half the range of each drive" if drive_weights(instance)[1] else note
+        note = "half the range of each drive" if weights_of(Machine.of(instance))[1] else note
         note = f"changes of all drives, in units of {note}; last columns: the drives at the fold"
         columns = FIELDS.of(f"{asked.columns} lower working_modes upper dead_point drive")
         names = dict.fromkeys(Machine.of(instance).names, "")
     else:
         note = f"units of 1 {units.length} for distances, 1 {units.angle.value} for angles"
-        note = note if range_weights(instance) is None else "units of half the range of each value"
+        ranged = weights_of(value_machine(instance))[1]
+        note = "units of half the range of each value" if ranged else note
         ends = "ends at", "where the mode ends"
         if of == "pose":
             note = f"{units.length}, root mean squares of the displacements of points"

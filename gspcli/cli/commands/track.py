@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import partial
 from itertools import groupby
 from typing import TYPE_CHECKING, Any
 
@@ -193,19 +192,17 @@ def _clearances(
     asked = {one.quantity for one in requirements}
     found = {}
     if o.clear or "clearance" in asked:
+        from gspcli.geometry.machine import Machine
         from gspcli.motion.paths.between import moves_by_drives
-        from gspcli.motion.singularities.clearances import (
-            clearances,
-            drive_clearances,
-            range_weights,
-        )
+        from gspcli.motion.singularities.clearances import clearances, value_machine
 
-        if moves_by_drives(result):
-            whole = [(slice(None), result.instance)]
-            found["clearance"] = _at_poses(result, lambda *pose: drive_clearances(*pose)[0], whole)
-        else:
-            weighted = partial(clearances, weights=range_weights(result.instance))
-            found["clearance"] = _at_poses(result, weighted, result.instances())
+        whole = moves_by_drives(result)
+        machine_of = Machine.of if whole else value_machine
+        found["clearance"] = _at_poses(
+            result,
+            lambda instance, *pose: clearances(machine_of(instance), *pose)[0],
+            [(slice(None), result.instance)] if whole else result.instances(),
+        )
     if o.pose_clear or "pose-clearance" in asked:
         from gspcli.motion.singularities.pose_clearances import pose_clearances
 

@@ -51,12 +51,7 @@ from gspcli.motion.following.tracks import Event, Track
 from gspcli.motion.paths.ways import PoseWays, ValueWays, WayProof
 from gspcli.motion.poses.inverse_kinematics import refusals
 from gspcli.motion.screws import screw
-from gspcli.motion.singularities.clearances import (
-    clearances,
-    drive_clearances,
-    drive_weights,
-    range_weights,
-)
+from gspcli.motion.singularities.clearances import clearances, value_machine, weights_of
 from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
@@ -91,7 +86,8 @@ class PathRows:
     parameters
         Position and angles, shape (r, 6), for ways of poses; None for others.
     weights
-        The unit of each value's changes in clearances, shape (6,); None for those of the instance.
+        The unit of each drive's changes in clearances, lengths and radians, shape (m,); None for
+        those of the machine.
     numbers, geometry
         For ways of drives: what they are at, shape (r, m), and the platform that they move.
     """
@@ -117,11 +113,8 @@ class PathRows:
 
     @property
     def units(self) -> Array:
-        """The unit of each value's or drive's changes in clearances."""
-        if self.machine.moves:
-            return drive_weights(self.instance)[0]
-        weights = range_weights(self.instance) if self.weights is None else self.weights
-        return np.ones(6) if weights is None else weights
+        """The unit of each drive's changes in clearances, lengths and radians, shape (m,)."""
+        return weights_of(self.machine)[0] if self.weights is None else self.weights
 
     def placed(self, R: Array, T: Array, q: Array | None = None) -> Arrangement:
         """Return the platform at poses, its driven points where they are there."""
@@ -138,35 +131,29 @@ class PathRows:
 
     def clearances(self, R: Array, T: Array) -> Array:
         """Return proved clearances of poses, in values or drives, shape (n,)."""
-        if self.machine.moves:
-            return drive_clearances(self.instance, R, T, working_modes=self.machine.signs)[0]
-        return clearances(self.instance, R, T, weights=self.units)
+        return clearances(self.machine, R, T, weights=self.units)[0]
 
     def travels(self) -> Array:
-        """Bound how far values or drives move from row to row, shape (r - 1, 6 or m)."""
+        """Bound how far drives move from row to row, shape (r - 1, m)."""
         if self.parameters is not None:
             return self.moved(self.parameters[:-1], self.parameters[1:])
         return np.asarray(above(np.abs(np.diff(self.moving_numbers, axis=0))))
 
     def moved(self, begins: Array, ends: Array) -> Array:
-        """Bound how far values or drives move on straight ways of poses, shape (n, 6 or m)."""
+        """Bound how far drives move on straight ways of poses, shape (n, m)."""
         assert isinstance(self.ways, PoseWays)
-        found = drive_travels(self.ways, begins, ends)
-        if not self.machine.moves:
-            a = Arrangement.of(self.instance)
-            found[:, a.angles] /= a.in_radians
-        return np.asarray(above(found))
+        return np.asarray(above(drive_travels(self.ways, begins, ends)))
 
     @property
     def moving_numbers(self) -> Array:
-        """Return what changes linearly between rows of values or drives, shape (r, 6 or m)."""
-        return self.values if self.numbers is None else self.numbers
+        """The numbers of drives, which change linearly between rows of values or drives, (r, m)."""
+        return self.values * self.machine.units if self.numbers is None else self.numbers
 
     def followed(self) -> MovingRows | None:
         """Return the rows as they are followed; None if no step knows what moves."""
         if not self.machine.moves:
             assert isinstance(self.ways, ValueWays)
-            return MovingRows(self.ways.follower, self.values, self.R, self.T, self.values)
+            return MovingRows(self.ways.follower, self.values, self.R, self.T, self.moving_numbers)
         if self.geometry is None or self.numbers is None or self.geometry.rows is None:
             return None
         drives, follower = self.machine, self.geometry.rows
@@ -188,7 +175,7 @@ class MovingRows(NamedTuple):
     T: Array
     """The poses, shapes (r, 3, 3) and (r, 3)."""
     numbers: Array
-    """The values, shape (r, 6), or all drives, lengths and radians, shape (r, m)."""
+    """All drives, lengths and radians, shape (r, m)."""
     drives: Machine | None = None
     """The cranks and slides, if they move."""
 
@@ -203,7 +190,7 @@ class Near(NamedTuple):
     turns: Array
     """By which angle the platform turns, in radians, shape (n,)."""
     changes: Callable[[], Array]
-    """Returns how far each value, or each drive, is from that in the middle, shape (n, 6 or m)."""
+    """Returns how far each drive is from that in the middle, lengths and radians, shape (n, m)."""
     q: Array | None = None
     """The numbers of cranks and slides at the poses, shape (n, m), if there are any."""
     slips: Array | None = None
@@ -1311,7 +1298,7 @@ def _rows(
     # Limits are judged apart: a way that leaves them has its condition numbers all the same.
     rows = tuple(replace(row, limits=None) for row in instance.constraints)
     free = ValueWays(replace(instance, constraints=rows), np.sign(values[0]))
-    return PathRows(free, values, R, T, weights=range_weights(track.instance))
+    return PathRows(free, values, R, T, weights=weights_of(value_machine(track.instance))[0])
 
 
 def _of_drives(track: Track, k: int, there: NDArray[np.int64]) -> PathRows:

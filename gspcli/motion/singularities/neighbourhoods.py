@@ -164,6 +164,8 @@ class Neighbourhood:
 
     def __init__(self, platform: MovingPlatform, points: Array, values: Array) -> None:
         self.platform, self.points, self.values = platform, points, values
+        laws = platform.equations.laws
+        self._angles = np.isin(laws, (ValueFunction.COSINE, ValueFunction.SINE))
         count, x = len(points), Enclosure(points[:, None])
         #: The seven equations, the Study condition first: values (n, 7), derivatives (n, 7, 8) and
         #: second ones (n, 7, 8, 8); and bounds of the rounding of the first two, shape (n, 7).
@@ -206,14 +208,11 @@ class Neighbourhood:
         """Enclose c of the equations for all values in a box, numbers, shape (n, 6, 1)."""
         c = self.platform.coefficients(self.values)
         # Of a cosine near zero the angle is rounded.
-        laws = self.platform.equations.laws
-        scale = np.where(np.isin(laws, (ValueFunction.COSINE, ValueFunction.SINE)), 1.0, 0.0)
-        return Enclosure.rounded(c[..., None], scale).widened(whole)
+        return Enclosure.rounded(c[..., None], self._angles.astype(float)).widened(whole)
 
     def _changes(self, widths: Array) -> tuple[Array, Array]:
         """Return first-order and whole changes of c by a width, shape (n, 6) each."""
-        laws = self.platform.equations.laws
-        angle = np.isin(laws, (ValueFunction.COSINE, ValueFunction.SINE))
+        laws, angle = self.platform.equations.laws, self._angles
         first = self.platform.slopes(self.values) * widths
         second = np.select([laws == ValueFunction.SQUARE, angle], [widths**2, widths**2 / 2], 0.0)
         # The slope of a cosine errs as the angle does.
@@ -234,6 +233,23 @@ class Neighbourhood:
         for rows, moved, _ in equations(self.platform, x, self._coefficients(whole)):
             found[..., rows + 1] = moved.bend.rad
         return found
+
+    def widths(self, widths: Array) -> Array:
+        """Return widths of the equations for lengths and radians by constraint, shape (6,)."""
+        return np.asarray(widths * np.where(self._angles, 1.0, 1 / self.platform.scale))
+
+    def keeps_working_modes(self, widths: Array, box: Box) -> NDArray[np.bool_]:
+        """Return whether all drives are proved to keep their working modes in boxes, shape (n,).
+
+        Parameters
+        ----------
+        widths
+            Of the equations, shape (n, 6).
+        box
+            What `box` returns for them.
+        """
+        del widths
+        return np.asarray(box.measure < 1)
 
     def box(self, widths: Array) -> Box:
         """Return the bounds when each value changes by at most a width.
@@ -409,9 +425,6 @@ class MachineNeighbourhood(Neighbourhood):
         self._cranks = cranks & self.driven
         #: H' and H'' of the driven constraints, shapes (6, 8, 8); zero for the others.
         self.first, self.second = _derivatives(drives, platform, q)
-        lengths = np.where(cranks, 1.0, 1 / platform.scale)
-        #: Widths of the equations of widths of q: of slides in units of the scale.
-        self._units = np.where(self.driven, lengths, _of_values(platform, drives))
         values = platform.internal(values_at(placed, R[None], T[None]))
         super().__init__(platform, platform.points(R[None], T[None]), values)
         # Points of cranks and slides are rounded, and what follows from them.
@@ -420,10 +433,6 @@ class MachineNeighbourhood(Neighbourhood):
         x = Enclosure(self.points[:, None])
         self._moves = [Jet.quadric(part, x) for part in self._matrices]
         self._rates = self._moves[0].value.mid[..., 0]
-
-    def widths(self, widths: Array) -> Array:
-        """Return widths of the equations for widths of q by constraint, shape (6,)."""
-        return widths * self._units
 
     @property
     def plain(self) -> NDArray[np.bool_]:
@@ -454,16 +463,12 @@ class MachineNeighbourhood(Neighbourhood):
         found[..., 1:] += np.where(self.driven, moved, 0.0)
         return found
 
-    def keeps_working_modes(self, widths: Array, box: Box) -> NDArray[np.bool_]:
-        """Return whether all drives are proved to keep their working modes in a box, shape (1,).
+    def widths(self, widths: Array) -> Array:
+        """Return widths of the equations for lengths and radians by constraint, shape (6,)."""
+        return np.where(self._cranks, widths, super().widths(widths))
 
-        Parameters
-        ----------
-        widths
-            Of the equations, shape (1, 6).
-        box
-            What `box` returns for them.
-        """
+    def keeps_working_modes(self, widths: Array, box: Box) -> NDArray[np.bool_]:
+        """Return whether it is proved, of the one pose, shape (1,)."""
         proved = box.measure < 1
         if not proved.any():
             return np.asarray(proved)
@@ -486,10 +491,20 @@ class MachineNeighbourhood(Neighbourhood):
         return first * cosine + second * Enclosure(np.zeros((*d.shape, 1)), d)
 
 
-def _of_values(platform: MovingPlatform, drives: Machine) -> Array:
-    """Return the internal widths of widths of driven values, lengths and radians, shape (6,)."""
-    units = drives.units[drives.index]
-    return platform.internal(np.ones(6)) / units
+def neighbourhoods(
+    machine: Machine, R: Array, T: Array, q: Array
+) -> Iterator[tuple[slice, Neighbourhood]]:
+    """Yield which of n poses, and the equations near them; q has shape (n, m).
+
+    All are together if only values change; cranks and slides have another geometry at each pose.
+    """
+    if machine.moves:
+        for k in range(len(T)):
+            yield slice(k, k + 1), MachineNeighbourhood(machine, R[k], T[k], q[k])
+    elif len(T):
+        platform = MovingPlatform(apart(machine.instance))
+        values = platform.internal(values_at(machine.instance, R, T))
+        yield slice(None), Neighbourhood(platform, platform.points(R, T), values)
 
 
 def _derivatives(drives: Machine, platform: MovingPlatform, q: Array) -> tuple[Array, Array]:

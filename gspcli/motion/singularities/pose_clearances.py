@@ -318,23 +318,42 @@ def regular(rows: Array, linear: Array, rest: Array, *, cube: bool) -> tuple[Arr
 
 
 @dataclass(frozen=True, eq=False)
-class PoseClearance:
-    """Bounds of the distance of one pose from singular poses, in length units.
+class Clearance:
+    """Bounds of the clearance of one pose: in the drives, or the distance from singular poses.
 
     Attributes
     ----------
     lower
-        Proved lower bound: no nearer pose is singular.
+        Proved lower bound: up to here there is exactly one continuation, and no singularity.
     upper
-        Proved upper bound: a pose nearer than this is singular; infinite if none was found.
+        Of drives the distance of the nearest singularity that was found on the lines to the
+        corners of the box, or of the end of the range of a value; infinite if neither was found. Of
+        values it is a proved fold of this mode. Of poses it is proved: a nearer pose is singular.
     R, T
-        A pose within a billionth of `upper` from a singular one, shapes (3, 3) and (3,), or None.
+        The singular pose, of poses one within a billionth of `upper` from it; shapes (3, 3) and
+        (3,). None if there is none.
+    numbers
+        Of drives: the numbers there, lengths and radians, shape (m,); None if infinite.
+    end
+        The index of the constraint whose value is at an end of its range, such as a distance of
+        zero; None for a singular pose.
+    working_modes
+        Of drives, proved: up to here no drive comes to a dead point; at most ``lower``.
+    dead_point
+        The change at the nearest dead point that was found; infinite if there is none.
+    drive
+        The index of the drive that is at it, or None.
     """
 
     lower: float
-    upper: float
-    R: Array | None
-    T: Array | None
+    upper: float = np.inf
+    R: Array | None = None
+    T: Array | None = None
+    numbers: Array | None = None
+    end: int | None = None
+    working_modes: float = 0.0
+    dead_point: float = np.inf
+    drive: int | None = None
 
     @property
     def ratio(self) -> float:
@@ -391,7 +410,7 @@ def pose_clearance(
     points: ArrayLike | None = None,
     refine: bool = False,
     seed: int = SEED,
-) -> PoseClearance:
+) -> Clearance:
     """Return proved bounds of the distance of a pose from the nearest singular one.
 
     For the upper bound the determinant is searched for a change of its sign along rays, which are
@@ -414,15 +433,15 @@ def pose_clearance(
     screws = Screws(home)
     lower = float(_balls(home)[0])
     if lower == 0:
-        return PoseClearance(0.0, np.inf, None, None)
+        return Clearance(0.0)
     found = _nearest(screws, _MANY_RAYS if refine else _RAYS, seed)
     upper = np.inf if found is None else float(np.linalg.norm(found)) * (1 + _MOVED)
     if refine:
         lower = _divided(screws, lower, min(upper, _WIDEST * lower))
     if found is None:
-        return PoseClearance(lower, np.inf, None, None)
+        return Clearance(lower)
     at, shift = home.poses(found[None])
-    return PoseClearance(lower, upper, at[0], shift[0])
+    return Clearance(lower, upper, at[0], shift[0])
 
 
 def _divided(screws: Screws, proved: float, size: float) -> float:

@@ -33,7 +33,7 @@ from gspcli.motion.following.branch_follower import (
 )
 from gspcli.motion.following.tracks import NEARLY_SINGULAR, Event, Run, Track, track
 from gspcli.motion.poses.inverse_kinematics import drive_values
-from gspcli.motion.singularities.clearances import clearances, drive_clearances, range_weights
+from gspcli.motion.singularities.clearances import clearances, value_machine
 from gspcli.motion.singularities.pose_clearances import pose_clearances
 from gspcli.records import Tabular, dataclass
 from gspcli.solver import solve, solve_batch
@@ -371,15 +371,14 @@ class ScanRows:
     def clearances(self, row: Array, R: Array, T: Array) -> Array:
         """Return proved clearances of poses at a row, in what varies: values or drives, (n,)."""
         if not self._chosen or not len(R):
-            return clearances(self.instance, R, T, weights=range_weights(self.instance))
-        machine = self._machine(row)
-        drives = Machine.of(machine)
+            return clearances(value_machine(self.instance), R, T)[0]
+        drives = Machine.of(self._machine(row))
         q = np.zeros(drives.count)
         at = [drives.names.index(one.name) for one in self._chosen]
         q[at] = row[len(self._values) :] * drives.units[at]
         # Each pose is in working modes of its own: those that have the drives there.
         gains = drives.gains(R, T, np.tile(q, (len(T), 1)))
-        return drive_clearances(machine, R, T, working_modes=np.where(gains < 0, -1, 1))[0]
+        return clearances(drives, R, T, working_modes=np.where(gains < 0, -1, 1))[0]
 
     def track(self, start: Sequence[int], goal: Sequence[int], seed: int) -> Track:
         """Follow all real modes from one node to another, with proof; t is 1 and 2 there."""

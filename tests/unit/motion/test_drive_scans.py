@@ -18,7 +18,7 @@ from gspcli.geometry.numbers import Number
 from gspcli.motion.files.pose_files import PoseFormat
 from gspcli.motion.following.branch_follower import MovingGeometry
 from gspcli.motion.poses.inverse_kinematics import values_at
-from gspcli.motion.singularities.clearances import drive_clearances, drive_weights
+from gspcli.motion.singularities.clearances import clearances, weights_of
 from gspcli.motion.singularities.scans import Axis, PoseScan, scan
 from tests.support.driven_machines import driven
 
@@ -177,9 +177,7 @@ def test_the_clearance_of_a_node_is_the_least_of_its_modes(name, drive, places):
             one = slice(k, k + 1)
             working_modes = np.sign(drives.gains(R[one], T[one], q[None]))[0]
             assert drives.inverse(R[k], T[k], working_modes) == pytest.approx(q, abs=1e-9)
-            least.append(
-                drive_clearances(machine, R[one], T[one], working_modes=working_modes)[0][0]
-            )
+            least.append(clearances(drives, R[one], T[one], working_modes=working_modes)[0][0])
         assert clearance == pytest.approx(min(least), rel=1e-3)
         assert clearance > 0
     assert list(found.to_frame().columns) == [drive, "modes", "condition", "clearance"]
@@ -189,7 +187,7 @@ def test_no_fold_is_nearer_than_the_clearance():
     machine = driven("t-top-head")
     found = scan(machine, {"crank.B1": [15.0, 25.0]}, folds=True, clearance=True)
     (fold,) = found.limits.crossings
-    near = found.found.clearances * drive_weights(machine)[0][0] / np.radians(1)
+    near = found.found.clearances * weights_of(Machine.of(machine))[0][0] / np.radians(1)
     assert 0 < near[0] <= fold.values[0] - 15
     assert 0 < near[1] <= 25 - fold.values[0]
 

@@ -19,6 +19,7 @@ from gspcli.certification import certify as certify_alone
 from gspcli.certification.counting import ExactCount, exact_count, with_points_for_lines
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance, Side
+from gspcli.geometry.machine import Machine
 from gspcli.geometry.measurement import measured, relative_residuals, residuals
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Line, Plane, vector
@@ -532,7 +533,7 @@ def test_no_clearance_is_claimed_where_distances_jump() -> None:
     instance = _spec()
     result = solve(instance)
     R, T = result.R[result.real].real, result.T[result.real].real
-    assert clearances(instance, R, T).tolist() == [0, 0]
+    assert clearances(Machine.of(instance), R, T)[0].tolist() == [0, 0]
 
 
 # Where the lines of a DLL are parallel its equation holds at every distance: no pose.

@@ -7,6 +7,7 @@ import gspcli
 from gspcli import _kernel
 from gspcli.certification.branches import arcs
 from gspcli.errors import GspError
+from gspcli.geometry.machine import Machine
 from gspcli.geometry.quaternions import rotation_from_quaternion, rotation_from_vector
 from gspcli.geometry.random_instances import random_instance
 from gspcli.motion import FollowOptions, MovingPlatform, measure, track
@@ -330,7 +331,7 @@ def test_there_is_no_clearance_where_lines_meet():
     real = gspcli.solve(meeting)
     R, T = real.R[real.real].real, real.T[real.real].real
     assert len(R)
-    assert (clearances(meeting, R, T) == 0).all()
+    assert (clearances(Machine.of(meeting), R, T)[0] == 0).all()
 
 
 def test_conditions_are_those_of_solve():

@@ -9,6 +9,7 @@ import pytest
 
 import gspcli
 from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.machine import Machine
 from gspcli.geometry.measurement import condition_numbers
 from gspcli.geometry.quaternions import rotation_from_quaternion
 from gspcli.motion.following.tracks import track_from
@@ -22,7 +23,7 @@ from gspcli.motion.paths.between import (
 )
 from gspcli.motion.paths.ways import PoseWays, ValueWays
 from gspcli.motion.poses.inverse_kinematics import values_at
-from gspcli.motion.singularities.clearances import clearances, range_weights
+from gspcli.motion.singularities.clearances import clearances, weights_of
 from tests.unit.motion.paths.test_pose_ways import MACHINES, ways_of
 
 
@@ -74,7 +75,7 @@ def rows_on_values(name, change, count=4):
         instance, constraints=tuple(replace(row, limits=None) for row in instance.constraints)
     )
     ways = ValueWays(free, np.sign(values))
-    weights = range_weights(instance)
+    weights = weights_of(Machine.of(instance))[0]
     return PathRows(ways, *found[0], weights=weights), found[1], weights
 
 
@@ -96,7 +97,7 @@ def test_bounds_along_values_hold_at_samples(name, change):
     assert at.max() <= worst * (1 + 1e-9)
     assert worst <= between.max() <= 1.5 * worst
     some = slice(None, None, 10)
-    least = clearances(instance, R[some], T[some], weights=weights).min()
+    least = clearances(rows.machine, R[some], T[some], weights=weights)[0].min()
     at, between = least_clearances(rows, 0.7 * least)
     assert between.min() >= 0.7 * least
     assert between.min() <= at.min()
@@ -121,7 +122,7 @@ def test_bounds_along_poses_hold_at_samples(name):
     _, between = largest_conditions(rows, 1.5 * worst)
     assert worst <= between.max() <= 1.5 * worst
     some = slice(None, None, 20)
-    least = clearances(instance, R[some], T[some], weights=rows.units).min()
+    least = clearances(rows.machine, R[some], T[some], weights=rows.units)[0].min()
     _, between = least_clearances(rows, 0.5 * least)
     assert 0.5 * least <= between.min() <= least * (1 + 1e-9)
 
@@ -178,6 +179,6 @@ def test_a_clearance_falls_with_the_way():
         rows, (_, R, T), _ = rows_on_values("workspace-study", change, count=2)
         at, between = least_clearances(rows, 0.0)
         travel = (np.abs(np.diff(rows.values, axis=0)) / rows.units).max()
-        middle = clearances(rows.instance, R[100:101], T[100:101], weights=rows.units)[0]
+        middle = clearances(rows.machine, R[100:101], T[100:101], weights=rows.units)[0][0]
         assert between[0] <= min(at.min(), middle)
         assert between[0] > middle - travel

@@ -13,7 +13,7 @@ from gspcli.motion import mode_groups
 from gspcli.motion.following.tracks import departures
 from gspcli.motion.paths.between import PathRows
 from gspcli.motion.paths.ways import PoseWays
-from gspcli.motion.singularities.clearances import drive_clearances, drive_weights
+from gspcli.motion.singularities.clearances import clearances, weights_of
 from gspcli.motion.singularities.neighbourhoods import MachineNeighbourhood
 
 #: Machines with six freedoms; delta and three-prs have three.
@@ -166,20 +166,22 @@ def test_a_map_of_positions_where_rods_share_cranks():
 def test_a_clearance_of_the_drives_is_kept_between_the_rows(along):
     instance = gspcli.example("three-prs")
     start, goal = home_of(instance), near(instance, 0.0, 0.03)
-    ends = [drive_clearances(instance, R[None], T[None])[0][0] for R, T in (start, goal)]
+    ends = [clearances(Machine.of(instance), R[None], T[None])[0][0] for R, T in (start, goal)]
     clear = 0.7 * min(ends)
     found = checked(gspcli.path(instance, start, goal, along=along, clear=clear), start)
     assert found.clearances[[0, -1]].tolist() == pytest.approx(ends, rel=1e-9)
     assert clear <= found.parts[0].clearance < min(ends)
     assert found.rows()[0]["clearance"] == found.clearances[0]
     middle = found.T[:-1] + np.diff(found.T, axis=0) / 3
-    assert (drive_clearances(instance, found.R[:-1], middle)[0] >= found.parts[0].clearance).all()
+    assert (
+        clearances(Machine.of(instance), found.R[:-1], middle)[0] >= found.parts[0].clearance
+    ).all()
 
 
 def test_more_clearance_than_the_start_has_is_not_kept():
     instance = gspcli.example("three-prs")
     start = home_of(instance)
-    clear = 1.1 * drive_clearances(instance, start[0][None], start[1][None])[0][0]
+    clear = 1.1 * clearances(Machine.of(instance), start[0][None], start[1][None])[0][0]
     goal = near(instance, 0.0, 0.03)
     found = gspcli.path(instance, start, goal, clear=clear, along="values", time=0)
     assert found.verdict == "not found"
@@ -194,7 +196,7 @@ def test_how_far_drives_move_between_rows_is_bounded_closely(along):
     numbers = found.drives if along == "values" else None
     parameters = None if along == "values" else ways.continued(found.R, found.T)
     rows = PathRows(ways, found.values, found.R, found.T, parameters, numbers=numbers)
-    weights = drive_weights(instance)[0]
+    weights = weights_of(motors)[0]
     moved = (np.abs(np.diff(found.drives, axis=0)) / weights).max(axis=1)
     travels = (rows.travels() / weights).max(axis=1)
     assert (travels >= moved).all()

@@ -1,23 +1,30 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import gspcli
 from gspcli.errors import ArgumentError
+from gspcli.geometry.machine import Machine
 from gspcli.geometry.random_instances import random_instance
 from gspcli.motion import MovingPlatform, measure
 from gspcli.motion.following.branch_follower import Stop
 from gspcli.motion.singularities import clearances as module
-from gspcli.motion.singularities.clearances import clearances, each_clearance, range_weights
+from gspcli.motion.singularities.clearances import clearances, each_clearance, weights_of
 from gspcli.motion.singularities.neighbourhoods import SIGNS
 from gspcli.resources import data_path, instance_files
 
 TYPES = ["6PP", "6PH", "6PL", "6DLL", "PP PL LP PH HP DLL", "PL PL LP ALL ALH AHH"]
 
 
-def clearance(instance, R, T, **more):
-    return each_clearance(instance, R[None], T[None], **more)[0]
+def clearance(instance, R, T, weights=None, **more):
+    """Return the clearance of one pose, in the units of the instance."""
+    machine = Machine.of(instance)
+    weights = None if weights is None else weights * machine.units
+    found = each_clearance(machine, R[None], T[None], weights=weights, **more)[0]
+    return replace(found, numbers=None if found.numbers is None else found.numbers / machine.units)
 
 
 def platform(name, seed):
@@ -28,7 +35,7 @@ def platform(name, seed):
 @pytest.mark.parametrize("name", TYPES)
 def test_nothing_is_singular_within_the_lower_bound(name):
     instance, R, T = platform(name, 1)
-    lower = clearances(instance, R[None], T[None])[0]
+    lower = clearances(Machine.of(instance), R[None], T[None])[0][0]
     assert lower > 0
     moving = MovingPlatform(instance)
     values = measure(instance, R, T)
@@ -72,22 +79,23 @@ def test_bounds_of_random_hexapods_are_near_to_each_other():
 
 def test_weights_and_ranges():
     instance = gspcli.load(data_path("platforms", "workspace-study.yaml"))
-    weights = range_weights(instance)
-    assert weights is not None
+    machine = Machine.of(instance)
+    weights, ranged = weights_of(machine)
+    assert ranged
     assert np.allclose(weights, [(c.limits[1].value - c.limits[0].value) / 2 for c in
                                  instance.constraints])  # fmt: skip
     poses = gspcli.solve(instance)
     R, T = poses.R[poses.real].real, poses.T[poses.real].real
-    one = clearances(instance, R, T)
-    assert np.allclose(clearances(instance, R, T, weights=np.full(6, 10)), one / 10, rtol=0.1)
-    assert range_weights(gspcli.load(data_path("examples", "platform-6-6.yaml"))) is None
+    one, ten = (clearances(machine, R, T, weights=np.full(6, x))[0] for x in (1, 10))
+    assert np.allclose(ten, one / 10, rtol=0.1)
+    assert not weights_of(Machine.of(gspcli.example("platform-6-6")))[1]
 
 
 def test_a_singular_pose_has_no_clearance():
     instance = gspcli.load(data_path("examples", "platform-6-6.yaml"))
     values = [[2.53, 2.08, 0.93, 1.97, 1.46, 1.73], [2.6, 2.0, 1.0, 1.9, 1.46, 1.73]]
     fold = gspcli.track(instance, values).events[0]
-    assert clearances(instance, fold.R[None], fold.T[None])[0] < 1e-9
+    assert clearances(Machine.of(instance), fold.R[None], fold.T[None])[0][0] < 1e-9
 
 
 def test_nothing_is_followed_from_a_pose_that_is_exactly_singular():
@@ -124,7 +132,7 @@ def test_no_value_goes_beyond_the_end_of_its_range(weights, every):
 def test_mistakes_are_named():
     instance, R, T = platform("6PP", 0)
     with pytest.raises(ArgumentError, match="weights: found"):
-        clearances(instance, R[None], T[None], weights=[1, 2, 3])
+        clearances(Machine.of(instance), R[None], T[None], weights=[1, 2, 3])
 
 
 @pytest.mark.parametrize("name", ["rubin-m2", "figure-3"])
@@ -138,7 +146,7 @@ def test_many_poses_have_the_clearances_of_each(name: str, monkeypatch) -> None:
     calls = []
     counting = lambda *a, **k: calls.append(a) or clearances(*a, **k)  # noqa: E731
     monkeypatch.setattr(module, "clearances", counting)
-    together = module.each_clearance(instance, R, T)
+    together = module.each_clearance(Machine.of(instance), R, T)
     assert len(calls) == 1
     for one, other in zip(alone, together, strict=True):
         assert (one.lower, one.upper, one.end) == (other.lower, other.upper, other.end)
@@ -146,7 +154,7 @@ def test_many_poses_have_the_clearances_of_each(name: str, monkeypatch) -> None:
 
 def test_no_poses_have_no_clearances() -> None:
     instance = gspcli.load(instance_files()["rubin-m2"])
-    assert not module.each_clearance(instance, np.zeros((0, 3, 3)), np.zeros((0, 3)))
+    assert not module.each_clearance(Machine.of(instance), np.zeros((0, 3, 3)), np.zeros((0, 3)))
 
 
 def test_rounding_errors_do_not_choose_between_folds_that_are_equally_near() -> None:

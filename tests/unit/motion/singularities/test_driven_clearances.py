@@ -16,11 +16,7 @@ from gspcli.geometry.machine import Machine
 from gspcli.geometry.measurement import measured
 from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.motion.following.branch_follower import MovingPlatform
-from gspcli.motion.singularities.clearances import (
-    drive_clearances,
-    drive_weights,
-    each_drive_clearance,
-)
+from gspcli.motion.singularities.clearances import clearances, each_clearance, weights_of
 from gspcli.motion.singularities.neighbourhoods import Box, MachineNeighbourhood, Norm
 from gspcli.spec import loads
 from tests.support.driven_clearances import examine
@@ -194,11 +190,11 @@ def test_no_random_change_contradicts(name: str) -> None:
 def test_what_is_not_reached_has_no_clearance() -> None:
     machine = machines()["reachy 60"]()
     R, T = np.stack([machine.R] * 2), np.stack([machine.T, machine.T + 1.0])
-    lower, working_modes = drive_clearances(machine.instance, R, T)
+    lower, working_modes = clearances(Machine.of(machine.instance), R, T)
     assert lower[0] > 0
     assert working_modes[0] > 0
     assert (lower[1], working_modes[1]) == (0, 0)
-    far = each_drive_clearance(machine.instance, R, T)[1]
+    far = each_clearance(Machine.of(machine.instance), R, T)[1]
     assert (far.lower, far.upper, far.ratio) == (0.0, np.inf, np.inf)
 
 
@@ -220,8 +216,9 @@ def test_the_dead_point_is_the_nearest_on_the_lines_to_the_corners() -> None:
     instance = loads(MIXED)
     home = instance.home
     R, T = home.R(np.pi / 180), home.T
-    drives, units = Machine.of(instance), drive_weights(instance)[0]
-    found = each_drive_clearance(instance, R[None], T[None])[0]
+    drives = Machine.of(instance)
+    units = weights_of(drives)[0]
+    found = each_clearance(drives, R[None], T[None])[0]
     assert found.dead_point == pytest.approx(0.04324, abs=1e-5)
     assert drives.names[found.drive] == "slide.P2"
     q = drives.inverse(R, T)
@@ -243,7 +240,7 @@ def test_the_fold_of_a_symmetric_machine_is_the_same_for_rounding_errors(name: s
     home = instance.home
     R, T = np.tile(home.R(instance.units.angle.in_radians), (4, 1, 1)), np.tile(home.T, (4, 1))
     T += 1e-15 * np.linalg.norm(T[0]) * np.random.default_rng(3).normal(size=T.shape)
-    found = each_drive_clearance(instance, R, T)
+    found = each_clearance(Machine.of(instance), R, T)
     assert np.allclose([one.numbers for one in found], found[0].numbers, rtol=1e-6)
     drives, one = Machine.of(instance), found[0]
     J = drives.jacobian(one.R, one.T, one.numbers)
@@ -253,7 +250,7 @@ def test_the_fold_of_a_symmetric_machine_is_the_same_for_rounding_errors(name: s
 def test_values_that_stay_do_not_move_towards_a_fold() -> None:
     instance = gspcli.example("three-prs")
     home = instance.home
-    (found,) = each_drive_clearance(instance, np.eye(3)[None], np.array([home.T]))
+    (found,) = each_clearance(Machine.of(instance), np.eye(3)[None], np.array([home.T]))
     there = Machine.of(instance).inverse(np.eye(3), home.T)
     assert np.abs(found.numbers[3:] - there[3:]).max() == 0
     assert found.upper == pytest.approx(0.6457513110, rel=1e-8)
@@ -262,8 +259,33 @@ def test_values_that_stay_do_not_move_towards_a_fold() -> None:
 def test_a_dead_point_close_to_the_end_of_a_line_is_found() -> None:
     instance = gspcli.example("reachy-mini-head")
     home = instance.home
-    (found,) = each_drive_clearance(instance, home.R(1.0)[None], np.array([home.T]))
+    (found,) = each_clearance(Machine.of(instance), home.R(1.0)[None], np.array([home.T]))
     assert found.dead_point == pytest.approx(0.774095, abs=1e-5)
+
+
+@pytest.mark.parametrize(("name", "without"), [("three-prs", 0.0935), ("three-rps", 0.1606)])
+def test_values_that_stay_have_no_weight_in_the_proof(name: str, without: float) -> None:
+    """With them able to change less was proved; still nothing within the bound is singular."""
+    instance = gspcli.example(name)
+    home, drives = instance.home, Machine.of(instance)
+    R0, T0 = home.R(instance.units.angle.in_radians), home.T
+    (found,) = each_clearance(drives, R0[None], np.array([T0]))
+    assert 1.5 * without < found.lower < found.upper
+    q, units = drives.inverse(R0, T0), weights_of(drives)[0]
+    still = drives.fixed[drives.first]
+    assert np.abs(found.numbers - q)[still].max() == 0
+    sign = np.sign(np.linalg.det(drives.jacobian(R0, T0, q)))
+    for way in product((-1.0, 1.0), repeat=3):
+        R, T = R0, T0
+        for part in np.linspace(0, found.lower, 21)[1:]:
+            there = q + part * units * np.array([*way, 0, 0, 0])
+            wanted = np.where(drives.driven, drives.rods, there[drives.index])
+            for _ in range(8):
+                off = wanted - measured(drives.arrangement(there), R, T)
+                twist = np.linalg.solve(drives.jacobian(R, T, there), off)
+                R, T = rotation_from_vector(twist[:3]) @ R, T + twist[3:]
+            assert np.abs(off).max() < 1e-9
+            assert np.sign(np.linalg.det(drives.jacobian(R, T, there))) == sign
 
 
 @pytest.mark.parametrize("bed", [print_bed, cranked_bed], ids=["slides", "cranks"])
@@ -271,10 +293,10 @@ def test_within_the_clearance_of_a_bed_no_pose_is_singular(bed) -> None:
     """Followed by Newton's method to random corners of the box that is proved."""
     drives, rng = Machine.of(bed()), np.random.default_rng(3)
     R0, T0 = np.eye(3), np.zeros(3)
-    (found,) = each_drive_clearance(drives.instance, R0[None], T0[None])
+    (found,) = each_clearance(drives, R0[None], T0[None])
     assert found.lower > 0.01
     assert found.upper == np.inf
-    q, units = drives.inverse(R0, T0), drive_weights(drives.instance)[0]
+    q, units = drives.inverse(R0, T0), weights_of(drives)[0]
     sign = np.sign(np.linalg.det(drives.jacobian(R0, T0, q)))
     gains = np.sign(drives.gains(R0, T0, q))
     for way in rng.choice([-1.0, 1.0], size=(12, drives.count)):
