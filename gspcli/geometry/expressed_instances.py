@@ -10,8 +10,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import TypeAlias
 
-from gspcli.catalogue.kinds import Kind, Law
+from gspcli.catalogue.kinds import DPL, Kind, Law
 from gspcli.errors import ArgumentError
+from gspcli.geometry import study
 from gspcli.geometry.frames import NO_HOME
 from gspcli.geometry.instance import AngleUnit, HomePose, Instance, Shapes, Side
 from gspcli.geometry.numbers import Number, Real, parse_number
@@ -220,52 +221,36 @@ def home_value(
         characters; otherwise the nearest double. Distances to planes are positive on the side of
         the constraint, and moduli if that is both.
     """
-    R = rotation(home, unit)
-    u, v = (_direction(one) for one in (platform, base))
-    u = u and turned(R, u)
-    if kind.is_distance:
-        place = turned(R, platform.position)
-        r = [a + (t - x) for a, t, x in zip(place, home.position, base.position, strict=True)]
-        value = _distance(kind, r, u, v)
-    else:
-        assert u is not None
-        assert v is not None
-        value = _angle(kind, u, v, unit)
-    value = _written(value)
+    value = _written(_measured(kind, platform, base, home, unit))
     if side is Side.NEGATIVE or (side is Side.BOTH and kind.is_distance and value.value < 0):
         value = -value
     return value
 
 
-def _distance(kind: Kind, r: Vector, u: Vector | None, v: Vector | None) -> Number:
-    """Return a distance; signed for planes and lines."""
+def _measured(
+    kind: Kind, platform: Geometry, base: Geometry, home: HomePose, unit: AngleUnit
+) -> Number:
+    """Return what a constraint measures; signed for planes and lines."""
+    motion = study.forms_of_pose(rotation(home, unit), home.position)
+    u, v = (() if isinstance(one, Point) else one.vector for one in (platform, base))
+    forms = study.forms_of(kind, platform.position, base.position, u, v)
+    first: Number
+    further: list[Number]
+    first, *further = (sum(x * motion[k] for k, x in form.items()) for form in forms)
+    sizes = (dot(u, u) if u else _ONE) * (dot(v, v) if v else _ONE)
     if kind.law is Law.MOMENT:
-        assert u is not None
-        assert v is not None
-        normal = _cross(u, v)
-        if any(x.value for x in normal):
-            return dot(r, normal) / _root(dot(normal, normal))
-        u = None
-    along = u or v
-    if along is None:
-        return _root(dot(r, r))
-    if kind.has_sides:
-        # The normal of the base points to the platform's point, that of the platform from it.
-        height = dot(r, along) if u is None else -dot(r, along)
-        return height / _root(dot(along, along))
-    across = _cross(r, along)
-    return _root(dot(across, across) / dot(along, along))
-
-
-def _angle(kind: Kind, u: Vector, v: Vector, unit: AngleUnit) -> Number:
+        sine = sizes - further[0] * further[0]
+        if sine.value:
+            return first / _root(sine)
+        return _measured(DPL, Point(platform.position), base, home, unit)
+    if kind.law is Law.SQUARE:
+        return _root(first - further[0] * further[0] / sizes if further else first)
+    quotient = first / _root(sizes)
+    if kind.is_distance:
+        return quotient
     law = kind.law
-    cosine = dot(u, v) / _root(dot(u, u) * dot(v, v))
-    if law.sign < 0:
-        cosine = -cosine
-    angle = Number("acos" if law.is_cosine else "asin", (cosine,))
-    if unit is AngleUnit.DEGREE:
-        angle = angle * Number.of(180) / Number("pi")
-    return angle
+    angle = Number("acos" if law.is_cosine else "asin", (quotient * law.sign,))
+    return angle * 180 / Number("pi") if unit is AngleUnit.DEGREE else angle
 
 
 def _written(value: Number) -> Number:
@@ -274,14 +259,6 @@ def _written(value: Number) -> Number:
     if inside.fraction is not None and len(str(value)) <= _LONGEST:
         return value
     return Number.of(value.value)
-
-
-def _direction(geometry: Geometry) -> Vector | None:
-    return geometry.vector if isinstance(geometry, Line | Plane) else None
-
-
-def _cross(a: Vector, b: Vector) -> Vector:
-    return [a[j] * b[k] - a[k] * b[j] for j, k in ((1, 2), (2, 0), (0, 1))]
 
 
 def _root(square: Number) -> Number:

@@ -199,20 +199,25 @@ class Number:
         with ctx.workprec(bits):
             return self.ball(clipped=True)
 
-    def __add__(self, other: Number) -> Number:
+    def __add__(self, other: Number | int) -> Number:
         """Return the sum; as all results of operators one fraction if it is rational."""
+        other = Number.of(other)
         return self if other.fraction == 0 else _folded("+", self, other)
 
-    def __sub__(self, other: Number) -> Number:
+    def __sub__(self, other: Number | int) -> Number:
+        other = Number.of(other)
         return self if other.fraction == 0 else _folded("-", self, other)
 
-    def __mul__(self, other: Number) -> Number:
+    def __mul__(self, other: Number | int) -> Number:
+        other = Number.of(other)
         if self.fraction == 0 or other.fraction == 0:
             return Number("rational", (Fraction(0),))
         return _folded("*", self, other)
 
-    def __truediv__(self, other: Number) -> Number:
-        return _folded("/", self, other)
+    def __truediv__(self, other: Number | int) -> Number:
+        return _folded("/", self, Number.of(other))
+
+    __radd__, __rmul__ = __add__, __mul__
 
     def __neg__(self) -> Number:
         return _folded("neg", self)

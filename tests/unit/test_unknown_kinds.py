@@ -8,18 +8,25 @@ from typing import Any
 
 import numpy as np
 import pytest
+from flint import ctx
 
 from gspcli import Line, Plane, Point, distance, measure, solve
 from gspcli.catalogue.kinds import ANGLE_KINDS, Kind, Law, Primitive, Quantity
+from gspcli.certification.branches.parametric_quadrics import moving_equations
 from gspcli.certification.counting import count_exactly
+from gspcli.certification.counting.modular_platform import ModularPlatform
+from gspcli.certification.equations.ball_system import BallSystem
 from gspcli.certification.equations.local_frames import OWN
 from gspcli.certification.poses.many_values import ValueProofs
 from gspcli.export.chains import chain
 from gspcli.export.polynomial_systems import study, system
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Units
+from gspcli.geometry.expressed_instances import home_value
+from gspcli.geometry.instance import AngleUnit, Constraint, HomePose, Instance, Side, Units
 from gspcli.geometry.measurement import jacobian, polynomial
 from gspcli.geometry.numbers import Number
+from gspcli.geometry.study import _FORMS as forms
+from gspcli.geometry.study import base_height
 from gspcli.geometry.three_angles import measures
 from gspcli.pictures.stage import connection
 from gspcli.solver.study_systems import target_systems
@@ -28,6 +35,7 @@ from tools.atlas.groebner import FramedPrimitive, equation
 #: What a wider definition might add: the distance of two parallel planes.
 PLANES = Kind(Quantity.DISTANCE, Primitive.PLANE, Primitive.PLANE, 10, Law.SIGNED, "a")
 BODY = FramedPrimitive((0, 0, 1), ((1, 0, 0), (0, 1, 0), (0, 0, 1)))
+ENDS = Plane([0, 0, 1], [0, 1, 1]), Plane([0, 0, 2], [0, 1, 1])
 Z, UNIT = np.zeros(3), np.array([0.0, 0.0, 1.0])
 ONE = np.ones((1, 6))
 
@@ -72,6 +80,27 @@ DERIVED: dict[str, Callable[[Kind], Any]] = {
 def test_an_unknown_distance_is_an_error(what: str) -> None:
     with pytest.raises((ValueError, KeyError), match=PLANES.name):
         (STATEMENTS | DERIVED)[what](PLANES)
+
+
+@pytest.mark.parametrize(
+    "use",
+    [
+        lambda kind: target_systems(arrangement(kind).normalized),
+        lambda kind: BallSystem(platform(kind), 64),
+        lambda kind: moving_equations(platform(kind)),
+        lambda kind: ModularPlatform(platform(kind), 0).equations([1] * 6),
+        lambda kind: home_value(kind, Side.BOTH, *ENDS, HomePose([0, 0, 1]), AngleUnit.DEGREE),
+    ],
+    ids=["paths", "proofs", "moving values", "count", "value at home"],
+)
+def test_equations_of_a_kind_follow_from_its_quadrics(
+    use: Callable[[Kind], Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A kind of a law that there is needs no other statement to be solved, proved and counted."""
+    kind = Kind(Quantity.DISTANCE, Primitive.PLANE, Primitive.PLANE, 10, Law.SIGNED, "p")
+    monkeypatch.setitem(forms, kind, lambda a, b, u, v: [base_height(a, b, v)])
+    with ctx.workprec(64):
+        use(kind)
 
 
 @pytest.mark.parametrize("kind", ANGLE_KINDS, ids=str)
