@@ -12,6 +12,7 @@ from pathlib import Path
 import gspcli
 
 ROOT = Path(gspcli.__file__).parent
+NATIVE = Path(__file__).parents[2] / "native"
 TYPE = "geometry/enclosures.py"
 #: Literal powers, and names of factors and errors.
 CONSTANT = re.compile(
@@ -32,7 +33,7 @@ BOUNDS = {
 }
 #: What rounding of doubles may do where nothing is proved.
 DOUBLES = {
-    "continuation/endpoints.py": (1, "residuals and coefficients, of what is clearly simple"),
+    "continuation/tracker.py": (1, "residuals and coefficients, of what is clearly simple"),
     "geometry/limits.py": (1, "readings at the end of a range"),
     "geometry/measurement.py": (1, "singular values that may be zero, as NumPy's rank has it"),
     "motion/following/tracks.py": (1, "poses that are compared, by their condition number"),
@@ -51,6 +52,28 @@ OTHERS = {
     "motion/following/follower.py": (1, "the shortest step"),
     "motion/paths/between.py": (1, "the shortest piece"),
 }
+#: Negative powers of two in the kernel, by file: how many, and why. Those that are counted run with
+#: numbers that count roundings, and those that are sampled beside more digits
+#: (`tests/unit/motion/following/test_roundings.py`).
+KERNEL = {
+    "balls.hpp": (4, "the type of intervals: one rounding, its sums, and the least number"),
+    "box_forms.hpp": (1, "sums of intervals of the type"),
+    "correct_rounding.hpp": (7, "sampled; steps of the grid of rounded numbers"),
+    "drive_chain.hpp": (3, "directions to points, some operations; bounds from below"),
+    "drives.cpp": (1, "no proof: places without an order"),
+    "ends.cpp": (1, "sampled: values with 32 digits"),
+    "far_paths.hpp": (2, "no proof: where paths stop"),
+    "far_poses.cpp": (4, "sampled: shifts and values with 32 digits; the least part"),
+    "fine_far_poses.cpp": (3, "sampled: forms with 32 digits"),
+    "fine_points.cpp": (1, "a bound from below"),
+    "gaps.cpp": (2, "distances of hulls, beside exact ones in their tests"),
+    "inverse.hpp": (5, "counted: derivatives, products, sums of sizes, steps"),
+    "pose_box.hpp": (1, "sines of the C library"),
+    "reach.cpp": (1, "a bound from below"),
+    "reach_module.cpp": (2, "corners of boxes, as wide as they may be computed elsewhere"),
+    "branch_follower.cpp": (1, "ends of segments of one mode"),
+    "segment_proof.hpp": (5, "counted: values, gradients, products; a sampled parabola"),
+}
 
 
 def test_no_file_has_more_constants_of_rounding_than_are_listed() -> None:
@@ -65,3 +88,11 @@ def test_no_file_has_more_constants_of_rounding_than_are_listed() -> None:
 
 def test_there_are_few_constants_of_rounding() -> None:
     assert sum(count for count, _ in (BOUNDS | DOUBLES).values()) <= MOST
+
+
+def test_powers_of_two_in_the_kernel_are_listed() -> None:
+    found = {}
+    for path in sorted(NATIVE.iterdir()):
+        if count := len(re.findall(r"0x1p-\d", re.sub("//.*", "", path.read_text("utf-8")))):
+            found[path.name] = count
+    assert found == {name: count for name, (count, _) in KERNEL.items()}
