@@ -189,8 +189,9 @@ def canonical_bonds(bonds: Iterable[Bond]) -> tuple[Bond, ...]:
     ordered = sorted(bonds, key=lambda bond: bond.kind)
     for bond, times in Counter(ordered).items():
         if times > 1:
-            message = f"{bond} stands twice: a pair carries each kind of constraint at most once"
-            raise TypeNameError(message)
+            raise TypeNameError(
+                f"{bond} stands twice: a pair carries each kind of constraint at most once"
+            )
     kinds = tuple(bond.kind for bond in ordered)
     return _bonds(kinds, _least_pairs(kinds, [(bond.platform, bond.base) for bond in ordered]))
 
@@ -198,18 +199,16 @@ def canonical_bonds(bonds: Iterable[Bond]) -> tuple[Bond, ...]:
 def _parse_bond(word: str) -> Bond:
     match = _BOND.fullmatch(word)
     if match is None:
-        message = (
+        raise TypeNameError(
             f"{shown(word)} is no constraint between named primitives: write P1-p2 for a distance, "
             "L1^h2 for an angle\na capital is a primitive of the platform, a small letter one "
             "of the base"
         )
-        raise TypeNameError(message)
     platform, i, mark, base, j = match.groups()
     kind = KINDS_BY_NAME.get(_QUANTITIES[mark] + platform + base.upper())
     if kind is None:
         what = {"-": "distance", "^": "angle"}[mark]
-        message = f"{shown(word)}: there is no {what} of {platform} and {base.upper()}"
-        raise TypeNameError(message)
+        raise TypeNameError(f"{shown(word)}: there is no {what} of {platform} and {base.upper()}")
     return Bond(kind, int(i), int(j))
 
 

@@ -116,8 +116,7 @@ def _recorded() -> dict[tuple[Kind, ...], GenericCounts]:
             for row in [rows[family.id]]
         }
     except KeyError as error:
-        message = f"{FOLDER}/{FAMILIES_FILE} has no row for {error.args[0]}"
-        raise DataError(message) from error
+        raise DataError(f"{FOLDER}/{FAMILIES_FILE} has no row for {error.args[0]}") from error
 
 
 def _rows(name: str) -> list[dict[str, str]]:
@@ -290,11 +289,10 @@ def witness_with(family: Family, real: int) -> Witness:
             if place.real == real:
                 found = platform_at(Family(family.platform_class, name), place)
                 return found if name == family.distances else found.exchanged
-    message = (
+    raise GspError(
         f"{family.id}: no platform with {real} real poses is recorded:"
         f" there are some with {spelled(real_counts(family)) or 'none'}"
     )
-    raise GspError(message)
 
 
 def recorded_real_counts() -> Iterator[tuple[Family, tuple[PlaceOnLine, ...]]]:

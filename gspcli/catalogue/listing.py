@@ -95,8 +95,7 @@ def column(key: str) -> TypeColumn:
     """
     found = COLUMNS_BY_KEY.get(key.strip().lower().replace("-", "_"))
     if found is None:
-        message = f"unknown column {shown(key)}: the columns are {', '.join(COLUMNS_BY_KEY)}"
-        raise GspError(message)
+        raise GspError(f"unknown column {shown(key)}: the columns are {', '.join(COLUMNS_BY_KEY)}")
     return found
 
 
@@ -168,8 +167,7 @@ class TypeList(Sequence[GspType]):
         for key, ceiling in (at_most or {}).items():
             limited = column(key)
             if not limited.numeric:
-                message = f"column {limited.key} has no numbers to compare with {ceiling}"
-                raise GspError(message)
+                raise GspError(f"column {limited.key} has no numbers to compare with {ceiling}")
             ceilings.append((limited.read, ceiling))
 
         def keeps(gsp_type: GspType) -> bool:

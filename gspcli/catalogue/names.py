@@ -37,8 +37,9 @@ def parse_class(text: str) -> PlatformClass:
     """
     found = _CLASSES_BY_ID.get(_joined(text).strip().upper())
     if found is None:
-        message = f"unknown class {shown(text)}: the classes are {', '.join(_CLASSES_BY_ID)}"
-        raise TypeNameError(message)
+        raise TypeNameError(
+            f"unknown class {shown(text)}: the classes are {', '.join(_CLASSES_BY_ID)}"
+        )
     return found
 
 
@@ -53,8 +54,7 @@ def parse_kind(text: str) -> Kind:
     found = parse_kinds(text)
     if len(found) > 1:
         names = " or ".join(kind.name for kind in found)
-        message = f"{shown(text)} is {names}: give the leading letter"
-        raise TypeNameError(message)
+        raise TypeNameError(f"{shown(text)} is {names}: give the leading letter")
     return found[0]
 
 
@@ -98,8 +98,9 @@ def _joined(text: str | Sequence[str]) -> str:
     try:
         return text if isinstance(text, str) else " ".join(text)
     except TypeError as error:
-        message = f"found a {type(text).__name__}, expected a text, such as 6PP or DPL"
-        raise ArgumentError(message) from error
+        raise ArgumentError(
+            f"found a {type(text).__name__}, expected a text, such as 6PP or DPL"
+        ) from error
 
 
 def _words(text: str | Sequence[str]) -> list[str]:
@@ -109,8 +110,7 @@ def _words(text: str | Sequence[str]) -> list[str]:
         if repeated and word not in _CLASSES_BY_ID:
             count, name = (repeated[1], repeated[2]) if repeated[1] else (repeated[4], repeated[3])
             if int(count) > CONSTRAINTS:
-                message = f"{shown(word)}: a platform has six constraints"
-                raise TypeNameError(message)
+                raise TypeNameError(f"{shown(word)}: a platform has six constraints")
             words += [name] * int(count)
         elif word:
             words.append(word)
@@ -139,8 +139,9 @@ def parse_name(text: str | Sequence[str]) -> GspType | Family:
     alias = find_alias(text)
     words = _words(text if alias is None else alias.type_name)
     if not words:
-        message = "no type given: write six kinds, a number, or a family as 3D3A PL PL LP"
-        raise TypeNameError(message)
+        raise TypeNameError(
+            "no type given: write six kinds, a number, or a family as 3D3A PL PL LP"
+        )
     number = words[0].lstrip("#")
     if len(words) == 1 and number.isdecimal():
         # Python refuses to read integers of thousands of digits.
@@ -169,19 +170,17 @@ def _assemble(named: PlatformClass | None, choices: list[tuple[Kind, ...]]) -> G
         choices = _resolve_by_class(named, choices)
     gsp_type = GspType.of(kinds[0] for kinds in choices)
     if named is not None and gsp_type.platform_class != named:
-        message = f"{gsp_type.id} is of class {gsp_type.platform_class}, not {named}"
-        raise TypeNameError(message)
+        raise TypeNameError(f"{gsp_type.id} is of class {gsp_type.platform_class}, not {named}")
     return gsp_type
 
 
 def _reject_ambiguity(named: PlatformClass | None, choices: list[tuple[Kind, ...]]) -> None:
     if named is None and any(len(kinds) > 1 for kinds in choices):
         names = " or ".join(kind.name for kinds in choices if len(kinds) > 1 for kind in kinds[:2])
-        message = (
+        raise TypeNameError(
             f"LL can be {' or '.join(dict.fromkeys(names.split(' or ')))}: "
             "give the leading letter, or the class first"
         )
-        raise TypeNameError(message)
 
 
 def _resolve_by_class(
@@ -210,11 +209,10 @@ def parse_type(text: str | Sequence[str]) -> GspType:
     """
     found = parse_name(text)
     if isinstance(found, Family):
-        message = (
+        raise TypeNameError(
             f"{found.id} is a family of {len(found.types)} types: add its "
             f"{found.platform_class.angles} angles ({_names(ANGLE_KINDS)})"
         )
-        raise TypeNameError(message)
     return found
 
 
@@ -238,8 +236,9 @@ def any_subject(subject: GspType | Family | str | int) -> GspType | Family:
     if isinstance(subject, GspType | Family):
         return subject
     if not isinstance(subject, str | int):
-        message = f"found a {type(subject).__name__}, expected a type, its name or its number"
-        raise ArgumentError(message)
+        raise ArgumentError(
+            f"found a {type(subject).__name__}, expected a type, its name or its number"
+        )
     return parse_name(str(subject))
 
 

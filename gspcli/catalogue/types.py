@@ -118,14 +118,12 @@ class GspType:
         ordered = tuple(sorted(kinds))
         angles = sum(not kind.is_distance for kind in ordered)
         if len(ordered) != CONSTRAINTS:
-            message = f"a platform has six constraints, not {len(ordered)}"
-            raise TypeNameError(message)
+            raise TypeNameError(f"a platform has six constraints, not {len(ordered)}")
         if angles > MAX_ANGLES:
-            message = (
+            raise TypeNameError(
                 f"{angles} angle constraints, at most three are possible: "
                 "three fix the orientation (Definition 2.1)"
             )
-            raise TypeNameError(message)
         return cls(ordered)
 
     @cached_property
@@ -221,6 +219,5 @@ def type_by_number(number: int) -> GspType:
     """
     types = all_types()
     if not 1 <= number <= len(types):
-        message = f"type number {number}: the types are numbered 1 to {len(types)}"
-        raise TypeNameError(message)
+        raise TypeNameError(f"type number {number}: the types are numbered 1 to {len(types)}")
     return types[number - 1]

@@ -32,6 +32,5 @@ __all__ = ["Certificate", "Certificates", "Outcome", "RefinedPose", "certify", "
 
 def __getattr__(name: str) -> Any:
     if name not in _HOMES:
-        message = f"module {__name__!r} has no attribute {name!r}"
-        raise AttributeError(message)
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     return getattr(import_module(_HOMES[name]), name)

@@ -95,11 +95,9 @@ def _rows(values: Any, where: str, what: str) -> Sequence[Any]:
     values = values.to_numpy() if hasattr(values, "to_numpy") else values
     rows = values.tolist() if isinstance(values, np.ndarray) else values
     if not isinstance(rows, Sequence) or isinstance(rows, str):
-        message = f"found a {type(values).__name__}, expected six {what}"
-        raise ArgumentError(message, where)
+        raise ArgumentError(f"found a {type(values).__name__}, expected six {what}", where)
     if len(rows) != CONSTRAINTS:
-        message = f"found {len(rows)} {what}, expected six"
-        raise ArgumentError(message, where)
+        raise ArgumentError(f"found {len(rows)} {what}, expected six", where)
     return rows
 
 
@@ -184,13 +182,13 @@ def _constraint(
 ) -> Constraint:
     for where, primitive in (("platform", platform), ("base", base)):
         if not isinstance(primitive, Point | Line | Plane):
-            message = f"found a {type(primitive).__name__}, expected a Point, a Line or a Plane"
-            raise ArgumentError(message, where)
+            raise ArgumentError(
+                f"found a {type(primitive).__name__}, expected a Point, a Line or a Plane", where
+            )
     kind = _kind(quantity, platform, base)
     sides = [known.value for known in Side]
     if side not in (*Side, *sides):
-        message = f"found {shown(str(side))}, expected {listed(sides)}"
-        raise ArgumentError(message, "side")
+        raise ArgumentError(f"found {shown(str(side))}, expected {listed(sides)}", "side")
     ends = None if limits is None else _limits(limits)
     # Any number: the constraint makes it exact.
     made = Constraint(kind, platform, base, value, Side(side), limits=ends)  # type: ignore[arg-type]
@@ -201,15 +199,15 @@ def _constraint(
         for name, number in (("offset", offset), ("scale", scale))
     }
     if given["scale"] is not None and (wrong := wrong_scale(given["scale"])):
-        message = f"found {given['scale']}, {wrong}"
-        raise ArgumentError(message, "scale")
+        raise ArgumentError(f"found {given['scale']}, {wrong}", "scale")
     return as_read(made, **given)
 
 
 def _limits(limits: Any) -> tuple[Number, Number]:
     if not isinstance(limits, Sequence) or len(limits) != 2:
-        message = f"found {shortened(repr(limits))}, expected two numbers (low, high)"
-        raise ArgumentError(message, "range")
+        raise ArgumentError(
+            f"found {shortened(repr(limits))}, expected two numbers (low, high)", "range"
+        )
     low, high = (Number.of(end, f"range[{k}]") for k, end in enumerate(limits))
     return low, high
 
@@ -220,11 +218,10 @@ def _kind(quantity: str, platform: Geometry, base: Geometry) -> Kind:
     if kind is None:
         exist = DISTANCE_KINDS if quantity == "distance" else ANGLE_KINDS
         names = " ".join(known.short for known in exist)
-        message = (
+        raise ArgumentError(
             f"found the {quantity} of a {_SORTS[sorts[0]]} and a {_SORTS[sorts[1]]}, "
             f"expected one of {names}: there is no other"
         )
-        raise ArgumentError(message)
     return kind
 
 
@@ -269,13 +266,14 @@ def instance(
     """
     units = [known.value for known in AngleUnit]
     if angle not in (*AngleUnit, *units):
-        message = f"found {shown(str(angle))}, expected {listed(units)}"
-        raise ArgumentError(message, "angle")
+        raise ArgumentError(f"found {shown(str(angle))}, expected {listed(units)}", "angle")
     rows = list(constraints)
     for index, row in enumerate(rows):
         if not isinstance(row, Constraint):
-            message = f"found a {type(row).__name__}, expected a Constraint: use distance or angle"
-            raise ArgumentError(message, f"constraints[{index}]")
+            raise ArgumentError(
+                f"found a {type(row).__name__}, expected a Constraint: use distance or angle",
+                f"constraints[{index}]",
+            )
     platform, base = _Names(), _Names()
     named = tuple(
         replace(row, platform_name=platform.of(row.platform), base_name=base.of(row.base))

@@ -314,8 +314,9 @@ def expected(instance: Instance) -> Instance:
         If it is not.
     """
     if not isinstance(instance, Instance):
-        message = f"found a {type(instance).__name__}, expected an Instance: load reads one"
-        raise ArgumentError(message, "instance")
+        raise ArgumentError(
+            f"found a {type(instance).__name__}, expected an Instance: load reads one", "instance"
+        )
     return instance
 
 
@@ -356,41 +357,46 @@ def checked(instance: Instance) -> Instance:
         except (ValueError, ArithmeticError):
             wrong = "which is no real number"
         if wrong:
-            message = f"found {row.value}, {wrong}"
-            raise ArgumentError(message, f"constraints[{index}].value")
+            raise ArgumentError(f"found {row.value}, {wrong}", f"constraints[{index}].value")
         if row.limits and row.limits[0].value > row.limits[1].value:
             low, high = row.limits
-            message = f"found {low} above {high}, expected (low, high)"
-            raise ArgumentError(message, f"constraints[{index}].range")
+            raise ArgumentError(
+                f"found {low} above {high}, expected (low, high)", f"constraints[{index}].range"
+            )
         if row.side is not Side.BOTH and not row.kind.has_sides:
-            message = f"found a side for {row.kind}, expected one only for DPH and DHP"
-            raise ArgumentError(message, f"constraints[{index}].side")
+            raise ArgumentError(
+                f"found a side for {row.kind}, expected one only for DPH and DHP",
+                f"constraints[{index}].side",
+            )
         if row.offset is not None and row.kind.has_sides and row.side is Side.BOTH:
-            message = f"found an offset for {row.kind}, {ONE_SIDE}"
-            raise ArgumentError(message, f"constraints[{index}].offset")
+            raise ArgumentError(
+                f"found an offset for {row.kind}, {ONE_SIDE}", f"constraints[{index}].offset"
+            )
         if row.scale is not None and (wrong := wrong_scale(row.scale)):
-            message = f"found {row.scale}, {wrong}"
-            raise ArgumentError(message, f"constraints[{index}].scale")
+            raise ArgumentError(f"found {row.scale}, {wrong}", f"constraints[{index}].scale")
         for where, primitive in (("platform", row.platform), ("base", row.base)):
             cone = primitive.cone if isinstance(primitive, Point) else None
             if cone and (wrong := wrong_half_angle(cone.half_angle, instance.units.angle)):
-                message = f"found {cone.half_angle}, {wrong}"
-                raise ArgumentError(message, f"constraints[{index}].{where}.cone.half_angle")
+                raise ArgumentError(
+                    f"found {cone.half_angle}, {wrong}",
+                    f"constraints[{index}].{where}.cone.half_angle",
+                )
             if cone and not any(
                 other.kind is DPP and primitive == getattr(other, where) for other in rows
             ):
-                message = "found a cone at a point without a leg (DPP), whose direction it limits"
-                raise ArgumentError(message, f"constraints[{index}].{where}.cone")
+                raise ArgumentError(
+                    "found a cone at a point without a leg (DPP), whose direction it limits",
+                    f"constraints[{index}].{where}.cone",
+                )
     if len(rows) != CONSTRAINTS:
-        message = f"found {len(rows)} constraints, expected exactly six"
-        raise ArgumentError(message, "constraints")
+        raise ArgumentError(f"found {len(rows)} constraints, expected exactly six", "constraints")
     angles = sum(not row.kind.is_distance for row in rows)
     if angles > MAX_ANGLES:
-        message = (
+        raise ArgumentError(
             f"found {angles} angles, expected at most three: "
-            "three fix the orientation (Definition 2.1)"
+            "three fix the orientation (Definition 2.1)",
+            "constraints",
         )
-        raise ArgumentError(message, "constraints")
     if instance.dynamics is not None:
         for place, message in mass_mistakes(instance.dynamics, rows, instance.units.length):
             raise ArgumentError(message, _keys(place))

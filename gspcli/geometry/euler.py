@@ -41,8 +41,7 @@ def named_order(text: str) -> str:
     if name in MAKERS:
         return MAKERS[name]
     if name in _REFUSED:
-        message = f"the order of {shown(text)} {_REFUSED[name]}"
-        raise GspError(message)
+        raise GspError(f"the order of {shown(text)} {_REFUSED[name]}")
     return check_sequence(text)
 
 
@@ -55,12 +54,11 @@ def check_sequence(sequence: str) -> str:
         If it does not.
     """
     if not re.fullmatch("[xyz]{3}|[XYZ]{3}", sequence) or len(set(sequence)) != 3:
-        message = (
+        raise GspError(
             f"found the Euler sequence {shown(sequence)}, expected three different axes: such as "
             "ZYX (about the axes of the platform, one after the other) or xyz (about those of the "
             "base)"
         )
-        raise GspError(message)
     return sequence
 
 

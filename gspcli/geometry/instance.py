@@ -82,8 +82,7 @@ class HomePose:
         if len(turned) != 4 or not any(part.value for part in turned):
             raise ArgumentError(f"found {quaternion}, {TURNS}", "quaternion")
         if euler is not None and quaternion is not None:
-            message = "found angles, too, expected a quaternion or angles"
-            raise ArgumentError(message, "quaternion")
+            raise ArgumentError("found angles, too, expected a quaternion or angles", "quaternion")
         object.__setattr__(self, "position", exact_vector(position, "position"))
         object.__setattr__(self, "quaternion", turned)
         object.__setattr__(self, "euler", None if euler is None else check_sequence(euler))

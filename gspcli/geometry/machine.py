@@ -499,11 +499,11 @@ class Machine:
             first, second = np.abs(both[k]).tolist()
             if not self._single[k] and abs(first - second) <= _EQUALLY_NEAR * size[k]:
                 a, b = (f"{x:.10g}" for x in sorted(both[k] / unit))
-                message = (
+                raise ArgumentError(
                     f"{what} is reached at {a} and at {b}, equally near to the stated point: "
-                    "state the point where it is at home"
+                    "state the point where it is at home",
+                    name,
                 )
-                raise ArgumentError(message, name)
         return _nearer(both, self.driven)
 
     @cached_property

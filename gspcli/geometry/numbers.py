@@ -65,13 +65,11 @@ def _fraction(value: object) -> Fraction:
     elif isinstance(value, numbers.Real | Decimal):
         ratio = _decimal_ratio(str(value))
     if ratio is None:
-        message = f"found {_quoted(value)}, expected a finite number"
-        raise ArgumentError(message)
+        raise ArgumentError(f"found {_quoted(value)}, expected a finite number")
     numerator, denominator = ratio
     if numerator and not SMALLEST <= abs(rounded_ratio(numerator, denominator)) <= LARGEST:
         expected = f"expected 0 or a magnitude from {SMALLEST:g} to {LARGEST:g}"
-        message = f"found {value}, {expected}"
-        raise ArgumentError(message)
+        raise ArgumentError(f"found {value}, {expected}")
     return Fraction(numerator, denominator)
 
 
@@ -457,11 +455,9 @@ def parse_number(text: str) -> Number:
         If it denotes none; the message says what was found and what is expected.
     """
     if not text.strip():
-        message = "found nothing, expected a number"
-        raise ValueError(message)
+        raise ValueError("found nothing, expected a number")
     if len(text) > MAX_LENGTH:
-        message = f"found {len(text)} characters, expected a number of at most {MAX_LENGTH}"
-        raise ValueError(message)
+        raise ValueError(f"found {len(text)} characters, expected a number of at most {MAX_LENGTH}")
     if _DATE.fullmatch(text):
         raise ValueError(
             f"found the date {shown(text)}, expected a number: write a difference with blanks"
@@ -471,10 +467,12 @@ def parse_number(text: str) -> Number:
     if number.fraction == 0 or (SMALLEST <= size <= LARGEST and sign_of(number)):
         return number
     if number.fraction is None and size <= LARGEST and not sign_of(number):
-        message = f"found {shown(text)}, which may be zero: write 0, or a simpler expression"
-        raise ValueError(message)
-    message = f"found {shown(text)}, expected 0 or a magnitude from {SMALLEST:g} to {LARGEST:g}"
-    raise ValueError(message)
+        raise ValueError(
+            f"found {shown(text)}, which may be zero: write 0, or a simpler expression"
+        )
+    raise ValueError(
+        f"found {shown(text)}, expected 0 or a magnitude from {SMALLEST:g} to {LARGEST:g}"
+    )
 
 
 class _Parser:

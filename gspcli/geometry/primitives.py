@@ -49,11 +49,9 @@ def exact_vector(components: Components, where: str = "") -> Vector:
     values = components.tolist() if isinstance(components, np.ndarray) else components
     if not isinstance(values, Sequence) or isinstance(values, str):
         found = shown(values) if isinstance(values, str) else f"a {type(components).__name__}"
-        message = f"found {found}, expected three numbers [x, y, z]"
-        raise ArgumentError(message, where)
+        raise ArgumentError(f"found {found}, expected three numbers [x, y, z]", where)
     if len(values) != 3:
-        message = f"found {len(values)} entries, expected three numbers [x, y, z]"
-        raise ArgumentError(message, where)
+        raise ArgumentError(f"found {len(values)} entries, expected three numbers [x, y, z]", where)
     x, y, z = (Number.of(value, f"{where}[{k}]") for k, value in enumerate(values))
     return x, y, z
 
@@ -62,8 +60,9 @@ def exact_direction(components: Components, where: str = "") -> Vector:
     """Return an exact vector that is not zero; otherwise as `exact_vector`."""
     exact = exact_vector(components, where)
     if not any(number.value for number in exact):
-        message = "found the zero vector, expected a direction: any nonzero vector"
-        raise ArgumentError(message, where)
+        raise ArgumentError(
+            "found the zero vector, expected a direction: any nonzero vector", where
+        )
     return exact
 
 
@@ -304,8 +303,7 @@ class Point:
         partner: str = "",
     ) -> None:
         if crank is not None and slide is not None:
-            message = "found a crank and a slide, expected at most one of them"
-            raise ArgumentError(message, "slide")
+            raise ArgumentError("found a crank and a slide, expected at most one of them", "slide")
         object.__setattr__(self, "position", exact_vector(position, "position"))
         object.__setattr__(self, "cone", cone)
         object.__setattr__(self, "crank", crank)

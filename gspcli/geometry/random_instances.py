@@ -116,8 +116,7 @@ def random_instance(
     bonds = _distinct(pattern) if isinstance(pattern, GspType) else list(pattern)
     proof = over_constraint(bonds)
     if proof is not None:
-        message = f"no instance of this pattern can fix the platform: {proof.reason}"
-        raise GspError(message)
+        raise GspError(f"no instance of this pattern can fix the platform: {proof.reason}")
     for _ in range(_ATTEMPTS):
         R = rotation_from_quaternion(rng.normal(size=4))
         T = rng.uniform(-1, 1, size=3)
@@ -126,8 +125,7 @@ def random_instance(
         pose = None if instance is None else _pose_near(instance, R, T)
         if instance is not None and pose is not None:
             return instance, pose
-    message = f"no well-conditioned pose found in {_ATTEMPTS} attempts: use more digits"
-    raise GspError(message)
+    raise GspError(f"no well-conditioned pose found in {_ATTEMPTS} attempts: use more digits")
 
 
 def _distinct(gsp_type: GspType) -> list[Bond]:

@@ -87,13 +87,12 @@ def value_rows(values: Any) -> Array:
     try:
         rows = np.asarray(values, dtype=np.float64)
     except (TypeError, ValueError) as error:
-        message = (
-            f"found something that is no array of numbers ({error}), expected shape (batch, 6)"
-        )
-        raise ArgumentError(message, "values") from None
+        raise ArgumentError(
+            f"found something that is no array of numbers ({error}), expected shape (batch, 6)",
+            "values",
+        ) from None
     if rows.ndim != 2 or rows.shape[1] != CONSTRAINTS:
-        message = f"found shape {rows.shape}, expected (batch, {CONSTRAINTS})"
-        raise ArgumentError(message, "values")
+        raise ArgumentError(f"found shape {rows.shape}, expected (batch, {CONSTRAINTS})", "values")
     return rows
 
 

@@ -100,11 +100,10 @@ def _confirm_instance(entry: Entry, gsp_type: GspType, rng: np.random.Generator)
         or set(counted.values()) != wanted
         or sum(counted.values()) != entry.n1 * planes
     ):
-        message = (
+        raise CheckFailed(
             f"{gsp_type}: Table 3 says {entry.n1} one-sided solutions, a random instance has "
             f"{sum(counted.values())} over {planes} choices of planes ({result.verdict})"
         )
-        raise CheckFailed(message)
 
 
 def _branches(result: SolveResult) -> list[tuple[int, tuple[int, ...]]]:
@@ -636,5 +635,4 @@ def prove(erratum: Erratum) -> str:
     try:
         return erratum.proof()
     except CheckFailed as failure:
-        message = f"erratum {erratum.key} is not proved: {failure}"
-        raise CheckFailed(message) from failure
+        raise CheckFailed(f"erratum {erratum.key} is not proved: {failure}") from failure

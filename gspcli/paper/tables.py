@@ -264,8 +264,9 @@ def table(number: int) -> Comparison:
         If there is no table with this number.
     """
     if number not in _TITLES:
-        message = f"found {shortened(str(number))}, expected one of the tables 1, 2 and 3"
-        raise ArgumentError(message, "number")
+        raise ArgumentError(
+            f"found {shortened(str(number))}, expected one of the tables 1, 2 and 3", "number"
+        )
     if number == 3:
         return Comparison(
             number,

@@ -597,8 +597,7 @@ def parse_case(text: str) -> str:
     for case in CASES:
         if sorted(word) == sorted(case) and (case not in _OTHERS or word == case):
             return case
-    message = f"{shown(text)} is not a case; the cases are {', '.join(CASES)}"
-    raise GspError(message)
+    raise GspError(f"{shown(text)} is not a case; the cases are {', '.join(CASES)}")
 
 
 @cache
@@ -617,9 +616,8 @@ def expand_case(case: str) -> TriangularSet:
         ternary quadrics, which has 21894 terms, and those of lower powers have more.
     """
     if case in _NEVER_EXPANDED:
-        message = (
+        raise GspError(
             f"{case} is not written out in the parameters: for three quadrics the coefficient of "
             "x^8 alone has 21894 terms\nthe hierarchical form, without --expand, is complete"
         )
-        raise GspError(message)
     return derive(case).expanded()

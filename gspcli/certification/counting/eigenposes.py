@@ -77,8 +77,9 @@ def small_fraction(residue: int, prime: int) -> arb:
         numerator -= prime if numerator > prime // 2 else 0
         if abs(numerator) < _MAX_NUMERATOR:
             return arb(fmpq(numerator, denominator))
-    message = f"the relation {residue} of the coordinates modulo {prime} is no small fraction"
-    raise NotFollowedError(message)
+    raise NotFollowedError(
+        f"the relation {residue} of the coordinates modulo {prime} is no small fraction"
+    )
 
 
 def products_of_coordinates(position: int, has_translation: bool) -> list[tuple[int, int, int]]:
@@ -488,8 +489,7 @@ def _to_hessenberg(rows: list[list[arb]]) -> list[tuple[int, int, list[arb]]]:
     for m in range(1, size - 1):
         pivot = max(range(m, size), key=lambda i: abs(rows[i][m - 1]))
         if rows[pivot][m - 1].is_zero():
-            message = "the matrix is reducible"
-            raise SpectrumError(message)
+            raise SpectrumError("the matrix is reducible")
         rows[m], rows[pivot] = rows[pivot], rows[m]
         for row in rows:
             row[m], row[pivot] = row[pivot], row[m]

@@ -191,8 +191,7 @@ class FieldElement:
 
     def __truediv__(self, other: FieldElement) -> FieldElement:
         if other.is_zero:
-            message = "a division by zero"
-            raise NoElementError(message)
+            raise NoElementError("a division by zero")
         if len(other.numerator) == 1:
             [(term, factor)] = other.numerator.items()
             if term is ONE:
@@ -217,8 +216,7 @@ class FieldElement:
         """
         value = self.fraction
         if value is None or value < 0:
-            message = "a square root of an irrational number"
-            raise NoElementError(message)
+            raise NoElementError("a square root of an irrational number")
         if value == 0:
             return self
         radicand, root = _root(value.numerator * value.denominator)
@@ -259,8 +257,7 @@ def element(number: Number) -> FieldElement:
         case "tan":
             return Angle.of(arguments[0]).sin() / Angle.of(arguments[0]).cos()
         case operation:
-            message = f"{operation} outside an angle"
-            raise NoElementError(message)
+            raise NoElementError(f"{operation} outside an angle")
 
 
 def squared(number: Number) -> FieldElement:
@@ -354,8 +351,7 @@ class Angle:
 
     def __mul__(self, other: Angle) -> Angle:
         if not other.is_constant:
-            message = "a product of arcs"
-            raise NoElementError(message)
+            raise NoElementError("a product of arcs")
         return self.times(other.constant)
 
     def cos(self) -> FieldElement:
@@ -386,8 +382,7 @@ class Angle:
             unit = denominator[ONE]
             turn = numerator.get(_PI_TERM, _NONE) / unit / 2
             return turn, numerator.get(ONE, _NONE) / unit
-        message = "an angle that is not rational in degrees or radians"
-        raise NoElementError(message)
+        raise NoElementError("an angle that is not rational in degrees or radians")
 
     def _exponentials(self) -> tuple[FieldElement, FieldElement]:
         """Return ``exp(i x)`` and ``exp(-i x)``."""
@@ -399,8 +394,7 @@ class Angle:
         for arc, coefficient in self.arcs:
             times = coefficient.fraction
             if times is None or times.denominator != 1:
-                message = f"a part of {arc.operation}"
-                raise NoElementError(message)
+                raise NoElementError(f"a part of {arc.operation}")
             pair = _arc_exponentials(arc)
             for _ in range(abs(int(times))):
                 for k in (0, 1):

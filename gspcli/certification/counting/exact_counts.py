@@ -248,11 +248,10 @@ def _results(platform: ModularPlatform, max_work: int, *, same: bool) -> list[_R
             conditions=[crossing for crossing, _ in lines], groups=[[k] for k in range(len(lines))]
         )
         if counted.outcome is Ending.STOPPED:
-            message = (
+            raise NotCountedError(
                 "the solutions cannot be counted exactly within the limit of "
                 f"{max_work / BILLION:g} billion multiplications: --effort raises it"
             )
-            raise NotCountedError(message)
         results.append(_Result(counted, spurious(lines, counted, run)))
     return results * (len(platform.choices) if same else 1)
 
@@ -268,8 +267,9 @@ def _confirmed(found: ExactCount, other: ExactCount) -> ExactCount:
     if replace(found, error=0, distinct_error=0, primes=()) != replace(
         other, error=0, distinct_error=0, primes=()
     ):
-        message = f"the primes {found.primes} and {other.primes} disagree: take another seed"
-        raise NotCountedError(message)
+        raise NotCountedError(
+            f"the primes {found.primes} and {other.primes} disagree: take another seed"
+        )
     return replace(
         found,
         error=found.error * other.error,

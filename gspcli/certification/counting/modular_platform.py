@@ -88,14 +88,11 @@ class Requirements:
                 self.denominators |= {factor.denominator for factor in part.values()}
         self.transcendental = any(term.pi for term in self.terms)
         if self.transcendental and any(term.radians for term in self.terms):
-            message = "pi beside cosines of radians"
-            raise NoElementError(message)
+            raise NoElementError("pi beside cosines of radians")
         if self.independent_roots > _MAX_ROOTS:
-            message = f"{self.independent_roots} independent square roots"
-            raise NoElementError(message)
+            raise NoElementError(f"{self.independent_roots} independent square roots")
         if self.order > _MAX_ORDER:
-            message = f"angles whose cosines need roots of unity of order {self.order}"
-            raise NoElementError(message)
+            raise NoElementError(f"angles whose cosines need roots of unity of order {self.order}")
 
     @cached_property
     def order(self) -> int:
@@ -362,8 +359,9 @@ class ModularPlatform:
             self.exact = exact_constraints(instance, values_free=values_free)
             self.requirements = Requirements(x for row in self.exact for x in row.numbers)
         except NoElementError as error:
-            message = f"the solutions cannot be counted exactly: no exact arithmetic for {error}"
-            raise NotCountedError(message) from None
+            raise NotCountedError(
+                f"the solutions cannot be counted exactly: no exact arithmetic for {error}"
+            ) from None
         text = f"{seed} {index} {bits} {values_free} {_identity(instance)}"
         self.bits = bits
         self.choices = tuple(itertools.product(*(row.sides for row in self.exact)))
@@ -417,8 +415,9 @@ class ModularPlatform:
                 return homomorphism.prime, [evaluated(row, homomorphism) for row in self.exact]
             except ZeroDivisionError:
                 continue
-        message = "the solutions cannot be counted exactly: a number is divided by zero"
-        raise NotCountedError(message)
+        raise NotCountedError(
+            "the solutions cannot be counted exactly: a number is divided by zero"
+        )
 
 
 def _cosine_squared(a: Sequence[Any], b: Sequence[Any]) -> Any:

@@ -144,8 +144,9 @@ def dimension(instance: Instance, seed: int, max_work: int) -> tuple[int, float]
             break
     if slices == 0:
         return -1, part.error
-    message = "hyperplanes do not say which dimension a set of motions has: take another seed"
-    raise NotCountedError(message)
+    raise NotCountedError(
+        "hyperplanes do not say which dimension a set of motions has: take another seed"
+    )
 
 
 def _part(
@@ -171,8 +172,7 @@ def _part(
 
 def _confirmed(found: PartCount, other: PartCount) -> PartCount:
     if (found.solutions, found.distinct) != (other.solutions, other.distinct):
-        message = "the primes of an exact count disagree: take another seed"
-        raise NotCountedError(message)
+        raise NotCountedError("the primes of an exact count disagree: take another seed")
     return replace(
         found,
         error=found.error * other.error,
@@ -195,12 +195,12 @@ def _modulo_a_prime(
         moment_relations=False,
     )
     if counted.outcome is Ending.STOPPED:
-        message = "the poses cannot be counted by their parallel lines within the limit"
-        raise NotCountedError(message)
+        raise NotCountedError(
+            "the poses cannot be counted by their parallel lines within the limit"
+        )
     is_finite = counted.outcome is Ending.FINITE
     if is_finite and counted.distinct is None and not slices:
-        message = "the distinct poses cannot be counted within the limit"
-        raise NotCountedError(message)
+        raise NotCountedError("the distinct poses cannot be counted within the limit")
     return PartCount(
         parallel,
         counted.solutions if is_finite else None,

@@ -308,8 +308,7 @@ def refine(instance: Instance, certificate: Certificate, digits: int) -> Refined
     """
     isolation = certificate.isolation
     if not certificate.certified or isolation is None:
-        message = f"there is nothing to refine: {certificate.outcome.meaning}"
-        raise ValueError(message)
+        raise ValueError(f"there is nothing to refine: {certificate.outcome.meaning}")
     instance = certificate.equivalent or instance
     local_frames = LocalFrames.of(instance)
     centre = list(isolation.centre)
@@ -324,8 +323,7 @@ def refine(instance: Instance, certificate: Certificate, digits: int) -> Refined
                 if refined is not None:
                     return refined
         precision *= 2
-    message = f"{digits} digits could not be proved with {precision // 2} bits"
-    raise IncompleteError(message)
+    raise IncompleteError(f"{digits} digits could not be proved with {precision // 2} bits")
 
 
 def _printed(
@@ -581,12 +579,12 @@ def _array(values: ArrayLike, where: str, shape: tuple[int, ...]) -> NDArray[np.
     try:
         array = np.asarray(values, dtype=np.complex128)
     except (TypeError, ValueError) as error:
-        message = f"found something that is no array of numbers ({error})"
-        raise ArgumentError(message, where) from None
+        raise ArgumentError(
+            f"found something that is no array of numbers ({error})", where
+        ) from None
     if array.shape[array.ndim - len(shape) :] != shape or array.ndim > len(shape) + 1:
         expected = ", ".join(map(str, ("n", *shape)))
-        message = f"found shape {array.shape}, expected ({expected})"
-        raise ArgumentError(message, where)
+        raise ArgumentError(f"found shape {array.shape}, expected ({expected})", where)
     return array.reshape(-1, *shape)
 
 
@@ -594,8 +592,9 @@ def _signs(sides: ArrayLike | None, poses: int) -> list[tuple[int, ...]]:
     """Return the signs of the heights of each pose, 0 where nothing is said."""
     signs = np.zeros((poses, 6), int) if sides is None else np.asarray(sides)
     if signs.shape != (poses, 6) or not np.isin(signs, (-1, 0, 1)).all():
-        message = f"found shape {signs.shape}, expected ({poses}, 6) of 1, -1 or 0"
-        raise ArgumentError(message, "sides")
+        raise ArgumentError(
+            f"found shape {signs.shape}, expected ({poses}, 6) of 1, -1 or 0", "sides"
+        )
     return [tuple(row) for row in signs.astype(int).tolist()]
 
 
@@ -616,8 +615,9 @@ def certify_equations(
     checked(instance)
     rotations, translations = _array(R, "R", (3, 3)), _array(T, "T", (3,))
     if len(rotations) != len(translations):
-        message = f"found {len(translations)} translations for {len(rotations)} rotations"
-        raise ArgumentError(message, "T")
+        raise ArgumentError(
+            f"found {len(translations)} translations for {len(rotations)} rotations", "T"
+        )
     local_frames = LocalFrames.of(instance)
     instance = local_frames.applied(instance)
     scale, length = length_scale(instance), least_length(instance)
