@@ -560,7 +560,7 @@ def live_numbers(result: SolveResult) -> dict[str, Any]:
         found, proof = motors.moved(found, start)
         found["stated"] = _stated(result)
         if proof is not None and proof.error:
-            reservation = f"{proof.reservation}, counted with its joints at random places"
+            reservation = f"{proof.reservation} (counted with its joints at random places)"
     return {
         **found,
         "home": None if result.home is None else result.home.number - 1,
@@ -795,7 +795,7 @@ def live_page(
     """
     said = parts(scene, start, view, {"start": start, "names": names})
     if live["reservation"]:
-        said["footer"] += escape(f" That no pose is missing is {live['reservation']}.")
+        said["footer"] += escape(f" That no pose is missing is proved, {live['reservation']}.")
     content = data({**live, "frame": _expressed(frame)})
     return filled("live.html", {**said, "live": content, "module": live_module()})
 

@@ -82,17 +82,20 @@ class Proof:
 
     @property
     def words(self) -> str:
-        """The grade in a sentence: proved, or proved up to a random prime."""
-        return f"proved {self.grade}" if self.error else "proved"
+        """The grade in a sentence: proved, or proved with the bound of its error."""
+        return f"proved ({self._bound})" if self.error else "proved"
 
     @property
     def reservation(self) -> str:
-        """That the proof is up to a random prime, in words; empty if it is certain."""
+        """What the proof rests on unless it is certain; then empty."""
         if not self.error:
             return ""
-        times = math.floor(-math.log10(self.error))
-        said = f"wrong at most once in 10^{times}" + (", treat as certain" if times >= 9 else "")
-        return f"proved by the {self.by} up to a random prime: {said}"
+        certain = ": treat as certain" if self.error <= 1e-9 else ""
+        return f"{self._bound}, if the random prime of the {self.by} misleads{certain}"
+
+    @property
+    def _bound(self) -> str:
+        return f"wrong at most once in 10^{math.floor(-math.log10(self.error))}"
 
     def to_json(self) -> dict[str, Any]:
         """Return the proof as plain data: `modulo_random_prime` is false or the error bound."""

@@ -648,7 +648,7 @@ def test_one_line_says_what_is_left_out(gsp):
     low = int((T[:, 0] <= 1e-6).sum())
     said = f"{kept} of 16 real poses kept; left out: {low} by x>0, {16 - kept - low} by above"
     assert said in lines
-    assert lines[2].startswith("16 real poses, all proved different; complete, proved")
+    assert lines[2] == "16 real poses, each proved, all different"
     everything = gsp("solve", "@workspace-study", "--where", "x>-1e9").out
     assert "16 of 16 real poses kept; left out: none" in everything
 

@@ -59,19 +59,20 @@ def test_example_6_8_prints_all_64_poses(gsp):
     assert run.code == 0
     assert run.err == ""
     lines = run.out.splitlines()
-    assert lines[:3] == [
+    assert lines[:4] == [
         "Example 6.8: DPL DPL DPL ALL ALL ALL",
         "",
-        "64 real poses, all proved different; complete, proved: all 64 of the type, real or not",
+        "64 real poses, each proved, all different",
+        "complete, proved: all 64 solutions of the type found, all real",
     ]
     # The orientations, eight, and the positions in each.
-    assert lines[4].split() == ["orientation", "qw", "qx", "qy", "qz", "positions"]
-    assert [line.split()[0] for line in lines[6:14]] == list("ABCDEFGH")
-    assert {line.split()[-1] for line in lines[6:14]} == {"8"}
-    assert [line.split()[:2] for line in lines[17:-3]] == [
+    assert lines[5].split() == ["orientation", "qw", "qx", "qy", "qz", "positions"]
+    assert [line.split()[0] for line in lines[7:15]] == list("ABCDEFGH")
+    assert {line.split()[-1] for line in lines[7:15]} == {"8"}
+    assert [line.split()[:2] for line in lines[18:-3]] == [
         [str(n), "ABCDEFGH"[(n - 1) // 8]] for n in range(1, 65)
     ]
-    assert lines[-2].endswith("; every pose has condition 4.09")
+    assert "; condition 4.09 at every pose" in lines[-2]
     home = "home is mode 2: the least turned of 64 real poses (no home is stated)"
     assert lines[-1] == f"{home}, the highest of 64 alike"
 
@@ -79,19 +80,17 @@ def test_example_6_8_prints_all_64_poses(gsp):
 def test_table_of_a_small_platform(gsp, spec):
     run = gsp("solve", spec())
     lines = [" ".join(line.split()) for line in run.out.splitlines()]
-    assert lines[2] == (
-        "8 real poses, all proved different; complete, proved: all 8 of the type, real or not"
-    )
-    assert lines[4] == "no. Tx [m] Ty [m] Tz [m] qw qx qy qz condition remarks"
-    row = lines[6].split()
+    assert lines[3] == "complete, proved: all 8 solutions of the type found, all real"
+    assert lines[5] == "no. Tx [m] Ty [m] Tz [m] qw qx qy qz condition remarks"
+    row = lines[7].split()
     assert row[:4] == ["1", "1.00000", "-2.00000", "3.00000"]
     assert row[4:8] == ["0.790569", "-0.353553", "-0.353553", "-0.353553"]
 
 
 def test_sides_that_are_left_open_are_shown_as_signs(gsp, spec):
     lines = gsp("solve", spec(side="both")).out.splitlines()
-    assert "sides 1,2,3" in lines[2 + 2 + 2 + 8 + 1]
-    shown = {line.split()[5] for line in lines[17:] if line[:3].strip().isdigit()}
+    assert "sides 1,2,3" in lines[2 + 3 + 2 + 8 + 1]
+    shown = {line.split()[5] for line in lines[18:] if line[:3].strip().isdigit()}
     assert shown == {"+-+", "+--"}
 
 
@@ -142,7 +141,7 @@ def test_standard_input(gsp, spec, monkeypatch):
 def test_an_infinite_set_has_exit_code_3(gsp, spec):
     run = gsp("solve", spec(normal="1, 0, 0").replace("value: 3", "value: 1"), "--set", "3=1")
     assert run.code == 3
-    assert "no isolated real pose; infinite, proved: infinitely many poses" in run.out
+    assert "no isolated real pose\ninfinite, proved: infinitely many solutions" in run.out
     assert run.err.startswith("error: the poses are infinitely many: the platform can move")
 
 
@@ -180,9 +179,10 @@ def test_json_of_an_infinite_set_has_sample_motions(gsp, spec):
 def test_parallel_planes_without_a_pose_are_an_answer(gsp, spec):
     run = gsp("solve", spec(normal="1, 0, 0"))
     assert run.code == 0
-    assert run.out.splitlines()[2:4] == [
-        "no real pose; complete, proved up to a random prime: 0 poses, real or not, "
-        "of this geometry's 0; the type can have 8",
+    assert run.out.splitlines()[2:5] == [
+        "no real pose",
+        "complete, proved (wrong at most once in 10^15): no solution "
+        "(most platforms of this type with these sides have 8)",
         "distances 1 and 3 contradict each other: no pose was found for them without the others",
     ]
 
@@ -192,8 +192,8 @@ def test_multiple_poses_are_proved_by_their_counts(gsp, spec):
     settings = ("--set", "4=0", "--set", "5=0")
     run = gsp("solve", path, *settings)
     assert run.code == 0
-    assert "1 pose, real or not, 8 with multiplicities" in run.out
-    assert "proved by the exact count up to a random prime" in run.out
+    assert "1 solution found, 1 real, 8 with multiplicity, all of the type's 8" in run.out
+    assert "the random prime of the exact count" in run.out
     run = gsp("solve", path, *settings, "--no-prove")
     assert run.code == 4
     assert "try --prove" in run.err
@@ -237,7 +237,7 @@ def test_the_same_command_gives_the_same_bytes(gsp):
 def test_the_constraints_that_contradict_each_other_are_named(gsp):
     run = gsp("solve", EXAMPLE, "--set", "4=sqrt(50)", "--set", "5=1")
     assert "distances 4, 5 and 6 contradict each other" in run.out
-    assert "64 more are not real: --all shows them" in run.out
+    assert "--all shows the 64 complex solutions, too" in run.out
     document = json.loads(
         gsp("solve", EXAMPLE, "--set", "4=sqrt(50)", "--set", "5=1", "--format", "json").out
     )
@@ -247,7 +247,8 @@ def test_the_constraints_that_contradict_each_other_are_named(gsp):
 def test_the_verdict_of_a_csv_goes_to_stderr(gsp):
     run = gsp("solve", EXAMPLE, "--format", "csv")
     assert run.err == (
-        "64 real poses, all proved different; complete, proved: all 64 of the type, real or not\n"
+        "64 real poses, each proved, all different\n"
+        "complete, proved: all 64 solutions of the type found, all real\n"
     )
 
 
@@ -288,7 +289,7 @@ def test_near_sorts_by_distance_and_marks_the_nearest(gsp, tmp_path):
 
 def test_decimals(gsp):
     out = gsp("solve", "@dietmaier", "--decimals", "3").out
-    assert all(len(word.partition(".")[2]) == 3 for word in out.splitlines()[6].split()[1:8])
+    assert all(len(word.partition(".")[2]) == 3 for word in out.splitlines()[7].split()[1:8])
 
 
 @pytest.mark.parametrize(
@@ -328,7 +329,10 @@ def test_lines_that_touch_are_counted_once_in_both_numbers(gsp):
     """Each solution was counted twice for each of them in the geometry's number only."""
     words = [word for k in (4, 5, 6) for word in ("--set", f"{k}=0")]
     run = gsp("solve", "@parallel-edges", *words)
-    assert "32 poses, real or not, of this geometry's 32; the type can have 52" in run.out
+    assert (
+        "all 32 solutions of this geometry found, 6 real and 26 complex (most platforms of this"
+        in run.out
+    )
     document = json.loads(gsp("solve", "@parallel-edges", *words, "--format", "json").out)
     assert document["geometry_count"] == 32
 

@@ -157,7 +157,7 @@ def test_the_mount_runs(
         assert run(words) == 0, (words, capsys.readouterr().err)
         printed = capsys.readouterr()
         said += printed.out + printed.err
-    assert "2 real poses, all proved different; complete, proved" in said
+    assert "2 real poses, each proved, all different\ncomplete, proved" in said
     assert "of constraint 4 leaves its range from 0.4789 to 0.5071 at t = 3.854" in said
 
 

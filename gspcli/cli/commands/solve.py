@@ -107,7 +107,7 @@ def _conditions(_: click.Context, __: click.Parameter, texts: Sequence[str]) -> 
     help="SPEC has an instance in each line, as JSON: the default for files that end with .jsonl.",
 )
 @options.value_options
-@click.option("--all", "everything", is_flag=True, help="Also show poses that are not real.")
+@click.option("--all", "everything", is_flag=True, help="Also show the complex solutions.")
 @click.option(
     "--prove/--no-prove",
     default=None,
@@ -220,7 +220,7 @@ def command(o: options.Options) -> int:
         options.order_named("--rotation", o.rotation)
     if o.everything and o.rotation not in ("quaternion", "matrix"):
         raise click.UsageError(
-            f"--rotation {o.rotation} cannot write poses that are not real: leave out --all"
+            f"--rotation {o.rotation} cannot write complex solutions: leave out --all"
         )
     if len(o.specs) > 1 or o.output.format == LINES or _has_lines(o, o.specs[0]):
         return _solve_many(o)
@@ -404,7 +404,7 @@ class Answer:
         return {"position": T.tolist(), "quaternion": quaternion_from_rotation(R).tolist()}
 
     def _rows(self) -> list[dict[str, Any]]:
-        """Return all numbers of each pose, those of poses that are not real as complex ones."""
+        """Return all numbers of each pose, those of complex solutions as complex ones."""
         read = {column.key: column.read(self.result) for column in (*self.columns, *FACTS)}
         rows = [
             {"number": k + 1, **{key: _plain(values[k]) for key, values in read.items()}}
@@ -440,7 +440,7 @@ class Answer:
         result = self.result
         notes = [*frame_note(self.frame), *remarks(result, [k + 1 for k in self.indices])]
         if not self.o.everything and (others := len(result.R) - result.counts.real):
-            notes.append(f"{others} more are not real: --all shows them")
+            notes.append(f"--all shows the {counted(others, 'complex solution')}, too")
         if self.distances is not None:
             notes.append("nearest: by the translation and the turn times the platform's size")
         tables = [*self._pose_tables(self.sentences, notes), *self._lone_tables()]
@@ -525,7 +525,7 @@ class Answer:
                 "home": pose.home,
                 "nearest": self.distances is not None and place == 0,
                 "fits": row.get("fits"),
-                "not real": not pose.real,
+                "complex": not pose.real,
                 "double" if many == 2 else f"multiplicity {many}": many > 1,
                 "not proved": not known[index] and known.any(),
             }
@@ -572,8 +572,8 @@ def _rounded(value: Any, smallest: float) -> float | complex:
 
 
 def summary(result: SolveResult, *, contradicting: Sequence[int] = ()) -> list[str]:
-    """Return the result in a sentence: the real poses, what is proved, whether these are all."""
-    lines = [f"{_real_words(result)}; {_completeness(result)}"]
+    """Return the result in lines: the real poses, what is proved, whether these are all."""
+    lines = [_real_words(result), _completeness(result)]
     if fixed(result):
         one = result.counts.real == 1
         poses, them = ("the isolated real pose", "it") if one else ("these real poses", "them")
@@ -598,7 +598,7 @@ def _real_words(result: SolveResult) -> str:
     # Without a real pose the certificates of the others prove that.
     known = proved(result)[: real or None]
     if known.all():
-        return text + (", all proved different" if real > 1 else ", proved")
+        return text + (", each proved, all different" if real > 1 else ", proved")
     some = f", {known.sum()} of them proved" if known.any() else ", not proved"
     return text + some if real else text
 
@@ -619,40 +619,41 @@ def proved(result: SolveResult) -> NDArray[np.bool_]:
 
 
 def _completeness(result: SolveResult) -> str:
-    """Return the verdict, and how the paths end if not every one ends at a pose."""
-    ends, found = result.account, result.counts.found
+    """Return the verdict, the solutions found by sorts, and how many other platforms have."""
+    ends, found, expected = result.account, result.counts.found, result.expected
     verdict = f"{result.verdict}, {result.proof.words}" if result.proof else result.verdict
-    if result.verdict == "complete" and found == result.expected:
-        return f"{verdict}: all {found} of the type, real or not"
-    poses = f"{found} pose{'s' * (found != 1)}, real or not"
+    arrangement, complete = result.arrangement, result.verdict == "complete"
+    sides = " with these sides" if arrangement.signs[arrangement.sided].any() else ""
+    usual = f"most platforms of this type{sides} have {expected}"
     if result.verdict == "infinite":
         isolated = f"{found or 'no'} isolated one{'s' * (found != 1)}"
         where = " over the complex numbers" if len(result.lone.R) else ""
-        return (
-            f"{verdict}: infinitely many poses{where} and {isolated}; "
-            f"the type can have {result.expected}"
-        )
-    if ends.found != found:
-        poses += f", {ends.found} with multiplicities"
-    elsewhere = {
-        "at infinity": ends.at_infinity,
-        "on curves": ends.on_curves,
-        "where parallel lines have another distance": ends.spurious,
-        "lost": ends.lost,
-    }
-    where = "".join(f", {count} {place}" for place, count in elsewhere.items() if count)
-    geometry = result.geometry_count
-    if geometry is None:
-        return f"{verdict}: {poses}{where}, of the type's {result.expected}"
-    # The causes for which the geometry has fewer poses than the type are not listed.
-    gone = ends.on_curves + ends.spurious + ends.lost
-    if geometry < ends.found:
-        # A platform of this geometry with other values has fewer poses.
-        return f"{verdict}: {poses}; the type can have {result.expected}"
-    whole = f"this geometry's {geometry}; the type can have {result.expected}"
-    if geometry == result.expected:
-        whole = f"the type's {geometry}"
-    return f"{verdict}: {poses}{where if gone else ''}, of {whole}"
+        return f"{verdict}: infinitely many solutions{where} and {isolated} ({usual})"
+    geometry = expected if complete and found == expected else result.geometry_count
+    whose, whole = "this geometry", geometry
+    if geometry in (None, expected):
+        whose, whole, usual = "the type", expected, ""
+    if complete and found == ends.found == geometry:
+        parts = [f"all {counted(found, 'solution')} of {whose} found" if found else "no solution"]
+    else:
+        parts = [f"{counted(found, 'solution')} found"]
+    sorts = {"real": result.counts.real, "complex": found - result.counts.real}
+    sorted_ = [f"{'all' if n == found > 1 else n} {sort}" for sort, n in sorts.items() if n]
+    parts += [" and ".join(sorted_)] if found else []
+    parts += [f"{ends.found} with multiplicity"] if ends.found != found else []
+    # The causes for which the geometry has fewer solutions than the type are not listed.
+    if geometry is None or ends.on_curves + ends.spurious + ends.lost:
+        elsewhere = {
+            "at infinity": ends.at_infinity,
+            "on curves": ends.on_curves,
+            "where parallel lines have another distance": ends.spurious,
+            "lost": ends.lost,
+        }
+        parts += [f"{count} {place}" for place, count in elsewhere.items() if count]
+    # A platform can have more solutions than its geometry has for almost all values.
+    if found != whole and whole >= ends.found:
+        parts.append(f"{'all ' * (complete and whole == ends.found)}of {whose}'s {whole}")
+    return f"{verdict}: {', '.join(parts)}" + (f" ({usual})" if usual else "")
 
 
 def _reason(result: SolveResult, contradicting: Sequence[int]) -> str:
@@ -678,21 +679,18 @@ def remarks(result: SolveResult, numbers: Sequence[int]) -> list[str]:
         return causes
     shown = [number - 1 for number in numbers]
     residual = printed_residual(float(result.residuals[shown].max()), result.arrangement.length)
-    notes = [f"residuals at most {residual:.0e}"]
     # Mirrored poses differ in the last digits. Of poses with equal rounded numbers the first is
     # named.
     condition = np.array([float(f"{x:.{_DIGITS}g}") for x in result.conditions[shown]])
     best, worst = int(np.argmin(condition)), int(np.argmax(condition))
     lowest, highest = (f"{condition[k]:.{_DIGITS}g}" for k in (best, worst))
     if lowest != highest:
-        notes.append(
-            f"best conditioned: pose {numbers[best]} ({lowest}); "
-            f"worst: pose {numbers[worst]} ({highest})"
-        )
-    elif len(numbers) > 1:
-        notes.append(f"every pose has condition {lowest}")
+        of = f"{lowest} (pose {numbers[best]}) to {highest} (pose {numbers[worst]})"
+    else:
+        of = f"{lowest} at every pose"
+    met = f"values are met within {residual:.0e}; condition {of}: 1 is best, infinite is singular"
     home = [result.home.text] if result.home and result.counts.real else []
-    return ["; ".join(notes), *home, *_limits(result, numbers), *causes]
+    return [met, *home, *_limits(result, numbers), *causes]
 
 
 def _limits(result: SolveResult, numbers: Sequence[int]) -> list[str]:
@@ -719,7 +717,7 @@ def _far(result: SolveResult) -> list[str]:
     arrangement = result.arrangement
     offset = result.R @ arrangement.platform_centre + result.T - arrangement.base_centre
     far = int((np.abs(offset).max(axis=1) > _FAR * arrangement.length).sum())
-    said = f"{far} of the {result.counts.found} poses lie beyond {_FAR:.0e} lengths: "
+    said = f"{far} of the {result.counts.found} solutions lie beyond {_FAR:.0e} lengths: "
     return [f"{said}caused by rounded coordinates, harmless"] if far else []
 
 

@@ -78,7 +78,7 @@ def test_the_page_is_one_small_file(name: str) -> None:
 
 
 def test_what_the_count_rests_on_is_said() -> None:
-    said = "no pose is missing is proved by the geometry count up to a random prime: wrong at"
+    said = "no pose is missing is proved, wrong at most once in 10^"
     assert said in content("octahedral-3-3")
     assert "random prime" not in content("dietmaier").partition("<footer")[2]
 
