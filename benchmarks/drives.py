@@ -34,7 +34,7 @@ import gspcli
 from benchmarks.processes import Finished, run
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
-from gspcli.geometry.machine import is_driven
+from gspcli.geometry.machine import Machine
 from gspcli.geometry.quaternions import quaternion_from_rotation, rotation_from_vector
 from gspcli.motion import drive_values, measure
 from gspcli.resources import data_path, instance_files
@@ -90,7 +90,7 @@ def main() -> int:
         options.error(f"found {', '.join(unknown)}, expected {', '.join((*files, *_COMMANDS))}")
     if given.against is None:
         return _measured({name: files[name] for name in chosen}, given.poses)
-    plain = {name: files[name] for name in chosen if not is_driven(gspcli.load(files[name]))}
+    plain = {name: files[name] for name in chosen if not Machine.of(gspcli.load(files[name])).moves}
     return _compared(plain, given.against, given.commands.split(","), given.turns)
 
 
@@ -105,7 +105,7 @@ def _measured(files: dict[str, Path], count: int) -> int:
     print(f"{count} poses, seconds of processor time:  numbers  torques of weights  of a load")
     for name, path in files.items():
         instance = gspcli.load(path)
-        if not is_driven(instance):
+        if not Machine.of(instance).moves:
             continue
         weighed = gspcli.loads(_weighed(path))
         R, T = _poses(instance, count, 0.02)

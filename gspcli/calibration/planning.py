@@ -23,14 +23,7 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.euler import rotation_from_euler
 from gspcli.geometry.frames import IDENTITY, PoseFrame
 from gspcli.geometry.instance import Instance
-from gspcli.geometry.limits import (
-    has_limits,
-    out_of_cone,
-    out_of_motor_range,
-    out_of_range,
-    within_limits,
-)
-from gspcli.geometry.machine import Machine, is_driven
+from gspcli.geometry.machine import Machine
 from gspcli.geometry.measurement import jacobian, measured
 from gspcli.geometry.quaternions import (
     apply,
@@ -168,7 +161,7 @@ def _box(instance: Instance, model: Model, R: Array, T: Array) -> tuple[Array, A
         turn = min(reach / arrangement.extent, np.pi / 4) if arrangement.extent else np.pi / 4
         box = np.array([reach] * 3 + [turn] * 3)
         return -box, box
-    if not has_limits(instance):
+    if not Machine.of(instance).limited:
         box = np.array([_FREE_PLACE * arrangement.length] * 3 + [_FREE_TURN] * 3)
         return -box, box
     unit = np.array([1.0] * 3 + [arrangement.in_radians] * 3)
@@ -213,7 +206,7 @@ def _columns(drives: Machine, model: Model) -> list[int]:
 def _kept(instance: Instance, model: Model, R: Array, T: Array) -> Places:
     """Return those of some poses that drives reach and at which ranges and cones are kept."""
     if not model.drives:
-        return Places(R, T, None).taken(within_limits(instance, values_at(instance, R, T), R, T))
+        return Places(R, T, None).taken(Machine.of(instance).keeps(R, T))
     drives, q = drive_values(instance, R, T, along=False)
     return _allowed_by_drives(instance, model, drives, R, T, q)
 
@@ -223,15 +216,10 @@ def _allowed_by_drives(
 ) -> Places:
     """Return those of some poses, with the drives at q, that ranges and cones allow."""
     low, high = _spans(drives, model.length)
-    values = values_at(instance, R, T)
-    values[:, drives.driven] = drives.rods[drives.driven]
     free = ~(np.isfinite(drives.low) & np.isfinite(drives.high))
     with np.errstate(invalid="ignore"):
         far = np.asarray(free & drives.moved & ~((q >= low) & (q <= high)))
-    outside = (far, out_of_motor_range(drives, q), out_of_range(instance, values))
-    kept: NDArray[np.bool_] = np.asarray(~np.concatenate(outside, axis=1).any(axis=1))
-    some = np.flatnonzero(kept)
-    kept[some] = ~out_of_cone(instance, R[some], T[some], q[some]).any(axis=1)
+    kept = drives.keeps(R, T, q) & ~far.any(axis=1)
     readings = [
         one.readings(q[:, k]) for one, k in zip(model.drives, _columns(drives, model), strict=True)
     ]
@@ -465,7 +453,8 @@ def planned(
         If the poses there are so much alike that they tell nothing.
     """
     options = options or Options()
-    driven = is_driven(instance) if seen is None else seen.drives is not None
+    machine = Machine.of(instance)
+    driven = machine.moves if seen is None else seen.drives is not None
     model = chosen_model(instance, options, drives=driven)
     noise = noise_of(model, sigma or {})
     places = candidates(instance, model, R, T, seed, allowed=allowed)
@@ -509,7 +498,7 @@ def planned(
         names=tuple(np.array(numbers.names)[told].tolist()),
         sigma=known,
         before=deviations(before),
-        limited=has_limits(instance),
+        limited=machine.limited,
         candidates=len(places.T),
         untold=untold,
     )

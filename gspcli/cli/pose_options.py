@@ -101,14 +101,16 @@ def warn_of_range(instance: Instance, t: Sequence[float], values: Array) -> None
 
     The rods of cranks and slides are left out: their lengths do not change.
     """
-    from gspcli.geometry.machine import driven_points
-    from gspcli.geometry.readings import values_of
-    from gspcli.motion import out_of_range
+    import numpy as np
 
-    outside = out_of_range(instance, values_of(instance, values))
-    for k, constraint in enumerate(instance.constraints):
-        rows = outside[:, k].nonzero()[0].tolist()
-        if rows and constraint.limits is not None and not driven_points(constraint):
+    from gspcli.geometry.machine import Machine
+
+    machine = Machine.of(instance)
+    outside = machine.outside(machine.read(values, {}))
+    for drive in np.flatnonzero(~machine.moved & np.isfinite(machine.high)):
+        k = machine.first[drive]
+        constraint, rows = instance.constraints[k], np.flatnonzero(outside[:, drive])
+        if len(rows) and constraint.limits is not None:
             low, high = map(constraint.reading_of, constraint.limits)
             more = f" (and at {len(rows) - 1} more rows)" if len(rows) > 1 else ""
             say(
@@ -408,13 +410,13 @@ def asked_poses(o: Options) -> AskedPoses:
 
 def _stated_drives(instance: Instance, count: int) -> Array | None:
     """Return readings of drives as stated, shape (count, m); None without cranks and slides."""
-    from gspcli.geometry.machine import Machine, is_driven
-
-    if not is_driven(instance):
-        return None
     import numpy as np
 
+    from gspcli.geometry.machine import Machine
+
     drives = Machine.of(instance)
+    if not drives.moves:
+        return None
     # A drive without a crank or slide is the value itself; it is not asked for here.
     return drives.readings(np.zeros((count, drives.count)))
 

@@ -58,15 +58,13 @@ def required(text: str | None) -> list[Requirement]:
 def measured_quantities(
     instance: Instance,
     requirements: Sequence[Requirement],
-    values: Array,
     R: Array,
     T: Array,
     known: Mapping[str, Array | QuantityParts] | None = None,
 ) -> dict[str, Array | QuantityParts]:
     """Return the numbers that requirements are about, at n poses R, T.
 
-    The poses measure the values, shape (n, 6); known numbers are those that the command has
-    already computed.
+    Known numbers are those that the command has already computed.
 
     Raises
     ------
@@ -76,31 +74,32 @@ def measured_quantities(
     found = dict(known or {})
     for one in requirements:
         if one.quantity not in found:
-            found[one.quantity] = _measured(instance, one.quantity, values, R, T)
+            found[one.quantity] = _measured(instance, one.quantity, R, T)
     return found
 
 
-def _measured(
-    instance: Instance, name: str, values: Array, R: Array, T: Array
-) -> Array | QuantityParts:
+def _measured(instance: Instance, name: str, R: Array, T: Array) -> Array | QuantityParts:
     if name in _SOURCES:
         raise GspError(f"--require {name}: not known here, use {_SOURCES[name]}")
     if name in ("range", "cone", "transmission"):
-        return limits_of(instance, name, values, R, T)
+        from gspcli.motion.poses.inverse_kinematics import drive_values
+
+        machine, q = drive_values(instance, R, T)
+        return limits_of(machine, name, R, T, q)
     if name == "gap":
         return gaps_of(instance, R, T)
-    from gspcli.geometry.machine import Machine, is_driven
+    from gspcli.geometry.machine import Machine
 
+    machine = Machine.of(instance)
     if name == "condition":
         from gspcli.geometry.measurement import condition_numbers, printed_conditions
 
-        placed = Machine.of(instance).placed(R, T)
-        return printed_conditions(condition_numbers(placed, R, T))
+        return printed_conditions(condition_numbers(machine.placed(R, T), R, T))
     if name == "clearance":
         from gspcli.motion.singularities.clearances import clearances
 
-        return clearances(Machine.of(instance), R, T)[0]
-    if is_driven(instance):
+        return clearances(machine, R, T)[0]
+    if machine.moves:
         raise GspError(
             "--require pose-clearance: not known of machines with cranks or slides, use clearance, "
             "which is that of their drives"
@@ -127,18 +126,10 @@ def gaps_of(instance: Instance, R: Array, T: Array, q: Array | None = None) -> Q
     return QuantityParts(compared.gaps(R, T, q), compared.names)
 
 
-def limits_of(
-    instance: Instance,
-    name: str,
-    values: Array,
-    R: Array,
-    T: Array,
-    at: tuple[Machine, Array] | None = None,
-) -> QuantityParts:
+def limits_of(machine: Machine, name: str, R: Array, T: Array, q: Array) -> QuantityParts:
     """Return the ``range`` or ``cone`` as shares, or the ``transmission``, at n poses R, T.
 
-    The poses measure the values, shape (n, 6). Drives of cranks and slides have the numbers `at`,
-    shape (n, m), or those that the poses ask for if it is None.
+    The drives are at q, shape (n, m).
 
     Raises
     ------
@@ -147,35 +138,23 @@ def limits_of(
     """
     import numpy as np
 
-    from gspcli.geometry.limits import cone_shares, joint_cones, motor_shares, range_shares
-    from gspcli.geometry.machine import is_driven
     from gspcli.motion.files.requirements import QuantityParts
-    from gspcli.motion.poses.inverse_kinematics import drive_values
 
-    rows, numbers = instance.constraints, np.empty((len(R), 0))
-    names: list[str] = []
-    if at is None and is_driven(instance):
-        at = drive_values(instance, R, T)
     if name == "cone":
-        numbers = cone_shares(instance, R, T, None if at is None else at[1])
-        names = [f"leg {cone.constraint + 1} at the {cone.body}" for cone in joint_cones(instance)]
+        numbers = machine.cone_shares(R, T, q)
+        names = [f"leg {cone.constraint + 1} at the {cone.body}" for cone in machine.cones]
     elif name == "range":
-        moved = [False] * len(rows) if at is None else at[0].driven
-        which = [k for k, row in enumerate(rows) if row.limits is not None and not moved[k]]
-        names = [f"constraint {k + 1}" for k in which]
-        numbers = range_shares(instance, values)[:, which]
-        if at is not None:
-            shares = motor_shares(*at)
-            # A pose can be out of reach of a drive without a range, too.
-            shares = np.where(np.isnan(shares) & np.isinf(shares).any(axis=0), 0.0, shares)
-            which = np.flatnonzero(~np.isnan(shares).all(axis=0)).tolist()
-            names += [at[0].names[k] for k in which]
-            numbers = np.concatenate((numbers, shares[:, which]), axis=1)
-    elif at is not None:
-        drives, q = at
-        which = np.flatnonzero(drives.driven).tolist()
-        names = [f"{drives.names[drives.index[k]]}, rod {k + 1}" for k in which]
-        numbers = drives.transmission(drives.gains(R, T, q))[:, which]
+        shares = machine.range_shares(q)
+        # A pose can be out of reach of a drive without a range, too.
+        shares = np.where(np.isnan(shares) & np.isinf(shares).any(axis=0), 0.0, shares)
+        stated = ~np.isnan(shares).all(axis=0)
+        which = [*np.flatnonzero(stated & ~machine.moved), *np.flatnonzero(stated & machine.moved)]
+        names = [("" if machine.moved[k] else "constraint ") + machine.names[k] for k in which]
+        numbers = shares[:, which]
+    else:
+        which = np.flatnonzero(machine.driven).tolist()
+        names = [f"{machine.names[machine.index[k]]}, rod {k + 1}" for k in which]
+        numbers = machine.transmission(machine.gains(R, T, q))[:, which]
     if not names:
         what = "cranks and slides" if name == "transmission" else name
         raise GspError(f"--require {name}: SPEC states no {what}")
@@ -204,12 +183,10 @@ def settled(
     if not requirements:
         return result, []
     from gspcli.motion.files.requirements import judge
-    from gspcli.motion.poses.inverse_kinematics import values_at
 
     assert result.instance is not None
     known = known or {}
-    values = values_at(result.instance, R, T)
-    found = measured_quantities(result.instance, requirements, values, R, T, known)
+    found = measured_quantities(result.instance, requirements, R, T, known)
     verdicts = judge(requirements, found)
     more = {name: numbers for name, numbers in found.items() if name not in known}
     return judged(result, verdicts, more, places), verdicts

@@ -59,14 +59,8 @@ class ValueRows:
 
     def drives(self, instance: Instance) -> Array:
         """Return the readings of all drives, shape (n, m)."""
-        drives = Machine.of(instance)
-        found = np.array(drives.readings(np.zeros((len(self.values), drives.count))))
-        for k, (name, moved) in enumerate(zip(drives.names, drives.moved, strict=True)):
-            if not moved:
-                found[:, k] = self.values[:, drives.first[k]]
-            elif name in self.coordinates:
-                found[:, k] = self.coordinates[name]
-        return found
+        machine = Machine.of(instance)
+        return machine.readings(machine.read(self.values, self.coordinates))
 
 
 def read_rows(text: str, name: str, instance: Instance, form: PoseFormat) -> PoseRows | ValueRows:

@@ -16,7 +16,7 @@ from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, DPP, Kind, Law
 from gspcli.errors import ArgumentError
 from gspcli.export.simulated_masses import Inertial, SimulatedMasses
 from gspcli.geometry.instance import Instance
-from gspcli.geometry.machine import Machine, is_driven
+from gspcli.geometry.machine import Machine
 from gspcli.records import dataclass
 
 Vector = NDArray[np.float64]
@@ -299,8 +299,6 @@ class Carrier:
 
 def carriers(instance: Instance, masses: SimulatedMasses, metre: float) -> tuple[Carrier, ...]:
     """Return the arms and carriages of an instance; none if no drive is a crank or a slide."""
-    if not is_driven(instance):
-        return ()
     drives = Machine.of(instance)
     for row, driven in zip(instance.constraints, drives.driven, strict=True):
         if driven and row.kind is not DPP:

@@ -19,9 +19,10 @@ home pose.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import cached_property
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -40,7 +41,7 @@ from gspcli.geometry.measurement import (
     value_signs,
 )
 from gspcli.geometry.numbers import Number
-from gspcli.geometry.primitives import Crank, Point, Slide, as_array
+from gspcli.geometry.primitives import Cone, Crank, Geometry, Point, Slide, as_array
 from gspcli.geometry.quaternions import apply, cross, dot
 from gspcli.records import dataclass
 
@@ -51,11 +52,37 @@ _END = 1e-12
 #: Two numbers of a drive whose moduli differ by less are equally near to the stated point: radians
 #: for a crank, parts of the rod for a slide.
 _EQUALLY_NEAR = 1e-6
+#: A number is outside a limit if it is so by more than this part of it (tilts: of a radian).
+ROUNDING = 1e-12
+#: The least share above 1.
+_ABOVE_ONE = float(np.nextafter(1.0, 2.0))
 #: Constraints with a drive together must ask for the same place, up to this part of the size.
 _SAME = 1e-9
 #: Below this transmission the working mode is not known.
 _DEAD = 1e-6
 _TURN = 2 * np.pi
+
+
+@dataclass(frozen=True)
+class JointCone:
+    """The cone of a joint as it limits one leg.
+
+    Attributes
+    ----------
+    constraint
+        The index of the leg.
+    body
+        The body of the joint, ``platform`` or ``base``.
+    name
+        The name of the joint.
+    cone
+        Its axis, fixed in the body, and its half angle.
+    """
+
+    constraint: int
+    body: Literal["platform", "base"]
+    name: str
+    cone: Cone
 
 
 @dataclass(frozen=True, eq=False)
@@ -163,7 +190,7 @@ class Machine:
         return len(self.names)
 
     @cached_property
-    def _cranked(self) -> NDArray[np.bool_]:
+    def cranked(self) -> NDArray[np.bool_]:
         """Which constraints have a crank, shape (6,)."""
         return np.array([self.sorts[k] == "crank" for k in self.index])
 
@@ -216,12 +243,124 @@ class Machine:
     @cached_property
     def _single(self) -> NDArray[np.bool_]:
         """Which constraints ask for one number only: values, and slides to planes, shape (6,)."""
-        return np.asarray(~self.driven | (self.planes & ~self._cranked))
+        return np.asarray(~self.driven | (self.planes & ~self.cranked))
 
     @cached_property
     def stated_arrangement(self) -> Arrangement:
         """The platform with all points where they are stated."""
         return Arrangement.of(self.instance)
+
+    @cached_property
+    def cones(self) -> tuple[JointCone, ...]:
+        """The cones of joints, one for each leg and joint that has one."""
+        return joint_cones(self.instance)
+
+    @property
+    def limited(self) -> bool:
+        """Whether some drive has a range or some joint a cone."""
+        return bool(np.isfinite(self.high).any()) or bool(self.cones)
+
+    @cached_property
+    def _half_angles(self) -> Array:
+        angles = np.array([joint.cone.half_angle.value for joint in self.cones])
+        return np.asarray(angles * self.instance.units.angle.in_radians)
+
+    @cached_property
+    def two_sided(self) -> NDArray[np.bool_]:
+        """Of which drives the range is that of the modulus, shape (m,)."""
+        rows = [self.instance.constraints[k] for k in self.first]
+        both = np.array([row.kind.has_sides and row.side is Side.BOTH for row in rows])
+        return np.asarray(both & ~self.moved)
+
+    @cached_property
+    def _room(self) -> Array:
+        """By how much numbers of drives may be outside their ranges, shape (m,)."""
+        size = np.maximum(np.abs(self.low), np.abs(self.high))
+        # A distance to a plane is a difference of coordinates: it has their rounding error.
+        plane = [self.instance.constraints[k].kind.has_sides for k in self.first]
+        held = np.array(plane) & ~self.moved & (self.low == self.high)
+        size[held] = np.maximum(size[held], self.stated_arrangement.length)
+        return np.where(np.isfinite(size), ROUNDING * size, 0.0)
+
+    def outside(self, q: ArrayLike) -> NDArray[np.bool_]:
+        """Return which numbers of drives are outside their ranges, shape (..., m).
+
+        By more than the rounding of doubles. NaN, which is out of reach, is outside.
+        """
+        q = np.where(self.two_sided, np.abs(q), q)
+        return np.asarray(~((q >= self.low - self._room) & (q <= self.high + self._room)))
+
+    def range_shares(self, q: Array) -> Array:
+        """Return the position of each drive in its range as a share, shape (..., m).
+
+        The share is 0 in the middle of a range, 1 at its ends and above 1 where `outside` is true.
+        It is 1 at the only number of a range of one, infinite out of reach, NaN without a range.
+        """
+        half, outside = (self.high - self.low) / 2, self.outside(q)
+        with np.errstate(all="ignore"):
+            off = np.abs(np.where(self.two_sided, np.abs(q), q) - (self.low + self.high) / 2)
+            shares = np.where(half > 0, off / half, np.where(outside, np.inf, 1.0))
+        shares = np.where(np.isfinite(half), _agreeing(shares, outside), np.nan)
+        return np.where(np.isnan(q), np.inf, shares)
+
+    def tilts(self, R: ArrayLike, T: ArrayLike, q: ArrayLike | None = None) -> Array:
+        """Return how far legs are tilted from the axes of their cones, in radians.
+
+        Parameters
+        ----------
+        R, T
+            Poses, shapes (..., 3, 3) and (..., 3).
+        q
+            The numbers of the drives there, shape (..., m): cones turn with the arms of cranks.
+            Those that the poses ask for if None.
+
+        Returns
+        -------
+        Array
+            In the order of `cones`, shape (..., cones). The direction of a leg leads from the joint
+            of the cone to its other end; NaN at length zero.
+        """
+        R, T = np.asarray(R, float), np.asarray(T, float)
+        found = np.empty((*T.shape[:-1], len(self.cones)))
+        if not self.cones:
+            return found
+        if q is None:
+            q = self.inverse(R, T) if self.moves else np.zeros(self.count)
+        r = self.ends(R, T, q)[2]
+        for k, joint in enumerate(self.cones):
+            leg = r[..., joint.constraint, :]
+            axis = self.turned(joint.constraint, joint.body, joint.cone.unit, q)
+            axis = np.broadcast_to(axis, leg.shape)
+            direction, axis = (leg, axis) if joint.body == "base" else (-leg, apply(R, axis))
+            across = np.linalg.norm(np.cross(axis, direction), axis=-1)
+            along = dot(axis, direction)
+            length = np.hypot(across, along)
+            found[..., k] = np.where(length > 0, np.arctan2(across, along), np.nan)
+        return found
+
+    def out_of_cones(
+        self, R: ArrayLike, T: ArrayLike, q: ArrayLike | None = None
+    ) -> NDArray[np.bool_]:
+        """Return which cones are violated at poses, by more than rounding, shape (..., cones).
+
+        A leg of length zero has no direction and violates none. Arguments as for `tilts`.
+        """
+        return np.asarray(self.tilts(R, T, q) > self._half_angles + ROUNDING)
+
+    def cone_shares(self, R: ArrayLike, T: ArrayLike, q: ArrayLike | None = None) -> Array:
+        """Return tilts by the half angles of their cones, shape (..., cones); 0 at length zero.
+
+        The share is above 1 where `out_of_cones` is true; arguments as for `tilts`.
+        """
+        tilts = self.tilts(R, T, q)
+        shares = np.nan_to_num(tilts / self._half_angles, nan=0.0)
+        return _agreeing(shares, tilts > self._half_angles + ROUNDING)
+
+    def keeps(self, R: Array, T: Array, q: Array | None = None) -> NDArray[np.bool_]:
+        """Return whether poses are reached within all ranges and cones, shape (...)."""
+        q = self.inverse(R, T) if q is None else q
+        left = np.concatenate((self.outside(q), self.out_of_cones(R, T, q)), axis=-1)
+        return np.asarray(~left.any(axis=-1))
 
     def user(self, k: int) -> str:
         """Return what a constraint is called: a rod, if a drive moves an end of it."""
@@ -241,19 +380,19 @@ class Machine:
         """Return the driven points in the frames of their bodies, ``(..., m) -> (..., 6, 3)``."""
         x = self._of_constraints(q)
         turned = self.middle + self.across * np.cos(x) + self.beside * np.sin(x)
-        return np.where(self._cranked[:, None], turned, self.middle + self.beside * x)
+        return np.where(self.cranked[:, None], turned, self.middle + self.beside * x)
 
     def velocities(self, q: ArrayLike) -> Array:
         """Return the derivatives of `points` by the number of their drive, shape (..., 6, 3)."""
         x = self._of_constraints(q)
         turned = self.beside * np.cos(x) - self.across * np.sin(x)
-        return np.where(self._cranked[:, None], turned, self.beside)
+        return np.where(self.cranked[:, None], turned, self.beside)
 
     def bends(self, q: ArrayLike) -> Array:
         """Return the second derivatives of `points`, shape (..., 6, 3)."""
         x = self._of_constraints(q)
         turned = -self.across * np.cos(x) - self.beside * np.sin(x)
-        return np.where(self._cranked[:, None], turned, 0.0)
+        return np.where(self.cranked[:, None], turned, 0.0)
 
     def turned(self, k: int, body: str, vector: Array, q: ArrayLike) -> Array:
         """Return a vector of the joint of constraint k on a body after its arm has turned.
@@ -261,7 +400,7 @@ class Machine:
         In the frame of the body, shape (..., 3); unchanged unless a crank moves the joint.
         """
         own = BODIES[0] if self.on_platform[k] else BODIES[1]
-        if body != own or not self._cranked[k]:
+        if body != own or not self.cranked[k]:
             return vector
         point = getattr(self.instance.constraints[k], body)
         axis = point.crank.unit
@@ -295,7 +434,7 @@ class Machine:
 
     def scaled(self, factor: float) -> Machine:
         """Return the machine with its lengths times a factor: in another unit of length."""
-        lengths, arms = np.where(self.turns, 1.0, factor), np.where(self._cranked, factor, 1.0)
+        lengths, arms = np.where(self.turns, 1.0, factor), np.where(self.cranked, factor, 1.0)
         low, high, tolerances = (x * lengths for x in (self.low, self.high, self.tolerances))
         found = replace(
             self,
@@ -427,8 +566,8 @@ class Machine:
             shift = beside[..., None] + _pair(step)
             single = (right / beside)[..., None]
             single = np.where(np.isfinite(single), single, np.nan)
-        found = np.where(self._cranked[:, None], turn, shift)
-        found = np.where((self.planes & ~self._cranked)[:, None], single, found)
+        found = np.where(self.cranked[:, None], turn, shift)
+        found = np.where((self.planes & ~self.cranked)[:, None], single, found)
         return np.where(self.driven[:, None], found, values[..., None])
 
     def _check_kinds(self) -> None:
@@ -491,7 +630,7 @@ class Machine:
             If a drive does not reach the pose, or both its numbers are equally near to zero.
         """
         both = self.roots(R, T)
-        size = np.where(self._cranked, 1.0, self.rods)
+        size = np.where(self.cranked, 1.0, self.rods)
         for k in np.flatnonzero(self.driven).tolist():
             name, unit = self.names[self.index[k]], self.units[self.index[k]]
             if np.isnan(both[k]).any():
@@ -674,6 +813,24 @@ class Machine:
         ]
         return replace(moved, constraints=tuple(rows))
 
+    def of_values(self, values: ArrayLike) -> Array:
+        """Return q at values in the units of the file, ``(..., 6) -> (..., m)``.
+
+        Cranks and slides are where the file states them.
+        """
+        return np.where(self.moved, 0.0, np.asarray(values, float)[..., self.first] * self.units)
+
+    def read(self, readings: ArrayLike, moved: Mapping[str, ArrayLike]) -> Array:
+        """Return q of readings of constraints, (n, 6), and of cranks and slides by name, each (n,).
+
+        Those that are not named are where the file states them.
+        """
+        found = self.readings(self.of_values(np.zeros_like(readings)))
+        found[..., ~self.moved] = np.asarray(readings, float)[..., self.first[~self.moved]]
+        for name, column in moved.items():
+            found[..., self.names.index(name)] = column
+        return self.from_readings(found)
+
     def readings(self, q: ArrayLike) -> Array:
         """Return readings of q, shape (..., m), in the units of the instance."""
         return (np.asarray(q, float) / self.units - self.offsets) / self.factors
@@ -743,6 +900,11 @@ class MachineAtPoses:
             return first, (apply(self.jacobian, change) + second) / self.gains
 
 
+def _agreeing(shares: Array, outside: NDArray[np.bool_]) -> Array:
+    """Return shares that are above 1 exactly where a limit is violated, despite rounding."""
+    return np.where(outside, np.maximum(shares, _ABOVE_ONE), np.minimum(shares, 1.0))
+
+
 def _pair(half: Array) -> Array:
     return np.stack((-half, half), axis=-1)
 
@@ -800,9 +962,34 @@ def driven_points(row: Constraint) -> list[MovedPoint]:
     ]
 
 
-def is_driven(instance: Instance) -> bool:
-    """Return whether a point of a constraint has a crank or a slide."""
-    return any(driven_points(row) for row in instance.constraints)
+def without_drives(instance: Instance) -> Instance:
+    """Return a platform whose points stay where they are stated: its values are its drives."""
+
+    def still(row: Constraint, body: str) -> Geometry:
+        end = getattr(row, body)
+        return Point(end.position, end.cone) if isinstance(end, Point) else end
+
+    rows = tuple(
+        replace(row, platform=still(row, "platform"), base=still(row, "base"))
+        for row in instance.constraints
+    )
+    return replace(instance, constraints=rows, dynamics=None)
+
+
+def value_machine(instance: Instance) -> Machine:
+    """Return the machine whose drives are the six values: cranks and slides stay where stated."""
+    return Machine.of(without_drives(instance))
+
+
+def joint_cones(instance: Instance) -> tuple[JointCone, ...]:
+    """Return the cones of an instance, one for each leg and joint that has one."""
+    return tuple(
+        JointCone(k, body, getattr(row, f"{body}_name"), joint.cone)
+        for k, row in enumerate(instance.constraints)
+        if row.kind is DPP
+        for body in BODIES
+        if isinstance(joint := getattr(row, body), Point) and joint.cone is not None
+    )
 
 
 def arms_of(instance: Instance) -> dict[int, ThickArm]:

@@ -3,7 +3,6 @@
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from gspcli.geometry.limits import out_of_range
 from gspcli.motion.files.pose_files import PoseFormat, PoseTable, read_pose, read_poses
 from gspcli.motion.files.value_files import ValueTable, read_values
 from gspcli.motion.poses.inverse_kinematics import crank_angles, drive_values, measure
@@ -65,7 +64,6 @@ __all__ = [
     "gaps",
     "measure",
     "mode_groups",
-    "out_of_range",
     "path",
     "read_pose",
     "read_poses",

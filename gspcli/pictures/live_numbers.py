@@ -33,8 +33,7 @@ from gspcli.geometry.coordinates import BODIES
 from gspcli.geometry.enclosures import roundings
 from gspcli.geometry.frames import IDENTITY, PoseFrame
 from gspcli.geometry.instance import AngleUnit, Instance
-from gspcli.geometry.limits import joint_cones
-from gspcli.geometry.machine import Machine, driven_points, is_driven
+from gspcli.geometry.machine import Machine, driven_points
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Crank, Line, Point
 from gspcli.geometry.quaternions import quaternion_from_rotation
@@ -101,29 +100,18 @@ def live_home(result: SolveResult) -> dict[str, Any]:
 
 def _within(instance: Instance) -> list[list[float] | None]:
     """Return the ranges of values, or of motors, as readings."""
-    ends = np.full((2, 6), np.nan)
-    for k, row in enumerate(instance.constraints):
-        if row.limits is not None:
-            ends[:, k] = [limit.value for limit in row.limits]
-    found = _pairs(readings_of(instance, ends, signed=False))
-    if not is_driven(instance):
-        return found
-    drives = Machine.of(instance)
-    moved = _pairs(drives.readings(np.stack((drives.low, drives.high))))
-    return [
-        moved[k] if sort != "value" else found[drives.users(k)[0]]
-        for k, sort in enumerate(drives.sorts)
-    ]
-
-
-def _pairs(ends: Array) -> list[list[float] | None]:
+    machine = Machine.of(instance)
+    ends = machine.readings(np.stack((machine.low, machine.high)))
+    # The page has distances to planes on the side that is asked for.
+    negative = ~machine.moved & (machine.stated_arrangement.sides[machine.first] < 0)
+    ends = np.where(negative, -ends, ends)
     return [sorted(pair) if np.isfinite(pair).all() else None for pair in ends.T.tolist()]
 
 
 def _cones(result: SolveResult) -> list[dict[str, Any]] | None:
     instance = result.instance
-    cones, joints = joint_cones(instance), result.arrangement
-    if cones and is_driven(instance):
+    machine, joints = Machine.of(instance), result.arrangement
+    if machine.cones and machine.moves:
         return None
     return [
         {
@@ -132,7 +120,7 @@ def _cones(result: SolveResult) -> list[dict[str, Any]] | None:
             "points": [points[one.constraint].tolist() for points in (joints.y, joints.x)],
             "angle": one.cone.half_angle.value * result.arrangement.in_radians,
         }
-        for one in cones
+        for one in machine.cones
     ]
 
 
@@ -302,9 +290,8 @@ class LiveMotors:
     @classmethod
     def of(cls, given: Instance) -> LiveMotors | None:
         """Return the motors of a machine; None if they move no joints."""
-        if not is_driven(given):
-            return None
-        return cls(given, Machine.of(given), anywhere(given))
+        machine = Machine.of(given)
+        return cls(given, machine, anywhere(given)) if machine.moves else None
 
     def corrections(self, scale: Array, shift: Array) -> tuple[Array, Array]:
         """Return by which factors and offsets readings become numbers, shape (6,)."""

@@ -14,7 +14,7 @@ from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, DPP, Kind, Primitive
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.coordinates import BODIES, choose, moved
 from gspcli.geometry.instance import Constraint, Instance
-from gspcli.geometry.machine import Machine, arms_of, is_driven
+from gspcli.geometry.machine import Machine, arms_of
 from gspcli.geometry.measurement import condition_numbers, measured, printed_residual, sides_of
 from gspcli.geometry.primitives import Geometry, Point
 from gspcli.geometry.quaternions import cross, dot, quaternion_from_rotation
@@ -189,10 +189,10 @@ def with_drives(instance: Instance, poses: Poses) -> Poses:
     Poses that state coordinates, or that the rods do not reach, are not changed: their points stay
     where they are stated, and the rods change their lengths.
     """
-    if poses.coordinates or not len(poses.T) or not is_driven(instance):
+    if poses.coordinates or not len(poses.T):
         return poses
     drives = Machine.of(instance)
-    moved = [k for k, sort in enumerate(drives.sorts) if sort != "value"]
+    moved = np.flatnonzero(drives.moved).tolist()
     q = drives.inverse(poses.R, poses.T)[:, moved] / drives.units[moved]
     if np.isnan(q).any():
         return poses
@@ -214,10 +214,9 @@ def arm_strokes(instance: Instance, poses: Poses, size: float) -> list[tuple[Str
     size
         Of the scene.
     """
-    count = len(poses.T)
-    if not is_driven(instance) or not count:
+    drives, count = Machine.of(instance), len(poses.T)
+    if not drives.moves or not count:
         return [()] * len(instance.constraints)
-    drives = Machine.of(instance)
     q = np.zeros((count, drives.count))
     for name, column in zip(poses.coordinates, poses.places.T, strict=False):
         if name in drives.names:
@@ -253,8 +252,6 @@ def drawn_drives(instance: Instance) -> list[dict[str, Any] | None]:
         ``beside``, ``unit``, ``factor`` and ``offset`` (`gspcli.geometry.machine.Drives`), and its
         ``range`` in radians or lengths, or None.
     """
-    if not is_driven(instance):
-        return [None] * len(instance.constraints)
     drives = Machine.of(instance)
     found: list[dict[str, Any] | None] = []
     for k, driven in enumerate(drives.driven.tolist()):

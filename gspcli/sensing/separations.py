@@ -22,7 +22,7 @@ from gspcli.errors import ArgumentError, IncompleteError, NotFiniteError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.checking import checked
 from gspcli.geometry.instance import Instance
-from gspcli.geometry.machine import Machine, is_driven
+from gspcli.geometry.machine import Machine
 from gspcli.geometry.quaternions import apply, vector_from_rotation
 from gspcli.geometry.readings import problems_of, readings_of, value_rows, values_of
 from gspcli.records import Tabular, dataclass
@@ -558,18 +558,11 @@ def _checked_rows(
     for k, i in np.argwhere(wrong).tolist():
         message = f"found {rows[k, i]:g}, expected the {instance.constraints[i].side.value} side"
         raise ArgumentError(message, f"values[{k}][{i}]")
-    numbers = None
-    if is_driven(instance):
-        drives = Machine.of(instance)
-        readings = np.array(drives.readings(np.zeros((len(rows), drives.count))))
-        given = {str(k): column for k, column in enumerate(rows.T, 1)} | dict(coordinates)
-        for k, name in enumerate(drives.names):
-            readings[:, k] = given.get(name, readings[:, k])
-        numbers = drives.from_readings(readings)
-    known = () if numbers is None else Machine.of(instance).names
+    machine = Machine.of(instance)
     for name in coordinates:
-        if name not in known:
+        if name not in machine.names or not machine.moved[machine.names.index(name)]:
             raise ArgumentError(f"found {name}, expected a drive", "coordinates")
+    numbers = machine.read(rows, coordinates) if machine.moves else None
     meant[:, arrangement.sided] = np.abs(meant[:, arrangement.sided])
     for problem in problems_of(instance, meant).values():
         raise ArgumentError(problem)

@@ -9,10 +9,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from gspcli.geometry.limits import cone_shares, within_limits
+from gspcli.geometry.machine import Machine
 from gspcli.motion.paths.planner import mode_groups
 from gspcli.motion.paths.ways import ValueWays
-from gspcli.motion.poses.inverse_kinematics import values_at
 from gspcli.pictures.live_numbers import live_numbers
 from gspcli.solver import SolveResult, solve
 from gspcli.spec.reading import example
@@ -72,7 +71,7 @@ def test_random_poses_in_the_ranges_go_home(study: SolveResult) -> None:
     R, T = poses_near(
         study.R[home.number - 1].real, study.T[home.number - 1].real, 400, 120, 0.8, 1
     )
-    inside = within_limits(study.instance, values_at(study.instance, R, T), R, T)
+    inside = Machine.of(study.instance).keeps(R, T)
     R, T = R[inside][:60], T[inside][:60]
     found = ways_home(study, R, T)
     assert len(found) == 60
@@ -103,14 +102,13 @@ def test_cones_are_kept_on_ways() -> None:
     assert home is not None
     R, T = result.R[home.number - 1].real, result.T[home.number - 1].real
     R, T = poses_near(R, T, 400, 100, 0.5, 2)
-    values = values_at(result.instance, R, T)
-    inside = within_limits(result.instance, values, R, T)
+    inside = Machine.of(result.instance).keeps(R, T)
     found = ways_home(result, R[inside][:20], T[inside][:20])
     assert len(found) == 20
     for one in found:
         assert refusal(result, one) == ""
         R, T, _ = rows_of(one)
-        assert (cone_shares(result.instance, R, T) <= 1).all()
+        assert (Machine.of(result.instance).cone_shares(R, T) <= 1).all()
 
 
 def test_motors_go_home_within_their_ranges() -> None:

@@ -34,7 +34,7 @@ BOUNDS = {
 #: What rounding of doubles may do where nothing is proved.
 DOUBLES = {
     "continuation/tracker.py": (1, "residuals and coefficients, of what is clearly simple"),
-    "geometry/limits.py": (1, "readings at the end of a range"),
+    "geometry/machine.py": (1, "readings at the end of a range"),
     "geometry/measurement.py": (1, "singular values that may be zero, as NumPy's rank has it"),
     "motion/following/tracks.py": (1, "poses that are compared, by their condition number"),
     "motion/workspace/workspaces.py": (1, "sums of volumes"),

@@ -23,7 +23,7 @@ from gspcli.defaults import SEED
 from gspcli.errors import ArgumentError, GspError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
-from gspcli.geometry.machine import Machine, is_driven
+from gspcli.geometry.machine import Machine
 from gspcli.geometry.measurement import condition_numbers
 from gspcli.motion.singularities.pose_clearances import (
     Displacements,
@@ -138,7 +138,7 @@ def compared(
         return Row(name, refused=str(error))
     rows = dragged(np.array(live["ranges"]), np.array(live["values"]), states)
     page = run(live, rows)
-    is_moved = is_driven(instance)
+    is_moved = Machine.of(instance).moves
     solved = _solved_anew(instance, rows) if is_moved else _solved_together(instance, rows)
     row = Row(name, len(rows))
     compared_poses: list[tuple[int, Array, Array, Array]] = []

@@ -12,7 +12,7 @@ import numpy as np
 from gspcli.export.chains import chain
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import METRES
-from gspcli.geometry.machine import Machine, is_driven
+from gspcli.geometry.machine import Machine
 
 
 class PinocchioTree:
@@ -42,12 +42,12 @@ class PinocchioTree:
         )
         self.ends, self.others, self.rigid, self.values = [], [], [], []
         self.spins, legs = [], list(stated.legs)
-        self.drives = Machine.of(instance) if is_driven(instance) else None
+        self.drives = Machine.of(instance)
         self.carriers, self.T = {}, T * self.metre
         self.weights = {"crank": list(stated.arms), "slide": list(stated.carriages)}
         for k, kind in enumerate(numbers.kinds):
             self.others.append(self.platform)
-            if self.drives is not None and self.drives.driven[k]:
+            if self.drives.driven[k]:
                 self._driven_leg(k, legs.pop(0), y[k])
             elif kind.name == "DPP" and legs:
                 self._leg(k, legs.pop(0), y[k])
@@ -238,7 +238,7 @@ class PinocchioTree:
         return self._drives() @ self._moves(twists).T
 
     def _rotors(self):
-        if self.drives is not None:
+        if self.drives.moves:
             inertia = [one.value for one in self.instance.dynamics.drives.inertia]
             cranked = np.array([sort == "crank" for sort in self.drives.sorts])
             return np.array(inertia) * np.where(cranked, self.metre**2, 1.0)

@@ -15,8 +15,7 @@ from gspcli.certification.numbers.balls import cross, dot, norm, rotated
 from gspcli.certification.numbers.rounding import TINY
 from gspcli.geometry.enclosures import above
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side
-from gspcli.geometry.limits import joint_cones
-from gspcli.geometry.machine import MovedPoint, driven_points
+from gspcli.geometry.machine import MovedPoint, driven_points, joint_cones
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Crank, Geometry, Point
 

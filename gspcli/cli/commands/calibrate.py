@@ -269,10 +269,8 @@ def _allowed(
 ) -> NDArray[np.bool_]:
     """Return which poses keep what is required."""
     from gspcli.motion.files.requirements import keeping
-    from gspcli.motion.poses.inverse_kinematics import values_at
 
-    values = values_at(instance, R, T)
-    return keeping(requirements, measured_quantities(instance, requirements, values, R, T))
+    return keeping(requirements, measured_quantities(instance, requirements, R, T))
 
 
 def calibration_table(result: Calibration, remarks: Sequence[str] | None = None) -> Result:

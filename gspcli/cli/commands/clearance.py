@@ -105,8 +105,8 @@ def _points(text: str) -> list[list[float]]:
 
 def _result(found: Clearances, asked: AskedPoses) -> Result:
     """Return a row for each pose, with the values or drives at the nearest event."""
-    from gspcli.geometry.machine import Machine
-    from gspcli.motion.singularities.clearances import value_machine, weights_of
+    from gspcli.geometry.machine import Machine, value_machine
+    from gspcli.motion.singularities.clearances import weights_of
 
     instance, units, of = found.instance, found.instance.units, found.of
     if of == "drives":

@@ -74,16 +74,15 @@ def _moved(instance: Instance, R: Any, T: Any) -> Instance:
 
     It is returned unchanged if it has none, or they do not reach the pose.
     """
+    if len(instance.constraints) != 6:
+        return instance
     import numpy as np
 
-    from gspcli.geometry.machine import is_driven
-
-    if len(instance.constraints) != 6 or not is_driven(instance):
-        return instance
     from gspcli.motion.poses.inverse_kinematics import drive_values
 
-    drives, q = drive_values(instance, R[None], T[None], along=False)
-    return drives.instance_at(q[0]) if np.isfinite(q).all() else instance
+    machine, q = drive_values(instance, R[None], T[None], along=False)
+    reached = machine.moves and np.isfinite(q).all()
+    return machine.instance_at(q[0]) if reached else instance
 
 
 def _home(instance: Instance) -> tuple[Any, Any]:

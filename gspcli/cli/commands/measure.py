@@ -259,16 +259,18 @@ def _motors(instance: Instance, table: PoseTable, t: list[float], *, cranks: boo
 
 def _nearest(instance: Instance, table: PoseTable, t: list[float], form: PoseFormat) -> Result:
     """Return the nearest pose to each pose of a table, from home and then from row to row."""
-    from gspcli.geometry.machine import Machine, is_driven
+    from gspcli.geometry.machine import Machine
     from gspcli.geometry.quaternions import quaternion_from_rotation
     from gspcli.motion.paths.nearest_poses import NearestPoses
 
     _, R, T = pose_options.one_mode(instance, None)
     tool = form.frame.tool.shifted(form.pivot).T
     pivot = None if tool is None else tool.tolist()
-    names = {str(k): f"{k} {row.kind.name}" for k, row in enumerate(instance.constraints, 1)}
-    if is_driven(instance):
-        names = {name: name for name in Machine.of(instance).names}
+    machine, kinds = Machine.of(instance), [row.kind.name for row in instance.constraints]
+    names = {
+        name: name if machine.moved[k] else f"{name} {kinds[machine.first[k]]}"
+        for k, name in enumerate(machine.names)
+    }
     rows: list[dict[str, Any]] = []
     found = NearestPoses(instance, R[0], T[0], pivot=pivot).along(table.R, table.T)
     for time, one in zip(t, found, strict=True):

@@ -23,8 +23,7 @@ from gspcli.cli.requirements import (
 from gspcli.cli.result import Fields, Result, pose_columns
 from gspcli.cli.streams import say, working
 from gspcli.errors import GspError, IncompleteError
-from gspcli.geometry.limits import joint_cones
-from gspcli.geometry.machine import Machine, is_driven
+from gspcli.geometry.machine import Machine
 from gspcli.records import dataclass
 from gspcli.wording import counted, listed
 
@@ -192,9 +191,9 @@ def _clearances(
     asked = {one.quantity for one in requirements}
     found = {}
     if o.clear or "clearance" in asked:
-        from gspcli.geometry.machine import Machine
+        from gspcli.geometry.machine import Machine, value_machine
         from gspcli.motion.paths.between import moves_by_drives
-        from gspcli.motion.singularities.clearances import clearances, value_machine
+        from gspcli.motion.singularities.clearances import clearances
 
         whole = moves_by_drives(result)
         machine_of = Machine.of if whole else value_machine
@@ -423,22 +422,19 @@ def _at_all_rows(result: Track, requirement: Requirement) -> Array | QuantityPar
     from gspcli.motion.paths.between import drive_rows
 
     name, instance = requirement.quantity, result.instance
-    if is_driven(instance) and name in ("range", "transmission", "gap"):
+    if name in ("range", "transmission", "gap"):
         rows, modes = np.nonzero(~np.isnan(result.T[..., 0].T))
         R, T = (array[modes, rows] for array in (result.R, result.T))
         machine = Machine.of(instance)
         q = drive_rows(result, machine)[rows]
         if name == "gap":
             return gaps_of(instance, R, T, q)
-        return limits_of(instance, name, result.values[rows], R, T, (machine, q))
+        return limits_of(machine, name, R, T, q)
     found: list[Array | QuantityParts] = []
     for part, moved in result.instances():
-        # What is followed has one side of each plane; ranges are those of the sides asked for.
-        platform = instance if name == "range" else moved
         rows, modes = np.nonzero(~np.isnan(result.T[:, part, 0].T))
-        values = result.values[part][rows]
         R, T = (array[:, part][modes, rows] for array in (result.R, result.T))
-        found.append(measured_quantities(platform, [requirement], values, R, T)[name])
+        found.append(measured_quantities(moved, [requirement], R, T)[name])
     first = found[0]
     if isinstance(first, QuantityParts):
         every = [part.values for part in found if isinstance(part, QuantityParts)]
@@ -503,7 +499,7 @@ def _cones_notes(result: Track, events: list[LimitEvent]) -> list[str]:
     """Return which modes are proved to keep all cones, where there are any and anything is."""
     from gspcli.motion.paths.between import cones_proved
 
-    if not joint_cones(result.instance) or not cones_proved(result):
+    if not Machine.of(result.instance).cones or not cones_proved(result):
         return []
     leaving = {event.mode for event in events if event.kind != "dead point"}
     modes = [mode for mode in result.modes.tolist() if mode not in leaving]

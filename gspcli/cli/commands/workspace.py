@@ -19,13 +19,13 @@ from gspcli.cli.result import POSE, Fields, Result, vector_text
 from gspcli.cli.streams import progress, say
 from gspcli.errors import ArgumentError, GspError, IncompleteError
 from gspcli.geometry.frames import IDENTITY, PoseFrame
-from gspcli.geometry.machine import Machine, is_driven
+from gspcli.geometry.machine import Machine
 from gspcli.records import dataclass
 from gspcli.wording import listed, shown
 
 if TYPE_CHECKING:
     import numpy as np
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import NDArray
 
     from gspcli.geometry.instance import Instance
     from gspcli.motion import Travel, Workspace
@@ -144,14 +144,17 @@ def command(o: options.Options) -> None:
     form = o.form
     only = instance.home is not None if o.connected is None else o.connected
     turning = free is None or o.orientation is None or set(free) != set("xyz")
-    home = _home(o, needed=turning or only or is_driven(instance))
+    machine = Machine.of(instance)
+    home = _home(o, needed=turning or only or machine.moves)
     moving = instance
     if not form.frame.is_identity:
         from gspcli.geometry.expressed_instances import expressed_instance
 
         relative = o.relative_to is not None
         moving = expressed_instance(instance, pivot=form.pivot, relative=relative)
-    working_modes = _working_modes(instance, moving, home)
+    # Those of the stated home count; a machine without one has those at the home asked for.
+    machine = Machine.of(moving) if instance.home is None else machine
+    working_modes = machine.at_home(home.R, home.T).signs
     asked = {
         "pivot": home.pivot,
         "sequence": form.euler or "ZYX",
@@ -188,15 +191,6 @@ def command(o: options.Options) -> None:
             f"the bounds of the volume differ by {found.gap:.3g}, relatively, after "
             f"{found.judged} boxes: more than --gap {wanted:g}"
         )
-
-
-def _working_modes(instance: Instance, moving: Instance, home: _Home) -> ArrayLike | None:
-    """Return the working modes of cranks and slides at the stated home, or that asked for."""
-    if not is_driven(instance):
-        return None
-    if instance.home is not None:
-        return Machine.of(instance).at_home().signs
-    return Machine.of(moving).at_home(home.R, home.T).signs
 
 
 @contextmanager

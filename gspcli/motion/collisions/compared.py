@@ -26,7 +26,7 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.checking import refuse_shape_mistakes
 from gspcli.geometry.enclosures import above, roundings
 from gspcli.geometry.instance import Constraint, Instance
-from gspcli.geometry.machine import Machine, arms_of, is_driven
+from gspcli.geometry.machine import Machine, arms_of
 from gspcli.geometry.primitives import Vector
 from gspcli.geometry.quaternions import apply
 from gspcli.motion.poses.inverse_kinematics import checked_poses, drive_values
@@ -216,7 +216,7 @@ class ComparedShapes:
             from the poses.
         """
         low, high = np.empty((2, len(T), len(self.pairs)))
-        if is_driven(self.instance) and q is None:
+        if q is None and self._drives.moves:
             q = drive_values(self.instance, R, T)[1]
         for begin in range(0, len(T), _PIECE):
             part = slice(begin, begin + _PIECE)

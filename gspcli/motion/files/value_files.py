@@ -16,7 +16,6 @@ from gspcli.geometry.checking import value_range, wrong_value
 from gspcli.geometry.coordinates import Coordinate, choose, drive_corrections
 from gspcli.geometry.coordinates import coordinates as all_coordinates
 from gspcli.geometry.instance import Instance
-from gspcli.geometry.machine import is_driven
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.readings import readings_of, values_of
 from gspcli.motion.files.number_tables import NumberTable
@@ -202,8 +201,6 @@ def _of_poses(
         If the machine cannot take a pose.
     """
     values = measure(instance, R, T)
-    if not is_driven(instance):
-        return values, {}
     drives, q = drive_values(instance, R, T)
     if missing := refusals(drives, R, T, q):
         row = min(missing)

@@ -26,8 +26,7 @@ from gspcli.geometry.coordinates import Coordinate, carried_by, coordinates
 from gspcli.geometry.enclosures import above, roundings
 from gspcli.geometry.frames import PoseFrame
 from gspcli.geometry.instance import Constraint, Instance, Side
-from gspcli.geometry.limits import ROUNDING, joint_cones
-from gspcli.geometry.machine import Machine, driven_points
+from gspcli.geometry.machine import ROUNDING, Machine, driven_points
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Crank, Geometry, Line, Point, Slide
 from gspcli.geometry.quaternions import (
@@ -418,11 +417,11 @@ def limit_numbers(
     """
     low, high = np.full(6, -NEVER), np.full(6, NEVER)
     radian = instance.units.angle.in_radians
-    stays = Machine.of(instance).stays
+    machine = Machine.of(instance)
     for k, (row, kind) in enumerate(zip(instance.constraints, numbers.kinds, strict=True)):
         motor = motor_of(row)
         limits = row.limits if motor is None else motor.limits
-        if stays[k]:
+        if machine.stays[k]:
             limits = row.value, row.value
         if limits is None:
             continue
@@ -430,7 +429,7 @@ def limit_numbers(
         least, most = (limit.value * unit for limit in limits)
         negative = motor is None and row.side is Side.NEGATIVE
         low[k], high[k] = (-most, -least) if negative else (least, most)
-    cones = joint_cones(instance)
+    cones = machine.cones
     axis, half = np.zeros((_CONES, 3)), np.zeros(_CONES)
     for k, one in enumerate(cones):
         axis[k], half[k] = one.cone.unit, one.cone.half_angle.value * radian

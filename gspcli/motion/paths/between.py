@@ -19,7 +19,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
-from functools import partial
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -31,16 +30,8 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.coordinates import choose, coordinates, moved
 from gspcli.geometry.enclosures import Enclosure, above, joined, roundings, singular_values, size
 from gspcli.geometry.frames import PoseFrame
-from gspcli.geometry.instance import Instance, Side
-from gspcli.geometry.limits import (
-    cone_shares,
-    joint_cones,
-    out_of_cone,
-    out_of_motor_range,
-    out_of_range,
-    tilts,
-)
-from gspcli.geometry.machine import Machine, arms_of, is_driven
+from gspcli.geometry.instance import Instance
+from gspcli.geometry.machine import Machine, arms_of, value_machine, without_drives
 from gspcli.geometry.measurement import condition_numbers
 from gspcli.geometry.quaternions import apply
 from gspcli.geometry.readings import without_corrections
@@ -51,7 +42,7 @@ from gspcli.motion.following.tracks import Event, Track
 from gspcli.motion.paths.ways import PoseWays, ValueWays, WayProof
 from gspcli.motion.poses.inverse_kinematics import refusals
 from gspcli.motion.screws import screw
-from gspcli.motion.singularities.clearances import clearances, value_machine, weights_of
+from gspcli.motion.singularities.clearances import clearances, weights_of
 from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
@@ -287,8 +278,7 @@ def _transmissions(drives: Machine, near: Near, centre: Array) -> tuple[Array, A
         size = np.linalg.norm(ends[2], axis=-1)
         left = size - moves / 2
         turned = np.where(left > 0, moves / left, np.inf)
-        cranks = np.array([drives.sorts[k] == "crank" for k in drives.index])
-        turned += np.where(cranks, near.slips / drives.arms, 0.0)
+        turned += np.where(drives.cranked, near.slips / drives.arms, 0.0)
         turned = above(turned) + rounding
     at = drives.transmission(drives.gains(near.R, near.T, near.q))
     return at[:, drives.driven], turned[:, drives.driven]
@@ -296,20 +286,20 @@ def _transmissions(drives: Machine, near: Near, centre: Array) -> tuple[Array, A
 
 def cones_kept(rows: PathRows) -> bool:
     """Return whether it is proved that all cones are kept between the rows."""
-    if not joint_cones(rows.instance):
+    if not rows.machine.cones:
         return True
-    measure = cone_margins(rows.instance, rows.machine)
-    shares = cone_shares(rows.instance, rows.R, rows.T, rows.drive_numbers())
+    measure = cone_margins(rows.machine)
+    shares = rows.machine.cone_shares(rows.R, rows.T, rows.drive_numbers())
     return bool((_least(rows, 1 - shares.max(axis=1), measure, 0.0) >= 0).all())
 
 
-def cone_margins(instance: Instance, drives: Machine | None) -> Measure:
+def cone_margins(machine: Machine) -> Measure:
     """Return the measure of cones: by how much less legs are tilted than allowed, in radians.
 
     A leg r that changes by at most d turns by at most the angle with the sine ``d / |r|``. It is
     seen from the body of the cone, in which only an arm turns the cone.
     """
-    cones, a = joint_cones(instance), Arrangement.of(instance)
+    cones, a = machine.cones, machine.stated_arrangement
     legs = [one.constraint for one in cones]
     on_platform = np.array([one.body == "platform" for one in cones])
     allowed = np.array([one.cone.half_angle.value for one in cones]) * a.in_radians
@@ -317,18 +307,17 @@ def cone_margins(instance: Instance, drives: Machine | None) -> Measure:
     def measure(near: Near) -> tuple[Array, Array]:
         placed = a.placed(near.R, near.T)
         ends, turned = (a.x, placed.arm, placed.r), np.zeros(len(cones))
-        if drives is not None and near.q is not None and near.slips is not None:
-            ends = drives.ends(near.R, near.T, near.q)
-            cranks = np.array([drives.sorts[k] == "crank" for k in drives.index])
-            arms = (cranks & drives.driven)[legs] & (drives.on_platform[legs] == on_platform)
-            turned = np.where(arms, (near.slips / drives.arms)[:, legs], 0.0)
+        if near.q is not None and near.slips is not None:
+            ends = machine.ends(near.R, near.T, near.q)
+            arms = machine.cranked[legs] & (machine.on_platform[legs] == on_platform)
+            turned = np.where(arms, (near.slips / machine.arms)[:, legs], 0.0)
         base, arm, r = (vectors[..., legs, :] for vectors in ends)
         moves, rounding = _leg_moves(near, (base, arm, r), on_platform, a.platform_centre, legs)
         with np.errstate(all="ignore"):
             sine = above(moves / np.linalg.norm(r, axis=-1))
             leans = np.where(sine < 1, np.arcsin(np.minimum(sine, 1.0)), np.inf)
             changes = above(leans + turned) + rounding
-        tilted = tilts(instance, near.R, near.T, near.q) * a.in_radians
+        tilted = machine.tilts(near.R, near.T, near.q)
         return allowed - np.nan_to_num(tilted, nan=0.0), changes
 
     return measure
@@ -948,79 +937,49 @@ def limit_events(track: Track) -> list[LimitEvent]:
 
     Those of cranks and slides only if they move.
     """
-    found = _ranges(track)
-    if track.coordinates and is_driven(track.instance):
-        drives = Machine.of(track.instance)
-        q = drive_rows(track, drives)
-        found += [*_drive_ranges(track, drives, q), *_dead_points(track, drives, q)]
-    found += _cones(track)
+    machine = machine_of(track)
+    q = drive_rows(track, machine)
+    found = [*_ranges(track, machine, q), *_dead_points(track, machine, q), *_cones(track)]
     return sorted(found, key=lambda event: (event.low, event.high, event.constraint))
 
 
-def _ranges(track: Track) -> list[LimitEvent]:
-    found, instance = [], track.instance
-    for k, row in enumerate(instance.constraints):
-        if row.limits is not None:
-            ends = np.array([limit.value for limit in row.limits])
-            if row.kind.has_sides and row.side is not Side.POSITIVE:
-                ends = np.concatenate((-ends, ends)) if row.side is Side.BOTH else -ends
-            found += [
-                LimitEvent("range", leaves, k, "", None, time, time, True)
-                for time, leaves in crossings(
-                    track.t, track.values[:, k], ends, partial(_outside, instance, k)
-                )
-            ]
-    return found
-
-
-def _outside(instance: Instance, k: int, values: Array) -> Mask:
-    """Return which values of one constraint are outside its range, shape (n,)."""
-    rows = np.zeros((len(values), len(instance.constraints)))
-    rows[:, k] = values
-    return out_of_range(instance, rows)[:, k]
+def machine_of(track: Track) -> Machine:
+    """Return what moves along a track: its drives, or six values while these stay."""
+    return Machine.of(track.instance) if track.coordinates else value_machine(track.instance)
 
 
 def drive_rows(track: Track, drives: Machine) -> Array:
     """Return the numbers of the drives in each row, lengths and radians, shape (r, m)."""
-    q = np.zeros((len(track.t), drives.count))
-    for k in range(drives.count):
-        if not drives.moved[k]:
-            q[:, k] = track.values[:, drives.users(k)[0]] * drives.units[k]
+    q = drives.of_values(track.values)
     for c, one in enumerate(track.coordinates):
         k = drives.names.index(one.name)
         q[:, k] = track.places[:, c] * drives.units[k]
     return q
 
 
-def _drive_ranges(track: Track, drives: Machine, q: Array) -> list[LimitEvent]:
-    def outside(k: int, numbers: Array) -> Mask:
-        rows = np.tile(q[0], (len(numbers), 1))
-        rows[:, k] = numbers
-        return out_of_motor_range(drives, rows)[:, k]
-
-    return [
-        LimitEvent("range", leaves, drives.users(k)[0], "", None, time, time, True, drives.names[k])
-        for k in np.flatnonzero(drives.moved & np.isfinite(drives.high)).tolist()
-        for time, leaves in crossings(
-            track.t, q[:, k], np.array([drives.low[k], drives.high[k]]), partial(outside, k)
-        )
-    ]
+def _ranges(track: Track, drives: Machine, q: Array) -> Iterator[LimitEvent]:
+    for k in np.flatnonzero(np.isfinite(drives.high)).tolist():
+        ends = [drives.low[k], drives.high[k]]
+        ends += [-end for end in ends] if drives.two_sided[k] else []
+        name = drives.names[k] if drives.moved[k] else ""
+        for time, leaves in crossings(track.t, drives, q, k, np.array(ends)):
+            first = int(drives.first[k])
+            yield LimitEvent("range", leaves, first, "", None, time, time, True, name)
 
 
 def crossings(
-    t: Array, numbers: Array, ends: Array, outside: Callable[[Array], Mask]
+    t: Array, drives: Machine, q: Array, k: int, ends: Array
 ) -> Iterator[tuple[float, bool]]:
-    """Yield when a number that is linear between rows leaves a range (true) or is in it again.
+    """Yield when a drive that is linear between rows leaves its range (true) or is in it again.
 
     Parameters
     ----------
-    t, numbers
-        The rows, shapes (r,).
-    ends
-        The numbers at which the range begins or ends, shape (e,).
-    outside
-        Returns which numbers are outside.
+    t, drives, q
+        The rows, shape (r,), and the drives there, shape (r, m).
+    k, ends
+        The drive, and the numbers at which its range begins or ends, shape (e,).
     """
+    numbers = q[:, k]
     first, change = numbers[:-1, None], np.diff(numbers)[:, None]
     with np.errstate(divide="ignore", invalid="ignore"):
         parts = (ends - first) / change
@@ -1032,7 +991,9 @@ def crossings(
     real = ~np.isnan(begins)
     middles = (first + (begins + stops) / 2 * change)[real]
     times = np.concatenate((t[:1], (t[:-1, None] + begins * np.diff(t)[:, None])[real]))
-    now = outside(np.concatenate((numbers[:1], middles)))
+    looked = np.zeros((1 + len(middles), drives.count))
+    looked[:, k] = np.concatenate((numbers[:1], middles))
+    now = drives.outside(looked)[:, k]
     changes = np.flatnonzero(now != np.concatenate(([False], now[:-1])))
     yield from zip(times[changes].tolist(), now[changes].tolist(), strict=True)
 
@@ -1060,7 +1021,7 @@ def _dead_points(track: Track, drives: Machine, q: Array) -> list[LimitEvent]:
 
 def cones_proved(track: Track) -> bool:
     """Whether all statements about cones are proved, also between rows."""
-    legs = [joint.constraint for joint in joint_cones(track.instance)]
+    legs = [joint.constraint for joint in machine_of(track).cones]
     if not track.certified or len(track.t) < 2 or not (track.values[:, legs] >= 0).all():
         return False
     try:
@@ -1076,18 +1037,20 @@ def _followed(track: Track) -> Array:
 
 
 def _cones(track: Track) -> list[LimitEvent]:
-    if not joint_cones(track.instance):
+    if not machine_of(track).cones:
         return []
     return _between_rows(track) if cones_proved(track) else _at_rows(track)
 
 
 def _between_rows(track: Track) -> list[LimitEvent]:
     """Return the events of cones, proved between rows, too."""
-    instance, rows, cones, found = track.followed, _followed(track), joint_cones(track.instance), []
-    drives = Machine.of(instance) if track.coordinates else None
+    rows, cones, found = _followed(track), machine_of(track).cones, []
+    instance = track.followed if track.coordinates else without_drives(track.followed)
+    machine = Machine.of(instance)
+    drives = machine if machine.moves else None
     numbers = track.values if drives is None else drive_rows(track, drives)
-    follower = RowFollower(instance, track.coordinates)
-    measure, centre = cone_margins(instance, drives), Arrangement.of(instance).platform_centre
+    follower = RowFollower(track.followed, track.coordinates)
+    measure, centre = cone_margins(machine), machine.stated_arrangement.platform_centre
     for m, mode in enumerate(track.modes.tolist()):
         # Modes that begin on the way are followed back from the last row.
         step = -1 if np.isnan(track.T[m, 0, 0]) else 1
@@ -1162,11 +1125,12 @@ def _changes(
 
 def _at_rows(track: Track) -> list[LimitEvent]:
     """Return the events of cones by the poses at the rows; each event is between two rows."""
-    cones = joint_cones(track.instance)
+    cones = machine_of(track).cones
     outside = np.zeros((*track.T.shape[:2], len(cones)), bool)
     for rows, instance in track.instances():
         with np.errstate(invalid="ignore"):
-            outside[:, rows] = out_of_cone(instance, track.R[:, rows], track.T[:, rows])
+            still = value_machine(instance)
+            outside[:, rows] = still.out_of_cones(track.R[:, rows], track.T[:, rows])
     there = ~np.isnan(track.T[..., 0])
     found = []
     for m, mode in enumerate(track.modes.tolist()):
@@ -1476,16 +1440,17 @@ def _on_way(
     whole = LimitEvent("range", True, 0, "", None, low, high, False)
     ranges = [replace(whole, constraint=k) for k in range(len(instance.constraints))]
     moved = [
-        replace(whole, constraint=int(k), drive=name)
-        for k, name in zip(machine.first, machine.names, strict=True)
+        replace(whole, constraint=k, drive=name if driven else "")
+        for k, name, driven in zip(
+            machine.first.tolist(), machine.names, machine.moved.tolist(), strict=True
+        )
     ]
     cones = [
         LimitEvent("cone", True, one.constraint, one.body, mode, low, high, False)
-        for one in joint_cones(instance)
+        for one in machine.cones
     ]
-    events = (*ranges, *moved, *cones)
-    outside = out_of_range(instance, machine.values(R, T)), out_of_motor_range(machine, q)
-    violated = np.concatenate((*outside, out_of_cone(instance, R, T, q)), axis=1)
+    events = (*moved, *cones)
+    violated = np.concatenate((machine.outside(q), machine.out_of_cones(R, T, q)), axis=1)
     seen = np.flatnonzero(violated.any(axis=0)).tolist()
     for k in seen:
         first = int(violated[:, k].argmax())

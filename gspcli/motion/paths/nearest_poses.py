@@ -24,7 +24,6 @@ from numpy.typing import ArrayLike, NDArray
 from gspcli import _kernel
 from gspcli.errors import ArgumentError
 from gspcli.geometry.instance import Instance
-from gspcli.geometry.limits import joint_cones
 from gspcli.geometry.machine import Machine
 from gspcli.geometry.quaternions import (
     quaternion_from_rotation,
@@ -320,7 +319,7 @@ class LimitSearch:
     def _name(self, slack: int, R: Array, T: Array) -> str:
         """Return the name of a limit: two of each constraint, then the cones."""
         if slack >= 12:
-            one = joint_cones(self.instance)[slack - 12]
+            one = self._drives.cones[slack - 12]
             return f"cone of {one.name} at leg {one.constraint + 1}"
         k = slack // 2
         if not self._drives.driven[k]:

@@ -33,7 +33,6 @@ from gspcli.geometry.enclosures import above
 from gspcli.geometry.frames import IDENTITY, PoseFrame
 from gspcli.geometry.home_mode import HomeMode, home_mode
 from gspcli.geometry.instance import Instance
-from gspcli.geometry.limits import machine_keeps
 from gspcli.geometry.machine import Machine
 from gspcli.geometry.measurement import condition_numbers, printed_conditions
 from gspcli.geometry.readings import readings_of
@@ -631,7 +630,7 @@ class PoseGuide(Guide):
     def kept(self, R: Array, T: Array) -> NDArray[np.bool_]:
         """Return whether poses keep the limits, shape (n,)."""
         machine = self.ways.machine
-        kept = machine_keeps(machine, R, T)
+        kept = machine.keeps(R, T)
         if self.gap is not None:
             low = ComparedShapes(self.ways.instance).bounds(R, T, machine.along(R, T)).low
             kept &= (low >= self.gap).all(axis=1)

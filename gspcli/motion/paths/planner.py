@@ -61,7 +61,6 @@ from gspcli.defaults import PATH_SECONDS, SEED
 from gspcli.errors import ArgumentError, IncompleteError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
-from gspcli.geometry.limits import cone_shares, has_limits
 from gspcli.geometry.machine import Machine
 from gspcli.geometry.measurement import jacobian
 from gspcli.geometry.quaternions import apply, cross, quaternion_from_rotation
@@ -742,7 +741,7 @@ class ValueMap:
             size = self._high - self._low
             good = (np.abs(self.ways.values(R, T) - row) <= _SOLVED * size).all(axis=1)
             if self.ways.cones:
-                good &= (cone_shares(self.instance, R, T) <= 1).all(axis=1)
+                good &= (self.ways.machine.cone_shares(R, T) <= 1).all(axis=1)
             R, T = R[good], T[good]
             if len(R):
                 sets += self._add(np.tile(row, (len(R), 1)), self.ways.points(R, T))
@@ -797,7 +796,7 @@ class ValueMap:
         last = last if first @ last > 0 else -last
         parts = np.linspace(0, 1, _LOOKS)[:, None]
         R, T = self.ways.poses(first * (1 - parts) + last * parts)
-        return bool((cone_shares(self.instance, R, T) <= 1).all())
+        return bool((self.ways.machine.cone_shares(R, T) <= 1).all())
 
     def way(self, first: int, last: int) -> Array | None:
         """Return the values along a way from one given pose to another, shape (k, 6), or None."""
@@ -1118,7 +1117,7 @@ class Planner:
     def pose_map(self, ends: Sequence[PathEnd]) -> PoseMap:
         """Return a map of poses with some ends."""
         R, T = np.stack([end.R for end in ends]), np.stack([end.T for end in ends])
-        limited = has_limits(self.instance) or self.machine.moves or self.gap is not None
+        limited = self.machine.limited or self.machine.moves or self.gap is not None
         kept = self.pose_guide().kept if limited else None
         classes = [self.classes.of(end.R, end.T) for end in ends]
         return PoseMap(self.ways, R, T, classes, self.classes.of, seed=self.seed, kept=kept)

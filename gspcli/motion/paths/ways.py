@@ -34,7 +34,6 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.enclosures import above
 from gspcli.geometry.euler import euler_from_rotation
 from gspcli.geometry.instance import Instance, Side
-from gspcli.geometry.limits import joint_cones
 from gspcli.geometry.machine import Machine
 from gspcli.geometry.quaternions import apply
 from gspcli.motion.following.branch_follower import FollowOptions, MovingPlatform, Stop, apart
@@ -80,7 +79,7 @@ class ValueWays:
         self.platform = MovingPlatform(apart(instance))
         #: The range of each value, infinite if there is none, shape (6,).
         self.low, self.high = _ranges(instance, signs)
-        self.cones = joint_cones(instance)
+        self.cones = self.machine.cones
         self._lines = np.array([row.kind is DLL for row in instance.constraints])
 
     @cached_property

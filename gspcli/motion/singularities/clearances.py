@@ -28,7 +28,7 @@ from gspcli.errors import ArgumentError
 from gspcli.geometry.checking import value_range
 from gspcli.geometry.coordinates import BODIES, coordinates
 from gspcli.geometry.instance import Instance
-from gspcli.geometry.machine import Machine, is_driven
+from gspcli.geometry.machine import Machine, value_machine
 from gspcli.geometry.measurement import condition_numbers
 from gspcli.motion.following.branch_follower import MovingPlatform, Stop, apart, over_rows
 from gspcli.motion.following.follower import FollowedMode, RowFollower
@@ -64,12 +64,6 @@ _PARTS, _SHARP = 16, 1e-9
 _BEFORE = 1e-4
 #: The quantities that may change.
 KINDS = ("values", "drives", "pose")
-
-
-def value_machine(instance: Instance) -> Machine:
-    """Return the machine whose drives are the values: cranks and slides stay where stated."""
-    machine = Machine.of(instance)
-    return Machine.of(machine.with_points_at(np.zeros(machine.count))) if machine.moves else machine
 
 
 def weights_of(machine: Machine) -> tuple[Array, bool]:
@@ -520,7 +514,7 @@ def clearance(
     """
     R, T = checked_poses(R, T)
     R, T = R.reshape(-1, 3, 3), T.reshape(-1, 3)
-    driven = is_driven(instance)
+    driven = Machine.of(instance).moves
     of = of or KINDS[int(driven)]
     if of not in KINDS:
         message = f"found {of!r}, expected {' or '.join(KINDS)}"

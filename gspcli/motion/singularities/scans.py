@@ -18,7 +18,7 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.checking import wrong_value
 from gspcli.geometry.coordinates import choose, drive_corrections, moved
 from gspcli.geometry.instance import Instance, Side
-from gspcli.geometry.machine import Machine, is_driven
+from gspcli.geometry.machine import Machine, value_machine
 from gspcli.geometry.measurement import condition_numbers, jacobian, printed_conditions
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.quaternions import Field, quaternion_from_rotation
@@ -33,7 +33,7 @@ from gspcli.motion.following.branch_follower import (
 )
 from gspcli.motion.following.tracks import NEARLY_SINGULAR, Event, Run, Track, track
 from gspcli.motion.poses.inverse_kinematics import drive_values
-from gspcli.motion.singularities.clearances import clearances, value_machine
+from gspcli.motion.singularities.clearances import clearances
 from gspcli.motion.singularities.pose_clearances import pose_clearances
 from gspcli.records import Tabular, dataclass
 from gspcli.solver import solve, solve_batch
@@ -641,7 +641,7 @@ class PoseScan(Grid):
     @cached_property
     def clearances(self) -> Array:
         """Proved distances from singular poses (`pose_clearances`), shape (n1,) or (n1, n2)."""
-        if is_driven(self.instance):
+        if Machine.of(self.instance).moves:
             message = (
                 "of poses of a machine with cranks or slides there is none here: gsp clearance has "
                 "that of one pose"

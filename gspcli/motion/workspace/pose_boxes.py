@@ -16,7 +16,6 @@ from gspcli.geometry.checking import value_range
 from gspcli.geometry.enclosures import above, roundings
 from gspcli.geometry.euler import check_sequence, rotation_from_euler
 from gspcli.geometry.instance import Instance
-from gspcli.geometry.limits import joint_cones, out_of_range
 from gspcli.geometry.machine import Machine, driven_points
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.quaternions import apply, quaternion_from_rotation, rotation_from_quaternion
@@ -135,7 +134,7 @@ class PoseBoxes:
         # The kernel has the angles in the order of the product.
         self._order = [0, 1, 2, *(3 + "xyz".index(letter) for letter in order.lower())]
         self._turn = np.array([k - 3 for k in self._order[3:]], np.int32)
-        self.cones = joint_cones(instance)
+        self.cones = machine.cones
         self.regular = regular
         self.gap = gap
         self._compared = None if gap is None else _shapes_of(instance, gap)
@@ -318,7 +317,8 @@ class PoseBoxes:
             Naming the values.
         """
         here = values_at(self.instance, self.R, self.home[:3] - self.R @ self.pivot)
-        at_home = ~out_of_range(self._limited, here)
+        limited = Machine.of(self._limited)
+        at_home = ~limited.outside(limited.of_values(here))[limited.index]
         one, changed = np.zeros(1, np.uint64), []
         for k in (k for k in range(_RANGES) if self.fixed >> k & 1 and at_home[k]):
             asked = np.array([1 << k], np.uint32)

@@ -11,9 +11,7 @@ from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.euler import rotation_from_euler
 from gspcli.geometry.instance import Instance
-from gspcli.geometry.limits import joint_cones, out_of_cone, out_of_motor_range, out_of_range, tilts
-from gspcli.geometry.machine import Machine, is_driven
-from gspcli.geometry.readings import readings_of
+from gspcli.geometry.machine import Machine
 from gspcli.motion.collisions.compared import ComparedShapes
 from gspcli.motion.poses.inverse_kinematics import changed_value, values_at
 from gspcli.motion.workspace.pose_boxes import NEGATIVE, PARAMETERS, REGULAR, PoseBoxes
@@ -201,31 +199,25 @@ def violations(
         If no home is stated and a rod does not reach the pose, so that the working modes are not
         known.
     """
-    found: list[str] = []
-    moved = np.zeros(6, bool)
-    if is_driven(instance):
-        drives = Machine.of(instance)
-        signs = drives.at_home(R, T).signs if working_modes is None else np.asarray(working_modes)
-        assert signs is not None
-        found += _of_drives(drives, signs, R, T)
-        q = drives.inverse(R, T, signs)
-        if np.isnan(q).any():
-            return found
-        instance, moved = drives.instance_at(q), drives.driven
-    values = values_at(instance, R, T)
-    readings = readings_of(instance, values)
-    # The value of a rod is a constant of the machine.
-    for k in (out_of_range(instance, values) & ~moved).nonzero()[0].tolist():
-        row = instance.constraints[k]
+    machine = Machine.of(instance)
+    signs = machine.at_home(R, T).signs if working_modes is None else np.asarray(working_modes)
+    assert signs is not None
+    found = list(_of_drives(machine, signs, R, T))
+    q = machine.inverse(R, T, signs)
+    if np.isnan(q).any():
+        return found
+    readings = machine.readings(q)
+    for k in np.flatnonzero(machine.outside(q) & ~machine.moved).tolist():
+        row = instance.constraints[machine.first[k]]
         assert row.limits is not None
         low, high = map(row.reading_of, row.limits)
         found.append(
-            f"the value {readings[k]:.6g} of constraint {k + 1} is outside its range from "
-            f"{low} to {high}"
+            f"the value {readings[k]:.6g} of constraint {machine.names[k]} is outside its range "
+            f"from {low} to {high}"
         )
-    angles = tilts(instance, R, T)
-    for k in out_of_cone(instance, R, T).nonzero()[0].tolist():
-        cone = joint_cones(instance)[k]
+    angles = machine.tilts(R, T, q) / instance.units.angle.in_radians
+    for k in np.flatnonzero(machine.out_of_cones(R, T, q)).tolist():
+        cone = machine.cones[k]
         found.append(
             f"leg {cone.constraint + 1} is tilted by {angles[k]:.6g} at the {cone.body}, "
             f"at most {cone.cone.half_angle} is allowed"
@@ -244,7 +236,7 @@ def _of_drives(
         q, low, high = (float(x) for x in (wanted[k], drives.low[drive], drives.high[drive]))
         if np.isnan(q):
             yield f"{drives.user(k)} does not reach {name}"
-        elif out_of_motor_range(drives, np.full(drives.count, q))[drive]:
+        elif drives.outside(np.full(drives.count, q))[drive]:
             here, first, last = (
                 float(drives.readings(np.full(drives.count, x))[drive]) for x in (q, low, high)
             )

@@ -12,7 +12,6 @@ from gspcli.calibration.model import Model
 from gspcli.calibration.planning import candidates, d_optimal, planned, told_by
 from gspcli.errors import ArgumentError, IncompleteError
 from gspcli.geometry.coordinates import coordinates, moved
-from gspcli.geometry.limits import within_limits
 from gspcli.geometry.machine import Machine
 from gspcli.motion.poses.inverse_kinematics import values_at
 from gspcli.resources import data_path
@@ -44,17 +43,17 @@ def test_what_will_be_known_is_predicted(plan):
 
 def test_planned_poses_are_within_reach(plan):
     assert plan.limited
-    assert within_limits(nominal(), values_at(nominal(), plan.R, plan.T), plan.R, plan.T).all()
+    assert Machine.of(nominal()).keeps(plan.R, plan.T).all()
     assert "12 of 3000 poses within ranges and cones" in plan.sentences[0]
     # Cones, too, which this machine has.
     machine = gspcli.load(data_path("platforms", "workspace-study-cones.yaml"))
     home = gspcli.solve(machine)
     R, T = home.R[home.real].real, home.T[home.real].real
-    k = int(np.flatnonzero(within_limits(machine, values_at(machine, R, T), R, T))[0])
+    k = int(np.flatnonzero(Machine.of(machine).keeps(R, T))[0])
     there = R[k], T[k]
     R, T, cranks = candidates(machine, Model.of(machine), *there, 0, count=200)
     assert (len(R), cranks) == (200, None)
-    assert within_limits(machine, values_at(machine, R, T), R, T).all()
+    assert Machine.of(machine).keeps(R, T).all()
 
 
 def test_a_plan_goes_on_from_data(plan):

@@ -5,15 +5,7 @@ import pytest
 
 import gspcli
 from gspcli.errors import ArgumentError
-from gspcli.geometry.limits import (
-    cone_shares,
-    joint_cones,
-    out_of_cone,
-    out_of_range,
-    range_shares,
-    tilts,
-    within_limits,
-)
+from gspcli.geometry.machine import Machine
 from gspcli.geometry.quaternions import rotation_from_quaternion
 from gspcli.motion import measure
 
@@ -35,21 +27,21 @@ def hexapod(base_cone=None, platform_cone=None):
 
 def test_the_tilt_of_a_leg_is_measured_in_the_body_of_its_joint():
     instance = hexapod(gspcli.Cone(UP, 30), gspcli.Cone([0, 0, -3], 40))
-    assert [(c.constraint, c.body) for c in joint_cones(instance)][:2] == [
+    assert [(c.constraint, c.body) for c in Machine.of(instance).cones][:2] == [
         (0, "platform"),
         (0, "base"),
     ]
     # Moved aside by as much as it is high: every leg is tilted by 45 degrees.
-    angles = tilts(instance, np.eye(3), np.array([2.0, 0, 2]))
-    assert np.allclose(angles, 45)
+    angles = Machine.of(instance).tilts(np.eye(3), np.array([2.0, 0, 2]))
+    assert np.allclose(angles, np.pi / 4)
     # Turned about a leg, that keeps its tilt in the base, and all tilts are those of its body.
     turned = rotation_from_quaternion(np.array([np.cos(0.2), 0, np.sin(0.2), 0]))
-    angles = tilts(instance, turned, np.array([0, 0, 2.0]))
+    angles = Machine.of(instance).tilts(turned, np.array([0, 0, 2.0]))
     legs = instance.constraints[2]
     leg = turned @ legs.platform.point + [0, 0, 2] - legs.base.point
     seen = turned.T @ -leg / np.linalg.norm(leg)
-    assert np.isclose(np.cos(np.radians(angles[4])), -seen[2])
-    assert np.isclose(np.cos(np.radians(angles[5])), leg[2] / np.linalg.norm(leg))
+    assert np.isclose(np.cos(angles[4]), -seen[2])
+    assert np.isclose(np.cos(angles[5]), leg[2] / np.linalg.norm(leg))
 
 
 def test_moving_base_and_platform_together_changes_nothing():
@@ -68,16 +60,16 @@ def test_moving_base_and_platform_together_changes_nothing():
         for row in other.constraints
     ]
     moved = gspcli.instance(rows)
-    assert np.allclose(tilts(one, R, T), tilts(moved, turn @ R, turn @ T))
+    assert np.allclose(Machine.of(one).tilts(R, T), Machine.of(moved).tilts(turn @ R, turn @ T))
 
 
 def test_limits_are_kept_or_left():
     instance = hexapod(gspcli.Cone(UP, 30))
     T = np.array([[0, 0, 2.0], [0, 0, 1.4], [0, 0, 3.0], [2, 0, 2], [0, 0, 3 + 1e-9]])
     R = np.broadcast_to(np.eye(3), (5, 3, 3))
-    values = measure(instance, R, T)
-    assert within_limits(instance, values, R, T).tolist() == [True, False, True, False, False]
-    assert out_of_cone(instance, R, T).any(axis=1).tolist() == [False] * 3 + [True, False]
+    machine = Machine.of(instance)
+    assert machine.keeps(R, T).tolist() == [True, False, True, False, False]
+    assert machine.out_of_cones(R, T).any(axis=1).tolist() == [False] * 3 + [True, False]
 
 
 @pytest.mark.parametrize(
@@ -97,9 +89,9 @@ def test_the_range_of_a_distance_to_a_plane_is_on_its_side(side, outside):
     rows += [gspcli.distance(gspcli.Point([k, 1, k]), gspcli.Point([1, k, 0]), 1) for k in range(3)]
     instance = gspcli.instance(rows)
     values = np.array([[0.5], [1.5], [-1.5], [2.5]]) * np.ones(6)
-    assert out_of_range(instance, values)[:, 0].tolist() == outside
-    assert not out_of_range(instance, values)[:, 3:].any()
-    shares = range_shares(instance, values)
+    assert Machine.of(instance).outside(values)[:, 0].tolist() == outside
+    assert not Machine.of(instance).outside(values)[:, 3:].any()
+    shares = Machine.of(instance).range_shares(values)
     assert (shares[:, 0] > 1).tolist() == outside
     assert np.isnan(shares[:, 3:]).all()
 
@@ -108,12 +100,12 @@ def test_shares_of_limits():
     instance = hexapod(gspcli.Cone(UP, 30))
     T = np.array([[0, 0, 2.25], [0, 0, 1.5], [0, 0, 3.0], [0, 0, 3 + 1e-9], [np.sqrt(3), 0, 3.0]])
     R = np.broadcast_to(np.eye(3), (5, 3, 3))
-    shares = range_shares(instance, measure(instance, R, T))
+    shares = Machine.of(instance).range_shares(measure(instance, R, T))
     assert np.allclose(shares[:4], np.array([0, 1, 1, 1])[:, None])
     assert (shares > 1).all(axis=1).tolist() == [False, False, False, True, True]
-    shares = cone_shares(instance, R, T)
+    shares = Machine.of(instance).cone_shares(R, T)
     assert np.allclose(shares, np.array([0, 0, 0, 0, 1])[:, None])
-    assert ((shares > 1) == out_of_cone(instance, R, T)).all()
+    assert ((shares > 1) == Machine.of(instance).out_of_cones(R, T)).all()
 
 
 def test_the_share_of_a_range_of_one_value():
@@ -122,7 +114,7 @@ def test_the_share_of_a_range_of_one_value():
     ]
     instance = gspcli.instance(rows)
     values = np.array([[2.0] * 6, [2 + 1e-9] * 6])
-    assert range_shares(instance, values).tolist() == [[1.0] * 6, [np.inf] * 6]
+    assert Machine.of(instance).range_shares(values).tolist() == [[1.0] * 6, [np.inf] * 6]
 
 
 def test_a_cone_needs_a_leg_and_a_sensible_angle():
@@ -147,7 +139,7 @@ def test_a_distance_held_at_zero_is_kept_up_to_rounding():
     tripod = gspcli.example("three-rps")
     values = measure(tripod, np.eye(3)[None], np.array([[0.0, 0.0, 4.0]]))[0]
     assert (values[3:] != 0).any()
-    assert not out_of_range(tripod, values).any()
-    assert range_shares(tripod, values)[3:].tolist() == [1, 1, 1]
+    assert not Machine.of(tripod).outside(values).any()
+    assert Machine.of(tripod).range_shares(values)[3:].tolist() == [1, 1, 1]
     values[4] += 1e-9
-    assert out_of_range(tripod, values).tolist() == [k == 4 for k in range(6)]
+    assert Machine.of(tripod).outside(values).tolist() == [k == 4 for k in range(6)]

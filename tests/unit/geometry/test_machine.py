@@ -12,8 +12,7 @@ from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.euler import rotation_from_euler
 from gspcli.geometry.instance import AngleUnit, Constraint, HomePose, Instance, Side, Units
-from gspcli.geometry.limits import motor_shares, out_of_motor_range, tilts
-from gspcli.geometry.machine import Machine, is_driven
+from gspcli.geometry.machine import Machine, value_machine
 from gspcli.geometry.measurement import jacobian, measured
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Cone, Crank, Line, Plane, Point, Slide
@@ -361,8 +360,8 @@ def test_a_cone_turns_with_its_arm_and_a_carriage_leaves_it():
 
 def test_platforms_without_cranks_and_slides_have_their_values_as_drives():
     instance = load(instance_files()["nano-hexapod"])
-    assert not is_driven(instance)
     drives = Machine.of(instance)
+    assert not drives.moves
     assert drives.names == ("1", "2", "3", "4", "5", "6")
     R, T = np.eye(3), np.array([0.001, 0, 0.1])
     arrangement = Arrangement.of(instance)
@@ -383,8 +382,9 @@ def test_tilts_at_drives_are_those_of_the_moved_platform():
     q = drives.inverse(R, T)[0]
     assert np.abs(q).max() > 0.05
     there = drives.instance_at(q)
-    np.testing.assert_allclose(tilts(instance, R, T, q), tilts(there, R, T), rtol=1e-12)
-    assert np.abs(tilts(instance, R, T, q) - tilts(instance, R, T)).max() > 1
+    tilts, still = drives.tilts(R, T, q), value_machine(instance)
+    np.testing.assert_allclose(tilts, Machine.of(there).tilts(R, T), rtol=1e-12)
+    assert np.rad2deg(np.abs(tilts - still.tilts(R, T))).max() > 1
 
 
 def test_shares_of_motors_are_above_one_outside_and_infinite_out_of_reach():
@@ -392,10 +392,12 @@ def test_shares_of_motors_are_above_one_outside_and_infinite_out_of_reach():
     drives = Machine.of(Instance((row, *mixed().constraints[1:]), UNITS))
     q = np.zeros((6, 6))
     q[:, 0] = [0.1, 0.4, 0.4 * (1 + 1e-14), 0.4001, -0.35, np.nan]
-    shares = motor_shares(drives, q)
+    shares = drives.range_shares(q)
     np.testing.assert_allclose(shares[:, 0], [0, 1, 1, 1 + 0.0001 / 0.3, 1.5, np.inf])
-    assert out_of_motor_range(drives, q)[:, 0].tolist() == [False, False, False, True, True, True]
-    assert np.isnan(shares[:, 1:]).all()
+    assert drives.outside(q)[:, 0].tolist() == [False, False, False, True, True, True]
+    assert np.isnan(shares[:, 1:-1]).all()
+    # A value of zero is outside the range of the last drive, which is one.
+    assert (shares[:, -1] > 1).all()
 
 
 def test_modes_in_another_working_mode_than_home_are_not_those_of_the_machine():

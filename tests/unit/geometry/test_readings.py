@@ -18,7 +18,7 @@ import gspcli
 from gspcli.cli.main import run
 from gspcli.errors import ArgumentError, SpecError
 from gspcli.geometry.instance import Instance, Side
-from gspcli.geometry.limits import out_of_range
+from gspcli.geometry.machine import Machine
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.readings import factors, offsets, readings_of, values_of
 from gspcli.motion.paths.between import limit_events
@@ -115,7 +115,8 @@ def test_track_follows_readings_and_its_ranges():
     events = [(e.constraint, e.leaves, e.low) for e in limit_events(one)]
     assert events == [(e.constraint, e.leaves, e.low) for e in limit_events(other)]
     assert {k for k, _, _ in events} == set(range(6))
-    assert not out_of_range(given, values_of(given, readings)).any()
+    machine = Machine.of(given)
+    assert not machine.outside(machine.read(readings, {})).any()
 
 
 @pytest.mark.parametrize(

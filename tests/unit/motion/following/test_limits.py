@@ -12,7 +12,6 @@ from gspcli.catalogue.kinds import DPH
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.coordinates import choose
 from gspcli.geometry.instance import Side
-from gspcli.geometry.limits import joint_cones, tilts
 from gspcli.geometry.machine import Machine
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Cone
@@ -104,7 +103,7 @@ def test_slacks_of_motors_and_cones_change_sign_at_their_limits(name):
             assert inside == bool(room[2 * k : 2 * k + 2].min() > 0), k
             seen.add(inside)
         if np.isfinite(q).all():
-            radians = np.deg2rad(tilts(instance, R, T, q))
+            radians = Machine.of(instance).tilts(R, T, q)
             assert np.allclose(room[12:], search.length * (np.pi / 3 - MARGIN - radians))
     assert seen == {True, False}
 
@@ -157,10 +156,11 @@ def test_where_cones_are_left_is_proved():
         there = track_from(machine, np.stack((values[row], at)), R[[row]], T[[row]])
         joint = [
             k
-            for k, one in enumerate(joint_cones(machine))
+            for k, one in enumerate(Machine.of(machine).cones)
             if (one.constraint, one.body) == (event.constraint, event.body)
         ]
-        assert tilts(machine, there.R[0, 1], there.T[0, 1])[joint] == pytest.approx(5, abs=1e-6)
+        tilted = np.rad2deg(Machine.of(machine).tilts(there.R[0, 1], there.T[0, 1])[joint])
+        assert tilted == pytest.approx(5, abs=1e-6)
 
 
 def test_cones_that_are_kept_all_along_leave_no_event():
@@ -250,7 +250,7 @@ def test_signed_distances_cross_ranges_on_their_side(side, changes):
 
 
 def near_poses(name, moved):
-    """A machine with cones, and poses near which something moves: `Near` without the drives."""
+    """A machine with cones, and a pose near which something moves."""
     rng = np.random.default_rng(1)
     machine = study() if name == "study" else gspcli.example("t-top-head")
     constraints = []
@@ -261,12 +261,11 @@ def near_poses(name, moved):
         constraints.append(replace(row, base=base, platform=platform))
     machine = replace(machine, constraints=tuple(constraints))
     if name == "study":
-        R, T, drives = np.eye(3), np.array([0, 0, 60.0]), None
+        R, T = np.eye(3), np.array([0, 0, 60.0])
     else:
         solved = gspcli.solve(gspcli.example("t-top-head"))
         R, T = (x[solved.real][0].real for x in (solved.R, solved.T))
-        drives = Machine.of(machine)
-    return machine, R, T, drives, rng
+    return Machine.of(machine), R, T, rng
 
 
 @pytest.mark.parametrize(
@@ -281,17 +280,17 @@ def near_poses(name, moved):
 )
 def test_cones_lean_by_no_more_than_their_measure_says(name, moved, reached):
     """The platform only shifts, only turns about its centre, or only the arms turn."""
-    machine, R, T, drives, rng = near_poses(name, moved)
-    a, size = Arrangement.of(machine), 0.02
+    machine, R, T, rng = near_poses(name, moved)
+    a, size = machine.stated_arrangement, 0.02
     shift = size * a.length if moved == "shift" else 0.0
     turn = size if moved == "turn" else 0.0
     angle = size if moved == "drive" else 0.0
     zero = np.zeros(1)
     near = Near(R[None], T[None], zero + shift, zero + turn, lambda: np.zeros((1, 6)))
-    if drives is not None:
-        slips = np.where(drives.driven, drives.arms * angle, 0.0)[None]
-        near = near._replace(q=np.zeros((1, drives.count)), slips=slips)
-    measure = cone_margins(machine, drives)
+    if machine.moves:
+        slips = np.where(machine.driven, machine.arms * angle, 0.0)[None]
+        near = near._replace(q=np.zeros((1, machine.count)), slips=slips)
+    measure = cone_margins(machine)
     middle, change = measure(near)
     largest = np.zeros_like(middle)
     for _ in range(400):
@@ -299,9 +298,9 @@ def test_cones_lean_by_no_more_than_their_measure_says(name, moved, reached):
         axes /= np.linalg.norm(axes, axis=1, keepdims=True)
         there = rotation_from_vector(turn * axes[0]) @ R
         place = T + (R - there) @ a.platform_centre + shift * axes[1]
-        q = None if drives is None else angle * rng.choice([-1, 1], (1, drives.count))
         exact = Near(there[None], place[None], zero, zero, near.changes)
-        if q is not None:
+        if machine.moves:
+            q = angle * rng.choice([-1, 1], (1, machine.count))
             exact = exact._replace(q=q, slips=np.zeros((1, 6)))
         largest = np.maximum(largest, np.abs(measure(exact)[0] - middle))
     assert (largest <= change).all()
@@ -312,7 +311,8 @@ def test_cones_lean_by_no_more_than_their_measure_says(name, moved, reached):
 def test_pieces_of_a_way_are_as_near_as_they_say(moved):
     """Angles, shifts and slips of arms between two rows, and parts that are followed again."""
     rng = np.random.default_rng(2)
-    machine, R, T, drives, _ = near_poses("study" if moved == "values" else "arms", "")
+    given, R, T, _ = near_poses("study" if moved == "values" else "arms", "")
+    machine, drives = given.instance, given if given.moves else None
     chosen, values = (), np.array([row.value.value for row in machine.constraints])
     if drives is None:
         goal = rotation_from_vector([0.1, -0.2, 0.15]) @ R, T + np.array([10, -8, 6])

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import gspcli
-from gspcli.geometry.limits import machine_keeps, out_of_motor_range
 from gspcli.geometry.machine import Machine
 from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.motion import mode_groups
@@ -42,8 +41,8 @@ def checked(found, start):
     instance, R, T, q = found.instance, found.R, found.T, found.drives
     motors = Machine.of(instance).at_home(*start)
     drives = motors
-    assert machine_keeps(motors, R, T).all()
-    assert not out_of_motor_range(drives, q).any()
+    assert motors.keeps(R, T).all()
+    assert not drives.outside(q).any()
     rods = np.linalg.norm(drives.ends(R, T, q)[2], axis=-1)
     size = np.nanmax(drives.rods)
     assert np.abs(rods - drives.rods)[:, drives.driven].max() < 1e-9 * size
@@ -158,7 +157,7 @@ def test_a_map_of_positions_where_rods_share_cranks():
     assert (found.verdict, found.along) == ("proved", "poses")
     assert len(found.parts) > 1
     assert (np.eye(3) == found.R).all()
-    assert machine_keeps(ways.machine, found.R, found.T).all()
+    assert ways.machine.keeps(found.R, found.T).all()
     assert found.T[[0, -1]] == pytest.approx(np.array([start[1], goal[1]]))
 
 

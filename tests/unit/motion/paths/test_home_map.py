@@ -5,10 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from gspcli.geometry.limits import within_limits
+from gspcli.geometry.machine import Machine
 from gspcli.motion.paths.planner import home_map
 from gspcli.motion.paths.ways import PoseWays, ValueWays
-from gspcli.motion.poses.inverse_kinematics import values_at
 from gspcli.pictures.live_numbers import live_home
 from gspcli.solver import SolveResult, solve
 from gspcli.spec.reading import example
@@ -60,8 +59,7 @@ def test_poses_of_a_map_keep_the_cones() -> None:
     result, home = solved("workspace-study-cones")
     found = home_map(result, home)
     assert found is not None
-    values = values_at(result.instance, found.R, found.T)
-    assert within_limits(result.instance, values, found.R, found.T).all()
+    assert Machine.of(result.instance).keeps(found.R, found.T).all()
 
 
 @pytest.mark.parametrize("name", ["three-prs", "modified-paradex", "surfaces-ppp"])

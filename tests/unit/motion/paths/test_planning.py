@@ -10,7 +10,7 @@ import pytest
 import gspcli
 from gspcli.errors import GspError
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.limits import within_limits
+from gspcli.geometry.machine import Machine
 from gspcli.geometry.numbers import Number
 from gspcli.motion import mode_groups
 from gspcli.motion.following.tracks import departures, track_from
@@ -27,7 +27,7 @@ def checked(found):
     assert followed.ends == ()
     assert departures(followed, found.R, found.T) == []
     assert limit_events(followed) == []
-    assert within_limits(found.instance, found.values, found.R, found.T).all()
+    assert Machine.of(found.instance).keeps(found.R, found.T).all()
     return found
 
 
@@ -208,7 +208,7 @@ def test_a_path_of_poses_within_ranges_is_found_along_one_of_values():
     study = gspcli.example("workspace-study")
     found = gspcli.path(study, "home", 3, along="poses")
     assert (found.verdict, found.along) == ("proved", "poses")
-    assert within_limits(study, found.values, found.R, found.T).all()
+    assert Machine.of(study).keeps(found.R, found.T).all()
     assert found.length < 3 * found.straight_length
 
 

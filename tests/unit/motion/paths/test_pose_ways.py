@@ -9,11 +9,10 @@ import pytest
 
 import gspcli
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.limits import within_limits
+from gspcli.geometry.machine import Machine
 from gspcli.geometry.measurement import condition_numbers
 from gspcli.motion.paths.planner import PoseMap
 from gspcli.motion.paths.ways import PoseWays
-from gspcli.motion.poses.inverse_kinematics import values_at
 
 #: Machines of all kinds of constraint, and with ranges and cones.
 MACHINES = (
@@ -93,7 +92,7 @@ def test_a_way_within_the_limits_keeps_them_at_samples(name):
         begin = modes[-1] + draw.normal(size=6) * ways.sizes * 0.02
         end = begin + draw.normal(size=6) * ways.sizes * 0.15
         R, T = ways.poses(begin + (end - begin) * parts)
-        kept = within_limits(instance, values_at(instance, R, T), R, T).all()
+        kept = Machine.of(instance).keeps(R, T).all()
         found = ways.prove(begin, end)
         if found.sign:
             proved += 1

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import gspcli
-from gspcli.geometry.limits import out_of_cone
+from gspcli.geometry.machine import Machine
 from gspcli.motion.paths.between import PathRows, cones_kept
 from gspcli.motion.paths.planned_paths import Modes
 from gspcli.motion.paths.ways import Sheet, ValueWays, whole_sheet
@@ -74,7 +74,7 @@ def test_cones_are_kept_on_the_whole_way():
         if not found.there[0]:
             continue
         R, T = ways.poses(found.points[0])
-        inside = not out_of_cone(instance, R, T).any()
+        inside = not Machine.of(instance).out_of_cones(R, T).any()
         ends = PathRows(ways, rows[[0, -1]], R[[0, -1]], T[[0, -1]])
         proved = cones_kept(ends)
         kept, left = kept + proved, left + (not inside)

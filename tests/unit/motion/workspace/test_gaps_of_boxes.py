@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 
 from gspcli.errors import ArgumentError
-from gspcli.geometry.limits import within_limits
+from gspcli.geometry.machine import Machine
 from gspcli.motion.collisions.compared import ComparedShapes
-from gspcli.motion.poses.inverse_kinematics import values_at
 from gspcli.motion.workspace.pose_boxes import PARAMETERS
 from gspcli.motion.workspace.travels import travels
 from gspcli.motion.workspace.workspaces import workspace
@@ -33,7 +32,7 @@ def test_no_sample_contradicts_a_box(free, gap, near):
     parameters = np.tile(found.boxes.home, (len(points), 1))
     parameters[:, [PARAMETERS.index(name) for name in free]] = points
     R, T = found.boxes.poses(parameters)
-    kept = within_limits(instance, values_at(instance, R, T), R, T)
+    kept = Machine.of(instance).keeps(R, T)
     gaps = ComparedShapes(instance).bounds(R, T)
     apart, near_ = (gaps.low >= gap).all(axis=1), (gaps.high < gap).any(axis=1)
     # The gap matters: some poses violate nothing else.

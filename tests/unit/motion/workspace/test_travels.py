@@ -8,10 +8,8 @@ import pytest
 from gspcli import example
 from gspcli.errors import ArgumentError
 from gspcli.geometry.instance import Side
-from gspcli.geometry.limits import within_limits
 from gspcli.geometry.machine import Machine
 from gspcli.geometry.numbers import Number
-from gspcli.motion import measure
 from gspcli.motion.statics.wrenches import wrenches
 from gspcli.motion.workspace.travels import moved, travels, violations
 from gspcli.motion.workspace.workspaces import workspace
@@ -31,12 +29,11 @@ def test_they_end_where_sampling_leaves_the_limits(pivot):
             assert abs(end - reached) < 1e-9
             for value, kept in ((reached * 0.999999, True), (end * 1.000001, False)):
                 pose = moved(R, T, {travel.axis: value}, pivot=pivot, in_radians=np.pi / 180)
-                values = measure(instance, *pose)
-                assert within_limits(instance, values, *pose) == kept
+                assert Machine.of(instance).keeps(*pose) == kept
             # Every pose on the way, too.
             for value in np.linspace(0, reached * 0.999999, 50):
                 pose = moved(R, T, {travel.axis: value}, pivot=pivot, in_radians=np.pi / 180)
-                assert within_limits(instance, measure(instance, *pose), *pose)
+                assert Machine.of(instance).keeps(*pose)
             assert travel.stops[way]
 
 

@@ -8,9 +8,8 @@ import pytest
 
 import gspcli
 from gspcli.errors import ArgumentError
-from gspcli.geometry.limits import within_limits
+from gspcli.geometry.machine import Machine
 from gspcli.geometry.quaternions import rotation_from_vector
-from gspcli.motion import measure
 from gspcli.motion.statics.wrenches import wrenches
 from gspcli.motion.workspace.pose_boxes import PARAMETERS
 from gspcli.motion.workspace.workspaces import workspace
@@ -136,8 +135,7 @@ def _compare(found, points, *, relative=True):
     for k, name in enumerate(found.free):
         parameters[:, PARAMETERS.index(name)] = points[:, k] * found.units[k]
     R, T = found.boxes.poses(parameters)
-    values = measure(found.instance, R, T)
-    kept = within_limits(found.instance, values, R, T)
+    kept = Machine.of(found.instance).keeps(R, T)
     low, high = found.bounds.T
     within = ((points * found.units >= low) & (points * found.units <= high)).all(axis=1)
     assert kept[verdicts == 1].all()
@@ -156,7 +154,7 @@ def test_the_published_study():
     grid = np.stack(np.meshgrid(*np.linspace(low, high, 30).T, indexing="ij"), axis=-1)
     T = grid.reshape(-1, 3)
     R = np.broadcast_to(np.eye(3), (len(T), 3, 3))
-    part = within_limits(study(), measure(study(), R, T), R, T).mean()
+    part = Machine.of(study()).keeps(R, T).mean()
     estimate = part * np.prod((high - low) * 30 / 29)
     assert found.volume[0] * 0.97 < estimate < found.volume[1] * 1.03
 
