@@ -12,7 +12,7 @@ from gspcli.catalogue.kinds import DPP, Primitive
 from gspcli.catalogue.names import parse_type
 from gspcli.catalogue.types import GspType
 from gspcli.certification.counting import NotCountedError, count_geometry
-from gspcli.certification.counting.platform_counts import PlatformCounts, count_platform, proof_text
+from gspcli.certification.counting.exact_counts import PlatformCounts, count_platform, proof_text
 from gspcli.defaults import LONG_COUNT, SEED
 from gspcli.errors import ArgumentError, GspError
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Units

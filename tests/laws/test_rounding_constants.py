@@ -41,7 +41,7 @@ DOUBLES = {
 }
 #: No rounding: what people type, and where searches stop. A wrong one proves nothing wrong.
 OTHERS = {
-    "certification/branches/arcs.py": (3, "where Newton's method and arcs stop; widths to try"),
+    "certification/branches/curves.py": (3, "where Newton's method and arcs stop; widths to try"),
     "certification/equations/local_frames.py": (1, "the least scale, a power of two"),
     "certification/poses/far_points.py": (2, "digits that are asked for"),
     "certification/poses/far_poses.py": (2, "digits that are asked for, and steps"),

@@ -1,10 +1,11 @@
 """Exact counts of solutions by linear algebra modulo a random prime (docs/exact-counts.md)."""
 
 from gspcli.certification.counting.eigenposes import ApproximatePose, poses_by_elimination
-from gspcli.certification.counting.exact_counts import ExactCount, SideCount
-from gspcli.certification.counting.modular_platform import NotCountedError
-from gspcli.certification.counting.parts import PartCount, by_points
-from gspcli.certification.counting.platform_counts import (
+from gspcli.certification.counting.exact_counts import (
+    ExactCount,
+    PartCount,
+    SideCount,
+    by_points,
     count_exactly,
     count_geometry,
     dimension_exactly,
@@ -12,6 +13,7 @@ from gspcli.certification.counting.platform_counts import (
     geometry_count,
     with_points_for_lines,
 )
+from gspcli.certification.counting.modular_platform import NotCountedError
 
 __all__ = [
     "ApproximatePose",

@@ -16,7 +16,7 @@ from typing import Any
 from flint import acb, acb_mat, acb_poly, arb, arb_mat, arb_poly, ctx, fmpq
 
 from gspcli.certification.counting.elements import FieldElement, NoElementError, Sum
-from gspcli.certification.counting.exact_platform import evaluated, exact_constraints
+from gspcli.certification.counting.exact_counts import work_limit
 from gspcli.certification.counting.modular_platform import (
     ModularPlatform,
     NotCountedError,
@@ -26,9 +26,10 @@ from gspcli.certification.counting.motion_equations import (
     Function,
     MotionEquations,
     equations,
+    evaluated,
+    exact_constraints,
     with_moments,
 )
-from gspcli.certification.counting.platform_counts import work_limit
 from gspcli.certification.counting.residue_counts import EliminationTrace, Ending, Step, trace
 from gspcli.certification.numbers.balls import power_of_two, rotated
 from gspcli.defaults import COUNT_LIMIT, SEED

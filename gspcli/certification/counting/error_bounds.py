@@ -17,12 +17,13 @@ from flint import fmpq
 from gspcli.catalogue.bounds import Variety, varieties
 from gspcli.catalogue.kinds import DLL, DLP, DPL
 from gspcli.certification.counting.elements import ONE, WHOLE, FieldElement, Term
-from gspcli.certification.counting.exact_platform import ExactConstraint, evaluated
 from gspcli.certification.counting.modular_platform import Requirements
 from gspcli.certification.counting.motion_equations import (
     Blocks,
+    ExactConstraint,
     MotionEquation,
     equations,
+    evaluated,
     with_moments,
 )
 from gspcli.records import dataclass

@@ -23,17 +23,15 @@ from gspcli.certification.counting.elements import (
     Sum,
     Term,
 )
-from gspcli.certification.counting.exact_platform import (
-    EvaluatedConstraint,
-    evaluated,
-    exact_constraints,
-)
 from gspcli.certification.counting.motion_equations import (
     Blocks,
+    EvaluatedConstraint,
     MotionEquation,
     MotionEquations,
     choose,
     equations,
+    evaluated,
+    exact_constraints,
     parallel_lines,
 )
 from gspcli.certification.numbers.balls import dot

@@ -79,7 +79,7 @@ def command(o: options.Options) -> None:
     if not o.specs:
         raise click.UsageError("give either SPEC or --type")
     from gspcli.certification.counting import NotCountedError
-    from gspcli.certification.counting.platform_counts import count_platform, proof_text
+    from gspcli.certification.counting.exact_counts import count_platform, proof_text
 
     instances = [load_instance(spec, o.changes) for spec in o.specs]
     rows, documents, refusals, infinite = [], [], [], []

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from gspcli import _kernel
 from gspcli.catalogue.kinds import DLL
-from gspcli.certification.branches.arcs import follow_closely
+from gspcli.certification.branches.curves import follow_closely
 from gspcli.certification.branches.parametric_quadrics import (
     MovingEquations,
     Shape,

@@ -17,8 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gspcli.catalogue.kinds import DLL
-from gspcli.certification.branches.arcs import follow_closely
-from gspcli.certification.branches.folds import Fold, prove_fold
+from gspcli.certification.branches.curves import Fold, follow_closely, prove_fold
 from gspcli.defaults import SEED
 from gspcli.errors import ArgumentError, IncompleteError, NotFiniteError
 from gspcli.geometry.arrangement import Arrangement

@@ -30,8 +30,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.certification.branches.moved_quadrics import moved_height, moved_quadric
-from gspcli.certification.branches.parametric_quadrics import Shape, ValueFunction
+from gspcli.certification.branches.parametric_quadrics import (
+    Shape,
+    ValueFunction,
+    moved_height,
+    moved_quadric,
+)
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.enclosures import (
     Enclosure,

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from gspcli.certification.branches.folds import prove_fold
+from gspcli.certification.branches.curves import prove_fold
 from gspcli.certification.branches.taylor import MovingSystem, equations_at
 from gspcli.defaults import SEED
 from gspcli.errors import ArgumentError

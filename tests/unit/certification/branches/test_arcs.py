@@ -7,8 +7,14 @@ from flint import arb, arb_mat
 
 import gspcli
 from gspcli.catalogue.types import type_by_number
-from gspcli.certification.branches.arcs import Arc, at_time, corrected, tangent, towards
-from gspcli.certification.branches.fold_system import CurveSystem
+from gspcli.certification.branches.curves import (
+    Arc,
+    CurveSystem,
+    at_time,
+    corrected,
+    tangent,
+    towards,
+)
 from gspcli.certification.branches.taylor import MovingSystem
 from gspcli.geometry.coordinates import choose
 from gspcli.geometry.random_instances import random_instance

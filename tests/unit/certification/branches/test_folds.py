@@ -5,7 +5,7 @@ import pytest
 
 import gspcli
 from gspcli.catalogue.types import type_by_number
-from gspcli.certification.branches.folds import prove_fold
+from gspcli.certification.branches.curves import prove_fold
 from gspcli.defaults import SEED
 from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.geometry.random_instances import random_instance

@@ -13,8 +13,7 @@ import pytest
 from flint import arb, arb_mat, arb_poly
 
 from gspcli.catalogue.names import parse_type
-from gspcli.certification.branches.arcs import Arc, at_time
-from gspcli.certification.branches.folds import Fold, _krawczyk, _Turn
+from gspcli.certification.branches.curves import Arc, Fold, _krawczyk, _Turn, at_time
 from gspcli.certification.branches.parametric_quadrics import moving_equations
 from gspcli.geometry.random_instances import random_instance
 from gspcli.motion import MovingPlatform

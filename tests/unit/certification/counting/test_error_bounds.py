@@ -15,9 +15,13 @@ from gspcli.certification.counting.error_bounds import (
     _log_above,
     equation_height,
 )
-from gspcli.certification.counting.exact_platform import evaluated, exact_constraints
 from gspcli.certification.counting.modular_platform import Homomorphism, Randomness, Requirements
-from gspcli.certification.counting.motion_equations import choose, equations
+from gspcli.certification.counting.motion_equations import (
+    choose,
+    equations,
+    evaluated,
+    exact_constraints,
+)
 from gspcli.certification.counting.residue_counts import count
 from gspcli.resources import data_directory
 from gspcli.spec import load, loads

@@ -11,11 +11,11 @@ from mpmath import log, mpf
 
 from gspcli.catalogue.kinds import DPP
 from gspcli.catalogue.names import parse_type
-from gspcli.certification.counting import error_bounds, exact_counts, parts
+from gspcli.certification.counting import error_bounds, exact_counts
 from gspcli.certification.counting.error_bounds import COMMUTATOR_TESTS, ErrorBounds, total
+from gspcli.certification.counting.exact_counts import ParallelLines, PartCount
 from gspcli.certification.counting.modular_platform import ModularPlatform, NotCountedError
 from gspcli.certification.counting.motion_equations import DEGREES, choose, quadrics
-from gspcli.certification.counting.parts import ParallelLines, PartCount
 from gspcli.certification.counting.residue_counts import Ending, ResidueCount
 from gspcli.geometry.building import hexapod
 from gspcli.geometry.random_instances import random_instance
@@ -63,7 +63,7 @@ def test_hyperplanes_may_miss_and_are_numbers_themselves(
     nothing = replace(COUNTED, solutions=0, distinct=None, reach=3)
 
     def error(slices: int, counted: ResidueCount = nothing) -> float:
-        return parts._error(plates, counted, (), slices, 0)
+        return exact_counts._error(plates, counted, (), slices, 0)
 
     # Their coefficients have more bits than those of the platform.
     bounds = ErrorBounds.of(plates.exact, plates.requirements, plates.blocks)
@@ -85,18 +85,18 @@ def test_hyperplanes_may_miss_and_are_numbers_themselves(
 
 def test_primes_that_disagree_prove_nothing() -> None:
     one = PartCount((), 3, 3, 1e-5, 10, (7,))
-    assert parts._confirmed(one, replace(one, error=1e-4)).error == pytest.approx(1e-9)
+    assert one.confirmed(replace(one, error=1e-4)).error == pytest.approx(1e-9)
     for changes in ({"solutions": 4}, {"distinct": 2}, {"solutions": None}):
         with pytest.raises(NotCountedError, match="disagree"):
-            parts._confirmed(one, replace(one, **changes))
+            one.confirmed(replace(one, **changes))
     count = exact_counts.ExactCount(
         True, 40, 40, 1e-5, 1e-4, 40, 40, (), 0, 0, has_lone_lines=True, primes=(7,)
     )
-    confirmed = exact_counts._confirmed(count, replace(count, primes=(11,)))
+    confirmed = count.confirmed(replace(count, primes=(11,)))
     assert (confirmed.error, confirmed.distinct_error) == pytest.approx((1e-10, 1e-8))
     for changes in ({"solutions": 39}, {"distinct": 39}, {"finite": False}, {"spurious": 1}):
         with pytest.raises(NotCountedError, match="disagree"):
-            exact_counts._confirmed(count, replace(count, **changes))
+            count.confirmed(replace(count, **changes))
 
 
 def test_lines_are_always_parallel_if_all_computations_say_so() -> None:

@@ -14,7 +14,7 @@ from gspcli.certification.counting import (
     dimension_exactly,
     exact_count,
 )
-from gspcli.certification.counting.parts import count_parts
+from gspcli.certification.counting.exact_counts import count_parts
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.random_instances import random_instance
 from gspcli.resources import data_directory

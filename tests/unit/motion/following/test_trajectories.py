@@ -5,7 +5,7 @@ import pytest
 
 import gspcli
 from gspcli import _kernel
-from gspcli.certification.branches import arcs
+from gspcli.certification.branches import curves
 from gspcli.errors import GspError
 from gspcli.geometry.machine import Machine
 from gspcli.geometry.quaternions import rotation_from_quaternion, rotation_from_vector
@@ -248,7 +248,7 @@ def test_modes_that_pass_each_other_at_a_distance_of_1e_6_do_not_jump(hexapod):
 
 
 def test_what_takes_too_many_arcs_is_undecided(hexapod, monkeypatch):
-    monkeypatch.setattr(arcs, "_MOST", 2)
+    monkeypatch.setattr(curves, "_MOST", 2)
     given_up = track(hexapod, near_miss(hexapod, 2.2e-13)[[0, 2]])
     assert {event.kind for event in given_up.events} == {"undecided"}
     assert np.isnan(given_up.T[:, -1]).all(axis=1).sum() == len(given_up.events) > 0
