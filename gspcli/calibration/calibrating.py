@@ -305,11 +305,14 @@ def doubts(
 
 
 def _tolerances(found: Fit, numbers: FileNumbers, prior: float) -> Array:
-    """Return how well each number of the file is known before; infinite for those of frames."""
+    """Return how well each number of the file is known before; infinite for those of frames.
+
+    Infinite, too, for a component of a unit vector along it: it changes by squares of tilts only.
+    """
     model = found.model
     by = np.linalg.norm(numbers.slopes[:, model.free] * model.sizes[model.free], axis=1) * prior
     by[(numbers.slopes[:, model.geometry + 12 :] != 0).any(axis=1)] = np.inf
-    return np.where(by > 0, by, np.inf)
+    return np.where(by > 1e-9 * prior * min(1, 1 / model.length), by, np.inf)
 
 
 def likely_cause(model: Model, seen: Measurements, prior: float, unit: str) -> str | None:

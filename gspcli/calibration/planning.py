@@ -7,6 +7,7 @@ largest (D-optimal). Poses are eliminated as in the fit.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -19,12 +20,10 @@ from gspcli.calibration.measurements import Measurements, Noise, alike, constant
 from gspcli.calibration.model import Model, file_numbers
 from gspcli.defaults import SEED
 from gspcli.errors import ArgumentError, IncompleteError
-from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.euler import rotation_from_euler
-from gspcli.geometry.frames import IDENTITY, PoseFrame
+from gspcli.geometry.frames import PoseFrame
 from gspcli.geometry.instance import Instance
-from gspcli.geometry.machine import Machine
-from gspcli.geometry.measurement import jacobian, measured
+from gspcli.geometry.machine import Machine, value_machine
+from gspcli.geometry.measurement import jacobian, measured, value_signs
 from gspcli.geometry.quaternions import (
     apply,
     canonical_sign,
@@ -32,57 +31,39 @@ from gspcli.geometry.quaternions import (
     rotation_from_vector,
 )
 from gspcli.geometry.readings import readings_of
-from gspcli.motion.poses.inverse_kinematics import drive_values, values_at
-from gspcli.motion.workspace.travels import travels
+from gspcli.motion.poses.inverse_kinematics import drive_values
 from gspcli.records import dataclass
 from gspcli.ties import first_largest
-
-# Poses that a machine can take, from which those to measure are chosen.
-#
-# They are spread over the box of poses that the travel from home spans. A pose is kept if all
-# values are in their ranges, all legs are in their cones, and the determinant has the sign that it
-# has at home, so that no singular pose lies between.
-#
-# A leg that a crank or a slide moves keeps its length, and the drive moves to where the leg
-# reaches. Then the box is as wide as the cranks are long and the rails go, and poses that the legs
-# do not reach are left out. A machine whose legs share drives reaches almost none of these poses:
-# its drives are moved at random, and the platform follows them from home.
-
 
 Array = NDArray[np.float64]
 Allowed = Callable[[Array, Array], NDArray[np.bool_]]
 
-#: This many candidates at most.
+#: This many candidates at most; they are tried in this many rounds of this many.
 _CANDIDATES = 3000
-#: They are tried in this many rounds of this many.
-_ROUNDS, _TRIED = 50, 4000
-#: How far poses go where nothing limits them: in typical lengths, and radians.
-_FREE_PLACE, _FREE_TURN = 0.1, np.deg2rad(15)
-#: Drives without a range move no farther from where their points are stated: cranks in radians,
-#: slides in typical lengths.
-CRANK_TURN, SLIDE_SHIFT = np.pi / 2, 0.25
-#: The platform follows drives from home in this many steps, each with this many of Newton's method.
-#: It has arrived where values differ by less than this part of a typical length.
-_STEPS, _NEWTON, _ARRIVED = 16, 3, 1e-11
+_ROUNDS, _TRIED = 200, 1000
+#: Drives without a range move this far from home at most: values and slides in typical lengths,
+#: angles and cranks in radians.
+_FREE_VALUE, _FREE_SLIDE, _FREE_ANGLE, _FREE_CRANK = 0.1, 0.25, np.deg2rad(15), np.pi / 2
+#: The platform follows its drives in this many steps of Newton's method, and some more at the end.
+#: It is lost where values differ by more than the first, and has arrived where they differ by less
+#: than the second of these parts of a typical length.
+_STEPS, _POLISH, _NEAR, _ARRIVED = 16, 3, 0.1, 1e-11
 
 
 class Places(NamedTuple):
-    """Poses, shapes (n, 3, 3) and (n, 3), and readings of m drives, radians or lengths, (n, m)."""
+    """Poses, shapes (n, 3, 3) and (n, 3), and the numbers q of the drives there, (n, m)."""
 
     R: Array
     T: Array
-    drives: Array | None
+    q: Array
 
     def taken(self, rows: NDArray[np.intp] | NDArray[np.bool_] | slice) -> Places:
         """Return some of them."""
-        return Places(
-            self.R[rows], self.T[rows], None if self.drives is None else self.drives[rows]
-        )
+        return Places(self.R[rows], self.T[rows], self.q[rows])
 
 
 def candidates(
-    instance: Instance,
-    model: Model,
+    machine: Machine,
     R: Array,
     T: Array,
     seed: int,
@@ -91,10 +72,13 @@ def candidates(
 ) -> Places:
     """Return poses that can be reached from home, at most ``count``.
 
+    All drives move at once to random numbers in their ranges, and the platform follows them from
+    home. A pose is kept if legs are in their cones.
+
     Parameters
     ----------
-    instance, model
-        The platform, and its model: with drives if cranks or slides move it.
+    machine
+        Its values that stay do not move.
     R, T
         Home, shapes (3, 3) and (3,).
     seed
@@ -110,157 +94,80 @@ def candidates(
         If home does not keep the limits or is not allowed, or there are no others about it.
     """
     count = _CANDIDATES if count is None else count
-    centre = Arrangement.of(instance).platform_centre
-    home = _kept(instance, model, R[None], T[None])
-    if not len(home.T):
+    _, q = drive_values(machine.instance, R[None], T[None], along=False)
+    home = Places(R[None], T[None], q)
+    if not machine.keeps(*home).all():
         raise ArgumentError("home does not keep the limits: choose another with --mode")
     if allowed is not None and not allowed(home.R, home.T).all():
         raise ArgumentError("home does not keep what is required of planned poses: require less")
-    low, high = _box(instance, model, R, T)
+    low, high = _spans(machine, q[0])
     if not (high > low).any():
         raise ArgumentError(
-            "the ranges and cones leave no room about home: as stated the machine cannot move\n"
+            "the ranges leave no room about home: as stated the machine cannot move\n"
             "widen the ranges to those that it can have, or leave them out; where cranks or slides "
             "drive it, state them"
         )
     random = np.random.default_rng(seed)
-    sign = _signs(model, home)[0]
-    shared = any(len(drive.carried) > 1 for drive in model.drives)
     found: list[Places] = []
     number = 0
     for _ in range(_ROUNDS):
-        if shared:
-            kept = _following(instance, model, R, T, random)
-        else:
-            change = random.uniform(low, high, (_TRIED, 6))
-            turned = rotation_from_euler("ZYX", change[:, 3:]) @ R
-            places = T + R @ centre + change[:, :3] - turned @ centre
-            kept = _kept(instance, model, turned, places)
-        kept = kept.taken(_signs(model, kept) == sign).taken(slice(0, count - number))
-        if allowed is not None and len(kept.T):
-            kept = kept.taken(allowed(kept.R, kept.T))
-        found.append(kept)
-        number += len(found[-1].T)
+        there = _followed(machine, home, random.uniform(low, high, (_TRIED, machine.count)))
+        there = there.taken(machine.keeps(*there))
+        if allowed is not None and len(there.T):
+            there = there.taken(allowed(there.R, there.T))
+        found.append(there)
+        number += len(there.T)
         if number >= count:
             break
     if not number:
         what = "the ranges and cones" if allowed is None else "ranges, cones and what is required"
         raise ArgumentError(f"no pose about home keeps {what}: choose another with --mode")
-    turns, places = (
-        np.concatenate(part)[:count] for part in zip(*(p[:2] for p in found), strict=True)
-    )
-    drives = [one.drives for one in found if one.drives is not None]
-    return Places(turns, places, np.concatenate(drives)[:count] if drives else None)
+    return Places(*map(np.concatenate, zip(*found, strict=True))).taken(slice(0, count))
 
 
-def _box(instance: Instance, model: Model, R: Array, T: Array) -> tuple[Array, Array]:
-    """Return how far candidates are from home, down and up: x, y, z and three turns."""
-    arrangement = Arrangement.of(instance)
-    if model.drives:
-        reach = max(_reaches(instance, model))
-        turn = min(reach / arrangement.extent, np.pi / 4) if arrangement.extent else np.pi / 4
-        box = np.array([reach] * 3 + [turn] * 3)
-        return -box, box
-    if not Machine.of(instance).limited:
-        box = np.array([_FREE_PLACE * arrangement.length] * 3 + [_FREE_TURN] * 3)
-        return -box, box
-    unit = np.array([1.0] * 3 + [arrangement.in_radians] * 3)
-    span = np.array([one.reached for one in travels(instance, R, T, connected=True)])
-    if not span.any():
-        raise ArgumentError("the ranges leave no room about home: every change leaves one")
-    # Unlimited travel goes no farther than what is near.
-    far = np.where(np.isfinite(span).all(axis=1) & (unit == 1.0), np.inf, np.pi / 2)
-    return np.maximum(span[:, 0] * unit, -far), np.minimum(span[:, 1] * unit, far)
+def _spans(machine: Machine, home: Array) -> tuple[Array, Array]:
+    """Return between which numbers drives move: their ranges, or as far as near home, (m,)."""
+    length = machine.stated_arrangement.length
+    values = np.where(machine.turns, _FREE_ANGLE, _FREE_VALUE * length)
+    others = np.where(machine.turns, _FREE_CRANK, _FREE_SLIDE * length)
+    far = np.where(machine.fixed[machine.first], 0.0, np.where(machine.moved, others, values))
+    low, high = machine.low, machine.high
+    beyond = machine.two_sided & (home < 0)
+    low, high = np.where(beyond, -high, low), np.where(beyond, -low, high)
+    stated = np.isfinite(high - low) & (far > 0)
+    return np.where(stated, low, home - far), np.where(stated, high, home + far)
 
 
-def _reaches(instance: Instance, model: Model) -> list[float]:
-    """Return the lengths of the arms of cranks, and how far slides go at most."""
-    points = {(b.body, b.name): b.point for b in model.blocks if b.sort == "point"}
-    low, high = _spans(Machine.of(instance), model.length)
-    numbers = _columns(Machine.of(instance), model)
-    found = []
-    for drive, k in zip(model.drives, numbers, strict=True):
-        if drive.sort == "slide":
-            found.append(float(max(abs(low[k]), abs(high[k]))))
-            continue
-        arms = [points[drive.body, name] - drive.point for name in drive.carried]
-        found.append(max(float(np.linalg.norm(np.cross(arm, drive.unit))) for arm in arms))
-    return found
+def _followed(machine: Machine, home: Places, q: Array) -> Places:
+    """Return where the platform comes when all drives move straight from home to numbers.
+
+    Those are left out that get lost, or pass a singular pose or a dead point.
+    """
+    n, length = len(q), machine.stated_arrangement.length
+    there = Places(np.repeat(home.R, n, axis=0), np.repeat(home.T, n, axis=0), q)
+    # Distances of two lines are followed with their sign.
+    signs = value_signs(machine.arrangement(home.q), home.R, home.T)
+    sides = _sides(machine, home)
+    for step in (*np.linspace(0, 1, _STEPS + 1)[1:], *np.ones(_POLISH)):
+        R, T, numbers = there.R, there.T, home.q + step * (there.q - home.q)
+        bodies = machine.arrangement(numbers)
+        wanted = np.where(machine.driven, machine.rods, signs * numbers[:, machine.index])
+        inverse = np.linalg.pinv(np.nan_to_num(jacobian(bodies, R, T)))
+        twist = apply(inverse, wanted - measured(bodies, R, T))
+        R, T = rotation_from_vector(twist[:, :3]) @ R, T + twist[:, 3:]
+        off = np.abs(wanted - measured(bodies, R, T)).max(axis=1)
+        kept = (off < _NEAR * length) & (_sides(machine, Places(R, T, numbers)) == sides).all(
+            axis=1
+        )
+        there = Places(R, T, there.q).taken(kept)
+    return there.taken(np.asarray(off[kept] < _ARRIVED * length))
 
 
-def _spans(drives: Machine, length: float) -> tuple[Array, Array]:
-    """Return between which numbers drives move, shapes (m,): their ranges, or as far as here."""
-    usual = {"crank": CRANK_TURN, "slide": SLIDE_SHIFT * length, "value": np.inf}
-    far = np.array([usual[sort] for sort in drives.sorts])
-    return (
-        np.where(np.isfinite(drives.low), drives.low, -far),
-        np.where(np.isfinite(drives.high), drives.high, far),
-    )
-
-
-def _columns(drives: Machine, model: Model) -> list[int]:
-    """Return which of the drives each drive of the model is."""
-    return [drives.names.index(one.drive_name) for one in model.drives]
-
-
-def _kept(instance: Instance, model: Model, R: Array, T: Array) -> Places:
-    """Return those of some poses that drives reach and at which ranges and cones are kept."""
-    if not model.drives:
-        return Places(R, T, None).taken(Machine.of(instance).keeps(R, T))
-    drives, q = drive_values(instance, R, T, along=False)
-    return _allowed_by_drives(instance, model, drives, R, T, q)
-
-
-def _allowed_by_drives(
-    instance: Instance, model: Model, drives: Machine, R: Array, T: Array, q: Array
-) -> Places:
-    """Return those of some poses, with the drives at q, that ranges and cones allow."""
-    low, high = _spans(drives, model.length)
-    free = ~(np.isfinite(drives.low) & np.isfinite(drives.high))
-    with np.errstate(invalid="ignore"):
-        far = np.asarray(free & drives.moved & ~((q >= low) & (q <= high)))
-    kept = drives.keeps(R, T, q) & ~far.any(axis=1)
-    readings = [
-        one.readings(q[:, k]) for one, k in zip(model.drives, _columns(drives, model), strict=True)
-    ]
-    return Places(R, T, np.stack(readings, axis=1)).taken(kept)
-
-
-def _following(
-    instance: Instance, model: Model, R: Array, T: Array, random: np.random.Generator
-) -> Places:
-    """Return the poses that follow from home when all drives move to random numbers."""
-    drives, start = drive_values(instance, R[None], T[None], along=False)
-    low, high = _spans(drives, model.length)
-    near = _FREE_PLACE * model.length
-    low, high = (
-        np.where(np.isfinite(e), e, start[0] + s * near) for e, s in ((low, -1), (high, 1))
-    )
-    q = random.uniform(low, high, (_TRIED // 4, drives.count))
-    turned, places = np.tile(R, (len(q), 1, 1)), np.tile(T, (len(q), 1))
-    off = np.zeros((len(q), 6))
-    for step in np.linspace(0, 1, _STEPS + 1)[1:]:
-        there = start + step * (q - start)
-        bodies = drives.arrangement(there)
-        wanted = np.where(drives.driven, drives.rods, there[:, drives.index])
-        for _ in range(_NEWTON):
-            J = jacobian(bodies, turned, places)
-            inverse = np.linalg.pinv(np.nan_to_num(J))
-            twist = apply(inverse, wanted - measured(bodies, turned, places))
-            turned = rotation_from_vector(twist[:, :3]) @ turned
-            places = places + twist[:, 3:]
-        off = np.abs(wanted - measured(bodies, turned, places))
-    arrived = off.max(axis=1) < _ARRIVED * model.length
-    turned, places, q = turned[arrived], places[arrived], q[arrived]
-    return _allowed_by_drives(instance, model, drives, turned, places, q)
-
-
-def _signs(model: Model, places: Places) -> Array:
-    """Return the signs of the determinants of the derivatives of values by pose, shape (n,)."""
-    bodies = model.bodies(places.drives)
+def _sides(machine: Machine, places: Places) -> Array:
+    """Return the signs of the determinant of the Jacobian matrix and of the gains, (n, 7)."""
     with np.errstate(all="ignore"):
-        signs: Array = np.linalg.slogdet(jacobian(bodies, places.R, places.T))[0]
-    return signs
+        determinants = np.linalg.slogdet(np.nan_to_num(machine.jacobian(*places)))[0]
+        return np.column_stack((determinants, np.sign(machine.gains(*places))))
 
 
 #: A number is hardly determined if its deviation stays above this part of the one before.
@@ -297,61 +204,54 @@ class Plan:
 
     Attributes
     ----------
-    instance
-        The platform as stated.
+    machine
+        The platform as stated, with its drives where they are read.
     R, T
         The poses, shapes (n, 3, 3) and (n, 3).
     readings
         What the machine reads there as it is stated, in the units of the instance, shape (n, 6).
-    drive_names, driven, drives
-        The cranks and slides that drive it, the constraints of their legs, from 0, and their
-        readings, in the units of the instance, shape (n, m); m is 0 where none does.
+    drives
+        The readings of its cranks and slides by their names, each (n,).
     names, sigma
         The numbers that will be found, and their standard deviations, shape (m,).
     before
         The same without the plan: what is known before, and from data if there are any.
-    limited
-        Whether the poses are limited by ranges and cones, and not only by what is near home.
     candidates
         Of how many poses they were chosen.
     untold
         How many of the numbers will not be known twice as well as before all measurements.
     """
 
-    instance: Instance
+    machine: Machine
     R: Array
     T: Array
     readings: Array
-    drive_names: tuple[str, ...]
-    driven: tuple[int, ...]
-    drives: Array
+    drives: dict[str, Array]
     names: tuple[str, ...]
     sigma: Array
     before: Array
-    limited: bool
     candidates: int
     untold: int
 
     def __repr__(self) -> str:
         return f"<Plan: {len(self.R)} poses of {self.candidates}, {self.sentences[-1]}>"
 
-    @cached_property
-    def pose_numbers(self) -> Array:
-        """Positions and unit quaternions of the poses, shape (n, 7)."""
-        return self.expressed(IDENTITY)
-
     def expressed(self, frame: PoseFrame) -> Array:
         """Return positions and unit quaternions of the poses in a frame, shape (n, 7)."""
         R, T = frame.from_platform(self.R, self.T)
         return np.hstack((T, canonical_sign(quaternion_from_rotation(R))))
 
+    @property
+    def limited(self) -> bool:
+        """Whether all drives have ranges; others go no farther than near home."""
+        return bool(np.isfinite(self.machine.high - self.machine.low).all())
+
     @cached_property
     def sentences(self) -> list[str]:
         """What will be known, in words."""
-        units = self.instance.units
-        how = "within ranges and cones" if self.limited else "near home: SPEC states no limits"
-        if self.drive_names:
-            how = f"within reach of the {self._how_far()}"
+        unit = self.machine.instance.units.length
+        how = "within ranges and cones"
+        how += "" if self.limited else ", and near home where SPEC states no range"
         lines = [f"{len(self.R)} of {self.candidates} poses {how}"]
         lengths = [
             k for k, name in enumerate(self.names) if not any(w in name for w in _NO_LENGTHS)
@@ -360,7 +260,7 @@ class Plan:
             sigma = self.sigma[lengths]
             worst = lengths[int(first_largest(sigma))]
             lines.append(
-                f"then known: lengths to {np.median(sigma):.2g} {units.length} (median), "
+                f"then known: lengths to {np.median(sigma):.2g} {unit} (median), "
                 f"{self.names[worst]} to {sigma.max():.2g} (worst; {self.before[worst]:.2g} before)"
             )
         if self.untold:
@@ -370,43 +270,19 @@ class Plan:
             )
         return lines
 
-    def _how_far(self) -> str:
-        """Return which drives there are, and how far those without a range move."""
-        drives = Machine.of(self.instance)
-        free = ~(np.isfinite(drives.low) & np.isfinite(drives.high))
-        open_ended = {sort for sort, one in zip(drives.sorts, free, strict=True) if one}
-        sorts = [sort for sort in ("crank", "slide") if sort in drives.sorts]
-        parts = {
-            "crank": f"turned by up to {np.rad2deg(CRANK_TURN):g} deg",
-            "slide": f"moved by up to {SLIDE_SHIFT * Arrangement.of(self.instance).length:.3g} "
-            f"{self.instance.units.length}",
-        }
-        limits = [parts[sort] for sort in sorts if sort in open_ended]
-        return ", ".join([" and ".join(f"{sort}s" for sort in sorts), *limits])
-
     def to_json(self) -> dict[str, Any]:
         """Return the plan as plain data."""
+        parts = (self.R.tolist(), self.T.tolist(), self.readings.tolist())
+        poses = [{"R": R, "T": T, "values": row} for R, T, row in zip(*parts, strict=True)]
+        for k, pose in enumerate(poses if self.drives else ()):
+            pose["drives"] = {name: float(read[k]) for name, read in self.drives.items()}
+        known = zip(self.names, self.sigma.tolist(), self.before.tolist(), strict=True)
         return {
-            **self.instance.to_json(),
-            "plan": [
-                {"R": R, "T": T, "values": row}
-                | ({"drives": dict(zip(self.drive_names, drives, strict=True))} if drives else {})
-                for R, T, row, drives in zip(
-                    self.R.tolist(),
-                    self.T.tolist(),
-                    self.readings.tolist(),
-                    self.drives.tolist(),
-                    strict=True,
-                )
-            ],
+            **self.machine.instance.to_json(),
+            "plan": poses,
             "limited": self.limited,
             "candidates": self.candidates,
-            "expected": [
-                {"name": name, "sigma": s, "before": b}
-                for name, s, b in zip(
-                    self.names, self.sigma.tolist(), self.before.tolist(), strict=True
-                )
-            ],
+            "expected": [{"name": name, "sigma": s, "before": b} for name, s, b in known],
         }
 
 
@@ -452,12 +328,12 @@ def planned(
     IncompleteError
         If the poses there are so much alike that they tell nothing.
     """
-    options = options or Options()
-    machine = Machine.of(instance)
-    driven = machine.moves if seen is None else seen.drives is not None
-    model = chosen_model(instance, options, drives=driven)
+    options, machine = options or Options(), Machine.of(instance)
+    if seen is not None and seen.drives is None:
+        machine = value_machine(instance)
+    model = chosen_model(instance, options, drives=machine.moves)
     noise = noise_of(model, sigma or {})
-    places = candidates(instance, model, R, T, seed, allowed=allowed)
+    places = candidates(machine, R, T, seed, allowed=allowed)
     prior = prior_of(options, model)
     nothing = before = np.eye(int(model.free.sum())) / prior**2
     if seen is not None:
@@ -467,7 +343,7 @@ def planned(
         model = found.model
         scaled = found.directions * found.singular[:, None]
         before = before + scaled.T @ scaled
-    slopes = told_by(model, places, seen, noise)
+    slopes = told_by(model, machine, places, seen, noise)
     chosen = d_optimal(slopes, count, before)
     after = before + np.einsum("kqa,kqb->ab", slopes[chosen], slopes[chosen])
     numbers = file_numbers(instance, model)
@@ -487,49 +363,37 @@ def planned(
             "widen the ranges to those that the machine can have, or measure more exactly (--sigma)"
         )
     there = places.taken(chosen)
+    read = machine.readings(there.q).T
     return Plan(
-        instance=instance,
+        machine=machine,
         R=there.R,
         T=there.T,
-        readings=readings_of(instance, _values(instance, model, there)),
-        drive_names=tuple(one.drive_name for one in model.drives),
-        driven=tuple(k for one in model.drives for k in one.rows),
-        drives=np.zeros((count, 0)) if there.drives is None else there.drives / model.drive_units,
+        readings=readings_of(instance, machine.values(there.R, there.T)),
+        drives={machine.names[k]: read[k] for k in np.flatnonzero(machine.moved).tolist()},
         names=tuple(np.array(numbers.names)[told].tolist()),
         sigma=known,
         before=deviations(before),
-        limited=machine.limited,
         candidates=len(places.T),
         untold=untold,
     )
 
 
-def _values(instance: Instance, model: Model, places: Places) -> Array:
-    """Return the values at poses; those of legs with drives are as stated."""
-    values = values_at(instance, places.R, places.T)
-    for drive in model.drives:
-        rows = list(drive.rows)
-        values[:, rows] = [instance.constraints[k].value.value for k in rows]
-    return values
+def told_by(
+    model: Model, machine: Machine, places: Places, seen: Measurements | None, noise: Noise
+) -> Array:
+    """Return the derivatives of what each pose tells by the scaled free parameters, (n, q, f).
 
-
-def told_by(model: Model, places: Places, seen: Measurements | None, noise: Noise) -> Array:
-    """Return the derivatives of what each pose tells by the scaled free parameters, (n, q, f)."""
-    one = _whole(model, places) if seen is None else alike(seen, *places)
-    slopes = reduced(model, places.R, places.T, one, noise).slopes * model.sizes[model.free]
+    Without measurements before whole poses and all values are measured, but for rods.
+    """
+    if seen is None:
+        readings = np.where(machine.driven, np.nan, 0.0)[None]
+        seen = Measurements(readings, np.eye(3)[None], np.zeros((1, 3)), np.zeros(3))
+        if model.drives:
+            seen = constant_rods(machine.instance, model, replace(seen, drives=np.zeros((1, 0))))
+    drives = None
+    if model.drives:
+        columns = [machine.names.index(drive.drive_name) for drive in model.drives]
+        drives = (machine.readings(places.q) * machine.units)[:, columns]
+    there = alike(seen, places.R, places.T, drives)
+    slopes = reduced(model, places.R, places.T, there, noise).slopes * model.sizes[model.free]
     return np.asarray(slopes.reshape(len(places.R), -1, slopes.shape[1]))
-
-
-def _whole(model: Model, places: Places) -> Measurements:
-    """Return measurements of whole poses and of all values; rods that drives move are not read."""
-    n, rods = len(places.T), np.zeros(len(model.kinds), bool)
-    rods[[k for drive in model.drives for k in drive.rows]] = True
-    return Measurements(
-        np.zeros((n, 6)),
-        places.R,
-        places.T,
-        np.zeros(3),
-        drives=places.drives,
-        rods=rods,
-        lines=("",) * n,
-    )

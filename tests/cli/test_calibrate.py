@@ -306,7 +306,7 @@ def test_a_plan_of_rails_is_measured_and_fitted(gsp, tmp_path, monkeypatch, word
     hold = () if columns == 6 else ("--hold", "platform")
     run = gsp("calibrate", "rails.yaml", "--plan", "16", *hold, "-o", "plan.csv")
     assert run.code == 0
-    assert "poses within reach of the slides\n" in run.err
+    assert "poses within ranges and cones\n" in run.err
     head, *rows = Path("plan.csv").read_text(encoding="utf-8").splitlines()
     names = head.split(",")[8:]
     assert len(names) == columns

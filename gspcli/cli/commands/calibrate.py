@@ -356,21 +356,21 @@ def _noise_of_drives(result: Calibration) -> str:
 
 def plan_table(plan: Plan, frame: PoseFrame) -> Result:
     """Return poses to measure, as expressed in a frame, with what the machine reads there."""
-    from gspcli.geometry.arrangement import Arrangement
+    import numpy as np
 
+    machine, instance = plan.machine, plan.machine.instance
     titles = {
         str(k): f"{k} {row.kind.name}"
-        for k, row in enumerate(plan.instance.constraints, 1)
-        if k - 1 not in plan.driven
-    } | dict.fromkeys(plan.drive_names, "")
-    columns = FIELDS.of("t") + pose_columns(Arrangement.of(plan.instance).length)
+        for k, row in enumerate(instance.constraints, 1)
+        if not machine.driven[k - 1]
+    } | dict.fromkeys(plan.drives, "")
+    columns = FIELDS.of("t") + pose_columns(machine.stated_arrangement.length)
     columns += [FIELDS["1…6"].but(key=key, title=title) for key, title in titles.items()]
-    numbers = zip(plan.expressed(frame), plan.readings, plan.drives, strict=True)
-    keys = (*POSE, *map(str, range(1, 7)), *plan.drive_names)
+    numbers = np.column_stack((plan.expressed(frame), plan.readings, *plan.drives.values()))
+    keys = (*POSE, *map(str, range(1, 7)), *plan.drives)
     rows = [
-        {"t": k, **dict(zip(keys, [x for part in parts for x in part.tolist()], strict=True))}
-        for k, parts in enumerate(numbers, 1)
+        {"t": k, **dict(zip(keys, row, strict=True))} for k, row in enumerate(numbers.tolist(), 1)
     ]
     note = f"{listed(titles, 'and')} are readings with the geometry as stated: "
     notes = [f"{note}replace them by what is read", *frame_note(frame)]
-    return Result(columns, rows, plan.instance.title, notes, plan.sentences)
+    return Result(columns, rows, instance.title, notes, plan.sentences)
