@@ -25,7 +25,7 @@ from gspcli.solver.kept_geometry import (
     from_nearest,
     same_geometry,
 )
-from gspcli.solver.poses import Ends, PoseSet
+from gspcli.solver.poses import PoseSet
 from gspcli.solver.problem import Problem
 from gspcli.solver.search import Search
 from gspcli.solver.solved_starts import SolvedStarts, Sort
@@ -59,7 +59,7 @@ def closed_form(search: Search) -> None:
     points = np.stack(each, axis=1).reshape(len(values), len(each), -1, 8)
     points[~found.general] = np.nan
     centres = arrangement.platform_centre, arrangement.base_centre
-    search.add(Ends(points, StudyFrames(length=length, platform=centres[0], base=centres[1])))
+    search.add(points, StudyFrames(length=length, platform=centres[0], base=centres[1]))
 
 
 #: Poses with a larger N, for quaternions of norm 1, need no more digits than paths have.
@@ -104,7 +104,7 @@ def far_in_planes(search: Search) -> None:
     points = np.concatenate(parts, axis=1)
     if points.size:
         turned = np.concatenate(planes)
-        search.add(Ends(points[None], problem.frames, has_directions=True, planes=turned))
+        search.add(points[None], problem.frames, has_directions=True, planes=turned)
 
 
 def _choices(products: tuple[bool, ...]) -> Iterator[NDArray[np.int64]]:
@@ -259,14 +259,14 @@ def reduced_paths(search: Search) -> None:
     targets, structure = given.g[:, list(structure.order)], structure.canonical()
     for start in planar_starts(problem.arrangement.normalized):
         if (planar := _planar_ends(problem, start, targets[0])) is not None:
-            search.add(Ends(planar[None, None], problem.frames, has_directions=True))
+            search.add(planar[None, None], problem.frames, has_directions=True)
             if search.is_complete:
                 return
     for start in _start_systems(problem, structure):
         found = [ends_from_start(start, quadrics) for quadrics in targets]
         ends = [points for points in found if points is not None]
         if len(ends) == len(found):
-            search.add(Ends(np.array(ends)[None], problem.frames, has_directions=True))
+            search.add(np.array(ends)[None], problem.frames, has_directions=True)
             if search.is_complete:
                 return
 
@@ -302,17 +302,18 @@ def quick_paths(search: Search) -> None:
         return
     seed, jobs = problem.seed, problem.jobs
     tracked = list(track_all(problem.systems, seed=seed, jobs=jobs, options=QUICK))
-    search.add(ends_of(problem, tracked))
+    _add_ends(search, tracked)
 
 
 def careful_paths(search: Search) -> None:
     """Add the ends of all paths, followed with all the care that double precision allows."""
-    search.add(ends_of(search.problem, search.problem.tracked))
+    _add_ends(search, search.problem.tracked)
 
 
-def ends_of(problem: Problem, tracked: Sequence[TrackedPaths]) -> Ends:
-    """Return the ends of paths for each choice of sides."""
-    return Ends(np.stack([paths.first().points[0] for paths in tracked])[None], problem.frames)
+def _add_ends(search: Search, tracked: Sequence[TrackedPaths]) -> None:
+    """Add the ends of paths for each choice of sides."""
+    points = np.stack([paths.first().points[0] for paths in tracked])
+    search.add(points[None], search.problem.frames)
 
 
 def all_poses(problem: Problem) -> PoseSet:

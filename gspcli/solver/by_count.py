@@ -21,8 +21,8 @@ from gspcli.certification.counting import (
     geometry_count,
 )
 from gspcli.certification.poses.certificates import excluded
-from gspcli.certification.poses.collection import Collection
 from gspcli.certification.poses.multiple import MultiplePose, multiple_poses, where_parallel
+from gspcli.certification.poses.pose_arrays import PoseProofs
 from gspcli.continuation.endpoints import BESIDE_CURVES, COUNTED
 from gspcli.continuation.paths import Basis, PathAccount
 from gspcli.continuation.tracked_paths import SolutionCurve, TrackedPaths
@@ -43,10 +43,10 @@ from gspcli.solver.further import (
 from gspcli.solver.poses import CountKind, PoseSet, Proof, joined
 from gspcli.solver.problem import Problem
 from gspcli.solver.search import Search
-from gspcli.solver.side_poses import FEW, SidePoses
+from gspcli.solver.side_search import FEW, SideSearch
 
 
-def complete(side: SidePoses, solutions: int, distinct: int, spurious: int | None) -> PoseSet:
+def complete(side: SideSearch, solutions: int, distinct: int, spurious: int | None) -> PoseSet:
     """Return all poses if the counts are reached; else the missing ones count as lost.
 
     Parameters
@@ -60,16 +60,16 @@ def complete(side: SidePoses, solutions: int, distinct: int, spurious: int | Non
         How many solutions are none, besides; None if that is not known.
     """
     multiple: list[MultiplePose] = []
-    if solutions > distinct and len(side.found) < distinct:
+    if solutions > distinct and len(side) < distinct:
         multiple = [pose for pose in _multiple(side) if pose.is_pose or spurious is None]
     side.all_simple = solutions == distinct
     search_side(side, distinct - len(multiple))
-    numbers = _multiplicities(side.found, multiple, solutions, distinct)
+    numbers = _multiplicities(len(side), multiple, solutions, distinct)
     known = list(zip(multiple, numbers, strict=True)) if numbers else []
-    return _pose_set(side.found, known, side.paths.count, solutions, spurious or 0)
+    return _pose_set(side.poses, known, side.paths.count, solutions, spurious or 0)
 
 
-def _multiple(side: SidePoses) -> list[MultiplePose]:
+def _multiple(side: SideSearch) -> list[MultiplePose]:
     """Return the multiple poses at the ends of the endgame."""
     ends = side.paths.solutions(COUNTED)
     chosen = ends.multiplicity > 1
@@ -79,14 +79,14 @@ def _multiple(side: SidePoses) -> list[MultiplePose]:
 
 
 def _multiplicities(
-    found: Collection, multiple: list[MultiplePose], solutions: int, distinct: int
+    found: int, multiple: list[MultiplePose], solutions: int, distinct: int
 ) -> list[int]:
     """Return the multiplicities if the multiple poses are those that the counts leave.
 
     Each is at least two, so that nothing is left to choose if they are two on average, or if
     there is one pose; else the paths decide. Empty if something does not agree.
     """
-    distinct, paths = distinct - len(found), solutions - len(found)
+    distinct, paths = distinct - found, solutions - found
     if len(multiple) != distinct:
         return []
     if paths == 2 * distinct:
@@ -98,7 +98,7 @@ def _multiplicities(
 
 
 def _pose_set(
-    found: Collection,
+    proved: PoseProofs,
     known: list[tuple[MultiplePose, int]],
     paths: int,
     solutions: int,
@@ -108,19 +108,19 @@ def _pose_set(
     multiple = [pose for pose, _ in known if pose.is_pose]
     numbers = [number for pose, number in known if pose.is_pose]
     spurious = sum(number for pose, number in known if not pose.is_pose)
-    reached = len(found) + sum(numbers) + spurious
+    found = len(proved.R)
+    reached = found + sum(numbers) + spurious
     # More than were counted: the prime of the count is a bad one, or a proof is wrong.
     excess = reached > solutions or solutions + counted > paths
     return PoseSet(
         quaternions=canonical_sign(
-            np.concatenate([found.quaternions, *(pose.quaternion[None] for pose in multiple)])
+            np.concatenate([proved.quaternions, *(pose.quaternion[None] for pose in multiple)])
         ),
-        R=np.concatenate([found.R, *(pose.R[None] for pose in multiple)]),
-        T=np.concatenate([found.T, *(pose.T[None] for pose in multiple)]),
-        real=np.array([*found.real.tolist(), *(pose.real for pose in multiple)], np.bool_),
-        certified=np.arange(len(found) + len(multiple)) < len(found),
-        multiplicity=np.array([1] * len(found) + numbers, np.int64),
-        motions=(),
+        R=np.concatenate([proved.R, *(pose.R[None] for pose in multiple)]),
+        T=np.concatenate([proved.T, *(pose.T[None] for pose in multiple)]),
+        real=np.array([*proved.real.tolist(), *(pose.real for pose in multiple)], np.bool_),
+        certified=np.arange(found + len(multiple)) < found,
+        multiplicity=np.array([1] * found + numbers, np.int64),
         account=PathAccount(
             expected=paths,
             found=reached - spurious,
@@ -133,7 +133,7 @@ def _pose_set(
 
 
 def complete_parts(
-    side: SidePoses, count: SideCount, solve: Callable[[Instance], PoseSet]
+    side: SideSearch, count: SideCount, solve: Callable[[Instance], PoseSet]
 ) -> PoseSet:
     """Return all poses for a choice of sides that was counted in parts.
 
@@ -165,7 +165,7 @@ def complete_parts(
 
 def _with_parallel_lines(instance: Instance, part: PartCount, poses: PoseSet) -> PoseSet:
     """Return those poses at which just the lines of a part are parallel."""
-    kept = poses.reordered(where_parallel(instance, part.parallel, poses.R, poses.T))
+    kept = poses[where_parallel(instance, part.parallel, poses.R, poses.T)]
     assert part.distinct is not None
     proved = (
         poses.account.verdict == "complete"
@@ -183,7 +183,7 @@ def _with_parallel_lines(instance: Instance, part: PartCount, poses: PoseSet) ->
 
 
 def with_points_for_all(
-    side: SidePoses, count: SideCount, solve: Callable[[Instance], PoseSet]
+    side: SideSearch, count: SideCount, solve: Callable[[Instance], PoseSet]
 ) -> PoseSet:
     """Return the poses for a choice of sides where some lines are parallel at all of them.
 
@@ -263,7 +263,7 @@ def _choices(instance: Instance) -> Iterator[Instance]:
 
 def _common(whole: Instance, chosen: Instance, poses: PoseSet) -> tuple[Motion, ...] | None:
     """Return the real poses at which all constraints hold, None if some are undecided."""
-    real = poses.reordered(poses.real)
+    real = poses[poses.real]
     arrangement = Arrangement.of(whole)
     sizes = relative_residuals(arrangement, real.R, real.T).max(axis=1, initial=0.0)
     kept = []
@@ -387,7 +387,7 @@ def solve_infinite(problem: Problem, search: Search, proof: Proof | None) -> Pos
         What proves the set of poses to be infinite; None if only that of the equations is.
     """
     arrangement, tracked = problem.arrangement, problem.tracked
-    poses = joined([side.poses() for side in search.sides])
+    poses = joined([side.answer() for side in search.sides])
     results = [paths.solutions(BESIDE_CURVES) for paths in tracked]
     samples = (_motion(arrangement, curve) for result in results for curve in result.curves)
     found = tuple(motion for motion in samples if _holds(arrangement, motion))
@@ -540,7 +540,7 @@ def _with_better_proof(problem: Problem, poses: PoseSet) -> PoseSet:
     return replace(poses, proof=min(proofs, key=lambda proof: proof.error) if proofs else None)
 
 
-def _of_side(side: SidePoses, count: SideCount, solve: Callable[[Instance], PoseSet]) -> PoseSet:
+def _of_side(side: SideSearch, count: SideCount, solve: Callable[[Instance], PoseSet]) -> PoseSet:
     """Return the poses for a choice of sides by its count."""
     if count.parallel:
         return with_points_for_all(side, count, solve)
@@ -549,18 +549,18 @@ def _of_side(side: SidePoses, count: SideCount, solve: Callable[[Instance], Pose
     return _counted(side, count)
 
 
-def _unresolved(side: SidePoses) -> int:
+def _unresolved(side: SideSearch) -> int:
     """Return how many paths in double precision do not end at simple solutions."""
     ends = side.paths.first()
     return int((~(ends.is_simple & ends.has_converged)).sum())
 
 
-def _too_many_unresolved(side: SidePoses) -> bool:
+def _too_many_unresolved(side: SideSearch) -> bool:
     paths = side.paths.count
     return not paths or _unresolved(side) > min(max(1 / FEW, _LONG * paths), _MOST) * paths
 
 
-def _counted(side: SidePoses, count: SideCount) -> PoseSet:
+def _counted(side: SideSearch, count: SideCount) -> PoseSet:
     """Return the poses for a choice of sides for which they were counted."""
     assert count.solutions is not None
     # Where distinct solutions were not counted, only simple ones can be all.
@@ -585,16 +585,16 @@ def _uncounted(problem: Problem, search: Search) -> PoseSet:
         most = count.solutions // len(sides)
     for side in sides:
         _search_uncounted(side, side.paths.count if most is None else most)
-    poses = joined([side.poses(most) for side in sides])
+    poses = joined([side.answer(most) for side in sides])
     proof = None if most is None else _by_geometry(poses, count)
     return _proved(poses, None) if proof is None else replace(poses, proof=proof)
 
 
-def _search_uncounted(side: SidePoses, wanted: int) -> None:
+def _search_uncounted(side: SideSearch, wanted: int) -> None:
     """Go on with the further strategies where no count says how many of the paths lead to poses."""
 
     def are_few_missing() -> bool:
-        return (wanted - len(side.found)) * FEW <= side.paths.count
+        return (wanted - len(side)) * FEW <= side.paths.count
 
     search_side(side, wanted, early_elimination)
     # Eigenvectors are the last way to many poses that no path leads to.

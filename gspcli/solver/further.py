@@ -20,7 +20,7 @@ from gspcli.certification.poses.special_family import (
 from gspcli.continuation.quadrics import ComplexArray
 from gspcli.solver.poses import are_far
 from gspcli.solver.problem import Problem
-from gspcli.solver.side_poses import FEW, Index, SidePoses
+from gspcli.solver.side_search import FEW, Index, SideSearch
 
 #: A platform that is special up to less than one in this many has poses where N is below 1e-32.
 _DECIMALS = 10**9
@@ -39,7 +39,7 @@ FEW_PATHS, _OF_CUBE = 8, 1 / 8000
 _ATTEMPTS, _MOST_ATTEMPTS = 3, 8
 
 
-def with_32_digits(side: SidePoses) -> None:
+def with_32_digits(side: SideSearch) -> None:
     """Follow with 32 digits the paths whose ends in double precision are not proved.
 
     That some of these ends are simple beyond doubt, and could be proved in balls, gains nothing:
@@ -55,7 +55,7 @@ def with_32_digits(side: SidePoses) -> None:
     side.unresolved = _followed(side, side.unresolved, 0)
 
 
-def _has_many_decimals(side: SidePoses) -> bool:
+def _has_many_decimals(side: SideSearch) -> bool:
     """Whether coordinates are written with more decimals than paths with 32 digits tell."""
     for primitive in side.problem.instance.primitives:
         for number in (*primitive.position, *getattr(primitive, "vector", ())):
@@ -64,20 +64,20 @@ def _has_many_decimals(side: SidePoses) -> bool:
     return False
 
 
-def _followed(side: SidePoses, index: Index, attempt: int) -> Index:
+def _followed(side: SideSearch, index: Index, attempt: int) -> Index:
     """Add the poses at the ends of some paths, with 32 digits; return which led to none."""
     new = np.zeros(len(index), np.bool_)
     for which, ends in side.paths.track(index, side.target, attempt=attempt):
         converged = ends.has_converged[0]
-        new[which[converged]] = side.add(ends.take(converged))
+        new[which[converged]] = side.add_ends(ends.take(converged))
         if side.is_complete:
             return index[~new]
-    side.found.add_close_conjugates()
+    side.add_close_conjugates()
     # Two paths to one pose: one of them has jumped.
     return index[~new]
 
 
-def from_special_families(side: SidePoses) -> None:
+def from_special_families(side: SideSearch) -> None:
     """Add the poses to which those of a platform that is less special lead."""
     for family_of in (turned_directions, points_off_lines):
         family = family_of(side.problem.instance) if len(side.unresolved) else None
@@ -89,16 +89,16 @@ def from_special_families(side: SidePoses) -> None:
                 return
 
 
-def _follow_family(side: SidePoses, family: SpecialFamily, apart: float) -> None:
+def _follow_family(side: SideSearch, family: SpecialFamily, apart: float) -> None:
     """Add the poses to which those with such differences lead."""
     paths = FamilyPaths(family, side.locator, side.sides, apart)
     begin = side.problem.like(paths.instance)
     for point, low in _ends(begin, side.k):
-        side.found.add([paths.locate(begin.locator, point, low)])
-        side.found.add_conjugates()
+        side.add_located([paths.locate(begin.locator, point, low)])
+        side.add_conjugates()
         if side.is_complete:
             return
-    side.found.add_close_conjugates()
+    side.add_close_conjugates()
 
 
 def _ends(problem: Problem, k: int) -> Iterator[tuple[ComplexArray, ComplexArray]]:
@@ -116,34 +116,34 @@ def _ends(problem: Problem, k: int) -> Iterator[tuple[ComplexArray, ComplexArray
         yield points[i], low[i]
 
 
-def _can_eliminate(side: SidePoses) -> bool:
+def _can_eliminate(side: SideSearch) -> bool:
     """Whether elimination finds all poses in some seconds."""
     return side.all_simple and side.paths.count <= _MOST
 
 
-def _is_eliminable(side: SidePoses) -> bool:
+def _is_eliminable(side: SideSearch) -> bool:
     """Whether it is quicker to eliminate than to follow the paths without a pose."""
     if _is_small(side):
         return _can_eliminate(side)
     cube = _OF_CUBE * side.paths.count**3
     # Where nothing is found at all, paths with more digits hardly find more.
-    many = len(side.unresolved) > (max(FEW_PATHS, cube) if len(side.found) else FEW_PATHS)
+    many = len(side.unresolved) > (max(FEW_PATHS, cube) if len(side) else FEW_PATHS)
     return _can_eliminate(side) and many
 
 
-def _is_small(side: SidePoses) -> bool:
+def _is_small(side: SideSearch) -> bool:
     """Whether it is quicker to eliminate than to follow paths with 32 digits."""
     return 2 * len(side.unresolved) > side.paths.count <= FEW_PATHS
 
 
-def early_elimination(side: SidePoses) -> None:
+def early_elimination(side: SideSearch) -> None:
     """Eliminate where counts say that poses are simple, and many paths lead to none."""
     if _is_eliminable(side):
         side.eliminated = 1
         _eliminate(side, _BITS[0])
 
 
-def by_elimination(side: SidePoses) -> None:
+def by_elimination(side: SideSearch) -> None:
     """Eliminate with more and more bits."""
     for bits in _BITS[side.eliminated :] if side.paths.count <= _MOST else ():
         _eliminate(side, bits)
@@ -151,47 +151,47 @@ def by_elimination(side: SidePoses) -> None:
             return
 
 
-def _eliminate(side: SidePoses, bits: int) -> None:
+def _eliminate(side: SideSearch, bits: int) -> None:
     """Add the poses that eigenvectors give: first those that doubles tell from all others."""
-    problem, found, open_ = side.problem, side.found, []
+    problem, open_ = side.problem, list[ApproximatePose]()
     instance = problem.instance.on_sides(problem.choices[side.k].tolist())
-    near = int((~are_far(found.R, found.T, problem.arrangement.length)).sum())
+    near = int((~are_far(side.poses.R, side.poses.T, problem.arrangement.length)).sum())
     for pose in poses_by_elimination(instance, bits, near=near, seed=problem.seed):
         R = np.array([[complex(x) for x in row] for row in pose.R])
         T = np.array([complex(x) for x in pose.T])
-        if found.is_near(R, T):
+        if side.is_near(R, T):
             open_.append(pose)
             continue
         _add(side, pose, bits)
         if side.is_complete:
             return
-    found.add_close_conjugates()
+    side.add_close_conjugates()
     for pose in open_ if not side.is_complete else ():
         _add(side, pose, bits)
-    found.add_close_conjugates()
+    side.add_close_conjugates()
 
 
-def _add(side: SidePoses, pose: ApproximatePose, bits: int) -> None:
+def _add(side: SideSearch, pose: ApproximatePose, bits: int) -> None:
     """Add the pose near an approximation, and its conjugate."""
     start = side.locator.point_of_pose(pose.R, pose.T, bits)
-    side.found.add([side.locator.locate_exactly(start, side.sides, bits // 2)])
-    side.found.add_conjugates()
+    side.add_located([side.locator.locate_exactly(start, side.sides, bits // 2)])
+    side.add_conjugates()
 
 
-def along_other_paths(side: SidePoses) -> None:
+def along_other_paths(side: SideSearch) -> None:
     """Follow all paths in other random ways, as long as that leads to more poses."""
-    missing, count = side.wanted - len(side.found), side.paths.count
+    missing, count = side.wanted - len(side), side.paths.count
     if not _can_eliminate(side) and len(side.unresolved) >= missing > count / FEW:
         # The paths to them have not arrived, and none has jumped.
         return
     for attempt in range(1, _MOST_ATTEMPTS):
-        before = len(side.found)
+        before = len(side)
         _followed(side, np.arange(count), attempt)
-        if side.is_complete or (attempt + 1 >= _ATTEMPTS and len(side.found) == before):
+        if side.is_complete or (attempt + 1 >= _ATTEMPTS and len(side) == before):
             return
 
 
-FURTHER: tuple[Callable[[SidePoses], None], ...] = (
+FURTHER: tuple[Callable[[SideSearch], None], ...] = (
     with_32_digits,
     # Poses far away because directions are nearly parallel, or points nearly on a line.
     from_special_families,
@@ -205,7 +205,7 @@ FURTHER: tuple[Callable[[SidePoses], None], ...] = (
 
 
 def search_side(
-    side: SidePoses, wanted: int, last: Callable[[SidePoses], None] = along_other_paths
+    side: SideSearch, wanted: int, last: Callable[[SideSearch], None] = along_other_paths
 ) -> None:
     """Go on with the further strategies until as many poses are proved as wanted.
 

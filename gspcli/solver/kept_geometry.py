@@ -59,24 +59,22 @@ def same_geometry(search: Search) -> None:
     if start is not None and (
         start.found == problem.expected or problem.geometry_count is not None
     ):
-        ends = start.quick_ends(problem.values)
-        search.add(ends._replace(has_directions=start.homotopy is not None))
+        ends, has_directions = start.quick_ends(problem.values), start.homotopy is not None
+        search.add(*ends, far=start.far, has_directions=has_directions)
 
 
 def from_nearest(search: Search) -> None:
     """Add the ends of paths to sets of values, each from the nearest system."""
-    problem = search.open
-    if problem.start is not None:
-        search.add(problem.start.quick_ends(problem.values, problem.jobs))
+    problem, start = search.open, search.problem.start
+    if start is not None:
+        search.add(*start.quick_ends(problem.values, problem.jobs), far=start.far)
 
 
 def by_short_steps(search: Search) -> None:
     """Add the ends of paths from the start's first system, with short steps."""
-    problem = search.open
-    start = problem.start
-    ends = None if start is None else start.short_ends(problem.values, problem.jobs)
-    if ends is not None:
-        search.add(ends)
+    problem, start = search.open, search.problem.start
+    if start is not None and start.homotopy is not None:
+        search.add(*start.short_ends(problem.values, problem.jobs), far=start.far)
 
 
 def by_careful_steps(search: Search) -> None:
@@ -85,9 +83,9 @@ def by_careful_steps(search: Search) -> None:
     Where there are equations with fewer unknowns, the other sets of values are solved one by one:
     that takes less time than these paths.
     """
-    problem = search.open
-    if problem.start is not None and problem.start.homotopy is None:
-        search.add(problem.start.careful_ends(problem.values, problem.jobs))
+    problem, start = search.open, search.problem.start
+    if start is not None and start.homotopy is None:
+        search.add(*start.careful_ends(problem.values, problem.jobs), far=start.far)
 
 
 def kept_start(problem: Problem) -> Start | None:
@@ -162,7 +160,7 @@ def _starts(
     """Yield starts of the near poses, with the far ones beside them, then one of all poses."""
     from gspcli.certification.poses.far_poses import FarPoses
 
-    near, apart = known.poses.reordered(~is_far), known.poses.reordered(is_far)
+    near, apart = known.poses[~is_far], known.poses[is_far]
     sides, length = (solved.choices[0], solved.sides[0]), known.arrangement.length
     given = solved.locator, proofs, *sides, apart.R, apart.T, known.points, length
     spread = _spread(problem, known.arrangement)
@@ -191,7 +189,7 @@ def _leads_back(found: Start, problem: Problem, solved: Problem, known: SolvedPl
     search = Search(solved.with_rows(rows))
     if found.found < solved.expected:
         search.problem.known_geometry_count = problem.geometry_count
-    search.add(found.quick_ends(rows))
+    search.add(*found.quick_ends(rows), far=found.far)
     return search.is_at_once
 
 

@@ -7,23 +7,22 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from enum import StrEnum
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from gspcli.certification.poses.pose_arrays import Poses
 from gspcli.continuation.paths import PathAccount
-from gspcli.continuation.quadrics import ComplexArray
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.local_motions import Motion
 from gspcli.geometry.measurement import condition_numbers, proved_residuals, residuals
 from gspcli.geometry.quaternions import quaternion_from_rotation, stable_order
-from gspcli.records import EqualByContent, dataclass
+from gspcli.records import dataclass
 
 if TYPE_CHECKING:
     from gspcli.certification.counting import ExactCount
-    from gspcli.certification.equations.local_frames import LocalFrames, StudyFrames
-    from gspcli.certification.poses.far_poses import FarPoses
+    from gspcli.certification.equations.local_frames import LocalFrames
 
 
 class CountKind(StrEnum):
@@ -114,9 +113,11 @@ Complex = NDArray[np.complex128]
 _BLOCK = 4096
 
 
-@dataclass(frozen=True, eq=False)
-class PoseBatch(EqualByContent):
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PoseBatch(Poses):
     """All poses for each of b sets of values; rows are filled up to the longest with NaN.
+
+    The arrays of `Poses` have the shape (b, n, ...), in the frames and units of the instance.
 
     Attributes
     ----------
@@ -124,13 +125,6 @@ class PoseBatch(EqualByContent):
         The geometry, and the sets of values with the offsets of the instance added, shape (b, 6).
     number
         How many distinct poses each set has, shape (b,).
-    R, T
-        Rotations (b, n, 3, 3) and translations (b, n, 3), complex, in the frames and units of the
-        instance; those of real poses are exactly real.
-    real, certified
-        Which are real, and which are proved; false where there is no pose; shape (b, n).
-    multiplicity
-        Of each pose, 0 where there is none, shape (b, n).
     complete
         For which sets the poses are all that there are: the account of paths adds up to the
         verdict ``complete``; shape (b,).
@@ -143,11 +137,6 @@ class PoseBatch(EqualByContent):
     arrangement: Arrangement
     values: Array
     number: NDArray[np.int64]
-    R: Complex
-    T: Complex
-    real: NDArray[np.bool_]
-    certified: NDArray[np.bool_]
-    multiplicity: NDArray[np.int64]
     complete: NDArray[np.bool_]
     proved: NDArray[np.bool_]
     others: Mapping[int, PoseSet]
@@ -187,59 +176,20 @@ class PoseBatch(EqualByContent):
 #: Poses with larger entries, lengths in typical ones, are far away: 32 digits in the frames of the
 #: platform do not round them correctly.
 _FAR = 64
-#: What there is one of for each pose.
-_OF_POSES = ("quaternions", "R", "T", "real", "certified", "multiplicity")
-
-
-class Ends(NamedTuple):
-    """Points that may be poses, for each of b sets of values.
-
-    Attributes
-    ----------
-    points, frames
-        Study points of any norm for k choices of sides, shape (b, k, m, 8), and their frames; not
-        a number where a path is lost.
-    far
-        Poses far away, to which no paths lead, if there is one choice of sides.
-    has_directions
-        Whether quaternions are right in all digits, up to a factor, where N nearly vanishes, too:
-        where paths with fewer unknowns to one platform have arrived.
-    planes
-        For each end and constraint 1 or -1 for the complex plane through the line that the point
-        is in, 0 for constraints without points and lines, shape (m, 6); None if there are none.
-    """
-
-    points: ComplexArray
-    frames: StudyFrames
-    far: FarPoses | None = None
-    has_directions: bool = False
-    planes: NDArray[np.int64] | None = None
-
-
 #: Ends of paths that are no isolated poses.
 _NO_POSES = ("at_infinity", "on_curves", "spurious", "lost")
 
 
-@dataclass(frozen=True, eq=False)
-class PoseSet(EqualByContent):
-    """Poses, in the frames of the arrangement.
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PoseSet(Poses):
+    """Distinct isolated poses of a platform, shape (n, ...), and what is known of all others.
+
+    Which are real is proved for certified poses. For others it is decided by pairing conjugates, a
+    numerical argument without a threshold: real systems have conjugate solutions, and a pose whose
+    conjugate is nearest to itself is its own.
 
     Attributes
     ----------
-    quaternions
-        Of the rotations, ``e.e = 1``, with the sign of `quaternion_from_rotation`, shape (n, 4),
-        complex.
-    R, T
-        Distinct isolated poses, shapes (n, 3, 3) and (n, 3), complex.
-    real
-        Which of them are real; their imaginary parts are exactly zero. Shape (n,). Proved for
-        certified poses. For others it is decided by pairing conjugates, a numerical argument
-        without a threshold: real systems have conjugate solutions, and a pose whose conjugate
-        is nearest to itself is its own.
-    certified
-        Which of them are proved to exist, to be simple, and to be real or not, shape (n,).
-    multiplicity
-        How many paths end at each, shape (n,).
     signs
         The choice of sides (`side_choices`) in whose equations each pose was found, shape (n, 6);
         None if only the pose tells.
@@ -257,18 +207,19 @@ class PoseSet(EqualByContent):
         What is wrong with the numbers, if they were not solved for that.
     """
 
-    quaternions: Complex
-    R: Complex
-    T: Complex
-    real: NDArray[np.bool_]
-    certified: NDArray[np.bool_]
-    multiplicity: NDArray[np.int64]
-    motions: tuple[Motion, ...]
     account: PathAccount
+    motions: tuple[Motion, ...] = ()
     proof: Proof | None = None
     exact_count: int | None = None
     signs: NDArray[np.float64] | None = None
     problem: str | None = None
+
+    OF_POSES: ClassVar[tuple[str, ...]] = (*Poses.OF_POSES, "signs")
+
+    @classmethod
+    def of(cls, poses: Poses, **rest: Any) -> PoseSet:
+        """Return poses with further fields, or others in their place."""
+        return cls(**({name: getattr(poses, name) for name in Poses.OF_POSES} | rest))
 
     @property
     def account_text(self) -> str:
@@ -287,17 +238,8 @@ class PoseSet(EqualByContent):
     @classmethod
     def unsolved(cls, expected: int, problem: str | None = None) -> PoseSet:
         """Return the set of a platform that is not solved, for some reason: all paths are lost."""
-        return cls(
-            quaternions=np.zeros((0, 4), complex),
-            R=np.zeros((0, 3, 3), complex),
-            T=np.zeros((0, 3), complex),
-            real=np.zeros(0, bool),
-            certified=np.zeros(0, bool),
-            multiplicity=np.zeros(0, int),
-            motions=(),
-            account=PathAccount(expected=expected, lost=expected),
-            problem=problem,
-        )
+        account = PathAccount(expected=expected, lost=expected)
+        return cls(**Poses.none(0), account=account, problem=problem)
 
     @property
     def lone(self) -> PoseSet:
@@ -313,7 +255,6 @@ class PoseSet(EqualByContent):
             real=np.ones(count, bool),
             certified=np.zeros(count, bool),
             multiplicity=np.ones(count, int),
-            motions=(),
             account=PathAccount(expected=count, found=count),
         )
 
@@ -332,12 +273,7 @@ class PoseSet(EqualByContent):
 
     def in_order(self, length: float) -> PoseSet:
         """Return the poses in the order of `stable_order`, with this typical length."""
-        return self.reordered(stable_order(self.real, self.quaternions, self.T, length))
-
-    def reordered(self, order: NDArray[np.integer] | NDArray[np.bool_]) -> PoseSet:
-        """Return the poses in another order, or some of them."""
-        parts = {name: getattr(self, name)[order] for name in _OF_POSES}
-        return replace(self, signs=None if self.signs is None else self.signs[order], **parts)
+        return self[stable_order(self.real, self.quaternions, self.T, length)]
 
 
 def are_far(R: Complex, T: Complex, length: float, limit: float = _FAR) -> NDArray[np.bool_]:
@@ -353,13 +289,11 @@ def on_sides(choices: NDArray[np.float64], count: int) -> NDArray[np.float64]:
 
 def joined(parts: Sequence[PoseSet]) -> PoseSet:
     """Return the poses of several systems together, without a proof."""
-    signs = [part.signs for part in parts if part.signs is not None]
-    arrays: dict[str, Any] = {
-        name: np.concatenate([getattr(part, name) for part in parts]) for name in _OF_POSES
-    }
-    return PoseSet(
-        **arrays,
+    return replace(
+        PoseSet.together(parts),
         motions=tuple(motion for part in parts for motion in part.motions),
-        signs=np.concatenate(signs) if len(signs) == len(parts) else None,
         account=sum((part.account for part in parts), PathAccount(expected=0)),
+        proof=None,
+        exact_count=None,
+        problem=None,
     )

@@ -26,8 +26,7 @@ from gspcli.solver.study_systems import coefficients_at, coefficients_of, side_c
 
 if TYPE_CHECKING:
     from gspcli.certification.counting import ExactCount
-    from gspcli.certification.poses.collection import StudyPoints
-    from gspcli.certification.poses.locator import Locator
+    from gspcli.certification.poses.locator import Locator, StudyPoints
     from gspcli.continuation.tracked_paths import TrackedPaths
     from gspcli.solver.poses import PoseSet
     from gspcli.solver.start import Start

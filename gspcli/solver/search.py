@@ -9,14 +9,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.certification.poses.many_values import OF_POSES, ProvedPoses
+from gspcli.certification.poses.pose_arrays import Bits, PoseProofs
 from gspcli.continuation.paths import Basis, PathAccount
-from gspcli.solver.poses import CountKind, Ends, PoseSet, Proof, joined, on_sides
+from gspcli.continuation.quadrics import ComplexArray
+from gspcli.solver.poses import CountKind, PoseSet, Proof, joined, on_sides
 from gspcli.solver.problem import Problem
 
 if TYPE_CHECKING:
-    from gspcli.certification.poses.collection import StudyPoints
-    from gspcli.solver.side_poses import SidePoses
+    from gspcli.certification.equations.local_frames import StudyFrames
+    from gspcli.certification.poses.far_poses import FarPoses
+    from gspcli.certification.poses.locator import StudyPoints
+    from gspcli.solver.side_search import SideSearch
 
 
 Index = NDArray[np.intp]
@@ -43,76 +46,95 @@ class Search:
 
     def __init__(self, problem: Problem) -> None:
         self.problem = problem
-        self.proved: ProvedPoses | None = None
+        self.proved: PoseProofs | None = None
         self.left: Index = np.arange(len(problem.values))
         self.is_quick = False
-        self._sides: list[SidePoses] = []
+        self._sides: list[SideSearch] = []
 
     @property
-    def sides(self) -> list[SidePoses]:
-        """The poses of one platform for each choice of sides, when some of them are missing."""
+    def sides(self) -> list[SideSearch]:
+        """The searches of one platform for each choice of sides, when poses are missing."""
         if not self._sides:
-            from gspcli.solver.side_poses import SidePoses
+            from gspcli.solver.side_search import SideSearch
 
-            self._sides = [SidePoses(self.problem, k) for k in range(len(self.problem.choices))]
+            self._sides = [SideSearch(self.problem, k) for k in range(len(self.problem.choices))]
         return self._sides
 
     @property
     def points(self) -> StudyPoints:
         """Study points of the poses that were located in balls, by the bytes of T."""
-        return {T: point for side in self._sides for T, point in side.found.points()}
+        return {T: point for side in self._sides for T, point in side.points.items()}
 
     @property
     def open(self) -> Problem:
         """The platform with the sets of values that are not complete."""
         return self.problem if self.proved is None else self.problem.part(self.left)
 
-    def add(self, ends: Ends) -> None:
-        """Prove poses near the ends of paths to the incomplete sets of values, by the kernel.
+    def add(
+        self,
+        points: ComplexArray,
+        frames: StudyFrames,
+        *,
+        far: FarPoses | None = None,
+        has_directions: bool = False,
+        planes: NDArray[np.int64] | None = None,
+    ) -> None:
+        """Prove poses near points to the incomplete sets of values, by the kernel.
 
-        Where ends have directions and poses are missing, poses far away are located in balls.
+        Parameters
+        ----------
+        points, frames
+            Study points of any norm for each set of values and choice of sides, shape
+            (b, k, m, 8), and their frames; not a number where a path is lost.
+        far
+            Poses far away, to which no paths lead, if there is one choice of sides.
+        has_directions
+            Whether quaternions are right in all digits, up to a factor, where N nearly vanishes,
+            too: where paths with fewer unknowns to one platform have arrived. Then missing poses
+            far away are located in balls.
+        planes
+            For each point and constraint 1 or -1 for the complex plane through the line that the
+            point is in, 0 for constraints without points and lines, shape (m, 6); None if there
+            are none.
         """
         problem = self.problem
         if problem.proofs is None:
             return
         proofs, choices, jobs = problem.proofs, problem.choices, problem.jobs
         rows = None if problem.rows is None else problem.rows[self.left]
-        found = proofs.decide(choices, ends.points, ends.frames, rows=rows, jobs=jobs)
-        if ends.far is not None:
-            found = ends.far.beside(found, proofs, choices[0], rows, jobs=jobs)
-        number = found.certified.shape[1]
-        if not self._sides and found.complete.any() and self._counted(number):
-            self._keep(found)
+        found, complete = proofs.decide(choices, points, frames, rows=rows, jobs=jobs)
+        if far is not None:
+            found, complete = far.beside(found, complete, proofs, choices[0], rows, jobs=jobs)
+        number = found.real.shape[1]
+        if not self._sides and complete.any() and self._counted(number):
+            self._keep(found, complete)
         if problem.rows is None and len(self.left):
             for k, side in enumerate(self.sides):
                 each = slice(k * number // len(choices), (k + 1) * number // len(choices))
-                side.add_first(
-                    found._replace(**{name: getattr(found, name)[:, each] for name in OF_POSES})
-                )
-        if ends.has_directions and not self.is_complete:
+                side.add_first(found[0, each])
+        if has_directions and not self.is_complete:
             for k, side in enumerate(self.sides):
-                side.add_far(ends.points[0, k], ends.planes)
+                side.add_far(points[0, k], planes)
             if self._answer is None and problem.is_reducible:
                 # From now on the search has the count of the geometry.
                 _ = problem.geometry_count
 
-    def _keep(self, found: ProvedPoses) -> None:
+    def _keep(self, found: PoseProofs, complete: Bits) -> None:
         """Keep the poses for sets of values that were left and are complete now."""
-        self._round(found)
+        self._round(found, complete)
         if self.proved is None:
             self.proved = found
         else:
-            for part, better in zip(self.proved, found, strict=True):
-                part[self.left] = better
-        self.left = self.left[~found.complete]
+            self.proved.put(self.left, found)
+        self.left = self.left[~complete]
 
-    def _round(self, found: ProvedPoses) -> None:
+    def _round(self, found: PoseProofs, complete: Bits) -> None:
         """Round poses for complete sets of values in balls, where 32 digits do not do that.
 
         Of many sets of values the real ones: the numbers of others are as good as their bounds say.
         """
         problem, number = self.problem, found.real.shape[1]
-        wanted = ~found.rounded & found.complete[:, None] & (found.real | (problem.rows is None))
+        wanted = ~found.rounded & complete[:, None] & (found.real | (problem.rows is None))
         for k in np.flatnonzero(wanted.any(axis=1)).tolist():
             one = problem
             if problem.rows is not None:
@@ -134,8 +156,8 @@ class Search:
     def __len__(self) -> int:
         """Return how many poses of one platform are proved."""
         if self.proved is not None:
-            return int(self.proved.certified.shape[1])
-        return sum(len(side.found) for side in self._sides)
+            return int(self.proved.real.shape[1])
+        return sum(map(len, self._sides))
 
     def _counted(self, number: int) -> Proof | None:
         """Return the proof that there are exactly this many poses; None if no count says so."""
@@ -158,34 +180,21 @@ class Search:
         if answer is None:
             return None
         account, proof = answer
-        poses = joined([side.poses() for side in self.sides])
+        poses = joined([side.answer() for side in self.sides])
         return replace(poses, account=account, proof=proof)
 
     def poses(self, k: int) -> PoseSet:
         """Return the poses for a complete set of values; its arrays are views of `proved`."""
-        found, shared = self.proved, self._shared
-        assert found is not None
-        return PoseSet(
-            quaternions=found.quaternions[k],
-            R=found.R[k],
-            T=found.T[k],
-            real=found.real[k],
-            motions=(),
-            **shared,
-        )
+        assert self.proved is not None
+        return PoseSet.of(self.proved[k], **self._shared)
 
     @cached_property
     def _shared(self) -> dict[str, Any]:
         """The fields of a `PoseSet` that all complete sets of values share."""
-        number, answer = len(self), self._answer
+        answer = self._answer
         assert answer is not None
-        return {
-            "certified": np.ones(number, np.bool_),
-            "multiplicity": np.ones(number, np.int64),
-            "account": answer[0],
-            "proof": answer[1],
-            "signs": on_sides(self.problem.choices, number),
-        }
+        signs = on_sides(self.problem.choices, len(self))
+        return {"account": answer[0], "proof": answer[1], "signs": signs}
 
     @property
     def _answer(self) -> tuple[PathAccount, Proof] | None:

@@ -22,7 +22,7 @@ from gspcli.geometry.numbers import Number
 
 if TYPE_CHECKING:
     from gspcli.certification.counting import ExactCount
-    from gspcli.certification.poses.collection import StudyPoints
+    from gspcli.certification.poses.locator import StudyPoints
     from gspcli.continuation.systems import Structure
     from gspcli.solver.poses import PoseSet
 

@@ -33,7 +33,7 @@ from gspcli.continuation.tracker import CAREFUL, DEFAULT, QUICK, PathStatus, Tra
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.quaternions import apply, study_from_pose
 from gspcli.records import dataclass
-from gspcli.solver.poses import CountKind, Ends, PoseSet, Proof
+from gspcli.solver.poses import CountKind, PoseSet, Proof
 from gspcli.solver.solved_starts import SolvedStarts, Sort
 from gspcli.solver.study_systems import coefficients_of, complex_system, side_choices
 
@@ -44,6 +44,8 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int32]
+#: Ends of paths (b, k, m, 8) and their frames (`Search.add`).
+StudyEnds = tuple[ComplexArray, StudyFrames]
 
 #: This many paths are followed together, for the memory of their ends.
 _BATCH_PATHS = 16_384
@@ -163,22 +165,20 @@ class Start:
             unit=np.where(deviation > 0, deviation, 1.0),
         )
 
-    def quick_ends(self, rows: Array, jobs: int = 1) -> Ends:
+    def quick_ends(self, rows: Array, jobs: int = 1) -> StudyEnds:
         """Return the ends of paths to sets of values (b, 6), from the nearest system."""
         if self.homotopy is None:
             return self._whole_ends(rows, QUICK, jobs)
         parameters = self._parameters(rows)
         return self._reduced_ends(parameters, self._nearest(parameters), QUICK, jobs)
 
-    def short_ends(self, rows: Array, jobs: int = 1) -> Ends | None:
-        """Return the same, by short steps from the first system; None without a homotopy."""
-        if self.homotopy is None:
-            return None
+    def short_ends(self, rows: Array, jobs: int = 1) -> StudyEnds:
+        """Return the same, by short steps from the first system, with a homotopy."""
         parameters = self._parameters(rows)
         first = np.zeros(len(parameters), np.int32)
         return self._reduced_ends(parameters, first, DEFAULT, jobs)
 
-    def careful_ends(self, rows: Array, jobs: int = 1) -> Ends:
+    def careful_ends(self, rows: Array, jobs: int = 1) -> StudyEnds:
         """Return the same, by paths of the equations in all unknowns."""
         return self._whole_ends(rows, CAREFUL, jobs)
 
@@ -205,12 +205,12 @@ class Start:
 
     def _reduced_ends(
         self, parameters: Array, start: Index, options: TrackerOptions, jobs: int
-    ) -> Ends:
+    ) -> StudyEnds:
         """Return the ends of paths with fewer unknowns, each from one of the systems."""
         ends = self._track(parameters.astype(complex), start, options, jobs)
         return self._ends(ends.study, ends.status, self.length)
 
-    def _whole_ends(self, rows: Array, options: TrackerOptions, jobs: int) -> Ends:
+    def _whole_ends(self, rows: Array, options: TrackerOptions, jobs: int) -> StudyEnds:
         values = _inner_values(self.given, rows, self.length, self.choices)
         inner = self.inner
         structure, coefficients = coefficients_of(
@@ -221,15 +221,15 @@ class Start:
         ends = track(self.system, targets, self.points, options=options, jobs=jobs)
         return self._ends(ends.points, ends.status, self.length * float(self.scale))
 
-    def _ends(self, points: ComplexArray, status: NDArray[np.integer], unit: float) -> Ends:
-        """Return Study points by choices of sides, with their unit of f, and the poses far away."""
+    def _ends(self, points: ComplexArray, status: NDArray[np.integer], unit: float) -> StudyEnds:
+        """Return Study points by choices of sides, with their unit of f."""
         given = self.given
         # What is no end must not pass for one.
         points[status != PathStatus.REGULAR] = np.nan
         points = with_conjugates(points)
         frames = StudyFrames(length=unit, platform=given.platform_centre, base=given.base_centre)
         points = points.reshape(-1, len(self.choices), len(self.points), 8)
-        return Ends(points, frames, self.far)
+        return points, frames
 
 
 def start_among(

@@ -30,7 +30,8 @@ from gspcli.certification.numbers.doubled import ERROR, Doubled, two_sum
 from gspcli.certification.numbers.rounding import TINY
 from gspcli.certification.poses.isolation import all_different
 from gspcli.certification.poses.locator import Located, Locator
-from gspcli.certification.poses.many_values import OF_POSES, ProvedPoses, ValueProofs, proved_bits
+from gspcli.certification.poses.many_values import ValueProofs, proved_bits
+from gspcli.certification.poses.pose_arrays import Bits, PoseProofs
 from gspcli.defaults import TOLERANCE
 from gspcli.geometry import study
 from gspcli.geometry.enclosures import above
@@ -585,8 +586,8 @@ class FarPoses:
         *,
         shifts: Array | None = None,
         jobs: int = 1,
-    ) -> ProvedPoses:
-        """Prove the poses for other values of the geometry.
+    ) -> tuple[PoseProofs, Bits]:
+        """Prove the poses for other values of the geometry; return also for which these are all.
 
         Parameters
         ----------
@@ -618,33 +619,35 @@ class FarPoses:
             jobs=jobs,
         )
         certified, real, rounded = proved_bits(bits)
-        return ProvedPoses(
+        found = PoseProofs(
             R=R,
             T=T,
             quaternions=quaternions,
             certified=certified,
             real=real,
+            multiplicity=certified.astype(np.int64),
             rounded=rounded,
             # In units of the other equations.
             deviation=off * max(self.scale / scale, 1.0),
-            complete=complete > 0,
         )
+        return found, complete > 0
 
     def beside(
         self,
-        near: ProvedPoses,
+        near: PoseProofs,
+        are_all: Bits,
         proofs: ValueProofs,
         choice: Array,
         rows: Array | None,
         *,
         jobs: int = 1,
-    ) -> ProvedPoses:
-        """Return near poses and the far ones for the same values.
+    ) -> tuple[PoseProofs, Bits]:
+        """Return near poses and the far ones for the same values, and for which these are all.
 
         Parameters
         ----------
-        near, proofs
-            The near poses, and the equations by which they were proved.
+        near, are_all, proofs
+            The near poses, for which values all are proved and different, and by which equations.
         choice, rows
             The sign of each constraint, shape (6,), and the sets of values (b, 6), None for those
             of the instance.
@@ -654,17 +657,16 @@ class FarPoses:
         scale = proofs.scale
         values, units = proofs.values(choice[None], rows)[:, 0], proofs.units(rows)
         shifts = None if self.shifts is None else self.shifts.of(proofs, choice, rows, values)
-        far = self.decide(values, units, scale, shifts=shifts, jobs=jobs)
-        _prove_near(far, proofs, choice, rows, jobs)
-        complete = near.complete & far.complete
+        far, are_all_far = self.decide(values, units, scale, shifts=shifts, jobs=jobs)
+        _prove_near(far, are_all_far, proofs, choice, rows, jobs)
+        complete = are_all & are_all_far
         # Two poses are different if their error bounds do not overlap.
         with np.errstate(invalid="ignore"):
             least = (_largest(far.R, far.T / scale) - far.deviation).min(axis=1)
             largest = (_largest(near.R, near.T / scale) + near.deviation).max(axis=1, initial=0)
         for row in np.flatnonzero(complete & ~(above(largest) < least)).tolist():
             complete[row] = _are_apart(near, far, row, scale)
-        parts = (np.concatenate(both, axis=1) for both in zip(near[:-1], far[:-1], strict=True))
-        return ProvedPoses._make([*parts, complete])
+        return PoseProofs.together([near, far], axis=1), complete
 
     def _shifts(self, values: Array, ratio: float) -> Array:
         """Return the differences of values from those of the platform, (b, 3, 6)."""
@@ -799,9 +801,14 @@ def _axes(given: LocalCoordinates, origin: Complex, reach: float, products: int)
 
 
 def _prove_near(
-    far: ProvedPoses, proofs: ValueProofs, choice: Array, rows: Array | None, jobs: int
+    far: PoseProofs,
+    complete: Bits,
+    proofs: ValueProofs,
+    choice: Array,
+    rows: Array | None,
+    jobs: int,
 ) -> None:
-    """Prove poses that have come nearer by the near equations.
+    """Prove poses that have come nearer by the near equations; complete sets are noted.
 
     Two complex ones may have become real: that is not proved by complex local coordinates.
     """
@@ -816,22 +823,16 @@ def _prove_near(
     points = np.concatenate((far.quaternions, moved), axis=-1).astype(np.complex128, copy=False)
     points = np.where(wanted[..., None], points, np.nan)[index, None]
     part = None if rows is None else rows[index]
-    better = proofs.decide(choice[None], points, OWN, rows=part, jobs=jobs)
-    for name in OF_POSES:
-        known = getattr(far, name)
-        good = better.certified.reshape(better.certified.shape + (1,) * (known.ndim - 2))
-        known[index] = np.where(good, getattr(better, name), known[index])
+    better, _ = proofs.decide(choice[None], points, OWN, rows=part, jobs=jobs)
+    row, place = np.nonzero(better.certified)
+    far.put((index[row], place), better[row, place])
     for k in index[far.certified[index].all(axis=1)].tolist():
-        entries = np.concatenate((far.R[k].reshape(-1, 9), far.T[k] / proofs.scale), axis=1)
-        far.complete[k] = all_different(entries, far.deviation[k])
+        complete[k] = all_different(far[k].entries(proofs.scale), far.deviation[k])
 
 
-def _are_apart(near: ProvedPoses, far: ProvedPoses, row: int, scale: float) -> bool:
+def _are_apart(near: PoseProofs, far: PoseProofs, row: int, scale: float) -> bool:
     """Whether all near poses for a set of values are proved to be none of the far ones."""
-    flat = [
-        np.concatenate((x.R[row].reshape(-1, 9), x.T[row] / scale), axis=1).view(np.float64)
-        for x in (near, far)
-    ]
+    flat = [x[row].entries(scale).view(np.float64) for x in (near, far)]
     gaps = np.abs(flat[0][:, None] - flat[1]).max(axis=2)
     off = near.deviation[row][:, None] + far.deviation[row]
     return bool((gaps > above(off)).all())

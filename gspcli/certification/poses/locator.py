@@ -8,7 +8,7 @@ eight times as many digits does. The results are proved like every certificate (
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from itertools import chain
@@ -35,6 +35,8 @@ from gspcli.geometry.quaternions import canonical_sign
 from gspcli.records import dataclass
 
 Complex = NDArray[np.complex128]
+#: Study points by the bytes of T.
+StudyPoints = Mapping[bytes, Sequence[acb]]
 
 #: The approximate number of correct bits of a point in doubles, and bits of the last attempt.
 DOUBLE, LAST_PRECISION = 64, 1024
@@ -236,7 +238,7 @@ class Locator:
     ) -> Located | None:
         """Return a pose that is proved within a bound of its error with many digits, or None.
 
-        R, T and the sides are those of `near`; the bound is `ProvedPoses.deviation`.
+        R, T and the sides are those of `near`; the bound is `PoseProofs.deviation`.
         """
         for bits in _MANY_BITS:
             found = self.near(R, T, sides, bits)
@@ -276,6 +278,11 @@ class Locator:
             (acb(self.frames.length) * x + (a - b) / 2) / scale
             for x, a, b in zip(f, ahead, behind, strict=True)
         ]
+
+    def is_surrounded(self, point: Complex, low: Complex, pose: Located) -> bool:
+        """Whether no other solution is as near to a pose as a point (`in_frames`) is."""
+        with ctx.workprec(LAST_PRECISION):
+            return pose.isolation.surrounds(self.in_frames(point, low))
 
     def point_of_pose(self, R: Sequence[Sequence[acb]], T: Sequence[acb], bits: int) -> list[acb]:
         """Return the Study point of a pose in length units of the instance, shape (8,)."""

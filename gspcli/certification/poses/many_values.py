@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from functools import cache
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +23,6 @@ from gspcli.certification.equations.local_frames import (
     length_scale,
     length_scales,
 )
-from gspcli.certification.equations.mirror_images import mirrored, mirrored_pose
 from gspcli.certification.equations.skew_lines import are_skew
 from gspcli.certification.numbers.doubled import (
     ERROR,
@@ -34,12 +33,12 @@ from gspcli.certification.numbers.doubled import (
     two_product,
 )
 from gspcli.certification.numbers.rounding import COMPLEX, CONVERSION, ISOLATED, REAL, ROUNDED, TINY
+from gspcli.certification.poses.pose_arrays import Bits, PoseProofs
 from gspcli.defaults import TOLERANCE
 from gspcli.geometry.enclosures import above
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Point
-from gspcli.geometry.quaternions import canonical_sign
 from gspcli.geometry.study import form_hessians
 
 Array = NDArray[np.float64]
@@ -56,50 +55,6 @@ _BITS = np.arange(2 * max(ISOLATED, REAL, COMPLEX, ROUNDED))
 _CERTIFIED = ((_BITS & ISOLATED) > 0) & ((_BITS & (REAL | COMPLEX)) > 0)
 _REAL = (_BITS & REAL) > 0
 _ROUNDED = (_BITS & ROUNDED) > 0
-
-
-class ProvedPoses(NamedTuple):
-    """Proofs about n ends of paths for each of b sets of values.
-
-    Attributes
-    ----------
-    R, T
-        The poses, shapes (b, n, 3, 3) and (b, n, 3), complex; proved real ones are exactly real.
-    quaternions
-        Quaternions of the rotations, ``e.e = 1``, with the sign of `quaternion_from_rotation`;
-        (b, n, 4).
-    certified
-        Whether there is exactly one solution near an end, simple, and proved to be real or not;
-        shape (b, n).
-    real
-        Which certified ones are real, shape (b, n).
-    rounded
-        For which certified ones the numbers are settled, shape (b, n): each number of a real one is
-        proved to be rounded correctly (`correct_rounding`), those of others are within 2^-53 of the
-        largest.
-    deviation
-        Bounds of the errors of certified ones in any entry of R, and of T by the scale; shape (b,
-        n).
-    complete
-        For which sets all ends are certified, and proved to be different, shape (b,).
-    """
-
-    R: Complex
-    T: Complex
-    quaternions: Complex
-    certified: NDArray[np.bool_]
-    real: NDArray[np.bool_]
-    rounded: NDArray[np.bool_]
-    deviation: Array
-    complete: NDArray[np.bool_]
-
-    def with_mirror_images(self) -> ProvedPoses:
-        """Return these poses, then their mirror images."""
-        R, T = mirrored_pose(self.R, self.T)
-        quaternions = canonical_sign(mirrored(self.quaternions))
-        images = self._replace(R=R, T=T, quaternions=quaternions)
-        parts = (np.concatenate(both, axis=1) for both in zip(self[:-1], images[:-1], strict=True))
-        return ProvedPoses._make([*parts, self.complete])
 
 
 class ValueProofs:
@@ -183,7 +138,7 @@ class ValueProofs:
         *,
         rows: Array | None = None,
         jobs: int = 1,
-    ) -> ProvedPoses:
+    ) -> tuple[PoseProofs, Bits]:
         """Prove poses near the ends of paths in double precision.
 
         Parameters
@@ -200,6 +155,11 @@ class ValueProofs:
             None for the values of the instance, exactly as written; b = 1.
         jobs
             Threads.
+
+        Returns
+        -------
+        What is proved about the ends, shape (b, n), and for which sets of values all ends are
+        certified and proved to be different, shape (b,).
         """
         return self._decide(self.values(choices, rows), self.units(rows), points, frames, jobs)
 
@@ -257,7 +217,7 @@ class ValueProofs:
 
     def _decide(
         self, values: Array, units: Array, points: Complex, frames: StudyFrames, jobs: int
-    ) -> ProvedPoses:
+    ) -> tuple[PoseProofs, Bits]:
         """Return the proofs of the kernel about points (b, k, m, 8) for values (b, k, 6, 6).
 
         The units (b,) of the last digits of translations are in lengths of the equations.
@@ -297,20 +257,18 @@ class ValueProofs:
         def together(part: NDArray[Any]) -> NDArray[Any]:
             return part if len(part) == count else part.reshape(count, -1, *part.shape[2:])
 
-        return ProvedPoses(
+        certified = together(certified)
+        found = PoseProofs(
             R=together(R),
             T=together(T),
             quaternions=together(quaternions),
-            certified=together(certified),
+            certified=certified,
             real=together(real),
+            multiplicity=certified.astype(np.int64),
             rounded=together(rounded),
             deviation=together(deviation),
-            complete=np.asarray(different.reshape(count, -1).all(axis=1)),
         )
-
-
-#: What `ProvedPoses` has of each pose.
-OF_POSES = tuple(name for name in ProvedPoses._fields if name != "complete")
+        return found, np.asarray(different.reshape(count, -1).all(axis=1))
 
 
 def proved_bits(bits: NDArray[np.uint8]) -> tuple[NDArray[np.bool_], ...]:

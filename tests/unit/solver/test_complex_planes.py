@@ -24,7 +24,7 @@ from gspcli.solver import all_poses, further, solve
 from gspcli.solver.all_poses import far_in_planes
 from gspcli.solver.poses import are_far
 from gspcli.solver.problem import Problem
-from gspcli.solver.side_poses import SidePoses
+from gspcli.solver.side_search import SideSearch
 from gspcli.solver.solved_starts import SolvedStarts
 from gspcli.solver.study_systems import coefficients_at
 from tests.support.strategies import added
@@ -97,7 +97,7 @@ def test_nearly_double_poses_far_away_are_found_from_ends_of_lost_paths(digits, 
 def test_they_are_those_of_the_further_strategies(monkeypatch):
     instance = guided((DPL, DPL), (IN, UP), 3)
     known = solve(instance, starts=SolvedStarts())
-    monkeypatch.setattr(SidePoses, "add_far", lambda *_: None)
+    monkeypatch.setattr(SideSearch, "add_far", lambda *_: None)
     other = solve(instance, starts=SolvedStarts())
     for part in ("quaternions", "R", "T", "real"):
         np.testing.assert_array_equal(getattr(known, part), getattr(other, part))

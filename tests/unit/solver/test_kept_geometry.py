@@ -147,7 +147,7 @@ def test_poses_of_which_two_are_the_same_are_no_start():
     kept = starts.platform(known.arrangement)
     poses = kept.poses
     # Two paths from one pose meet.
-    twice = poses.reordered(np.array([0, 0, *range(2, len(poses.R))]))
+    twice = poses[[0, 0, *range(2, len(poses.R))]]
     wrong = SolvedStarts()
     wrong.keep_platform(kept._replace(poses=twice))
     for _ in range(2):
@@ -293,7 +293,7 @@ def test_a_count_that_disagrees_proves_nothing_of_far_poses():
     # Without one of the near poses there is no start.
     near = np.flatnonzero(np.abs(kept.poses.R).max(axis=(1, 2)) < 10)
     fewer = SolvedStarts()
-    poses = kept.poses.reordered(np.delete(np.arange(len(kept.poses.R)), near[0]))
+    poses = kept.poses[np.delete(np.arange(len(kept.poses.R)), near[0])]
     fewer.keep_platform(kept._replace(poses=poses))
     assert kept_start(Problem(instance, starts=fewer)) is None
     found = solve(instance, starts=fewer)

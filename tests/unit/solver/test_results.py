@@ -85,7 +85,7 @@ def test_residuals_are_those_of_their_poses_in_any_order(result):
     order = np.arange(len(result.R))[::-1]
     assert result.real.any()
     assert not result.real.all()
-    turned = replace(result, poses=result.poses.reordered(order))
+    turned = replace(result, poses=result.poses[order])
     np.testing.assert_array_equal(turned.residuals, result.residuals[order])
 
 

@@ -187,7 +187,7 @@ def test_each_start_leads_to_all_poses_in_pairs_of_mirror_images():
         assert distinct(start.points)
         assert np.abs(start.system.values(start.points)).max() < 1e-12
         ends = ends_from_start(start, targets[0], DEFAULT)
-        proved = problem.proofs.decide(problem.choices, ends[None, None], problem.frames)
+        proved, _ = problem.proofs.decide(problem.choices, ends[None, None], problem.frames)
         assert proved.certified.sum() == 40
 
 
@@ -361,7 +361,7 @@ def _overlaps(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 def test_paths_from_the_pool_end_where_those_from_the_start_do(name):
     _, rows, start = case(name)
     assert len(start.parameters) == 1 + SETS // 32
-    near, far = start.quick_ends(rows).points[:, 0], start.short_ends(rows).points[:, 0]
+    near, far = (ends[0][:, 0] for ends in (start.quick_ends(rows), start.short_ends(rows)))
     found = np.isfinite(near).all(axis=(1, 2)) & np.isfinite(far).all(axis=(1, 2))
     assert found.mean() > 0.9
     # Each end of one is an end of the other.

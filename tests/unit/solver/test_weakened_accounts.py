@@ -18,7 +18,7 @@ from gspcli.geometry.quaternions import study_from_pose
 from gspcli.solver.by_count import _by_geometry, _different, _multiplicities, _proof
 from gspcli.solver.poses import CountKind
 from gspcli.solver.search import Search
-from gspcli.solver.side_poses import SidePoses
+from gspcli.solver.side_search import SideSearch
 
 
 @pytest.mark.parametrize(
@@ -27,10 +27,11 @@ from gspcli.solver.side_poses import SidePoses
 def test_an_end_beside_a_known_pose_is_looked_at(gap: float, known: bool) -> None:
     """Of two poses so near to each other the second would be missed."""
     arrangement = SimpleNamespace(length=1.0, restored=lambda R, T: T)
-    side = SidePoses.__new__(SidePoses)
+    side = SideSearch.__new__(SideSearch)
     side.problem = SimpleNamespace(arrangement=arrangement)
     R, T = np.eye(3, dtype=complex)[None], np.array([[0.5, 0.25, 1]], complex)
-    side.found = SimpleNamespace(R=R, T=T)
+    entries = np.concatenate((R.reshape(1, 9), T), axis=1)
+    side.poses = SimpleNamespace(entries=lambda _: entries)
     moved = T + gap * np.array([1, -1, 1])
     point = np.concatenate(study_from_pose(R, moved), axis=-1)
     assert side._near_known(point).tolist() == [[known]]
@@ -92,7 +93,7 @@ def test_poses_are_all_if_the_type_or_the_geometry_has_as_many() -> None:
 def test_multiplicities_are_those_that_the_counts_leave() -> None:
     def found(known: int, paths: list[int], solutions: int, distinct: int) -> list[int]:
         multiple = [SimpleNamespace(multiplicity=number) for number in paths]
-        return _multiplicities(range(known), multiple, solutions, distinct)
+        return _multiplicities(known, multiple, solutions, distinct)
 
     assert found(10, [2, 2], 14, 12) == [2, 2]
     assert found(10, [3], 13, 11) == [3]

@@ -14,7 +14,7 @@ from gspcli.geometry.quaternions import canonical_sign, study_from_pose
 from gspcli.solver import further, solve
 from gspcli.solver.poses import are_far
 from gspcli.solver.problem import Problem
-from gspcli.solver.side_poses import SidePoses
+from gspcli.solver.side_search import SideSearch
 from gspcli.solver.solved_starts import SolvedStarts
 
 
@@ -43,7 +43,7 @@ def test_poses_far_away_need_neither_more_paths_nor_elimination(digits, monkeypa
     assert far.sum() >= 6
     with monkeypatch.context() as context:
         # The same by the further strategies.
-        context.setattr(SidePoses, "add_far", lambda *_: None)
+        context.setattr(SideSearch, "add_far", lambda *_: None)
         other = solve(instance, starts=SolvedStarts())
     for part in ("quaternions", "R", "T", "real"):
         np.testing.assert_array_equal(getattr(known, part), getattr(other, part))

@@ -15,7 +15,7 @@ from gspcli.catalogue.kinds import DLP, DPL, DPP
 from gspcli.certification.numbers.rounding import COMPLEX, ISOLATED, REAL
 from gspcli.certification.poses.far_poses import FarPoses, combined, local_coordinates
 from gspcli.certification.poses.locator import Located
-from gspcli.certification.poses.many_values import ProvedPoses
+from gspcli.certification.poses.pose_arrays import PoseProofs
 from gspcli.geometry.building import hexapod
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Line
@@ -64,7 +64,7 @@ def known(request):
     """Return an instance and its far poses."""
     instance, starts = INSTANCES[request.param](), SolvedStarts()
     poses = solve(instance, starts=starts).poses
-    far = poses.reordered(np.abs(poses.R).max(axis=(1, 2)) > 64)
+    far = poses[np.abs(poses.R).max(axis=(1, 2)) > 64]
     problem = Problem(instance, starts=starts)
     points = starts.platform(problem.arrangement).points
     equations = problem.locator, problem.proofs, problem.choices[0], problem.sides[0]
@@ -104,8 +104,8 @@ def test_poses_for_other_values_are_those_that_balls_prove_to_the_bit(known):
     kind = instance.constraints[5].kind
     assert len(far) == {DPP: 12, DPL: 16, DLP: 20}[kind]
     for problem in others(instance, 1, 0.1):
-        found = decided(far, problem)
-        assert found.complete.all()
+        found, complete = decided(far, problem)
+        assert complete.all()
         for k in range(len(far)):
             located = located_in_balls(problem, found.R[0, k], found.T[0, k], points)
             assert located.real == found.real[0, k]
@@ -117,11 +117,11 @@ def test_poses_for_other_values_are_those_that_balls_prove_to_the_bit(known):
 def test_many_sets_of_values_are_as_each_alone_with_each_build(known):
     instance, far = known
     problems = list(others(instance, 5, 0.2))
-    alone = [decided(far, problem) for problem in problems]
+    alone = [decided(far, problem)[0] for problem in problems]
     scale = max(problem.proofs.scale for problem in problems)
     assert all(problem.proofs.scale == scale for problem in problems)
     values = np.concatenate([p.proofs.values(p.choices)[0] for p in problems])
-    together = far.decide(values, np.ones(len(values)), scale, jobs=2)
+    together, _ = far.decide(values, np.ones(len(values)), scale, jobs=2)
     for name in PARTS:
         one = np.concatenate([getattr(each, name) for each in alone])
         np.testing.assert_array_equal(getattr(together, name), one)
@@ -141,9 +141,9 @@ def test_numbers_that_are_hardly_known_prove_nothing(known):
     instance, far = known
     doubtful = replace(far, errors=np.full_like(far.errors, 1e-2))
     for problem in others(instance, 2, 0.1):
-        assert not decided(doubtful, problem).certified.any()
+        assert not decided(doubtful, problem)[0].certified.any()
         # Known to fewer digits than doubles have, they exist, but are not rounded.
-        roughly = decided(replace(far, errors=np.full_like(far.errors, 1e-12)), problem)
+        roughly, _ = decided(replace(far, errors=np.full_like(far.errors, 1e-12)), problem)
         assert roughly.certified.all()
         assert not roughly.rounded.any()
 
@@ -155,7 +155,7 @@ def test_the_bound_of_a_pose_covers_what_is_wrong_with_its_numbers(known):
     wrong[0] += 1e-13 * rng.uniform(-1, 1, wrong[0].shape)
     doubted = replace(far, numbers=wrong, errors=np.full_like(far.errors, 2e-13))
     for problem in others(instance, 2, 0.1):
-        right, other = decided(far, problem), decided(doubted, problem)
+        right, other = decided(far, problem)[0], decided(doubted, problem)[0]
         scale = problem.proofs.scale
         entries = [
             np.concatenate((x.R.reshape(1, -1, 9), x.T / scale), axis=2) for x in (right, other)
@@ -171,13 +171,13 @@ def test_values_out_of_reach_are_left_to_others(known):
         values = problem.proofs.values(problem.choices)[0]
         values[:, [0, 1]] *= 1e12
         values[:, 3] *= 1e12
-        assert not far.decide(values, np.ones(1), problem.proofs.scale).complete.any()
+        assert not far.decide(values, np.ones(1), problem.proofs.scale)[1].any()
 
 
 def test_a_pose_without_its_conjugate_is_no_start():
     instance = INSTANCES["hexagons"]()
     poses = solve(instance, starts=SolvedStarts()).poses
-    far = poses.reordered(np.abs(poses.R).max(axis=(1, 2)) > 64)
+    far = poses[np.abs(poses.R).max(axis=(1, 2)) > 64]
     problem = Problem(instance, starts=SolvedStarts())
     equations = problem.locator, problem.proofs, problem.choices[0], problem.sides[0]
     length = problem.arrangement.length
@@ -199,7 +199,8 @@ def poses_at(size, deviation):
     yes = np.ones((1, 1), bool)
     R, T = np.eye(3, dtype=complex)[None, None], np.array([[[size, 0, 0]]], complex)
     e = np.array([[[1, 0, 0, 0]]], complex)
-    return ProvedPoses(R, T, e, yes, yes, yes, np.array([[deviation]]), np.ones(1, bool))
+    given = dict.fromkeys(("real", "certified", "multiplicity", "rounded"), yes)
+    return PoseProofs(R=R, T=T, quaternions=e, deviation=np.array([[deviation]]), **given)
 
 
 @pytest.mark.parametrize(
@@ -216,12 +217,16 @@ def poses_at(size, deviation):
 )
 def test_far_poses_are_others_only_beyond_their_error_bounds(near, far, deviations, complete):
     """A far pose may be found by paths, too: another one differs by more than both errors."""
-    there = SimpleNamespace(decide=lambda *_, **__: poses_at(far, deviations[1]), shifts=None)
+    yes = np.ones(1, bool)
+    there = SimpleNamespace(
+        decide=lambda *_, **__: (poses_at(far, deviations[1]), yes), shifts=None
+    )
     proofs = SimpleNamespace(
         scale=1.0, values=lambda *_: np.zeros((1, 1, 6, 6)), units=lambda _: np.ones(1)
     )
-    found = FarPoses.beside(there, poses_at(near, deviations[0]), proofs, np.ones(6), None)
-    assert found.complete.tolist() == [complete]
+    given = there, poses_at(near, deviations[0]), yes, proofs, np.ones(6), None
+    found, are_all = FarPoses.beside(*given)
+    assert are_all.tolist() == [complete]
     assert found.T.shape == (1, 2, 3)
 
 

@@ -39,6 +39,6 @@ def test_no_solution_at_infinity_is_certified() -> None:
     problem = Problem(loads(AT_INFINITY))
     assert problem.proofs is not None
     (ends,) = added(careful_paths, problem)
-    found = problem.proofs.decide(problem.choices, ends.points, ends.frames)
+    found, _ = problem.proofs.decide(problem.choices, ends.points, ends.frames)
     assert found.certified.shape == (1, 208)
     assert (found.certified.sum(), found.real.sum()) == (160, 10)
