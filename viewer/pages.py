@@ -2,9 +2,9 @@
 
     python -m viewer.pages [--check]
 
-The npm client installs exactly the packages of viewer/package-lock.json, esbuild bundles
-three.js and the sources into one script, and scripts and style sheets are put into the pages. What
-remains to be filled in, marked ``@@name@@``, is up to `gspcli.pictures.page` and
+The npm client installs exactly the packages of viewer/package-lock.json. esbuild, in its build for
+all systems, bundles three.js and the sources into one script; scripts and style sheets are put into
+the pages. What remains to be filled in, marked ``@@name@@``, is up to `gspcli.pictures.page` and
 `gspcli.pictures.live_numbers`.
 """
 
@@ -60,9 +60,9 @@ def install() -> None:
 
 def bundle(part: Part) -> str:
     """Return a script with all that it imports in it."""
-    esbuild = HERE / "node_modules" / ".bin" / "esbuild"
+    esbuild = ["node", HERE / "node_modules" / "esbuild-wasm" / "bin" / "esbuild"]
     run = subprocess.run(
-        [esbuild, SOURCES / part.entry, *BUNDLE, f"--format={part.form}", "--log-level=warning"],
+        [*esbuild, SOURCES / part.entry, *BUNDLE, f"--format={part.form}", "--log-level=warning"],
         check=True,
         capture_output=True,
         text=True,
@@ -89,9 +89,8 @@ def page(made: Page, licence: str) -> str:
 def manifest(pages: Mapping[str, str]) -> str:
     """Return what the pages were made of."""
     lock = json.loads((HERE / "package-lock.json").read_text(encoding="utf-8"))
-    packages = {
-        name: lock["packages"][f"node_modules/{name}"]["version"] for name in ("three", "esbuild")
-    }
+    names = ("three", "esbuild-wasm")
+    packages = {name: lock["packages"][f"node_modules/{name}"]["version"] for name in names}
     record = {
         "manifest": {"command": COMMAND, "packages": packages},
         "pages": {
