@@ -30,7 +30,7 @@ from gspcli.certification.counting.motion_equations import (
     exact_constraints,
     with_moments,
 )
-from gspcli.certification.counting.residue_counts import EliminationTrace, Ending, Step, trace
+from gspcli.certification.counting.residue_counts import EliminationTrace, Ending, Step, count
 from gspcli.certification.numbers.balls import power_of_two, rotated
 from gspcli.defaults import COUNT_LIMIT, SEED
 from gspcli.geometry import study
@@ -693,13 +693,17 @@ def poses_by_elimination(
     with ctx.workprec(bits):
         rows = [evaluated(row, _real) for row in exact]
     for signs in platform.choices:
-        result, followed = trace(
+        result = count(
             with_moments(platform.equations(signs)),
             platform.blocks,
             platform.prime,
             seed=platform.randomness.below(2**63),
             max_work=work_limit(COUNT_LIMIT),
+            find_distinct=False,
+            moment_relations=False,
+            trace=True,
         )
+        assert result.followed is not None
         if result.outcome is not Ending.FINITE:
             return
         if result.solutions == 0:
@@ -707,7 +711,7 @@ def poses_by_elimination(
         try:
             with ctx.workprec(bits):
                 algebra = FollowedElimination(
-                    with_moments(equations(on_sides(rows, signs))), followed
+                    with_moments(equations(on_sides(rows, signs))), result.followed
                 )
                 form = [
                     platform.randomness.below(_COEFFICIENTS) + 1 for _ in range(algebra.variables)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from enum import IntEnum
-from functools import cache
 from typing import Any
 
 import numpy as np
@@ -31,42 +30,6 @@ class Ending(IntEnum):
     FINITE = 0
     INFINITE = 1
     STOPPED = 2
-
-
-@dataclass(frozen=True)
-class ResidueCount:
-    """The solutions of six equations modulo a prime.
-
-    Attributes
-    ----------
-    outcome
-        Whether their number is finite, over the algebraic closure of the prime field.
-    solutions
-        Their number with multiplicity, if finite.
-    distinct
-        Values that a random linear form takes on them, never more than there are distinct ones;
-        None if not asked for or too much work.
-    apart
-        For each of the groups asked for the number of solutions where none of its members vanishes,
-        with multiplicity, and distinct; fewer pairs if it is too much work.
-    has_falls
-        Whether relations of lower degree were found; without them no solution is at infinity.
-    reach
-        All relations are sums of products of equations and monomials up to this degree.
-    all_commutators
-        Whether every condition of a border basis was checked, rather than a random combination.
-    work
-        The number of multiplications.
-    """
-
-    outcome: Ending
-    solutions: int
-    distinct: int | None
-    apart: tuple[tuple[int, int], ...]
-    has_falls: bool
-    reach: int
-    all_commutators: bool
-    work: int
 
 
 @dataclass(frozen=True)
@@ -117,10 +80,43 @@ class EliminationTrace:
     steps: list[Step]
 
 
-@cache
-def motion_forms() -> NDArray[np.int64]:
-    """Return the quadratic forms in (e, f) of the functions of a motion, shape (n, 8, 8)."""
-    return study.form_hessians()[:FUNCTIONS].astype(np.int64)
+@dataclass(frozen=True)
+class ResidueCount:
+    """The solutions of six equations modulo a prime.
+
+    Attributes
+    ----------
+    outcome
+        Whether their number is finite, over the algebraic closure of the prime field.
+    solutions
+        Their number with multiplicity, if finite.
+    distinct
+        Values that a random linear form takes on them, never more than there are distinct ones;
+        None if not asked for or too much work.
+    apart
+        For each of the groups asked for the number of solutions where none of its members vanishes,
+        with multiplicity, and distinct; fewer pairs if it is too much work.
+    has_falls
+        Whether relations of lower degree were found; without them no solution is at infinity.
+    reach
+        All relations are sums of products of equations and monomials up to this degree.
+    all_commutators
+        Whether every condition of a border basis was checked, rather than a random combination.
+    work
+        The number of multiplications.
+    followed
+        The record of the elimination, if asked for.
+    """
+
+    outcome: Ending
+    solutions: int
+    distinct: int | None
+    apart: tuple[tuple[int, int], ...]
+    has_falls: bool
+    reach: int
+    all_commutators: bool
+    work: int
+    followed: EliminationTrace | None = None
 
 
 def _matrix(functions: Sequence[Function], width: int, prime: int) -> NDArray[np.uint64]:
@@ -136,13 +132,11 @@ def count(
     blocks: Blocks,
     prime: int,
     *,
-    seed: int,
-    max_work: int,
     conditions: Sequence[MotionEquation] = (),
     groups: Sequence[Sequence[int]] = (),
     find_distinct: bool = True,
-    moment_relations: bool = True,
-    build: str = "",
+    trace: bool = False,
+    **options: Any,
 ) -> ResidueCount:
     """Count the solutions of equations modulo a prime.
 
@@ -154,80 +148,25 @@ def count(
         The coordinates to use.
     prime
         An odd prime below 2^30, or between 2^60 and 2^61.
-    seed
-        The seed of random linear forms.
-    max_work
-        The most multiplications.
     conditions, groups
         Functions in coordinates, as sides of equations, and groups of their numbers.
     find_distinct
         Whether to count the values of a random linear form, too.
-    moment_relations
-        Whether to find all quadrics that vanish on the motions and contain moments. Else the
-        moments are coordinates of their own, and what defines them is among the equations.
-    build
-        The kernel's build; by default the quickest.
-
-    Returns
-    -------
-    ResidueCount
-        The counts.
+    trace
+        Whether to record the elimination.
+    **options
+        Of the kernel. `seed`: of random linear forms. `max_work`: the most multiplications.
+        `moment_relations`: whether to find all quadrics that vanish on the motions and contain
+        moments; else the moments are coordinates of their own, and what defines them is among the
+        equations (`with_moments`). `build`: of the kernel, by default the quickest.
     """
-    result, _ = _run(
-        equations,
-        blocks,
-        prime,
-        seed=seed,
-        max_work=max_work,
-        conditions=conditions,
-        groups=groups,
-        find_distinct=find_distinct,
-        moment_relations=moment_relations,
-        build=build,
-    )
-    return result
-
-
-def trace(
-    equations: MotionEquations, blocks: Blocks, prime: int, *, seed: int, max_work: int
-) -> tuple[ResidueCount, EliminationTrace]:
-    """Count solutions, and return the record of the elimination; parameters as for `count`.
-
-    The definitions of moments must be among the equations (`with_moments`).
-    """
-    result, followed = _run(
-        equations,
-        blocks,
-        prime,
-        seed=seed,
-        max_work=max_work,
-        find_distinct=False,
-        trace=True,
-        moment_relations=False,
-    )
-    assert followed is not None
-    variables, coordinates, relations, quadrics, steps = followed
-    followed_steps = [Step(*step) for step in steps]
-    return result, EliminationTrace(
-        prime, variables, coordinates, relations, quadrics, followed_steps
-    )
-
-
-def _run(
-    equations: MotionEquations,
-    blocks: Blocks,
-    prime: int,
-    conditions: Sequence[MotionEquation] = (),
-    groups: Sequence[Sequence[int]] = (),
-    **options: Any,
-) -> tuple[ResidueCount, tuple[Any, ...] | None]:
     width = FUNCTIONS + len(equations.moments)
     rows = [*equations.equations, *conditions]
     squares = [(k, *square) for k, row in enumerate(rows) for square in row.squares]
     outcome, solutions, distinct, apart, apart_distinct, *facts, followed = _kernel.count(
         prime,
         blocks=int(blocks),
-        hessians=motion_forms(),
+        hessians=study.form_hessians()[:FUNCTIONS].astype(np.int64),
         moments=_matrix(equations.moments, FUNCTIONS, prime),
         functions=_matrix([row.linear for row in rows], width, prime),
         squares=_matrix([function for _, _, function in squares], width, prime),
@@ -236,10 +175,15 @@ def _run(
         equations=len(equations.equations),
         groups=[[len(equations.equations) + k for k in group] for group in groups],
         max_entries=MAX_ENTRIES,
+        find_distinct=find_distinct,
+        trace=trace,
         **options,
     )
     falls, reach, all_commutators, work = facts
-    result = ResidueCount(
+    if followed is not None:
+        *numbers, steps = followed
+        followed = EliminationTrace(prime, *numbers, [Step(*step) for step in steps])
+    return ResidueCount(
         Ending(outcome),
         solutions,
         None if distinct < 0 else distinct,
@@ -248,5 +192,5 @@ def _run(
         reach,
         bool(all_commutators),
         work,
+        followed,
     )
-    return result, followed
