@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from gspcli.calibration import Calibration
     from gspcli.geometry.instance import Instance
     from gspcli.motion import Workspace
-    from gspcli.motion.singularities.scans import Boundary, PoseScan, Scan
+    from gspcli.motion.singularities.scans import Boundary, Scan
 
 
 def bar_chart(
@@ -111,11 +111,10 @@ _TITLES = {
 
 def _numbers(found: Scan, quantity: str) -> Array:
     """Return what is shown at each node, NaN where nothing is known."""
+    numbers, modes = found.numbers[quantity], found.numbers["modes"]
     if quantity == "modes":
-        return np.where(found.modes < 0, np.nan, found.modes.astype(float))
-    numbers = found.conditions if quantity == "condition" else found.clearances
-    assert numbers is not None
-    return np.where(np.isfinite(numbers) & (found.modes > 0), numbers, np.nan)
+        return np.where(modes < 0, np.nan, modes.astype(float))
+    return np.where(np.isfinite(numbers) & (modes > 0), numbers, np.nan)
 
 
 def _stair(figure: Figure, found: Scan, boundary: Boundary, quantity: str) -> None:
@@ -137,7 +136,7 @@ def _map(figure: Figure, found: Scan, boundary: Boundary, quantity: str) -> None
     shown = np.ma.masked_invalid(_numbers(found, quantity).T)
     x, y = (np.array(axis.values) for axis in found.axes)
     if quantity == "modes":
-        numbers = np.unique(found.modes[found.modes >= 0]).tolist() or [0]
+        numbers = np.unique(shown.compressed()).astype(int).tolist() or [0]
         # One colour for each number that occurs, light for few.
         bounds = [*(number - 0.5 for number in numbers), numbers[-1] + 0.5]
         colours = colormaps["Blues"].resampled(len(numbers) + 1)
@@ -155,15 +154,17 @@ def _map(figure: Figure, found: Scan, boundary: Boundary, quantity: str) -> None
     axes.set(xlabel=_label(found, 0), ylabel=_label(found, 1))
 
 
-def pose_map(found: PoseScan, quantity: str, fmt: str) -> bytes:
+def pose_map(found: Scan, limits: Boundary, quantity: str, fmt: str) -> bytes:
     """Return a scan of poses as a picture: a line over one coordinate, a coloured map over two.
 
     Parameters
     ----------
     found
-        The scan; over two coordinates its singular curve is drawn, too.
+        The scan.
+    limits
+        Its singular curve over two coordinates, which is drawn, too.
     quantity
-        What is shown: ``determinant``, ``condition`` or ``clearance``.
+        What is shown: ``modes``, which stands for the determinant, ``condition`` or ``clearance``.
     fmt
         ``svg``, ``png`` or ``pdf``.
     """
@@ -173,7 +174,8 @@ def pose_map(found: PoseScan, quantity: str, fmt: str) -> bytes:
         flat = len(found.axes) == 1
         figure = Figure(figsize=(6.0, 3.0 if flat else 4.4), layout="constrained")
         axes = figure.subplots()
-        numbers = getattr(found, f"{quantity}s")
+        quantity = "determinant" if quantity == "modes" else quantity
+        numbers = found.numbers[quantity]
         grids = [np.array(axis.values) for axis in found.axes]
         labels = [f"{axis.name} ({_unit(found.instance, axis.name)})" for axis in found.axes]
         if flat:
@@ -190,8 +192,8 @@ def pose_map(found: PoseScan, quantity: str, fmt: str) -> bytes:
         elif quantity == "condition":
             colours["norm"] = "log"
         mesh = axes.pcolormesh(*grids, shown, shading="nearest", rasterized=True, **colours)
-        for curve in found.curves:
-            axes.plot(*curve.T, color=ANGLE, linewidth=1.2)
+        for curve in limits.curves:
+            axes.plot(*curve.values.T, color=ANGLE, linewidth=1.2)
         figure.colorbar(mesh, ax=axes).set_label(quantity)
         axes.set(xlabel=labels[0], ylabel=labels[1])
         return written(figure, fmt)

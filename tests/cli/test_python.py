@@ -93,7 +93,7 @@ def test_arrays_of_results_are_read_only(results) -> None:
         "analyze": [results["analyze"].given.jacobian, results["analyze"].reactions],
         "clearance": [results["clearance"].lower, results["clearance"].upper],
         "measure": [results["measure"]],
-        "scan": [results["scan"].found.modes, results["scan"].found.conditions],
+        "scan": [*results["scan"].found.numbers.values()],
         "solve": [results["solve"].R, results["solve"].T],
         "track": [results["track"].R, results["track"].T, results["track"].values],
     }

@@ -79,7 +79,7 @@ def scan(s: Statement, R: Array, T: Array) -> Answer:
     row = s.order.index(0)
     value = s.instance.constraints[row].value.value
     found = gspcli.scan(s.instance, {row + 1: value * np.array([0.97, 0.99, 1.001, 1.02])})
-    return {"told": found.found.modes.tolist()}
+    return {"told": found.found.numbers["modes"].tolist()}
 
 
 def track(s: Statement, R: Array, T: Array) -> Answer:

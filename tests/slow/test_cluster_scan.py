@@ -11,7 +11,7 @@ import pytest
 
 import gspcli
 from gspcli.defaults import SEED
-from gspcli.motion.singularities.scans import Axis, Scan, scan_grid, scanned
+from gspcli.motion.singularities.scans import Axis, Scan, VariedNumbers, scan_grid, scanned
 from gspcli.resources import data_path
 from gspcli.workers import Workers
 
@@ -28,17 +28,17 @@ def test_a_scan_survives_a_killed_worker(gsp):
         n_workers=2, threads_per_worker=1, processes=True, dashboard_address=":0"
     ) as cluster:
         there = Workers(scheduler=cluster.scheduler_address)
-        found = Scan.empty(instance, axes)
+        found = Scan.of(VariedNumbers(instance, axes))
         victim = next(worker.pid for worker in cluster.workers.values())
         results = there.as_completed(partial(scanned, found, SEED), range(found.pieces))
         for number, piece in enumerate(results):
             if number == 0:
                 os.kill(victim, signal.SIGKILL)
             found.enter(piece)
-        here = scan_grid(instance, axes)
+        here = scan_grid(VariedNumbers(instance, axes))
         assert found.pieces == 4
-        assert np.array_equal(found.modes, here.modes)
-        assert np.array_equal(found.conditions, here.conditions)
+        for name in ("modes", "condition"):
+            assert np.array_equal(found.numbers[name], here.numbers[name])
         printed = [
             gsp("scan", name, *grid, *who, "--format", "csv")
             for who in (("--jobs", "1"), ("--scheduler", there.scheduler))

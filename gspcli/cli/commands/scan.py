@@ -15,9 +15,8 @@ from gspcli import __version__
 from gspcli.cli import options
 from gspcli.cli.pose_options import PARAMETERS, axes_of, frame_note, pose_options, pose_value_option
 from gspcli.cli.render import emit, write
-from gspcli.cli.requirements import finite
 from gspcli.cli.result import Fields, Result
-from gspcli.cli.streams import progress, say, working
+from gspcli.cli.streams import progress, say
 from gspcli.defaults import SEED
 from gspcli.errors import INTERRUPTED, ArgumentError, GspError, IncompleteError
 from gspcli.wording import counted
@@ -25,7 +24,7 @@ from gspcli.wording import counted
 if TYPE_CHECKING:
     from gspcli.geometry.frames import PoseFrame
     from gspcli.geometry.instance import Instance
-    from gspcli.motion.singularities.scans import Boundary, Meeting, Scan, ScanResult
+    from gspcli.motion.singularities.scans import Boundary, Meeting, Scan, ScanResult, Varied
     from gspcli.workers import Workers
 
 FIELDS = Fields("scan")
@@ -104,48 +103,33 @@ def command(o: options.Options) -> int:
     """
     instance = o.instance
     frame = o.frame_of(instance)
-    if o.pose is not None:
-        _scan_poses(o)
-        return 0
-    if any(text.strip()[:1] in "xyzr" for text in o.texts):
+    if o.pose is None and any(text.strip()[:1] in "xyzr" for text in o.texts):
         raise click.UsageError(
             "--vary: found coordinates of a pose: give --pose, too, for the coordinates that stay"
         )
-    if o.euler or o.pivot:
+    if o.pose is None and (o.euler or o.pivot):
         raise click.UsageError("--euler and --pivot say how --pose is read: give --pose, too")
-    from gspcli.motion.singularities.scans import (
-        MISSING,
-        Boundary,
-        Scan,
-        ScanResult,
-        axis_of,
-        drive_names,
-    )
+    from gspcli.motion.singularities.scans import Boundary, Scan, ScanResult
 
-    axes = [
-        axis_of(instance, int(name) if name in _NUMBERS else name, nodes)
-        for name, nodes in axes_of(o.texts, (*_NUMBERS, *drive_names(instance)))
-    ]
-    try:
-        found = Scan.empty(instance, axes, clearance=o.quantity == "clearance")
-    except ArgumentError as error:
-        raise GspError(f"--vary: {error.message}") from None
+    clearance = o.quantity == "clearance" and not (o.pose and o.folds)
+    found = Scan.of(_varied(o), clearance=clearance)
     limits = Boundary()
     interrupted = False
     try:
         _fill(found, o.workers, o.resume)
-        if o.folds:
+        if o.folds or o.pose:
             limits = _boundary(found)
     except KeyboardInterrupt:
         interrupted = True
-        say(f"interrupted after {(found.modes != MISSING).sum()} of {found.modes.size} nodes")
+        say(f"interrupted after {found.done.sum()} of {found.done.size} nodes")
     if interrupted and o.output.path is not None:
         say(f"{o.output.path}: not written; --resume keeps what is done for the next run")
         return INTERRUPTED
     if o.output.format in options.DRAWINGS:
-        from gspcli.pictures.charts import mode_map
+        from gspcli.pictures.charts import mode_map, pose_map
 
-        write(o.output, mode_map(found, limits, o.quantity, o.output.format))
+        drawn = mode_map if o.pose is None else pose_map
+        write(o.output, drawn(found, limits, o.quantity, o.output.format))
     else:
         emit(o.output, scan_table(ScanResult(found, limits, o.folds), o.output.format, frame))
     if interrupted:
@@ -154,14 +138,37 @@ def command(o: options.Options) -> int:
     return 0
 
 
+def _varied(o: options.Options) -> Varied:
+    """Return what varies: values and drives, or coordinates of the pose."""
+    from gspcli.motion.singularities.scans import (
+        Axis,
+        VariedNumbers,
+        VariedPoses,
+        axis_of,
+        drive_names,
+    )
+
+    if o.pose is not None:
+        axes = [Axis(*axis) for axis in axes_of(o.texts, PARAMETERS)]
+        o.pose.read(o.form)
+        return VariedPoses(o.instance, axes, o.pose.numbers(o.form), o.form)
+    axes = [
+        axis_of(o.instance, int(name) if name in _NUMBERS else name, nodes)
+        for name, nodes in axes_of(o.texts, (*_NUMBERS, *drive_names(o.instance)))
+    ]
+    try:
+        return VariedNumbers(o.instance, axes)
+    except ArgumentError as error:
+        raise GspError(f"--vary: {error.message}") from None
+
+
 def _refuse_gaps(found: Scan, limits: Boundary) -> None:
     """Raise if poses of a node are missing, or folds do not explain a change of the number."""
     from gspcli.motion.singularities.scans import UNKNOWN
 
-    if unknown := int((found.modes == UNKNOWN).sum()):
-        raise IncompleteError(
-            f"at {unknown} of {found.modes.size} nodes not all poses could be found"
-        )
+    modes = found.numbers.get("modes")
+    if modes is not None and (unknown := int((modes == UNKNOWN).sum())):
+        raise IncompleteError(f"at {unknown} of {modes.size} nodes not all poses could be found")
     if limits.unexplained:
         raise IncompleteError(
             f"on {len(limits.unexplained)} edges of the grid the folds found do not explain how "
@@ -170,14 +177,14 @@ def _refuse_gaps(found: Scan, limits: Boundary) -> None:
 
 
 def _fill(found: Scan, workers: Workers, journal: Path | None) -> None:
-    """Find the poses at all nodes, but for those in the work file."""
+    """Fill in all nodes, but for those in the work file."""
     from gspcli.journal import Journal
     from gspcli.motion.singularities.scans import Piece, scanned
     from gspcli.spec import dumps
 
     done: set[int] = set()
     # The data that identify the scan in the work file.
-    parts = (dumps(found.instance), found.axes, found.clearances is not None, __version__)
+    parts = (dumps(found.instance), *found.varied.key, *found.numbers, __version__)
     title = hashlib.sha256(repr(parts).encode()).hexdigest()[:16]
     with nullcontext() if journal is None else Journal.opened(journal) as work:
         if work is not None:
@@ -187,7 +194,7 @@ def _fill(found: Scan, workers: Workers, journal: Path | None) -> None:
                     done.add(piece.number)
         missing = [number for number in range(found.pieces) if number not in done]
         results = workers.as_completed(partial(scanned, found, SEED), missing)
-        label = "nodes in thousands" if found.piece == 1000 else "parts of the nodes"
+        label = "nodes in thousands" if found.varied.piece == 1000 else "parts of the nodes"
         for piece in progress(results, total=len(missing), label=label, lines=True):
             found.enter(piece)
             if work is not None:
@@ -197,7 +204,7 @@ def _fill(found: Scan, workers: Workers, journal: Path | None) -> None:
 def _boundary(found: Scan) -> Boundary:
     from gspcli.motion.singularities.scans import boundaries
 
-    edges = sum(1 for _ in found.edges)
+    edges = len(found.edges)
     *_, last = progress(boundaries(found), total=edges, label="edges with folds", lines=True)
     return last
 
@@ -213,36 +220,42 @@ def scan_table(result: ScanResult, form: str, frame: PoseFrame) -> Result:
     from gspcli.geometry.arrangement import Arrangement
 
     found, limits, instance = result.found, result.limits, result.found.instance
-    document = result.to_json()
-    columns = [
-        FIELDS[name].but(title=_heading(instance, name), essential=True) for name in result.names
-    ]
-    numbers, counts = np.unique(found.modes[found.modes >= 0], return_counts=True)
-    tally = zip(numbers.tolist(), counts.tolist(), strict=True)
-    modes = ", ".join(f"{number} at {count}" for number, count in tally)
-    notes = [f"{found.modes.size} nodes; modes: {modes}"]
-    if limits.curves:
+    document, numbers = result.to_json(), found.numbers
+    columns = [FIELDS[name].but(essential=True) for name in result.names]
+    if result.of_poses:
+        positive, negative = (int((sign * numbers["determinant"] > 0).sum()) for sign in (1, -1))
+        notes = [
+            f"{found.done.size} poses; determinant positive at {positive}, negative at {negative}; "
+            f"{len(limits.crossings)} singular poses on edges of the grid"
+        ]
+    else:
+        columns = [column.but(title=_heading(instance, column.key)) for column in columns]
+        modes = numbers["modes"]
+        tally = zip(*np.unique(modes[modes >= 0], return_counts=True), strict=True)
+        shown = ", ".join(f"{number} at {count}" for number, count in tally)
+        notes = [f"{modes.size} nodes; modes: {shown}"]
+    if limits.curves and not result.of_poses:
         cusps = sum(len(curve.cusps) for curve in limits.curves)
         curves = counted(len(limits.curves), "curve")
         notes.append(f"discriminant: {curves}, {counted(cusps, 'cusp')}")
     notes += [_meeting(result.names, one, frame) for one in limits.meetings]
-    name = "folds" if result.folds else "nodes"
-    if result.folds:
+    if not result.folds:
+        columns += FIELDS.of("modes? determinant? condition clearance?", document["nodes"])
+    elif not result.of_poses:
         position = _OWN if frame.is_identity else _EXPRESSED
         # Tables for people show positions, which distinguish mirror images.
-        shown = (*position, *_TURN) if form == "csv" else position
+        shown_keys = (*position, *_TURN) if form == "csv" else position
         size = Arrangement.of(instance).length
         columns += FIELDS.of("change")
         columns += [
-            FIELDS[key].but(minor=1, aligned=True, size=size, essential=False) for key in shown
+            FIELDS[key].but(minor=1, aligned=True, size=size, essential=False) for key in shown_keys
         ]
         notes += frame_note(frame)
-    else:
-        columns += FIELDS.of("modes condition clearance?", document["nodes"])
+    name = result.kind
     table = Result(
         columns, document[name], instance.title, notes, schema="scan", name=name, head=document
     )
-    if not result.folds or frame.is_identity:
+    if not result.folds or result.of_poses or frame.is_identity:
         return table
     return replace(table, parts=[replace(table, rows=_expressed(document[name], result, frame))])
 
@@ -252,11 +265,9 @@ def _expressed(
 ) -> list[dict[str, Any]]:
     """Return the rows of folds with their poses as they are expressed."""
     from gspcli.geometry.quaternions import quaternion_from_rotation
-    from gspcli.motion.singularities.scans import in_order
 
     found = []
-    crossings = in_order(result.limits.crossings)
-    for row, one in zip(rows, crossings, strict=True):
+    for row, one in zip(rows, result.crossings, strict=True):
         R, T = frame.from_platform(one.R, one.T)
         pose = [*T.tolist(), *quaternion_from_rotation(R).tolist()]
         left = {key: value for key, value in row.items() if key not in _OWN}
@@ -282,51 +293,3 @@ def _meeting(names: list[str], one: Meeting, frame: PoseFrame) -> str:
         f"between {' and '.join(ends)}: {one.before} modes before and {one.after} after, proved; "
         f"several meet in no simple fold: {', '.join(places)}"
     )
-
-
-def _scan_poses(o: options.Options) -> None:
-    """Scan poses and show what was found."""
-    from gspcli.geometry.measurement import printed_conditions
-    from gspcli.motion.singularities.scans import Axis, PoseScan
-
-    axes = tuple(Axis(*axis) for axis in axes_of(o.texts, PARAMETERS))
-    o.pose.read(o.form)
-    found = PoseScan(o.instance, axes, o.pose.numbers(o.form), o.form)
-    if o.quantity == "clearance" and not o.folds:
-        with working("clearances"):
-            found.clearances  # noqa: B018
-    if o.output.format in options.DRAWINGS:
-        from gspcli.pictures.charts import pose_map
-
-        quantity = "determinant" if o.quantity == QUANTITIES[0] else o.quantity
-        write(o.output, pose_map(found, quantity, o.output.format))
-        return
-    names = [axis.name for axis in axes]
-    columns = FIELDS.of(" ".join(names))
-    if o.folds:
-        name, places = "singular", sorted(point.tolist() for point in found.singular.values())
-    else:
-        name, places = "nodes", found.places.reshape(-1, len(names)).tolist()
-    rows: list[dict[str, Any]] = [dict(zip(names, place, strict=True)) for place in places]
-    if not o.folds:
-        shown = {"determinant": found.determinants}
-        shown["condition"] = printed_conditions(found.conditions)
-        if o.quantity == "clearance":
-            shown["clearance"] = found.clearances
-        for key, numbers in shown.items():
-            for row, number in zip(rows, numbers.ravel().tolist(), strict=True):
-                row[key] = number if key == "clearance" else finite(number)
-        columns += FIELDS.of("determinant condition clearance?", rows)
-    positive, negative = (int((found.determinants * sign > 0).sum()) for sign in (1, -1))
-    note = (
-        f"{found.determinants.size} poses; determinant positive at {positive}, negative at "
-        f"{negative}; {len(found.singular)} singular poses on edges of the grid"
-    )
-    head: dict[str, Any] = {"over": {axis.name: list(axis.values) for axis in axes}, name: rows}
-    if o.folds:
-        head["curves"] = [{"values": curve.tolist()} for curve in found.curves]
-    result = Result(
-        columns, rows, o.instance.title, [note], instance=o.instance, schema="scan", name=name,
-        head=head,
-    )  # fmt: skip
-    emit(o.output, result)

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import field, replace
-from functools import cached_property, partial
-from typing import Any, NamedTuple
+from functools import partial
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -44,15 +45,8 @@ from gspcli.workers import HERE, Workers
 Array = NDArray[np.float64]
 #: An edge of a grid: its axis and its first node.
 Edge = tuple[int, tuple[int, ...]]
-
-
-def _ahead(edge: Edge) -> tuple[int, ...]:
-    """Return the last node of an edge."""
-    return tuple(k + (d == edge[0]) for d, k in enumerate(edge[1]))
-
-
-#: Marks instead of a number of modes: not all poses were found, or none were searched for.
-UNKNOWN, MISSING = -1, -2
+#: Stands instead of a number of modes where not all poses were found.
+UNKNOWN = -1
 #: Nodes of one piece of work; over drives each node is another geometry.
 _PIECE, _DRIVEN_PIECE = 1000, 25
 #: The coordinates of a pose that may vary.
@@ -83,175 +77,152 @@ class Axis:
         return int(self.name) - 1 if self.name.isdecimal() else None
 
 
-class Grid:
-    """A grid over one or two axes."""
+class Varied(ABC):
+    """What varies along one or two axes: a function of the nodes of their grid.
 
-    axes: tuple[Axis, ...]
+    Raises
+    ------
+    ArgumentError
+        If there are not one or two different axes.
+    """
 
-    def check(self) -> None:
-        """Raise `ArgumentError` if there are not one or two different axes."""
+    #: The columns of a node, without that of clearances, and what they are at first.
+    columns: ClassVar[dict[str, float]]
+    #: Nodes of one piece of work.
+    piece = _PIECE
+
+    def __init__(self, instance: Instance, axes: Sequence[Axis]) -> None:
+        self.instance, self.axes = instance, tuple(axes)
         if len(self.axes) not in (1, 2) or len(set(self.names)) < len(self.axes):
             message = "expected one or two different constraints, drives or coordinates to vary"
             raise ArgumentError(message, "axes")
 
     @property
     def names(self) -> list[str]:
-        """What varies."""
+        """The names of the axes."""
         return [axis.name for axis in self.axes]
 
     @property
-    def places(self) -> Array:
+    def key(self) -> tuple[Any, ...]:
+        """What distinguishes it from other ones of the same instance."""
+        return (self.axes,)
+
+    @property
+    def nodes(self) -> Array:
         """The nodes, shape (n1, axes) or (n1, n2, axes)."""
         return np.stack(np.meshgrid(*(axis.values for axis in self.axes), indexing="ij"), axis=-1)
 
-    @property
-    def flat(self) -> Array:
-        """The nodes, shape (n, axes)."""
-        return self.places.reshape(-1, len(self.axes))
+    @abstractmethod
+    def at(self, nodes: Array, *, clearance: bool, seed: int) -> dict[str, Array]:
+        """Return the columns at nodes, shape (n, axes); with ``clearance`` if asked for."""
+
+    @abstractmethod
+    def levels(self, numbers: Mapping[str, Array]) -> Array:
+        """Return what differs on both sides of a singularity, NaN where it is not known."""
 
 
 @dataclass(frozen=True, eq=False)
-class Scan(Grid):
-    """The modes at the nodes of a grid of values, or of readings of drives.
+class Scan:
+    """A grid over one or two axes, and what is known at its nodes, n1 or n1 x n2.
 
     Attributes
     ----------
-    instance
-        Geometry and the values that do not vary.
-    axes
-        One or two that vary; n1 and n2 nodes.
-    modes
-        The number of real poses at each node, shape (n1,) or (n1, n2); `UNKNOWN` where not all
-        poses were found, or where they are infinitely many, and `MISSING` where none were sought.
-    conditions
-        The smallest condition number of a real pose, infinite where there is none, same shape.
-    clearances
-        The smallest proved clearance of a real pose, in its values or, where drives vary, in the
-        drives (`gspcli.motion.singularities.clearances`), infinite where there is none, same
-        shape; None if not asked for.
+    varied
+        What varies, and the axes.
+    numbers
+        By name, shape (n1,) or (n1, n2). Of values and drives: the number of real poses in
+        ``modes``, `UNKNOWN` where not all were found or where they are infinitely many, and the
+        smallest condition number of one in ``condition``, infinite where there is none. Of poses:
+        ``determinant`` and ``condition``. In ``clearance``, if it was asked for, the smallest
+        proved clearance of a mode in its values or, where drives vary, in the drives
+        (`gspcli.motion.singularities.clearances`), infinite where there is none; that of a pose.
+    done
+        Which nodes were looked at, the same shape.
     """
 
-    instance: Instance
-    axes: tuple[Axis, ...]
-    modes: NDArray[np.int64]
-    conditions: Array
-    clearances: Array | None = None
+    varied: Varied
+    numbers: dict[str, Array]
+    done: NDArray[np.bool_]
 
     @classmethod
-    def empty(cls, instance: Instance, axes: Sequence[Axis], *, clearance: bool = False) -> Scan:
-        """Return a scan without any results.
+    def of(cls, varied: Varied, *, clearance: bool = False) -> Scan:
+        """Return a scan without any results."""
+        shape = tuple(len(axis.values) for axis in varied.axes)
+        columns = varied.columns | ({"clearance": np.inf} if clearance else {})
+        numbers = {name: np.full(shape, first) for name, first in columns.items()}
+        return cls(varied, numbers, np.zeros(shape, bool))
 
-        Raises
-        ------
-        ArgumentError
-            If there are not one or two axes of different constraints or drives, or a value is
-            outside the range of its kind of constraint.
-        """
-        shape = tuple(len(axis.values) for axis in axes)
-        space = np.full(shape, np.inf) if clearance else None
-        found = cls(instance, tuple(axes), np.full(shape, MISSING), np.full(shape, np.inf), space)
-        found.check()
-        rows = ScanRows(found)
-        for axis, *ends in zip(axes, rows.values(rows.low), rows.values(rows.high), strict=True):
-            if (k := axis.constraint) is not None:
-                kind, unit = instance.constraints[k].kind, instance.units.angle
-                for value in ends:
-                    if wrong := wrong_value(kind, Number.of(float(value)), unit):
-                        message = f"found {value:g} for constraint {k + 1}, {wrong}"
-                        raise ArgumentError(message, "vary")
-        return found
+    @property
+    def instance(self) -> Instance:
+        """The platform."""
+        return self.varied.instance
+
+    @property
+    def axes(self) -> tuple[Axis, ...]:
+        """What varies."""
+        return self.varied.axes
 
     @property
     def pieces(self) -> int:
         """The number of pieces of the work."""
-        return -(-self.modes.size // self.piece)
-
-    @property
-    def piece(self) -> int:
-        """The number of nodes of a piece of the work."""
-        over_drives = any(axis.constraint is None for axis in self.axes)
-        return _DRIVEN_PIECE if over_drives else _PIECE
+        return -(-self.done.size // self.varied.piece)
 
     def enter(self, piece: Piece) -> None:
         """Enter the results at some nodes."""
-        rows = slice(piece.number * self.piece, piece.number * self.piece + len(piece.modes))
-        self.modes.reshape(-1)[rows] = piece.modes
-        self.conditions.reshape(-1)[rows] = piece.conditions
-        if self.clearances is not None:
-            self.clearances.reshape(-1)[rows] = piece.clearances
+        start = piece.number * self.varied.piece
+        for name, numbers in piece.numbers.items():
+            self.numbers[name].reshape(-1)[start : start + len(numbers)] = numbers
+            self.done.reshape(-1)[start : start + len(numbers)] = True
 
     @property
-    def edges(self) -> Iterator[tuple[Edge, tuple[int, ...]]]:
-        """Edges between nodes with different numbers of modes, both known, and their last nodes."""
-        for axis in range(self.modes.ndim):
-            for node in np.ndindex(*self.modes.shape):
-                other = _ahead((axis, node))
-                if other[axis] == self.modes.shape[axis]:
-                    continue
-                here, there = self.modes[node], self.modes[other]
-                if here != there and min(here, there) >= 0:
-                    yield (axis, node), other
+    def edges(self) -> list[Edge]:
+        """The edges between nodes on different sides of a singularity, both known."""
+        levels, found = np.where(self.done, self.varied.levels(self.numbers), np.nan), []
+        for axis in range(levels.ndim):
+            low, high = (np.delete(levels, end, axis) for end in (-1, 0))
+            found += [(axis, tuple(node)) for node in np.argwhere(np.abs(low - high) > 0).tolist()]
+        return found
+
+
+def _ahead(edge: Edge) -> tuple[int, ...]:
+    """Return the last node of an edge."""
+    return tuple(k + (d == edge[0]) for d, k in enumerate(edge[1]))
 
 
 @dataclass(frozen=True)
 class Piece:
-    """The results at the nodes of one piece: modes, conditions and clearances, or empty."""
+    """The columns at the nodes of one piece, lists of numbers."""
 
     number: int
-    modes: tuple[int, ...]
-    conditions: tuple[float, ...]
-    clearances: tuple[float, ...]
+    numbers: dict[str, list[float]]
 
 
 def scanned(found: Scan, seed: int, number: int) -> Piece:
-    """Return a piece of a scan: all poses are found at each node."""
-    rows = ScanRows(found)
-    nodes = found.flat[number * found.piece : (number + 1) * found.piece]
-    results: tuple[list[int], list[float], list[float]] = ([], [], [])
-    for one in rows.solved(nodes, seed):
-        place, column = np.nonzero(one.real)
-        R, T = one.R[place, column].real, one.T[place, column].real
-        quantities = [condition_numbers(Arrangement.of(one.instance), R, T)]
-        if found.clearances is not None:
-            quantities.append(rows.clearances(one.row, R, T))
-        results[0].extend(np.where(one.complete, one.real.sum(axis=1), UNKNOWN).tolist())
-        for k, quantity in enumerate(quantities, 1):
-            least = np.full(len(one.real), np.inf)
-            np.minimum.at(least, place, quantity)
-            results[k].extend(least.tolist())
-    modes, conditions, spaces = results
-    return Piece(number, tuple(modes), tuple(conditions), tuple(spaces))
+    """Return a piece of a scan."""
+    varied = found.varied
+    nodes = varied.nodes.reshape(-1, len(varied.axes))
+    nodes = nodes[number * varied.piece : (number + 1) * varied.piece]
+    columns = varied.at(nodes, clearance="clearance" in found.numbers, seed=seed)
+    return Piece(number, {name: column.tolist() for name, column in columns.items()})
 
 
 def scan_grid(
-    instance: Instance,
-    axes: Sequence[Axis],
-    *,
-    clearance: bool = False,
-    seed: int = SEED,
-    workers: Workers = HERE,
+    varied: Varied, *, clearance: bool = False, seed: int = SEED, workers: Workers = HERE
 ) -> Scan:
-    """Count the real poses at all nodes of a grid; all poses are found at each node.
+    """Return what is at all nodes of a grid; of values and drives all poses are found at each.
 
     Parameters
     ----------
-    instance
-        Geometry, units, sides, and the values that do not vary.
-    axes
-        One or two values, or readings of drives, that vary.
+    varied
+        What varies, and the axes.
     clearance
         Whether to bound the clearance of each pose, too.
     seed
         As for `solve_values`.
     workers
         The processes that do the work.
-
-    Raises
-    ------
-    ArgumentError
-        As for `Scan.empty`.
     """
-    found = Scan.empty(instance, axes, clearance=clearance)
+    found = Scan.of(varied, clearance=clearance)
     for piece in workers.as_completed(partial(scanned, found, seed), range(found.pieces)):
         found.enter(piece)
     return found
@@ -272,89 +243,86 @@ class Solved(NamedTuple):
     complete: NDArray[np.bool_]
 
 
-class ScanRows:
-    """The rows of a scan: six values, then the numbers of the drives that vary.
+class VariedNumbers(Varied):
+    """Values, or readings of drives, that vary: the modes at each node.
 
-    Attributes
-    ----------
-    instance
-        The platform with its values as readings; its drives keep their offsets and scales.
-    varied
-        The entries of a row that vary, one of each axis.
-    scales, added
-        The entry of each axis is its reading times the scale, plus what is added; shape (axes,).
+    Rows are six values, then the numbers of the drives that vary. Cranks and slides that do not
+    vary stay where their points are stated.
+
+    Raises
+    ------
+    ArgumentError
+        As for `Varied`, and if a value is outside the range of its kind of constraint.
     """
 
-    def __init__(self, found: Scan) -> None:
-        self.axes, self.instance = found.axes, without_corrections(found.instance)
-        drives = [axis.name for axis in found.axes if axis.constraint is None]
-        self._chosen = choose(self.instance, drives)
-        self._values = nominal_values(self.instance)
-        self.varied = [
+    columns: ClassVar = {"modes": UNKNOWN, "condition": np.inf}
+
+    def __init__(self, instance: Instance, axes: Sequence[Axis]) -> None:
+        super().__init__(instance, axes)
+        #: The platform with its values as readings; its drives keep their offsets and scales.
+        self.plain = without_corrections(instance)
+        drives = [axis.name for axis in self.axes if axis.constraint is None]
+        self.piece = _DRIVEN_PIECE if drives else _PIECE
+        self._chosen = choose(self.plain, drives)
+        self._values = nominal_values(self.plain)
+        #: The entries of a row that vary, one of each axis: its reading times the scale, plus what
+        #: is added.
+        self._varied = [
             6 + drives.index(axis.name) if axis.constraint is None else axis.constraint
-            for axis in found.axes
+            for axis in self.axes
         ]
-        added, scales = drive_corrections(self.instance, self._chosen)
-        every = np.append(offsets(found.instance, signed=False), added)
-        self.scales = np.append(factors(found.instance), scales)[self.varied]
-        self.added = every[self.varied]
-        #: Distances to planes are signed in rows.
-        sides = [row.side is Side.NEGATIVE for row in self.instance.constraints]
+        added, scales = drive_corrections(self.plain, self._chosen)
+        added = np.append(offsets(instance, signed=False), added)
+        self._scales = np.append(factors(instance), scales)[self._varied]
+        self._added = added[self._varied]
+        # Distances to planes are signed in rows.
+        sides = [row.side is Side.NEGATIVE for row in self.plain.constraints]
         self._signs = np.append(np.where(sides, -1.0, 1.0), np.ones(len(drives)))
-
-    @property
-    def low(self) -> Array:
-        """The first node of each axis, as it is read."""
-        return np.array([axis.values[0] for axis in self.axes])
-
-    @property
-    def high(self) -> Array:
-        """The last node of each axis, as it is read."""
-        return np.array([axis.values[-1] for axis in self.axes])
+        #: The first and the last node of each axis, as it is read.
+        self.low, self.high = (
+            np.array([axis.values[end] for axis in self.axes]) for end in (0, -1)
+        )
+        for axis, *ends in zip(self.axes, *map(self._read_as, (self.low, self.high)), strict=True):
+            if (k := axis.constraint) is not None:
+                kind, unit = instance.constraints[k].kind, instance.units.angle
+                for value in ends:
+                    if wrong := wrong_value(kind, Number.of(float(value)), unit):
+                        message = f"found {value:g} for constraint {k + 1}, {wrong}"
+                        raise ArgumentError(message, "vary")
 
     def read(self, node: Sequence[int]) -> Array:
         """Return what varies at a node, as it is read, shape (axes,)."""
         return np.array([axis.values[k] for axis, k in zip(self.axes, node, strict=True)])
 
-    def values(self, read: Array) -> Array:
+    def _read_as(self, read: Array) -> Array:
         """Return the values and the numbers of drives of readings, shape (..., axes)."""
-        return np.asarray(read * self.scales + self.added)
+        return np.asarray(read * self._scales + self._added)
 
     def row(self, read: Array) -> Array:
         """Return the row of what varies, as it is read."""
         row = np.concatenate((self._values, np.zeros(len(self._chosen))))
-        row[self.varied] = self.values(read) * self._signs[self.varied]
+        row[self._varied] = self._read_as(read) * self._signs[self._varied]
         return row
 
     def platform(self) -> MovingPlatform | MovingGeometry:
         """Return the platform that moves with what varies."""
-        there = at_values(self.instance, self.row(self.high))
+        there = at_values(self.plain, self.row(self.high))
         return MovingGeometry(there, self._chosen) if self._chosen else MovingPlatform(there)
 
     def _machine(self, row: Array) -> Instance:
         """Return the machine with the values of a row; those that stay are as they are stated."""
-        varied = [k for k in self.varied if k < len(self._values)]
-        return self.instance.with_values({k: Number.of(row[k] * self._signs[k]) for k in varied})
+        varied = [k for k in self._varied if k < len(self._values)]
+        return self.plain.with_values({k: Number.of(row[k] * self._signs[k]) for k in varied})
 
     def solved(self, read: Array, seed: int) -> Iterator[Solved]:
-        """Yield all poses at some places: of all at once, or of each if joints move.
-
-        Cranks and slides that do not vary stay where their points are stated.
-
-        Parameters
-        ----------
-        read
-            What varies, as it is read, shape (n, axes).
-        seed
-            As for `solve`.
-        """
+        """Yield all poses at places, (n, axes): of all at once, or of each if joints move."""
         rows = np.array([self.row(one) for one in read])
         if not self._chosen:
-            stated = [constraint.value.value for constraint in self.instance.constraints]
+            stated = [constraint.value.value for constraint in self.plain.constraints]
             values = np.tile(stated, (len(read), 1))
-            values[:, self.varied] = self.values(read)
-            batch = solve_batch(self.instance, values, seed=seed)
-            yield Solved(self.instance, rows[0], batch.R, batch.T, batch.real, batch.complete)
+            values[:, self._varied] = self._read_as(read)
+            batch = solve_batch(self.plain, values, seed=seed)
+            yield Solved(self.plain, rows[0], batch.R, batch.T, batch.real, batch.complete)
             return
         for row in rows:
             there = moved(self._machine(row), self._chosen, row[len(self._values) :])
@@ -368,10 +336,30 @@ class ScanRows:
             for k in range(len(one.R)):
                 yield Solved(*one[:2], *(part[k : k + 1] for part in one[2:]))
 
-    def clearances(self, row: Array, R: Array, T: Array) -> Array:
+    def at(self, nodes: Array, *, clearance: bool, seed: int) -> dict[str, Array]:
+        """Return the number of modes and the least of their quantities at nodes."""
+        parts = []
+        for one in self.solved(nodes, seed):
+            place, column = np.nonzero(one.real)
+            R, T = one.R[place, column].real, one.T[place, column].real
+            quantities = {"condition": condition_numbers(Arrangement.of(one.instance), R, T)}
+            if clearance:
+                quantities["clearance"] = self._clearances(one.row, R, T)
+            part = {"modes": np.where(one.complete, one.real.sum(axis=1), UNKNOWN)}
+            for name, quantity in quantities.items():
+                part[name] = np.full(len(one.real), np.inf)
+                np.minimum.at(part[name], place, quantity)
+            parts.append(part)
+        return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+
+    def levels(self, numbers: Mapping[str, Array]) -> Array:
+        """Return the numbers of modes, NaN where not all are known."""
+        return np.where(numbers["modes"] < 0, np.nan, numbers["modes"])
+
+    def _clearances(self, row: Array, R: Array, T: Array) -> Array:
         """Return proved clearances of poses at a row, in what varies: values or drives, (n,)."""
         if not self._chosen or not len(R):
-            return clearances(value_machine(self.instance), R, T)[0]
+            return clearances(value_machine(self.plain), R, T)[0]
         drives = Machine.of(self._machine(row))
         q = np.zeros(drives.count)
         at = [drives.names.index(one.name) for one in self._chosen]
@@ -383,188 +371,19 @@ class ScanRows:
     def track(self, start: Sequence[int], goal: Sequence[int], seed: int) -> Track:
         """Follow all real modes from one node to another, with proof; t is 1 and 2 there."""
         ends = np.stack([self.row(self.read(start)), self.row(self.read(goal))])
-        begin = at_values(self.instance, ends[0])
+        begin = at_values(self.plain, ends[0])
         # From the first node, so that the numbers of modes need not be carried along.
         if not self._chosen:
             return track(begin, ends, seed=seed)
         (there,) = self.solved(self.read(start)[None], seed)
         R, T = there.R[there.real].real, there.T[there.real].real
         platform = MovingGeometry(begin, self._chosen)
-        run = Run(self.instance, platform, np.array([1.0, 2.0]), ends, FollowOptions())
+        run = Run(self.plain, platform, np.array([1.0, 2.0]), ends, FollowOptions())
         return run.follow(R, T, np.arange(1, len(R) + 1))
 
 
-#: Columns of the pose at a fold.
-POSE = ("Tx", "Ty", "Tz", "qw", "qx", "qy", "qz")
-
-
-@dataclass(frozen=True, eq=False)
-class ScanResult(Tabular):
-    """The result of a scan of values.
-
-    Attributes
-    ----------
-    found
-        The modes at the nodes.
-    limits
-        The folds between nodes; empty if they were not asked for.
-    folds
-        Whether tables show the folds instead of the nodes.
-    """
-
-    found: Scan
-    limits: Boundary
-    folds: bool = False
-
-    def __repr__(self) -> str:
-        known = self.found.modes[self.found.modes >= 0]
-        modes = f", {known.min()} to {known.max()} modes" if known.size else ""
-        folds = f", {counted(len(self.limits.crossings), 'fold')}" if self.folds else ""
-        instance = self.found.instance
-        size = counted(self.found.modes.size, "node")
-        return f"<ScanResult of {instance.name or instance.type.id}: {size}{modes}{folds}>"
-
-    @property
-    def names(self) -> list[str]:
-        """The numbers of the constraints, and the drives, that vary."""
-        return self.found.names
-
-    def rows(self) -> list[dict[str, Any]]:
-        """Return the nodes that are known, or the folds, as plain data."""
-        return self._crossings() if self.folds else self._nodes()
-
-    def to_json(self) -> dict[str, Any]:
-        """Return everything as plain data of schema ``gsp.scan/1``."""
-        axes = zip(self.names, self.found.axes, strict=True)
-        document: dict[str, Any] = {
-            "schema": "gsp.scan/1",
-            **self.found.instance.to_json(),
-            "vary": {name: list(axis.values) for name, axis in axes},
-        }
-        if not self.folds:
-            return document | {"nodes": self.rows()}
-        curves = [
-            {"closed": curve.closed, "values": curve.values.tolist(), "cusps": curve.cusps.tolist()}
-            for curve in self.limits.curves
-        ]
-        meetings = [
-            {
-                "from": dict(zip(self.names, one.low, strict=True)),
-                "to": dict(zip(self.names, one.high, strict=True)),
-                "modes": [one.before, one.after],
-                "poses": [
-                    {"modes": [before, after], **dict(zip(POSE, _pose_numbers(R, T), strict=True))}
-                    for before, after, R, T in one.poses
-                ],
-            }
-            for one in self.limits.meetings
-        ]
-        return document | {"folds": self.rows(), "curves": curves, "meetings": meetings}
-
-    def _nodes(self) -> list[dict[str, Any]]:
-        found, rows = self.found, []
-        conditions = printed_conditions(found.conditions)
-        for node in np.ndindex(*found.modes.shape):
-            axes = zip(self.names, found.axes, node, strict=True)
-            row: dict[str, Any] = {name: axis.values[k] for name, axis, k in axes}
-            modes = int(found.modes[node])
-            if modes == MISSING:
-                continue
-            row |= {"modes": None if modes < 0 else modes, "condition": _finite(conditions[node])}
-            if found.clearances is not None:
-                row["clearance"] = _finite(found.clearances[node])
-            rows.append(row)
-        return rows
-
-    def _crossings(self) -> list[dict[str, Any]]:
-
-        return [
-            {
-                **dict(zip(self.names, one.values, strict=True)),
-                "change": one.change,
-                **dict(zip(POSE, _pose_numbers(one.R, one.T), strict=True)),
-            }
-            for one in in_order(self.limits.crossings)
-        ]
-
-
-def scan(
-    instance: Instance,
-    vary: Mapping[int | str, ArrayLike],
-    *,
-    folds: bool = False,
-    clearance: bool = False,
-    seed: int = SEED,
-    workers: Workers = HERE,
-) -> ScanResult:
-    """Count the real assembly modes while one or two values vary.
-
-    Parameters
-    ----------
-    instance
-        Geometry, units, sides, and the values that do not vary.
-    vary
-        Increasing values by the numbers of the constraints, from 1, or readings by the names of
-        cranks and slides (``crank.B1``), in the units of the instance: one or two, shapes (n1,) and
-        (n2,). Other cranks and slides stay where their points are stated.
-    folds
-        Whether to prove the folds between neighbouring nodes with different numbers.
-    clearance
-        Whether to bound the clearance of each pose, too.
-    seed
-        As for `solve_values`; nothing depends on it.
-    workers
-        The processes that do the work.
-
-    Raises
-    ------
-    ArgumentError
-        If a constraint or drive does not exist, or a value is impossible.
-    """
-    axes = [axis_of(instance, k, np.asarray(v, float).tolist()) for k, v in vary.items()]
-    found = scan_grid(instance, axes, clearance=clearance, seed=seed, workers=workers)
-    for array in (found.modes, found.conditions, found.clearances):
-        if array is not None:
-            array.setflags(write=False)
-    return ScanResult(found, boundary(found) if folds else Boundary(), folds)
-
-
-def axis_of(instance: Instance, name: int | str, values: Sequence[float]) -> Axis:
-    """Return the axis of a constraint by its number, or of a crank or slide by its name.
-
-    Raises
-    ------
-    ArgumentError
-        If there is no such constraint or drive.
-    """
-    if not isinstance(name, str) and name in range(1, len(instance.constraints) + 1):
-        return Axis(str(name), tuple(values))
-    known = drive_names(instance)
-    if not isinstance(name, str) or name not in known:
-        what = shown(name) if isinstance(name, str) else f"constraint {name}"
-        others = f" or {listed(known)}" if known else ""
-        message = f"found {what}, expected a number from 1 to 6{others}"
-        raise ArgumentError(message, "vary")
-    return Axis(name, tuple(values))
-
-
-def drive_names(instance: Instance) -> list[str]:
-    """Return the names of the cranks and slides of an instance."""
-    drives = Machine.of(instance)
-    return [name for name, moves in zip(drives.names, drives.moved, strict=True) if moves]
-
-
-def _pose_numbers(R: Array, T: Array) -> list[float]:
-    return [*T.tolist(), *quaternion_from_rotation(R).tolist()]
-
-
-def _finite(number: Any) -> float | None:
-    return float(number) if number < float("inf") else None
-
-
-@dataclass(frozen=True, eq=False)
-class PoseScan(Grid):
-    """A grid of poses, and the determinant of the Jacobian matrix on it.
+class VariedPoses(Varied):
+    """Coordinates of a pose that vary: the determinant of the Jacobian matrix at each node.
 
     Parameters
     ----------
@@ -580,37 +399,44 @@ class PoseScan(Grid):
         The conventions of these numbers.
     """
 
-    instance: Instance
-    axes: tuple[Axis, ...]
-    pose: Sequence[float]
-    form: PoseFormat
+    columns: ClassVar = {"determinant": np.nan, "condition": np.inf}
 
-    def __post_init__(self) -> None:
-        self.check()
+    def __init__(
+        self, instance: Instance, axes: Sequence[Axis], pose: Sequence[float], form: PoseFormat
+    ) -> None:
+        super().__init__(instance, axes)
+        self.pose, self.form = pose, form
+        names = pose_columns(len(pose)) or ()
         for name in self.names:
-            if name not in self._columns or name not in _VARIABLE:
-                found = " ".join(self._columns)
+            if name not in names or name not in _VARIABLE:
                 message = f"found {name} to vary, expected one of {' '.join(_VARIABLE)}"
-                raise ArgumentError(f"{message} that the pose has: {found}", "axes")
+                raise ArgumentError(f"{message} that the pose has: {' '.join(names)}", "axes")
+        self._columns = [names.index(name) for name in self.names]
 
     @property
-    def _columns(self) -> tuple[str, ...]:
-        return pose_columns(len(self.pose)) or ()
+    def key(self) -> tuple[Any, ...]:
+        """What distinguishes it from other ones of the same instance."""
+        return self.axes, list(self.pose), self.form
 
     def poses(self, places: Array) -> tuple[Array, Array]:
         """Return the poses (R, T) for numbers of the coordinates that vary, shape (n, axes)."""
         rows = np.tile(np.asarray(self.pose, dtype=float), (len(places), 1))
-        rows[:, [self._columns.index(name) for name in self.names]] = places
+        rows[:, self._columns] = places
         return poses_of(rows, self.form)
 
-    def determinants_at(self, places: Array) -> Array:
+    def _placed(self, R: Array, T: Array) -> Arrangement:
+        """Return the platform with its joints where its drives have them, NaN out of reach."""
+        drives, q = drive_values(self.instance, R, T, along=False)
+        return drives.arrangement(q)
+
+    def determinants(self, places: Array) -> Array:
         """Return determinants of the Jacobian matrix without units; NaN where there is none, (n,).
 
         Turns are about the centre of the platform's points, lengths in units of the typical
         length of the instance.
         """
         R, T = self.poses(places)
-        arrangement = self._arrangement(R, T)
+        arrangement = self._placed(R, T)
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             rows = jacobian(arrangement, R, T)
             length = Arrangement.of(self.instance).length
@@ -621,88 +447,82 @@ class PoseScan(Grid):
         # The determinant does not depend on the point that the platform turns about.
         return np.asarray(np.where(regular, found, np.nan))
 
-    def _arrangement(self, R: Array, T: Array) -> Arrangement:
-        """Return the platform with its joints where its drives have them, NaN out of reach."""
-        drives, q = drive_values(self.instance, R, T, along=False)
-        return drives.arrangement(q)
-
-    @cached_property
-    def determinants(self) -> Array:
-        """At the nodes, shape (n1,) or (n1, n2)."""
-        return self.determinants_at(self.flat).reshape(self.places.shape[:-1])
-
-    @cached_property
-    def conditions(self) -> Array:
-        """Condition numbers at the nodes, shape (n1,) or (n1, n2)."""
-        R, T = self.poses(self.flat)
-        found = condition_numbers(self._arrangement(R, T), R, T)
-        return np.asarray(found.reshape(self.places.shape[:-1]))
-
-    @cached_property
-    def clearances(self) -> Array:
-        """Proved distances from singular poses (`pose_clearances`), shape (n1,) or (n1, n2)."""
-        if Machine.of(self.instance).moves:
+    def at(self, nodes: Array, *, clearance: bool, seed: int) -> dict[str, Array]:
+        """Return determinants, condition numbers and proved distances from singular poses."""
+        del seed
+        if clearance and Machine.of(self.instance).moves:
             message = (
                 "of poses of a machine with cranks or slides there is none here: gsp clearance has "
                 "that of one pose"
             )
             raise ArgumentError(message, "clearance")
-        found = pose_clearances(self.instance, *self.poses(self.flat))
-        return np.asarray(found.reshape(self.places.shape[:-1]))
+        R, T = self.poses(nodes)
+        conditions = condition_numbers(self._placed(R, T), R, T)
+        found = {"determinant": self.determinants(nodes), "condition": conditions}
+        return found | ({"clearance": pose_clearances(self.instance, R, T)} if clearance else {})
 
-    @cached_property
-    def singular(self) -> dict[Edge, Array]:
-        """The changes of the sign of the determinant on edges of the grid, each shape (axes,).
+    def levels(self, numbers: Mapping[str, Array]) -> Array:
+        """Return the signs of the determinants, NaN where they are zero or not known."""
+        signs = np.sign(numbers["determinant"])
+        return np.where(signs == 0, np.nan, signs)
+
+    def singular(self, found: Scan) -> dict[Edge, Array]:
+        """Return the changes of the sign of the determinant on edges of a grid, each shape (axes,).
 
         They are found by halving to the last digit. Two changes on one edge are not found.
         """
-        signs, places = np.sign(self.determinants), self.places
-        edges: list[Edge] = []
-        for axis in range(len(self.axes)):
-            low, high = (np.delete(signs, end, axis) for end in (-1, 0))
-            edges += [(axis, tuple(node)) for node in np.argwhere(low * high < 0).tolist()]
+        edges, nodes = found.edges, self.nodes
         if not edges:
             return {}
-        a = np.array([places[node] for _, node in edges])
-        b = np.array([places[_ahead(edge)] for edge in edges])
-        before = np.sign(self.determinants_at(a))
+        a = np.array([nodes[node] for _, node in edges])
+        b = np.array([nodes[_ahead(edge)] for edge in edges])
+        before = np.sign(self.determinants(a))
         for _ in range(_HALVINGS):
             middle = (a + b) / 2
-            same = np.sign(self.determinants_at(middle)) == before
+            same = np.sign(self.determinants(middle)) == before
             a, b = np.where(same[:, None], middle, a), np.where(same[:, None], b, middle)
         # Where a machine with cranks or slides does not reach, the sign is not known.
-        known = np.isfinite(self.determinants_at(a)) & np.isfinite(self.determinants_at(b))
-        middles = zip(edges, (a + b) / 2, known.tolist(), strict=True)
-        return {edge: middle for edge, middle, there in middles if there}
+        known = np.isfinite(self.determinants(a)) & np.isfinite(self.determinants(b))
+        return {edges[k]: (a[k] + b[k]) / 2 for k in np.flatnonzero(known).tolist()}
 
-    @cached_property
-    def curves(self) -> list[Array]:
-        """The singular curve through these points, over two coordinates, in parts of shape (n, 2).
+    def joined(self, singular: Mapping[Edge, Array], signs: Array) -> Iterator[tuple[Edge, Edge]]:
+        """Yield the points in cells of a grid that are joined; signs of determinants, (n1, n2).
 
-        Two points in a cell of the grid are joined; four are joined by the sign in the middle.
+        Two points in a cell are joined; four are joined by the sign in the middle.
         """
-        if len(self.axes) != 2:
-            return []
-        links: dict[Edge, list[Edge]] = {edge: [] for edge in self.singular}
-        for first, second in self._joined():
-            links[first].append(second)
-            links[second].append(first)
-        return [np.stack([self.singular[edge] for edge in chain]) for chain in _chains(links)]
-
-    def _joined(self) -> Iterator[tuple[Edge, Edge]]:
-        rows, columns = self.determinants.shape
-        for i, j in np.ndindex(rows - 1, columns - 1):
+        nodes = self.nodes
+        for i, j in np.ndindex(signs.shape[0] - 1, signs.shape[1] - 1):
             around: list[Edge] = [(0, (i, j)), (1, (i + 1, j)), (0, (i, j + 1)), (1, (i, j))]
-            here = [edge for edge in around if edge in self.singular]
+            here = [edge for edge in around if edge in singular]
             if len(here) == 2:
                 yield here[0], here[1]
             elif len(here) == 4:
-                middle = self.places[i : i + 2, j : j + 2].reshape(-1, 2).mean(axis=0)
-                sign = np.sign(self.determinants_at(middle[None]))[0]
+                middle = nodes[i : i + 2, j : j + 2].reshape(-1, 2).mean(axis=0)
+                sign = np.sign(self.determinants(middle[None]))[0]
                 # The curve cuts off the corners whose sign is not that of the middle.
-                turn = 1 if sign == np.sign(self.determinants[i, j]) else 3
+                turn = 1 if sign == signs[i, j] else 3
                 yield around[0], around[turn]
                 yield around[2], around[4 - turn]
+
+
+def _singular_poses(found: Scan, varied: VariedPoses) -> Boundary:
+    """Return the singular poses on edges of the grid, and the curves through them."""
+    singular = varied.singular(found)
+    places = np.array(list(singular.values())).reshape(-1, len(found.axes))
+    signs = np.sign(found.numbers["determinant"])
+    limits = Boundary()
+    for edge, at, R, T in zip(singular, places, *varied.poses(places), strict=True):
+        change = int(signs[_ahead(edge)] - signs[edge[1]])
+        limits.crossings.append(Crossing(tuple(at.tolist()), change, R, T))
+    if len(found.axes) == 2:
+        links: dict[Edge, list[Edge]] = {edge: [] for edge in singular}
+        for first, second in varied.joined(singular, signs):
+            links[first].append(second)
+            links[second].append(first)
+        for chain in _chains(links):
+            values = np.stack([singular[edge] for edge in chain])
+            limits.curves.append(Curve(values, bool((values[0] == values[-1]).all())))
+    return limits
 
 
 def _chains(links: dict[Edge, list[Edge]]) -> list[Sequence[Edge]]:
@@ -739,24 +559,24 @@ _STILL = 1e-4
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """A part of the discriminant.
+    """A part of the discriminant, or of the singular curve over two coordinates of a pose.
 
     Attributes
     ----------
     values
-        The two values, in the units of the instance, shape (n, 2).
-    unknowns
-        z, u and the values as parts of their ranges, shape (n, 18).
-    cusps
-        The cusps of the curve, shape (m, 2).
+        The two that vary, in the units of the instance, shape (n, 2).
     closed
         Whether the last point is the first.
+    unknowns
+        z, u and the values as parts of their ranges, shape (n, 18); of poses none.
+    cusps
+        The cusps of the curve, shape (m, 2); of poses none.
     """
 
     values: Array
-    unknowns: Array
-    cusps: Array
     closed: bool
+    unknowns: Array = field(default_factory=partial(np.zeros, (0, 18)))
+    cusps: Array = field(default_factory=partial(np.zeros, (0, 2)))
 
     def contains(self, x: Array) -> bool:
         """Whether a singular pose, shape (18,), is nearer to a point than its neighbours are."""
@@ -777,19 +597,17 @@ class Discriminant:
     seventeen equations for eighteen unknowns (G. Moore and A. Spence, SIAM J. Numer. Anal. 17,
     1980). The solutions are smooth curves also where their projection on the plane of values has a
     cusp: there only z and u change. They are followed by Newton's method in small steps, without
-    proof.
-
-    Parameters
-    ----------
-    rows
-        The rows of the scan.
-    platform
-        The equations.
+    proof. Where they cross edges of the grid the folds are proved.
     """
 
-    def __init__(self, rows: ScanRows, platform: MovingPlatform | MovingGeometry) -> None:
-        self._rows, self._platform = rows, platform
-        self._low, self._span = rows.low, rows.high - rows.low
+    def __init__(self, varied: VariedNumbers) -> None:
+        self._varied, self._platform = varied, varied.platform()
+        self._low, self._span = varied.low, varied.high - varied.low
+        #: The nodes as parts of the ranges.
+        self._grids = [
+            (np.array(axis.values) - a) / (b - a)
+            for axis, a, b in zip(varied.axes, varied.low, varied.high, strict=True)
+        ]
 
     def plane(self, x: Array) -> Array:
         """Return what varies at some unknowns, (..., 18), as it is read."""
@@ -798,18 +616,10 @@ class Discriminant:
 
     def _internal(self, w: Array) -> Array:
         """Return the row of the platform, of what varies as parts of the ranges."""
-        return self._platform.internal(self._rows.row(self._low + w * self._span))
+        return self._platform.internal(self._varied.row(self._low + w * self._span))
 
     def start(self, point: Array, read: Array) -> Array | None:
-        """Return the unknowns of the singular pose near a Study point, or None.
-
-        Parameters
-        ----------
-        point
-            Shape (8,).
-        read
-            About what varies there, as it is read, shape (2,).
-        """
+        """Return the unknowns of the singular pose near a Study point and readings, or None."""
         w = (read - self._low) / self._span
         rows = self._platform.jacobian(point, self._internal(w))
         direction = definite_sign(np.linalg.svd(np.vstack((rows, point)))[2][-1])
@@ -841,18 +651,10 @@ class Discriminant:
         return values, matrix
 
     def _corrected(self, x: Array, at: Array, row: Array | None, goal: float = 0.0) -> Array | None:
-        """Return the solution near some unknowns by Newton's method, or None.
+        """Return the solution near unknowns x by Newton's method, or None.
 
-        Parameters
-        ----------
-        x
-            The unknowns.
-        at
-            The unknowns that give the patch and the gauge.
-        row
-            One more linear equation ``row . x = goal``, shape (18,); the shortest steps if None.
-        goal
-            Its right side.
+        The patch and the gauge are those of other unknowns. There is one more linear equation
+        ``row . x = goal``, or steps are the shortest.
         """
         patch, gauge = _units(at)
         for _ in range(_STEPS):
@@ -875,11 +677,8 @@ class Discriminant:
 
     def _tangent(self, x: Array, like: Array | None) -> Array:
         """Return the unit tangent of the curve, in the direction of another one if there is one."""
-        _, matrix = self._equations(x, *_units(x))
-        tangent: Array = np.linalg.svd(matrix)[2][-1]
-        if like is None:
-            return definite_sign(tangent)
-        return tangent if tangent @ like > 0 else -tangent
+        tangent = definite_sign(np.linalg.svd(self._equations(x, *_units(x))[1])[2][-1])
+        return tangent if like is None or tangent @ like > 0 else -tangent
 
     def follow(self, start: Array) -> Curve:
         """Return the curve through a singular pose, up to the ends of the ranges."""
@@ -889,10 +688,8 @@ class Discriminant:
         if not closed:
             behind, more, _ = self._one_way(start, -tangent)
             ahead, cusps = [*behind[:0:-1], *ahead], [*more, *cusps]
-        x = np.stack(ahead)
-        return Curve(
-            self.plane(x), x, self.plane(np.stack(cusps)) if cusps else np.zeros((0, 2)), closed
-        )
+        x, turns = np.stack(ahead), np.array(cusps).reshape(-1, 18)
+        return Curve(self.plane(x), closed, x, self.plane(turns))
 
     def _one_way(self, start: Array, tangent: Array) -> tuple[list[Array], list[Array], bool]:
         """Follow the curve in one direction: its points, its cusps, and whether it closes."""
@@ -955,22 +752,80 @@ class Discriminant:
         return None
 
     def at_line(self, x: Array, y: Array, axis: int, bound: float) -> Array | None:
-        """Return the point of the curve between two others where one value is given.
-
-        Parameters
-        ----------
-        x, y
-            Unknowns of neighbouring points.
-        axis
-            Which of the two values.
-        bound
-            The value, as a part of its range.
-        """
+        """Return the point between two of a curve where one value is given as a part."""
         part = (bound - x[16 + axis]) / (y[16 + axis] - x[16 + axis])
         row = np.zeros(18)
         row[16 + axis] = 1.0
         near = self._corrected((1 - part) * x + part * y, x, row, bound)
         return None if near is None or np.linalg.norm(near - x) > 4 * _LONGEST else near
+
+    def through(self, event: Event, values: tuple[float, ...]) -> Curve | None:
+        """Return the curve through a fold."""
+        point = self._platform.points(event.R, event.T)
+        start = self.start(point, np.array(values))
+        return None if start is None else self.follow(start)
+
+    def hidden(self, known: list[Curve], seed: int) -> Iterator[Curve]:
+        """Yield curves that are not known, through singular poses near those at random values.
+
+        Newton's method begins at the real pose that is nearest to being singular and at the
+        complex one that is nearest to being real. Known curves may grow meanwhile.
+        """
+        parts = np.random.default_rng(seed).uniform(size=(_SAMPLES, 2))
+        read = self.plane(np.pad(parts, ((0, 0), (16, 0))))
+        for there, solved in zip(read, self._varied.each(read, seed), strict=True):
+            for point in self._nearly_singular(solved):
+                x = self.start(point, there)
+                if x is None or not ((x[16:] >= 0) & (x[16:] <= 1)).all():
+                    continue
+                if not any(curve.contains(x) for curve in known):
+                    yield self.follow(x)
+
+    def _nearly_singular(self, solved: Solved) -> Iterator[Array]:
+        """Yield Study points of one real and one complex solution at some place."""
+        if solved.real.any():
+            R, T = solved.R[solved.real].real, solved.T[solved.real].real
+            worst = int(condition_numbers(Arrangement.of(solved.instance), R, T).argmax())
+            yield self._platform.points(R[worst], T[worst])
+        points = self._platform.points(*_complex(solved))
+        if len(points):
+            sizes = np.linalg.norm(points.imag, axis=1) / np.linalg.norm(points.real, axis=1)
+            point = points[sizes.argmin()].real
+            yield np.asarray(point / np.linalg.norm(point))
+
+    def crossings(self, curve: Curve) -> Iterator[tuple[Edge, Crossing]]:
+        """Yield where a curve crosses edges of the grid and the fold there is proved."""
+        for x, y in zip(curve.unknowns[:-1], curve.unknowns[1:], strict=True):
+            for axis in (0, 1):
+                across = 1 - axis
+                low, high = sorted((x[16 + across], y[16 + across]))
+                lines = self._grids[across]
+                # Curves end on the border of the grid.
+                inside = (lines > low) & (lines <= high)
+                inside[0] |= abs(low) < _BORDER
+                inside[-1] |= abs(high - 1) < _BORDER
+                for k in np.flatnonzero(inside).tolist():
+                    at = self.at_line(x, y, across, float(lines[k]))
+                    found = None if at is None else self._proved(at, axis, k)
+                    if found is not None:
+                        yield found
+
+    def _proved(self, at: Array, axis: int, line: int) -> tuple[Edge, Crossing] | None:
+        """Return the crossing of a line of the grid at a singular pose, if it can be proved."""
+        place, grid = float(at[16 + axis]), self._grids[axis]
+        k = int(np.searchsorted(grid, place)) - 1
+        if not 0 <= k < len(grid) - 1:
+            return None
+        node = (k, line) if axis == 0 else (line, k)
+        other = (k + 1, line) if axis == 0 else (line, k + 1)
+        ends = self._varied.read(node), self._varied.read(other)
+        rows = self._varied.row(ends[0]), self._varied.row(ends[1])
+        part = (place - grid[k]) / (grid[k + 1] - grid[k])
+        fold = prove_fold(self._platform.system, rows, part, at[:8], at[8:16])
+        if fold is None or not 0 <= fold.low <= fold.high <= 1:
+            return None
+        values = tuple((ends[0] + fold.low * (ends[1] - ends[0])).tolist())
+        return (axis, node), Crossing(values, 2 * fold.bends, *self._platform.poses(fold.point))
 
 
 def _units(x: Array) -> tuple[Array, Array]:
@@ -1016,14 +871,15 @@ _NEXT, _AHEAD = 1e-6, 1.5
 class Crossing:
     """A proved fold between two neighbouring nodes: a point of the discriminant.
 
-    Mirror images have folds at the same values: each counts once, at its own pose.
+    Mirror images have folds at the same values: each counts once, at its own pose. Over poses it
+    is where the determinant changes its sign.
 
     Attributes
     ----------
     values
         The values that vary, there.
     change
-        The change of the number of modes towards the greater value: 2 or -2.
+        The change of the number of modes, or of the sign, towards the greater value: 2 or -2.
     R, T
         The pose at which two modes meet, shapes (3, 3) and (3,).
     """
@@ -1072,9 +928,9 @@ class Boundary:
     Attributes
     ----------
     crossings
-        Proved folds on the edges of the grid.
+        Proved folds, or singular poses, on the edges of the grid.
     curves
-        Over two values: the discriminant through them.
+        Over two that vary: the discriminant, or the singular curve, through them.
     meetings
         Places on edges where modes meet that are no simple folds.
     unexplained
@@ -1107,19 +963,24 @@ def boundaries(found: Scan, *, seed: int = SEED) -> Iterator[Boundary]:
     Curves that cross no edge are searched for at random values; it is not proved that none is
     missed.
     """
-    search = _Search(found, seed)
+    varied = found.varied
+    if isinstance(varied, VariedPoses):
+        yield _singular_poses(found, varied)
+        return
+    assert isinstance(varied, VariedNumbers)
+    search, modes = _Search(found, varied, seed), found.numbers["modes"]
     search.look_for_pairs()
     edges = []
-    for edge, other in found.edges:
-        edges.append((edge, int(found.modes[other] - found.modes[edge[1]])))
-        search.explain(edge, other, edges[-1][1])
+    for edge in found.edges:
+        edges.append((edge, int(modes[_ahead(edge)] - modes[edge[1]])))
+        search.explain(*edges[-1])
         yield search.result
-    for k in range(len(found.modes) - 1 if found.modes.ndim == 1 else 0):
+    for k in range(len(modes) - 1 if modes.ndim == 1 else 0):
         # A fold was found, and not the one that cancels it.
         edge = (0, (k,))
-        if found.modes[k] == found.modes[k + 1] >= 0 and search.change(edge):
+        if modes[k] == modes[k + 1] >= 0 and search.change(edge):
             edges.append((edge, 0))
-            search.explain(edge, (k + 1,), 0)
+            search.explain(edge, 0)
     search.look_for_hidden_curves()
     search.result.unexplained.extend(
         edge for edge, wanted in edges if search.change(edge) != wanted
@@ -1137,47 +998,40 @@ class _Stopped(NamedTuple):
 
 
 class _Search:
-    """The crossings on the edges of a grid.
+    """The crossings on the edges of a grid, from the numbers of modes at its nodes."""
 
-    Parameters
-    ----------
-    found
-        The numbers of modes at its nodes.
-    seed
-        The seed of random numbers.
-    """
-
-    def __init__(self, found: Scan, seed: int) -> None:
+    def __init__(self, found: Scan, varied: VariedNumbers, seed: int) -> None:
         self.result = Boundary()
-        self._found, self._rows = found, ScanRows(found)
-        self._seed = seed
+        self._varied, self._seed = varied, seed
+        self._modes = found.numbers["modes"]
         self._known: dict[Edge, list[Crossing]] = {}
         #: The changes at meetings.
         self._met: dict[Edge, int] = {}
-        self._curves = _Curves(self._rows) if len(found.axes) == 2 else None
+        self._curves = Discriminant(varied) if len(found.axes) == 2 else None
 
     def change(self, edge: Edge) -> int:
         """Return the change of the number of modes along an edge that is explained."""
         folds = sum(crossing.change for crossing in self._known.get(edge, ()))
         return folds + self._met.get(edge, 0)
 
-    def explain(self, edge: Edge, other: tuple[int, ...], wanted: int) -> None:
+    def explain(self, edge: Edge, wanted: int) -> None:
         """Search for the folds on an edge along which the number of modes changes by ``wanted``."""
+        other = _ahead(edge)
         first, last = (edge[1], other) if wanted < 0 else (other, edge[1])
         ends = []
         for start, goal in ((first, last), (last, first)):
             if self.change(edge) != wanted:
                 ends += self._follow(edge, start, goal, wanted)
         if self.change(edge) != wanted:
-            self._meet(edge, other, ends)
+            self._meet(edge, ends)
 
     def look_for_pairs(self) -> None:
         """Search for folds over one value from the complex solutions at each node."""
         if self._curves is not None:
             return
-        platform, read = self._rows.platform(), self._found.flat
-        rows = [self._rows.row(one) for one in read]
-        for k, solved in enumerate(self._rows.each(read, self._seed)):
+        platform, read = self._varied.platform(), self._varied.nodes
+        rows = [self._varied.row(one) for one in read]
+        for k, solved in enumerate(self._varied.each(read, self._seed)):
             points = platform.points(*_complex(solved))
             for step in (-1, 1):
                 if len(points) and 0 <= k + step < len(rows):
@@ -1206,10 +1060,10 @@ class _Search:
 
         Returns the modes that could not be followed through a nearly singular pose.
         """
-        ends = np.stack([self._rows.read(start), self._rows.read(goal)])
+        ends = np.stack([self._varied.read(start), self._varied.read(goal)])
         forward = start == edge[1]
         stopped = []
-        for event in self._rows.track(start, goal, self._seed).events:
+        for event in self._varied.track(start, goal, self._seed).events:
             part = event.low - 1
             if event.kind == "undecided" and event.reason == NEARLY_SINGULAR:
                 stopped.append(_Stopped(part if forward else 1 - part, forward, event.R, event.T))
@@ -1227,10 +1081,10 @@ class _Search:
                 break
         return stopped
 
-    def _meet(self, edge: Edge, other: tuple[int, ...], stopped: list[_Stopped]) -> None:
+    def _meet(self, edge: Edge, stopped: list[_Stopped]) -> None:
         """Add the places between two nodes where modes stop that end in no simple fold."""
         axis, node = edge
-        ends = self._rows.read(node), self._rows.read(other)
+        ends = self._varied.read(node), self._varied.read(_ahead(edge))
         stopped = sorted(stopped, key=lambda one: one.part)
         places: list[tuple[list[_Stopped], tuple[float, ...], tuple[float, ...], int, int]] = []
         while stopped:
@@ -1242,9 +1096,10 @@ class _Search:
                 low, high = (tuple((ends[0] + p * (ends[1] - ends[0])).tolist()) for p in parts)
                 axes = [
                     replace(one, values=(a, b) if k == axis else (a,))
-                    for k, (one, a, b) in enumerate(zip(self._found.axes, low, high, strict=True))
+                    for k, (one, a, b) in enumerate(zip(self._varied.axes, low, high, strict=True))
                 ]
-                counts = scan_grid(self._found.instance, axes, seed=self._seed).modes.ravel()
+                there = VariedNumbers(self._varied.instance, axes)
+                counts = scan_grid(there, seed=self._seed).numbers["modes"].ravel()
                 if counts.min() >= 0:
                     places.append((group, low, high, int(counts[0]), int(counts[1])))
                     break
@@ -1327,21 +1182,9 @@ def _becoming_real(
     """Yield where complex solutions may become real from a row to another one.
 
     Near a fold at s = f the imaginary part is about ``w = c sqrt(f - s)``. So ``w.w`` is linear in
-    s, and vanishes where its tangent does.
-
-    Parameters
-    ----------
-    system
-        What moves.
-    row, goal
-        The row of the solutions, s = 0, and the next one, s = 1.
-    points
-        Complex Study points at the first row, shape (n, 8).
-
-    Yields
-    ------
-    tuple
-        About f, a real Study point there and the direction of the branches.
+    s, and vanishes where its tangent does. Complex Study points, shape (n, 8), are at the first
+    row, s = 0; s = 1 at the next one. Yields about f, a real Study point there and the direction of
+    the branches.
     """
     here, ahead = (system.at((row, goal), part) for part in (0.0, _NEXT))
     # In the phase and on the patch in which the real part is the largest.
@@ -1363,90 +1206,181 @@ def _becoming_real(
             yield at, z.real + at * slope.real, z.imag
 
 
-class _Curves:
-    """Curves of the discriminant and the grid of a scan over two values."""
+#: Columns of the pose at a fold.
+POSE = ("Tx", "Ty", "Tz", "qw", "qx", "qy", "qz")
 
-    def __init__(self, rows: ScanRows) -> None:
-        self.rows = rows
-        self.platform = rows.platform()
-        self.equations = Discriminant(rows, self.platform)
-        #: The nodes as parts of the ranges.
-        self.grids = [
-            (np.array(axis.values) - a) / (b - a)
-            for axis, a, b in zip(rows.axes, rows.low, rows.high, strict=True)
+
+@dataclass(frozen=True, eq=False)
+class ScanResult(Tabular):
+    """The result of a scan.
+
+    Attributes
+    ----------
+    found
+        What is at the nodes.
+    limits
+        The folds between nodes, of poses the singular ones; empty if they were not asked for.
+    folds
+        Whether tables show these instead of the nodes.
+    """
+
+    found: Scan
+    limits: Boundary
+    folds: bool = False
+
+    def __repr__(self) -> str:
+        known, instance = self.found.numbers.get("modes", np.zeros(0)), self.found.instance
+        known = known[known >= 0]
+        modes = f", {known.min()} to {known.max()} modes" if known.size else ""
+        folds = f", {counted(len(self.limits.crossings), 'fold')}" if self.folds else ""
+        size = counted(self.found.done.size, "node")
+        return f"<ScanResult of {instance.name or instance.type.id}: {size}{modes}{folds}>"
+
+    @property
+    def names(self) -> list[str]:
+        """What varies: the numbers of constraints, or the names of drives or coordinates."""
+        return self.found.varied.names
+
+    @property
+    def of_poses(self) -> bool:
+        """Whether coordinates of a pose vary."""
+        return isinstance(self.found.varied, VariedPoses)
+
+    def rows(self) -> list[dict[str, Any]]:
+        """Return the nodes that are known, or the folds, as plain data."""
+        if not self.folds:
+            return self._nodes()
+        places = [dict(zip(self.names, one.values, strict=True)) for one in self.crossings]
+        if self.of_poses:
+            return places
+        return [
+            {**place, "change": one.change, **_pose(one.R, one.T)}
+            for place, one in zip(places, self.crossings, strict=True)
         ]
 
-    def through(self, event: Event, values: tuple[float, ...]) -> Curve | None:
-        """Return the curve through a fold."""
-        point = self.platform.points(event.R, event.T)
-        start = self.equations.start(point, np.array(values))
-        return None if start is None else self.equations.follow(start)
+    @property
+    def crossings(self) -> list[Crossing]:
+        """The folds, in order."""
+        return in_order(self.limits.crossings)
 
-    def hidden(self, known: list[Curve], seed: int) -> Iterator[Curve]:
-        """Yield other curves, through singular poses near those at random values.
+    @property
+    def kind(self) -> str:
+        """The key of the rows in JSON."""
+        return ("singular" if self.of_poses else "folds") if self.folds else "nodes"
 
-        Newton's method begins at the real pose that is nearest to being singular and at the
-        complex one that is nearest to being real.
+    def to_json(self) -> dict[str, Any]:
+        """Return everything as plain data of schema ``gsp.scan/1``."""
+        axes = {axis.name: list(axis.values) for axis in self.found.axes}
+        document: dict[str, Any] = {
+            "schema": "gsp.scan/1",
+            **self.found.instance.to_json(),
+            "over" if self.of_poses else "vary": axes,
+            self.kind: self.rows(),
+        }
+        if not self.folds:
+            return document
+        if self.of_poses:
+            curves = [{"values": curve.values.tolist()} for curve in self.limits.curves]
+            return document | {"curves": curves}
+        document["curves"] = [
+            {"closed": curve.closed, "values": curve.values.tolist(), "cusps": curve.cusps.tolist()}
+            for curve in self.limits.curves
+        ]
+        document["meetings"] = [
+            {
+                "from": dict(zip(self.names, one.low, strict=True)),
+                "to": dict(zip(self.names, one.high, strict=True)),
+                "modes": [one.before, one.after],
+                "poses": [{"modes": [a, b], **_pose(R, T)} for a, b, R, T in one.poses],
+            }
+            for one in self.limits.meetings
+        ]
+        return document
 
-        Parameters
-        ----------
-        known
-            Curves that are known; may grow meanwhile.
-        seed
-            The seed of the random values.
-        """
-        parts = np.random.default_rng(seed).uniform(size=(_SAMPLES, 2))
-        read = self.equations.plane(np.pad(parts, ((0, 0), (16, 0))))
-        for there, solved in zip(read, self.rows.each(read, seed), strict=True):
-            for point in self._nearly_singular(solved):
-                x = self.equations.start(point, there)
-                if x is None or not ((x[16:] >= 0) & (x[16:] <= 1)).all():
-                    continue
-                if not any(curve.contains(x) for curve in known):
-                    yield self.equations.follow(x)
+    def _nodes(self) -> list[dict[str, Any]]:
+        found, nodes = self.found, self.found.varied.nodes
+        columns = found.numbers | {"condition": printed_conditions(found.numbers["condition"])}
+        rows = []
+        for node in np.argwhere(found.done).tolist():
+            row: dict[str, Any] = dict(zip(self.names, nodes[*node].tolist(), strict=True))
+            for name, column in columns.items():
+                row[name] = _finite(column[*node])
+            if "modes" in row:
+                row["modes"] = None if row["modes"] < 0 else int(row["modes"])
+            rows.append(row)
+        return rows
 
-    def _nearly_singular(self, solved: Solved) -> Iterator[Array]:
-        """Yield Study points of one real and one complex solution at some place."""
-        if solved.real.any():
-            R, T = solved.R[solved.real].real, solved.T[solved.real].real
-            worst = int(condition_numbers(Arrangement.of(solved.instance), R, T).argmax())
-            yield self.platform.points(R[worst], T[worst])
-        points = self.platform.points(*_complex(solved))
-        if len(points):
-            sizes = np.linalg.norm(points.imag, axis=1) / np.linalg.norm(points.real, axis=1)
-            point = points[sizes.argmin()].real
-            yield np.asarray(point / np.linalg.norm(point))
 
-    def crossings(self, curve: Curve) -> Iterator[tuple[Edge, Crossing]]:
-        """Yield where a curve crosses edges of the grid and the fold there is proved."""
-        for x, y in zip(curve.unknowns[:-1], curve.unknowns[1:], strict=True):
-            for axis in (0, 1):
-                across = 1 - axis
-                low, high = sorted((x[16 + across], y[16 + across]))
-                lines = self.grids[across]
-                # Curves end on the border of the grid.
-                inside = (lines > low) & (lines <= high)
-                inside[0] |= abs(low) < _BORDER
-                inside[-1] |= abs(high - 1) < _BORDER
-                for k in np.flatnonzero(inside).tolist():
-                    at = self.equations.at_line(x, y, across, float(lines[k]))
-                    found = None if at is None else self._proved(at, axis, k)
-                    if found is not None:
-                        yield found
+def _pose(R: Array, T: Array) -> dict[str, float]:
+    numbers = [*T.tolist(), *quaternion_from_rotation(R).tolist()]
+    return dict(zip(POSE, numbers, strict=True))
 
-    def _proved(self, at: Array, axis: int, line: int) -> tuple[Edge, Crossing] | None:
-        """Return the crossing of a line of the grid at a singular pose, if it can be proved."""
-        place, grid = float(at[16 + axis]), self.grids[axis]
-        k = int(np.searchsorted(grid, place)) - 1
-        if not 0 <= k < len(grid) - 1:
-            return None
-        node = (k, line) if axis == 0 else (line, k)
-        other = (k + 1, line) if axis == 0 else (line, k + 1)
-        ends = self.rows.read(node), self.rows.read(other)
-        rows = self.rows.row(ends[0]), self.rows.row(ends[1])
-        part = (place - grid[k]) / (grid[k + 1] - grid[k])
-        fold = prove_fold(self.platform.system, rows, part, at[:8], at[8:16])
-        if fold is None or not 0 <= fold.low <= fold.high <= 1:
-            return None
-        values = tuple((ends[0] + fold.low * (ends[1] - ends[0])).tolist())
-        return (axis, node), Crossing(values, 2 * fold.bends, *self.platform.poses(fold.point))
+
+def scan(
+    instance: Instance,
+    vary: Mapping[int | str, ArrayLike],
+    *,
+    folds: bool = False,
+    clearance: bool = False,
+    seed: int = SEED,
+    workers: Workers = HERE,
+) -> ScanResult:
+    """Count the real assembly modes while one or two values vary.
+
+    Parameters
+    ----------
+    instance
+        Geometry, units, sides, and the values that do not vary.
+    vary
+        Increasing values by the numbers of the constraints, from 1, or readings by the names of
+        cranks and slides (``crank.B1``), in the units of the instance: one or two, shapes (n1,) and
+        (n2,). Other cranks and slides stay where their points are stated.
+    folds
+        Whether to prove the folds between neighbouring nodes with different numbers.
+    clearance
+        Whether to bound the clearance of each pose, too.
+    seed
+        As for `solve_values`; nothing depends on it.
+    workers
+        The processes that do the work.
+
+    Raises
+    ------
+    ArgumentError
+        If a constraint or drive does not exist, or a value is impossible.
+    """
+    axes = [axis_of(instance, k, np.asarray(v, float).tolist()) for k, v in vary.items()]
+    varied = VariedNumbers(instance, axes)
+    found = scan_grid(varied, clearance=clearance, seed=seed, workers=workers)
+    for array in found.numbers.values():
+        array.setflags(write=False)
+    return ScanResult(found, boundary(found) if folds else Boundary(), folds)
+
+
+def axis_of(instance: Instance, name: int | str, values: Sequence[float]) -> Axis:
+    """Return the axis of a constraint by its number, or of a crank or slide by its name.
+
+    Raises
+    ------
+    ArgumentError
+        If there is no such constraint or drive.
+    """
+    if not isinstance(name, str) and name in range(1, len(instance.constraints) + 1):
+        return Axis(str(name), tuple(values))
+    known = drive_names(instance)
+    if not isinstance(name, str) or name not in known:
+        what = shown(name) if isinstance(name, str) else f"constraint {name}"
+        others = f" or {listed(known)}" if known else ""
+        message = f"found {what}, expected a number from 1 to 6{others}"
+        raise ArgumentError(message, "vary")
+    return Axis(name, tuple(values))
+
+
+def drive_names(instance: Instance) -> list[str]:
+    """Return the names of the cranks and slides of an instance."""
+    drives = Machine.of(instance)
+    return [name for name, moves in zip(drives.names, drives.moved, strict=True) if moves]
+
+
+def _finite(number: Any) -> float | None:
+    return float(number) if np.isfinite(number) else None

@@ -19,7 +19,7 @@ from gspcli.motion.files.pose_files import PoseFormat
 from gspcli.motion.following.branch_follower import MovingGeometry
 from gspcli.motion.poses.inverse_kinematics import values_at
 from gspcli.motion.singularities.clearances import clearances, weights_of
-from gspcli.motion.singularities.scans import Axis, PoseScan, scan
+from gspcli.motion.singularities.scans import Axis, VariedPoses, scan, scan_grid
 from tests.support.driven_machines import driven
 
 
@@ -38,7 +38,7 @@ def test_nodes_are_solved_with_the_joints_moved(name, drive):
     places = [-0.05, 0.0, 0.04] if drive.startswith("slide") else [-20.0, 0.0, 35.0]
     found = scan(machine, {drive: places})
     for place, modes, condition in zip(
-        places, found.found.modes, found.found.conditions, strict=True
+        places, found.found.numbers["modes"], found.found.numbers["condition"], strict=True
     ):
         there = gspcli.solve(moved(machine, choose(machine, [drive]), np.array([place])))
         assert there.verdict == "complete"
@@ -56,8 +56,8 @@ def test_a_motor_and_a_value_vary_together():
     assert found.names == ["crank.P1", str(free + 1)]
     there = moved(machine, choose(machine, ["crank.P1"]), np.array([30.0]))
     there = there.with_values({free: Number.of(1.02 * value)})
-    assert found.found.modes[1, 1] == gspcli.solve(there).real.sum()
-    assert found.found.modes[0, 0] == gspcli.solve(machine).real.sum()
+    assert found.found.numbers["modes"][1, 1] == gspcli.solve(there).real.sum()
+    assert found.found.numbers["modes"][0, 0] == gspcli.solve(machine).real.sum()
 
 
 def test_readings_are_corrected():
@@ -69,8 +69,8 @@ def test_readings_are_corrected():
     read = replace(machine, constraints=(changed, *machine.constraints[1:]))
     one = scan(read, {"slide.B1": [-0.03, 0.02]}).found
     other = scan(machine, {"slide.B1": [-0.05, 0.05]}).found
-    assert one.modes.tolist() == other.modes.tolist()
-    np.testing.assert_allclose(one.conditions, other.conditions, rtol=1e-9)
+    assert one.numbers["modes"].tolist() == other.numbers["modes"].tolist()
+    np.testing.assert_allclose(one.numbers["condition"], other.numbers["condition"], rtol=1e-9)
 
 
 def _least_singular_value(machine, moves, R, T):
@@ -97,10 +97,10 @@ def test_folds_over_a_motor_are_where_two_modes_meet(name, drive, ends, count):
         assert _least_singular_value(machine, {drive: at}, fold.R, fold.T) < 1e-6
         # Two modes more on the one side than on the other, a thousandth of the range away.
         near = 1e-3 * (ends[-1] - ends[0])
-        before, after = scan(machine, {drive: [at - near, at + near]}).found.modes
+        before, after = scan(machine, {drive: [at - near, at + near]}).found.numbers["modes"]
         assert after - before == fold.change
     changes = [
-        np.diff(result.found.modes).sum(),
+        np.diff(result.found.numbers["modes"]).sum(),
         sum(one.change for one in result.limits.crossings),
     ]
     assert changes[0] == changes[1]
@@ -166,7 +166,7 @@ def test_the_clearance_of_a_node_is_the_least_of_its_modes(name, drive, places):
     machine = driven(name)
     found = scan(machine, {drive: places}, clearance=True)
     drives = Machine.of(machine)
-    for place, clearance in zip(places, found.found.clearances, strict=True):
+    for place, clearance in zip(places, found.found.numbers["clearance"], strict=True):
         readings = np.zeros(drives.count)
         readings[drives.names.index(drive)] = place
         q = drives.from_readings(readings)
@@ -187,7 +187,7 @@ def test_no_fold_is_nearer_than_the_clearance():
     machine = driven("t-top-head")
     found = scan(machine, {"crank.B1": [15.0, 25.0]}, folds=True, clearance=True)
     (fold,) = found.limits.crossings
-    near = found.found.clearances * weights_of(Machine.of(machine))[0][0] / np.radians(1)
+    near = found.found.numbers["clearance"] * weights_of(Machine.of(machine))[0][0] / np.radians(1)
     assert 0 < near[0] <= fold.values[0] - 15
     assert 0 < near[1] <= 25 - fold.values[0]
 
@@ -206,23 +206,23 @@ def test_determinants_at_poses_are_those_of_the_moved_joints():
     home = machine.home
     assert isinstance(home, HomePose)
     z = home.T[2]
-    found = PoseScan(
-        machine, (Axis("x", (-0.5, 0.0, 0.01)),), [0, 0, z + 0.005, 1, 0, 0, 0], PoseFormat()
-    )
-    assert np.isnan(found.determinants[0])
-    assert found.singular == {}
+    pose, form = [0, 0, z + 0.005, 1, 0, 0, 0], PoseFormat()
+    varied = VariedPoses(machine, (Axis("x", (-0.5, 0.0, 0.01)),), pose, form)
+    found = scan_grid(varied)
+    determinants = found.numbers["determinant"]
+    assert np.isnan(determinants[0])
+    assert varied.singular(found) == {}
     drives = Machine.of(machine)
     for k, x in ((1, 0.0), (2, 0.01)):
         R, T = np.eye(3), np.array([x, 0, z + 0.005])
         there = drives.instance_at(drives.inverse(R, T))
-        alone = PoseScan(there, (Axis("x", (x - 1e-9, x)),), found.pose, PoseFormat())
-        assert found.determinants[k] == pytest.approx(alone.determinants[1], rel=1e-6)
-        stated = PoseScan(
-            replace(machine, constraints=tuple(
-                replace(row, base=gspcli.Point(row.base.position)) for row in machine.constraints
-            )),
-            alone.axes, found.pose, PoseFormat(),
-        )  # fmt: skip
-        assert abs(stated.determinants[1] / found.determinants[k] - 1) > 1e-3
+        axes = (Axis("x", (x - 1e-9, x)),)
+        alone = scan_grid(VariedPoses(there, axes, pose, form))
+        assert determinants[k] == pytest.approx(alone.numbers["determinant"][1], rel=1e-6)
+        rows = tuple(
+            replace(row, base=gspcli.Point(row.base.position)) for row in machine.constraints
+        )
+        stated = scan_grid(VariedPoses(replace(machine, constraints=rows), axes, pose, form))
+        assert abs(stated.numbers["determinant"][1] / determinants[k] - 1) > 1e-3
     with pytest.raises(ArgumentError, match="gsp clearance has that of one pose"):
-        found.clearances  # noqa: B018
+        scan_grid(varied, clearance=True)

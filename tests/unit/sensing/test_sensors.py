@@ -15,7 +15,7 @@ from gspcli.geometry.euler import rotation_from_euler
 from gspcli.geometry.machine import Machine
 from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.motion import measure
-from gspcli.motion.singularities.scans import Axis, boundary, scan_grid
+from gspcli.motion.singularities.scans import Axis, VariedNumbers, boundary, scan_grid
 from gspcli.resources import instance_files
 from gspcli.sensing.sensor_kinds import KINDS, candidates, parse_reading, parse_sensor
 from gspcli.sensing.separations import default_sigmas
@@ -166,7 +166,7 @@ def test_the_known_side_leaves_out_mirror_images():
 def test_near_a_fold_no_sensor_suffices():
     """Leg 1 of the 3-3 is nearly where a pair of modes meets, as `gsp scan --folds` proves."""
     instance = shipped("octahedral-3-3")
-    found = scan_grid(instance, [Axis("1", (1.0, 1.5, 2.0, 2.5))])
+    found = scan_grid(VariedNumbers(instance, [Axis("1", (1.0, 1.5, 2.0, 2.5))]))
     limits = boundary(found)
     fold = limits.crossings[0]
     inside = -1e-9 if fold.change < 0 else 1e-9

@@ -7,8 +7,20 @@ import gspcli
 from gspcli.errors import ArgumentError
 from gspcli.motion import track
 from gspcli.motion.files.value_files import nominal_values
-from gspcli.motion.singularities.scans import MISSING, Axis, Scan, boundaries, boundary, scan_grid
+from gspcli.motion.singularities.scans import (
+    Axis,
+    Scan,
+    VariedNumbers,
+    boundaries,
+    boundary,
+    scan_grid,
+    scanned,
+)
 from gspcli.resources import data_path
+
+
+def grid(instance, axes, **more) -> Scan:
+    return scan_grid(VariedNumbers(instance, axes), **more)
 
 
 @pytest.fixture(scope="module")
@@ -18,22 +30,26 @@ def hexapod():
 
 def test_counts_are_those_of_solve_and_change_at_proved_folds(hexapod):
     axis = Axis("1", tuple(np.linspace(2.3, 2.8, 11).tolist()))
-    found = scan_grid(hexapod, [axis])
-    assert found.modes.shape == (11,)
-    for value, modes in zip(axis.values, found.modes, strict=True):
+    found = grid(hexapod, [axis])
+    assert found.numbers["modes"].shape == (11,)
+    for value, modes in zip(axis.values, found.numbers["modes"], strict=True):
         one = gspcli.solve(gspcli.set_values(hexapod, {1: value}))
         assert one.real.sum() == modes
     limits = boundary(found)
     assert not limits.unexplained
     assert not limits.curves
-    assert len(list(boundaries(found))) == len(list(found.edges)) + 1 > 1
-    for (_, low), high in found.edges:
+    assert len(list(boundaries(found))) == len(found.edges) + 1 > 1
+    for edge in found.edges:
+        low, high = edge[1], (edge[1][0] + 1,)
         here = [
             fold
             for fold in limits.crossings
             if axis.values[low[0]] <= fold.values[0] <= axis.values[high[0]]
         ]
-        assert sum(fold.change for fold in here) == found.modes[high] - found.modes[low]
+        assert (
+            sum(fold.change for fold in here)
+            == found.numbers["modes"][high] - found.numbers["modes"][low]
+        )
         for fold in here:
             (value,) = fold.values
             sides = [
@@ -45,16 +61,16 @@ def test_counts_are_those_of_solve_and_change_at_proved_folds(hexapod):
 
 def test_two_values(hexapod):
     axes = [Axis("1", (2.4, 2.5, 2.6)), Axis("4", (1.9, 2.0))]
-    found = scan_grid(hexapod, axes)
-    assert found.modes.shape == found.conditions.shape == (3, 2)
+    found = grid(hexapod, axes)
+    assert found.numbers["modes"].shape == found.numbers["condition"].shape == (3, 2)
     one = gspcli.set_values(hexapod, ["1=2.6", "4=2.0"])
-    assert found.modes[2, 1] == gspcli.solve(one).real.sum()
+    assert found.numbers["modes"][2, 1] == gspcli.solve(one).real.sum()
 
 
 @pytest.mark.parametrize("axes", [[], [Axis("1", (1.0, 2.0))] * 2])
 def test_mistakes_are_named(hexapod, axes):
     with pytest.raises(ArgumentError, match="axes: expected one or two different"):
-        scan_grid(hexapod, axes)
+        grid(hexapod, axes)
 
 
 def test_the_discriminant_is_followed_as_curves_with_cusps(hexapod):
@@ -62,7 +78,7 @@ def test_the_discriminant_is_followed_as_curves_with_cusps(hexapod):
         Axis("1", tuple(np.linspace(1.9, 2.5, 7).tolist())),
         Axis("4", tuple(np.linspace(1.6, 2.2, 7).tolist())),
     ]
-    found = scan_grid(hexapod, axes)
+    found = grid(hexapod, axes)
     limits = boundary(found)
     assert not limits.unexplained
     assert 1 <= len(limits.curves) <= 5
@@ -98,8 +114,8 @@ def test_the_discriminant_is_followed_as_curves_with_cusps(hexapod):
 def test_a_curve_that_the_numbers_at_the_nodes_do_not_tell_of_is_found(hexapod):
     # It enters the only cell through an edge and leaves through the same.
     axes = [Axis("1", (2.3162, 2.3562)), Axis("4", (1.6657, 1.6772))]
-    found = scan_grid(hexapod, axes)
-    assert (found.modes == 0).all()
+    found = grid(hexapod, axes)
+    assert (found.numbers["modes"] == 0).all()
     limits = boundary(found)
     assert len(limits.curves) == 1
     assert not limits.unexplained
@@ -119,18 +135,18 @@ def test_a_curve_that_the_numbers_at_the_nodes_do_not_tell_of_is_found(hexapod):
 def test_pieces_can_be_done_apart(hexapod, monkeypatch):
     monkeypatch.setattr("gspcli.motion.singularities.scans._PIECE", 4)
     axes = [Axis("1", (2.4, 2.5, 2.6)), Axis("4", (1.9, 2.0))]
-    whole = scan_grid(hexapod, axes, clearance=True)
-    part = Scan.empty(hexapod, axes, clearance=True)
+    whole = grid(hexapod, axes, clearance=True)
+    part = Scan.of(VariedNumbers(hexapod, axes), clearance=True)
     assert part.pieces == 2
-    assert (part.modes == MISSING).all()
-    from gspcli.motion.singularities.scans import scanned
-
+    assert not part.done.any()
     part.enter(scanned(part, 2003, 1))
-    assert (part.modes.reshape(-1)[:4] == MISSING).all()
-    assert np.array_equal(part.modes.reshape(-1)[4:], whole.modes.reshape(-1)[4:])
-    there = whole.modes > 0
-    assert (whole.clearances[there] > 0).all()
-    assert np.isinf(whole.clearances[~there]).all()
+    assert part.done.ravel().tolist() == [False] * 4 + [True] * 2
+    assert np.array_equal(
+        part.numbers["modes"].reshape(-1)[4:], whole.numbers["modes"].reshape(-1)[4:]
+    )
+    there = whole.numbers["modes"] > 0
+    assert (whole.numbers["clearance"][there] > 0).all()
+    assert np.isinf(whole.numbers["clearance"][~there]).all()
 
 
 PLANAR = """
@@ -155,7 +171,9 @@ constraints:
 
 def test_all_folds_of_a_planar_platform_whose_height_is_exactly_zero():
     """The sixth and seventh lie between the same two nodes, and cancel each other."""
-    found = scan_grid(gspcli.loads(PLANAR), [Axis("2", tuple(np.linspace(3, 10, 141).tolist()))])
+    found = scan_grid(
+        VariedNumbers(gspcli.loads(PLANAR), [Axis("2", tuple(np.linspace(3, 10, 141).tolist()))])
+    )
     limits = boundary(found)
     assert not limits.unexplained
     values = sorted(fold.values[0] for fold in limits.crossings)
@@ -184,7 +202,7 @@ def test_where_symmetries_let_several_modes_meet_their_numbers_are_told(
     name, axis, numbers, poses, folds
 ):
     instance = gspcli.example(name)
-    limits = boundary(scan_grid(instance, [axis]))
+    limits = boundary(grid(instance, [axis]))
     assert not limits.unexplained
     assert [(one.before, one.after) for one in limits.meetings] == numbers
     assert [pose[:2] for one in limits.meetings for pose in one.poses] == poses
@@ -204,9 +222,9 @@ BELOW = (
 
 
 def test_folds_are_found_on_the_negative_side_of_a_plane():
-    found = scan_grid(gspcli.loads(BELOW), [Axis("4", (1.5, 1.75))])
+    found = grid(gspcli.loads(BELOW), [Axis("4", (1.5, 1.75))])
     limits = boundary(found)
-    assert found.modes.tolist() == [6, 4]
+    assert found.numbers["modes"].tolist() == [6, 4]
     assert not limits.unexplained
     (fold,) = limits.crossings
     assert 1.5 < fold.values[0] < 1.75
@@ -215,4 +233,4 @@ def test_folds_are_found_on_the_negative_side_of_a_plane():
 
 def test_a_negative_distance_is_no_value():
     with pytest.raises(ArgumentError, match="vary: found -1 for constraint 4, expected a distance"):
-        scan_grid(gspcli.loads(BELOW), [Axis("4", (-1.0, 1.0))])
+        grid(gspcli.loads(BELOW), [Axis("4", (-1.0, 1.0))])
