@@ -127,17 +127,11 @@ _POSE_HELP = "x,y,z,qw,qx,qy,qz, or x,y,z,rx,ry,rz with --euler, or @FILE"
 
 @dataclass(frozen=True)
 class GivenPose:
-    """A POSE as written; its meaning depends on `--euler`, `--pivot` and the unit.
+    """A POSE as written; its meaning depends on `--euler`, `--pivot` and the unit."""
 
-    Attributes
-    ----------
-    text
-        Numbers between commas, or ``@`` and the name of a file with one pose.
-    option
-        The option that it was given with.
-    """
-
+    #: Numbers between commas, or ``@`` and the name of a file with one pose.
     text: str
+    #: The option that it was given with.
     option: str
 
     @property
@@ -337,28 +331,19 @@ def real_poses(instance: Instance) -> tuple[Array, Array]:
 
 @dataclass(frozen=True, eq=False)
 class AskedPoses:
-    """Poses, and what to call them.
+    """Poses, and what to call them."""
 
-    Attributes
-    ----------
-    R, T
-        The poses, shapes (n, 3, 3) and (n, 3).
-    places
-        What each is called, as data: its ``row`` in a file, from 1, and ``t`` there; its ``mode``.
-    drives
-        Readings of the drives of a machine with cranks or slides, shape (n, m), if they are where
-        SPEC states them; else None.
-    lost
-        Modes that end before the last row of a file of values, in words.
-    t, motion
-        Times, shape (n,), and how the platform moves there, if a file says it.
-    """
-
+    #: The poses, shapes (n, 3, 3) and (n, 3).
     R: Array
     T: Array
+    #: What each is called, as data: its ``row`` in a file, from 1, and ``t`` there; its ``mode``.
     places: Sequence[Mapping[str, Any]]
+    #: Readings of the drives of a machine with cranks or slides, shape (n, m), if they are where
+    #: SPEC states them; else None.
     drives: Array | None = None
+    #: Modes that end before the last row of a file of values, in words.
     lost: tuple[str, ...] = ()
+    #: Times, shape (n,), and how the platform moves there, if a file says it.
     t: Array | None = None
     motion: PoseRates | None = None
 

@@ -31,21 +31,14 @@ _COMFORTABLE = 24
 
 @dataclass(frozen=True)
 class Grid:
-    """Columns beside each other.
+    """Columns beside each other."""
 
-    Attributes
-    ----------
-    columns, widths
-        Those shown, with their widths in cells of the terminal.
-    texts
-        The cells of each of them, from top to bottom.
-    left_out
-        Headings of the columns for which there is no room.
-    """
-
+    #: Those shown, with their widths in cells of the terminal.
     columns: Sequence[Field]
     widths: Sequence[int]
+    #: The cells of each of them, from top to bottom.
     texts: Sequence[Sequence[str]]
+    #: Headings of the columns for which there is no room.
     left_out: Sequence[str] = ()
 
 
@@ -363,23 +356,15 @@ def json_text(document: Any) -> str:
 
 @dataclass(frozen=True)
 class Output:
-    """Where a result goes and in which format.
+    """Where a result goes and in which format."""
 
-    Attributes
-    ----------
-    format
-        One of `FORMATS` (or the formats the command allows).
-    path
-        The file, or None for standard output.
-    part
-        The one table that is asked for, None for all.
-    force
-        Whether files that are read, or beside that of `-o`, may be replaced.
-    """
-
+    #: One of `FORMATS` (or the formats the command allows).
     format: str
+    #: The file, or None for standard output.
     path: Path | None
+    #: The one table that is asked for, None for all.
     part: str | None = None
+    #: Whether files that are read, or beside that of `-o`, may be replaced.
     force: bool = False
 
     def beside(self, path: Path) -> Output:

@@ -22,65 +22,46 @@ _TYPES = {"whole": "integer", "text": "string", "list": "array"}
 
 @dataclass(frozen=True)
 class Field:
-    """A number or text of each row: its key, its meaning, and how tables show it.
+    """A number or text of each row: its key, its meaning, and how tables show it."""
 
-    Attributes
-    ----------
-    key
-        The key in the rows, and the heading in CSV and JSON. In a description it may be a pattern:
-        ``1…6``, ``crank.*``.
-    title
-        The heading for people; the key when empty.
-    align
-        Side to which the cells are flushed.
-    essential
-        Whether the column stays when a terminal is too narrow for all of them.
-    minor
-        On a narrow terminal columns with the largest number are omitted first, of several with the
-        same number the last. With a negative number the column is omitted only if it does not fit
-        with fewer digits.
-    fold
-        After what a cell may go on in the next line: a blank in prose, a comma and a blank in
-        lists; empty for cells that stay in one line.
-    aligned
-        Whether the numbers of the column have the same number of decimals, so that the points
-        stand under each other.
-    decimals
-        This many decimals for each number, for any width; None for what `aligned` says.
-    size
-        A typical number. In tables for people a number far below it is a rounding error, and shown
-        as zero. Otherwise one processor would show zero and another one 1e-17.
-    meaning, type
-        What it is; number, whole, text, boolean, list or object, with a question mark if it may be
-        null.
-    path
-        Where it is in JSON, such as ``poses[].t``; empty for a column only.
-    is_column
-        Whether it is a column of tables and CSV.
-    within
-        In JSON the numbers of one list stand in it together, under this key.
-    source
-        Where the value is in a row, if not under the key: ``accuracy.worst_shift``, or the last of
-        a list, ``singular_values.-1``.
-    in_json
-        Whether JSON has the column, too.
-    """
-
+    #: The key in the rows, and the heading in CSV and JSON. In a description it may be a pattern:
+    #: ``1…6``, ``crank.*``.
     key: str
+    #: The heading for people; the key when empty.
     title: str = ""
+    #: Side to which the cells are flushed.
     align: str = "left"
+    #: Whether the column stays when a terminal is too narrow for all of them.
     essential: bool = False
+    #: On a narrow terminal columns with the largest number are omitted first, of several with the
+    #: same number the last. With a negative number the column is omitted only if it does not fit
+    #: with fewer digits.
     minor: int = 0
+    #: After what a cell may go on in the next line: a blank in prose, a comma and a blank in lists;
+    #: empty for cells that stay in one line.
     fold: str = ""
+    #: Whether the numbers of the column have the same number of decimals, so that the points stand
+    #: under each other.
     aligned: bool = False
+    #: This many decimals for each number, for any width; None for what `aligned` says.
     decimals: int | None = None
+    #: A typical number. In tables for people a number far below it is a rounding error, and shown
+    #: as zero. Otherwise one processor would show zero and another one 1e-17.
     size: float = 0.0
+    #: What it is; number, whole, text, boolean, list or object, with a question mark if it may be
+    #: null.
     meaning: str = ""
     type: str = "text"
+    #: Where it is in JSON, such as ``poses[].t``; empty for a column only.
     path: str = ""
+    #: Whether it is a column of tables and CSV.
     is_column: bool = True
+    #: In JSON the numbers of one list stand in it together, under this key.
     within: str = ""
+    #: Where the value is in a row, if not under the key: ``accuracy.worst_shift``, or the last of a
+    #: list, ``singular_values.-1``.
     source: str = ""
+    #: Whether JSON has the column, too.
     in_json: bool = True
 
     @property
@@ -227,41 +208,29 @@ def _found(row: Mapping[str, Any], column: Field) -> Any:
 
 @dataclass(frozen=True)
 class Result:
-    """Rows to show, and what is said about them.
+    """Rows to show, and what is said about them."""
 
-    Attributes
-    ----------
-    columns
-        The fields of the rows in their order.
-    rows
-        A mapping from keys to values for each row; missing and None are empty cells.
-    title
-        A heading above the table.
-    notes
-        Lines below the table, for people only.
-    summary
-        Lines between the title and the table that state the result. With CSV they go to standard
-        error.
-    part
-        What `--part` calls the table, where a command shows several.
-    instance, schema, name, head
-        For JSON: the platform, the name of the form, the key of the rows (else `part`), and other
-        keys in their order: the rows are first unless their key is one of them.
-    parts
-        The tables that are shown instead of that of the rows, the first below the same title and
-        summary. JSON has the rows.
-    """
-
+    #: The fields of the rows in their order.
     columns: Sequence[Field]
+    #: A mapping from keys to values for each row; missing and None are empty cells.
     rows: Sequence[Mapping[str, Any]]
+    #: A heading above the table.
     title: str = ""
+    #: Lines below the table, for people only.
     notes: Sequence[str] = ()
+    #: Lines between the title and the table that state the result. With CSV they go to standard
+    #: error.
     summary: Sequence[str] = ()
+    #: What `--part` calls the table, where a command shows several.
     part: str = ""
+    #: For JSON: the platform, the name of the form, the key of the rows (else `part`), and other
+    #: keys in their order: the rows are first unless their key is one of them.
     instance: Instance | None = None
     schema: str = ""
     name: str = ""
     head: Mapping[str, Any] = field(default_factory=dict)
+    #: The tables that are shown instead of that of the rows, the first below the same title and
+    #: summary. JSON has the rows.
     parts: Sequence[Result] = ()
 
     @property

@@ -29,17 +29,11 @@ _SHIPPED = "@"
 
 @dataclass(frozen=True)
 class Changes:
-    """Changes of the values of an instance, as texts ``I=V``.
+    """Changes of the values of an instance, as texts ``I=V``."""
 
-    Attributes
-    ----------
-    values
-        New values.
-    differences
-        Numbers that are added to the values.
-    """
-
+    #: New values.
     values: tuple[str, ...] = ()
+    #: Numbers that are added to the values.
     differences: tuple[str, ...] = ()
 
     @property

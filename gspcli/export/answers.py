@@ -37,22 +37,15 @@ _EXPECTED = "R (3x3) or quaternion (4 numbers, scalar first), and T (3 numbers)"
 
 @dataclass(frozen=True)
 class CandidatePoses:
-    """Poses to be certified.
+    """Poses to be certified."""
 
-    Attributes
-    ----------
-    R, T
-        Complex, shapes (n, 3, 3) and (n, 3).
-    claimed_real
-        Whether the list states that each pose is real, None without a statement.
-    claimed_sides
-        For each pose and constraint the side of its plane that the list says: 1 or -1, or 0 if it
-        says nothing; shape (n, 6).
-    """
-
+    #: Complex, shapes (n, 3, 3) and (n, 3).
     R: NDArray[np.complex128]
     T: NDArray[np.complex128]
+    #: Whether the list states that each pose is real, None without a statement.
     claimed_real: tuple[bool | None, ...]
+    #: For each pose and constraint the side of its plane that the list says: 1 or -1, or 0 if it
+    #: says nothing; shape (n, 6).
     claimed_sides: NDArray[np.int64]
 
 

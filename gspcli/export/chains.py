@@ -28,43 +28,28 @@ _AXES = np.eye(3)
 
 @dataclass(frozen=True, eq=False)
 class ChainJoint:
-    """A joint.
+    """A joint."""
 
-    Attributes
-    ----------
-    type
-        ``hinge``, ``slide`` or ``ball``.
-    axis
-        Unit axis, shape (3,), in the axes of the base; meaningless for a ball.
-    point
-        A point of the axis, or the centre, shape (3,), in the base's frame.
-    value
-        What the constraint measures at the pose if this joint is its value, else None: lengths,
-        or radians. It grows with the joint's coordinate. Zero for a crank or slide at the pose.
-    range
-        The smallest and the largest value of a crank or slide; None if none is stated.
-    """
-
+    #: ``hinge``, ``slide`` or ``ball``.
     type: Literal["hinge", "slide", "ball"]
+    #: Unit axis, shape (3,), in the axes of the base; meaningless for a ball.
     axis: Vector
+    #: A point of the axis, or the centre, shape (3,), in the base's frame.
     point: Vector
+    #: What the constraint measures at the pose if this joint is its value, else None: lengths, or
+    #: radians. It grows with the joint's coordinate. Zero for a crank or slide at the pose.
     value: float | None = None
+    #: The smallest and the largest value of a crank or slide; None if none is stated.
     range: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True, eq=False)
 class Link:
-    """A link of a chain, with the joints that lead to it from the base's side.
+    """A link of a chain, with the joints that lead to it from the base's side."""
 
-    Attributes
-    ----------
-    origin
-        Origin of its frame, shape (3,), in the base's frame.
-    joints
-        In the order from the base to the platform.
-    """
-
+    #: Origin of its frame, shape (3,), in the base's frame.
     origin: Vector
+    #: In the order from the base to the platform.
     joints: tuple[ChainJoint, ...]
 
 
@@ -264,26 +249,18 @@ class Carrier:
     """An arm or a carriage, with the joint that its drive moves.
 
     Vectors are in the frame of its body, in metres.
-
-    Attributes
-    ----------
-    constraints
-        The constraints whose rods it carries, from 0; names in models have the first of them.
-    on_platform
-        Whether its body is the platform.
-    joint
-        The hinge or slide, with the coordinate zero and its range. Its point is the origin of the
-        carrier's frame: where the arm meets the axis of a crank, or the point of the carriage.
-    lever
-        The length of the arm, or None for a carriage.
-    inertial
-        Its mass, centre and inertia.
     """
 
+    #: The constraints whose rods it carries, from 0; names in models have the first of them.
     constraints: tuple[int, ...]
+    #: Whether its body is the platform.
     on_platform: bool
+    #: The hinge or slide, with the coordinate zero and its range. Its point is the origin of the
+    #: carrier's frame: where the arm meets the axis of a crank, or the point of the carriage.
     joint: ChainJoint
+    #: The length of the arm, or None for a carriage.
     lever: float | None
+    #: Its mass, centre and inertia.
     inertial: Inertial
 
     @property

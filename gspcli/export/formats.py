@@ -27,34 +27,22 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class SystemFormat:
-    """The input of a program that solves systems of polynomials.
+    """The input of a program that solves systems of polynomials."""
 
-    Attributes
-    ----------
-    write
-        Its text for a system and a number of digits.
-    irrational
-        What it has for irrational constants: the constants themselves, decimal fractions of this
-        many digits, or doubles.
-    """
-
+    #: Its text for a system and a number of digits.
     write: Callable[[PolynomialSystem, int], str]
+    #: What it has for irrational constants: the constants themselves, decimal fractions of this
+    #: many digits, or doubles.
     irrational: Literal["exact", "decimals", "doubles"]
 
 
 @dataclass(frozen=True)
 class ModelFormat:
-    """A model of the platform in one real assembly mode, or a program for its controller.
+    """A model of the platform in one real assembly mode, or a program for its controller."""
 
-    Attributes
-    ----------
-    what
-        What that is, for the help.
-    suffixes
-        What the names of the files end with if there are two; `-o` names one of them.
-    """
-
+    #: What that is, for the help.
     what: str
+    #: What the names of the files end with if there are two; `-o` names one of them.
     suffixes: tuple[str, ...] = ("",)
 
 
@@ -235,21 +223,14 @@ _MARKED = ("mjcf", "sdf")
 
 @dataclass(frozen=True, eq=False)
 class Export:
-    """What is written for another program.
+    """What is written for another program."""
 
-    Attributes
-    ----------
-    target
-        The program, as `gsp export --to` names it.
-    files
-        The texts of the files by the ends of their names: one, whose end is empty, or two, as the
-        header and the source of a controller.
-    notes
-        Notes: which mode it is, what is not exact.
-    """
-
+    #: The program, as `gsp export --to` names it.
     target: str
+    #: The texts of the files by the ends of their names: one, whose end is empty, or two, as the
+    #: header and the source of a controller.
     files: dict[str, str]
+    #: Notes: which mode it is, what is not exact.
     notes: tuple[str, ...]
 
     def __repr__(self) -> str:

@@ -26,14 +26,9 @@ Monomial = tuple[str, ...]
 
 @dataclass(frozen=True)
 class Polynomial:
-    """A polynomial in named symbols over the rational numbers.
+    """A polynomial in named symbols over the rational numbers."""
 
-    Attributes
-    ----------
-    terms
-        Coefficients by monomial, none zero.
-    """
-
+    #: Coefficients by monomial, none zero.
     terms: Mapping[Monomial, Fraction]
 
     @classmethod
@@ -121,23 +116,15 @@ def cross(a: Sequence[Operand], b: Sequence[Operand]) -> list[Polynomial]:
 
 @dataclass(frozen=True)
 class Style:
-    """How a program writes polynomials.
+    """How a program writes polynomials."""
 
-    Attributes
-    ----------
-    power
-        Between a symbol and its exponent.
-    quotient
-        Between numerator and denominator.
-    imaginary
-        The imaginary unit.
-    exponent
-        The letter before the exponent of a floating-point number.
-    """
-
+    #: Between a symbol and its exponent.
     power: str = "^"
+    #: Between numerator and denominator.
     quotient: str = "/"
+    #: The imaginary unit.
     imaginary: str = "I"
+    #: The letter before the exponent of a floating-point number.
     exponent: str = "e"
 
     def written(
@@ -187,29 +174,20 @@ INVERSE = "w"
 
 @dataclass(frozen=True)
 class SymbolicMotion:
-    """A rigid motion ``x -> R x + T``.
+    """A rigid motion ``x -> R x + T``."""
 
-    Attributes
-    ----------
-    names
-        The unknowns.
-    N
-        The polynomial by which all others are multiplied.
-    R, T, U, rho
-        N times the rotation, by rows, T, ``R^T T`` and ``T.T``.
-    moment
-        From a vector v to ``N (T x R v)``.
-    relations
-        What the unknowns satisfy, and with it N is not zero, each to be zero.
-    """
-
+    #: The unknowns.
     names: tuple[str, ...]
+    #: The polynomial by which all others are multiplied.
     N: Polynomial
+    #: N times the rotation, by rows, T, ``R^T T`` and ``T.T``.
     R: tuple[Vector, ...]
     T: Vector
     U: Vector
     rho: Polynomial
+    #: From a vector v to ``N (T x R v)``.
     moment: Callable[[Sequence[Operand]], Vector]
+    #: What the unknowns satisfy, and with it N is not zero, each to be zero.
     relations: tuple[Polynomial, ...] = field(default=())
 
     @cached_property
@@ -470,20 +448,13 @@ SumOfProducts = tuple[tuple[Polynomial, Polynomial], ...]
 
 @dataclass(frozen=True)
 class PolynomialSystem:
-    """Polynomials to be zero.
+    """Polynomials to be zero."""
 
-    Attributes
-    ----------
-    names
-        The unknowns, in order.
-    polynomials
-        In the unknowns and the constants.
-    constants
-        Irrational numbers by the names that stand for them.
-    """
-
+    #: The unknowns, in order.
     names: tuple[str, ...]
+    #: In the unknowns and the constants.
     polynomials: tuple[Polynomial, ...]
+    #: Irrational numbers by the names that stand for them.
     constants: Mapping[str, Number]
 
     def rounded(self, digits: int) -> PolynomialSystem:

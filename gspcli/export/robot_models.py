@@ -37,41 +37,27 @@ _BETWEEN = 1e-3
 
 @dataclass(frozen=True, eq=False)
 class JointedLink:
-    """A link of a chain.
+    """A link of a chain."""
 
-    Attributes
-    ----------
-    name
-        Its name.
-    origin
-        The origin of its frame in that of the base, shape (3,).
-    inertial
-        Its mass.
-    """
-
+    #: Its name.
     name: str
+    #: The origin of its frame in that of the base, shape (3,).
     origin: Array
+    #: Its mass.
     inertial: Inertial
 
 
 @dataclass(frozen=True, eq=False)
 class LinkJoint:
-    """A joint between two bodies.
+    """A joint between two bodies."""
 
-    Attributes
-    ----------
-    name
-        Its name: ``value_k`` if it is the value of constraint k, ``drive_k`` if it is the crank or
-        slide that moves its point.
-    parent, child
-        The bodies, from the base to the platform.
-    joint
-        Its type, axis and point in the frame of the base.
-    """
-
+    #: Its name: ``value_k`` if it is the value of constraint k, ``drive_k`` if it is the crank or
+    #: slide that moves its point.
     name: str
+    #: The bodies, from the base to the platform.
     parent: str
     child: str
+    #: Its type, axis and point in the frame of the base.
     joint: ChainJoint
 
 
@@ -80,27 +66,18 @@ Jointed: TypeAlias = "tuple[tuple[JointedLink, ...], tuple[LinkJoint, ...]]"
 
 @dataclass(frozen=True, eq=False)
 class JointedModel:
-    """A platform at one pose.
+    """A platform at one pose."""
 
-    Attributes
-    ----------
-    instance
-        The platform.
-    R, T
-        The pose; metres.
-    platform
-        The mass of the platform, in its frame.
-    gravity
-        The acceleration of what falls, m/s^2, shape (3,).
-    chains
-        The links and the joints of each constraint; the last joint leads to the platform.
-    """
-
+    #: The platform.
     instance: Instance
+    #: The pose; metres.
     R: Array
     T: Array
+    #: The mass of the platform, in its frame.
     platform: Inertial
+    #: The acceleration of what falls, m/s^2, shape (3,).
     gravity: Array
+    #: The links and the joints of each constraint; the last joint leads to the platform.
     chains: tuple[Jointed, ...]
 
     @staticmethod

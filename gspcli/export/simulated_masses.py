@@ -41,23 +41,15 @@ _SPIN = 3.0
 
 @dataclass(frozen=True, eq=False)
 class Inertial:
-    """The inertia of a body.
+    """The inertia of a body."""
 
-    Attributes
-    ----------
-    mass
-        Kilogrammes.
-    centre
-        The centre of mass in the frame of the body, metres, shape (3,).
-    matrix
-        The matrix of inertia about it in the axes of the body, kg m^2, shape (3, 3).
-    falls
-        Whether gravity pulls at it.
-    """
-
+    #: Kilogrammes.
     mass: float
+    #: The centre of mass in the frame of the body, metres, shape (3,).
     centre: Array
+    #: The matrix of inertia about it in the axes of the body, kg m^2, shape (3, 3).
     matrix: Array
+    #: Whether gravity pulls at it.
     falls: bool = True
 
 

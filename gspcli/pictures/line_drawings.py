@@ -34,17 +34,11 @@ _MARGIN = 0.05
 
 @dataclass(frozen=True)
 class View:
-    """From where a scene is drawn.
+    """From where a scene is drawn."""
 
-    Attributes
-    ----------
-    azimuth
-        Direction of the eye about the vertical, degrees from the x axis.
-    elevation
-        Height of the eye over the horizon, degrees.
-    """
-
+    #: Direction of the eye about the vertical, degrees from the x axis.
     azimuth: float = -62.0
+    #: Height of the eye over the horizon, degrees.
     elevation: float = 20.0
 
     @property
@@ -58,32 +52,21 @@ class View:
 
 @dataclasses.dataclass
 class Paper:
-    """A panel on which things in space are drawn.
+    """A panel on which things in space are drawn."""
 
-    Attributes
-    ----------
-    axes
-        The panel.
-    view
-        From where.
-    size
-        The length in space that corresponds to the whole range of layers.
-    fixed
-        The layer of everything, instead of the depth.
-    extent
-        The smallest and the largest coordinates drawn so far, shape (2, 2).
-    labels
-        Names and numbers, each with the direction in which it stands from its point, or None.
-    strokes
-        Polylines beside which names stand, shape (n, 2) each.
-    """
-
+    #: The panel.
     axes: Axes
+    #: From where.
     view: View
+    #: The length in space that corresponds to the whole range of layers.
     size: float
+    #: The layer of everything, instead of the depth.
     fixed: float | None = None
+    #: The smallest and the largest coordinates drawn so far, shape (2, 2).
     extent: Array = field(default_factory=lambda: np.array([[math.inf] * 2, [-math.inf] * 2]))
+    #: Names and numbers, each with the direction in which it stands from its point, or None.
     labels: list[tuple[Annotation, Array | None]] = field(default_factory=list)
+    #: Polylines beside which names stand, shape (n, 2) each.
     strokes: list[Array] = field(default_factory=list)
 
     @contextmanager
@@ -230,21 +213,14 @@ _COMPASS = np.array([[np.cos(a), np.sin(a)] for a in np.arange(8) * np.pi / 4]).
 
 
 class Label(NamedTuple):
-    """A name or a number that is to be placed.
+    """A name or a number that is to be placed."""
 
-    Attributes
-    ----------
-    at
-        Its point on the paper, in points of the paper, shape (2,).
-    size
-        Width and height, shape (2,).
-    way
-        The direction in which it stands from its point if there is room, a unit vector of shape
-        (2,); None for a number, which stands on its point then.
-    """
-
+    #: Its point on the paper, in points of the paper, shape (2,).
     at: Array
+    #: Width and height, shape (2,).
     size: Array
+    #: The direction in which it stands from its point if there is room, a unit vector of shape
+    #: (2,); None for a number, which stands on its point then.
     way: Array | None
 
     @property

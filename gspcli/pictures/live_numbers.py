@@ -271,20 +271,13 @@ def apart(instance: Instance) -> Instance:
 
 @dataclass(frozen=True, eq=False)
 class LiveMotors:
-    """The motors of a machine that a live page moves.
+    """The motors of a machine that a live page moves."""
 
-    Attributes
-    ----------
-    given
-        The machine.
-    drives
-        Its drives.
-    family
-        A member of its family in general position (`anywhere`).
-    """
-
+    #: The machine.
     given: Instance
+    #: Its drives.
     drives: Machine
+    #: A member of its family in general position (`anywhere`).
     family: Instance
 
     @classmethod

@@ -48,22 +48,15 @@ class StrokeStyle(Enum):
 
 @dataclass(frozen=True, eq=False)
 class DrawnPrimitive:
-    """A primitive of a body as it is drawn.
+    """A primitive of a body as it is drawn."""
 
-    Attributes
-    ----------
-    name, primitive
-        Its name and sort.
-    outline
-        The point (1, 3), the ends of the part of the line that is drawn (2, 3), or the corners
-        of that part of the plane (4, 3).
-    direction
-        Unit direction of the line or normal of the plane, shape (3,); None for a point.
-    """
-
+    #: Its name and sort.
     name: str
     primitive: Primitive
+    #: The point (1, 3), the ends of the part of the line that is drawn (2, 3), or the corners of
+    #: that part of the plane (4, 3).
     outline: Array
+    #: Unit direction of the line or normal of the plane, shape (3,); None for a point.
     direction: Array | None
 
     @property
@@ -74,51 +67,34 @@ class DrawnPrimitive:
 
 @dataclass(frozen=True, eq=False)
 class DrawnBody:
-    """The base or the platform.
+    """The base or the platform."""
 
-    Attributes
-    ----------
-    name
-        ``base`` or ``platform``.
-    elements
-        Its primitives.
-    faces
-        The convex hull of the middles of its points and lines: polygons, each of shape (k, 3).
-        One polygon if they are in a plane, one of two corners if they are on a line, none if
-        they are in one point.
-    """
-
+    #: ``base`` or ``platform``.
     name: str
+    #: Its primitives.
     elements: tuple[DrawnPrimitive, ...]
+    #: The convex hull of the middles of its points and lines: polygons, each of shape (k, 3). One
+    #: polygon if they are in a plane, one of two corners if they are on a line, none if they are in
+    #: one point.
     faces: tuple[Array, ...]
 
 
 @dataclass(frozen=True)
 class DrawnConstraint:
-    """A constraint as the labels name it.
+    """A constraint as the labels name it."""
 
-    Attributes
-    ----------
-    number
-        From 1.
-    kind
-        What is measured.
-    platform_name, base_name
-        Between which primitives.
-    value
-        The value asked for, in the units of the scene.
-    diameter
-        Of a leg whose file states it; else None.
-    arm
-        The diameter of the arm of its crank; else None.
-    """
-
+    #: From 1.
     number: int
+    #: What is measured.
     kind: Kind
+    #: Between which primitives.
     platform_name: str
     base_name: str
+    #: The value asked for, in the units of the scene.
     value: float
+    #: Of a leg whose file states it; else None.
     diameter: float | None = None
+    #: The diameter of the arm of its crank; else None.
     arm: float | None = None
 
     def to_json(self) -> dict[str, Any]:
@@ -145,46 +121,31 @@ class Stroke:
 
 @dataclass(frozen=True, eq=False)
 class SceneSeries:
-    """Poses to look at one after the other: the assembly modes, or a motion.
+    """Poses to look at one after the other: the assembly modes, or a motion."""
 
-    Attributes
-    ----------
-    title
-        What the poses are, such as ``Assembly modes``.
-    item
-        What one of them is called, such as ``mode``.
-    R, T, quaternions
-        The poses, shapes (n, 3, 3), (n, 3), (n, 4).
-    measured
-        What each constraint measures, in the units of the scene, shape (n, 6).
-    conditions
-        Condition number of each pose, shape (n,).
-    strokes
-        For each constraint what is drawn for it.
-    labels
-        Where the number of each constraint is written, shape (n, 6, 3).
-    facts
-        Further numbers or words about each pose, by their name: lists of length n.
-    parameter
-        The name and the values, shape (n,), of what moves the platform; None for modes.
-    note
-        What should be known about the series, or empty.
-    bodies
-        Where primitives move in their body: by the name of the body how it is at each pose.
-    """
-
+    #: What the poses are, such as ``Assembly modes``.
     title: str
+    #: What one of them is called, such as ``mode``.
     item: str
+    #: The poses, shapes (n, 3, 3), (n, 3), (n, 4).
     R: Array
     T: Array
     quaternions: Array
+    #: What each constraint measures, in the units of the scene, shape (n, 6).
     measured: Array
+    #: Condition number of each pose, shape (n,).
     conditions: Array
+    #: For each constraint what is drawn for it.
     strokes: tuple[tuple[Stroke, ...], ...]
+    #: Where the number of each constraint is written, shape (n, 6, 3).
     labels: Array
+    #: Further numbers or words about each pose, by their name: lists of length n.
     facts: Mapping[str, list[Any]]
+    #: The name and the values, shape (n,), of what moves the platform; None for modes.
     parameter: tuple[str, Array] | None = None
+    #: What should be known about the series, or empty.
     note: str = ""
+    #: Where primitives move in their body: by the name of the body how it is at each pose.
     bodies: Mapping[str, Sequence[DrawnBody]] = field(default_factory=dict)
 
     def __len__(self) -> int:
@@ -193,38 +154,26 @@ class SceneSeries:
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """A platform to look at.
+    """A platform to look at."""
 
-    Attributes
-    ----------
-    title, type_id
-        The name of the instance (or its type), and its type.
-    summary
-        What was found, in a sentence or two.
-    length_unit, angle_unit
-        The units of all numbers; angles of `DrawnConstraint.value` and `SceneSeries.measured` only.
-    size
-        The radius of base and platform together at a typical pose: the unit of all marks.
-    platform, base
-        The bodies.
-    bonds
-        The constraints.
-    series
-        What there is to show; the assembly modes come first.
-    shells
-        By the name of a body the faces of the outline that the file states, in its frame.
-    """
-
+    #: The name of the instance (or its type), and its type.
     title: str
     type_id: str
+    #: What was found, in a sentence or two.
     summary: str
+    #: The units of all numbers; angles of `DrawnConstraint.value` and `SceneSeries.measured` only.
     length_unit: str
     angle_unit: str
+    #: The radius of base and platform together at a typical pose: the unit of all marks.
     size: float
+    #: The bodies.
     platform: DrawnBody
     base: DrawnBody
+    #: The constraints.
     bonds: tuple[DrawnConstraint, ...]
+    #: What there is to show; the assembly modes come first.
     series: tuple[SceneSeries, ...]
+    #: By the name of a body the faces of the outline that the file states, in its frame.
     shells: Mapping[str, tuple[Array, ...]] = field(default_factory=dict)
 
     @cached_property

@@ -55,20 +55,14 @@ class Sizes(NamedTuple):
 
 
 class ConstraintEnds(NamedTuple):
-    """Where a constraint meets its primitives at n poses (or at one), in the frame of the base.
+    """Where a constraint meets its primitives at n poses (or at one), in the frame of the base."""
 
-    Attributes
-    ----------
-    platform, base
-        The end of the shortest connection at each body, or the point at which an angle is
-        drawn (both times), shape (n, 3).
-    w, v
-        Unit direction or normal of the primitive of the platform and of the base, (n, 3); zero
-        for points.
-    """
-
+    #: The end of the shortest connection at each body, or the point at which an angle is drawn
+    #: (both times), shape (n, 3).
     platform: Array
     base: Array
+    #: Unit direction or normal of the primitive of the platform and of the base, (n, 3); zero for
+    #: points.
     w: Array
     v: Array
 
@@ -544,33 +538,23 @@ class Stage:
 
 @dataclass(frozen=True, eq=False)
 class Poses:
-    """Poses to show, before anything is drawn.
+    """Poses to show, before anything is drawn."""
 
-    Attributes
-    ----------
-    title, item, note
-        As in `SceneSeries`.
-    R, T
-        Shapes (n, 3, 3) and (n, 3), real.
-    facts
-        Further numbers or words about each pose.
-    parameter
-        What moves the platform, its name and values; None for modes.
-    conditions
-        Condition numbers where they are known, shape (n,).
-    coordinates, places
-        Names of coordinates that move (`gspcli.geometry.coordinates`), c of them, and where they
-        are at each pose, shape (n, c).
-    """
-
+    #: As in `SceneSeries`, like the note.
     title: str
     item: str
+    #: Shapes (n, 3, 3) and (n, 3), real.
     R: Array
     T: Array
+    #: Further numbers or words about each pose.
     facts: Mapping[str, list[Any]] = field(default_factory=dict)
+    #: What moves the platform, its name and values; None for modes.
     parameter: tuple[str, Array] | None = None
+    #: Condition numbers where they are known, shape (n,).
     conditions: Array | None = None
     note: str = ""
+    #: Names of coordinates that move (`gspcli.geometry.coordinates`), c of them, and where they are
+    #: at each pose, shape (n, c).
     coordinates: tuple[str, ...] = ()
     places: Array = field(default_factory=lambda: np.zeros((0, 0)))
 

@@ -299,32 +299,21 @@ def _answered(
 
 @dataclass(frozen=True, eq=False)
 class Answer:
-    """A result, and which of its poses are shown, and how.
-
-    Attributes
-    ----------
-    result, o, frame
-        The result, the options, and the frame in which poses are expressed.
-    columns
-        Those of positions and rotations, as they are expressed.
-    indices
-        The poses in the order of the table; the real ones are the first.
-    omitted
-        The numbers of the real poses that are not shown, by reasons; None without a filter.
-    distances
-        For each pose of the table its distance from the pose of ``--near``: the translation and the
-        angle, in the units of the instance; None without the option.
-    fit
-        How the readings fit the modes, if there are any.
-    """
+    """A result, and which of its poses are shown, and how."""
 
     result: SolveResult
     o: options.Options
+    #: Those of positions and rotations, as they are expressed in `frame`.
     columns: Sequence[PoseColumn]
     frame: PoseFrame
+    #: The poses in the order of the table; the real ones are the first.
     indices: Sequence[int]
+    #: The numbers of the real poses that are not shown, by reasons; None without a filter.
     omitted: Mapping[str, list[int]] | None = None
+    #: For each pose of the table its distance from the pose of ``--near``: the translation and the
+    #: angle, in the units of the instance; None without the option.
     distances: Sequence[tuple[float, float]] | None = None
+    #: How the readings fit the modes, if there are any.
     fit: ReadingFit | None = None
 
     def sorted_by_distance(self, R: Any, T: Any) -> Answer:

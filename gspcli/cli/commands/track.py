@@ -307,26 +307,17 @@ def _event_sentence(event: Event) -> str:
 
 @dataclass(frozen=True, eq=False)
 class _FollowedTrack:
-    """A track, with its limits and events.
+    """A track, with its limits and events."""
 
-    Attributes
-    ----------
-    track
-        What was followed.
-    limits
-        Where ranges and cones are left.
-    left
-        Where it is not at the poses of the file.
-    ways
-        The straight ways in position and angles from row to row; None for ways of values.
-    frame
-        The frame of the poses of these ways; None for the platform's own.
-    """
-
+    #: What was followed.
     track: Track
+    #: Where ranges and cones are left.
     limits: list[LimitEvent]
+    #: Where it is not at the poses of the file.
     left: list[Departure]
+    #: The straight ways in position and angles from row to row; None for ways of values.
     ways: PoseWays | None = None
+    #: The frame of the poses of these ways; None for the platform's own.
     frame: PoseFrame | None = None
 
 

@@ -460,30 +460,20 @@ def _grouped(names: tuple[str, ...]) -> str:
 
 @dataclass(frozen=True, eq=False)
 class _Home:
-    """A pose to start from.
+    """A pose to start from."""
 
-    Attributes
-    ----------
-    R, T
-        The pose, shapes (3, 3) and (3,), expressed in `frame`.
-    pivot
-        The point of the platform whose position counts, in its frame.
-    size
-        The typical length of the instance, next to which rounding errors are zero.
-    frame
-        The frame in which the pose is expressed; the platform's own is the identity.
-    mode
-        Its number as a mode of the instance, or None.
-    placed
-        Whether its position is given.
-    """
-
+    #: The pose, shapes (3, 3) and (3,), expressed in `frame`.
     R: Array
     T: Array
+    #: The point of the platform whose position counts, in its frame.
     pivot: tuple[float, float, float]
+    #: The typical length of the instance, next to which rounding errors are zero.
     size: float
+    #: The frame in which the pose is expressed; the platform's own is the identity.
     frame: PoseFrame
+    #: Its number as a mode of the instance, or None.
     mode: int | None = None
+    #: Whether its position is given.
     placed: bool = True
 
     @property
