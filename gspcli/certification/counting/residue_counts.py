@@ -180,9 +180,12 @@ def count(
         **options,
     )
     falls, reach, all_commutators, work = facts
+    record = None
     if followed is not None:
-        *numbers, steps = followed
-        followed = EliminationTrace(prime, *numbers, [Step(*step) for step in steps])
+        variables, coordinates, relations, numbers, steps = followed
+        record = EliminationTrace(
+            prime, variables, coordinates, relations, numbers, [Step(*step) for step in steps]
+        )
     return ResidueCount(
         Ending(outcome),
         solutions,
@@ -192,5 +195,5 @@ def count(
         reach,
         bool(all_commutators),
         work,
-        followed,
+        record,
     )
