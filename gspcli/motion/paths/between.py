@@ -27,11 +27,11 @@ from numpy.typing import NDArray
 from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, DPP
 from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.coordinates import choose, coordinates, moved
+from gspcli.geometry.coordinates import choose
 from gspcli.geometry.enclosures import Enclosure, above, joined, roundings, singular_values, size
 from gspcli.geometry.frames import PoseFrame
 from gspcli.geometry.instance import Instance
-from gspcli.geometry.machine import Machine, arms_of, value_machine, without_drives
+from gspcli.geometry.machine import Machine, arms_of, value_machine
 from gspcli.geometry.measurement import condition_numbers
 from gspcli.geometry.quaternions import apply
 from gspcli.geometry.readings import without_corrections
@@ -59,6 +59,8 @@ _EVERY = slice(None)
 _STEPS_AGAIN = 8
 #: Signs: the shortest piece of a way, how often pieces are divided, and most pieces at a time.
 _SHORTEST, _SIGN_HALVINGS, _MOST_SIGNS = 2.0**-36, 60, 20_000
+#: A transmission that is at least this is not zero.
+_TINY = float(np.finfo(float).tiny)
 #: Parts of a way.
 _PARTS = 16
 _AXES = np.eye(3)
@@ -66,41 +68,69 @@ _AXES = np.eye(3)
 
 @dataclass(frozen=True, eq=False)
 class PathRows:
-    """Rows of a proved path.
+    """Rows of a proved path, between which values, drives, or position and angles change linearly.
 
     Attributes
     ----------
-    ways
-        Straight ways of values, or of poses, whichever leads from row to row.
+    machine
+        The machine, in the working modes of the path.
     values, R, T
         Shapes (r, 6), (r, 3, 3) and (r, 3); the values without offsets.
-    parameters
-        Position and angles, shape (r, 6), for ways of poses; None for others.
+    numbers
+        What changes linearly: what all drives are at, lengths and radians, shape (r, m); on ways of
+        poses position and angles, shape (r, 6).
+    ways
+        The straight ways of poses, if poses lead from row to row.
+    follower, rows
+        Else what follows the mode, and the rows as it takes them, shape (r, 6 + d); None if no
+        step knows what moves.
     weights
         The unit of each drive's changes in clearances, lengths and radians, shape (m,); None for
         those of the machine.
-    numbers, geometry
-        For ways of drives: what they are at, shape (r, m), and the platform that they move.
     """
 
-    ways: ValueWays | PoseWays
+    machine: Machine
     values: Array
     R: Array
     T: Array
-    parameters: Array | None = None
+    numbers: Array
+    ways: PoseWays | None = None
+    follower: RowFollower | None = None
+    rows: Array | None = None
     weights: Array | None = None
-    numbers: Array | None = None
-    geometry: MovingGeometry | None = None
+
+    @classmethod
+    def of_values(
+        cls, ways: ValueWays, values: Array, R: Array, T: Array, weights: Array | None = None
+    ) -> PathRows:
+        """Return rows between which the values change linearly."""
+        q = values * ways.machine.units
+        return cls(ways.machine, values, R, T, q, None, ways.follower, values, weights)
+
+    @classmethod
+    def of_poses(cls, ways: PoseWays, R: Array, T: Array, parameters: Array) -> PathRows:
+        """Return rows between which position and angles change linearly."""
+        return cls(ways.machine, ways.machine.values(R, T), R, T, parameters, ways)
+
+    @classmethod
+    def of_drives(
+        cls, machine: Machine, follower: RowFollower | None, q: Array, R: Array, T: Array
+    ) -> PathRows:
+        """Return rows between which all drives change linearly; rods have the stated lengths."""
+        values = machine.values(R, T)
+        for k in np.flatnonzero(~machine.moved).tolist():
+            values[:, machine.users(k)[0]] = q[:, k] / machine.units[k]
+        rows = None
+        if follower is not None:
+            rods = np.array([row.value.value for row in follower.instance.constraints])
+            rows = np.column_stack((values, (q / machine.units)[:, machine.moved]))
+            rows[:, :6] = np.where(follower.driven, rods, rows[:, :6])
+        return cls(machine, values, R, T, q, None, follower, rows)
 
     @property
     def instance(self) -> Instance:
         """The platform."""
-        return self.ways.instance
-
-    @property
-    def machine(self) -> Machine:
-        """The machine; of ways of poses and of drives in the working modes of the path."""
-        return self.ways.machine
+        return self.machine.instance
 
     @property
     def units(self) -> Array:
@@ -113,7 +143,7 @@ class PathRows:
 
     def drive_numbers(self) -> Array:
         """Return what the drives are at in the rows, shape (r, m)."""
-        return self.machine.along(self.R, self.T) if self.numbers is None else self.numbers
+        return self.numbers if self.ways is None else self.machine.along(self.R, self.T)
 
     def conditions(self) -> Array:
         """Return condition numbers at the rows, with the drives still, shape (r,)."""
@@ -126,49 +156,14 @@ class PathRows:
 
     def travels(self) -> Array:
         """Bound how far drives move from row to row, shape (r - 1, m)."""
-        if self.parameters is not None:
-            return self.moved(self.parameters[:-1], self.parameters[1:])
-        return np.asarray(above(np.abs(np.diff(self.moving_numbers, axis=0))))
+        if self.ways is not None:
+            return self.moved(self.numbers[:-1], self.numbers[1:])
+        return np.asarray(above(np.abs(np.diff(self.numbers, axis=0))))
 
     def moved(self, begins: Array, ends: Array) -> Array:
         """Bound how far drives move on straight ways of poses, shape (n, m)."""
-        assert isinstance(self.ways, PoseWays)
+        assert self.ways is not None
         return np.asarray(above(drive_travels(self.ways, begins, ends)))
-
-    @property
-    def moving_numbers(self) -> Array:
-        """The numbers of drives, which change linearly between rows of values or drives, (r, m)."""
-        return self.values * self.machine.units if self.numbers is None else self.numbers
-
-    def followed(self) -> MovingRows | None:
-        """Return the rows as they are followed; None if no step knows what moves."""
-        if not self.machine.moves:
-            assert isinstance(self.ways, ValueWays)
-            return MovingRows(self.ways.follower, self.values, self.R, self.T, self.moving_numbers)
-        if self.geometry is None or self.numbers is None or self.geometry.rows is None:
-            return None
-        drives, follower = self.machine, self.geometry.rows
-        values = self.values.copy()
-        # Rods that drives move have the stated lengths.
-        rods = np.array([row.value.value for row in self.geometry.instance.constraints])
-        values[:, follower.driven] = rods[follower.driven]
-        rows = np.column_stack((values, (self.numbers / drives.units)[:, drives.moved]))
-        return MovingRows(follower, rows, self.R, self.T, self.numbers, drives)
-
-
-class MovingRows(NamedTuple):
-    """Rows of a mode between which values or drives change linearly, and what follows it."""
-
-    follower: RowFollower
-    rows: Array
-    """As the follower takes them, shape (r, 6 + d)."""
-    R: Array
-    T: Array
-    """The poses, shapes (r, 3, 3) and (r, 3)."""
-    numbers: Array
-    """All drives, lengths and radians, shape (r, m)."""
-    drives: Machine | None = None
-    """The cranks and slides, if they move."""
 
 
 class Near(NamedTuple):
@@ -235,7 +230,7 @@ def least_gaps(rows: PathRows, wanted: float) -> tuple[Array, Array]:
     """Return lower bounds of the least gap of legs and bodies at rows and between them."""
     compared = ComparedShapes(rows.instance)
     at = compared.bounds(rows.R, rows.T, rows.drive_numbers()).low.min(axis=1)
-    centre = Arrangement.of(rows.instance).platform_centre
+    centre = _centre(rows)
 
     def measure(near: Near) -> tuple[Array, Array]:
         low = compared.bounds(near.R, near.T, near.q).low
@@ -251,16 +246,20 @@ def least_gaps(rows: PathRows, wanted: float) -> tuple[Array, Array]:
 def least_transmissions(rows: PathRows, wanted: float) -> tuple[Array, Array]:
     """Return the least transmission of all drives at rows, (r,), and bounds between, (r - 1,)."""
     drives = rows.machine
-    centre = Arrangement.of(rows.instance).platform_centre
+    centre = _centre(rows)
 
     def measure(near: Near) -> tuple[Array, Array]:
         return _transmissions(drives, near, centre)
 
     q = rows.drive_numbers()
-    assert q is not None
     gains = drives.gains(rows.R, rows.T, q)
     at = drives.transmission(gains)[:, drives.driven].min(axis=1)
     return at, _least(rows, at, measure, wanted)
+
+
+def keeps_working_modes(rows: PathRows) -> bool:
+    """Return whether it is proved that no drive passes a dead point between the rows."""
+    return bool((least_transmissions(rows, _TINY)[1] >= _TINY).all())
 
 
 def _transmissions(drives: Machine, near: Near, centre: Array) -> tuple[Array, Array]:
@@ -358,6 +357,11 @@ def _leg_moves(
         return moves, roundings(16, 1 + far / np.linalg.norm(r, axis=-1))
 
 
+def _centre(rows: PathRows) -> Array:
+    """Return the centre of the platform, shape (3,)."""
+    return Arrangement.of(rows.instance).platform_centre
+
+
 class PoseParts:
     """Straight ways of poses between rows, each one part.
 
@@ -367,14 +371,11 @@ class PoseParts:
         The rows.
     way
         Which ways: the indices of the rows before them, shape (w,).
-    centre
-        Of the platform, shape (3,).
     """
 
-    def __init__(self, rows: PathRows, way: Index, centre: Array) -> None:
-        assert rows.parameters is not None
-        assert isinstance(rows.ways, PoseWays)
-        first, last = rows.parameters[way], rows.parameters[way + 1]
+    def __init__(self, rows: PathRows, way: Index) -> None:
+        assert rows.ways is not None
+        first, last, centre = rows.numbers[way], rows.numbers[way + 1], _centre(rows)
         self.way, self.whole = way, way
         self.begin, self.end = np.zeros(len(way)), np.ones(len(way))
         self._rows, self._ways, self._centre = rows, rows.ways, centre
@@ -415,24 +416,25 @@ class ValueParts:
 
     Parameters
     ----------
-    moving
+    rows
         The rows.
     ways
         Which ways: the indices of the rows before them, shape (w,).
-    centre
-        Of the platform, shape (3,).
     steps
         How many rows each way is divided into at least: parts are near to shorter chords.
     """
 
-    def __init__(self, moving: MovingRows, ways: Index, centre: Array, steps: int = 1) -> None:
-        numbers, modes = moving.rows, []
+    def __init__(self, rows: PathRows, ways: Index, steps: int = 1) -> None:
+        assert rows.follower is not None
+        assert rows.rows is not None
+        numbers, modes = rows.rows, []
         share = (np.arange(steps + 1) / steps)[:, None]
         for k in ways.tolist():
             values = numbers[k] + (numbers[k + 1] - numbers[k]) * share
             values[-1] = numbers[k + 1]
-            modes.append(moving.follower.follow(values, moving.R[k], moving.T[k], keep=True))
-        self._moving, self._centre = moving, centre
+            modes.append(rows.follower.follow(values, rows.R[k], rows.T[k], keep=True))
+        self._path, self._follower, self._rows = rows, rows.follower, numbers
+        self._centre = _centre(rows)
         self._segments = found = Segments.joined([mode.segments for mode in modes])
         self._finer: dict[int, Index] = {}
         self.way = np.repeat(ways, [len(mode.segments.row) for mode in modes])
@@ -449,7 +451,7 @@ class ValueParts:
 
         Rotations exp(w) R differ by an angle of |w - w'| at most. Arguments as for `PoseParts`.
         """
-        segments, follower = self._segments, self._moving.follower
+        segments, follower = self._segments, self._follower
         width = self.end[part] - self.begin[part]
         rounding = roundings(16, 1)
         middle, half = (low + high) / 2, (high - low) / 2 + rounding
@@ -461,11 +463,11 @@ class ValueParts:
         size = float(np.linalg.norm(follower.origin) + np.linalg.norm(follower.middle))
         shifts = above(moved * follower.reach + turns * away + rounding * size)
         # Values and drives move linearly on the whole way.
-        way, numbers, drives = self.way[part], self._moving.numbers, self._moving.drives
+        way, numbers, drives = self.way[part], self._path.numbers, self._path.machine
         change = numbers[way + 1] - numbers[way]
         sweep = above(np.abs(change) * half[:, None])
         sweep += rounding * (np.abs(numbers[way]) + np.abs(change))
-        if drives is None:
+        if not drives.moves:
             return Near(R, T, shifts, turns, lambda: sweep)
         q = numbers[way] + change * middle[:, None]
         slips = np.where(drives.driven, drives.arms * sweep[:, drives.index], 0.0)
@@ -473,7 +475,7 @@ class ValueParts:
 
     def _poses(self, part: Index, share: Array) -> tuple[Array, Array]:
         """Return poses of the chords of parts, at shares from 0 to 1 of them."""
-        follower = self._moving.follower
+        follower = self._follower
         R, T = self._segments.chord(part, share)
         middle = np.broadcast_to(follower.middle, T.shape)
         return R, T * follower.reach + follower.origin - apply(R, middle)
@@ -488,15 +490,15 @@ class ValueParts:
         return self._finer[k]
 
     def _followed_again(self, k: int) -> Index:
-        moving, old, begin, end = self._moving, self._segments, self.begin[k], self.end[k]
-        first, last = moving.rows[self.way[k]], moving.rows[self.way[k] + 1]
+        follower, old, begin, end = self._follower, self._segments, self.begin[k], self.end[k]
+        first, last = self._rows[self.way[k]], self._rows[self.way[k] + 1]
         share = begin + (end - begin) * np.arange(_STEPS_AGAIN + 1) / _STEPS_AGAIN
         rows = first + (last - first) * share[:, None]
-        rods = moving.follower.driven
+        rods = follower.driven
         rows[:, :6][:, rods] = first[:6][rods]
         (R,), (T,) = self._poses(np.array([k]), np.zeros(1))
-        near = float(self._error[k]) * moving.follower.reach
-        mode = moving.follower.follow(rows, R, T, near, keep=True)
+        near = float(self._error[k]) * follower.reach
+        mode = follower.follow(rows, R, T, near, keep=True)
         new, count = mode.segments, len(mode.segments.row)
         if mode.reached < _STEPS_AGAIN or not (new.radius < 0.5 * old.radius[k]).all():
             return np.zeros(0, np.int64)
@@ -541,20 +543,13 @@ def _least(
     """
     proved = np.full(len(at) - 1, -np.inf) if known is None else known.copy()
     ends = np.minimum(at[:-1], at[1:])
-    centre = Arrangement.of(rows.instance).platform_centre
     ways = np.flatnonzero(~(proved >= wanted) & (ends >= wanted))
-    along_poses = rows.parameters is not None
-    moving = None if along_poses else rows.followed()
-    if not along_poses and moving is None:
+    if rows.ways is None and rows.rows is None:
         return proved
-    for steps in (1,) if along_poses else _STEPS:
+    for steps in _STEPS if rows.ways is None else (1,):
         if not 0 < len(ways) * steps < _MOST_STEPS:
             break
-        parts: PoseParts | ValueParts
-        if moving is None:
-            parts = PoseParts(rows, ways, centre)
-        else:
-            parts = ValueParts(moving, ways, centre, steps)
+        parts = ValueParts(rows, ways, steps) if rows.ways is None else PoseParts(rows, ways)
         found, lost = _judged(measure, parts, ends, wanted, halvings)
         proved[ways] = np.maximum(proved, found)[ways]
         ways = ways[~((proved >= wanted) | lost)[ways]]
@@ -1044,20 +1039,20 @@ def _cones(track: Track) -> list[LimitEvent]:
 
 def _between_rows(track: Track) -> list[LimitEvent]:
     """Return the events of cones, proved between rows, too."""
-    rows, cones, found = _followed(track), machine_of(track).cones, []
-    instance = track.followed if track.coordinates else without_drives(track.followed)
-    machine = Machine.of(instance)
-    drives = machine if machine.moves else None
-    numbers = track.values if drives is None else drive_rows(track, drives)
+    cones, rows, found = machine_of(track).cones, _followed(track), []
+    machine = (Machine.of if track.coordinates else value_machine)(track.followed)
+    numbers = drive_rows(track, machine)
     follower = RowFollower(track.followed, track.coordinates)
-    measure, centre = cone_margins(machine), machine.stated_arrangement.platform_centre
+    measure = cone_margins(machine)
     for m, mode in enumerate(track.modes.tolist()):
         # Modes that begin on the way are followed back from the last row.
         step = -1 if np.isnan(track.T[m, 0, 0]) else 1
         R, T = track.R[m, ::step], track.T[m, ::step]
-        moving = MovingRows(follower, rows[::step], R, T, numbers[::step], drives)
+        path = PathRows(
+            machine, track.values[::step], R, T, numbers[::step], None, follower, rows[::step]
+        )
         end = int(np.isfinite(T[:, 0]).sum())
-        parts = ValueParts(moving, np.arange(min(end, len(rows) - 1)), centre)
+        parts = ValueParts(path, np.arange(min(end, len(rows) - 1)))
         begin, stop, sign = signs(measure, parts, len(cones))
         if step < 0:
             begin, stop, sign = len(rows) - 1 - stop[::-1], len(rows) - 1 - begin[::-1], sign[::-1]
@@ -1251,32 +1246,20 @@ def _rows(
     if ways is not None:
         if frame is not None:
             R, T = frame.from_platform(R, T)
-        parameters = ways.continued(R, T)
-        return PathRows(ways, values, R, T, parameters)
+        return PathRows.of_poses(ways, R, T, ways.continued(R, T))
     if track.coordinates:
-        return _of_drives(track, k, there)
-    instance = without_corrections(track.followed)
-    # Drives that no column moves stay where the file states their points.
-    still = coordinates(instance)
-    instance = moved(instance, still, np.zeros(len(still)))
+        machine = Machine.of(without_corrections(track.instance))
+        q = drive_rows(track, machine)[there]
+        # Where no home is stated the working modes are those of the mode.
+        backward = machine.driven & (machine.gains(R[0], T[0], q[0]) < 0)
+        machine = replace(machine, signs=np.where(backward, -1, 1))
+        geometry = MovingGeometry(track.followed, track.coordinates)
+        return PathRows.of_drives(machine, geometry.rows, q, R, T)
+    instance = value_machine(without_corrections(track.followed)).instance
     # Limits are judged apart: a way that leaves them has its condition numbers all the same.
     rows = tuple(replace(row, limits=None) for row in instance.constraints)
     free = ValueWays(replace(instance, constraints=rows), np.sign(values[0]))
-    return PathRows(free, values, R, T, weights=weights_of(value_machine(track.instance))[0])
-
-
-def _of_drives(track: Track, k: int, there: NDArray[np.int64]) -> PathRows:
-    """Return the rows of one mode of a track of drives."""
-    instance = without_corrections(track.instance)
-    R, T = track.R[k, there], track.T[k, there]
-    drives = Machine.of(instance)
-    numbers = drive_rows(track, drives)[there]
-    # Where no home is stated the working modes are those of the mode.
-    gains = drives.gains(R[0], T[0], numbers[0])
-    working_modes = np.where(drives.driven & (gains < 0), -1, 1)
-    ways = PoseWays(instance, limits=False, working_modes=working_modes)
-    geometry = MovingGeometry(track.followed, track.coordinates)
-    return PathRows(ways, track.values[there], R, T, numbers=numbers, geometry=geometry)
+    return PathRows.of_values(free, values, R, T, weights_of(value_machine(track.instance))[0])
 
 
 #: Poses of a way that are tested for the limit that it violates.

@@ -3,8 +3,7 @@
 On straight ways of drives all cranks, slides and driven values change linearly. A mode is followed
 along them by `MovingGeometry`, which proves that it exists, is regular and is the only one near.
 Ranges are intervals, so a way keeps those that its ends keep; cones are proved by `limit_events`.
-No drive passes a dead point: each half of the way between two rows is in a box about the row at its
-end in which all drives are proved to keep their working modes.
+No drive passes a dead point: its transmission is proved not to be zero on the whole way.
 
 Paths and ways between nodes of a map cost their length times the condition number.
 
@@ -29,7 +28,6 @@ from numpy.typing import ArrayLike, NDArray
 from gspcli.errors import ArgumentError, IncompleteError, NotFiniteError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.coordinates import choose
-from gspcli.geometry.enclosures import above
 from gspcli.geometry.frames import IDENTITY, PoseFrame
 from gspcli.geometry.home_mode import HomeMode, home_mode
 from gspcli.geometry.instance import Instance
@@ -42,6 +40,7 @@ from gspcli.motion.following.tracks import POSE, Run, Track, continuous_quaterni
 from gspcli.motion.paths.between import (
     PathRows,
     cones_kept,
+    keeps_working_modes,
     least_clearances,
     least_gaps,
     limit_events,
@@ -49,7 +48,6 @@ from gspcli.motion.paths.between import (
 from gspcli.motion.paths.ways import PoseWays, ValueWays
 from gspcli.motion.poses.inverse_kinematics import checked_poses, pose_parts, values_at
 from gspcli.motion.poses.mode_filters import chosen_mode
-from gspcli.motion.singularities.neighbourhoods import MachineNeighbourhood
 from gspcli.records import Tabular, dataclass
 from gspcli.solver import SolveResult, solve
 from gspcli.solver.result import Solution
@@ -415,8 +413,6 @@ PROVED_ROWS = 12
 _MARGIN = 1e-4
 #: Digits of corners, relative to the sizes: files are short, and do not depend on last digits.
 _DIGITS = 6
-#: How often steps between rows are halved at most for working modes to be proved.
-_HALVINGS = 5
 
 
 class GuideRows(NamedTuple):
@@ -553,7 +549,7 @@ class ValueGuide(Guide):
             return None
         R, T = self.ways.poses(points)
         proofs = _shared(int(found.parts[0]), np.bincount(part[:-1]))
-        between = PathRows(self.ways, values, R, T)
+        between = PathRows.of_values(self.ways, values, R, T)
         if not cones_kept(between):
             return None
         return self._proved_rows(given, proofs, between)
@@ -613,10 +609,9 @@ class PoseGuide(Guide):
 
     def _through(self, given: RowsOnWay, proofs: NDArray[np.int64]) -> GuideRows | None:
         R, T = self.ways.poses(given.numbers)
-        machine = self.ways.machine
-        if np.isnan(machine.along(R, T)).any():
+        if np.isnan(self.ways.machine.along(R, T)).any():
             return None
-        rows = PathRows(self.ways, machine.values(R, T), R, T, given.numbers)
+        rows = PathRows.of_poses(self.ways, R, T, given.numbers)
         return self._proved_rows(given, proofs, rows)
 
     def placed(self, corner: Array) -> Array:
@@ -665,8 +660,6 @@ class DriveGuide(Guide):
     ----------
     machine
         The drives of the platform.
-    ways
-        Straight ways of poses of the platform, for the rows.
     start, goal
         The ends.
     clear
@@ -680,13 +673,12 @@ class DriveGuide(Guide):
     def __init__(
         self,
         machine: Machine,
-        ways: PoseWays,
         start: PathEnd,
         goal: PathEnd,
         clear: float = 0.0,
         gap: float | None = None,
     ) -> None:
-        self.machine, self.ways, self.start, self.goal = machine, ways, start, goal
+        self.machine, self.start, self.goal = machine, start, goal
         super().__init__(clear, gap)
         drives = machine
         moved = np.flatnonzero(drives.moved).tolist()
@@ -713,13 +705,10 @@ class DriveGuide(Guide):
         ends = ValueWays.same(*(geometry.points(*one) for one in self._ends(R, T)))
         if not ends.all():
             return None
-        proofs = np.zeros(int(given.part[-1]) + 1, np.int64)
-        for k, part in enumerate(given.part[:-1].tolist()):
-            pieces = self._keeps_working_modes(given.numbers[k : k + 2], R[k], T[k], _HALVINGS)
-            if not pieces:
-                return None
-            proofs[part] += pieces
-        rows = PathRows(self.ways, followed.values, R, T, numbers=q, geometry=geometry)
+        rows = PathRows.of_drives(self.machine, geometry.rows, q, R, T)
+        if not keeps_working_modes(rows):
+            return None
+        proofs = _shared(followed.segments, np.bincount(given.part[:-1]))
         return self._proved_rows(given, proofs, rows)
 
     def _ends(self, R: Array, T: Array) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
@@ -740,43 +729,6 @@ class DriveGuide(Guide):
         geometry = MovingGeometry(over_rows(instance, rows), self._chosen)
         run = Run(instance, geometry, np.arange(1.0, len(rows) + 1), rows, FollowOptions())
         return run.follow(self.start.R[None], self.start.T[None], np.ones(1, np.int64))
-
-    def _keeps_working_modes(self, numbers: Array, R: Array, T: Array, halvings: int) -> int:
-        """Return in how many boxes after a row working modes are proved to be kept; else 0."""
-        drives = self.machine
-        q = numbers * drives.units
-        near = MachineNeighbourhood(drives, R, T, q[0])
-        widths = near.widths(above(np.abs(q[1] - q[0])[drives.index]))[None]
-        if near.keeps_working_modes(widths, near.box(widths))[0]:
-            return 1
-        if not halvings:
-            return 0
-        there = self._middle(q, R, T)
-        if there is None:
-            return 0
-        middle = numbers.mean(axis=0)
-        first = self._keeps_working_modes(np.stack((numbers[0], middle)), R, T, halvings - 1)
-        second = first and self._keeps_working_modes(
-            np.stack((middle, numbers[1])), *there, halvings - 1
-        )
-        return first + second if second else 0
-
-    def _middle(self, q: Array, R: Array, T: Array) -> tuple[Array, Array] | None:
-        """Return the pose in the middle of a way of drives from a pose; None if it is not found.
-
-        Parameters
-        ----------
-        q
-            The drives at both ends, shape (2, m).
-        R, T
-            The pose at the first.
-        """
-        numbers = np.stack((q[0], q.mean(axis=0))) / self.machine.units
-        begin = PathEnd("", np.zeros(6), R, T)
-        followed = DriveGuide(self.machine, self.ways, begin, begin)._followed(numbers)
-        if followed.events or np.isnan(followed.T).any():
-            return None
-        return followed.R[0, -1], followed.T[0, -1]
 
 
 #: What can be limited: each drive, the pivot, the turn of the platform.

@@ -1064,7 +1064,7 @@ class Planner:
         moves = any(not np.array_equal(x, y) for x, y in ((start.R, goal.R), (start.T, goal.T)))
         still = np.array_equal(start.values, goal.values) and moves
         if self.along != "poses" and self.machine.moves:
-            drives = DriveGuide(self.machine, self.ways, start, goal, self.clear, self.gap)
+            drives = DriveGuide(self.machine, start, goal, self.clear, self.gap)
             tried.append(lambda: (drives, drives.corners))
         elif self.along != "poses" and not still:
             values = np.stack((start.values, goal.values))

@@ -57,7 +57,7 @@ def test_samples_of_a_path_of_drives_keep_the_gap() -> None:
     found = path(instance, "home", (R, goal), gap=least / 2, time=5)
     assert (found.verdict, found.along) == ("proved", "drives")
     ends = [PathEnd("", found.values[k], found.R[k], found.T[k]) for k in (0, -1)]
-    guide = DriveGuide(Machine.of(instance).at_home(), PoseWays(instance, limits=False), *ends)
+    guide = DriveGuide(Machine.of(instance).at_home(), *ends)
     samples = guide.trace(guide.corners, np.array([300]))
     assert samples is not None
     low = (

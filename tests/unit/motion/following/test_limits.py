@@ -25,7 +25,6 @@ from gspcli.motion.following.branch_follower import FollowOptions
 from gspcli.motion.following.follower import RowFollower, limit_numbers, platform_numbers
 from gspcli.motion.following.tracks import Track, track_from
 from gspcli.motion.paths.between import (
-    MovingRows,
     Near,
     PathRows,
     ValueParts,
@@ -192,10 +191,10 @@ def test_a_cone_that_is_left_between_two_rows_that_keep_it_is_seen():
     events = limit_events(track_from(machine, values, R[:1], T[:1]))
     assert [(event.constraint, event.leaves) for event in events] == [(0, True), (0, False)]
     assert all(1 < event.low < event.high < 2 for event in events)
-    assert not cones_kept(PathRows(ValueWays(machine, np.ones(6)), values, R, T))
+    assert not cones_kept(PathRows.of_values(ValueWays(machine, np.ones(6)), values, R, T))
     base = replace(first.base, cone=gspcli.Cone(halfway.tolist(), 60))
     wide = replace(machine, constraints=(replace(first, base=base), *machine.constraints[1:]))
-    assert cones_kept(PathRows(ValueWays(wide, np.ones(6)), values, R, T))
+    assert cones_kept(PathRows.of_values(ValueWays(wide, np.ones(6)), values, R, T))
 
 
 @pytest.mark.parametrize(
@@ -323,9 +322,9 @@ def test_pieces_of_a_way_are_as_near_as_they_say(moved):
         rows = np.column_stack(([values, values], [np.zeros(6), 8 * rng.normal(size=6)]))
         numbers = np.deg2rad(rows[:, 6:])
     follower = RowFollower(machine, chosen)
-    moving = MovingRows(follower, rows, R[None], T[None], numbers, drives)
     centre = Arrangement.of(machine).platform_centre
-    parts = ValueParts(moving, np.arange(1), centre)
+    path = PathRows(given, rows[:, :6], R[None], T[None], numbers, None, follower, rows)
+    parts = ValueParts(path, np.arange(1))
     assert parts.whole.tolist() == [0]
     finer = parts.finer(0)
     assert len(finer) > 1

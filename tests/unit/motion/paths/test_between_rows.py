@@ -76,7 +76,7 @@ def rows_on_values(name, change, count=4):
     )
     ways = ValueWays(free, np.sign(values))
     weights = weights_of(Machine.of(instance))[0]
-    return PathRows(ways, *found[0], weights=weights), found[1], weights
+    return PathRows.of_values(ways, *found[0], weights), found[1], weights
 
 
 @pytest.mark.parametrize(
@@ -115,7 +115,7 @@ def test_bounds_along_poses_hold_at_samples(name):
     parts = np.linspace(0, 1, 3)[:, None]
     parameters = begin + (end - begin) * parts
     R, T = ways.poses(parameters)
-    rows = PathRows(ways, values_at(instance, R, T), R, T, parameters)
+    rows = PathRows.of_poses(ways, R, T, parameters)
     many = begin + (end - begin) * np.linspace(0, 1, 300)[:, None]
     R, T = ways.poses(many)
     worst = condition_numbers(Arrangement.of(instance), R, T).max()
@@ -142,7 +142,7 @@ def test_a_peak_between_two_rows_is_found():
     before = int(np.flatnonzero(conditions[:peak] < 0.6 * conditions[peak])[-1])
     parameters = line[[ends, before]] if ends != before else line[[ends - 20, before]]
     R, T = ways.poses(parameters)
-    rows = PathRows(ways, values_at(platform, R, T), R, T, parameters)
+    rows = PathRows.of_poses(ways, R, T, parameters)
     inner = condition_numbers(
         Arrangement.of(platform),
         *ways.poses(

@@ -10,10 +10,10 @@ from gspcli.geometry.machine import Machine
 from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.motion import mode_groups
 from gspcli.motion.following.tracks import departures
+from gspcli.motion.paths import planned_paths
 from gspcli.motion.paths.between import PathRows
 from gspcli.motion.paths.ways import PoseWays
 from gspcli.motion.singularities.clearances import clearances, weights_of
-from gspcli.motion.singularities.neighbourhoods import MachineNeighbourhood
 
 #: Machines with six freedoms; delta and three-prs have three.
 SIX = ("t-top-head", "reachy-mini-head", "hexaglide", "modified-paradex")
@@ -126,7 +126,7 @@ def test_motors_are_not_quicker_than_asked():
 def test_without_a_proof_of_the_working_modes_there_is_no_straight_way_of_drives(monkeypatch):
     instance = gspcli.example("t-top-head")
     goal = near(instance, 0.05, 0.03)
-    monkeypatch.setattr(MachineNeighbourhood, "keeps_working_modes", lambda *_: np.array([False]))
+    monkeypatch.setattr(planned_paths, "keeps_working_modes", lambda _: False)
     assert gspcli.path(instance, "home", goal, along="values").verdict == "not found"
 
 
@@ -153,12 +153,23 @@ def test_a_map_of_positions_where_rods_share_cranks():
     start, goal = (np.eye(3), [-890.0, 811.0, -732.0]), (np.eye(3), [585.0, -1107.0, -112.0])
     ways = PoseWays(instance, working_modes=Machine.of(instance).at_home(*start).signs)
     assert not ways.prove(*(ways.parameters(*one) for one in (start, goal))).sign
-    found = gspcli.path(instance, start, goal)
+    found = gspcli.path(instance, start, goal, along="poses")
     assert (found.verdict, found.along) == ("proved", "poses")
     assert len(found.parts) > 1
     assert (np.eye(3) == found.R).all()
     assert ways.machine.keeps(found.R, found.T).all()
     assert found.T[[0, -1]] == pytest.approx(np.array([start[1], goal[1]]))
+
+
+def test_a_long_straight_way_of_drives_passes_no_dead_point():
+    instance = gspcli.example("delta")
+    start, goal = (np.eye(3), [-890.0, 811.0, -732.0]), (np.eye(3), [585.0, -1107.0, -112.0])
+    found = gspcli.path(instance, start, goal)
+    assert (found.verdict, found.along, len(found.parts)) == ("proved", "drives", 1)
+    machine = Machine.of(instance).at_home(*start)
+    gains = machine.gains(found.R, found.T, found.drives)
+    assert (np.sign(gains) == np.sign(gains[0])).all()
+    assert machine.transmission(gains)[:, machine.driven].min() > 0.2
 
 
 @pytest.mark.parametrize("along", ["values", "poses"])
@@ -192,9 +203,10 @@ def test_how_far_drives_move_between_rows_is_bounded_closely(along):
     found = gspcli.path(instance, "home", near(instance, 0.05, 0.03), along=along)
     motors = Machine.of(instance).at_home()
     ways = PoseWays(instance, working_modes=motors.signs)
-    numbers = found.drives if along == "values" else None
-    parameters = None if along == "values" else ways.continued(found.R, found.T)
-    rows = PathRows(ways, found.values, found.R, found.T, parameters, numbers=numbers)
+    if along == "values":
+        rows = PathRows.of_drives(motors, None, found.drives, found.R, found.T)
+    else:
+        rows = PathRows.of_poses(ways, found.R, found.T, ways.continued(found.R, found.T))
     weights = weights_of(motors)[0]
     moved = (np.abs(np.diff(found.drives, axis=0)) / weights).max(axis=1)
     travels = (rows.travels() / weights).max(axis=1)

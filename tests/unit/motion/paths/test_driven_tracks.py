@@ -204,8 +204,7 @@ def test_a_planned_path_of_drives_keeps_a_gap():
 def test_joints_on_a_piece_of_a_way_of_drives_are_as_near_as_is_said():
     rows, *_ = rows_and_samples("reachy-mini-head", "drives")
     drives = rows.machine
-    centre = Arrangement.of(rows.instance).platform_centre
-    parts = ValueParts(rows.followed(), np.array([0]), centre, 4)
+    parts = ValueParts(rows, np.array([0]), 4)
     which = np.arange(len(parts.way))
     low, high = parts.begin, parts.end
     middle = parts.near(which, low, high)

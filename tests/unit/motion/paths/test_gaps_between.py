@@ -13,7 +13,6 @@ from gspcli.motion import measure, track
 from gspcli.motion.collisions.compared import ComparedShapes
 from gspcli.motion.paths.between import PathRows, least_gaps, pose_track, worst_between
 from gspcli.motion.paths.ways import PoseWays
-from gspcli.motion.poses.inverse_kinematics import values_at
 from gspcli.solver import solve
 from tests.support.thick_legs import MACHINES, poses_near, thick
 
@@ -31,7 +30,7 @@ def pose_rows(name, near=None, rows=6, seed=1):
     R, T = poses_near(*home_of(instance), rows, 0.1 * MACHINES[name][1], 0.3, seed)
     ways = PoseWays(instance, limits=False)
     parameters = ways.continued(R, T)
-    return PathRows(ways, values_at(instance, R, T), R, T, parameters)
+    return PathRows.of_poses(ways, R, T, parameters)
 
 
 @pytest.mark.parametrize("near", [None, 1.0])
@@ -42,7 +41,7 @@ def test_no_sample_of_a_way_of_poses_is_below_what_is_proved(name, near):
     parts = np.linspace(0, 1, 400)[:, None]
     sampled = []
     for k in range(len(rows.T) - 1):
-        way = rows.parameters[k] + (rows.parameters[k + 1] - rows.parameters[k]) * parts
+        way = rows.numbers[k] + (rows.numbers[k + 1] - rows.numbers[k]) * parts
         sampled.append(compared.bounds(*rows.ways.poses(way)).high.min())
     least = np.array(sampled)
     size = MACHINES[name][1]
@@ -103,12 +102,9 @@ def test_bounds_of_ways_of_poses_are_about_the_poses_of_the_file():
     R, T = poses_near(np.eye(3), np.array([0.0, 0, 400]), 3, 20, 0.1, 1)
     done = pose_track(given, expressed, frame, np.arange(3.0), R, T, sequence="ZYX", mode=1)
     own = PoseWays(given, limits=False)
-    rows = PathRows(own, values_at(given, R, T), R, T, own.continued(R, T))
-    there = PathRows(
-        done.ways,
-        rows.values,
-        *frame.from_platform(R, T),
-        done.ways.continued(*frame.from_platform(R, T)),
+    rows = PathRows.of_poses(own, R, T, own.continued(R, T))
+    there = PathRows.of_poses(
+        done.ways, *frame.from_platform(R, T), done.ways.continued(*frame.from_platform(R, T))
     )
     assert there.conditions() == pytest.approx(rows.conditions(), rel=1e-6)
     worst = rows.conditions().max()
@@ -122,7 +118,7 @@ def test_weaker_bounds_are_noticed(monkeypatch):
     compared = ComparedShapes(rows.instance)
     parts = np.linspace(0, 1, 400)[:, None]
     sampled = []
-    for first, last in pairwise(rows.parameters):
+    for first, last in pairwise(rows.numbers):
         sampled.append(compared.bounds(*rows.ways.poses(first + (last - first) * parts)).high.min())
     least = np.array(sampled)
     assert (least_gaps(rows, -1e9)[1] <= least).all()

@@ -75,7 +75,7 @@ def test_cones_are_kept_on_the_whole_way():
             continue
         R, T = ways.poses(found.points[0])
         inside = not Machine.of(instance).out_of_cones(R, T).any()
-        ends = PathRows(ways, rows[[0, -1]], R[[0, -1]], T[[0, -1]])
+        ends = PathRows.of_values(ways, rows[[0, -1]], R[[0, -1]], T[[0, -1]])
         proved = cones_kept(ends)
         kept, left = kept + proved, left + (not inside)
         assert inside or not proved
