@@ -79,12 +79,33 @@ def unit_vectors(exact: Sequence[Vector]) -> Array:
     return np.asarray(vectors / np.sqrt(dot(vectors, vectors))[:, None])
 
 
-def _unit(exact: Vector) -> Array:
-    return np.asarray(unit_vectors([exact])[0])
+class _Along:
+    """What has a direction."""
+
+    @property
+    def vector(self) -> Vector:
+        """A nonzero vector along it, of any length."""
+        raise NotImplementedError
+
+    @cached_property
+    def unit(self) -> Array:
+        """The unit vector along it, shape (3,)."""
+        return np.asarray(unit_vectors([self.vector])[0])
+
+
+class _Placed:
+    """What has a position: the point, or a point of the line or the plane."""
+
+    position: Vector
+
+    @cached_property
+    def point(self) -> Array:
+        """The position in floating point, shape (3,), in length units."""
+        return as_array(self.position)
 
 
 @dataclass(frozen=True, init=False)
-class Cone:
+class Cone(_Along):
     """The cone within which a joint can tilt, fixed in the body of the joint.
 
     The direction of each leg (DPP), from this joint to the joint at its other end, makes at most
@@ -105,13 +126,13 @@ class Cone:
         object.__setattr__(self, "axis", exact_direction(axis, "axis"))
         object.__setattr__(self, "half_angle", Number.of(half_angle, "half_angle"))
 
-    @cached_property
-    def unit(self) -> Array:
-        """The unit vector along the axis, shape (3,)."""
-        return _unit(self.axis)
+    @property
+    def vector(self) -> Vector:
+        """The axis."""
+        return self.axis
 
 
-class Motor:
+class Motor(_Along):
     """What the drives of points have in common: a range, and readings that differ from values.
 
     The value q of a drive is an angle or a length, zero where the point is stated.
@@ -197,29 +218,22 @@ class Crank(Motor):
         exact = None if diameter is None else Number.of(diameter, "diameter")
         object.__setattr__(self, "diameter", exact)
 
-    @cached_property
-    def unit(self) -> Array:
-        """The unit vector along the axis, shape (3,)."""
-        return _unit(self.axis)
+    @property
+    def vector(self) -> Vector:
+        """The axis."""
+        return self.axis
 
     def moved(self, point: Array, angle: float) -> Array:
         """Return a point, shape (3,), turned by an angle in radians."""
         centre = as_array(self.centre)
-        return self._turned(point - centre, angle, centre)
+        return self.turned(point - centre, angle, centre)
 
-    def turned(self, point: Array, angle: float) -> Array:
-        """Return a point, as `moved`."""
-        return self.moved(point, angle)
-
-    def turned_vector(self, vector: Array, angle: float) -> Array:
-        """Return a vector, shape (3,), turned by an angle in radians."""
-        return self._turned(vector, angle, np.zeros(3))
-
-    def _turned(self, arm: Array, angle: float, start: Array) -> Array:
-        along = (self.unit @ arm) * self.unit
-        across = np.cross(self.unit, arm)
-        turned: Array = start + along + np.cos(angle) * (arm - along) + np.sin(angle) * across
-        return turned
+    def turned(self, vector: Array, angle: float, start: Array | float = 0.0) -> Array:
+        """Return a vector, shape (3,), turned by an angle in radians, and added to a point."""
+        along = (self.unit @ vector) * self.unit
+        turning = np.cos(angle) * (vector - along)
+        across = np.sin(angle) * np.cross(self.unit, vector)
+        return np.asarray(start + along + turning + across)
 
 
 @dataclass(frozen=True, init=False)
@@ -252,10 +266,10 @@ class Slide(Motor):
         object.__setattr__(self, "direction", exact_direction(direction, "direction"))
         self._state(limits, tolerance, offset, scale)
 
-    @cached_property
-    def unit(self) -> Array:
-        """The unit vector along the rail, shape (3,)."""
-        return _unit(self.direction)
+    @property
+    def vector(self) -> Vector:
+        """The direction."""
+        return self.direction
 
     def moved(self, point: Array, length: float) -> Array:
         """Return a point, shape (3,), moved along the rail."""
@@ -263,7 +277,7 @@ class Slide(Motor):
 
 
 @dataclass(frozen=True, init=False)
-class Point:
+class Point(_Placed):
     """A point.
 
     Attributes
@@ -310,11 +324,6 @@ class Point:
         object.__setattr__(self, "slide", slide)
         object.__setattr__(self, "partner", partner)
 
-    @cached_property
-    def point(self) -> Array:
-        """The point, shape (3,), in length units."""
-        return as_array(self.position)
-
     @property
     def drive(self) -> Crank | Slide | None:
         """What moves the point, or None."""
@@ -333,12 +342,12 @@ class Point:
             return self
         cone = self.cone
         if cone is not None and isinstance(drive, Crank):
-            cone = Cone(drive.turned_vector(cone.unit, value), cone.half_angle)
+            cone = Cone(drive.turned(cone.unit, value), cone.half_angle)
         return Point(drive.moved(self.point, value), cone)
 
 
 @dataclass(frozen=True, init=False)
-class Line:
+class Line(_Placed, _Along):
     """An oriented line.
 
     Attributes
@@ -357,24 +366,14 @@ class Line:
         object.__setattr__(self, "position", exact_vector(position, "position"))
         object.__setattr__(self, "direction", exact_direction(direction, "direction"))
 
-    @cached_property
-    def point(self) -> Array:
-        """A point on the line, shape (3,), in length units."""
-        return as_array(self.position)
-
     @property
     def vector(self) -> Vector:
         """The direction."""
         return self.direction
 
-    @cached_property
-    def unit(self) -> Array:
-        """The unit direction, shape (3,)."""
-        return _unit(self.direction)
-
 
 @dataclass(frozen=True, init=False)
-class Plane:
+class Plane(_Placed, _Along):
     """An oriented plane.
 
     Attributes
@@ -393,20 +392,10 @@ class Plane:
         object.__setattr__(self, "position", exact_vector(position, "position"))
         object.__setattr__(self, "normal", exact_direction(normal, "normal"))
 
-    @cached_property
-    def point(self) -> Array:
-        """A point in the plane, shape (3,), in length units."""
-        return as_array(self.position)
-
     @property
     def vector(self) -> Vector:
         """The normal."""
         return self.normal
-
-    @cached_property
-    def unit(self) -> Array:
-        """The unit normal, shape (3,)."""
-        return _unit(self.normal)
 
 
 Geometry = Point | Line | Plane

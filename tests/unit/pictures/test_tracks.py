@@ -70,7 +70,7 @@ def test_drives_that_move_are_read_and_drawn() -> None:
     )
     crank = instance.constraints[0].base.crank
     assert crank is not None
-    turned = crank.turned(instance.constraints[0].base.point, math.pi / 2)
+    turned = crank.moved(instance.constraints[0].base.point, math.pi / 2)
     np.testing.assert_allclose(last["B1"], turned, atol=1e-12)
     np.testing.assert_array_equal(first["B3"], last["B3"])
     # The legs end at the joints, and are as long as is measured.
