@@ -14,7 +14,7 @@ from gspcli.catalogue.kinds import DLL, DLP, DPL, DPP
 from gspcli.dynamics.arrays import RowError, checked_array
 from gspcli.dynamics.mass_model import MassModel
 from gspcli.geometry.machine import Machine
-from gspcli.geometry.measurement import condition_numbers, measured
+from gspcli.geometry.measurement import condition_numbers, measured, measured_between
 from gspcli.geometry.quaternions import apply, cross, dot
 from gspcli.geometry.tolerances import PARALLEL_SINE
 from gspcli.motion.poses.inverse_kinematics import refusals
@@ -102,12 +102,14 @@ class Actuation:
         self.at = model.machine.at(R, T, q)
         self._check_derivatives()
         self._check_dead_points()
-        self.pulls = self.at.jacobian / self.at.gains[..., None]
+        self.pulls = self.at.jacobian
+        if model.machine.moves:
+            self.pulls = self.pulls / self.at.gains[..., None]
 
     def _check_derivatives(self) -> None:
         """Refuse values without a derivative."""
-        bodies, (_, w, _) = self.at.arrangement, self.at.placed
-        values = np.asarray(measured(bodies, self.R, self.T))
+        bodies, w = self.at.arrangement, self.at.placed.w
+        values = np.asarray(measured_between(bodies, self.at.placed))
         small = np.abs(values) < _ZERO * self.model.bodies.length
         distances = [kind in (DPP, DPL, DLP, DLL) for kind in bodies.kinds]
         wrong = small & distances
@@ -154,7 +156,10 @@ class Actuation:
         RowError
             Naming the rods.
         """
-        machine, rates = self.model.machine, apply(self.pulls, twists)
+        machine = self.model.machine
+        if not machine.shared:
+            return
+        rates = apply(self.pulls, twists)
         off = np.abs(rates - machine.per_drive(rates)[..., machine.index])
         wrong = off > _SAME * np.abs(rates).max(axis=-1, keepdims=True)
         for row, k in np.argwhere(wrong)[:1].tolist():

@@ -144,11 +144,12 @@ class MovingBodies:
     def _on_carriers(self, second_rates: Array, gravity: Array) -> Array:
         """Return what moves arms and carriages, by the first constraints of drives, (..., 6)."""
         carriers, first = self.model.carriers, self.model.machine.first
-        # The ways are those of the rods: against the points of the base.
-        fall = (self.at.ways[..., first, :] * gravity[..., None, :]).sum(axis=-1)
-        weights = carriers.mass * carriers.share * fall
         found = np.zeros(np.broadcast_shapes(second_rates.shape, (*gravity.shape[:-1], 1)))
-        found[..., first] = carriers.moment * second_rates[..., first] + weights
+        if self.model.machine.moves:
+            # The ways are those of the rods: against the points of the base.
+            fall = (self.at.ways[..., first, :] * gravity[..., None, :]).sum(axis=-1)
+            weights = carriers.mass * carriers.share * fall
+            found[..., first] = carriers.moment * second_rates[..., first] + weights
         return found
 
     def potential_bend(self, twists: Array) -> Array:
@@ -157,8 +158,9 @@ class MovingBodies:
         carriers, first = self.model.carriers, self.model.machine.first
         fall = self.model.mass * (self._centre_rate(twists, still) @ gravity)
         rates, second_rates = self._rates(twists, still)
-        bent = self.at.ways * second_rates[..., None] + self.at.bends * rates[..., None] ** 2
-        fall = fall - (bent[..., first, :] @ gravity) @ (carriers.mass * carriers.share)
+        if self.model.machine.moves:
+            bent = self.at.ways * second_rates[..., None] + self.at.bends * rates[..., None] ** 2
+            fall = fall - (bent[..., first, :] @ gravity) @ (carriers.mass * carriers.share)
         if len(legs.rows):
             motion = self._legs(twists, still, rates, second_rates)
             cylinder = legs.cylinder[0] * legs.cylinder[1] * motion.turning_rate

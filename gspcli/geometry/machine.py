@@ -19,7 +19,7 @@ home pose.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import cached_property
 from typing import Literal, NamedTuple
@@ -29,10 +29,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from gspcli.catalogue.kinds import DLL, DPP
 from gspcli.errors import ArgumentError
-from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.arrangement import Arrangement, Placed
 from gspcli.geometry.coordinates import BODIES
 from gspcli.geometry.instance import Constraint, Instance, Side
 from gspcli.geometry.measurement import (
+    Gradient,
     by_twist,
     curvature,
     gradients,
@@ -475,8 +476,6 @@ class Machine:
 
     def gains(self, R: ArrayLike, T: ArrayLike, q: ArrayLike) -> Array:
         """Return the gains of the drives at their constraints, shape (..., 6)."""
-        if not self.driven.any():
-            return np.ones((*np.shape(T)[:-1], len(self.index)))
         return self.at(R, T, q).gains
 
     def matrix(self, gains: Array) -> Array:
@@ -521,6 +520,8 @@ class Machine:
 
     def per_drive(self, of_constraints: Array) -> Array:
         """Return the means over the constraints of each drive, ``(..., 6) -> (..., m)``."""
+        if not self.shared:
+            return of_constraints
         parts = [of_constraints[..., self.users(k)].mean(axis=-1) for k in range(self.count)]
         return np.stack(parts, axis=-1)
 
@@ -673,6 +674,8 @@ class Machine:
         self, R: ArrayLike, T: ArrayLike, working_modes: NDArray[np.int64] | None = None
     ) -> Array:
         """Return what each constraint asks of its drive, shape (..., 6); as `inverse`."""
+        if not self.moves:
+            return self._measured(np.asarray(R, float), np.asarray(T, float))
         both = self.roots(R, T)
         if working_modes is None:
             working_modes = self.home_working_modes if self.signs is None else self.signs
@@ -845,29 +848,50 @@ class MachineAtPoses:
 
     Attributes
     ----------
-    arrangement, placed
-        The platform with its points at q, and its vectors in the axes of the base.
-    by
-        Derivatives of the values by these vectors; not finite where there is none.
-    ways, bends
-        The first and second derivatives of r by the number of the drive of each constraint, in the
-        axes of the base, shape (..., 6, 3); zero where that is the value.
-    gains
-        Of the drives at their constraints, shape (..., 6).
+    arrangement
+        The platform with its points at q.
     """
 
     def __init__(self, machine: Machine, R: Array, T: Array, q: ArrayLike) -> None:
-        self.machine, self.R, self.T = machine, R, T
+        self.machine, self.R, self.T, self.q = machine, R, T, q
         self.arrangement = machine.arrangement(q)
-        self.placed = self.arrangement.placed(R, T)
+
+    @cached_property
+    def placed(self) -> Placed:
+        """The vectors of the constraints in the axes of the base."""
+        return self.arrangement.placed(self.R, self.T)
+
+    @cached_property
+    def by(self) -> Gradient:
+        """Derivatives of the values by these vectors; not finite where there is none."""
         with np.errstate(all="ignore"):
-            self.by = gradients(self.arrangement, self.placed)
-        turned, on_platform = np.swapaxes(R, -1, -2), machine.on_platform[:, None]
-        self.ways, self.bends = (
-            np.where(on_platform, part @ turned, -part)
-            for part in (machine.velocities(q), machine.bends(q))
-        )
-        self.gains: Array = np.where(machine.driven, -dot(self.by.r, self.ways), 1.0)
+            return gradients(self.arrangement, self.placed)
+
+    @cached_property
+    def ways(self) -> Array:
+        """The derivatives of r by the number of the drive of each constraint, shape (..., 6, 3).
+
+        In the axes of the base; zero where that is the value.
+        """
+        return self._turned(self.machine.velocities)
+
+    @cached_property
+    def bends(self) -> Array:
+        """The second derivatives of r, as `ways`."""
+        return self._turned(self.machine.bends)
+
+    def _turned(self, of: Callable[[ArrayLike], Array]) -> Array:
+        if not self.machine.moves:
+            return np.zeros((*self.T.shape[:-1], 6, 3))
+        part, on_platform = of(self.q), self.machine.on_platform[:, None]
+        return np.where(on_platform, part @ np.swapaxes(self.R, -1, -2), -part)
+
+    @cached_property
+    def gains(self) -> Array:
+        """The gains of the drives at their constraints, shape (..., 6)."""
+        if not self.machine.moves:
+            return np.ones((*self.T.shape[:-1], 6))
+        return np.where(self.machine.driven, -dot(self.by.r, self.ways), 1.0)
 
     @cached_property
     def _signs(self) -> Array:

@@ -197,7 +197,12 @@ def measured(bodies: Bodies, R: Field, T: Field) -> Field:
     orientation of the lines; angles are in radians. A complex distance is one of two square
     roots, a complex angle one branch of the inverse function.
     """
-    r, w, _ = bodies.placed(R, T)
+    return measured_between(bodies, bodies.placed(R, T))
+
+
+def measured_between(bodies: Bodies, placed: Placed) -> Field:
+    """Return what constraints measure, as `measured`, of vectors between their primitives."""
+    r, w, _ = placed
     v = np.broadcast_to(bodies.v, w.shape)
     values: Field = np.zeros(r.shape[:-1], dtype=r.dtype)
     for kind, k in _alike(bodies.kinds):
@@ -271,11 +276,13 @@ def curvature(
     r, w, arm = bodies.placed(R, T)
     v = np.broadcast_to(bodies.v, w.shape)
     omega = twists[..., None, :3]
-    turned, w_moves = cross(omega, arm), cross(omega, w)
+    turned, w_moves, w_bends = cross(omega, arm), w, w
+    if any(kind.platform is not Primitive.POINT for kind in bodies.kinds):
+        w_moves = cross(omega, w)
+        w_bends = cross(omega, w_moves)
     r_moves, r_bends = turned + twists[..., None, 3:], cross(omega, turned)
     if slip is not None:
         r_moves, r_bends = r_moves + slip[0], r_bends + slip[1]
-    w_bends = cross(omega, w_moves)
     found: Field = np.zeros(r_moves.shape[:-1], dtype=r.dtype)
     for kind, k in _alike(bodies.kinds):
         vectors, moves, bends = (
