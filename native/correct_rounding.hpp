@@ -26,7 +26,7 @@ constexpr double kNothing = 5e-10;  // rounds to zero to nine digits
 INLINE D fused(const D& a, const D& b, const D& c) { return a * b + c; }
 #endif
 
-// Sums and products as those of double_double.hpp, less one step: the low part may be a few units of the
+// Sums and products as those of lanes.hpp, less one step: the low part may be a few units of the
 // last digit of the high one. They err by less than 2^-100 of the moduli of what is added.
 INLINE V plus(const V& a, const V& b) {
   const V s = exact_sum(a.hi, b.hi);

@@ -52,17 +52,139 @@ INLINE D fused(const D& a, const D& b, const D& c) {
 }
 #endif
 
-}  // namespace
-}  // namespace gsp
-
 #if GSP_PARTS == 2
-#include "double_double.hpp"
+// Mixed operators for numbers of several doubles, from the other operators; T(d) converts a vector of doubles.
+template <class T>
+concept Extended = requires { T::kParts; };
+
+template <Extended T>
+INLINE T operator-(const T& a, const T& b) { return a + -b; }
+template <Extended T>
+INLINE T operator*(double a, const T& b) { return (D{} + a) * b; }
+template <Extended T>
+INLINE T operator*(const T& a, double b) { return (D{} + b) * a; }
+template <Extended T>
+INLINE T operator/(double a, const T& b) { return T(D{} + a) / b; }
+template <Extended T>
+INLINE T operator-(double a, const T& b) { return T(D{} + a) - b; }
+template <Extended T>
+INLINE T operator+(double a, const T& b) { return T(D{} + a) + b; }
+template <Extended T>
+INLINE T operator+(const T& a, double b) { return a + T(D{} + b); }
+template <Extended T>
+INLINE void operator+=(T& a, const T& b) { a = a + b; }
+template <Extended T>
+INLINE void operator-=(T& a, const T& b) { a = a - b; }
+
+template <Extended T>
+INLINE Mask operator>(const T& a, const T& b) { return b < a; }
+template <Extended T>
+INLINE Mask operator>=(const T& a, const T& b) { return b <= a; }
+template <Extended T>
+INLINE Mask operator<(const T& a, double b) { return a < T(D{} + b); }
+template <Extended T>
+INLINE Mask operator<=(const T& a, double b) { return a <= T(D{} + b); }
+template <Extended T>
+INLINE Mask operator>(const T& a, double b) { return T(D{} + b) < a; }
+template <Extended T>
+INLINE Mask operator>=(const T& a, double b) { return T(D{} + b) <= a; }
+
+// Vectors of double-double numbers: an unevaluated sum hi + lo of two doubles has 32 digits.
+//
+// Sums and products by the error-free transformations of T. J. Dekker (A floating-point technique
+// for extending the available precision, 1971) and D. E. Knuth, as in Y. Hida, X. S. Li, D. H.
+// Bailey (Library for double-double and quad-double arithmetic, 2007). Nothing here may be
+// reassociated, and a product may be contracted only where it is written as a fused one.
+struct DoubleDouble {
+  static constexpr int kParts = 2;
+  D hi, lo;
+  DoubleDouble() = default;
+  explicit INLINE DoubleDouble(const D& x) : hi(x), lo{} {}
+  INLINE DoubleDouble(const D& a, const D& b) : hi(a), lo(b) {}
+  // Vector by vector, as C in lanes.hpp.
+  INLINE DoubleDouble(const DoubleDouble& o) : hi(o.hi), lo(o.lo) {}
+  INLINE DoubleDouble& operator=(const DoubleDouble& o) {
+    hi = o.hi, lo = o.lo;
+    return *this;
+  }
+};
+
+// hi + lo, if |a| >= |b|.
+INLINE DoubleDouble quick_sum(const D& a, const D& b) {
+  const D s = a + b;
+  return {s, b - (s - a)};
+}
+
+// a + b without error.
+INLINE DoubleDouble exact_sum(const D& a, const D& b) {
+  const D s = a + b, v = s - a;
+  return {s, (a - (s - v)) + (b - v)};
+}
+
+// a b without error.
+INLINE DoubleDouble exact_product(const D& a, const D& b) {
+  const D p = a * b;
+#if defined(GSP_FUSED)
+  return {p, fused(a, b, -p)};
+#else
+  // Without such an instruction by halves (Veltkamp, Dekker), for numbers below 2^996.
+  const D x = 134217729.0 * a, y = 134217729.0 * b;
+  const D high = x - (x - a), other = y - (y - b), low = a - high, rest = b - other;
+  return {p, ((high * other - p) + high * rest + low * other) + low * rest};
 #endif
+}
 
-namespace gsp {
-namespace {
+INLINE DoubleDouble operator-(const DoubleDouble& a) { return {-a.hi, -a.lo}; }
+INLINE DoubleDouble operator+(const DoubleDouble& a, const DoubleDouble& b) {
+  const DoubleDouble s = exact_sum(a.hi, b.hi), t = exact_sum(a.lo, b.lo);
+  const DoubleDouble u = quick_sum(s.hi, s.lo + t.hi);
+  return quick_sum(u.hi, u.lo + t.lo);
+}
+INLINE DoubleDouble operator*(const DoubleDouble& a, const DoubleDouble& b) {
+  const DoubleDouble p = exact_product(a.hi, b.hi);
+  return quick_sum(p.hi, p.lo + (a.hi * b.lo + a.lo * b.hi));
+}
+INLINE DoubleDouble operator*(const D& a, const DoubleDouble& b) {
+  const DoubleDouble p = exact_product(a, b.hi);
+  return quick_sum(p.hi, p.lo + a * b.lo);
+}
+INLINE DoubleDouble operator/(const DoubleDouble& a, const DoubleDouble& b) {
+  const D first = a.hi / b.hi;
+  const DoubleDouble left = a - first * b;
+  return quick_sum(first, left.hi / b.hi);
+}
 
-#if GSP_PARTS == 2
+INLINE Mask operator<(const DoubleDouble& a, const DoubleDouble& b) {
+  return (a.hi < b.hi) | ((a.hi == b.hi) & (a.lo < b.lo));
+}
+INLINE Mask operator<=(const DoubleDouble& a, const DoubleDouble& b) {
+  return (a.hi < b.hi) | ((a.hi == b.hi) & (a.lo <= b.lo));
+}
+
+INLINE DoubleDouble select(const Mask& m, const DoubleDouble& a, const DoubleDouble& b) {
+  return {m ? a.hi : b.hi, m ? a.lo : b.lo};
+}
+
+// The square root of numbers that are not negative.
+INLINE DoubleDouble root(const DoubleDouble& x) {
+  const D first = root(x.hi);
+  const DoubleDouble left = x - exact_product(first, first);
+  const D correction = first > 0.0 ? left.hi / (first + first) : first;
+  return quick_sum(first, correction);
+}
+
+// Sets one of the two doubles in all lanes.
+INLINE void put_part(DoubleDouble& x, int part, double value) { (part ? x.lo : x.hi) = D{} + value; }
+INLINE double lane(const DoubleDouble& x, int l) { return x.hi[l]; }
+INLINE double part_of(const DoubleDouble& x, int l, int part) { return (part ? x.lo : x.hi)[l]; }
+INLINE void set_part(DoubleDouble& x, int l, int part, double value) {
+  (part ? x.lo : x.hi)[l] = value;
+}
+INLINE void put(DoubleDouble& x, int l, double value) {
+  x.hi[l] = value;
+  x.lo[l] = 0.0;
+}
+
 typedef DoubleDouble V;
 constexpr double kEpsilon = 1e-31;  // of rounding in the equations
 INLINE V splat(double x) { return V(D{} + x); }

@@ -1,7 +1,7 @@
 """The poses of platforms with three angles as Study points, if they are in general position.
 
 First the rotations, then for each the translations, natively for many sets of values at a time
-(native/closed_form.hpp; paper, Section 6).
+(native/closed_form.cpp; paper, Section 6).
 """
 
 from __future__ import annotations

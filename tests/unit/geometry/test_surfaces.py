@@ -26,7 +26,7 @@ TRIPLES = list(combinations_with_replacement(DISTANCE_KINDS, 3))
 
 
 class Surfaces(NamedTuple):
-    """Surfaces at f rotations (native/surfaces.hpp)."""
+    """Surfaces at f rotations (native/closed_form.cpp)."""
 
     planes: np.ndarray
     """Of each combination of sides: of heights, then of circles; (f, s, planes, 4)."""
