@@ -60,9 +60,10 @@ def install() -> None:
 
 def bundle(part: Part) -> str:
     """Return a script with all that it imports in it."""
-    esbuild = ["node", HERE / "node_modules" / "esbuild-wasm" / "bin" / "esbuild"]
+    esbuild = str(HERE / "node_modules" / "esbuild-wasm" / "bin" / "esbuild")
+    source, form = str(SOURCES / part.entry), f"--format={part.form}"
     run = subprocess.run(
-        [*esbuild, SOURCES / part.entry, *BUNDLE, f"--format={part.form}", "--log-level=warning"],
+        ["node", esbuild, source, *BUNDLE, form, "--log-level=warning"],
         check=True,
         capture_output=True,
         text=True,

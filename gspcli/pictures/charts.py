@@ -24,22 +24,7 @@ if TYPE_CHECKING:
 def bar_chart(
     heights: Mapping[int, int], fmt: str, *, title: str, x_label: str, y_label: str
 ) -> bytes:
-    """Return the bars of a distribution over whole numbers.
-
-    Parameters
-    ----------
-    heights
-        How often each number occurs.
-    fmt
-        ``svg``, ``png`` or ``pdf``.
-    title, x_label, y_label
-        What is shown.
-
-    Raises
-    ------
-    GspError
-        If matplotlib is not installed.
-    """
+    """Return the bars of a distribution: how often each whole number occurs."""
     numbers = sorted(heights) or [0]
     # Where all are even, so are the places of the bars.
     step = 1 if any(number % 2 for number in numbers) else 2
@@ -63,25 +48,14 @@ def bar_chart(
 Array = NDArray[np.float64]
 
 
-def mode_map(found: Scan, boundary: Boundary, quantity: str, fmt: str) -> bytes:
-    """Return a scan as a picture: a stair over one value, a coloured map over two.
+def scan_chart(found: Scan, boundary: Boundary, quantity: str, fmt: str) -> bytes:
+    """Return a scan as a picture: a line over one number that varies, a coloured map over two.
 
-    Parameters
-    ----------
-    found
-        The scan.
-    boundary
-        Where the number of modes changes: lines over one value, curves with cusps over two.
-    quantity
-        What the colours of a map are: ``modes``, ``condition`` or ``clearance``.
-    fmt
-        ``svg``, ``png`` or ``pdf``.
-
-    Raises
-    ------
-    GspError
-        If matplotlib is not installed.
+    Folds, or the singular curve, are drawn, too. What is shown is ``modes``, ``condition`` or
+    ``clearance``; over poses the first stands for the determinant.
     """
+    if "determinant" in found.numbers and quantity == "modes":
+        quantity = "determinant"
     with styled():
         from matplotlib.figure import Figure
 
@@ -89,17 +63,17 @@ def mode_map(found: Scan, boundary: Boundary, quantity: str, fmt: str) -> bytes:
         if len(found.axes) == 2:
             _map(figure, found, boundary, quantity)
         else:
-            _stair(figure, found, boundary, quantity)
+            _line(figure, found, boundary, quantity)
         return written(figure, fmt)
 
 
 def _label(found: Scan, k: int) -> str:
-    units, axis = found.instance.units, found.axes[k]
-    name, is_angle = axis.name, axis.name.startswith("crank.")
-    if axis.constraint is not None:
-        kind = found.instance.constraints[axis.constraint].kind
-        name, is_angle = f"{kind.name} {name}", not kind.is_distance
-    return f"{name} ({units.angle.value if is_angle else units.length})"
+    axis = found.axes[k]
+    if axis.constraint is None:
+        return f"{axis.name} ({_unit(found.instance, axis.name)})"
+    kind, units = found.instance.constraints[axis.constraint].kind, found.instance.units
+    unit = units.length if kind.is_distance else units.angle.value
+    return f"{kind.name} {axis.name} ({unit})"
 
 
 _TITLES = {
@@ -109,20 +83,32 @@ _TITLES = {
 }
 
 
+def _title(found: Scan, quantity: str) -> str:
+    return quantity if "determinant" in found.numbers else _TITLES[quantity]
+
+
 def _numbers(found: Scan, quantity: str) -> Array:
     """Return what is shown at each node, NaN where nothing is known."""
-    numbers, modes = found.numbers[quantity], found.numbers["modes"]
+    numbers = found.numbers[quantity]
+    if "determinant" in found.numbers:
+        return numbers
+    modes = found.numbers["modes"]
     if quantity == "modes":
         return np.where(modes < 0, np.nan, modes.astype(float))
     return np.where(np.isfinite(numbers) & (modes > 0), numbers, np.nan)
 
 
-def _stair(figure: Figure, found: Scan, boundary: Boundary, quantity: str) -> None:
-    axes = figure.subplots()
-    axes.plot(found.axes[0].values, _numbers(found, quantity), ".", color=PLATFORM)
+def _line(figure: Figure, found: Scan, boundary: Boundary, quantity: str) -> None:
+    axes, over_poses = figure.subplots(), "determinant" in found.numbers
+    mark = "-" if over_poses else "."
+    axes.plot(found.axes[0].values, _numbers(found, quantity), mark, color=PLATFORM)
+    axes.set(xlabel=_label(found, 0), ylabel=_title(found, quantity))
+    if quantity == "determinant":
+        axes.axhline(0, color=ANGLE, linewidth=0.8)
+    if over_poses:
+        return
     for fold in boundary.crossings:
         axes.axvline(fold.values[0], color=ANGLE, linewidth=0.8)
-    axes.set(xlabel=_label(found, 0), ylabel=_TITLES[quantity])
     if quantity != "modes":
         axes.set_yscale("log")
     axes.grid(axis="y")
@@ -130,78 +116,40 @@ def _stair(figure: Figure, found: Scan, boundary: Boundary, quantity: str) -> No
 
 def _map(figure: Figure, found: Scan, boundary: Boundary, quantity: str) -> None:
     from matplotlib import colormaps
-    from matplotlib.colors import BoundaryNorm, LogNorm
+    from matplotlib.colors import BoundaryNorm
 
     axes = figure.subplots()
     shown = np.ma.masked_invalid(_numbers(found, quantity).T)
     x, y = (np.array(axis.values) for axis in found.axes)
+    # Without a number at any node there is no logarithm, either.
+    colours: dict[str, Any] = {"cmap": "viridis", "norm": "log" if shown.count() else None}
+    ticks = None
     if quantity == "modes":
-        numbers = np.unique(shown.compressed()).astype(int).tolist() or [0]
+        ticks = np.unique(shown.compressed()).astype(int).tolist() or [0]
         # One colour for each number that occurs, light for few.
-        bounds = [*(number - 0.5 for number in numbers), numbers[-1] + 0.5]
-        colours = colormaps["Blues"].resampled(len(numbers) + 1)
-        norm: Any = BoundaryNorm(bounds, colours.N, extend="neither")
-        ticks: Any = numbers
-    else:
-        colours, norm, ticks = colormaps["viridis"], LogNorm(), None
-    mesh = axes.pcolormesh(x, y, shown, cmap=colours, norm=norm, shading="nearest", rasterized=True)
+        bounds = [*(number - 0.5 for number in ticks), ticks[-1] + 0.5]
+        blues = colormaps["Blues"].resampled(len(ticks) + 1)
+        colours = {"cmap": blues, "norm": BoundaryNorm(bounds, blues.N, extend="neither")}
+    elif quantity == "determinant":
+        most = float(np.ma.max(np.ma.abs(shown))) or 1.0
+        colours = {"cmap": "RdBu", "vmin": -most, "vmax": most}
+    elif quantity == "clearance" and "determinant" in found.numbers:
+        # It is zero at singular poses.
+        colours = {"cmap": "viridis"}
+    mesh = axes.pcolormesh(x, y, shown, shading="nearest", rasterized=True, **colours)
     for curve in boundary.curves:
         axes.plot(*curve.values.T, color=ANGLE, linewidth=1.0)
         axes.plot(*curve.cusps.T, "o", color=ANGLE, markersize=3.5)
-    axes.set(xlim=(x[0], x[-1]), ylim=(y[0], y[-1]))
-    bar = figure.colorbar(mesh, ax=axes, ticks=ticks)
-    bar.set_label(_TITLES[quantity])
-    axes.set(xlabel=_label(found, 0), ylabel=_label(found, 1))
-
-
-def pose_map(found: Scan, limits: Boundary, quantity: str, fmt: str) -> bytes:
-    """Return a scan of poses as a picture: a line over one coordinate, a coloured map over two.
-
-    Parameters
-    ----------
-    found
-        The scan.
-    limits
-        Its singular curve over two coordinates, which is drawn, too.
-    quantity
-        What is shown: ``modes``, which stands for the determinant, ``condition`` or ``clearance``.
-    fmt
-        ``svg``, ``png`` or ``pdf``.
-    """
-    with styled():
-        from matplotlib.figure import Figure
-
-        flat = len(found.axes) == 1
-        figure = Figure(figsize=(6.0, 3.0 if flat else 4.4), layout="constrained")
-        axes = figure.subplots()
-        quantity = "determinant" if quantity == "modes" else quantity
-        numbers = found.numbers[quantity]
-        grids = [np.array(axis.values) for axis in found.axes]
-        labels = [f"{axis.name} ({_unit(found.instance, axis.name)})" for axis in found.axes]
-        if flat:
-            axes.plot(grids[0], numbers, color=PLATFORM)
-            if quantity == "determinant":
-                axes.axhline(0, color=ANGLE, linewidth=0.8)
-            axes.set(xlabel=labels[0], ylabel=quantity)
-            return written(figure, fmt)
-        shown = np.ma.masked_invalid(numbers.T)
-        colours: dict[str, Any] = {"cmap": "viridis"}
-        if quantity == "determinant":
-            most = float(np.ma.max(np.ma.abs(shown))) or 1.0
-            colours = {"cmap": "RdBu", "vmin": -most, "vmax": most}
-        elif quantity == "condition":
-            colours["norm"] = "log"
-        mesh = axes.pcolormesh(*grids, shown, shading="nearest", rasterized=True, **colours)
-        for curve in limits.curves:
-            axes.plot(*curve.values.T, color=ANGLE, linewidth=1.2)
-        figure.colorbar(mesh, ax=axes).set_label(quantity)
-        axes.set(xlabel=labels[0], ylabel=labels[1])
-        return written(figure, fmt)
+    figure.colorbar(mesh, ax=axes, ticks=ticks).set_label(_title(found, quantity))
+    axes.set(
+        xlim=(x[0], x[-1]), ylim=(y[0], y[-1]), xlabel=_label(found, 0), ylabel=_label(found, 1)
+    )
 
 
 def _unit(instance: Instance, name: str) -> str:
-    """Return the unit of x, y, z, rx, ry or rz."""
-    return instance.units.angle.value if name.startswith("r") else instance.units.length
+    """Return the unit of x, y, z, rx, ry or rz, or of a crank or slide."""
+    is_angle = name.startswith(("r", "crank."))
+    return instance.units.angle.value if is_angle else instance.units.length
 
 
 _SLICES = 6
@@ -209,22 +157,7 @@ _COLUMNS = 3
 
 
 def workspace_slices(found: Workspace, fmt: str) -> bytes:
-    """Return a workspace over two or three parameters as a picture.
-
-    Over three there are six slices, evenly between the ends of the third parameter.
-
-    Parameters
-    ----------
-    found
-        The workspace.
-    fmt
-        ``svg``, ``png`` or ``pdf``.
-
-    Raises
-    ------
-    GspError
-        If matplotlib is not installed.
-    """
+    """Return a workspace over two parameters as a picture, or six even slices of one over three."""
     with styled():
         from matplotlib.figure import Figure
         from matplotlib.patches import Patch
@@ -299,14 +232,8 @@ _FAR_OUT = 5.0
 def residual_chart(result: Calibration, fmt: str) -> bytes:
     """Return the residuals of readings and of poses by row, and how they are distributed.
 
-    Parameters
-    ----------
-    result
-        A calibration. Residuals are divided by their deviations (and by the scatter, if the
-        noise was not stated), so that they should look like a normal distribution; the worst row
-        is marked.
-    fmt
-        ``svg``, ``png`` or ``pdf``.
+    Residuals are divided by their deviations (and by the scatter, if the noise was not stated), so
+    that they should look like a normal distribution; the worst row is marked.
     """
     with styled():
         from matplotlib.figure import Figure

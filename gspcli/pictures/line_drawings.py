@@ -160,13 +160,7 @@ class Paper:
         self.labels.append((text, way))
 
     def finish(self, reach: Array | None = None) -> None:
-        """Fit the panel to what was drawn, true to scale and without axes.
-
-        Parameters
-        ----------
-        reach
-            Half the width and height of the panel; by default those of what was drawn.
-        """
+        """Fit the panel to what was drawn (or to a `reach` about its middle), true to scale."""
         self.axes.set_axis_off()
         middle = self.extent.mean(axis=0)
         low, high = middle - (half := self.reach if reach is None else reach), middle + half
@@ -238,15 +232,8 @@ class Label(NamedTuple):
 def apart(labels: Sequence[Label], strokes: Array | None = None) -> list[Array]:
     """Return the step from its point to the middle of each label; numbers are placed first.
 
-    Names stand beside strokes, numbers on them. Where nothing is free the label goes where it
-    hides least.
-
-    Parameters
-    ----------
-    labels
-        What is placed.
-    strokes
-        Ends of straight strokes, in points of the paper, shape (n, 2, 2).
+    Names stand beside strokes, shape (n, 2, 2) in points of the paper, numbers on them. Where
+    nothing is free the label goes where it hides least.
     """
     points = [label.at for label in labels if label.way is not None]
     taken = [np.stack((at - _POINT, at + _POINT)) for at in points]
@@ -310,25 +297,10 @@ _NAMED_PANELS = 6
 def drawing(
     scene: Scene, fmt: str, modes: Sequence[int], view: View | None = None, *, names: bool = True
 ) -> bytes:
-    """Return a drawing of assembly modes as the content of a file.
+    """Return a drawing of assembly modes, a panel each, as the content of a file.
 
-    Parameters
-    ----------
-    scene
-        What to draw.
-    fmt
-        ``svg``, ``png`` or ``pdf``.
-    modes
-        Indices of the modes from 0, a panel each; with none, the base alone is drawn.
-    view
-        From where; a usual one if None.
-    names
-        Whether primitives and constraints are named.
-
-    Raises
-    ------
-    GspError
-        If matplotlib is not installed.
+    Modes are indices from 0; without any, the base alone is drawn. `names` are those of primitives
+    and constraints.
     """
     panels = [*modes] or [-1]
     columns = math.ceil(math.sqrt(1.3 * len(panels))) if len(panels) > 1 else 1

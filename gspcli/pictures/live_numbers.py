@@ -226,19 +226,9 @@ def _cross(a: Vector, b: Vector) -> Vector:
 def counted(instance: Instance, start: Start) -> list[ExactCount | None]:
     """Return how many isolated poses a machine can have, by which motors have moved.
 
-    Parameters
-    ----------
-    instance
-        The machine.
-    start
-        Of its family.
-
-    Returns
-    -------
-    list
-        Entry ``sum(2**k for k in moved)`` is the count where the motors k, of those that move
-        joints, have moved, and the others are where the file has them. None: as many as the family
-        has.
+    Entry ``sum(2**k for k in moved)`` is the count where the motors k, of those that move joints,
+    have moved, and the others are where the file has them. None: as many as its family has, of
+    which the start is.
     """
     names = [name for name in Machine.of(instance).names if "." in name]
     found: list[ExactCount | None] = [None] * 2 ** len(names)
@@ -758,20 +748,8 @@ def live_page(
 ) -> str:
     """Return the live page of a scene, a whole HTML document.
 
-    Parameters
-    ----------
-    scene
-        What to show; its first series are the assembly modes, numbered so.
-    live
-        What the page solves from, as `gspcli.pictures.live_numbers.live_numbers` returns it.
-    start
-        The assembly mode that is followed first, from 0.
-    view
-        From where it is seen first; a usual one if None.
-    names
-        Whether primitives and constraints are named at first.
-    frame
-        The frame in which sliders of the pose express it.
+    The page solves from what `live_numbers` returns, and follows the assembly mode `start` first,
+    from 0. Sliders of the pose express it in a frame.
     """
     said = parts(scene, start, view, {"start": start, "names": names})
     if live["reservation"]:

@@ -45,20 +45,7 @@ _VIEW = View(azimuth=-55, elevation=18)
 
 
 def chain_drawing(chains: Sequence[tuple[str, Realization]], fmt: str) -> bytes:
-    """Return a drawing of chains, a panel each, as the content of a file.
-
-    Parameters
-    ----------
-    chains
-        A heading and a chain for each panel.
-    fmt
-        ``svg``, ``png`` or ``pdf``.
-
-    Raises
-    ------
-    GspError
-        If matplotlib is not installed.
-    """
+    """Return a drawing of chains, a panel with a heading each, as the content of a file."""
     columns = min(len(chains), _MOST_COLUMNS)
     rows = math.ceil(len(chains) / columns)
     with styled():
@@ -182,16 +169,7 @@ def mounted(
 
     Joints on the leg share the way between the ends; those on a line or in a plane lie side by
     side there; drivers at the base are beyond its primitive. The directions of the axes are
-    true, and so are the places of joints at the ends.
-
-    Parameters
-    ----------
-    realization
-        The chain.
-    ends
-        What it connects.
-    joint
-        The size of a joint, in length units.
+    true, and so are the places of joints at the ends. The size of a joint is a length.
     """
     joints = realization.chain.joints
     way = ends.base - ends.platform
@@ -392,21 +370,9 @@ _INSIDE = 0.8
 
 
 def mechanism_drawing(scene: Scene, mechanism: Mechanism, fmt: str, mode: int) -> bytes:
-    """Return a drawing of a mechanism at an assembly mode as the content of a file.
+    """Return a drawing of a mechanism at an assembly mode, from 0, as the content of a file.
 
-    Parameters
-    ----------
-    scene, mechanism
-        The same platform, its constraints in the same order.
-    fmt
-        ``svg``, ``png`` or ``pdf``.
-    mode
-        Index of the mode from 0.
-
-    Raises
-    ------
-    GspError
-        If matplotlib is not installed.
+    Scene and mechanism are the same platform, with its constraints in the same order.
     """
     size = _JOINT * scene.size
     modes = scene.series[0]

@@ -38,18 +38,8 @@ def page(
 ) -> str:
     """Return the page of a scene, a whole HTML document.
 
-    Parameters
-    ----------
-    scene
-        What to show.
-    start
-        The assembly mode that is shown first, from 0.
-    series
-        The series that is shown first; if None, the first that has poses.
-    view
-        From where it is seen first; a usual one if None.
-    names
-        Whether primitives and constraints are named at first.
+    First it shows the assembly mode `start`, from 0, of a series (if None, of the first that has
+    poses), from a view, with names of primitives and constraints.
     """
     if series is None:
         series = next((k for k, each in enumerate(scene.series) if len(each)), 0)
@@ -62,12 +52,7 @@ def parts(
 ) -> dict[str, str]:
     """Return the texts about a scene in every page, by the marks in its template.
 
-    Parameters
-    ----------
-    scene, start, view
-        As `page` takes them.
-    seen
-        How it is seen first, for the page's program.
+    `seen` says to the page's program how it is seen first.
     """
     modes = scene.series[0]
     eye = (view or View()).axes[2].round(6).tolist()
@@ -175,13 +160,7 @@ _HEIGHT = 620
 
 
 def notebook_view(result: SolveResult) -> str:
-    """Return a result as HTML for a notebook: its page in a frame of its own.
-
-    Parameters
-    ----------
-    result
-        What `gspcli.solver.solve` found.
-    """
+    """Return a result as HTML for a notebook: its page in a frame of its own."""
     document = escape(page(scene_of(result), first_mode(result.drawn)))
     title = escape(result.instance.name or result.instance.type.id)
     # In a frame of its own the page's style and scripts touch nothing of the notebook's.

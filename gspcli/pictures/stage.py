@@ -70,14 +70,8 @@ class ConstraintEnds(NamedTuple):
 def connection(kind: Kind, p: Array, w: Array, x: Array, v: Array) -> ConstraintEnds:
     """Return the ends of the shortest connection of a distance.
 
-    Parameters
-    ----------
-    kind
-        The kind of the distance.
-    p, w
-        A point of the platform's primitive and its unit direction, shape (n, 3).
-    x, v
-        The same of the base's primitive.
+    Points of the primitives of platform and base are p and x, their unit directions w and v, of
+    shape (n, 3).
     """
     r = p - x
     if kind is DPL:
@@ -198,15 +192,7 @@ def arm_strokes(instance: Instance, poses: Poses, size: float) -> list[tuple[Str
     """Return what is drawn of the arm or rail of each constraint at poses; nothing of values.
 
     An arm leads from the axis of its crank to the point, a rail along the range of its slide.
-
-    Parameters
-    ----------
-    instance
-        The platform as it is stated.
-    poses
-        The poses, perhaps with coordinates; drives that are none of them are where it states them.
-    size
-        Of the scene.
+    Drives that are no coordinates of the poses are where the instance states them.
     """
     drives, count = Machine.of(instance), len(poses.T)
     if not drives.moves or not count:
@@ -365,13 +351,8 @@ _INSIDE = 1e-6
 def guides(element: DrawnPrimitive, feet: Array) -> Iterator[Stroke]:
     """Yield the way from what is drawn of a primitive to a foot on it at each pose.
 
-    Parameters
-    ----------
-    element
-        The primitive.
-    feet
-        One point of it at each pose, in the frame of its body, shape (n, 3). Where the foot is
-        inside, both ends of the stroke are the foot; if it always is, there is no stroke.
+    Feet are in the frame of the body, shape (n, 3). Where one is inside, both ends of the stroke
+    are the foot; if all are, there is no stroke.
     """
     if element.primitive is Primitive.POINT:
         return
@@ -573,17 +554,7 @@ def names_of(constraints: Sequence[Constraint]) -> list[tuple[str, str]]:
 def series_of(
     arrangement: Arrangement, poses: Poses, strokes: Sequence[tuple[Stroke, ...]], labels: Array
 ) -> SceneSeries:
-    """Return poses as they are shown.
-
-    Parameters
-    ----------
-    arrangement
-        The platform.
-    poses
-        The poses.
-    strokes, labels
-        As in `SceneSeries`.
-    """
+    """Return poses as they are shown."""
     R, T, conditions = poses.R, poses.T, poses.conditions
     values = np.asarray(measured(arrangement, R, T).real).copy()
     values[:, arrangement.distances] = np.abs(values[:, arrangement.distances])
@@ -614,15 +585,6 @@ def series_of(
 
 def moving_series(instance: Instance, poses: Poses, size: float) -> SceneSeries:
     """Return poses at which primitives are elsewhere in their bodies; lines and planes as needed.
-
-    Parameters
-    ----------
-    instance
-        The platform as it is stated.
-    poses
-        The poses, with coordinates.
-    size
-        Of the scene.
 
     Raises
     ------
@@ -724,19 +686,10 @@ def _corners(points: Array) -> Array:
 def scene_of(
     result: SolveResult, tracks: Sequence[Poses] = (), *, only: int | None = None, summary: str = ""
 ) -> Scene:
-    """Return the scene of a result: its assembly modes, its motions, and tracks if given.
+    """Return the scene of a result: its assembly modes, its motions, and tracks of the platform.
 
-    Parameters
-    ----------
-    result
-        What `gspcli.solver.solve` found.
-    tracks
-        Further poses of the same platform, such as those of a trajectory.
-    only
-        The index of one mode, if nothing else is to be shown: lines and planes are then drawn
-        no larger than it needs.
-    summary
-        The text about the result; if empty, its account.
+    With the index of the `only` mode to be shown, lines and planes are drawn no larger than it
+    needs. The summary is the text about the result; if empty, its account.
     """
     instance, arrangement = result.instance, result.arrangement
     shown = [_modes(result.drawn, only)]

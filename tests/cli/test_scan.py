@@ -54,6 +54,11 @@ def test_pictures(gsp, tmp_path):
         assert path.read_bytes().startswith(b"<?xml")
 
 
+def test_a_picture_of_values_without_a_pose(gsp, tmp_path):
+    grid = ("--vary", "1=90:91:2", "--vary", "4=1:2:2", "--quantity", "condition")
+    assert gsp("scan", HEXAPOD, *grid, "-o", tmp_path / "map.svg").code == 0
+
+
 def test_curves_and_clearances(gsp):
     grid = ("--vary", "1=2.2:2.4:3", "--vary", "4=1.6:1.8:3", "--jobs", "1")
     run = gsp("scan", HEXAPOD, *grid, "--folds", "--format", "json")

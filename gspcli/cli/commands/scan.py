@@ -126,10 +126,9 @@ def command(o: options.Options) -> int:
         say(f"{o.output.path}: not written; --resume keeps what is done for the next run")
         return INTERRUPTED
     if o.output.format in options.DRAWINGS:
-        from gspcli.pictures.charts import mode_map, pose_map
+        from gspcli.pictures.charts import scan_chart
 
-        drawn = mode_map if o.pose is None else pose_map
-        write(o.output, drawn(found, limits, o.quantity, o.output.format))
+        write(o.output, scan_chart(found, limits, o.quantity, o.output.format))
     else:
         emit(o.output, scan_table(ScanResult(found, limits, o.folds), o.output.format, frame))
     if interrupted:

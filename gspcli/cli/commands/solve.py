@@ -619,7 +619,7 @@ def _completeness(result: SolveResult) -> str:
         where = " over the complex numbers" if len(result.lone.R) else ""
         return f"{verdict}: infinitely many solutions{where} and {isolated} ({usual})"
     geometry = expected if complete and found == expected else result.geometry_count
-    whose, whole = "this geometry", geometry
+    whose, whole = "this geometry", geometry or 0
     if geometry in (None, expected):
         whose, whole, usual = "the type", expected, ""
     if complete and found == ends.found == geometry:
@@ -640,8 +640,10 @@ def _completeness(result: SolveResult) -> str:
         }
         parts += [f"{count} {place}" for place, count in elsewhere.items() if count]
     # A platform can have more solutions than its geometry has for almost all values.
-    if found != whole and whole >= ends.found:
-        parts.append(f"{'all ' * (complete and whole == ends.found)}of {whose}'s {whole}")
+    if complete and whole > ends.found:
+        parts.append(f"where {whose} has {whole} for most values")
+    elif found != whole >= ends.found:
+        parts.append(f"{'all ' * complete}of {whose}'s {whole}")
     return f"{verdict}: {', '.join(parts)}" + (f" ({usual})" if usual else "")
 
 
