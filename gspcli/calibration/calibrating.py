@@ -7,7 +7,7 @@ without it are as near to the machine as it is known before; otherwise no cause 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from itertools import combinations
@@ -16,9 +16,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from gspcli.calibration.fitting import HUBER, Fit, fit, reduced, redundancies, started
+from gspcli.calibration.fitting import HUBER, Fit, fit, redundancies, started
 from gspcli.calibration.logs import check_points
-from gspcli.calibration.measurements import Measurements, Noise, alike, constant_rods, value_rows
+from gspcli.calibration.measurements import (
+    Measurements,
+    Noise,
+    constant_rods,
+    left_jacobian,
+    value_rows,
+)
 from gspcli.calibration.model import CORRECTIONS, FileNumbers, Model, calibrated, file_numbers
 from gspcli.catalogue.kinds import DLL
 from gspcli.errors import ArgumentError, IncompleteError
@@ -55,9 +61,6 @@ _EXACT, _HIDDEN = 1e-5, 0.1
 #: A direction is described by at most this many numbers, those above a part of the largest, and at
 #: most this many directions are.
 _SHOWN, _PART, _MOST = 4, 0.2, 3
-#: Random poses that show what a sort of measurements determines: how many, turned (radians) and
-#: shifted (typical lengths) by how much.
-_POSES, _TURN, _SHIFT = 60, 0.4, 0.3
 #: Poses that differ by less than these (radians; of a typical length) do not differ.
 _SAME_TURN, _SAME_PLACE = 0.01, 1e-3
 
@@ -126,36 +129,24 @@ def _frame_motions(model: Model) -> Iterator[Array]:
     if not model.with_frames:
         return
     A, at = rotation_from_vector(model.frames[:3]), model.geometry + 12
+    turns = [np.linalg.inv(left_jacobian(model.frames[k : k + 3])) for k in (0, 6)]
     for axis in np.eye(3):
         for body in ("base", "platform"):
-            for turning in (False, True):
-                change = np.zeros(len(model.free))
+            for turn in (np.zeros(3), axis):
+                turning, change = bool(turn.any()), np.zeros(len(model.free))
                 for block, span in model.spans():
                     if block.body == body:
                         shift = np.cross(axis, block.point) if turning else axis
-                        turn = axis if turning else np.zeros(3)
                         parts = (block.shifts @ shift, block.tilts @ turn)
                         change[span][: len(block.shifts) + len(block.tilts)] = np.concatenate(parts)
                 frames = change[at:]
                 if body == "base":
                     # A body that moves by xi looks the same from a device moved by A xi A^-1.
-                    turn, shift = (-A @ axis, np.zeros(3)) if turning else (np.zeros(3), -A @ axis)
-                    frames[:3], frames[3:6] = _vector_rate(model.frames[:3], turn), shift
+                    frames[:3], frames[3:6] = turns[0] @ (-A @ turn), -A @ (axis - turn)
                 else:
                     shift = np.cross(axis, model.frames[9:]) if turning else axis
-                    turn = axis if turning else np.zeros(3)
-                    frames[6:9], frames[9:] = _vector_rate(model.frames[6:9], turn), shift
+                    frames[6:9], frames[9:] = turns[1] @ turn, shift
                 yield change
-
-
-def _vector_rate(vector: Array, omega: Array) -> Array:
-    """Return how a rotation vector changes when its rotation turns by omega from the left."""
-    step = 1e-6
-    ends = [
-        vector_from_rotation(rotation_from_vector(s * step * omega) @ rotation_from_vector(vector))
-        for s in (1, -1)
-    ]
-    return np.asarray((ends[0] - ends[1]) / (2 * step))
 
 
 def _sparse(rows: Array) -> Array:
@@ -182,47 +173,30 @@ def _combination(row: Array, names: list[str]) -> str:
 
 def advice(found: Fit, seen: Measurements) -> str:
     """Return what to measure so that more is known."""
-    model = found.model
-    if unread := _unread(seen):
-        return f"give readings of {listed(map(str, unread), 'and')}, or hold what only they use"
-    turns = vector_from_rotation(found.R @ found.R[0].T)
-    turned = np.linalg.svd(turns, compute_uv=False) > _SAME_TURN
-    wanted, limit = int(model.free.sum()), ""
-    if not model.drives and not model.with_frames:
-        most = _rank_of_sort(found, seen, turning=bool(turned[0]))
-        if most < wanted:
-            limit = f"poses of this sort tell at most {most}, however many: "
-    if turned.sum() < 2:
-        return f"{limit}measure poses that turn the platform, about axes that differ"
-    places = np.linalg.norm(found.T - found.T.mean(axis=0), axis=1).max(initial=0.0)
-    if places < _SAME_PLACE * model.length:
-        return f"{limit}measure poses that move the platform, along x, y and z"
-    has_turns, has_places = (bool(np.isfinite(a).any()) for a in (seen.rotations, seen.positions))
-    if limit:
-        if seen.points and not any(name in seen.targets for name in seen.points):
-            return f"{limit}say where points are on the platform (--target), or measure whole poses"
-        if has_places and not has_turns:
-            return f"{limit}measure rotations, too, or three points of the platform"
-        what = "positions" if has_turns or len(seen.inclinations) else "whole poses"
-        return f"{limit}measure {what} of the platform, too"
+    model, points = found.model, [name for name in seen.points if name not in seen.targets]
+    turned = np.linalg.svd(vector_from_rotation(found.R @ found.R[0].T), compute_uv=False)
+    moved = np.linalg.norm(found.T - found.T.mean(axis=0), axis=1).max(initial=0.0)
+    has_turns, has_places = (np.isfinite(a).any() for a in (seen.rotations, seen.positions))
     rows = np.isfinite(found.residual).sum(axis=1)
-    lacking = wanted - found.freedom - int(found.known.sum())
-    if lacking > 0:
-        each = max(int(rows.max(initial=7)) - 6, 1)
-        return f"measure at least {counted(-(-lacking // each), 'more pose')}"
-    return "measure poses farther apart, or more exactly; --plan N says which"
-
-
-def _rank_of_sort(found: Fit, seen: Measurements, *, turning: bool) -> int:
-    """Return how many numbers measurements of these sorts tell at many random poses, a rank."""
-    model, random = found.model, np.random.default_rng(0)
-    size = _TURN if turning else 0.0
-    turns = rotation_from_vector(size * random.normal(size=(_POSES, 3)))
-    T = found.T.mean(axis=0) + _SHIFT * model.length * random.uniform(-1, 1, (_POSES, 3))
-    there = alike(seen, turns @ found.R[0], T, None)
-    slopes = reduced(model, turns @ found.R[0], T, there, Noise.usual(model.length)).slopes
-    singular = np.linalg.svd(slopes * model.sizes[model.free], compute_uv=False)
-    return int((singular > _EXACT * singular.max(initial=0.0)).sum())
+    lacking = int(model.free.sum()) - found.freedom - int(found.known.sum())
+    more = counted(-(-lacking // max(int(rows.max(initial=7)) - 6, 1)), "more pose")
+    part = not (seen.points or model.drives or model.with_frames)
+    missing = _unread(seen)
+    unread = listed(map(str, missing), "and") if missing else ""
+    rules = (
+        (unread, f"give readings of {unread}, or hold what only they use"),
+        ((turned > _SAME_TURN).sum() < 2, "measure poses that turn the platform, about two axes"),
+        (moved < _SAME_PLACE * model.length, "measure poses that move it, along x, y and z"),
+        (
+            points and not (has_turns or seen.targets),
+            "say where points are on the platform (--target), or measure whole poses",
+        ),
+        (part and not has_places, "measure positions of the platform, too"),
+        (part and not has_turns, "measure rotations, too, or three points of the platform"),
+        (lacking > 0, f"measure at least {more}"),
+    )
+    otherwise = "measure poses farther apart, or more exactly; --plan N says which"
+    return next((what for holds, what in rules if holds), otherwise)
 
 
 #: One of a thousand standard normal numbers is larger.
@@ -237,10 +211,7 @@ _LESS, _KNOWN = 1 / 3, 3.0
 #: At most this many rows are tested.
 _ROWS = 1000
 #: Units that are taken for another: powers of ten, inches and millimetres; degrees and radians.
-_LENGTH_FACTORS = (1000.0, 100.0, 10.0, 25.4)
-_ANGLE_FACTORS = (180 / np.pi,)
-
-Mended = Iterator[tuple[str, Measurements]]
+_LENGTHS, _ANGLES = (1000.0, 100.0, 10.0, 25.4), (180 / np.pi,)
 
 
 def quantile(freedom: int, z: float) -> float:
@@ -248,60 +219,6 @@ def quantile(freedom: int, z: float) -> float:
     part = 2 / (9 * freedom)
     found: float = freedom * max(1 - part + z * part**0.5, 0.0) ** 3
     return found
-
-
-def doubts(
-    found: Fit,
-    numbers: FileNumbers,
-    stated: FileNumbers,
-    noise: Noise,
-    scatter: float,
-    prior: float,
-    outliers: int,
-    unit: str,
-) -> tuple[str, ...]:
-    """Return why the data do not fit the machine, in sentences; none if they do.
-
-    Parameters
-    ----------
-    found
-        The fit.
-    numbers, stated
-        The numbers of the file for the model found, and as they are stated.
-    noise, scatter
-        The deviations, and what they are multiplied by; one if they were stated.
-    prior
-        How well the numbers are known before, a length.
-    outliers
-        How many rows have numbers that are left out.
-    unit
-        Of lengths.
-    """
-    sentences = [] if found.converged else ["the fit did not come to an end"]
-    chi, freedom, rows = float(np.nansum(found.residual**2)), found.freedom, len(found.residual)
-    if outliers > _MANY * rows:
-        sentences.append(f"{outliers} of {rows} rows are outliers by more than 5 sigma")
-    if scatter == 1.0 and freedom > 0 and chi > (limit := quantile(freedom, _SELDOM)):
-        sentences.append(
-            f"chi-squared is {chi:.4g} of {freedom}: with the sigmas as stated it is above "
-            f"{limit:.4g} once in 1000 times"
-        )
-    if scatter != 1.0 and noise.value * scatter > prior:
-        sentences.append(
-            f"the scatter ({noise.value * scatter:.2g} {unit}) is more than what the numbers "
-            f"are known to before ({prior:.2g} {unit})"
-        )
-    ratio = np.abs(numbers.values - stated.values) / _tolerances(found, numbers, prior)
-    far = np.flatnonzero(ratio > _FAR)
-    if len(far):
-        worst = int(far[ratio[far].argmax()])
-        change = numbers.values[worst] - stated.values[worst]
-        more = f", and {counted(len(far) - 1, 'other number')} too" if len(far) > 1 else ""
-        sentences.append(
-            f"{numbers.names[worst]} changes by {change:.3g}, {ratio[worst]:.2g} times what "
-            f"it is known to before (--prior {prior:.2g} {unit}){more}"
-        )
-    return tuple(sentences)
 
 
 def _tolerances(found: Fit, numbers: FileNumbers, prior: float) -> Array:
@@ -316,9 +233,9 @@ def _tolerances(found: Fit, numbers: FileNumbers, prior: float) -> Array:
 
 
 def likely_cause(model: Model, seen: Measurements, prior: float, unit: str) -> str | None:
-    """Return the mistake without which the data are nearest to the machine as stated.
+    """Return the mistake without which the data are nearest to the machine as stated, in words.
 
-    None if no mistake of `RULES` explains them, or no pose was measured whole.
+    None if none of `mistakes` explains them, or no pose was measured whole.
 
     Parameters
     ----------
@@ -326,17 +243,15 @@ def likely_cause(model: Model, seen: Measurements, prior: float, unit: str) -> s
         The machine as stated.
     seen
         What was measured, poses in the frame of the base.
-    prior
-        How well the machine is known before, a length.
-    unit
-        Of lengths.
+    prior, unit
+        How well the machine is known before, a length, and its unit.
     """
     if not seen.whole.any():
         return None
     rows = np.flatnonzero(seen.whole)
     seen = seen.taken(rows[:: -(-len(rows) // _ROWS)])
     before = _apart(model, seen)
-    mended = [(_apart(model, one), what) for rule in RULES for what, one in rule(model, seen)]
+    mended = ((_apart(model, replace(seen, **one)), what) for what, one in mistakes(model, seen))
     after, what = min(mended, key=lambda pair: pair[0])
     if not after < min(_LESS * before, _KNOWN * prior):
         return None
@@ -361,108 +276,54 @@ def _apart(model: Model, seen: Measurements) -> float:
     return float(max(medians, default=np.inf))
 
 
-def _both(factors: tuple[float, ...], what: str) -> Iterator[tuple[float, str]]:
-    """Yield factors and their inverses with the mistake that each mends."""
-    for factor in factors:
-        yield factor, f"{what} are too small by {factor:.4g}, as in another unit"
-        yield 1 / factor, f"{what} are too large by {factor:.4g}, as in another unit"
-
-
-def _readings(model: Model, seen: Measurements) -> Mended:
+def mistakes(model: Model, seen: Measurements) -> Iterator[tuple[str, dict[str, Any]]]:
+    """Yield ten mistakes of files: in words, and what of the data differs without it."""
     distances = np.array([kind.is_distance for kind in model.kinds])
-    for columns, factors, what in (
-        (distances & ~seen.rods, _LENGTH_FACTORS, "the readings of lengths"),
-        (~distances, _ANGLE_FACTORS, "the readings of angles"),
-    ):
-        for factor, said in _both(factors, what) if columns.any() else ():
-            yield said, replace(seen, readings=seen.readings * np.where(columns, factor, 1.0))
-
-
-def _positions(_: Model, seen: Measurements) -> Mended:
-    for factor, said in _both(_LENGTH_FACTORS, "the measured positions"):
-        yield said, replace(seen, positions=seen.positions * factor)
-
-
-def _rotations(_: Model, seen: Measurements) -> Mended:
-    """Yield data whose rx ry rz were radians, read as degrees."""
-    if seen.euler:
-        angles = np.rad2deg(euler_from_rotation(seen.euler, seen.rotations))
-        turned = rotation_from_euler(seen.euler, angles)
-        yield "rx, ry, rz are radians, not degrees", replace(seen, rotations=turned)
-
-
-def _drives(model: Model, seen: Measurements) -> Mended:
-    """Yield data with the cranks, or the slides, in another unit or with the other sign."""
-    for sort, what, factors in (
-        ("crank", "the angles of cranks", _ANGLE_FACTORS),
-        ("slide", "the places of slides", _LENGTH_FACTORS),
-    ):
-        columns = np.array([drive.sort == sort for drive in model.drives], bool)
-        if seen.drives is None or not columns.any():
-            continue
-        for factor, said in (*_both(factors, what), (-1.0, f"{what} have the wrong sign")):
-            yield said, replace(seen, drives=seen.drives * np.where(columns, factor, 1.0))
-
-
-def _exchanged_readings(model: Model, seen: Measurements) -> Mended:
-    for j, k in combinations(np.flatnonzero(~seen.rods).tolist(), 2):
-        readings = seen.readings[:, _swap(len(model.kinds), j, k)]
-        yield f"the readings {j + 1} and {k + 1} are exchanged", replace(seen, readings=readings)
-
-
-def _exchanged_drives(model: Model, seen: Measurements) -> Mended:
-    for j, k in combinations(range(len(model.drives)), 2):
-        one, other = model.drives[j], model.drives[k]
-        if seen.drives is not None and one.sort == other.sort:
-            drives = seen.drives[:, _swap(len(model.drives), j, k)]
-            names = f"{one.drive_name} and {other.drive_name}"
-            yield f"the readings of {names} are exchanged", replace(seen, drives=drives)
-
-
-def _exchanged_positions(_: Model, seen: Measurements) -> Mended:
-    for j, k in combinations(range(3), 2):
-        what = f"the positions {'xyz'[j]} and {'xyz'[k]} are exchanged"
-        yield what, replace(seen, positions=seen.positions[:, _swap(3, j, k)])
-
-
-def _transposed(_: Model, seen: Measurements) -> Mended:
-    back = np.swapaxes(seen.rotations, 1, 2)
-    yield "the rotations are transposed (from base to platform)", replace(seen, rotations=back)
-
-
-def _inverted(_: Model, seen: Measurements) -> Mended:
-    back = np.swapaxes(seen.rotations, 1, 2)
-    yield (
-        "the poses are inverted (those of the base in the platform's frame)",
-        replace(seen, rotations=back, positions=-apply(back, seen.positions)),
+    cranks = np.array([drive.sort == "crank" for drive in model.drives], bool)
+    drives = np.zeros((len(seen), 0)) if seen.drives is None else seen.drives
+    R, T = seen.rotations, seen.positions
+    every = np.ones(3, bool)
+    units = (
+        ("readings", seen.readings, distances & ~seen.rods, _LENGTHS, "the readings of lengths"),
+        ("readings", seen.readings, ~distances, _ANGLES, "the readings of angles"),
+        ("positions", T, every, _LENGTHS, "the measured positions"),
+        ("drives", drives, cranks, _ANGLES, "the angles of cranks"),
+        ("drives", drives, ~cranks, _LENGTHS, "the places of slides"),
     )
-
-
-def _scalar_last(_: Model, seen: Measurements) -> Mended:
-    rolled = np.roll(quaternion_from_rotation(seen.rotations), 1, axis=1)
-    turned = rotation_from_quaternion(rolled)
-    yield "the quaternions have the scalar last", replace(seen, rotations=turned)
-
-
-def _swap(count: int, j: int, k: int) -> NDArray[np.intp]:
-    order = np.arange(count)
-    order[[j, k]] = k, j
-    return order
-
-
-#: Ten mistakes of files, each as the data without it. All poses are whole.
-RULES: tuple[Callable[[Model, Measurements], Mended], ...] = (
-    _readings,
-    _positions,
-    _rotations,
-    _drives,
-    _exchanged_readings,
-    _exchanged_drives,
-    _exchanged_positions,
-    _transposed,
-    _inverted,
-    _scalar_last,
-)
+    for field, given, columns, factors, what in units:
+        if columns.any() and given.shape[1]:
+            for factor in factors:
+                for size, times in (("small", factor), ("large", 1 / factor)):
+                    mended = {field: given * np.where(columns, times, 1.0)}
+                    yield f"{what} are too {size} by {factor:.4g}, as in another unit", mended
+            if field == "drives":
+                yield f"{what} have the wrong sign", {field: np.where(columns, -given, given)}
+    read = np.flatnonzero(~seen.rods).tolist()
+    names = [drive.drive_name for drive in model.drives][: drives.shape[1]]
+    exchanged = [
+        (seen.readings, "readings", "the readings", j, k) for j, k in combinations(read, 2)
+    ]
+    exchanged += [(T, "positions", "the positions", j, k) for j, k in combinations(range(3), 2)]
+    exchanged += [
+        (drives, "drives", "the readings of", j, k)
+        for j, k in combinations(range(len(names)), 2)
+        if cranks[j] == cranks[k]
+    ]
+    for given, field, what, j, k in exchanged:
+        called = {"readings": [*"123456"], "positions": [*"xyz"], "drives": names}[field]
+        order = np.arange(given.shape[1])
+        order[[j, k]] = k, j
+        yield f"{what} {called[j]} and {called[k]} are exchanged", {field: given[:, order]}
+    back = np.swapaxes(R, 1, 2)
+    yield "the rotations are transposed (from base to platform)", {"rotations": back}
+    inverted = {"rotations": back, "positions": -apply(back, T)}
+    yield "the poses are inverted (those of the base in the platform's frame)", inverted
+    rolled = rotation_from_quaternion(np.roll(quaternion_from_rotation(R), 1, axis=1))
+    yield "the quaternions have the scalar last", {"rotations": rolled}
+    if seen.euler:
+        angles = np.rad2deg(euler_from_rotation(seen.euler, R))
+        turned = rotation_from_euler(seen.euler, angles)
+        yield "rx, ry, rz are radians, not degrees", {"rotations": turned}
 
 
 #: How exactly the numbers of a platform are known before it is calibrated, in typical lengths:
@@ -471,7 +332,7 @@ RULES: tuple[Callable[[Model, Measurements], Mended], ...] = (
 PRIOR = 1 / 200
 #: The sorts of readings whose noise can be stated.
 SIGMAS = ("value", "angle", "position", "rotation", "inclination", "crank", "slide")
-_ANGLES = {"angle", "rotation", "inclination", "crank"}
+_OF_ANGLES = {"angle", "rotation", "inclination", "crank"}
 
 
 @dataclass(frozen=True)
@@ -481,15 +342,17 @@ class Options:
     Attributes
     ----------
     estimate
-        What is estimated besides primitives and offsets: ``scales``, ``frames``, or parameters, as
-        ``base.B1.slide.offset``.
+        What is estimated besides primitives and offsets: ``scales``, ``frames`` (of the measuring
+        device and the target), or parameters by name, as ``offset.2`` of a plane, or
+        ``base.B1.slide.offset`` in place of a shift of B1 along its rail.
     hold
         What keeps what is stated: ``offsets``, ``platform``, ``base``, ``platform.P1``,
         ``offset.3`` ….
     robust
         Whether outliers, numbers more than five deviations away, are left out.
     prior
-        What is known before, in length units; None for a two-hundredth of a typical length.
+        How well the numbers are known before, in length units; None for a two-hundredth of a
+        typical length. A direction that the data determine less exactly counts as undetermined.
     hold_unknown
         Whether numbers that the data do not determine keep their stated values, instead of raising.
     """
@@ -590,7 +453,7 @@ def noise_of(model: Model, sigma: Mapping[str, float]) -> Noise:
         if not (np.isfinite(number) and number >= least):
             expected = "a positive number" if least else "a number of at least 0"
             raise ArgumentError(f"found {number:g}, expected {expected}", f"sigma[{name!r}]")
-        changes[name] = float(number) * (model.in_radians if name in _ANGLES else 1.0)
+        changes[name] = float(number) * (model.in_radians if name in _OF_ANGLES else 1.0)
     noise = replace(Noise.usual(model.length), **changes)
     for drive, deviation in zip(model.drives, noise.of_drives(model), strict=True):
         if noise.value == deviation == 0:
@@ -652,9 +515,18 @@ class Calibration(EqualByContent):
         return file_numbers(self.stated, self.fit.model)
 
     @cached_property
-    def _stated(self) -> FileNumbers:
-        drives = self.seen.drives is not None
-        return file_numbers(self.stated, Model.of(self.stated, drives=drives))
+    def _as_stated(self) -> Model:
+        return Model.of(self.stated, drives=self.seen.drives is not None)
+
+    @cached_property
+    def _before(self) -> Array:
+        """All numbers of the file as stated."""
+        return file_numbers(self.stated, self._as_stated).values
+
+    @cached_property
+    def prior(self) -> float:
+        """How well the numbers are known before, a length."""
+        return prior_of(self.options, self.fit.model)
 
     @cached_property
     def estimated(self) -> NDArray[np.bool_]:
@@ -669,31 +541,46 @@ class Calibration(EqualByContent):
         parts = [seen.readings, seen.rotations.reshape(len(seen), -1), seen.positions]
         parts += [*seen.points.values(), *([seen.inclinations] if len(seen.inclinations) else [])]
         parts += [] if seen.drives is None else [seen.drives]
-        rows = {row.tobytes() for row in np.hstack(parts)}
-        return len(seen) - len(rows)
+        return len(seen) - len({row.tobytes() for row in np.hstack(parts)})
 
     @cached_property
     def doubts(self) -> tuple[str, ...]:
         """Why the data do not fit the machine, in sentences; empty if they do."""
-        return doubts(
-            self.fit,
-            self._found,
-            self._stated,
-            self.noise,
-            self.scatter,
-            prior_of(self.options, self.fit.model),
-            int(self.outliers.any(axis=1).sum()),
-            self.stated.units.length,
-        )
+        unit, rows, freedom = self.stated.units.length, len(self.seen), self.freedom
+        sentences = [] if self.fit.converged else ["the fit did not come to an end"]
+        wrong = int(self.outliers.any(axis=1).sum())
+        if wrong > _MANY * rows:
+            sentences.append(f"{wrong} of {rows} rows are outliers by more than 5 sigma")
+        scattered = self.noise.value * self.scatter
+        if self.scatter != 1.0 and scattered > self.prior:
+            sentences.append(
+                f"the scatter ({scattered:.2g} {unit}) is more than what the numbers are known to "
+                f"before ({self.prior:.2g} {unit})"
+            )
+        elif freedom > 0 and self.scatter == 1.0:
+            limit = quantile(freedom, _SELDOM)
+            if self.chi_squared > limit:
+                sentences.append(
+                    f"chi-squared is {self.chi_squared:.4g} of {freedom}: with the sigmas as "
+                    f"stated it is above {limit:.4g} once in 1000 times"
+                )
+        change = self._found.values - self._before
+        ratio = np.abs(change) / _tolerances(self.fit, self._found, self.prior)
+        if (far := ratio > _FAR).any():
+            worst, others = int(ratio.argmax()), int(far.sum()) - 1
+            more = f", and {counted(others, 'other number')} too" if others else ""
+            sentences.append(
+                f"{self._found.names[worst]} changes by {change[worst]:.3g}, {ratio[worst]:.2g} "
+                f"times what it is known to before (--prior {self.prior:.2g} {unit}){more}"
+            )
+        return tuple(sentences)
 
     @cached_property
     def cause(self) -> str | None:
         """Which mistake of the data probably is the cause of doubts; None if none is likely."""
         if not self.doubts or self.fit.model.with_frames:
             return None
-        model = Model.of(self.stated, drives=self.seen.drives is not None)
-        prior = prior_of(self.options, model)
-        return likely_cause(model, self.seen, prior, self.stated.units.length)
+        return likely_cause(self._as_stated, self.seen, self.prior, self.stated.units.length)
 
     @cached_property
     def names(self) -> tuple[str, ...]:
@@ -703,7 +590,7 @@ class Calibration(EqualByContent):
     @cached_property
     def before(self) -> Array:
         """What was stated, shape (m,)."""
-        return _fixed(self._stated.values[self.estimated])
+        return _fixed(self._before[self.estimated])
 
     @cached_property
     def after(self) -> Array:
@@ -802,18 +689,28 @@ class Calibration(EqualByContent):
 
         with np.errstate(divide="ignore", invalid="ignore"):
             ratio = np.where(self.sigma > 0, (self.after - self.before) / self.sigma, np.nan)
-        columns = {
-            "stated": self.before,
-            "found": self.after,
-            "sigma": self.sigma,
-            "change_over_sigma": ratio,
-        }
+        columns = {"stated": self.before, "found": self.after, "sigma": self.sigma}
+        columns["change_over_sigma"] = ratio
         return pd.DataFrame(columns, index=pd.Index(self.names, name="number"))
 
     def to_json(self) -> dict[str, Any]:
         """Return all of it as plain data, covariance included."""
-        model = self.fit.model
-        worst = self.worst
+        numbers = zip(
+            self.names, self.before.tolist(), self.after.tolist(), self.sigma.tolist(), strict=True
+        )
+        poses = zip(
+            self.seen.lines, self.R.tolist(), self.T.tolist(), self.rows.tolist(), strict=True
+        )
+        worst = None
+        if self.worst is not None:
+            row, without, change = self.worst
+            worst = {
+                "row": self.seen.lines[row],
+                "chi_squared": float(self.rows[row]),
+                "chi_squared_without": without,
+                "largest_change_over_sigma": change,
+            }
+        unit = self.fit.model.in_radians
         return {
             **self.stated.to_json(),
             "rows": len(self.seen),
@@ -825,23 +722,11 @@ class Calibration(EqualByContent):
             "home_taken": self.home,
             "repeated_rows": self.repeated,
             "noise": {
-                "value": self.noise.value,
-                "angle": self.noise.angle / model.in_radians,
-                "position": self.noise.position,
-                "rotation": self.noise.rotation / model.in_radians,
-                "inclination": self.noise.inclination / model.in_radians,
-                "crank": self.noise.crank / model.in_radians,
-                "slide": self.noise.slide,
+                name: getattr(self.noise, name) / (unit if name in _OF_ANGLES else 1.0)
+                for name in SIGMAS
             },
             "numbers": [
-                {"name": name, "stated": a, "found": b, "sigma": s}
-                for name, a, b, s in zip(
-                    self.names,
-                    self.before.tolist(),
-                    self.after.tolist(),
-                    self.sigma.tolist(),
-                    strict=True,
-                )
+                {"name": name, "stated": a, "found": b, "sigma": s} for name, a, b, s in numbers
             ],
             "covariance": self.covariance.tolist(),
             "unknown": {
@@ -849,23 +734,9 @@ class Calibration(EqualByContent):
                 "frames": self.unknowns.frames,
                 "what": list(self.unknowns.sentences),
             },
-            "worst": None
-            if worst is None
-            else {
-                "row": self.seen.lines[worst[0]],
-                "chi_squared": float(self.rows[worst[0]]),
-                "chi_squared_without": worst[1],
-                "largest_change_over_sigma": worst[2],
-            },
+            "worst": worst,
             "poses": [
-                {"row": line, "R": R, "T": T, "chi_squared": chi}
-                for line, R, T, chi in zip(
-                    self.seen.lines,
-                    self.R.tolist(),
-                    self.T.tolist(),
-                    self.rows.tolist(),
-                    strict=True,
-                )
+                {"row": line, "R": R, "T": T, "chi_squared": chi} for line, R, T, chi in poses
             ],
         }
 
@@ -943,20 +814,8 @@ def calibrate(
         those of position and rotation are 0; value may be 0 where all legs have drives. What is not
         stated is 1e-5 of a typical length or of a radian; if nothing is stated the scatter of the
         data says how large all are.
-    estimate
-        What is estimated besides primitives and offsets: ``scales``, ``frames`` (of the measuring
-        device and the target), or parameters by name, as ``offset.2`` of a plane, or
-        ``base.B1.slide.offset`` in place of a shift of B1 along its rail.
-    hold
-        What keeps what is stated: ``offsets``, ``platform``, ``base``, or names such as
-        ``platform.P1``, ``offset.3``.
-    robust
-        Whether outliers, numbers more than five deviations away, are left out.
-    prior
-        How well the numbers are known before, in length units; a two-hundredth of a typical length
-        if None. A direction that the data determine less exactly than that counts as undetermined.
-    hold_unknown
-        Whether numbers that the data do not determine keep their stated values, instead of raising.
+    estimate, hold, robust, prior, hold_unknown
+        As `Options` has them.
 
     Returns
     -------

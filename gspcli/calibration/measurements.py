@@ -347,13 +347,13 @@ def _rotation_rows(model: Model, R: Array, seen: Array, sigma: float) -> Whitene
     inverse = np.eye(3) - K / 2 + K @ K / 12
     by_model = np.zeros((len(R), 3, len(model.free)))
     at = model.geometry + 12
-    by_model[:, :, at : at + 3] = inverse @ _left(model.frames[:3])
-    by_model[:, :, at + 6 : at + 9] = inverse @ A @ R @ _left(model.frames[6:9])
+    by_model[:, :, at : at + 3] = inverse @ left_jacobian(model.frames[:3])
+    by_model[:, :, at + 6 : at + 9] = inverse @ A @ R @ left_jacobian(model.frames[6:9])
     by_pose = np.concatenate((inverse @ A, np.zeros((len(R), 3, 3))), axis=2)
     return WhitenedRows(turn / sigma, by_model / sigma, by_pose / sigma)
 
 
-def _left(omega: Array) -> Array:
+def left_jacobian(omega: Array) -> Array:
     """Return the left Jacobian matrix of the exponential: how a rotation turns with its vector."""
     angle = float(np.linalg.norm(omega))
     K = cross_matrix(omega)
@@ -393,7 +393,7 @@ def _point_rows(
     if at is not None:
         local = B @ at + b
         by_model[:, :, first + 6 : first + 9] = (
-            -A @ R @ cross_matrix(B @ at) @ _left(model.frames[6:9])
+            -A @ R @ cross_matrix(B @ at) @ left_jacobian(model.frames[6:9])
         )
         by_model[:, :, first + 9 :] = A @ R
     else:
@@ -406,7 +406,7 @@ def _point_rows(
         by_model[:, :, span] = A @ R @ block.shifts.T
     arm = R @ local
     place = (arm + T) @ A.T
-    by_model[:, :, first : first + 3] = -cross_matrix(place) @ _left(model.frames[:3])
+    by_model[:, :, first : first + 3] = -cross_matrix(place) @ left_jacobian(model.frames[:3])
     by_model[:, :, first + 3 : first + 6] = np.eye(3)
     by_pose = np.concatenate((-A @ cross_matrix(arm), np.broadcast_to(A, R.shape)), axis=2)
     return WhitenedRows((place + a - seen) / sigma, by_model / sigma, by_pose / sigma)
@@ -425,9 +425,13 @@ def _inclination_rows(model: Model, R: Array, seen: Array, sigma: float) -> Whit
     by_pose[:, :, :3] = (B.T @ np.swapaxes(R, 1, 2) @ cross_matrix(up))[:, :2]
     by_model = np.zeros((len(R), 2, len(model.free)))
     at = model.geometry + 12
-    turned = B.T @ np.swapaxes(R, 1, 2) @ A.T @ cross_matrix(_VERTICAL) @ _left(model.frames[:3])
+    turned = (
+        B.T @ np.swapaxes(R, 1, 2) @ A.T @ cross_matrix(_VERTICAL) @ left_jacobian(model.frames[:3])
+    )
     by_model[:, :, at : at + 3] = turned[:, :2]
-    by_model[:, :, at + 6 : at + 9] = (B.T @ cross_matrix(here) @ _left(model.frames[6:9]))[:, :2]
+    by_model[:, :, at + 6 : at + 9] = (B.T @ cross_matrix(here) @ left_jacobian(model.frames[6:9]))[
+        :, :2
+    ]
     weight = slope[..., None] / sigma
     return WhitenedRows(
         (np.arcsin(np.clip(sines, -1, 1)) - seen) / sigma, by_model * weight, by_pose * weight

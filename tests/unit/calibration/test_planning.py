@@ -164,6 +164,5 @@ def test_an_offset_of_a_plane_is_refused_in_words():
     R = rotation_from_vector(0.2 * rng.normal(size=(40, 3)))
     T = 20 * rng.normal(size=(40, 3))
     values = gspcli.measure(instance, R, T)
-    with pytest.raises(gspcli.GspError, match="the data determine 30 of 33 numbers") as caught:
+    with pytest.raises(gspcli.GspError, match="the data determine 30 of 33 numbers"):
         gspcli.calibrate(instance, values, R, T, estimate=["offsets"])
-    assert "tell at most 30, however many" in str(caught.value)
