@@ -72,7 +72,7 @@ def forms(point: Sequence[Any]) -> list[Any]:
     return [norm, *chain(*rotation), *translation, *body, rho, *moments, study]
 
 
-def forms_of_pose(R: Sequence[Sequence[Any]], T: Sequence[Any]) -> list[Any]:
+def forms_of_pose(R: Sequence[Sequence[Any]] | NDArray[Any], T: Vector) -> list[Any]:
     """Return all forms of a pose with N = 1, in the same order."""
     body = [sum(R[i][j] * T[i] for i in range(3)) for j in range(3)]
     rho = sum(entry * entry for entry in T)

@@ -149,11 +149,7 @@ def class_size() -> str:
 
 def degree_of_mourrain() -> str:
     """Prove that the variety in 25 coordinates has degree 84, twice, and the one in 16 has 40."""
-    from gspcli.symbolic.constraint_equations import (
-        hilbert_function,
-        sampled_hilbert_function,
-        system,
-    )
+    from gspcli.symbolic.exact_motions import hilbert_function, sampled_hilbert_function
 
     # The degrees of x^6 and h x^5: coefficients of t^3 and t^2 in 1 / ((1 - t)^4 (1 - 2t)).
     x6, hx5 = (sum(comb(i + 3, 3) * 2 ** (n - i) for i in range(n + 1)) for n in (3, 2))
@@ -165,9 +161,7 @@ def degree_of_mourrain() -> str:
     wanted = [
         hilbert_function(large.hilbert_numerator, large.dimension, degree) for degree in (1, 2)
     ]
-    ranks = [
-        sampled_hilbert_function(system(MOURRAIN), degree, wanted[-1] + 20) for degree in (1, 2)
-    ]
+    ranks = [sampled_hilbert_function(MOURRAIN, degree, wanted[-1] + 20) for degree in (1, 2)]
     _require(wanted == ranks, f"Hilbert function {wanted}, ranks at random motions {ranks}")
     return (
         "in the notation of docs/counts.md the degree is "
@@ -181,15 +175,16 @@ def degree_of_mourrain() -> str:
 
 def lowest_degrees() -> str:
     """Prove the lowest degrees of DHP, DLP and DLL."""
-    from gspcli.symbolic.constraint_equations import lowest_degree
+    from gspcli.symbolic.printed_sections import quadratic_equation
 
     found = []
     for kind in (DHP, DLP, DLL):
         facts = constraint_facts(kind)
-        derived = lowest_degree(kind)
-        _require(derived.degree == facts.lowest.two_sided, f"{kind}: {derived.degree} derived")
-        _require(derived.degree < facts.paper_mourrain.two_sided, f"{kind} is as printed")
-        found.append(f"{kind} {derived.degree} in {facts.lowest_coordinates}")
+        _require(facts.lowest.two_sided == 2, f"{kind}: {facts.lowest.two_sided} recorded")
+        _require(facts.paper_mourrain.two_sided > 2, f"{kind} is as printed")
+        coordinates = quadratic_equation(kind)
+        _require(coordinates == facts.lowest_coordinates, f"{kind}: in {coordinates}")
+        found.append(f"{kind} 2 in {coordinates}")
     return f"equations derived and exactly checked: {'; '.join(found)}"
 
 

@@ -12,9 +12,11 @@ from typing import Any
 import numpy as np
 from sympy import Expr, Matrix, Poly, Rational, Symbol, radsimp, symbols, sympify
 
+from gspcli.catalogue.kinds import DHP, DLL, DLP, Kind
 from gspcli.errors import CheckFailed
+from gspcli.geometry import study
 from gspcli.symbolic.closed_forms import derive
-from gspcli.symbolic.constraint_equations import Exact, random_motion, random_vector
+from gspcli.symbolic.exact_motions import PLACES, Exact, random_motion, random_vector
 from gspcli.symbolic.triangular import parametrize
 
 _X, _Y, _Z = np.eye(3, dtype=int).astype(object)
@@ -77,6 +79,31 @@ def turned_directions() -> str:
     return (
         "(11) has s1·Rs4, which is cos∠(L1, RL4); at an exact random rotation, with s1 = (0, 0, 1) "
         "and s4 = (1, 0, 0), Rs1·s4 is another number"
+    )
+
+
+def quadratic_equation(kind: Kind) -> str:
+    """Return the coordinates in which a DHP, DLP or DLL has an equation of degree two.
+
+    Squares of functions that are linear in them add up to what the paper's Section 4 has: the
+    square of the distance times a constant or, for lines, times the square of a sine, whose cosine
+    is linear in R. This is checked at an exact random motion.
+    """
+    random = Random(4)
+    motion, (a, b, u, v) = random_motion(random), (random_vector(random) for _ in range(4))
+    R, T = motion.rotation, motion.translation
+    r, w = R @ a + T - b, R @ u
+    heights = (study.platform_height(a, b, np.cross(u, axis)) for axis in (_X, _Y, _Z))
+    functions, square = {
+        DHP: ([study.platform_height(a, b, u)], (r @ w) ** 2),
+        DLP: ([*heights], _square(np.cross(r, w))),
+        DLL: ([study.mutual_moment(a, b, u, v)], (r @ np.cross(w, v)) ** 2),
+    }[kind]
+    forms = study.forms_of_pose(R, T)
+    values = [sum(x * forms[k] for k, x in function.items()) for function in functions]
+    _require(sum(value**2 for value in values) == square, f"{kind} has another equation")
+    return ",".join(
+        name for name, places in PLACES.items() if any(k in f for f in functions for k in places)
     )
 
 

@@ -15,13 +15,13 @@ from typing import Any
 
 from gspcli.catalogue.bounds import varieties
 from gspcli.catalogue.kinds import KINDS, Kind
-from gspcli.symbolic.constraint_equations import (
+from gspcli.symbolic.exact_motions import hilbert_function
+from tools.equations.constraint_equations import (
     LAZARD,
     MOURRAIN,
     SYSTEMS,
     CoordinateSystem,
     equation,
-    hilbert_function,
     lowest_degree,
     system,
 )

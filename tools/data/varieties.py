@@ -14,7 +14,7 @@ import json
 import sys
 from typing import Any
 
-from gspcli.symbolic.constraint_equations import SYSTEMS, CoordinateSystem
+from tools.equations.constraint_equations import SYSTEMS, CoordinateSystem
 from tools.equations.motions import equations
 from tools.oracle import singular
 from tools.recording import ROOT, canonical_sha256, parser, save, versions

@@ -9,7 +9,7 @@ from sympy import Expr
 
 from gspcli.catalogue.kinds import Kind, Primitive
 from gspcli.records import dataclass
-from gspcli.symbolic.constraint_equations import (
+from tools.equations.constraint_equations import (
     ANGLE,
     DISTANCE,
     RHO,

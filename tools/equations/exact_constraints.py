@@ -2,7 +2,7 @@
 
 They are built from the geometry only: an offset of the given length perpendicular to the directions
 of the two primitives, and a rotation through the given angle. So they are an independent test of
-the equations of `gspcli.symbolic.constraint_equations`.
+the equations of `tools.equations.constraint_equations`.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import numpy as np
 
 from gspcli.catalogue.kinds import Kind, Primitive
 from gspcli.records import dataclass
-from gspcli.symbolic.constraint_equations import (
+from gspcli.symbolic.exact_motions import (
     Exact,
     RationalMotion,
     cayley,

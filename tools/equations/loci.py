@@ -12,7 +12,7 @@ from sympy import Expr, Matrix, Symbol
 
 from gspcli.catalogue.kinds import Kind, Primitive
 from gspcli.records import dataclass
-from gspcli.symbolic.constraint_equations import (
+from tools.equations.constraint_equations import (
     MOTIONS,
     Vector,
     VectorFrame,

@@ -13,13 +13,8 @@ from collections.abc import Sequence
 from random import Random
 
 from gspcli.catalogue.kinds import Kind
-from gspcli.symbolic.constraint_equations import (
-    CoordinateSystem,
-    RationalMotion,
-    coordinates_at,
-    monomials,
-    rank,
-)
+from gspcli.symbolic.exact_motions import RationalMotion, coordinates_at, monomials, rank
+from tools.equations.constraint_equations import CoordinateSystem
 from tools.equations.exact_constraints import sample
 
 #: Points beyond the rank that is expected; random motions need hardly any.
@@ -54,5 +49,5 @@ def excludes_degree(
     hilbert_value
         The Hilbert function of the variety of all motions at that degree.
     """
-    points = coordinates_at(coordinates, motions[: hilbert_value + SPARE_POINTS])
+    points = coordinates_at(coordinates.name, motions[: hilbert_value + SPARE_POINTS])
     return rank(monomials(points, degree)) == hilbert_value

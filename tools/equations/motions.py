@@ -9,13 +9,13 @@ import numpy as np
 import sympy
 from sympy import Expr, Matrix, eye
 
-from gspcli.symbolic.constraint_equations import (
+from gspcli.symbolic.exact_motions import RationalMotion
+from tools.equations.constraint_equations import (
     EXPRESSIONS,
     MOTIONS,
     RHO,
     SYMBOLS,
     CoordinateSystem,
-    RationalMotion,
     cross,
     dot,
     on_moment,

@@ -9,7 +9,7 @@ import sympy
 from sympy import Expr, Matrix, Symbol
 
 from gspcli.catalogue.kinds import Kind, Primitive
-from gspcli.symbolic.constraint_equations import (
+from tools.equations.constraint_equations import (
     DISTANCE,
     MOTIONS,
     RHO,

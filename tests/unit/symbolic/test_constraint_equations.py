@@ -25,7 +25,9 @@ from gspcli.catalogue.kinds import (
     Kind,
 )
 from gspcli.resources import data_json
-from gspcli.symbolic.constraint_equations import (
+from gspcli.symbolic.exact_motions import RationalMotion, hilbert_function, random_motion
+from tools.data.constraints import constraint_facts, unproved_degrees
+from tools.equations.constraint_equations import (
     ANGLE,
     DISTANCE,
     LAZARD,
@@ -33,22 +35,18 @@ from gspcli.symbolic.constraint_equations import (
     MOURRAIN,
     MOURRAIN_16,
     SYSTEMS,
-    RationalMotion,
     Vector,
     VectorFrame,
     base,
     equations,
-    hilbert_function,
     inner,
     lowest_degree,
     platform,
-    random_motion,
     setting,
     squared_distance,
     system,
     triple,
 )
-from tools.data.constraints import constraint_facts, unproved_degrees
 from tools.equations.exact_constraints import RationalConstraint, sample
 from tools.equations.loci import loci, quadratic_part
 from tools.equations.lower_degrees import constrained_motions, excludes_degree

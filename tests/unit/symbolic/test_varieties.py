@@ -16,18 +16,20 @@ from sympy import Matrix
 
 from gspcli.catalogue.bounds import varieties
 from gspcli.resources import data_json
-from gspcli.symbolic.constraint_equations import (
-    EXPRESSIONS,
-    LAZARD,
-    MOTIONS,
-    SYMBOLS,
-    SYSTEMS,
+from gspcli.symbolic.exact_motions import (
     hilbert_function,
     monomials,
     random_motion,
     rank,
     residues,
     sampled_hilbert_function,
+)
+from tools.equations.constraint_equations import (
+    EXPRESSIONS,
+    LAZARD,
+    MOTIONS,
+    SYMBOLS,
+    SYSTEMS,
     system,
 )
 from tools.equations.motions import equations, motion_blocks, motion_variables
@@ -97,7 +99,7 @@ def test_hilbert_function_at_random_motions_is_the_recorded_one(name: str) -> No
     for degree in range(highest + 1):
         expected = hilbert_function(variety.hilbert_numerator, variety.dimension, degree)
         points = expected + 6
-        assert sampled_hilbert_function(system(name), degree, points) == expected
+        assert sampled_hilbert_function(name, degree, points) == expected
 
 
 def test_records_are_consistent() -> None:
