@@ -480,6 +480,23 @@ INLINE void put_all([[maybe_unused]] C& x, [[maybe_unused]] int l, [[maybe_unuse
 #endif
 }
 
+// Multiplies the last three terms of a series by the number that it returns: 1, or a small one in lanes
+// where squares of their lengths would overflow. With 32 digits that is so 1e-24 before a branch point.
+INLINE V shorten([[maybe_unused]] C (*terms)[N]) {
+  V scale = splat(1.0);
+#if GSP_PARTS > 1
+  constexpr double kShort = 0x1p-332;
+  C shorter[3][N];
+  for (int k = 0; k < 3; ++k)
+    for (int i = 0; i < N; ++i) shorter[k][i] = by(D{} + kShort, terms[k][i]);
+  const Mask is_long = norm(shorter[2]) > splat(0x1p-32);
+  for (int k = 0; k < 3; ++k)
+    for (int i = 0; i < N; ++i) terms[k][i] = select(is_long, shorter[k][i], terms[k][i]);
+  scale = select(is_long, splat(kShort), scale);
+#endif
+  return scale;
+}
+
 INLINE void normalize(C* z) {
   const V scale = 1.0 / norm(z);
   for (int i = 0; i < N; ++i) z[i] = scale * z[i];
@@ -672,12 +689,14 @@ class Tracker {
     expand(H, w, s.next, series);
     for (int k = 0; k <= kOrder; ++k)
       for (int i = 0; i < N; ++i) s.series[k][i] = select(accepted, series[k][i], s.series[k][i]);
+    const V scale = shorten(series + kOrder - 2);
     C product{};
     for (int i = 0; i < N; ++i)
       add_conjugate_product(product, series[kOrder - 1][i], series[kOrder][i]);
     s.expand({norm(series[kOrder]), norm(series[kOrder - 1]), norm(series[kOrder - 2]),
               product},
              accepted);
+    s.leading = select(accepted, s.leading / scale, s.leading);
   }
 
   // The next step, which stops at the waypoint.

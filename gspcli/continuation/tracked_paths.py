@@ -158,7 +158,7 @@ _TINY_STEPS = TrackerOptions(
 #: ends that are proved with more digits.
 _IN_32_DIGITS = replace(CAREFUL, digits=32)
 _TO_THE_END = replace(
-    _IN_32_DIGITS, arrival=1e-12, waypoint=0.0, nearest=1e-28, min_step=1e-30, max_steps=150
+    _IN_32_DIGITS, arrival=1e-12, waypoint=0.0, nearest=1e-32, min_step=1e-34, max_steps=150
 )
 #: Below this e.e of a point of norm one is zero up to rounding.
 _INFINITE = 1e-14

@@ -70,6 +70,13 @@ def test_poses_next_to_conjugates_of_others_are_found(seed: int) -> None:
     assert len(found.R) == found.certified.sum() == 304
 
 
+@pytest.mark.parametrize("digits", [12, 16])
+def test_two_poses_beside_parallel_lines_are_found_with_32_digits(digits: int) -> None:
+    """Paths to them turn 1e-24 or 1e-32 before their ends: squares of their series overflow."""
+    solved = solve(platform(f"line-pairs/2/1e-{digits}").instance)
+    assert (solved.verdict, len(solved.R), int(solved.real.sum())) == ("complete", 208, 6)
+
+
 def test_nothing_said_depends_on_the_seed() -> None:
     chosen = [
         platform(name)
