@@ -11,6 +11,7 @@ from collections.abc import Sequence
 import click
 
 from gspcli import __version__
+from gspcli.cli import options
 from gspcli.cli.commands import BY_HEADING, COMMANDS
 from gspcli.cli.streams import discard, reason, say
 from gspcli.errors import INTERRUPTED, GspError, IncompleteError
@@ -82,7 +83,7 @@ def _unknown_command(name: str) -> str:
     "mistake in gsp itself, which should be reported.",
 )
 @click.version_option(__version__, prog_name="gsp")
-@click.option("--debug", is_flag=True, help="Show a traceback when something goes wrong.")
+@options.option("--debug", "Show a traceback when something goes wrong.")
 def cli(debug: bool) -> None:
     """Generalized Stewart platforms: six distances and angles between two rigid bodies.
 

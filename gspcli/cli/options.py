@@ -187,6 +187,18 @@ def together(*options: Callable[[Function], Function]) -> Callable[[Function], F
     return decorate
 
 
+def option(
+    declared: str, meaning: str, *, name: str = "", **more: Any
+) -> Callable[[Function], Function]:
+    """Return an option as helps show it: ``--where CONDITION``; without such a word it is a flag.
+
+    The command gets it by its name, or another one.
+    """
+    names, _, metavar = declared.partition(" ")
+    sort = {"metavar": metavar} if metavar else {} if "type" in more else {"is_flag": True}
+    return click.option(names, *filter(None, [name]), help=meaning, **sort, **more)
+
+
 def _rule(broken: Callable[[set[str]], str]) -> Callable[[Function], Function]:
     """Declare what is said if the options that are given do not go together; else nothing."""
 
@@ -287,12 +299,11 @@ def _file_options(
             callback=resolve,
             help=f"Write to FILE, replacing it{more}.",
         ),
-        click.option(
+        option(
             "--force",
-            "force_",
-            is_flag=True,
+            "Replace also a file that is read, or one beside that of -o.",
+            name="force_",
             is_eager=True,
-            help="Replace also a file that is read, or one beside that of -o.",
         ),
     )
 
@@ -306,19 +317,19 @@ def output_options(
     formats: Sequence[str] = FORMATS, default: str = "table", parts: Sequence[str] = ()
 ) -> Callable[[Function], Function]:
     """Return a decorator that adds ``--format`` and ``-o``; the command gets ``output: Output``."""
-    chosen = click.option(
+    chosen = option(
         "--format",
-        "format_",
+        f"Output format.  [default: {default}, or by the suffix of -o]",
+        name="format_",
         type=click.Choice(list(formats)),
         is_eager=True,
-        help=f"Output format.  [default: {default}, or by the suffix of -o]",
     )
-    part = click.option(
+    part = option(
         "--part",
-        "part_",
+        "Show one table only; CSV holds no more than one.",
+        name="part_",
         type=click.Choice(list(parts)),
         is_eager=True,
-        help="Show one table only; CSV holds no more than one.",
     )
     keys = [_keys_option] if "json" in formats else []
     file = _file_options(formats, default, "; its suffix gives the format")
@@ -371,8 +382,8 @@ class Positive(Finite):
 
 def seed_option(more: str = "") -> Callable[[Function], Function]:
     """Return the option `--seed`; the command gets ``seed: int``."""
-    return click.option(
-        "--seed", type=Whole(0, _LARGEST_SEED), default=SEED, help=f"Seed of random choices{more}."
+    return option(
+        "--seed", f"Seed of random choices{more}.", type=Whole(0, _LARGEST_SEED), default=SEED
     )
 
 
@@ -380,53 +391,48 @@ def decimals_option(
     default: int | None, least: int, most: int, more: str
 ) -> Callable[[Function], Function]:
     """Return the option `--decimals`; the command gets ``decimals: int`` or None."""
-    return click.option(
+    return option(
         "--decimals",
+        f"Write numbers with N decimals{more}.",
         type=Whole(least, most),
         default=default,
-        help=f"Write numbers with N decimals{more}.",
     )
 
 
 #: `--one-sided`; the command gets ``one_sided: bool``.
-one_sided_option = click.option(
-    "--one-sided", is_flag=True, help="Choose one side of each PH and HP distance, not both."
-)
+one_sided_option = option("--one-sided", "Choose one side of each PH and HP distance, not both.")
 
 
 #: `--set` and `--delta`; the command gets them as `Options.changes`.
 value_options = together(
-    click.option(
-        "--set",
-        "settings",
-        metavar="I=V",
+    option(
+        "--set I=V",
+        "Give constraint I (from 1) the value V; may be repeated.",
+        name="settings",
         multiple=True,
-        help="Give constraint I (from 1) the value V; may be repeated.",
     ),
-    click.option(
-        "--delta",
-        "differences",
-        metavar="I=V",
+    option(
+        "--delta I=V",
+        "Add V to the value of constraint I; may be repeated.",
+        name="differences",
         multiple=True,
-        help="Add V to the value of constraint I; may be repeated.",
     ),
 )
 
 
 #: `--jobs`; the command gets ``jobs: int``.
-jobs_option = click.option(
+jobs_option = option(
     "--jobs",
+    "How many cores work at once; the answer does not depend on it.  [default: all]",
     type=Whole(1, MOST_JOBS),
     callback=lambda _, __, jobs: jobs or os.cpu_count() or 1,
-    help="How many cores work at once; the answer does not depend on it.  [default: all]",
 )
 
 #: Adds ``resume: Path | None``.
-resume_option = click.option(
-    "--resume",
+resume_option = option(
+    "--resume FILE",
+    "Keep finished work in FILE, and do not repeat the work that is kept there.",
     type=click.Path(dir_okay=False, path_type=Path),
-    metavar="FILE",
-    help="Keep finished work in FILE, and do not repeat the work that is kept there.",
 )
 
 
@@ -434,9 +440,8 @@ resume_option = click.option(
 worker_options = together(
     exclusive("--jobs", "--scheduler"),
     jobs_option,
-    click.option(
-        "--scheduler",
-        metavar="ADDRESS",
-        help="Use the workers of this Dask scheduler (pip install 'gspcli[cluster]').",
+    option(
+        "--scheduler ADDRESS",
+        "Use the workers of this Dask scheduler (pip install 'gspcli[cluster]').",
     ),
 )

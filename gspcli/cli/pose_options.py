@@ -39,23 +39,20 @@ def frame_note(frame: PoseFrame) -> list[str]:
 
 #: `--euler`, `--pivot` and `--relative-to`; the command gets them as `Options.form`.
 pose_options = options.together(
-    click.option(
-        "--euler",
-        metavar="AXES",
-        help="Order of the axes of rx, ry, rz: capitals turn with the platform (ZYX), small "
-        "letters about the axes of the base (xyz); or PI, LinuxCNC, Symetrie.",
+    options.option(
+        "--euler AXES",
+        "Order of the axes of rx, ry, rz: capitals turn with the platform (ZYX), small letters "
+        "about the axes of the base (xyz); or PI, LinuxCNC, Symetrie.",
     ),
-    click.option(
-        "--pivot",
-        metavar="X,Y,Z",
-        help="The point of the platform whose position is x, y, z: its coordinates in the frame of "
-        "the platform, or of the tool that SPEC states.",
+    options.option(
+        "--pivot X,Y,Z",
+        "The point of the platform whose position is x, y, z: its coordinates in the frame of the "
+        "platform, or of the tool that SPEC states.",
     ),
-    click.option(
+    options.option(
         options.RELATIVE,
-        "relative_to",
+        "Poses are relative to the home of SPEC: zero is home.",
         type=click.Choice([HOME]),
-        help="Poses are relative to the home of SPEC: zero is home.",
     ),
 )
 
@@ -68,21 +65,19 @@ def _names(_: click.Context, __: click.Parameter, texts: Any) -> tuple[str, ...]
 
 #: `--ignore` and `--columns`; the command gets them as `Options.form`.
 column_options = options.together(
-    click.option(
-        "--ignore",
-        metavar="COLUMN",
+    options.option(
+        "--ignore COLUMN",
+        "Leave out a column of the file, by its heading (* stands for any text); may be repeated, "
+        "or several between commas.",
         multiple=True,
         callback=_names,
-        help="Leave out a column of the file, by its heading (* stands for any text); may be "
-        "repeated, or several between commas.",
     ),
-    click.option(
-        "--columns",
-        "column_names",
-        metavar="NAMES",
+    options.option(
+        "--columns NAMES",
+        "The names of the columns of a file without a heading, between commas; - leaves a column "
+        "out.",
+        name="column_names",
         callback=_names,
-        help="The names of the columns of a file without a heading, between commas; - leaves a "
-        "column out.",
     ),
 )
 
@@ -194,7 +189,7 @@ class PoseType(click.ParamType):  # type: ignore[type-arg]
 
 def _pose_option(option: str, meaning: str) -> Callable[[Function], Function]:
     """Return an option that takes a POSE; the command gets a `GivenPose` or None."""
-    return click.option(option, type=PoseType(), metavar="POSE", help=f"{meaning} ({_POSE_HELP}).")
+    return options.option(f"{option} POSE", f"{meaning} ({_POSE_HELP}).", type=PoseType())
 
 
 def pose_value_option(more: str) -> Callable[[Function], Function]:
@@ -233,7 +228,7 @@ class ModeNumber(options.Whole):
 def mode_option(what: str) -> Callable[[Function], Function]:
     """Add ``--mode K|home``; the help says what it is for."""
     meaning = f"A real pose by its number of `gsp solve`, or home: {what}"
-    return click.option("--mode", type=ModeNumber(), metavar="K|home", help=meaning)
+    return options.option("--mode K|home", meaning, type=ModeNumber())
 
 
 def chosen(mode: Mode | None, home: HomeMode | None, count: int) -> int:

@@ -6,9 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-import click
-
-from gspcli.cli.options import Function
+from gspcli.cli.options import Function, option
 from gspcli.cli.result import Field, Result
 from gspcli.errors import CheckFailed, GspError
 from gspcli.wording import listed
@@ -39,11 +37,7 @@ def require_option(
     example: str, otherwise: str = "else the exit code is 1, and the worst row of each is named"
 ) -> Callable[[Function], Function]:
     """Return a decorator that adds ``--require``, with an example and the consequence."""
-    return click.option(
-        "--require",
-        metavar="WHAT",
-        help=f"Every row must keep this: such as '{example}'; {otherwise}.",
-    )
+    return option("--require WHAT", f"Every row must keep this: such as '{example}'; {otherwise}.")
 
 
 def required(text: str | None) -> list[Requirement]:

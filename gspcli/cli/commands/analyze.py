@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from gspcli.cli.options import HOME, Command, Options, Positive, output_options
+from gspcli.cli.options import HOME, Command, Options, Positive, option, output_options
 from gspcli.cli.pose_options import AskedPoses, asked_poses, rows_options
 from gspcli.cli.render import emit
 from gspcli.cli.requirements import refuse, require_option, required, settled
@@ -30,36 +30,31 @@ _WRENCH = ("mx", "my", "mz", "fx", "fy", "fz")
 
 @click.command(cls=Command)
 @rows_options("only this one, in detail; also along a file of values.")
-@click.option(
-    "--point",
-    metavar="X,Y,Z",
-    help="The point of the base about which twists and wrenches are taken.  [default: the mean of "
-    "the platform's points]",
+@option(
+    "--point X,Y,Z",
+    "The point of the base about which twists and wrenches are taken.  [default: the mean of the "
+    "platform's points]",
 )
-@click.option(
-    "--length",
+@option(
+    "--length LENGTH",
+    "The length that makes angles and lengths comparable.  [default: the typical length]",
     type=Positive(),
-    metavar="LENGTH",
-    help="The length that makes angles and lengths comparable.  [default: the typical length]",
 )
-@click.option(
-    "--load",
-    metavar="FX,FY,FZ[,MX,MY,MZ][@X,Y,Z]",
-    help="A force and moment on the platform, in the axes of the base, at a point of the base.  "
+@option(
+    "--load FX,FY,FZ[,MX,MY,MZ][@X,Y,Z]",
+    "A force and moment on the platform, in the axes of the base, at a point of the base.  "
     "[default: the mean of the platform's points]",
 )
-@click.option(
-    "--stiffness",
-    metavar="K",
-    help="Stiffness of the constraints, one number or six: in the unit of force of --load per unit "
-    "of length of SPEC, such as N/mm, for angles moment per radian. gsp dynamics takes N/m.  "
+@option(
+    "--stiffness K",
+    "Stiffness of the constraints, one number or six: in the unit of force of --load per unit of "
+    "length of SPEC, such as N/mm, for angles moment per radian. gsp dynamics takes N/m.  "
     "[default: that of the drives in SPEC]",
 )
-@click.option("--tolerance", metavar="D", help="How far each value may be off: one number or six.")
-@click.option(
-    "--geometry-tolerance",
-    metavar="D[,A]",
-    help="How far each coordinate of each primitive may be off, and how far each direction may be "
+@option("--tolerance D", "How far each value may be off: one number or six.")
+@option(
+    "--geometry-tolerance D[,A]",
+    "How far each coordinate of each primitive may be off, and how far each direction may be "
     "turned.",
 )
 @require_option("range, cone, condition<=50, clearance>=0.5, force<=200")

@@ -53,65 +53,52 @@ _MOST_PLANNED = 300
 @options.needs("--require", "--plan")
 @click.argument("spec", metavar="[SPEC]", required=False)
 @click.argument("data", metavar="[DATA]", required=False)
-@click.option(
-    "--from",
-    "log",
-    metavar="LOG",
-    help="Instead of SPEC and DATA: find a hexapod from a log with legs and poses as columns.",
+@options.option(
+    "--from LOG",
+    "Instead of SPEC and DATA: find a hexapod from a log with legs and poses as columns.",
+    name="log",
 )
-@click.option(
-    "--sigma",
-    "sigmas",
-    metavar="WHAT=NUMBER",
-    multiple=True,
-    help="Standard deviation of what is measured: value, position (lengths), angle, rotation, "
+@options.option(
+    "--sigma WHAT=NUMBER",
+    "Standard deviation of what is measured: value, position (lengths), angle, rotation, "
     "inclination, crank (angles), slide; may be repeated.",
-)
-@click.option(
-    "--estimate",
-    metavar="WHAT",
+    name="sigmas",
     multiple=True,
-    help="Also estimate scales, frames (of device and target), or a number such as offset.2 or "
+)
+@options.option(
+    "--estimate WHAT",
+    "Also estimate scales, frames (of device and target), or a number such as offset.2 or "
     "base.B1.slide.offset.",
-)
-@click.option(
-    "--hold",
-    metavar="WHAT",
     multiple=True,
-    help="Keep as stated: offsets, platform, base, or such as platform.P1, base.H2, offset.3.",
 )
-@click.option(
-    "--target",
-    "targets",
-    metavar="NAME=X,Y,Z",
+@options.option(
+    "--hold WHAT",
+    "Keep as stated: offsets, platform, base, or such as platform.P1, base.H2, offset.3.",
     multiple=True,
-    help="Where a point with columns NAME.x, NAME.y, NAME.z is in the platform's frame.",
 )
-@click.option(
-    "--robust",
-    is_flag=True,
-    help="Leave out numbers that are more than five deviations away, and name their rows.",
+@options.option(
+    "--target NAME=X,Y,Z",
+    "Where a point with columns NAME.x, NAME.y, NAME.z is in the platform's frame.",
+    name="targets",
+    multiple=True,
 )
-@click.option(
-    "--prior",
+@options.option(
+    "--robust", "Leave out numbers that are more than five deviations away, and name their rows."
+)
+@options.option(
+    "--prior D",
+    "How exactly the stated numbers are known, as a length.  [default: 1/200 of a typical length]",
     type=options.Positive(),
-    metavar="D",
-    help="How exactly the stated numbers are known, as a length.  [default: 1/200 of a typical "
-    "length]",
 )
-@click.option(
+@options.option(
     "--hold-unknown",
-    is_flag=True,
-    help="Keep the numbers that DATA does not determine at their stated values, instead of "
-    "refusing.",
+    "Keep the numbers that DATA does not determine at their stated values, instead of refusing.",
 )
-@click.option(
-    "--accept", is_flag=True, help="Take the result even if DATA does not fit the machine."
-)
-@click.option(
+@options.option("--accept", "Take the result even if DATA does not fit the machine.")
+@options.option(
     "--plan",
+    "Plan N poses to measure, in addition to those of DATA if it is given.",
     type=options.Whole(1, _MOST_PLANNED),
-    help="Plan N poses to measure, in addition to those of DATA if it is given.",
 )
 @mode_option("about which poses are planned.  [default: home]")
 @require_option("condition<=50, clearance>=0.5", "for rows of --plan")

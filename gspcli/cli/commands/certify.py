@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from gspcli.cli.commands.solve import DECIMALS, digit_cells, digit_table, digits_option, refined
-from gspcli.cli.options import Command, Options, Positive, output_options, value_options
+from gspcli.cli.options import Command, Options, Positive, option, output_options, value_options
 from gspcli.cli.pose_options import text_of
 from gspcli.cli.render import emit
 from gspcli.cli.result import Field, Fields, Result
@@ -31,20 +31,18 @@ _COLUMNS = FIELDS.of(
 @click.argument("spec", metavar="SPEC")
 @click.argument("result", metavar="RESULT")
 @value_options
-@click.option(
-    "--max-deviation",
+@option(
+    "--max-deviation D",
+    "Largest difference of a pose from its solution, lengths by the smaller body; relative for "
+    "numbers above one.",
     default=TOLERANCE,
     type=Positive(),
-    metavar="D",
-    help="Largest difference of a pose from its solution, lengths by the smaller body; "
-    "relative for numbers above one.",
 )
-@click.option(
-    "--max-precision",
+@option(
+    "--max-precision BITS",
+    "Where to stop raising the precision.",
     default=MAX_PRECISION,
     type=click.IntRange(64, 1_000_000),
-    metavar="BITS",
-    help="Where to stop raising the precision.",
 )
 @digits_option
 @output_options(formats=("table", "csv", "json", "markdown"))

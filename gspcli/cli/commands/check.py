@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from gspcli.cli.options import Command, Options, output_options
+from gspcli.cli.options import Command, Options, option, output_options
 from gspcli.cli.render import emit, write
 from gspcli.cli.result import Fields, Result
 from gspcli.cli.specs import spec_source
@@ -24,9 +24,7 @@ _COLUMNS = FIELDS.of("file valid class number type expected bound warnings share
 
 @click.command(cls=Command)
 @click.argument("specs", metavar="[SPEC...]", nargs=-1)
-@click.option(
-    "--schema", is_flag=True, help="Print the JSON Schema of instance files instead, for an editor."
-)
+@option("--schema", "Print the JSON Schema of instance files instead, for an editor.")
 @output_options()
 def command(o: Options) -> None:
     """Check instance files and say which platforms they describe.

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from gspcli.cli.options import HOME, Command, Options, exclusive, output_options
+from gspcli.cli.options import HOME, Command, Options, exclusive, option, output_options
 from gspcli.cli.pose_options import AskedPoses, asked_poses, rows_options
 from gspcli.cli.render import emit
 from gspcli.cli.result import Fields, Result
@@ -23,19 +23,18 @@ FIELDS = Fields("clearance")
 @rows_options("only this one; also along a file of values.  [default: home]")
 @exclusive("--all-modes", "--mode")
 @exclusive("--all-modes", "--pose")
-@click.option("--all-modes", is_flag=True, help="All real poses: not home only.")
-@click.option(
+@option("--all-modes", "All real poses: not home only.")
+@option(
     "--of",
+    "What changes.  [default: drives if cranks or slides move points, else values]",
     type=click.Choice(["values", "drives", "pose"]),
-    help="What changes.  [default: drives if cranks or slides move points, else values]",
 )
-@click.option(
-    "--points",
-    metavar="X,Y,Z;...",
-    help="With --of pose: the points of the platform, in its frame, whose displacements count.  "
+@option(
+    "--points X,Y,Z;...",
+    "With --of pose: the points of the platform, in its frame, whose displacements count.  "
     "[default: those of the distances]",
 )
-@click.option("--refine", is_flag=True, help="Better bounds: a few seconds for each mode.")
+@option("--refine", "Better bounds: a few seconds for each mode.")
 @output_options()
 def command(o: Options) -> None:
     """Bound how far values, or the pose, may change before a mode meets a singularity.

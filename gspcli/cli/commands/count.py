@@ -32,20 +32,18 @@ _LEGEND = (
 @options.without("--type", "--set", "--delta")
 @click.argument("specs", metavar="[SPEC]...", nargs=-1)
 @options.value_options
-@click.option("--type", "type_name", metavar="TYPE", help="Count random platforms of a type.")
-@click.option(
-    "--geometry",
-    "geometries",
-    metavar="CLASS,...",
+@options.option("--type TYPE", "Count random platforms of a type.", name="type_name")
+@options.option(
+    "--geometry CLASS,...",
+    "With --type: the classes of geometry to count, or all.",
+    name="geometries",
     default="generic",
-    help="With --type: the classes of geometry to count, or all.",
 )
-@click.option(
-    "--effort",
+@options.option(
+    "--effort BILLIONS",
+    "Stop after this many multiplications; a billion takes a second or two.",
     default=LONG_COUNT,
     type=options.Positive(),
-    metavar="BILLIONS",
-    help="Stop after this many multiplications; a billion takes a second or two.",
 )
 @options.seed_option(": the prime, and random platforms")
 @options.output_options()

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from gspcli.cli.options import Command, Options, output_options
+from gspcli.cli.options import Command, Options, option, output_options
 from gspcli.cli.render import emit, folded
 from gspcli.cli.result import Fields, Result
 from gspcli.cli.streams import progress, working
@@ -21,7 +21,7 @@ FIELDS = Fields("derive")
 
 @click.command(cls=Command)
 @click.argument("case", required=False)
-@click.option("--expand", is_flag=True, help="Write every coefficient in the parameters alone.")
+@option("--expand", "Write every coefficient in the parameters alone.")
 @output_options(formats=("text", "latex", "json"), default="text")
 def command(o: Options) -> None:
     """Derive the triangular set of a CASE of the paper's Section 6; list the cases without one.

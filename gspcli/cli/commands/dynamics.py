@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 import numpy as np
 
-from gspcli.cli.options import Command, Options, output_options
+from gspcli.cli.options import Command, Options, option, output_options
 from gspcli.cli.pose_options import (
     AskedPoses,
     asked_poses,
@@ -44,12 +44,11 @@ _TWIST = ("rx", "ry", "rz", "x", "y", "z")
 
 @click.command(cls=Command)
 @rows_options("only this one; also along a file of values.  [default: home, all without ROWS]")
-@click.option("--modes", "modal", is_flag=True, help="Natural frequencies and mode shapes instead.")
-@click.option(
-    "--stiffness",
-    metavar="K",
-    help="Stiffness of the drives, one number or one each: N/m and N m/rad, for any unit of "
-    "length in SPEC.  [default: that of the drives in SPEC]",
+@option("--modes", "Natural frequencies and mode shapes instead.", name="modal")
+@option(
+    "--stiffness K",
+    "Stiffness of the drives, one number or one each: N/m and N m/rad, for any unit of length in "
+    "SPEC.  [default: that of the drives in SPEC]",
 )
 @require_option("force<=200, range, condition<=50")
 @output_options()

@@ -12,7 +12,7 @@ from gspcli.catalogue.bounds import ONE_ORIENTATION, type_bounds
 from gspcli.catalogue.kinds import DLL
 from gspcli.catalogue.listing import COLUMNS, DEFAULT_COLUMNS, TypeList, column
 from gspcli.catalogue.types import CLASSES, GspType, PlatformClass
-from gspcli.cli.options import Command, Options, Whole, output_options
+from gspcli.cli.options import Command, Options, Whole, option, output_options
 from gspcli.cli.render import emit
 from gspcli.cli.result import Fields, Result
 
@@ -42,31 +42,26 @@ class _WordListCommand(Command):
 
 def _ceilings(function: Callable[..., Any]) -> Callable[..., Any]:
     for one in reversed([c for c in COLUMNS if c.numeric]):
-        function = click.option(
-            f"--max-{one.key.replace('_', '-')}",
-            f"max_{one.key}",
-            type=Whole(0),
-            help=f"Keep types whose {one.key} is at most N.",
-        )(function)
+        name, said = f"max_{one.key}", f"Keep types whose {one.key} is at most N."
+        function = option(f"--{name.replace('_', '-')}", said, type=Whole(0))(function)
     return function
 
 
 @click.command(cls=_WordListCommand)
-@click.option(
-    "--class",
-    "classes",
+@option(
+    "--class CLASS",
+    f"Keep a class: {', '.join(c.id for c in CLASSES)}. Repeatable.",
+    name="classes",
     multiple=True,
-    metavar="CLASS",
-    help=f"Keep a class: {', '.join(c.id for c in CLASSES)}. Repeatable.",
 )
-@click.option("--only", metavar="KINDS", help="Keep types made of these kinds alone.")
-@click.option("--with", "having", metavar="KINDS", help="Keep types that have each of these.")
-@click.option("--without", metavar="KINDS", help="Drop types that have any of these.")
+@option("--only KINDS", "Keep types made of these kinds alone.")
+@option("--with KINDS", "Keep types that have each of these.", name="having")
+@option("--without KINDS", "Drop types that have any of these.")
 @_ceilings
-@click.option("--sort", metavar="COLUMNS", help="Sort by columns; -COLUMN is descending.")
-@click.option("--columns", metavar="COLUMNS", help="Show these columns, in this order.")
-@click.option("--first", type=Whole(0), help="Show the first N rows.")
-@click.option("--by-class", is_flag=True, help="Count by class, beside Proposition 2.2.")
+@option("--sort COLUMNS", "Sort by columns; -COLUMN is descending.")
+@option("--columns COLUMNS", "Show these columns, in this order.")
+@option("--first", "Show the first N rows.", type=Whole(0))
+@option("--by-class", "Count by class, beside Proposition 2.2.")
 @click.option(
     "--coincident",
     metavar="TYPE",

@@ -6,7 +6,7 @@ from inspect import cleandoc
 
 import click
 
-from gspcli.cli.options import Command, Finite, Options, Whole, file_option, value_options
+from gspcli.cli.options import Command, Finite, Options, Whole, file_option, option, value_options
 from gspcli.cli.pose_options import mode_option
 from gspcli.cli.render import write
 from gspcli.cli.streams import say, working
@@ -22,40 +22,35 @@ _MODELS = {
 
 @click.command(cls=Command)
 @click.argument("spec", metavar="SPEC")
-@click.option(
-    "--to", "target", type=click.Choice(tuple(formats.FORMATS)), required=True, help="For which."
+@option(
+    "--to", "For which.", name="target", type=click.Choice(tuple(formats.FORMATS)), required=True
 )
 @value_options
 @mode_option(f"what is built for {listed(_MODELS, 'and')}.  [default: home]")
-@click.option(
+@option(
     "--coordinates",
+    "For systems: the unknowns.",
     type=click.Choice(formats.COORDINATES),
     default=formats.COORDINATES[0],
-    help="For systems: the unknowns.",
 )
-@click.option(
+@option(
     "--significant-digits",
+    "For systems: to how many digits irrational numbers are written.",
     type=Whole(1, 1000),
     default=formats.DIGITS,
-    help="For systems: to how many digits irrational numbers are written.",
 )
-@click.option(
-    "--prefix",
-    metavar="NAME",
-    help="For c: what names begin with.  [default: the name of the file]",
-)
-@click.option(
+@option("--prefix NAME", "For c: what names begin with.  [default: the name of the file]")
+@option(
     "--tries",
+    "For c: how many parts of a line of values a step tries: its time is bounded by them.",
     type=Whole(1, 1000),
     default=formats.TRIES,
-    help="For c: how many parts of a line of values a step tries: its time is bounded by them.",
 )
-@click.option(
-    "--margin",
+@option(
+    "--margin PART",
+    "For c: by which part of its range a value may leave it, as with readings at a stop.",
     type=Finite(0, 1),
     default=0.0,
-    metavar="PART",
-    help="For c: by which part of its range a value may leave it, as with readings at a stop.",
 )
 @file_option("export")
 def command(o: Options) -> None:

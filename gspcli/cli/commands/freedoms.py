@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from gspcli.cli.options import Command, Options, output_options
+from gspcli.cli.options import Command, Options, option, output_options
 from gspcli.cli.pose_options import pose_options, pose_value_option
 from gspcli.cli.render import emit
 from gspcli.cli.result import Fields, Result
@@ -29,9 +29,7 @@ _OFF = 1e-6
 @click.argument("spec", metavar="SPEC")
 @pose_value_option(".  [default: home]")
 @pose_options
-@click.option(
-    "--all", "everything", is_flag=True, help="Show every constraint that could be added."
-)
+@option("--all", "Show every constraint that could be added.", name="everything")
 @output_options()
 def command(o: Options) -> None:
     """Say which freedoms any number of constraints leave, and which are redundant.

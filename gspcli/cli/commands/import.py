@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from gspcli.cli.options import Command, Finite, Options, Whole, file_option
+from gspcli.cli.options import Command, Finite, Options, Whole, file_option, option
 from gspcli.cli.render import write
 from gspcli.cli.specs import refuse_to_replace
 from gspcli.cli.streams import say
@@ -18,21 +18,19 @@ from gspcli.wording import named
 
 @click.command(cls=Command)
 @click.argument("file", metavar="FILE", type=click.Path(path_type=Path))
-@click.option("--base", metavar="NAME", help="Which body is the base.  [default: found]")
-@click.option("--platform", metavar="NAME", help="Which is the platform.  [default: found]")
-@click.option(
-    "--meet",
+@option("--base NAME", "Which body is the base.  [default: found]")
+@option("--platform NAME", "Which is the platform.  [default: found]")
+@option(
+    "--meet SHARE",
+    "Axes that pass each other at up to this share of the machine's size count as meeting.",
     type=Finite(0, 1, max_open=True),
     default=MEETING_SHARE,
-    metavar="SHARE",
-    help="Axes that pass each other at up to this share of the machine's size count as meeting.",
 )
-@click.option(
+@option(
     "--digits",
+    "Digits of the numbers that are written, counted from the first digit of the machine's size.",
     type=Whole(3, 17),
     default=IMPORTED_DIGITS,
-    help="Digits of the numbers that are written, counted from the first digit of the machine's "
-    "size.",
 )
 @file_option("yaml")
 def command(o: Options) -> None:

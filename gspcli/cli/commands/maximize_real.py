@@ -23,22 +23,21 @@ if TYPE_CHECKING:
 @click.command(cls=options.Command)
 @options.without("--show", "--time", "--attempts", "--seed", "--jobs", "--scheduler", "--resume")
 @click.argument("names", nargs=-1, required=True, metavar="TYPE|SPEC")
-@click.option("--show", is_flag=True, help="Do not search: write the best known platform.")
-@click.option(
+@options.option("--show", "Do not search: write the best known platform.")
+@options.option(
     "--real",
+    "Stop at N real poses; the exit code is 1 if fewer are found. With --show: the known platform "
+    "with N.  [default: as many as possible, as many as known]",
     type=options.Whole(0),
-    help="Stop at N real poses; the exit code is 1 if fewer are found. With --show: the known "
-    "platform with N.  [default: as many as possible, as many as known]",
 )
-@click.option(
-    "--time",
-    "seconds",
+@options.option(
+    "--time SECONDS",
+    "Stop after this time.",
+    name="seconds",
     type=options.Positive(),
-    metavar="SECONDS",
     default=SEARCH_SECONDS,
-    help="Stop after this time.",
 )
-@click.option("--attempts", "most", type=options.Whole(1), help="Stop after N attempts.")
+@options.option("--attempts", "Stop after N attempts.", name="most", type=options.Whole(1))
 @options.seed_option("; an attempt depends only on it and on its number")
 @options.worker_options
 @options.resume_option

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from gspcli.cli import pose_options
-from gspcli.cli.options import Command, Options, exclusive, output_options
+from gspcli.cli.options import Command, Options, exclusive, option, output_options
 from gspcli.cli.render import emit
 from gspcli.cli.requirements import refuse, require_option, required, settled
 from gspcli.cli.result import POSE, Field, Fields, Result
@@ -38,17 +38,9 @@ _NOT_FOUND = "none found"
 @exclusive("--drives", "--cranks")
 @exclusive("--cranks", "--nearest")
 @pose_options.pose_value_option("instead of POSES")
-@click.option(
-    "--drives",
-    is_flag=True,
-    help="The numbers of the drives: angles of cranks, places of slides, other values.",
-)
-@click.option(
-    "--cranks", is_flag=True, help="The angles of the cranks only; the values of SPEC are kept."
-)
-@click.option(
-    "--nearest", is_flag=True, help="The nearest poses within ranges and cones, and their values."
-)
+@option("--drives", "The numbers of the drives: angles of cranks, places of slides, other values.")
+@option("--cranks", "The angles of the cranks only; the values of SPEC are kept.")
+@option("--nearest", "The nearest poses within ranges and cones, and their values.")
 @pose_options.pose_options
 @pose_options.column_options
 @require_option("range, cone, clearance>=0.5, condition<=50")

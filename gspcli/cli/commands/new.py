@@ -36,18 +36,14 @@ _TEMPLATE_HEAD = """\
 @options.without("--rotary", "--seed", "--decimals", "--planar", "--one-sided")
 @options.without("--linear", "--seed", "--decimals", "--planar", "--one-sided")
 @click.argument("type_words", metavar="TYPE...", nargs=-1, required=True)
-@click.option(
-    "--rotary", is_flag=True, help="Write a hexapod whose motors turn arms, from KEY=NUMBER."
+@options.option("--rotary", "Write a hexapod whose motors turn arms, from KEY=NUMBER.")
+@options.option(
+    "--linear", "Write a hexapod whose motors move carriages along rails, from KEY=NUMBER."
 )
-@click.option(
-    "--linear",
-    is_flag=True,
-    help="Write a hexapod whose motors move carriages along rails, from KEY=NUMBER.",
-)
-@click.option("--template", is_flag=True, help="Also write comments that say what to replace.")
+@options.option("--template", "Also write comments that say what to replace.")
 @options.seed_option("; the same seed gives the same file")
 @options.decimals_option(3, 1, 15, "")
-@click.option("--planar", is_flag=True, help="Put the points of each body in one plane.")
+@options.option("--planar", "Put the points of each body in one plane.")
 @options.one_sided_option
 @options.file_option("yaml")
 def command(o: options.Options) -> None:

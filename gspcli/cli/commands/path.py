@@ -70,64 +70,55 @@ class _LimitType(click.ParamType):  # type: ignore[type-arg]
 @options.needs("--speed", "--acceleration")
 @options.needs("--acceleration", "--speed")
 @click.argument("spec", metavar="SPEC")
-@click.option(
-    "--from",
-    "start",
-    type=_EndType(),
-    metavar="K|home|POSE",
-    help="Where the path begins: a mode by its number of `gsp solve`, home, or a pose "
+@options.option(
+    "--from K|home|POSE",
+    "Where the path begins: a mode by its number of `gsp solve`, home, or a pose "
     "(x,y,z,qw,qx,qy,qz, or x,y,z,rx,ry,rz with --euler, or @FILE).",
+    name="start",
+    type=_EndType(),
 )
-@click.option(
-    "--to", "goal", type=_EndType(), metavar="K|home|POSE", help="Where the path ends, likewise."
-)
-@click.option(
+@options.option("--to K|home|POSE", "Where the path ends, likewise.", name="goal", type=_EndType())
+@options.option(
     "--all",
-    "everything",
-    is_flag=True,
-    help="Instead of one path show which modes are joined by paths, and which are proved apart.",
+    "Instead of one path show which modes are joined by paths, and which are proved apart.",
+    name="everything",
 )
-@click.option(
+@options.option(
     "--along",
+    "What changes linearly between corners: the values, or x, y, z and the angles.  [default: what "
+    "is proved first]",
     type=click.Choice(["values", "poses"]),
-    help="What changes linearly between corners: the values, or x, y, z and the angles.  "
-    "[default: what is proved first]",
 )
-@click.option(
-    "--clear",
+@options.option(
+    "--clear D",
+    "Every pose must have this clearance, proved, as gsp clearance measures it.",
     type=options.Finite(0.0),
     default=0.0,
     show_default=False,
-    metavar="D",
-    help="Every pose must have this clearance, proved, as gsp clearance measures it.",
 )
-@click.option(
-    "--leg-gap",
-    "gap",
+@options.option(
+    "--leg-gap D",
+    "Legs must be D apart at every pose, proved; SPEC states their diameters.",
+    name="gap",
     type=options.Finite(),
-    metavar="D",
-    help="Legs must be D apart at every pose, proved; SPEC states their diameters.",
 )
-@click.option(
-    "--time",
-    "seconds",
+@options.option(
+    "--time SECONDS",
+    "Stop after this time. A path that is found does not depend on it.",
+    name="seconds",
     type=options.Positive(),
     default=PATH_SECONDS,
-    metavar="SECONDS",
-    help="Stop after this time. A path that is found does not depend on it.",
 )
-@click.option(
-    "--speed",
+@options.option(
+    "--speed V",
+    "Give the rows times in seconds, at which no drive is faster than V, in the unit of its value "
+    "a second: proved, between rows too. Or drives=V,platform=V,turn=V.",
     type=_LimitType(),
-    metavar="V",
-    help="Give the rows times in seconds, at which no drive is faster than V, in the unit of its "
-    "value a second: proved, between rows too. Or drives=V,platform=V,turn=V.",
 )
-@click.option(
-    "--acceleration",
+@options.option(
+    "--acceleration A",
+    "With --speed: no acceleration is above A, in units a second squared, proved likewise.",
     type=_LimitType(),
-    metavar="A",
-    help="With --speed: no acceleration is above A, in units a second squared, proved likewise.",
 )
 @options.seed_option("")
 @options.value_options

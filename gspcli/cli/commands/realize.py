@@ -13,7 +13,7 @@ from gspcli.catalogue.coincidence import coincident_types, over_constraint, pars
 from gspcli.catalogue.names import find_alias, parse_kinds, parse_type
 from gspcli.catalogue.realization import REALIZATIONS, alternative, mechanism, outside
 from gspcli.catalogue.types import CONSTRAINTS
-from gspcli.cli.options import DRAWINGS, FORMATS, Command, Options, output_options
+from gspcli.cli.options import DRAWINGS, FORMATS, Command, Options, option, output_options
 from gspcli.cli.render import emit, write
 from gspcli.cli.result import Fields, Result
 from gspcli.cli.specs import is_file, load_instance
@@ -38,13 +38,13 @@ _COLUMNS = FIELDS.of(
 
 @click.command(cls=Command)
 @click.argument("names", nargs=-1, required=True, metavar="TYPE|PATTERN|SPEC")
-@click.option(
+@option(
     "--realization",
-    "chosen",
+    "Chains of the paper's figures; chains without idle freedoms; or chains with all driven joints "
+    "at the base (Figure 8).",
+    name="chosen",
     type=click.Choice(list(REALIZATIONS)),
     default=next(iter(REALIZATIONS)),
-    help="Chains of the paper's figures; chains without idle freedoms; or chains with all driven "
-    "joints at the base (Figure 8).",
 )
 @output_options(formats=(*FORMATS, *DRAWINGS))
 def command(o: Options) -> None:

@@ -28,15 +28,14 @@ _ALL_DIGITS = 17
 
 @click.command(cls=options.Command)
 @click.argument("names", nargs=-1, required=True, metavar="TYPE")
-@click.option("--count", default=1000, type=options.Whole(1), help="How many platforms to draw.")
+@options.option("--count", "How many platforms to draw.", default=1000, type=options.Whole(1))
 @options.seed_option("; the same seed gives the same numbers")
 @options.one_sided_option
-@click.option(
-    "--save",
-    "folder",
+@options.option(
+    "--save FOLDER",
+    "Keep undecided and incomplete platforms there, as instance files.",
+    name="folder",
     type=click.Path(file_okay=False, path_type=Path),
-    metavar="FOLDER",
-    help="Keep undecided and incomplete platforms there, as instance files.",
 )
 @options.worker_options
 @options.output_options((*options.FORMATS, *options.DRAWINGS))

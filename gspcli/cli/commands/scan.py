@@ -35,30 +35,28 @@ _NUMBERS = tuple("123456")
 
 @click.command(cls=options.Command)
 @click.argument("spec", metavar="SPEC")
-@click.option(
-    "--vary",
-    "texts",
-    metavar="NAME=LOW:HIGH:COUNT",
+@options.option(
+    "--vary NAME=LOW:HIGH:COUNT",
+    "Let NAME take COUNT values from LOW to HIGH: a constraint from 1 to 6, a crank or slide such "
+    "as crank.B1, or, with --pose, x, y, z (rx, ry, rz with --euler); once or twice.",
+    name="texts",
     multiple=True,
     required=True,
-    help="Let NAME take COUNT values from LOW to HIGH: a constraint from 1 to 6, a crank or slide "
-    "such as crank.B1, or, with --pose, x, y, z (rx, ry, rz with --euler); once or twice.",
 )
 @pose_value_option("the pose whose coordinates vary; the other coordinates stay")
 @options.value_options
 @pose_options
-@click.option(
+@options.option(
     "--folds",
-    is_flag=True,
-    help="Find, with proof, where the number changes between neighbouring nodes. Tables show "
-    "these folds instead of the nodes, pictures both.",
+    "Find, with proof, where the number changes between neighbouring nodes. Tables show these "
+    "folds instead of the nodes, pictures both.",
 )
-@click.option(
+@options.option(
     "--quantity",
+    "The quantity of pictures (over poses the determinant instead of modes). With clearance it is "
+    "a column, too (some milliseconds a mode or pose).",
     type=click.Choice(QUANTITIES),
     default=QUANTITIES[0],
-    help="The quantity of pictures (over poses the determinant instead of modes). With clearance "
-    "it is a column, too (some milliseconds a mode or pose).",
 )
 @options.resume_option
 @options.worker_options

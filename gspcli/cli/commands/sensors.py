@@ -30,40 +30,32 @@ _ABOUT_ROWS = ("--relative", "--euler", "--pivot", "--relative-to", "--ignore", 
 @click.argument("spec", metavar="SPEC")
 @click.argument("rows", metavar="[ROWS]", required=False)
 @options.value_options
-@click.option("--relative", is_flag=True, help="The values in the file are added to those of SPEC.")
+@options.option("--relative", "The values in the file are added to those of SPEC.")
 @pose_options
 @column_options
-@click.option(
-    "--sensor",
-    "names",
-    metavar="SENSOR",
+@options.option(
+    "--sensor SENSOR",
+    "Only this sensor, such as 'leg P1 (0, 0, 50)' or 'joint 1 base about x'; may be repeated.",
+    name="names",
     multiple=True,
-    help="Only this sensor, such as 'leg P1 (0, 0, 50)' or 'joint 1 base about x'; may be "
-    "repeated.",
 )
-@click.option(
-    "--sigma",
-    "deviations",
-    metavar="WHAT=NUMBER",
-    multiple=True,
-    help=f"Standard deviation of what is measured: {', '.join(_KINDS)}, in the unit of SPEC; "
+@options.option(
+    "--sigma WHAT=NUMBER",
+    f"Standard deviation of what is measured: {', '.join(_KINDS)}, in the unit of SPEC; "
     "may be repeated.  [default: lengths a thousandth of the size, angles 0.1 degrees]",
+    name="deviations",
+    multiple=True,
 )
-@click.option(
-    "--need",
+@options.option(
+    "--need N",
+    "Modes count as distinguished if their readings differ by at least N standard deviations.",
     type=options.Positive(),
     default=6.0,
-    metavar="N",
-    help="Modes count as distinguished if their readings differ by at least N standard deviations.",
 )
-@click.option(
-    "--known-side",
-    is_flag=True,
-    help="Assume that the platform is on the same side of the base as at home.",
+@options.option(
+    "--known-side", "Assume that the platform is on the same side of the base as at home."
 )
-@click.option(
-    "--all-sensors", "everything", is_flag=True, help="Show each sensor, not the best ones only."
-)
+@options.option("--all-sensors", "Show each sensor, not the best ones only.", name="everything")
 @options.seed_option(": of --random")
 @options.jobs_option
 @options.output_options()

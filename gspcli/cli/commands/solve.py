@@ -72,11 +72,10 @@ DECIMALS = tuple(
     for name in (*(f"R{i}{j}" for i in "123" for j in "123"), "Tx", "Ty", "Tz")
 )
 
-digits_option = click.option(
-    "--digits",
+digits_option = options.option(
+    "--digits N",
+    "Also print each certified solution to N proved digits.",
     type=click.IntRange(1, 100_000),
-    metavar="N",
-    help="Also print each certified solution to N proved digits.",
 )
 
 
@@ -100,71 +99,62 @@ def _conditions(_: click.Context, __: click.Parameter, texts: Sequence[str]) -> 
 @options.needs("--euler", "--near", "--where")
 @options.needs("--pivot", "--near", "--where")
 @click.argument("specs", metavar="SPEC...", nargs=-1, required=True)
-@click.option(
+@options.option(
     "--lines",
-    "by_line",
-    is_flag=True,
-    help="SPEC has an instance in each line, as JSON: the default for files that end with .jsonl.",
+    "SPEC has an instance in each line, as JSON: the default for files that end with .jsonl.",
+    name="by_line",
 )
 @options.value_options
-@click.option("--all", "everything", is_flag=True, help="Also show the complex solutions.")
-@click.option(
+@options.option("--all", "Also show the complex solutions.", name="everything")
+@options.option(
     "--prove/--no-prove",
+    "--prove counts the poses of a special platform exactly, for any time, modulo two random "
+    "primes. --no-prove never counts. By default poses are counted if that takes a few seconds at "
+    "most.",
     default=None,
-    help="--prove counts the poses of a special platform exactly, for any time, "
-    "modulo two random primes. --no-prove never counts. By default poses are counted "
-    "if that takes a few seconds at most.",
 )
 @options.seed_option("; the answer does not depend on it")
 @options.jobs_option
-@click.option(
-    "--rotation",
+@options.option(
+    "--rotation FORM",
+    "Write rotations as quaternion, matrix, rotvec, or angles about axes: ZYX and the like about "
+    "those of the platform, xyz about those of the base, PI, LinuxCNC or Symetrie.",
     default="quaternion",
-    metavar="FORM",
-    help="Write rotations as quaternion, matrix, rotvec, or angles about axes: ZYX and the like "
-    "about those of the platform, xyz about those of the base, PI, LinuxCNC or Symetrie.",
 )
 @options.decimals_option(None, 0, 17, ": positions and rotations, independently of the width")
 @near_option("poses are sorted by their distance from it")
 @pose_options
-@click.option(
-    "--where",
-    metavar="CONDITION",
+@options.option(
+    "--where CONDITION",
+    "List only real poses with this, such as 'z>0, rx<=45': x, y, z, and rx, ry, rz in the order "
+    "of --euler or ZYX; may be repeated.",
     multiple=True,
     callback=_conditions,
-    help="List only real poses with this, such as 'z>0, rx<=45': x, y, z, and rx, ry, rz in "
-    "the order of --euler or ZYX; may be repeated.",
 )
-@click.option(
-    "--within-limits", is_flag=True, help="List only real poses within all ranges and cones."
-)
-@click.option(
+@options.option("--within-limits", "List only real poses within all ranges and cones.")
+@options.option(
     "--above",
-    is_flag=True,
-    help="List only real poses with the platform above its base: on the side of home, or of z.",
+    "List only real poses with the platform above its base: on the side of home, or of z.",
 )
-@click.option(
-    "--reading",
-    "readings",
-    metavar="READING",
+@options.option(
+    "--reading READING",
+    "The reading of one more sensor with its standard deviation, such as 'leg P1 B3 = 212.4 ± 0.1' "
+    "(or +-), in the units of SPEC. The mode that fits is marked. May be repeated.",
+    name="readings",
     multiple=True,
-    help="The reading of one more sensor with its standard deviation, such as 'leg P1 B3 = 212.4 ± "
-    "0.1' (or +-), in the units of SPEC. The mode that fits is marked. May be repeated.",
 )
-@click.option(
+@options.option(
     "--fit",
-    "fitting",
-    is_flag=True,
-    help="Take the values and all readings as measurements with errors: the least-squares pose of "
-    "each mode, whether it fits, and which measurement is the outlier.",
+    "Take the values and all readings as measurements with errors: the least-squares pose of each "
+    "mode, whether it fits, and which measurement is the outlier.",
+    name="fitting",
 )
-@click.option(
-    "--sigma",
-    "sigmas",
-    metavar="WHAT=NUMBER",
-    multiple=True,
-    help="Standard deviation of what is measured: value (distances), angle, or the number of a "
+@options.option(
+    "--sigma WHAT=NUMBER",
+    "Standard deviation of what is measured: value (distances), angle, or the number of a "
     "constraint; else `tolerance` in SPEC. With --fit; may be repeated.",
+    name="sigmas",
+    multiple=True,
 )
 @digits_option
 @options.output_options(formats=(*options.FORMATS, LINES))

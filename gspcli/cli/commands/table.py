@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from gspcli.cli.options import Command, Options, output_options
+from gspcli.cli.options import Command, Options, option, output_options
 from gspcli.cli.render import emit
 from gspcli.cli.result import Field, Fields, Result
 from gspcli.cli.streams import progress, working
@@ -26,10 +26,9 @@ _TABLES = (1, 2, 3)
 
 @click.command(cls=Command)
 @click.argument("which", type=click.Choice(_CHOICES), metavar="{1|2|3|errata|all}")
-@click.option(
+@option(
     "--check",
-    is_flag=True,
-    help="Exit with 1 if anything differs. The errata are proved. Table 3 is confirmed by solving "
+    "Exit with 1 if anything differs. The errata are proved. Table 3 is confirmed by solving "
     "random instances of all its families. Any other difference is an entry that is printed "
     "wrongly.",
 )

@@ -53,43 +53,39 @@ FIELDS = Fields("track")
 @pose_options.mode_option("only this one is followed.")
 @pose_options.near_option("only this one is followed")
 @options.value_options
-@click.option(
+@options.option(
     "--steps",
+    "Write N rows for each row of VALUES, evenly between it and the next one.",
     type=options.Whole(1),
     default=1,
-    help="Write N rows for each row of VALUES, evenly between it and the next one.",
 )
-@click.option(
+@options.option(
     "--along",
+    "What changes linearly between rows; of a file of poses it can be x, y, z and the angles.",
     type=click.Choice(["values", "poses"]),
     default="values",
-    help="What changes linearly between rows; of a file of poses it can be x, y, z and the angles.",
 )
-@click.option("--relative", is_flag=True, help="The values in the file are added to those of SPEC.")
-@click.option(
+@options.option("--relative", "The values in the file are added to those of SPEC.")
+@options.option(
     "--all-modes",
-    is_flag=True,
-    help="All real poses: along a file of poses follow all, not only the mode of these poses.",
+    "All real poses: along a file of poses follow all, not only the mode of these poses.",
 )
-@click.option(
+@options.option(
     "--complete",
-    "everything",
-    is_flag=True,
-    help="Compare with all poses at the last row, and follow modes that begin on the way, too.",
+    "Compare with all poses at the last row, and follow modes that begin on the way, too.",
+    name="everything",
 )
-@click.option("--allow-loss", is_flag=True, help="Exit with 0 though a mode ends on the way.")
-@click.option(
+@options.option("--allow-loss", "Exit with 0 though a mode ends on the way.")
+@options.option(
     "--clearance",
-    "clear",
-    is_flag=True,
-    help="Add how far all values may change with proof that nothing is singular (gsp clearance).",
+    "Add how far all values may change with proof that nothing is singular (gsp clearance).",
+    name="clear",
 )
-@click.option(
+@options.option(
     "--pose-clearance",
-    "pose_clear",
-    is_flag=True,
-    help="Add how far the pose may move, for any values, with proof that its screws stay "
-    "independent (gsp clearance --of pose).",
+    "Add how far the pose may move, for any values, with proof that its screws stay independent "
+    "(gsp clearance --of pose).",
+    name="pose_clear",
 )
 @require_option("range, cone, clearance>=0.5, condition<=50")
 @pose_options.pose_options

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from gspcli.cli.options import DRAWINGS, Command, Options, output_options, value_options
+from gspcli.cli.options import DRAWINGS, Command, Options, option, output_options, value_options
 from gspcli.cli.pose_options import Mode, chosen, column_options, mode_option, pose_options, text_of
 from gspcli.cli.render import write
 from gspcli.cli.streams import check_writable, say, working
@@ -30,33 +30,22 @@ _PAGE = "html"
 @click.argument("spec", metavar="SPEC")
 @value_options
 @mode_option("what is shown first.  [default: home]")
-@click.option(
-    "--track",
-    "track",
-    metavar="FILE",
-    help="Also show the trajectories in FILE, as gsp track writes them (CSV), or - for "
-    "standard input.",
+@option(
+    "--track FILE",
+    "Also show the trajectories in FILE, as gsp track writes them (CSV), or - for standard input.",
+    name="track",
 )
 @pose_options
 @column_options
-@click.option(
-    "--live",
-    is_flag=True,
-    help="The page solves the platform again while the user moves its values or its pose.",
+@option("--live", "The page solves the platform again while the user moves its values or its pose.")
+@option("--open", "Open the page in the browser.", name="opened")
+@option("--all-modes", "All real poses: of a drawing (svg, png, pdf) a panel for each.")
+@option(
+    "--from AZIMUTH,ELEVATION",
+    "The direction of view, in degrees.  [default: -62,20]",
+    name="seen_from",
 )
-@click.option("--open", "opened", is_flag=True, help="Open the page in the browser.")
-@click.option(
-    "--all-modes",
-    is_flag=True,
-    help="All real poses: of a drawing (svg, png, pdf) a panel for each.",
-)
-@click.option(
-    "--from",
-    "seen_from",
-    metavar="AZIMUTH,ELEVATION",
-    help="The direction of view, in degrees.  [default: -62,20]",
-)
-@click.option("--no-names", is_flag=True, help="Omit names and numbers in the picture.")
+@option("--no-names", "Omit names and numbers in the picture.")
 @output_options(formats=(_PAGE, *DRAWINGS), default=_PAGE)
 def command(o: Options) -> None:
     """Show a platform, all its assembly modes and how it moves.

@@ -47,54 +47,47 @@ _MOST_SHOWN = 2_000_000
 @click.argument("spec", metavar="SPEC")
 @pose_options.mode_option("where to begin.  [default: home]")
 @pose_options.pose_value_option("home, instead of a mode of SPEC")
-@click.option(
-    "--orientation",
-    metavar="NUMBERS",
-    help="Positions at this orientation: qw,qx,qy,qz, or rx,ry,rz with --euler.",
+@options.option(
+    "--orientation NUMBERS", "Positions at this orientation: qw,qx,qy,qz, or rx,ry,rz with --euler."
 )
-@click.option("--position", metavar="X,Y,Z", help="Orientations at this position.")
-@click.option("--over", metavar="NAMES", help="Let some of x,y,z,rx,ry,rz vary, the others stay.")
-@click.option(
-    "--within",
-    "intervals",
-    metavar="NAME=LOW:HIGH",
+@options.option("--position X,Y,Z", "Orientations at this position.")
+@options.option("--over NAMES", "Let some of x,y,z,rx,ry,rz vary, the others stay.")
+@options.option(
+    "--within NAME=LOW:HIGH",
+    "Keep NAME in this interval: only poses there are considered; may be repeated.",
+    name="intervals",
     multiple=True,
-    help="Keep NAME in this interval: only poses there are considered; may be repeated.",
 )
-@click.option(
-    "--shift",
-    "held",
-    metavar="NAME=VALUE",
+@options.option(
+    "--shift NAME=VALUE",
+    "Travel with NAME moved by VALUE from home, or by LOW:HIGH:COUNT; may be repeated.",
+    name="held",
     multiple=True,
-    help="Travel with NAME moved by VALUE from home, or by LOW:HIGH:COUNT; may be repeated.",
 )
-@click.option(
+@options.option(
     "--connected/--all-parts",
+    "Count only poses that can be reached from home without a singular pose, or all poses.  "
+    "[default: connected if SPEC states home]",
     default=None,
-    help="Count only poses that can be reached from home without a singular pose, or all poses.  "
-    "[default: connected "
-    "if SPEC states home]",
 )
-@click.option(
-    "--leg-gap",
+@options.option(
+    "--leg-gap D",
+    "Legs must be D apart at every pose, proved; SPEC states their diameters.",
     type=options.Finite(),
-    metavar="D",
-    help="Legs must be D apart at every pose, proved; SPEC states their diameters.",
 )
-@click.option(
-    "--gap",
-    type=options.Finite(0, 1, min_open=True, max_open=True),
-    metavar="R",
-    help=f"The largest relative difference of the bounds of the volume.  [default: {_TOLERANCE}, "
+@options.option(
+    "--gap R",
+    f"The largest relative difference of the bounds of the volume.  [default: {_TOLERANCE}, "
     f"for boxes and pictures of three or more parameters {_COARSE}]",
+    type=options.Finite(0, 1, min_open=True, max_open=True),
 )
-@click.option(
+@options.option(
     "--most-boxes",
+    "Judge at most about this many boxes.",
     type=options.Whole(1),
     default=100_000_000,
-    help="Judge at most about this many boxes.",
 )
-@click.option("--boxes", "listed", is_flag=True, help="Write the boxes instead of the volume.")
+@options.option("--boxes", "Write the boxes instead of the volume.", name="listed")
 @options.value_options
 @pose_options.pose_options
 @options.jobs_option
