@@ -254,7 +254,7 @@ def _modes_inside(found: Workspace, home: _Home, instance: Instance) -> list[int
 def _volume(o: options.Options, found: Workspace, home: _Home) -> Result:
     """Return the extents over each parameter, and the volume above them; or the boxes."""
     instance, is_json, gap = o.instance, o.output.format == "json", found.boxes.gap
-    count, between = len(found.inner_keys), len(found.open_keys)
+    count, between = len(found.inner_boxes.keys), len(found.open_boxes.keys)
     if o.listed and count + between > _MOST_SHOWN:
         raise GspError(
             f"found {count + between} boxes, expected at most {_MOST_SHOWN}: try a larger --gap"

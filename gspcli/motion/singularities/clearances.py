@@ -66,13 +66,18 @@ _BEFORE = 1e-4
 KINDS = ("values", "drives", "pose")
 
 
+def held(machine: Machine) -> NDArray[np.bool_]:
+    """Return which values do not change, shape (6,): none if there is nothing else that could."""
+    return machine.fixed & ~machine.fixed.all()
+
+
 def weights_of(machine: Machine) -> tuple[Array, bool]:
     """Return the unit of each drive's changes, lengths and radians, shape (m,).
 
     Also whether they are half the ranges; otherwise they are one in the unit of each drive, as is
     that of values that stay.
     """
-    half, moves = (machine.high - machine.low) / 2, ~machine.fixed[machine.first]
+    half, moves = (machine.high - machine.low) / 2, ~held(machine)[machine.first]
     ranged = bool((np.isfinite(half) & (half > 0))[moves].all())
     return np.where(moves & ranged, half, machine.units), ranged
 
@@ -111,7 +116,7 @@ def clearances(
     parallel = nearly_parallel(machine.instance, R.astype(complex)).any(axis=1)
     known = np.flatnonzero(np.isfinite(q).all(axis=1) & ~parallel)
     # Constraints that share a drive move together; it is proved for all their changes.
-    units = np.where(machine.fixed, 0.0, _weights(machine, weights)[machine.index])
+    units = np.where(held(machine), 0.0, _weights(machine, weights)[machine.index])
     lower, kept = np.zeros((2, len(T)))
     halvings = _MACHINE_HALVINGS if machine.moves else _HALVINGS
     for which, near in neighbourhoods(machine, R[known], T[known], q[known]):
@@ -196,7 +201,7 @@ def each_clearance(
     lowers, kept = clearances(machine, R, T, weights=units)
     q = _numbers(machine, R, T)
     # On the lines values that stay do so.
-    stay = set(machine.index[machine.fixed].tolist())
+    stay = set(machine.index[held(machine)].tolist())
     corners = product(*((0.0,) if k in stay else (1.0, -1.0) for k in range(machine.count)))
     ways = np.array(list(corners)) * units
     every = []
@@ -228,7 +233,8 @@ def _range_end(machine: Machine, q: Array, units: Array, found: Clearance) -> Cl
     angle = machine.instance.units.angle
     ends = np.array([value_range(row.kind, angle) for row in machine.instance.constraints])
     ends = ends * machine.units[:, None]
-    rooms = np.abs(ends - q[:, None]) / np.where(machine.fixed, 0.0, units)[:, None]
+    rooms = np.abs(ends - q[:, None]) / units[:, None]
+    rooms[held(machine)] = np.inf
     k, which = np.unravel_index(int(first_smallest(rooms.ravel())), rooms.shape)
     if np.isinf(rooms[k, which]):
         return found

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from typing import NamedTuple, TypeAlias
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gspcli import _kernel
+from gspcli.catalogue.kinds import DPP
 from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.checking import value_range
@@ -42,8 +43,7 @@ _REACH = int(_kernel.REACH).bit_length() - 1
 class Judged(NamedTuple):
     """Boxes of a grid: those proved to keep all limits, and the undecided ones.
 
-    All other boxes are proved to violate a limit. Keys encode places in the grid, see
-    `PoseBoxes.places`.
+    All other boxes are proved to violate a limit. Keys encode places in the grid (`places`).
     """
 
     inside: Keys
@@ -137,7 +137,9 @@ class PoseBoxes:
         self.cones = machine.cones
         self.regular = regular
         self.gap = gap
-        self._compared = None if gap is None else _shapes_of(instance, gap)
+        if gap is not None and not np.isfinite(gap):
+            raise ArgumentError(f"found {gap}, expected a finite number", "gap")
+        self._compared = None if gap is None else ComparedShapes(instance)
 
     @property
     def middle(self) -> str:
@@ -151,18 +153,17 @@ class PoseBoxes:
         Ranges, of values or of the motors that move points; cones; that the rods reach the points
         of their motors; regularity.
         """
-        bits = [k for k, row in enumerate(self._limited.constraints) if row.limits is not None]
+        ranged = [k for k, row in enumerate(self._limited.constraints) if row.limits is not None]
+        bits = [k for k in ranged if k not in self.rows] + self._ranged
         bits += [_RANGES + k for k in range(len(self.cones))]
-        bits = [k for k in bits if k not in self.rows] + self._ranged
-        bits += [_REACH + k for k in self.rows]
-        more = int(REGULAR) if self.regular else 0
-        more |= int(GAP) if self.gap is not None else 0
-        return np.uint32(sum(1 << bit for bit in bits) | more)
+        found = np.uint32(sum(1 << bit for bit in bits)) | (self.reached & ~REGULAR)
+        found |= REGULAR if self.regular else np.uint32(0)
+        return np.uint32(found if self.gap is None else found | GAP)
 
     @property
     def reached(self) -> np.uint32:
         """The conditions that rods reach the points of their motors, and regularity."""
-        return np.uint32(sum(1 << (_REACH + k) for k in self.rows) | int(REGULAR))
+        return np.uint32(sum(1 << (_REACH + k) for k in self.rows)) | REGULAR
 
     def names(self, conditions: int) -> list[str]:
         """Return the conditions of some bits in words."""
@@ -186,51 +187,40 @@ class PoseBoxes:
         known = not any(name.startswith("reach") for name in found)
         return found + (["singularity"] if known and conditions & int(REGULAR) else [])
 
-    def bounds(self) -> Array:
+    def bounds(self, *, turning: bool = True) -> Array:
         """Return a box that contains all poses that keep the limits, shape (6, 2).
 
         Positions are bounded by legs (DPP) with a range or with a motor that moves one end; without
         such legs they are infinite. Angles are bounded by a whole turn, the middle one of the three
-        by half a turn.
+        by half a turn; they are zero for the orientation of home.
         """
         half = np.full(6, np.inf)
-        middle = np.zeros(6)
         half[3:] = np.pi
         half[self._order[4]] = np.pi / 2
-        low, high = middle - half, middle + half
-        for length, places in self._legs():
-            ends = []
-            for y, x, margin in places:
-                far = length + np.linalg.norm(y)
-                far = far + 1e-9 * (far + np.abs(x).max()) + margin
-                ends.append((x - far, x + far))
-            low[:3] = np.maximum(low[:3], np.min([least for least, _ in ends], axis=0))
-            high[:3] = np.minimum(high[:3], np.max([most for _, most in ends], axis=0))
+        low, high = -half, half
+        for turned in (True,) if turning else (True, False):
+            for length, places in self._legs():
+                ends = []
+                for y, x, margin in places:
+                    size = float(np.linalg.norm(y))
+                    centre, far = (x, length + size) if turned else (x - y, length)
+                    far = far + 1e-9 * (length + size + np.abs(x).max()) + margin
+                    ends.append((centre - far, centre + far))
+                least, most = np.swapaxes(ends, 0, 1)
+                low[:3] = np.maximum(low[:3], least.min(axis=0))
+                high[:3] = np.minimum(high[:3], most.max(axis=0))
+        if not turning:
+            low[3:] = high[3:] = 0.0
         return np.stack((low, np.maximum(low, high)), axis=1)
 
     def _legs(self) -> Iterator[tuple[float, list[tuple[Array, Array, Array]]]]:
         """Yield the greatest lengths of legs, with their points at home, y and x, and margins."""
         for k, row in enumerate(self._limited.constraints):
+            y, x = self._balls.vectors[k, 0, :, 0], self._balls.vectors[k, 2, :, 0]
             if k in self.rows:
-                y, x = self._balls.vectors[k, 0, :, 0], self._balls.vectors[k, 2, :, 0]
                 yield row.value.value, self._places(k, y, x)
-            elif row.kind.name == "DPP" and row.limits is not None:
-                y, x = self._balls.vectors[k, 0, :, 0], self._balls.vectors[k, 2, :, 0]
+            elif row.kind is DPP and row.limits is not None:
                 yield row.limits[1].value, [(y, x, np.zeros(3))]
-
-    def unturned_bounds(self) -> Array:
-        """Return such a box for the orientation of home: all angles are zero."""
-        bounds = self.bounds()
-        for far, places in self._legs():
-            ends = []
-            for y, x, margin in places:
-                room = 1e-9 * (far + np.abs(x).max() + np.linalg.norm(y)) + margin
-                ends.append((x - y - far - room, x - y + far + room))
-            bounds[:3, 0] = np.maximum(bounds[:3, 0], np.min([a for a, _ in ends], axis=0))
-            bounds[:3, 1] = np.minimum(bounds[:3, 1], np.max([b for _, b in ends], axis=0))
-        bounds[:3, 1] = np.maximum(bounds[:3, 0], bounds[:3, 1])
-        bounds[3:] = 0.0
-        return bounds
 
     @property
     def _ranged(self) -> list[int]:
@@ -263,15 +253,7 @@ class PoseBoxes:
         ]
 
     def refuse_shared(self, R: Array, free: Sequence[str]) -> None:
-        """Raise unless rods that share a drive need the same place of it at all poses that vary.
-
-        Parameters
-        ----------
-        R
-            The orientation, shape (3, 3).
-        free
-            The parameters that vary.
-        """
+        """Raise unless rods that share a drive need the same place of it at all poses that vary."""
         drives, instance = self.machine, self.instance
         turning = any(name.startswith("r") for name in free)
         for drive in range(drives.count):
@@ -285,13 +267,8 @@ class PoseBoxes:
                         "only its positions (x, y, z)"
                     )
                     raise ArgumentError(message + _ADVICE)
-                y, x = (
-                    a - b
-                    for a, b in (
-                        (rows[0].platform.point, rows[1].platform.point),
-                        (rows[0].base.point, rows[1].base.point),
-                    )
-                )
+                y = rows[0].platform.point - rows[1].platform.point
+                x = rows[0].base.point - rows[1].base.point
                 off = np.linalg.norm(R @ y - x) + abs(rows[0].value.value - rows[1].value.value)
                 # The difference of points on one arm turns with it.
                 own = y if drives.on_platform[k] else x
@@ -373,10 +350,10 @@ class PoseBoxes:
             jobs=jobs,
             drives=self._moved,
         )
-        judged = Judged(*found)
-        if self._compared is None:
-            return judged
-        return self._with_gaps(self._compared, judged, bounds, free, level)
+        judged, compared = Judged(*found), self._compared
+        return (
+            judged if compared is None else self._with_gaps(compared, judged, bounds, free, level)
+        )
 
     def _with_gaps(
         self,
@@ -402,19 +379,14 @@ class PoseBoxes:
         R, T = self.poses(parameters)
         turn = above(half[3:].sum())
         shifts, turns = (np.full(len(asked), x) for x in (above(np.linalg.norm(half[:3])), turn))
-        driven = None
-        if self.rows:
-            driven = R, T, self.machine.inverse(R, T)
+        driven = (R, T, self.machine.inverse(R, T)) if self.rows else None
         with np.errstate(invalid="ignore"):
             moves = compared.moves(shifts, turns, self.pivot, parameters[:, :3], driven)
         found = compared.bounds(R, T, None if driven is None else driven[2])
-        kept = (found.low - moves >= self.gap).all(axis=1)
-        violated = (found.high + moves < self.gap).any(axis=1)
-        left[asked[kept]] &= ~GAP
-        out = np.zeros(len(keys), bool)
-        out[asked[violated]] = True
+        left[asked[(found.low - moves >= self.gap).all(axis=1)]] &= ~GAP
         inside = (left & ~NEGATIVE) == 0
-        still = ~inside & ~out
+        still = ~inside
+        still[asked[(found.high + moves < self.gap).any(axis=1)]] = False
         return Judged(
             np.concatenate((judged.inside, keys[inside])),
             np.concatenate((judged.inside_signs, left[inside])),
@@ -448,13 +420,6 @@ def _with_room(instance: Instance) -> tuple[Instance, int]:
     return replace(instance, constraints=tuple(rows)), sum(1 << k for k in fixed)
 
 
-def _shapes_of(instance: Instance, gap: float) -> ComparedShapes:
-    if not np.isfinite(gap):
-        message = f"found {gap}, expected a finite number"
-        raise ArgumentError(message, "gap")
-    return ComparedShapes(instance)
-
-
 def places(keys: Keys, dimensions: int) -> NDArray[np.int64]:
     """Return the places in the grid of keys, ``(n,) -> (n, d)``."""
     bits = 64 // dimensions
@@ -471,38 +436,31 @@ _ADVICE = (
 )
 
 
-Levels = NDArray[np.int32]
-#: Boxes of one level.
-Layer: TypeAlias = "tuple[Keys, Conditions, int]"
-
-
 class BoxSet(NamedTuple):
-    """Boxes by their keys in the grid of their level, with the conditions of each."""
+    """Boxes by their keys in the grid of their level, with the conditions of each, shape (n,)."""
 
     keys: Keys
     conditions: Conditions
-    levels: Levels
+    levels: NDArray[np.int32]
 
     @classmethod
-    def of(cls, layers: Sequence[Layer]) -> BoxSet:
-        """Return the boxes of all layers."""
-        return cls(
-            np.concatenate([np.zeros(0, np.uint64), *(keys for keys, _, _ in layers)]),
-            np.concatenate([np.zeros(0, np.uint32), *(left for _, left, _ in layers)]),
-            np.repeat(
-                np.array([level for _, _, level in layers], np.int32),
-                [len(keys) for keys, _, _ in layers],
-            ),
-        )
+    def of_level(cls, keys: Keys, conditions: Conditions, level: int) -> BoxSet:
+        """Return boxes of one level."""
+        return cls(keys, conditions, np.full(len(keys), level, np.int32))
 
-    def chosen(self, which: NDArray[np.bool_]) -> BoxSet:
+    @classmethod
+    def joined(cls, parts: Sequence[BoxSet]) -> BoxSet:
+        """Return the boxes of all parts, one after the other."""
+        nothing = cls.of_level(np.zeros(0, np.uint64), np.zeros(0, np.uint32), 0)
+        return cls(*map(np.concatenate, zip(nothing, *parts, strict=True)))
+
+    def chosen(self, which: NDArray[np.bool_] | slice) -> BoxSet:
         """Return some of the boxes."""
         return BoxSet(self.keys[which], self.conditions[which], self.levels[which])
 
-    def and_also(self, other: BoxSet) -> BoxSet:
-        """Return the boxes of both layers, one after the other."""
-        return BoxSet(
-            np.concatenate((self.keys, other.keys)),
-            np.concatenate((self.conditions, other.conditions)),
-            np.concatenate((self.levels, other.levels)),
-        )
+    def corners(self, bounds: Array) -> Array:
+        """Return the ends of the boxes in each parameter of the divided box, shape (n, d, 2)."""
+        low, high = bounds.T
+        step = (high - low) / 2.0 ** self.levels[:, None]
+        place = places(self.keys, len(bounds))
+        return np.stack((low + place * step, low + (place + 1) * step), axis=2)

@@ -109,17 +109,10 @@ def travels(
     axes
         Which of x, y, z (the position of the pivot) and rx, ry, rz (turns about axes through the
         pivot parallel to those of the base).
-    pivot
-        A point of the platform, in its frame, shape (3,).
-    sequence
-        The order of the turns, as in `gspcli.geometry.euler`; a single turn has no order.
     connected
         Whether a singular pose ends the travel.
-    working_modes
-        The signs of the gains of cranks and slides, shape (6,). If None they are those of the
-        stated home, or, without one, those of the pose.
-    gap
-        The least gap between legs and bodies; None if gaps are not tested.
+    pivot, sequence, working_modes, gap
+        As for `gspcli.motion.workspace.pose_boxes.PoseBoxes`.
 
     Raises
     ------
@@ -151,16 +144,10 @@ def travels(
             message = f"found {axis}, expected one of {', '.join(PARAMETERS)}"
             raise ArgumentError(message, "axes")
         k = PARAMETERS.index(axis)
-        down, up = _way(boxes, k, -1), _way(boxes, k, 1)
         unit = instance.units.angle.in_radians if k > 2 else 1.0
-        found.append(
-            Travel(
-                axis,
-                (-down[0] / unit, up[0] / unit),
-                (-down[1] / unit, up[1] / unit),
-                (down[2], up[2]),
-            )
-        )
+        (left, low, below), (right, high, above) = (_way(boxes, k, way) for way in (-1, 1))
+        reached, ends = (-left / unit, right / unit), (-low / unit, high / unit)
+        found.append(Travel(axis, reached, ends, (below, above)))
     return found
 
 
@@ -248,25 +235,16 @@ def _of_drives(
 
 def _way(boxes: PoseBoxes, k: int, direction: int) -> tuple[float, float, tuple[str, ...]]:
     """Return the travel of a parameter in one direction, a bound, and the limits at its end."""
-    bounds = boxes.unturned_bounds()
-    home = boxes.home
-    far = np.pi
+    home, far = boxes.home, np.pi
     if k < 3:
-        far = (bounds[k, 1] - home[k]) if direction > 0 else (home[k] - bounds[k, 0])
-    endless = not np.isfinite(far)
-    if endless:
+        far = direction * (boxes.bounds(turning=False)[k, int(direction > 0)] - home[k])
+    endless = k > 2 or not np.isfinite(far)
+    if not np.isfinite(far):
         far = _FAR * Arrangement.of(boxes.instance).length
-    bounds = np.stack((home, home), axis=1)
     if not far > 0:
         return 0.0, 0.0, ()
-    ends = (home[k], home[k] + far) if direction > 0 else (home[k] - far, home[k])
-    bounds[k] = ends
-    return _divided(boxes, bounds, k, direction, endless or k > 2)
-
-
-def _divided(
-    boxes: PoseBoxes, bounds: Array, k: int, direction: int, endless: bool
-) -> tuple[float, float, tuple[str, ...]]:
+    bounds = np.stack((home, home), axis=1)
+    bounds[k] = np.sort((home[k], home[k] + direction * far))
     width = float(bounds[k, 1] - bounds[k, 0])
     sign: np.uint32 | None = None
     # Intervals (start, end, open conditions) from home in parts of the width; keys of open ones.
@@ -284,14 +262,11 @@ def _divided(
             if sign is not None:
                 kept = kept[found.inside_signs & NEGATIVE == sign]
         inner += [(s, s + part) for s in _starts(kept, level, direction).tolist()]
-        keys, left = found.open, found.open_left
-        starts = _starts(keys, level, direction)
+        starts = _starts(found.open, level, direction)
+        gap = _first_gap(sorted([*inner, *((s, s + part) for s in starts.tolist())]))
         order = np.argsort(starts)
-        keys, left, starts = keys[order], left[order], starts[order]
-        covered = sorted([*inner, *((s, s + part) for s in starts.tolist())])
-        gap = _first_gap(covered)
-        near = starts < gap
-        keys, left, starts = keys[near], left[near], starts[near]
+        near = order[starts[order] < gap]
+        keys, left = found.open[near], found.open_left[near]
         # Where regularity is not proved, a motor may be near a dead point, and so near the end of
         # its reach.
         stops = int(left[-1 if boxes.rows else 0]) if len(left) else stops

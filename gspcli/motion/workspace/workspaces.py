@@ -27,9 +27,6 @@ from gspcli.motion.workspace.pose_boxes import (
     REGULAR,
     BoxSet,
     Conditions,
-    Keys,
-    Layer,
-    Levels,
     PoseBoxes,
     places,
 )
@@ -64,7 +61,7 @@ class Workspace(Tabular):
         Whether only the part counts that is connected with home by poses that are not singular.
     bounds
         The box that was divided, shape (d, 2); lengths, and radians.
-    inner_keys, inner_levels, open_keys, open_levels
+    inner_boxes, open_boxes
         Boxes by their keys in the grid of their level.
     judged
         The number of boxes that were tested.
@@ -74,10 +71,8 @@ class Workspace(Tabular):
     free: tuple[str, ...]
     connected: bool
     bounds: Array
-    inner_keys: Keys
-    inner_levels: Levels
-    open_keys: Keys
-    open_levels: Levels
+    inner_boxes: BoxSet
+    open_boxes: BoxSet
     judged: int
 
     def __repr__(self) -> str:
@@ -102,8 +97,8 @@ class Workspace(Tabular):
         return {
             "volume": {"lower": low, "upper": high, "unit": self.measure, "gap": self.gap},
             "extents": self.rows(),
-            "inner": len(self.inner_keys),
-            "open": len(self.open_keys),
+            "inner": len(self.inner_boxes.keys),
+            "open": len(self.open_boxes.keys),
             "judged": self.judged,
         }
 
@@ -121,18 +116,17 @@ class Workspace(Tabular):
     @cached_property
     def inner(self) -> Array:
         """Boxes of poses that keep all limits, in the units of the instance, shape (n, d, 2)."""
-        return self._corners(self.inner_keys, self.inner_levels) / self.units[:, None]
+        return self.inner_boxes.corners(self.bounds) / self.units[:, None]
 
     @cached_property
     def open(self) -> Array:
         """Undecided boxes, shape (n, d, 2); together with the inner boxes they contain the set."""
-        return self._corners(self.open_keys, self.open_levels) / self.units[:, None]
+        return self.open_boxes.corners(self.bounds) / self.units[:, None]
 
     @cached_property
     def volume(self) -> tuple[float, float]:
         """Proved bounds of the volume, in the units that `measure` names."""
-        inner = self._volume(self.inner_keys, self.inner_levels)
-        rest = self._volume(self.open_keys, self.open_levels)
+        inner, rest = map(self._volume, (self.inner_boxes, self.open_boxes))
         return inner * (1 - _ROUNDING), (inner + rest) * (1 + _ROUNDING)
 
     @property
@@ -188,17 +182,14 @@ class Workspace(Tabular):
             part = (given - low) / (high - low)
         within = ((part >= 0) & (part <= 1)).all(axis=1)
         bits = np.uint64(64 // len(self.free))
-        for keys, levels, sign in (
-            (self.open_keys, self.open_levels, 0),
-            (self.inner_keys, self.inner_levels, 1),
-        ):
-            for level in np.unique(levels):
+        for boxes, sign in ((self.open_boxes, 0), (self.inner_boxes, 1)):
+            for level in np.unique(boxes.levels):
                 side = 2.0**level
                 place = np.minimum(np.where(within[:, None], part, 0) * side, side - 1)
                 key = np.zeros(len(given), np.uint64)
                 for d in range(len(self.free)):
                     key |= place[:, d].astype(np.uint64) << np.uint64(d * int(bits))
-                found[within & np.isin(key, keys[levels == level])] = sign
+                found[within & np.isin(key, boxes.keys[boxes.levels == level])] = sign
         return found
 
     def _as_bounded(self, given: Array) -> Array:
@@ -239,21 +230,15 @@ class Workspace(Tabular):
         found = self.judged_at(parameters[:, indices] / self.units)
         return np.where((off < _SAME).all(axis=1), found, -1).astype(np.int8)
 
-    def _corners(self, keys: Keys, levels: Levels) -> Array:
-        low, high = self.bounds.T
-        step = (high - low) / 2.0 ** levels[:, None]
-        place = places(keys, len(self.free))
-        return np.stack((low + place * step, low + (place + 1) * step), axis=2)
-
-    def _volume(self, keys: Keys, levels: Levels) -> float:
+    def _volume(self, boxes: BoxSet) -> float:
         dimensions = len(self.free)
         if sum(name.startswith("r") for name in self.free) < 3:
             whole = float(np.prod((self.bounds[:, 1] - self.bounds[:, 0]) / self.units))
-            counts = np.bincount(levels, minlength=1).tolist()
+            counts = np.bincount(boxes.levels, minlength=1).tolist()
             return whole * sum(
                 math.ldexp(count, -dimensions * level) for level, count in enumerate(counts)
             )
-        corners = self._corners(keys, levels)
+        corners = boxes.corners(self.bounds)
         sides = corners[:, :, 1] - corners[:, :, 0]
         # The measure of the second angle is the difference of its sine.
         middle = self.free.index(self.boxes.middle)
@@ -295,21 +280,15 @@ def workspace(
     free
         Parameters that vary, one to six: x, y, z, the position of the pivot, and rx, ry, rz,
         angles from home about axes parallel to those of the base.
-    pivot
-        The point of the platform, in its frame, that x, y, z are the position of, shape (3,).
-    sequence
-        The order of the three turns, as `gspcli.geometry.euler` has it.
+    pivot, sequence
+        As for `PoseBoxes`.
     within
         The interval of some free parameters, in the units of the instance. It is needed for x, y, z
         if no leg (DPP) has a range.
     connected
         Whether only the part that can be reached from home by poses that are not singular counts.
-    working_modes
-        The signs of the gains of cranks and slides, shape (6,). If None they are those of the
-        stated home, or, without one, those of the pose.
-    gap
-        The least gap between legs and bodies; None if gaps are not tested.
-        The instance must state their shapes.
+    working_modes, gap
+        As for `PoseBoxes`.
     tolerance
         Boxes are divided until the relative difference of the bounds of the volume is at most this,
     most_boxes
@@ -370,13 +349,13 @@ class _Division:
         boxes.refuse_fixed(self.bounds, self.indices)
         self.home = HomePart(boxes, self.bounds, self.indices) if boxes.regular else None
         self.judged = 0
-        self.inner: list[Layer] = []
-        self.open: list[Layer] = []
+        self.inner: list[BoxSet] = []
+        self.open: list[BoxSet] = []
 
     def _bounds(self, within: dict[str, tuple[float, float]]) -> Array:
         boxes = self.boxes
         turns = any(name.startswith("r") for name in self.free)
-        bounds = boxes.bounds() if turns else boxes.unturned_bounds()
+        bounds = boxes.bounds(turning=turns)
         radian = boxes.instance.units.angle.in_radians
         for name in within:
             if name not in self.free:
@@ -405,7 +384,8 @@ class _Division:
         start = self.bounds[self.indices]
         if not (start[:, 0] < start[:, 1]).all():
             return self._result()
-        self._judge(0, np.zeros(1, np.uint64), np.array([self.boxes.conditions]), split=False)
+        whole = BoxSet.of_level(np.zeros(1, np.uint64), np.array([self.boxes.conditions]), 0)
+        self._judge(0, whole, split=False)
         deepest = min(_DEEPEST if len(self.free) > 2 else 30, 62 // len(self.free))
         for _ in progress(range(deepest), label="dividing"):
             result = self._result()
@@ -419,14 +399,14 @@ class _Division:
     def _divide(self, tolerance: float, stop: Callable[[], bool]) -> None:
         """Divide all open boxes, the largest first and a part at a time, as long as needed."""
         waiting = [
-            (keys[start : start + _CHUNK], left[start : start + _CHUNK], level)
-            for keys, left, level in sorted(self.open, key=lambda boxes: boxes[2])
-            for start in range(0, len(keys), _CHUNK)
+            boxes.chosen(slice(start, start + _CHUNK))
+            for boxes in sorted(self.open, key=lambda boxes: int(boxes.levels[0]))
+            for start in range(0, len(boxes.keys), _CHUNK)
         ]
         self.open = []
         inner = self._share(self.inner)
         still = self._share(waiting)
-        for k, (keys, left, level) in enumerate(waiting):
+        for k, boxes in enumerate(waiting):
             # Weighted shares and parts of a connected set are computed only at the end.
             near = still <= tolerance * (1 - 10 * _ROUNDING) * (inner + still)
             simple = not (self.boxes.regular or self.weighted)
@@ -434,56 +414,40 @@ class _Division:
                 self.open += waiting[k:]
                 return
             before = len(self.inner), len(self.open)
-            self._judge(level + 1, keys, left, split=True)
+            self._judge(int(boxes.levels[0]) + 1, boxes, split=True)
             inner += self._share(self.inner[before[0] :])
-            still += self._share(self.open[before[1] :]) - self._share([(keys, left, level)])
+            still += self._share(self.open[before[1] :]) - self._share([boxes])
 
-    def _share(self, boxes: list[Layer]) -> float:
-        """Return the share of some boxes in the whole box."""
-        return sum(math.ldexp(len(keys), -len(self.free) * level) for keys, _, level in boxes)
-
-    def _judge(self, level: int, keys: Keys, left: Conditions, *, split: bool) -> None:
-        found = self.boxes.judge(
-            self.bounds, self.indices, level, keys, left, split=split, jobs=self.jobs
+    def _share(self, parts: list[BoxSet]) -> float:
+        """Return the share of boxes, each part of one level, in the whole box."""
+        return sum(
+            math.ldexp(len(boxes.keys), -len(self.free) * int(boxes.levels[0])) for boxes in parts
         )
-        self.judged += len(keys) << (len(self.free) if split else 0)
-        if len(found.inside):
-            self.inner.append((found.inside, found.inside_signs, level))
-        if len(found.open):
-            self.open.append((found.open, found.open_left, level))
+
+    def _judge(self, level: int, boxes: BoxSet, *, split: bool) -> None:
+        """Judge boxes of a level, or the parts of boxes of the level before."""
+        inside, signs, open_, left = self.boxes.judge(
+            self.bounds, self.indices, level, *boxes[:2], split=split, jobs=self.jobs
+        )
+        self.judged += len(boxes.keys) << (len(self.free) if split else 0)
+        self.inner += [BoxSet.of_level(inside, signs, level)] if len(inside) else []
+        self.open += [BoxSet.of_level(open_, left, level)] if len(open_) else []
 
     def _result(self) -> Workspace:
-        inner, open_ = (BoxSet.of(parts) for parts in (self.inner, self.open))
+        inner, open_ = map(BoxSet.joined, (self.inner, self.open))
         if self.home:
             inner, open_ = self.home.split(inner, open_)
-        return Workspace(
-            self.boxes,
-            self.free,
-            self.boxes.regular,
-            self.bounds[self.indices],
-            inner.keys,
-            inner.levels,
-            open_.keys,
-            open_.levels,
-            self.judged,
-        )
+        bounds, connected = self.bounds[self.indices], self.boxes.regular
+        return Workspace(self.boxes, self.free, connected, bounds, inner, open_, self.judged)
 
     def _keep_connected(self, result: Workspace) -> None:
         """Remove boxes that cannot be connected with home."""
-        near = {
-            level: np.concatenate(
-                (
-                    result.inner_keys[result.inner_levels == level],
-                    result.open_keys[result.open_levels == level],
-                )
-            )
-            for level in range(_DEEPEST + 12)
-        }
-        for boxes in (self.inner, self.open):
-            boxes[:] = [
-                (keys[kept], left[kept], level)
-                for keys, left, level in boxes
-                if (kept := np.isin(keys, near[level])).any()
+        near = BoxSet.joined((result.inner_boxes, result.open_boxes))
+        for parts in (self.inner, self.open):
+            parts[:] = [
+                boxes.chosen(kept)
+                for boxes in parts
+                if (kept := np.isin(boxes.keys, near.keys[near.levels == boxes.levels[0]])).any()
             ]
 
 
@@ -534,11 +498,11 @@ class HomePart:
         """Return the inner boxes that are connected with home, and the other boxes that may be."""
         inner, open_ = (boxes.chosen(self._same_sign(boxes.conditions)) for boxes in (inner, open_))
         reached = self._connected(inner, touching=False)
-        near = self._connected(inner.and_also(open_), touching=True)
+        near = self._connected(BoxSet.joined((inner, open_)), touching=True)
         count = len(inner.keys)
         # Inner boxes that may be connected with home, but are not proved to be.
         maybe = inner.chosen(near[:count] & ~reached)
-        return inner.chosen(reached), maybe.and_also(open_.chosen(near[count:]))
+        return inner.chosen(reached), BoxSet.joined((maybe, open_.chosen(near[count:])))
 
     def _connected(self, boxes: BoxSet, *, touching: bool) -> NDArray[np.bool_]:
         """Return which boxes are connected with one that contains home, by such boxes."""

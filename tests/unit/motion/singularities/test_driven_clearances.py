@@ -311,3 +311,11 @@ def test_within_the_clearance_of_a_bed_no_pose_is_singular(bed) -> None:
             assert np.abs(off).max() < 1e-9
             assert np.sign(np.linalg.det(drives.jacobian(R, T, there))) == sign
             assert (np.sign(drives.gains(R, T, there)) == gains).all()
+
+
+def test_rods_of_one_length_change_where_nothing_else_does() -> None:
+    """The values of a machine of cranks whose rods state a range of one number."""
+    instance = gspcli.example("t-top-head")
+    home = instance.home
+    found = gspcli.clearance(instance, home.R(np.pi / 180)[None], home.T[None], of="values")
+    assert 0 < found.lower[0] < found.upper[0] < 0.1

@@ -434,7 +434,7 @@ def test_what_only_touches_the_part_of_home_may_be_connected() -> None:
     assert maybe.keys.tolist() == boxes((2, 1)).keys.tolist()
     # The other sign of the determinant is another part.
     other = boxes((1, 0), conditions=NEGATIVE)
-    inner, maybe = part.split(boxes((0, 0)).and_also(other), nothing)
+    inner, maybe = part.split(BoxSet.joined((boxes((0, 0)), other)), nothing)
     assert inner.keys.tolist() == [0]
     assert not len(maybe.keys)
     # Whose sign is not proved may be connected.
@@ -481,6 +481,6 @@ def test_the_box_of_all_poses_holds_those_that_keep_the_ranges(machine: Instance
         for way in np.concatenate((np.eye(3), -np.eye(3))):
             place = x + (far + np.linalg.norm(y)) * way
             assert ((low[:3] <= place) & (place <= high[:3])).all()
-            low_here, high_here = boxes.unturned_bounds().T
+            low_here, high_here = boxes.bounds(turning=False).T
             place = x - y + far * way
             assert ((low_here[:3] <= place) & (place <= high_here[:3])).all()
