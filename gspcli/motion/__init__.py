@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 from gspcli.motion.files.pose_files import PoseFormat, PoseTable, read_pose, read_poses
 from gspcli.motion.files.value_files import ValueTable, read_values
-from gspcli.motion.poses.inverse_kinematics import crank_angles, drive_values, measure
+from gspcli.motion.poses.inverse_kinematics import drive_values, measure
 
 if TYPE_CHECKING:
     from gspcli.motion.collisions.compared import Gaps, gaps
@@ -58,7 +58,6 @@ __all__ = [
     "Travel",
     "ValueTable",
     "Workspace",
-    "crank_angles",
     "departures",
     "drive_values",
     "gaps",

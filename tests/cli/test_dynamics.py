@@ -267,14 +267,14 @@ def test_torques_of_a_rotary_machine(gsp, rows):
     )
     found = numbers(gsp("dynamics", spec, poses, "--format", "csv").out)
     assert list(found)[:2] == ["t", "torque.crank.B1"]
-    angles = gsp("measure", spec, poses, "--cranks", "--format", "csv").out
+    angles = gsp("measure", spec, poses, "--drives", "--format", "csv").out
     again = numbers(gsp("dynamics", spec, rows(angles, "a.csv"), "--format", "csv").out)
     for key, column in found.items():
         assert again[key] == pytest.approx(column, rel=1e-6, abs=1e-8)
     # Angles in files are readings.
     corrected = ROTARY.replace("axis: [1, 0, 0], ", "axis: [1, 0, 0], offset: 2, scale: 0.01, ")
     other = rows(corrected, "corrected.yaml")
-    read = gsp("measure", other, poses, "--cranks", "--format", "csv").out
+    read = gsp("measure", other, poses, "--drives", "--format", "csv").out
     assert read != angles
     again = numbers(gsp("dynamics", other, rows(read, "b.csv"), "--format", "csv").out)
     for key, column in found.items():

@@ -110,24 +110,23 @@ def test_values_outside_their_range_are_told(gsp, tmp_path):
 
 
 def test_angles_of_cranks(gsp):
-    run = gsp("measure", "@t-top-head", "--pose", "0,0,0.17,1,0,0,0", "--cranks", "--format", "csv")
+    run = gsp("measure", "@t-top-head", "--pose", "0,0,0.17,1,0,0,0", "--drives", "--format", "csv")
     assert (run.code, run.err) == (0, "")
     head, row = run.out.splitlines()
-    assert head == "t,crank.B1,crank.B2,crank.B3,crank.B4,crank.B5,crank.B6"
-    angles = [float(x) for x in row.split(",")[1:]]
+    assert head == "t,crank.B1,crank.B2,crank.B3,crank.B4,crank.B5,crank.B6,transmission"
+    angles = [float(x) for x in row.split(",")[1:7]]
     assert angles == pytest.approx([angles[0]] * 6, abs=1e-6)
-    run = gsp("measure", "@t-top-head", "--pose", "0,0,0.5,1,0,0,0", "--cranks")
+    run = gsp("measure", "@t-top-head", "--pose", "0,0,0.5,1,0,0,0", "--drives")
     assert run.code == 0
     assert "1 of 1 pose cannot be taken, first at t = 1: the leg of crank.B1 does not" in run.err
 
 
 def test_numbers_of_drives(gsp, tmp_path):
     pose = "--pose", "0,0,0.17,1,0,0,0"
-    cranks = gsp("measure", "@t-top-head", *pose, "--cranks", "--format", "json")
     run = gsp("measure", "@t-top-head", *pose, "--drives", "--format", "json")
     found = json.loads(run.out)
-    assert found["drives"] == json.loads(cranks.out)["cranks"]
-    assert found["poses"][0]["numbers"] == json.loads(cranks.out)["poses"][0]["angles"]
+    assert found["drives"] == [f"crank.B{k}" for k in range(1, 7)]
+    assert len(found["poses"][0]["numbers"]) == 6
     assert 0.8 < found["poses"][0]["transmission"] < 1
     # Without cranks and slides the drives are the values.
     run = gsp("measure", HEXAPOD, "--pose", "0,0,1.5,1,0,0,0", "--drives", "--format", "csv")
@@ -210,8 +209,8 @@ def test_requirements(gsp, tmp_path):
         run = gsp("measure", "@rubin-m2", path, "--require", what)
         assert (run.code, run.out) == (2, "")
         assert message in run.err
-    run = gsp("measure", "@t-top-head", path, "--cranks", "--require", "range")
-    assert "--require needs the values or --drives, not --cranks" in run.err
+    run = gsp("measure", "@t-top-head", path, "--nearest", "--require", "range")
+    assert "--require needs the values or --drives, not --nearest" in run.err
 
 
 def test_an_unknown_column_is_an_error_unless_it_is_left_out(gsp, tmp_path):

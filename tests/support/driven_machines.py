@@ -10,12 +10,14 @@ import numpy as np
 from gspcli import example
 from gspcli.catalogue.kinds import DPP
 from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.coordinates import choose
 from gspcli.geometry.instance import METRES, HomePose
 from gspcli.geometry.machine import Machine
 from gspcli.geometry.masses import Arm, Carriage, Dynamics, Leg, LegBody, RigidBody
 from gspcli.geometry.masses import Drives as DriveMasses
 from gspcli.geometry.primitives import Crank, Point, Slide
 from gspcli.geometry.quaternions import rotation_from_vector
+from gspcli.motion.poses.inverse_kinematics import drive_values
 from gspcli.solver import solve
 from tests.support.masses import DRIVEN
 
@@ -218,3 +220,9 @@ def random_motion(instance, rng):
     turns = float(Machine.of(instance).count == 6)
     unit = np.repeat([turns, size], 3)
     return 3 * rng.normal(size=6) * unit, 20 * rng.normal(size=6) * unit
+
+
+def crank_angles(instance, R, T, *, along=True):
+    """Return the cranks of a machine that has no other drives, and their angles in its unit."""
+    drives, q = drive_values(instance, R, T, along=along)
+    return choose(instance, drives.names), q / drives.units

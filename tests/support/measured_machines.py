@@ -12,6 +12,7 @@ from gspcli.calibration.model import Model
 from gspcli.geometry.measurement import measured
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.quaternions import rotation_from_vector
+from tests.support.driven_machines import crank_angles
 
 # Nategh and Agheli, "A total solution to kinematic calibration of hexapod machine tools with a
 # minimum number of measurement configurations and superior accuracies" (2009): nominal and real
@@ -108,7 +109,6 @@ ROTARY_SIGMA = {"crank": 2e-3, "position": 1e-5, "rotation": 1e-3}
 def rotary(rng, count):
     """A rotary machine as stated, the true model, and exact cranks (radians) and poses of it."""
     from gspcli.geometry.measurement import jacobian
-    from gspcli.motion import crank_angles
     from gspcli.resources import data_path
 
     instance = gspcli.load(data_path("platforms", "t-top-head.yaml"))

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from gspcli.cli import pose_options
-from gspcli.cli.options import Command, Options, exclusive, option, output_options
+from gspcli.cli.options import Command, Options, option, output_options
 from gspcli.cli.render import emit
 from gspcli.cli.requirements import refuse, require_option, required, settled
 from gspcli.cli.result import POSE, Field, Fields, Result
@@ -35,11 +35,8 @@ _NOT_FOUND = "none found"
 @click.command(cls=Command)
 @click.argument("spec", metavar="SPEC")
 @click.argument("poses", metavar="[POSES]", required=False)
-@exclusive("--drives", "--cranks")
-@exclusive("--cranks", "--nearest")
 @pose_options.pose_value_option("instead of POSES")
 @option("--drives", "The numbers of the drives: angles of cranks, places of slides, other values.")
-@option("--cranks", "The angles of the cranks only; the values of SPEC are kept.")
 @option("--nearest", "The nearest poses within ranges and cones, and their values.")
 @pose_options.pose_options
 @pose_options.column_options
@@ -65,7 +62,6 @@ def command(o: Options) -> None:
     the lengths of SPEC. If two angles or places reach the pose, the one on the side of home is
     taken; without a home, the one that is nearer to zero at the first pose. The column transmission
     is the least part of a drive's motion that acts along its rod. `gsp track` takes these columns.
-    --cranks gives the cranks only.
 
     If SPEC states shapes of its legs, each row has the least gap between two of them, or
     between a leg and a body, and names the two. A negative gap is an overlap.
@@ -99,9 +95,8 @@ def command(o: Options) -> None:
     """
     if (o.poses is None) == (o.pose is None):
         raise click.UsageError("give either POSES or --pose")
-    if (o.cranks or o.nearest) and o.require is not None:
-        which = "--cranks" if o.cranks else "--nearest"
-        raise click.UsageError(f"--require needs the values or --drives, not {which}")
+    if o.nearest and o.require is not None:
+        raise click.UsageError("--require needs the values or --drives, not --nearest")
     from gspcli.motion import PoseTable, read_poses
 
     instance = o.instance
@@ -117,13 +112,13 @@ def command(o: Options) -> None:
     t = list(range(1, len(table.R) + 1)) if table.t is None else table.t.tolist()
     if o.nearest:
         result = _nearest(instance, table, t, form)
-    elif o.drives or o.cranks:
-        result = _motors(instance, table, t, cranks=o.cranks)
+    elif o.drives:
+        result = _motors(instance, table, t)
     else:
         values, result = _values(instance, table, t)
         pose_options.warn_of_values(text, name, form, instance, values)
     verdicts: list[RequirementVerdict] = []
-    if not (o.cranks or o.nearest):
+    if not o.nearest:
         # Poses that are refused have no other numbers.
         reached = [k for k, row in enumerate(result.rows) if not row.get("refused")]
         places = [{"row": k + 1, "t": t[k]} for k in reached]
@@ -137,7 +132,7 @@ def command(o: Options) -> None:
             rows[k] = dict(row)
         result = replace(part, rows=rows)
     emit(o.output, result)
-    if not (o.drives or o.cranks or o.nearest):
+    if not (o.drives or o.nearest):
         pose_options.warn_of_range(instance, t, values)
     refuse(verdicts)
     _say_refused(result.rows, required=bool(requirements))
@@ -210,30 +205,28 @@ def _result(
     return Result(columns, rows, title, notes, summary, "", instance, "measure", "poses", head)
 
 
-def _motors(instance: Instance, table: PoseTable, t: list[float], *, cranks: bool) -> Result:
-    """Return the numbers of the drives and their transmissions, or the angles of the cranks."""
-    from gspcli.motion import crank_angles, drive_values
+def _motors(instance: Instance, table: PoseTable, t: list[float]) -> Result:
+    """Return the numbers of the drives and their transmissions."""
+    from gspcli.motion import drive_values
     from gspcli.motion.poses.inverse_kinematics import refusals
 
-    turned = [one.name for one in crank_angles(instance, table.R, table.T)[0]] if cranks else []
     drives, q = drive_values(instance, table.R, table.T)
     refused = refusals(drives, table.R, table.T, q)
-    names = turned or list(drives.names)
-    within = "angles" if cranks else "numbers"
-    columns = [*FIELDS.of("t"), *(FIELDS["crank.*"].but(key=name, within=within) for name in names)]
-    rows: list[dict[str, Any]] = []
-    for time, numbers in zip(t, drives.readings(q).tolist(), strict=True):
-        row = dict(zip(drives.names, numbers, strict=True))
-        rows.append({"t": time, **{name: row[name] for name in names}})
+    names = drives.names
+    columns = [
+        *FIELDS.of("t"),
+        *(FIELDS["crank.*"].but(key=name, within="numbers") for name in names),
+    ]
+    rows: list[dict[str, Any]] = [
+        {"t": time, **dict(zip(names, numbers, strict=True))}
+        for time, numbers in zip(t, drives.readings(q).tolist(), strict=True)
+    ]
     for k, one in enumerate(rows if refused else []):
         one["refused"] = refused.get(k)
         if k in refused:
             one |= dict.fromkeys(names)
     more = FIELDS.of("refused") if refused else []
     units = instance.units
-    if cranks:
-        note = f"angles in {units.angle.value}, from where the points are stated"
-        return _result(instance, [*columns, *more], rows, [note], cranks=names)
     notes = [
         f"lengths in {units.length}, angles in {units.angle.value}; cranks and slides from where "
         "their points are stated"
@@ -246,7 +239,7 @@ def _motors(instance: Instance, table: PoseTable, t: list[float], *, cranks: boo
         share = drives.transmission(drives.gains(table.R, table.T, q))[:, drives.driven]
         for k, least in enumerate(share.min(axis=1).tolist()):
             rows[k]["transmission"] = None if k in refused else least
-    return _result(instance, [*columns, *more], rows, notes, drives=names)
+    return _result(instance, [*columns, *more], rows, notes, drives=list(names))
 
 
 def _nearest(instance: Instance, table: PoseTable, t: list[float], form: PoseFormat) -> Result:

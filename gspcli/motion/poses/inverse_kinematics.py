@@ -7,11 +7,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from gspcli.catalogue.kinds import DLL, DPP
+from gspcli.catalogue.kinds import DLL
 from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.checking import real_array
-from gspcli.geometry.coordinates import Coordinate, coordinates
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.machine import Machine
 from gspcli.geometry.measurement import measured
@@ -208,39 +207,3 @@ def refusals(drives: Machine, R: Array, T: Array, q: Array) -> dict[int, str]:
             reason = f"{what} {rods} ask for {asked} of {name}"
         found[row] = f"{found[row]}; {reason}" if row in found else reason
     return found
-
-
-def crank_angles(
-    instance: Instance, R: ArrayLike, T: ArrayLike, *, along: bool = True
-) -> tuple[tuple[Coordinate, ...], Array]:
-    """Return the angles of all cranks of an instance at poses; its values stay the same.
-
-    Arguments as for `drive_values`.
-
-    Returns
-    -------
-    cranks, angles
-        The cranks, k of them, and their angles as `coordinates` has them, in the unit of the
-        instance, shape (n, k); NaN where a rod does not reach.
-
-    Raises
-    ------
-    ArgumentError
-        If there is no crank, or one that is not at the end of exactly one leg.
-    """
-    cranks = tuple(one for one in coordinates(instance) if one.vector == "crank")
-    if not cranks:
-        raise ArgumentError(
-            "no point has a crank: state crank: {centre: [...], axis: [...]} at a point"
-        )
-    for one in cranks:
-        name = f"{one.body}_name"
-        legs = [row for row in instance.constraints if getattr(row, name) == one.primitive]
-        if any(leg.kind is not DPP for leg in legs):
-            kinds = ", ".join(row.kind.name for row in legs)
-            raise ArgumentError(
-                f"{one.name}: the constraints of its point are {kinds}, expected one DPP"
-            )
-    drives, q = drive_values(instance, R, T, along=along)
-    chosen = [drives.names.index(one.name) for one in cranks]
-    return cranks, q[:, chosen] / instance.units.angle.in_radians

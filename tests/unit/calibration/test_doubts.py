@@ -10,8 +10,8 @@ import gspcli
 from gspcli.errors import IncompleteError
 from gspcli.geometry.euler import euler_from_rotation
 from gspcli.geometry.quaternions import apply, quaternion_from_rotation, rotation_from_quaternion
-from gspcli.motion import crank_angles
 from gspcli.resources import data_path
+from tests.support.driven_machines import crank_angles
 
 
 def _transposed(R):

@@ -11,10 +11,11 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.measurement import value_slopes
 from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.geometry.random_instances import random_instance
-from gspcli.motion import FollowerStatus, MovingPlatform, crank_angles, measure
+from gspcli.motion import FollowerStatus, MovingPlatform, measure
 from gspcli.motion.following.branch_follower import Stop
 from gspcli.motion.following.follower import platform_numbers
 from gspcli.resources import instance_files
+from tests.support.driven_machines import crank_angles
 from tests.support.independent_machines import upside_down
 
 TYPES = list(all_types())

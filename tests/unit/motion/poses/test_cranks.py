@@ -4,13 +4,14 @@ import numpy as np
 import pytest
 
 import gspcli
-from gspcli.errors import ArgumentError, GspError
+from gspcli.errors import ArgumentError
 from gspcli.geometry.coordinates import moved
 from gspcli.geometry.quaternions import rotation_from_quaternion, rotation_from_vector
-from gspcli.motion import crank_angles, measure, track
+from gspcli.motion import measure, track
 from gspcli.motion.paths.nearest_poses import NearestPoses
 from gspcli.motion.poses.inverse_kinematics import drive_values, refusals, values_at
 from gspcli.resources import data_path
+from tests.support.driven_machines import crank_angles
 from tests.support.surface_machines import tripod
 
 
@@ -65,12 +66,6 @@ def test_poses_for_themselves_have_the_angles_nearest_to_those_stated(head):
     alone = [crank_angles(head, *pose)[1][0] for pose in zip(R, T, strict=True)]
     assert np.isnan(angles[3]).all()
     assert np.allclose(angles, alone, atol=1e-9, equal_nan=True)
-
-
-def test_without_cranks_there_is_nothing_to_turn():
-    hexapod = gspcli.load(data_path("examples", "platform-6-6.yaml"))
-    with pytest.raises(GspError, match="no point has a crank"):
-        crank_angles(hexapod, np.eye(3)[None], np.zeros((1, 3)))
 
 
 def test_values_that_no_motor_changes_must_hold():
