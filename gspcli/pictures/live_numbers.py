@@ -276,14 +276,6 @@ class LiveMotors:
         machine = Machine.of(given)
         return cls(given, machine, anywhere(given)) if machine.moves else None
 
-    def corrections(self, scale: Array, shift: Array) -> tuple[Array, Array]:
-        """Return by which factors and offsets readings become numbers, shape (6,)."""
-        drives, k = self.drives, self.drives.index
-        return (
-            np.where(drives.driven, drives.factors[k], scale),
-            np.where(drives.driven, drives.offsets[k], shift),
-        )
-
     def terms(self, start: Start) -> Coefficients:
         """Return the three quadrics of each rod, (3, 6, ...), multiplied as those of the start.
 
@@ -507,7 +499,7 @@ def live_numbers(result: SolveResult) -> dict[str, Any]:
     if motors is not None and start.far is not None:
         raise _cannot("some of its poses are far away wherever its joints are")
     numbers = _Numbers()
-    _put_values(numbers, instance, start, motors)
+    _put_values(numbers, given, start)
     if motors is None:
         _put_pools(numbers, start)
     else:
@@ -622,12 +614,11 @@ def _start(problem: Problem, rows: Array) -> Start | None:
     return common_start(problem.with_rows(rows), all_poses)
 
 
-def _put_values(
-    numbers: _Numbers, instance: Instance, start: Start, motors: LiveMotors | None
-) -> None:
-    scale, shift = factors(instance), offsets(instance, signed=False)
-    if motors is not None:
-        scale, shift = motors.corrections(scale, shift)
+def _put_values(numbers: _Numbers, instance: Instance, start: Start) -> None:
+    machine = Machine.of(instance)
+    scale, shift = (x[machine.index] for x in (machine.factors, machine.offsets))
+    # The page has distances to planes on the side that is asked for.
+    shift = np.where(~machine.driven & (machine.stated_arrangement.sides < 0), -shift, shift)
     for i, row in enumerate(instance.constraints):
         kind, law = row.kind, row.kind.law
         height = kind.is_distance and kind.has_sides
