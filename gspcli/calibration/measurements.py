@@ -14,8 +14,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.calibration.model import Body, Model
+from gspcli.calibration.model import Model
 from gspcli.catalogue.kinds import DLL
+from gspcli.geometry.coordinates import Body
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.measurement import Gradient, by_twist, gradients, measured
 from gspcli.geometry.quaternions import cross_matrix, rotation_from_vector, vector_from_rotation

@@ -14,7 +14,7 @@ small differences of large shifts.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator
 from dataclasses import field, replace
 from typing import Any, Literal
 
@@ -22,9 +22,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import Kind, Primitive
-from gspcli.geometry.arrangement import Arrangement, Bodies
+from gspcli.geometry.arrangement import Bodies
+from gspcli.geometry.coordinates import BODIES, Body
 from gspcli.geometry.instance import Constraint, Instance, as_read
-from gspcli.geometry.machine import Machine
+from gspcli.geometry.machine import Machine, value_machine
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Crank, Geometry, Line, Plane, Point, Slide, Vector, as_array
 from gspcli.geometry.quaternions import rotation_from_vector
@@ -35,7 +36,6 @@ Array = NDArray[np.float64]
 _AXES = "xyz"
 #: What a drive has besides its place: numbers of its readings.
 CORRECTIONS = ("offset", "scale")
-Body = Literal["platform", "base"]
 Sort = Literal["point", "line", "plane", "crank", "slide"]
 
 _SORTS: dict[Primitive, Sort] = {
@@ -141,6 +141,19 @@ class Block:
         offset, scale = self.corrections
         return np.asarray((numbers - offset) / (1 + scale))
 
+    def motion(self, numbers: Array) -> tuple[Array, Array]:
+        """Return how a drive turns and shifts what it carries, (n, 3, 3) and (n, 3)."""
+        along = numbers[:, None] * self.unit
+        none = np.zeros_like(along)
+        turn, shift = (none, along) if self.sort == "slide" else (along, none)
+        return rotation_from_vector(turn), shift
+
+    def rate(self, arm: Array) -> Array:
+        """Return the derivative of a point by the number of its drive, from its arm, (..., 3)."""
+        if self.sort == "slide":
+            return np.broadcast_to(self.unit, arm.shape)
+        return np.asarray(np.cross(self.unit, arm))
+
     def anchored(self, near: Array) -> Block:
         """Return the same primitive with its point moved within it, nearest to another one."""
         if self.sort in ("point", "slide"):
@@ -156,90 +169,72 @@ def across(unit: Array) -> Array:
     return np.asarray(np.linalg.svd(unit[None])[2][1:])
 
 
-def blocks_of(
-    instance: Instance, arrangement: Arrangement, *, drives: bool, zeros: Collection[str] = ()
-) -> Iterator[Block]:
-    """Yield the blocks of an instance, those of a platform's primitive before the base's.
+def blocks_of(machine: Machine, zeros: Collection[str] = ()) -> Iterator[Block]:
+    """Yield the blocks of a machine, those of a platform's primitive before the base's.
 
     Parameters
     ----------
-    instance, arrangement
-        The platform.
-    drives
-        Whether there are blocks of its cranks and rails.
+    machine
+        With the cranks and rails that are read.
     zeros
         The drives whose offset is estimated, by name: the point of the drive has no shift along it.
     """
+    arrangement, rows = machine.stated_arrangement, machine.instance.constraints
     users: dict[tuple[Body, str], list[int]] = {}
-    for k, row in enumerate(instance.constraints):
+    for k, row in enumerate(rows):
         users.setdefault(("platform", row.platform_name or f"of {k + 1}"), []).append(k)
         users.setdefault(("base", row.base_name or f"of {k + 1}"), []).append(k)
-    motors = _drive_blocks(instance, users) if drives else {}
+    drives = dict(_drive_blocks(machine))
     nothing = np.zeros((0, 3))
-    for (body, name), rows in users.items():
+    for (body, name), used in users.items():
         points, units = (
             (arrangement.y, arrangement.u) if body == "platform" else (arrangement.x, arrangement.v)
         )
-        geometry = getattr(instance.constraints[rows[0]], body)
-        point, unit = points[rows[0]].copy(), units[rows[0]].copy()
-        sort = _SORTS[geometry.primitive]
-        if isinstance(geometry, Point):
-            motor = motors.get((body, name))
-            shifts = np.eye(3)
-            if motor is not None and motor.drive_name in zeros:
-                shifts = across(_along(motor, point))
-            yield Block(body, name, sort, tuple(rows), point, unit, shifts, nothing)
-            if motor is not None:
-                yield motor.anchored(point)
+        point, unit = points[used[0]].copy(), units[used[0]].copy()
+        sort = _SORTS[getattr(rows[used[0]], body).primitive]
+        if sort == "point":
+            drive, shifts = drives.get((body, name)), np.eye(3)
+            if drive is not None and drive.drive_name in zeros:
+                along = drive.rate(point - drive.point)
+                shifts = across(along / np.linalg.norm(along))
+            yield Block(body, name, sort, tuple(used), point, unit, shifts, nothing)
+            if drive is not None:
+                yield drive.anchored(point)
             continue
         tilts = across(unit)
-        placed = any(instance.constraints[k].kind.is_distance for k in rows)
+        placed = any(rows[k].kind.is_distance for k in used)
         shifts = nothing if not placed else tilts if sort == "line" else unit[None]
-        yield Block(body, name, sort, tuple(rows), point, unit, shifts, tilts)
+        yield Block(body, name, sort, tuple(used), point, unit, shifts, tilts)
 
 
-def _along(motor: Block, point: Array) -> Array:
-    """Return the direction in which a drive moves a point that is not on its axis, (3,)."""
-    if motor.sort == "slide":
-        return motor.unit
-    tangent: Array = np.cross(motor.unit, point - motor.point)
-    return tangent / np.linalg.norm(tangent)
-
-
-def _drive_blocks(
-    instance: Instance, users: Mapping[tuple[Body, str], list[int]]
-) -> dict[tuple[Body, str], Block]:
-    """Return the blocks of cranks and rails, by the first of the points that they move."""
-    carried: dict[tuple[Body, str], list[str]] = {}
-    for (body, name), rows in users.items():
-        point = getattr(instance.constraints[rows[0]], body)
-        if isinstance(point, Point) and point.drive is not None:
-            carried.setdefault((body, point.partner or name), []).append(name)
-    found: dict[tuple[Body, str], Block] = {}
-    for (body, owner), names in carried.items():
-        rows = sorted(k for name in names for k in users[body, name])
-        drive = getattr(instance.constraints[users[body, names[0]][0]], body).drive
-        turns = across(drive.unit)
-        rail = isinstance(drive, Slide)
-        found[body, names[0]] = Block(
-            body,
-            owner,
-            drive.sort,
-            tuple(rows),
-            np.zeros(3) if rail else as_array(drive.centre),
-            drive.unit,
-            np.zeros((0, 3)) if rail else turns,
-            turns,
-            _corrections(drive, instance.units.angle.in_radians),
-            tuple(names),
+def _drive_blocks(machine: Machine) -> Iterator[tuple[tuple[Body, str], Block]]:
+    """Yield the blocks of cranks and rails, each with the first of the points that it moves."""
+    for drive in np.flatnonzero(machine.moved).tolist():
+        rows = machine.users(drive)
+        body = BODIES[0 if machine.on_platform[rows[0]] else 1]
+        used = [machine.instance.constraints[k] for k in rows]
+        names = [
+            getattr(row, f"{body}_name") or f"of {k + 1}" for k, row in zip(rows, used, strict=True)
+        ]
+        point = getattr(used[0], body)
+        turns = across(point.drive.unit)
+        rail = isinstance(point.drive, Slide)
+        corrections = (machine.offsets * machine.units, machine.factors - 1)
+        yield (
+            (body, names[0]),
+            Block(
+                body,
+                point.partner or names[0],
+                point.drive.sort,
+                tuple(rows),
+                np.zeros(3) if rail else as_array(point.drive.centre),
+                point.drive.unit,
+                np.zeros((0, 3)) if rail else turns,
+                turns,
+                np.array([part[drive] for part in corrections]),
+                tuple(dict.fromkeys(names)),
+            ),
         )
-    return found
-
-
-def _corrections(drive: Crank | Slide, in_radians: float) -> Array:
-    unit = 1.0 if isinstance(drive, Slide) else in_radians
-    offset = 0.0 if drive.offset is None else drive.offset.value * unit
-    return np.array([offset, 0.0 if drive.scale is None else drive.scale.value])
 
 
 #: A pose of the measuring device and one of the target: turns (3), then shifts (3), of each.
@@ -300,16 +295,15 @@ class Model:
         ArgumentError
             If both points of a constraint have drives.
         """
-        if drives:
-            Machine.of(instance)
-        arrangement = Arrangement.of(instance)
+        machine = Machine.of(instance) if drives else value_machine(instance)
+        arrangement = machine.stated_arrangement
         shifts = offsets(instance)
         shifts[arrangement.angles] *= arrangement.in_radians
         model = cls(
             arrangement.kinds,
             arrangement.length,
             arrangement.in_radians,
-            tuple(blocks_of(instance, arrangement, drives=drives, zeros=zeros)),
+            tuple(blocks_of(machine, zeros)),
             shifts,
             factors(instance) - 1,
             np.zeros(FRAMES),
@@ -416,7 +410,7 @@ class Model:
             if not block.is_drive:
                 points, units = (y, u) if block.body == "platform" else (x, v)
                 rows = list(block.rows)
-                points[:, rows] = self._placed(block, readings)[:, None]
+                points[:, rows] = self._moving(block, readings)[0][:, None]
                 units[rows] = block.unit
         if readings is None:
             y, x = y[0], x[0]
@@ -448,66 +442,42 @@ class Model:
             return
         moves, turns, s = still.copy(), still, len(block.shifts)
         moves[:s], turns[s:] = block.shifts, np.cross(block.tilts, block.unit)
-        drive = self._drive_of(block)
-        if drive is None or drive.sort == "slide":
-            yield list(block.rows), moves[None], turns
-        else:
-            turned = moves @ np.swapaxes(self._turn(drive, readings), 1, 2)
-            yield list(block.rows), turned, turns
+        turned, _ = self._moving(block, readings)[1]
+        yield list(block.rows), moves @ np.swapaxes(turned, 1, 2), turns
 
     def by_drives(self, readings: Array) -> Iterator[tuple[int, Block, Array]]:
         """Yield the number of a drive, a point of it, and its derivative by the reading, (n, 3)."""
         for k, drive in enumerate(self.drives):
             for point in self._points_of(drive):
-                rate = self._velocity(drive, point, readings) * (1 + drive.corrections[1])
+                place, _ = self._moving(point, readings)
+                rate = drive.rate(place - drive.point) * (1 + drive.corrections[1])
                 yield k, point, np.broadcast_to(rate, (len(readings), 3))
 
     def _by_drive(self, drive: Block, point: Block, readings: Array | None) -> Array:
         """Return the derivatives of a point by the parameters of its drive, (n or 1, s, 3)."""
-        read, q = self._reading(drive, readings), self._number(drive, readings)
-        rate = self._velocity(drive, point, readings)
-        corrected = np.stack((rate, rate * read[:, None]), axis=1)
-        if drive.sort == "slide":
-            tilted = np.cross(drive.tilts, drive.unit) * q[:, None, None]
-            return np.concatenate((tilted, corrected), axis=1)
-        turn, arm = self._turn(drive, readings), point.point - drive.point
-        back = np.swapaxes(turn, 1, 2)
-        lever = np.cross(drive.tilts, (turn @ arm)[:, None])
-        tilted = lever - np.cross(drive.tilts, arm) @ back
+        place, (turn, _) = self._moving(point, readings)
+        arm, back = point.point - drive.point, np.swapaxes(turn, 1, 2)
+        rate, read = drive.rate(place - drive.point), self._reading(drive, readings)
+        tilted = np.cross(drive.tilts, (place - drive.point)[:, None])
+        tilted = tilted - np.cross(drive.tilts, arm) @ back
         shifted = drive.shifts - drive.shifts @ back
+        corrected = np.stack((rate, rate * read[:, None]), axis=1)
         return np.concatenate((shifted, tilted, corrected), axis=1)
 
-    def _velocity(self, drive: Block, point: Block, readings: Array | None) -> Array:
-        """Return the derivative of a point by the number of its drive, shape (n or 1, 3)."""
-        if drive.sort == "slide":
-            q = self._number(drive, readings)
-            return np.broadcast_to(drive.unit, (len(q), 3))
-        arm = self._placed(point, readings) - drive.point
-        return np.asarray(np.cross(drive.unit, arm))
-
-    def _placed(self, block: Block, readings: Array | None) -> Array:
-        """Return the point of a block, moved by its drive, shape (n or 1, 3)."""
+    def _moving(self, block: Block, readings: Array | None) -> tuple[Array, tuple[Array, Array]]:
+        """Return the point of a block, (n or 1, 3), and how its drive turns and shifts it."""
         drive = self._drive_of(block)
-        if drive is None or readings is None:
-            return block.point[None]
-        if drive.sort == "slide":
-            return np.asarray(block.point + self._number(drive, readings)[:, None] * drive.unit)
-        turned = self._turn(drive, readings) @ (block.point - drive.point)
-        return np.asarray(drive.point + turned)
+        if drive is None:
+            return block.point[None], (np.eye(3)[None], np.zeros((1, 3)))
+        read = self._reading(drive, readings)
+        turn, shift = drive.motion(read if readings is None else drive.numbers(read))
+        return drive.point + turn @ (block.point - drive.point) + shift, (turn, shift)
 
     def _reading(self, drive: Block, readings: Array | None) -> Array:
-        """Return the readings of a drive, shape (n,)."""
+        """Return the readings of a drive, shape (n,); zero where points are as stated."""
         if readings is None:
             return np.zeros(1)
         return np.asarray(readings[:, [one is drive for one in self.drives].index(True)])
-
-    def _number(self, drive: Block, readings: Array | None) -> Array:
-        """Return the numbers q of a drive, zero as stated, shape (n,)."""
-        read = self._reading(drive, readings)
-        return read if readings is None else drive.numbers(read)
-
-    def _turn(self, axis: Block, readings: Array | None) -> Array:
-        return rotation_from_vector(self._number(axis, readings)[:, None] * axis.unit)
 
     def _drive_of(self, block: Block) -> Block | None:
         same = (b for b in self.drives if b.body == block.body and block.name in b.carried)
@@ -626,7 +596,7 @@ def calibrated(instance: Instance, model: Model, deviations: dict[str, float]) -
     found = dict(zip(numbers.names, numbers.values.tolist(), strict=True))
     least = _DIGITS - int(np.floor(np.log10(model.length)))
 
-    def number(name: str, stated: Number) -> Number:
+    def number(name: str, stated: Any) -> Any:
         if name not in deviations:
             return stated
         sigma = deviations[name]
@@ -649,23 +619,20 @@ def calibrated(instance: Instance, model: Model, deviations: dict[str, float]) -
         return replace(stated, **fields)
 
     def drive(label: str, stated: Crank | Slide) -> Crank | Slide:
-        corrections = {
-            what: number(f"{label}{what}", Number.of(0))
-            if f"{label}{what}" in deviations
-            else getattr(stated, what)
-            for what in CORRECTIONS
-        }
-        found: Crank | Slide
+        fields = {what: number(f"{label}{what}", getattr(stated, what)) for what in CORRECTIONS}
         if isinstance(stated, Crank):
-            centre = vector(f"{label}centre.", stated.centre)
-            axis = vector(f"{label}axis.", stated.axis)
-            found = Crank(
-                centre, axis, None, stated.tolerance, diameter=stated.diameter, **corrections
-            )
+            fields |= {"centre": vector(f"{label}centre.", stated.centre)}
+            fields |= {"axis": vector(f"{label}axis.", stated.axis), "diameter": stated.diameter}
         else:
-            along = vector(f"{label}direction.", stated.direction)
-            found = Slide(along, None, stated.tolerance, **corrections)
-        return _with_range_of(stated, found)
+            fields |= {"direction": vector(f"{label}direction.", stated.direction)}
+        found = type(stated)(tolerance=stated.tolerance, **fields)
+        if stated.limits is None or all(
+            getattr(found, x) == getattr(stated, x) for x in CORRECTIONS
+        ):
+            return replace(found, limits=stated.limits)
+        # With another offset or scale the stated readings are other values.
+        low, high = (found.value_of(stated.reading_of(end)) for end in stated.limits)
+        return replace(found, limits=(low, high))
 
     rows = []
     for k, row in enumerate(instance.constraints, 1):
@@ -674,25 +641,12 @@ def calibrated(instance: Instance, model: Model, deviations: dict[str, float]) -
             platform=primitive(f"platform.{row.platform_name or f'of {k}'}.", row.platform),
             base=primitive(f"base.{row.base_name or f'of {k}'}.", row.base),
         )
-        given = {"offset": row.offset, "scale": row.scale}
-        found_here = {
-            what: number(f"{what}.{k}", Number.of(0)) if f"{what}.{k}" in deviations else stated
-            for what, stated in given.items()
-        }
-        rows.append(_reread(changed, **found_here) if found_here != given else changed)
+        given = [getattr(row, what) for what in CORRECTIONS]
+        corrected = [
+            number(f"{what}.{k}", old) for what, old in zip(CORRECTIONS, given, strict=True)
+        ]
+        rows.append(_reread(changed, *corrected) if corrected != given else changed)
     return replace(instance, constraints=tuple(rows))
-
-
-def _with_range_of(stated: Crank | Slide, found: Crank | Slide) -> Crank | Slide:
-    """Return a drive whose range has the stated readings.
-
-    With another offset or scale these are other values.
-    """
-    limits = stated.limits
-    if limits and any(getattr(stated, what) != getattr(found, what) for what in CORRECTIONS):
-        low, high = (stated.reading_of(end) for end in limits)
-        limits = (found.value_of(low), found.value_of(high))
-    return replace(found, limits=limits)
 
 
 def _reread(row: Constraint, offset: Number | None, scale: Number | None) -> Constraint:
