@@ -15,6 +15,7 @@ import click
 import platform_page
 
 from gspcli.cli.commands import COMMANDS
+from gspcli.cli.help import type_in_json
 from gspcli.cli.main import cli, run
 from gspcli.cli.result import Field, Fields
 
@@ -198,7 +199,7 @@ def output() -> tuple[str, dict[str, str]]:
             text += "| key | type | meaning |\n|---|---|---|\n"
             for one in fields:
                 if one.path:
-                    text += f"| `{one.path}` | {one.type_in_json} | {one.meaning} |\n"
+                    text += f"| `{one.path}` | {type_in_json(one)} | {one.meaning} |\n"
             if columns := [one for one in fields if one.is_column and "@" not in one.key]:
                 text += f"\nColumns of CSV: {', '.join(f'`{one.key}`' for one in columns)}\n"
     return text, schemas
@@ -222,7 +223,7 @@ def schema(form: str, fields: list[Field]) -> dict[str, Any]:
             for _ in range(word.count("[]")):
                 here.setdefault("type", "array")
                 here = here.setdefault("items", {})
-        several = one.type_in_json.split(" or ")
+        several = type_in_json(one).split(" or ")
         if several != ["null"] and "any" not in several:
             here["type"] = several[0] if len(several) == 1 else several
         here["description"] = one.meaning

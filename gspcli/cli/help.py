@@ -1,4 +1,4 @@
-"""What is loaded when a person asks: helps of commands, and completion of words in a shell.
+"""What is loaded when a person asks: helps, meanings of keys, completion of words in a shell.
 
 click has the scripts for bash, zsh and fish (docs/install.md says how to switch them on). While the
 shell completes, every parameter gets the completion that belongs to its metavar; commands need no
@@ -9,11 +9,13 @@ from __future__ import annotations
 
 import inspect
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import permutations
 
 import click
 from click.shell_completion import CompletionItem
+
+from gspcli.cli.result import Field, Fields, Result
 
 #: The options that many commands have, by the headings of helps; others come first.
 _GROUPS = {
@@ -94,6 +96,33 @@ def _write_examples(
     if examples:
         formatter.write(f"\n{heading}:\n")
         formatter.write("".join(f"{line}\n" for lines in examples for line in lines))
+
+
+_TYPES = {"whole": "integer", "text": "string", "list": "array"}
+
+
+def type_in_json(one: Field) -> str:
+    """Return the type of the key of a field in JSON."""
+    names = [_TYPES.get(name, name) for name in one.type.rstrip("?").split("/")]
+    return " or ".join(["null"] * one.type.endswith("?") + names)
+
+
+def meanings(command: str) -> Iterator[Result]:
+    """Yield tables of what the keys of JSON and the columns of CSV mean, for each form."""
+    schema = {"key": "schema", "type": "string", "meaning": "name and version of this form"}
+    for form, fields in Fields(command).forms.items():
+        keys = [
+            {"key": one.path, "type": type_in_json(one), "meaning": one.meaning}
+            for one in fields
+            if one.path
+        ]
+        meaning = Field("meaning", essential=True, fold=" ")
+        columns = (Field("key", essential=True), Field("type", fold=" "), meaning)
+        yield Result(columns, [schema, *keys], f"JSON {form}", part="keys")
+        cells = {one.key: one.meaning for one in fields if one.is_column and "@" not in one.key}
+        if cells:
+            rows = [{"column": key, "meaning": said} for key, said in cells.items()]
+            yield Result((Field("column", essential=True), meaning), rows, "CSV")
 
 
 _FILES = ("DATA", "FILE", "LOG", "POSES", "RESULT", "ROWS", "SPEC", "VALUES")

@@ -16,7 +16,7 @@ import click
 from click.core import ParameterSource
 
 from gspcli.cli.render import Output
-from gspcli.cli.streams import check_writable, say
+from gspcli.cli.streams import say
 from gspcli.defaults import SEED
 from gspcli.errors import ArgumentError, GspError
 from gspcli.wording import listed, shortened, shown
@@ -244,10 +244,10 @@ def _keys_option(function: Function) -> Function:
 
     def show(context: click.Context, _: click.Parameter, wanted: bool) -> None:
         if wanted:
+            from gspcli.cli.help import meanings
             from gspcli.cli.render import show, text_of_tables
-            from gspcli.cli.result import Fields
 
-            tables = [*Fields(" ".join(context.command_path.split()[1:])).meanings()]
+            tables = [*meanings(" ".join(context.command_path.split()[1:]))]
             if sys.stdout.isatty():
                 show(tables)
             else:
@@ -273,6 +273,8 @@ def _file_options(
         given = context.params
         chosen, path = given.pop("format_", None), None
         if value not in (None, "-"):
+            from gspcli.cli.files import check_writable
+
             path = Path(str(value))
             if chosen is None and len(formats) > 1:
                 chosen = _SUFFIXES.get(path.suffix.lower())

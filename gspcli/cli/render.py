@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 import re
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import cache, partial
 from itertools import zip_longest
 from pathlib import Path
-from typing import Any
 
 import click
 
-from gspcli.cli.result import DIGITS, Field, Result, cell_of, column_texts
-from gspcli.cli.streams import check_writable, coloured, printable, say, write_whole
+from gspcli.cli.result import DIGITS, Field, Result, column_texts
+from gspcli.cli.streams import coloured, printable, say
 from gspcli.errors import GspError
 from gspcli.records import dataclass
 from gspcli.wording import listed, named
@@ -49,18 +47,15 @@ def lay_out(table: Result, width: int | None = None) -> Grid | None:
     with the largest `minor`; prose as narrow as its words; fewer digits. Columns whose `minor` is
     negative are omitted only if they do not fit with four digits either.
     """
-    measured = _Measured(table, DIGITS)
+    measured = cache(partial(_Measured, table))
     if width is None:
-        return measured.grid(measured.natural)
+        return measured(DIGITS).grid(measured(DIGITS).natural)
     important = [k for k, column in enumerate(table.columns) if column.minor < 0]
-    tries: list[tuple[int, tuple[int, ...]]]
-    tries = [(digits, ()) for digits in (DIGITS, *_FEWER_DIGITS)]
+    tries: list[tuple[int, list[int]]] = [(digits, []) for digits in (DIGITS, *_FEWER_DIGITS)]
     if important:
-        tries[:0] = [(digits, tuple(important)) for digits in (DIGITS, *_FEWER_DIGITS[:2])]
-    every = {digits: measured if digits == DIGITS else None for digits, _ in tries}
+        tries[:0] = [(digits, important) for digits in (DIGITS, *_FEWER_DIGITS[:2])]
     for digits, kept in tries:
-        found = every[digits] or _Measured(table, digits)
-        every[digits] = found
+        found = measured(digits)
         for widths in found.attempts(width, kept, every=digits == DIGITS):
             if sum(widths.values()) + GAP * (len(widths) - 1) <= width:
                 return found.grid(widths)
@@ -123,12 +118,8 @@ class _Measured:
         """Return the widths after columns of prose are narrowed to fit, the widest first."""
         widths = {k: self.folded[k] for k in kept}
         excess = sum(widths.values()) + GAP * (len(widths) - 1) - width
-        while excess > 0:
-            able = [k for k in kept if widths[k] > narrowest[k]]
-            if not able:
-                break
-            widest = max(able, key=widths.__getitem__)
-            widths[widest] -= 1
+        while excess > 0 and (able := [k for k in kept if widths[k] > narrowest[k]]):
+            widths[max(able, key=widths.__getitem__)] -= 1
             excess -= 1
         return widths
 
@@ -284,76 +275,6 @@ def _records(table: Result, width: int) -> Iterator[str]:
         yield from filter(None, [line.rstrip()])
 
 
-def markdown(tables: Sequence[Result]) -> str:
-    """Return tables in Markdown, with their titles, summaries and notes."""
-    return "\n".join(filter(None, map(_markdown, tables)))
-
-
-def _markdown(table: Result) -> str:
-    title = f"### {printable(table.title)}\n" if table.title else ""
-    paragraphs = [title, *map(_paragraph, table.summary), _grid(table)]
-    return "\n".join(filter(None, [*paragraphs, *map(_paragraph, table.notes)]))
-
-
-def _paragraph(line: str) -> str:
-    return f"{printable(line)}\n"
-
-
-def _grid(table: Result) -> str:
-    if not table.columns:
-        return ""
-    rules = ["---:" if column.align == "right" else "---" for column in table.columns]
-    text = _markdown_line([column.heading for column in table.columns])
-    text += "|" + "|".join(rules) + "|\n"
-    cells = [column_texts(table, column) for column in table.columns]
-    return text + "".join(map(_markdown_line, zip(*cells, strict=True)))
-
-
-def _markdown_line(cells: Sequence[str]) -> str:
-    return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |\n"
-
-
-#: What is written as `repr` has it, and never needs quotation marks; floats with all their digits.
-_NUMBERS = {float, int}
-#: What the writer itself writes as `_cell` does.
-_PLAIN = _NUMBERS | {str}
-
-
-def csv_text(table: Result) -> str:
-    """Return a table as CSV."""
-    buffer = io.StringIO()
-    writer = csv.writer(buffer, lineterminator="\n")
-    keys = [column.key for column in table.columns]
-    writer.writerow(keys)
-    columns = [[cell_of(row, column) for row in table.rows] for column in table.columns]
-    if all(_NUMBERS.issuperset(map(type, column)) for column in columns):
-        # Long tables are of numbers alone; joined, they take two thirds of the writer's time.
-        texts = [map(repr, column) for column in columns]
-        buffer.writelines(f"{','.join(cells)}\n" for cells in zip(*texts, strict=True))
-    else:
-        writer.writerows(
-            [cell if type(cell) in _PLAIN else _csv_cell(cell) for cell in cells]
-            for cells in zip(*columns, strict=True)
-        )
-    return buffer.getvalue()
-
-
-def _csv_cell(value: object) -> str:
-    """Return a value for a machine: full precision, `true` and `false`."""
-    if value is None:
-        return ""
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, (list, tuple)):
-        return " ".join(_csv_cell(item) for item in value)
-    return repr(value) if isinstance(value, float) else str(value)
-
-
-def json_text(document: Any) -> str:
-    """Return a document as JSON."""
-    return json.dumps(document, indent=2, ensure_ascii=False) + "\n"
-
-
 @dataclass(frozen=True)
 class Output:
     """Where a result goes and in which format."""
@@ -369,16 +290,16 @@ class Output:
 
     def beside(self, path: Path) -> Output:
         """Return the place of a file that `-o` does not name: one that exists is not replaced."""
+        from gspcli.cli.files import check_writable
+
         check_writable(path)
-        if path != self.path and not self.force and path.is_file() and not _is_ours(path):
-            raise GspError(f"{named(path)}: it is beside the file of -o: --force replaces it")
+        if path != self.path and not self.force and path.is_file():
+            with path.open("rb") as file:
+                # What gsp has written says so at its beginning.
+                if not re.search(rb"gsp (export|\d)", file.read(200)):
+                    wrong = "it is beside the file of -o: --force replaces it"
+                    raise GspError(f"{named(path)}: {wrong}")
         return replace(self, path=path)
-
-
-def _is_ours(path: Path) -> bool:
-    """Return whether a file says at its beginning that gsp has written it."""
-    with path.open("rb") as file:
-        return re.search(rb"gsp (export|\d)", file.read(200)) is not None
 
 
 def emit(
@@ -398,15 +319,13 @@ def emit(
     elif output.format == "json":
         if document is None:
             document = next((table for table in tables if table.schema), results[0]).document()
-        write(output, json_text(document))
+        write(output, json.dumps(document, indent=2, ensure_ascii=False) + "\n")
     elif output.format == "csv":
         _emit_csv(output, [table for table in tables if table.columns])
-    elif output.format == "markdown":
-        write(output, markdown(tables))
-    elif output.format == "latex":
-        from gspcli.cli.latex import latex
+    elif output.format in ("markdown", "latex"):
+        from gspcli.cli.formats import latex, markdown
 
-        write(output, latex(tables))
+        write(output, markdown(tables) if output.format == "markdown" else latex(tables))
     else:
         if output.path is None and sys.stdout.isatty():
             show(tables)
@@ -430,6 +349,8 @@ def _emit_csv(output: Output, tables: Sequence[Result]) -> None:
         raise click.UsageError(
             f"CSV holds one table: choose --part of {parts}, or -o FILE.csv for a file each"
         )
+    from gspcli.cli.formats import csv_text
+
     places = [output]
     if len(tables) > 1 and output.path is not None:
         places = [output.beside(_named(output.path, table.part)) for table in tables]
@@ -449,6 +370,8 @@ def _named(path: Path, part: str) -> Path:
 def write(output: Output, content: str | bytes) -> None:
     """Write finished text or data to standard output or, whole or not at all, to the file."""
     if output.path is not None:
+        from gspcli.cli.files import write_whole
+
         write_whole(output.path, content)
     elif isinstance(content, bytes):
         sys.stdout.buffer.write(content)

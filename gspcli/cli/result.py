@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from gspcli.geometry.instance import Instance
 
 _FOLDER = Path(__file__).parent / "fields"
-_TYPES = {"whole": "integer", "text": "string", "list": "array"}
 
 
 @dataclass(frozen=True)
@@ -69,12 +68,6 @@ class Field:
         """The heading for people."""
         return self.title or self.key
 
-    @property
-    def type_in_json(self) -> str:
-        """The type of the key in JSON."""
-        names = [_TYPES.get(name, name) for name in self.type.rstrip("?").split("/")]
-        return " or ".join(["null"] * self.type.endswith("?") + names)
-
     def but(self, **changes: Any) -> Field:
         """Return the field with other attributes, for what depends on the platform."""
         return replace(self, **changes)
@@ -89,14 +82,7 @@ class Fields:
     what follows an @. ``+ platform`` takes the lines of another file. The last part has
     ``essential``, ``aligned``, ``minor=2``, ``fold`` (at blanks), ``list`` (at commas),
     ``left``, ``right``, ``decimals=3``, ``from=singular_values.-1`` and, last, ``title=``.
-    ``# gsp.measure/1`` begins a form of JSON.
-
-    Parameters
-    ----------
-    command
-        Its name.
-    size
-        A typical number of its columns, see `Field`.
+    ``# gsp.measure/1`` begins a form of JSON. `size` is that of its columns, see `Field`.
     """
 
     def __init__(self, command: str, size: float = 0.0) -> None:
@@ -138,23 +124,6 @@ class Fields:
             if not name.endswith("?") or any(_found(row, column) is not _MISSING for row in rows):
                 columns.append(column)
         return columns
-
-    def meanings(self) -> Iterator[Result]:
-        """Yield tables of what the keys of JSON and the columns of CSV mean, for each form."""
-        schema = {"key": "schema", "type": "string", "meaning": "name and version of this form"}
-        for form, fields in self.forms.items():
-            keys = [
-                {"key": one.path, "type": one.type_in_json, "meaning": one.meaning}
-                for one in fields
-                if one.path
-            ]
-            meaning = Field("meaning", essential=True, fold=" ")
-            columns = (Field("key", essential=True), Field("type", fold=" "), meaning)
-            yield Result(columns, [schema, *keys], f"JSON {form}", part="keys")
-            cells = {one.key: one.meaning for one in fields if one.is_column and "@" not in one.key}
-            if cells:
-                rows = [{"column": key, "meaning": said} for key, said in cells.items()]
-                yield Result((Field("column", essential=True), meaning), rows, "CSV")
 
 
 def _lines(name: str) -> Iterator[str]:
@@ -288,15 +257,7 @@ _ROUNDING = 1e-12
 
 
 def cell_text(value: object, digits: int = DIGITS) -> str:
-    """Return a value as people read it in a table.
-
-    Parameters
-    ----------
-    value
-        A number, a text, a list of them, or None for nothing.
-    digits
-        Significant digits of numbers that are not whole.
-    """
+    """Return a value as people read it in a table, with significant digits of its floats."""
     if value is None:
         return ""
     if isinstance(value, bool):
@@ -314,13 +275,7 @@ def cell_text(value: object, digits: int = DIGITS) -> str:
 def vector_text(numbers: Sequence[float], digits: int = DIGITS, *, size: float = 1.0) -> str:
     """Return components as people read them, one after the other.
 
-    Parameters
-    ----------
-    numbers, digits
-        The components, and their significant digits.
-    size
-        A typical component. A component below `_NOTHING` times it is a rounding error, and shown as
-        zero.
+    One below `_NOTHING` times a typical one, the size, is a rounding error, and shown as zero.
     """
     shown = (x if abs(x) > _NOTHING * size else 0.0 for x in numbers)
     return ", ".join(f"{x:.{digits}g}" for x in shown)
@@ -328,13 +283,10 @@ def vector_text(numbers: Sequence[float], digits: int = DIGITS, *, size: float =
 
 def cell_of(row: Mapping[str, Any], column: Field) -> Any:
     """Return the value of a cell; a list of texts as one text between commas, where it may fold."""
-    value = _found(row, column) if column.source else row.get(column.key)
-    value = None if value is _MISSING else value
-    return (
-        ", ".join(map(str, value))
-        if column.fold == ", " and isinstance(value, (list, tuple))
-        else value
-    )
+    value = _found(row, column)
+    if column.fold == ", " and isinstance(value, (list, tuple)):
+        return ", ".join(map(str, value))
+    return None if value is _MISSING else value
 
 
 def column_texts(table: Result, column: Field, digits: int = DIGITS) -> list[str]:
@@ -376,4 +328,4 @@ def _decimals(values: Sequence[float], digits: int) -> int | None:
 
 
 def _without_negative_zero(text: str) -> str:
-    return text.removeprefix("-") if not text.strip("-0.") else text
+    return text if text.strip("-0.") else text.removeprefix("-")

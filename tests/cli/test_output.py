@@ -21,9 +21,10 @@ import click
 import pytest
 from rich.cells import cell_len
 
+from gspcli.cli.files import check_writable, write_whole
 from gspcli.cli.render import Output, _lines, emit, folded, lay_out
 from gspcli.cli.result import Field, Result, cell_text, column_texts
-from gspcli.cli.streams import check_writable, printable, progress, working, write_whole
+from gspcli.cli.streams import printable, progress, working
 from gspcli.errors import GspError
 from gspcli.wording import MOST_LINES, brief, named, shown
 from tests.support.fuzz import commands

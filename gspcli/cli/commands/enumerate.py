@@ -118,15 +118,11 @@ def _types(selected: TypeList, keys: str | None) -> Result:
     """Return the facts about types, and what Table 3 counts where others count more."""
     shown = [column(key) for key in _words(keys)] or DEFAULT_COLUMNS
     names = [one.key for one in shown]
-    notes = [_share(selected)]
+    notes = [f"{len(selected)} of {len(TypeList())} types"]
     if "table_3" in names and any(DLL in t.kinds for t in selected if type_bounds(t).table_3):
         notes.append(f"Table 3 counts {ONE_ORIENTATION}; all other columns count both")
     columns, rows = FIELDS.of(" ".join(names)), list(selected.rows(shown))
     return Result(columns, rows, notes=notes, part="types", schema="enumerate")
-
-
-def _share(selected: TypeList) -> str:
-    return f"{len(selected)} of {len(TypeList())} types"
 
 
 def _counts(selected: TypeList) -> Result:
@@ -143,7 +139,7 @@ def _counts(selected: TypeList) -> Result:
     if len(selected) == total:
         columns[-1] = columns[-1].but(title="enumerated")
     else:
-        notes = [f"{_share(selected)}, as the options select them"]
+        notes = [f"{len(selected)} of {total} types, as the options select them"]
     return Result(columns, rows, notes=notes, part="classes", schema="enumerate-count")
 
 

@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING
 import click
 
 from gspcli.cli import options
+from gspcli.cli.files import check_writable, write_whole
 from gspcli.cli.render import write
 from gspcli.cli.specs import is_file, load_instance, read_type
-from gspcli.cli.streams import check_writable, progress, say, write_whole
+from gspcli.cli.streams import progress, say
 from gspcli.defaults import SEARCH_SECONDS
 from gspcli.errors import INTERRUPTED, CheckFailed
 

@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING
 import click
 
 from gspcli.cli import options
+from gspcli.cli.files import write_whole
 from gspcli.cli.render import emit, write
 from gspcli.cli.result import Fields, Result
 from gspcli.cli.specs import read_type
-from gspcli.cli.streams import progress, say, write_whole
+from gspcli.cli.streams import progress, say
 from gspcli.errors import INTERRUPTED, GspError
 
 if TYPE_CHECKING:

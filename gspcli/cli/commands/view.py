@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING
 
 import click
 
+from gspcli.cli.files import check_writable
 from gspcli.cli.options import DRAWINGS, Command, Options, option, output_options, value_options
 from gspcli.cli.pose_options import Mode, chosen, column_options, mode_option, pose_options, text_of
 from gspcli.cli.render import write
-from gspcli.cli.streams import check_writable, say, working
+from gspcli.cli.streams import say, working
 from gspcli.errors import GspError
 from gspcli.wording import shown
 

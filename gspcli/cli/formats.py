@@ -1,11 +1,13 @@
-"""Tables for papers, with the rules of the package booktabs."""
+"""Tables for other programs: CSV, Markdown, and LaTeX with the rules of the package booktabs."""
 
 from __future__ import annotations
 
+import csv
+import io
 import re
 from collections.abc import Sequence
 
-from gspcli.cli.result import Field, Result, column_texts
+from gspcli.cli.result import Field, Result, cell_of, column_texts
 from gspcli.cli.streams import printable
 
 _HEAD = "% needs \\usepackage{booktabs}\n"
@@ -21,6 +23,71 @@ _IN_LATEX = r"""
 """
 _ESCAPES = str.maketrans(dict(re.findall(r"(\S) (\S+)", _IN_LATEX)))
 _ROOT = re.compile(r"√(\d+|)")
+
+
+#: What is written as `repr` has it, and never needs quotation marks; floats with all their digits.
+_NUMBERS = {float, int}
+#: What the writer itself writes as `_cell` does.
+_PLAIN = _NUMBERS | {str}
+
+
+def csv_text(table: Result) -> str:
+    """Return a table as CSV."""
+    buffer = io.StringIO()
+    writer = csv.writer(buffer, lineterminator="\n")
+    keys = [column.key for column in table.columns]
+    writer.writerow(keys)
+    columns = [[cell_of(row, column) for row in table.rows] for column in table.columns]
+    if all(_NUMBERS.issuperset(map(type, column)) for column in columns):
+        # Long tables are of numbers alone; joined, they take two thirds of the writer's time.
+        texts = [map(repr, column) for column in columns]
+        buffer.writelines(f"{','.join(cells)}\n" for cells in zip(*texts, strict=True))
+    else:
+        writer.writerows(
+            [cell if type(cell) in _PLAIN else _csv_cell(cell) for cell in cells]
+            for cells in zip(*columns, strict=True)
+        )
+    return buffer.getvalue()
+
+
+def _csv_cell(value: object) -> str:
+    """Return a value for a machine: full precision, `true` and `false`."""
+    if value is None:
+        return ""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, (list, tuple)):
+        return " ".join(_csv_cell(item) for item in value)
+    return repr(value) if isinstance(value, float) else str(value)
+
+
+def markdown(tables: Sequence[Result]) -> str:
+    """Return tables in Markdown, with their titles, summaries and notes."""
+    return "\n".join(filter(None, map(_markdown, tables)))
+
+
+def _markdown(table: Result) -> str:
+    title = f"### {printable(table.title)}\n" if table.title else ""
+    paragraphs = [title, *map(_paragraph, table.summary), _grid(table)]
+    return "\n".join(filter(None, [*paragraphs, *map(_paragraph, table.notes)]))
+
+
+def _paragraph(line: str) -> str:
+    return f"{printable(line)}\n"
+
+
+def _grid(table: Result) -> str:
+    if not table.columns:
+        return ""
+    rules = ["---:" if column.align == "right" else "---" for column in table.columns]
+    text = _markdown_line([column.heading for column in table.columns])
+    text += "|" + "|".join(rules) + "|\n"
+    cells = [column_texts(table, column) for column in table.columns]
+    return text + "".join(map(_markdown_line, zip(*cells, strict=True)))
+
+
+def _markdown_line(cells: Sequence[str]) -> str:
+    return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |\n"
 
 
 def latex(tables: Sequence[Result]) -> str:
