@@ -12,8 +12,8 @@ compared.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
-from functools import cached_property
+from collections.abc import Iterator
+from itertools import combinations, product
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -24,6 +24,7 @@ from gspcli.catalogue.kinds import DPP
 from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.checking import refuse_shape_mistakes
+from gspcli.geometry.coordinates import BODIES
 from gspcli.geometry.enclosures import above, roundings
 from gspcli.geometry.instance import Constraint, Instance
 from gspcli.geometry.machine import Machine, arms_of
@@ -35,8 +36,6 @@ from gspcli.ties import first_smallest
 
 if TYPE_CHECKING:
     import pandas as pd
-
-    from gspcli.geometry.machine import Machine
 
 
 Array = NDArray[np.float64]
@@ -60,17 +59,17 @@ class GapBounds(NamedTuple):
     """Proved upper bounds, shape (n, p)."""
 
 
-class _ComparedHull(NamedTuple):
-    """A hull that is compared: a leg, a part of a leg, an arm, or a body."""
+class _Hull(NamedTuple):
+    """A hull that is compared: a body, or the line of a leg or an arm, or a part of one."""
 
-    leg: int | None
-    """The index of the leg's constraint; None for a body and for an arm."""
-    beyond: str
-    """The body beyond whose joint a leg counts; ``axis`` or ``point`` of an arm; empty for all."""
-    body: str
-    """``platform`` or ``base``; empty for a leg."""
-    arm: int | None = None
-    """The index of the constraint whose point an arm turns; its body is that of the axis."""
+    what: str
+    """``leg``, ``arm`` or ``body``."""
+    body: str = ""
+    """``platform`` or ``base``: the body, or that of the axis of an arm."""
+    constraint: int = -1
+    """That of a leg, or whose point an arm turns."""
+    cut: int | None = None
+    """Beyond which end it counts: platform and base of a leg, axis and point of an arm."""
 
 
 class ComparedShapes:
@@ -98,111 +97,78 @@ class ComparedShapes:
         diameters = [one.value for one in shapes.diameters]
         if len(diameters) == 1:
             diameters *= len(self.legs)
-        self._radii = dict(zip(self.legs, (d / 2 for d in diameters), strict=True))
+        self._drives, self._arrangement = Machine.of(instance), Arrangement.of(instance)
+        self._radii = {("leg", k): d / 2 for k, d in zip(self.legs, diameters, strict=True)}
         #: The constraints whose points are turned by arms with a diameter, one of each point.
         self.arms = _arms(instance)
-        self._points = {
+        self._radii |= {("arm", k): one.diameter.value / 2 for k, one in arms_of(instance).items()}
+        self._points: dict[str, Array] = {
             name: np.array([[x.value for x in point] for point in getattr(shapes, name)])
-            for name in ("platform", "base")
+            for name in BODIES
         }
-        self._hulls: list[_ComparedHull] = []
-        self.pairs = np.array(self._pairs(), np.int64).reshape(-1, 2)
-        if not len(self.pairs):
+        pairs = list(self._pairs())
+        if not pairs:
             raise ArgumentError(
                 "no two legs of the platform are compared: all of them share joints"
             )
+        self._hulls = list(dict.fromkeys(hull for pair in pairs for hull in pair))
+        number = {hull: k for k, hull in enumerate(self._hulls)}
+        self.pairs = np.array([[number[hull] for hull in pair] for pair in pairs], np.int64)
         #: The names of the pairs, such as ``legs 2 and 5``.
-        self.names = tuple(self._name(*(self._hulls[k] for k in pair)) for pair in self.pairs)
-        radii = np.array([self._radius(one) for one in self._hulls])
-        self._thick = radii[self.pairs].sum(axis=1)
+        self.names = tuple(self._name(*pair) for pair in pairs)
+        radii = [self._radii.get((one.what, one.constraint), 0.0) for one in self._hulls]
+        self._thick = np.array(radii)[self.pairs].sum(axis=1)
+        sizes = [len(self._points[one.body]) if one.what == "body" else 2 for one in self._hulls]
+        self._starts = np.concatenate(([0], np.cumsum(sizes))).astype(np.int64)
 
-    def _pairs(self) -> list[tuple[int, int]]:
-        rows, found = self.instance.constraints, []
-        for i, first in enumerate(self.legs):
-            for second in self.legs[i + 1 :]:
-                shared = _shared(rows[first], rows[second])
-                if not shared or self._near > 0:
-                    found.append((self._hull(first, shared), self._hull(second, shared)))
-        bodies = [name for name in ("platform", "base") if len(self._points[name])]
-        found += [(self._hull(leg, body), self._body(body)) for leg in self.legs for body in bodies]
+    def _leg(self, k: int, beyond: str = "") -> _Hull:
+        """Return a leg, or its part beyond the joint of a body if such parts are compared."""
+        return _Hull("leg", "", k, BODIES.index(beyond) if beyond and self._near > 0 else None)
+
+    def _pairs(self) -> Iterator[tuple[_Hull, _Hull]]:
+        rows, near = self.instance.constraints, self._near > 0
+        for first, second in combinations(self.legs, 2):
+            shared = _shared(rows[first], rows[second])
+            if not shared or near:
+                yield self._leg(first, shared), self._leg(second, shared)
+        bodies: dict[str, _Hull] = {
+            name: _Hull("body", name) for name in BODIES if len(self._points[name])
+        }
+        for leg, (name, body) in product(self.legs, bodies.items()):
+            yield self._leg(leg, name), body
         if len(bodies) == 2:
-            found.append((self._body("platform"), self._body("base")))
-        found += self._pairs_of_arms(bodies)
-        return found
-
-    def _pairs_of_arms(self, bodies: Sequence[str]) -> Iterator[tuple[int, int]]:
-        near = self._near > 0
+            yield bodies["platform"], bodies["base"]
         for place, (k, point, own) in enumerate(self.arms):
+            arm = _Hull("arm", own, k)
             for leg in self.legs:
-                joined = _joint(self.instance.constraints[leg], own) == point
-                if not joined or near:
-                    hull = self._hull(leg, own if joined else "")
-                    yield hull, self._arm(k, own, "point" if joined else "")
-            for other, _, body in self.arms[place + 1 :]:
+                joined = getattr(rows[leg], own).position == point
+                if not joined:
+                    yield self._leg(leg), arm
+                elif near:
+                    yield self._leg(leg, own), arm._replace(cut=1)
+            for other, _, name in self.arms[place + 1 :]:
                 same = self._drives.index[other] == self._drives.index[k]
-                one_axis = body == own and self._on_one_axis(k, other)
-                if not same and not one_axis:
-                    yield self._arm(k, own, ""), self._arm(other, body, "")
-            for body in bodies:
-                if body != own or near:
-                    yield self._arm(k, own, "axis" if body == own else ""), self._body(body)
+                if not same and not (name == own and self._on_one_axis(k, other)):
+                    yield arm, _Hull("arm", name, other)
+            for name, body in bodies.items():
+                if name != own or near:
+                    yield arm._replace(cut=0 if name == own else None), body
 
     def _on_one_axis(self, first: int, second: int) -> bool:
         """Whether two arms begin at one point of the body."""
         a, b = (self._drives.middle[k] for k in (first, second))
         return bool(np.abs(a - b).max() <= _ONE_POINT * self._arrangement.length)
 
-    def _radius(self, hull: _ComparedHull) -> float:
-        if hull.arm is not None:
-            return arms_of(self.instance)[hull.arm].diameter.value / 2
-        return 0.0 if hull.leg is None else self._radii[hull.leg]
+    def _name(self, first: _Hull, second: _Hull) -> str:
+        if first.what == second.what == "leg":
+            return f"legs {first.constraint + 1} and {second.constraint + 1}"
+        return f"{self._called(first)} and {self._called(second)}"
 
-    def _hull(self, leg: int, beyond: str) -> int:
-        return self._number(_ComparedHull(leg, beyond if self._near > 0 else "", ""))
-
-    def _body(self, name: str) -> int:
-        return self._number(_ComparedHull(None, "", name))
-
-    def _arm(self, constraint: int, body: str, beyond: str) -> int:
-        return self._number(_ComparedHull(None, beyond, body, constraint))
-
-    def _number(self, hull: _ComparedHull) -> int:
-        if hull not in self._hulls:
-            self._hulls.append(hull)
-        return self._hulls.index(hull)
-
-    def _name(self, first: _ComparedHull, second: _ComparedHull) -> str:
-        if first.arm is not None or second.arm is not None:
-            return " and ".join(map(self._called, (first, second)))
-        if second.leg is not None:
-            assert first.leg is not None
-            return f"legs {first.leg + 1} and {second.leg + 1}"
-        one = "the platform" if first.leg is None else f"leg {first.leg + 1}"
-        return f"{one} and the {second.body}"
-
-    def _called(self, hull: _ComparedHull) -> str:
-        if hull.arm is None:
-            return f"the {hull.body}" if hull.leg is None else f"leg {hull.leg + 1}"
-        row = self.instance.constraints[hull.arm]
-        return f"the arm of {getattr(row, f'{hull.body}_name') or f'rod {hull.arm + 1}'}"
-
-    @cached_property
-    def _drives(self) -> Machine:
-        from gspcli.geometry.machine import Machine
-
-        return Machine.of(self.instance)
-
-    @cached_property
-    def _arrangement(self) -> Arrangement:
-        return Arrangement.of(self.instance)
-
-    @cached_property
-    def _starts(self) -> NDArray[np.int64]:
-        sizes = [
-            len(self._points[one.body]) if one.leg is None and one.arm is None else 2
-            for one in self._hulls
-        ]
-        return np.concatenate(([0], np.cumsum(sizes))).astype(np.int64)
+    def _called(self, hull: _Hull) -> str:
+        if hull.what != "arm":
+            return f"the {hull.body}" if hull.what == "body" else f"leg {hull.constraint + 1}"
+        name = getattr(self.instance.constraints[hull.constraint], f"{hull.body}_name")
+        return f"the arm of {name or f'rod {hull.constraint + 1}'}"
 
     def bounds(self, R: Array, T: Array, q: Array | None = None) -> GapBounds:
         """Return bounds of the gaps at poses; NaN where a pose is NaN.
@@ -234,46 +200,27 @@ class ComparedShapes:
 
     def _placed(self, R: Array, T: Array, q: Array | None) -> Array:
         """Return the points of the hulls at poses, one hull after the other, shape (n, m, 3)."""
-        if q is None:
-            a = self._arrangement
-            ends = a.y @ np.swapaxes(R, -1, -2) + T[:, None], np.broadcast_to(a.x, (len(T), 6, 3))
-        else:
-            base, arm, _ = self._drives.ends(R, T, q)
-            ends = arm + T[:, None], base
-        found = []
+        base, arm, _ = self._drives.ends(R, T, self._numbers(q))
+        joints, found = (arm + T[:, None], base), []
         for hull in self._hulls:
-            if hull.arm is not None:
-                found.append(self._placed_arm(hull, R, T, ends))
-                continue
-            if hull.leg is None:
+            on_platform, k = hull.body == "platform", hull.constraint
+            if hull.what == "body":
                 points = self._points[hull.body]
-                if hull.body == "platform":
-                    found.append(points @ np.swapaxes(R, -1, -2) + T[:, None])
-                else:
-                    found.append(np.broadcast_to(points, (len(T), *points.shape)))
+                placed = points @ np.swapaxes(R, -1, -2) + T[:, None] if on_platform else points
+                found.append(np.broadcast_to(placed, (len(T), *points.shape)))
                 continue
-            platform, base = (end[:, hull.leg] for end in ends)
-            if hull.beyond == "platform":
-                platform = self._beyond(platform, base)
-            elif hull.beyond == "base":
-                base = self._beyond(base, platform)
-            found.append(np.stack((platform, base), axis=1))
+            ends = [joint[:, k] for joint in joints]
+            if hull.what == "arm":
+                axis = np.broadcast_to(self._drives.middle[k], T.shape)
+                ends = [apply(R, axis) + T if on_platform else axis, ends[0 if on_platform else 1]]
+            if hull.cut is not None:
+                ends[hull.cut] = self._beyond(ends[hull.cut], ends[1 - hull.cut])
+            found.append(np.stack(ends, axis=1))
         return np.ascontiguousarray(np.concatenate(found, axis=1))
 
-    def _placed_arm(
-        self, hull: _ComparedHull, R: Array, T: Array, ends: tuple[Array, Array]
-    ) -> Array:
-        """Return both ends of an arm, or of its part beyond one, at poses, shape (n, 2, 3)."""
-        k, on_platform = hull.arm, hull.body == "platform"
-        point = ends[0 if on_platform else 1][:, k]
-        axis = np.broadcast_to(self._drives.middle[k], point.shape)
-        if on_platform:
-            axis = apply(R, axis) + T
-        if hull.beyond == "axis":
-            axis = self._beyond(axis, point)
-        elif hull.beyond == "point":
-            point = self._beyond(point, axis)
-        return np.stack((axis, point), axis=1)
+    def _numbers(self, q: Array | None) -> Array:
+        """Return the numbers of the drives, any if none moves a point."""
+        return np.zeros(self._drives.count) if q is None else q
 
     def _beyond(self, joint: Array, end: Array) -> Array:
         """Return the point of a leg at the stated length from a joint, but not beyond its end."""
@@ -283,44 +230,22 @@ class ComparedShapes:
             part = np.where(length > self._near, self._near / length, 1.0)
         return np.where(np.isfinite(length), joint + part * along, np.nan)
 
-    def _slips(
-        self,
-        shifts: Array,
-        turns: Array,
-        centre: Array,
-        driven: tuple[Array, Array, Array],
-        slips: Array | None,
-    ) -> tuple[Array, Array, Array]:
-        """Return the joints at numbers of drives, and how far the drives move them, (2, n, 6)."""
-        drives, placed = self._drives, self._drives.arrangement(driven[2])
-        if slips is None:
-            slips = slips_near(drives, *driven, shifts, turns, centre)
-        on = drives.on_platform
-        return placed.y, placed.x, np.stack([np.where(on, slips, 0.0), np.where(on, 0.0, slips)])
-
     def moves(
         self,
+        R: Array,
+        T: Array,
+        q: Array | None,
         shifts: Array,
         turns: Array,
         centre: Array,
-        places: Array,
-        driven: tuple[Array, Array, Array] | None = None,
         slips: Array | None = None,
     ) -> Array:
         """Bound how much each gap changes while the platform moves a little, shape (n, p).
 
         Parameters
         ----------
-        shifts, turns
-            The largest distance that a point of the platform moves, and the largest angle, in
-            radians, by which the platform rotates; shapes (n,).
-        centre
-            This point of the platform, in its frame, shape (3,).
-        places
-            The position of this point at the poses, shape (n, 3).
-        driven
-            The poses R and T, and the numbers q of cranks and slides at the poses; needed if there
-            are such drives.
+        R, T, q, shifts, turns, centre
+            As for `slips_near`; q is needed if cranks or slides move points.
         slips
             How far drives move their points in their bodies, shape (n, 6); if None, the bound of
             `slips_near`.
@@ -334,57 +259,44 @@ class ComparedShapes:
         other end is fixed. The map to the nearest point of a ball increases no distance of two
         points; nor does the difference of a point and its image.
         """
-        a = self._arrangement
-        y, x, sides = a.y, a.x, np.zeros((2, len(shifts), 6))
-        if driven is not None:
-            y, x, sides = self._slips(shifts, turns, centre, driven, slips)
-        own = np.linalg.norm(y - centre, axis=-1) + sides[0]
-        away = np.linalg.norm(places[:, None] - x, axis=-1) + sides[1]
-        far = {
-            "platform": np.linalg.norm(self._points["platform"] - centre, axis=-1).max()
-            if len(self._points["platform"])
-            else 0.0
-        }
-        count = len(self._hulls)
-        from_base, from_platform = np.zeros((2, len(shifts), count))
+        drives, q = self._drives, self._numbers(q)
+        placed = drives.arrangement(q)
+        if slips is None:
+            slips = np.zeros((len(T), 6))
+            if drives.moves:
+                slips = slips_near(drives, R, T, q, shifts, turns, centre)
+        on, places = drives.on_platform, T + apply(R, np.broadcast_to(centre, T.shape))
+        sides = np.stack([np.where(on, slips, 0.0), np.where(on, 0.0, slips)])
+        own = np.linalg.norm(placed.y - centre, axis=-1) + sides[0]
+        away = np.linalg.norm(places[:, None] - placed.x, axis=-1) + sides[1]
+        from_base, from_platform = np.zeros((2, len(T), len(self._hulls)))
         for k, hull in enumerate(self._hulls):
-            if hull.arm is not None:
+            side, leg = BODIES.index(hull.body or "platform"), hull.constraint
+            # As seen from the other body, and from its own.
+            seen = (from_base, from_platform)[side][:, k], (from_platform, from_base)[side][:, k]
+            about = (centre[None], places)[side]
+            if hull.what == "body":
+                far = np.linalg.norm(about[:, None] - self._points[hull.body], axis=-1).max(axis=1)
+                seen[0][:] = shifts + turns * far
+            elif hull.what == "arm":
                 # The axis of the arm is fixed in its body, and the point of the arm moves in this
                 # body.
-                side = 0 if hull.body == "platform" else 1
-                slip = sides[side, :, hull.arm]
-                axis = self._drives.middle[hull.arm]
-                farthest = np.linalg.norm((centre, places)[side] - axis, axis=-1)
-                farthest = np.maximum(farthest, (own, away)[side][:, hull.arm])
-                (from_platform, from_base)[side][:, k] = slip
-                (from_base, from_platform)[side][:, k] = shifts + turns * farthest + slip
-            elif hull.leg is not None:
-                on_platform, on_base = sides[:, :, hull.leg]
-                # If both ends of a part of a leg move, both motions count.
-                both = np.add if hull.beyond else np.maximum
-                from_base[:, k] = both(shifts + turns * own[:, hull.leg] + on_platform, on_base)
-                from_platform[:, k] = both(
-                    shifts + turns * away[:, hull.leg] + on_base, on_platform
-                )
-            elif hull.body == "platform":
-                from_base[:, k] = shifts + turns * far["platform"]
+                far = np.linalg.norm(about - drives.middle[leg], axis=-1)
+                far = np.maximum(far, (own, away)[side][:, leg])
+                seen[0][:] = shifts + turns * far + sides[side, :, leg]
+                seen[1][:] = sides[side, :, leg]
             else:
-                points = self._points["base"]
-                there = np.linalg.norm(places[:, None] - points, axis=-1).max(axis=1)
-                from_platform[:, k] = shifts + turns * there
+                on_platform, on_base = sides[:, :, leg]
+                # If both ends of a part of a leg move, both motions count.
+                both = np.maximum if hull.cut is None else np.add
+                seen[0][:] = both(shifts + turns * own[:, leg] + on_platform, on_base)
+                seen[1][:] = both(shifts + turns * away[:, leg] + on_base, on_platform)
         sums = [one[:, self.pairs].sum(axis=2) for one in (from_base, from_platform)]
-        size = np.abs(places).max(axis=1) + max(np.abs(a.x).max(), np.abs(a.y).max())
-        if driven is not None:
-            size = size + np.abs(x).max(axis=(1, 2)) + np.abs(y).max(axis=(1, 2))
-            size = size + np.abs(self._drives.middle[self._drives.driven]).max(initial=0.0)
+        size = np.abs(places).max(axis=1)
+        size = size + np.abs(placed.x).max(axis=(-2, -1)) + np.abs(placed.y).max(axis=(-2, -1))
+        size = size + np.abs(drives.middle[drives.driven]).max(initial=0.0)
         # Positions of two hulls are rounded, and so is the rotation.
         return np.asarray(above(np.minimum(*sums)) + roundings(16, size[:, None]))
-
-
-def _joint(row: Constraint, body: str) -> Vector:
-    """Return the stated place of a joint of a leg."""
-    position: Vector = getattr(row, body).position
-    return position
 
 
 def _arms(instance: Instance) -> list[tuple[int, Vector, str]]:

@@ -234,10 +234,9 @@ def least_gaps(rows: PathRows, wanted: float) -> tuple[Array, Array]:
 
     def measure(near: Near) -> tuple[Array, Array]:
         low = compared.bounds(near.R, near.T, near.q).low
-        driven = None if near.q is None else (near.R, near.T, near.q)
-        places = near.T + apply(near.R, np.broadcast_to(centre, near.T.shape))
+        poses = near.R, near.T, near.q
         with np.errstate(invalid="ignore"):
-            moves = compared.moves(near.shifts, near.turns, centre, places, driven, near.slips)
+            moves = compared.moves(*poses, near.shifts, near.turns, centre, near.slips)
         return low, moves
 
     return at, _least(rows, at, measure, wanted)

@@ -379,10 +379,10 @@ class PoseBoxes:
         R, T = self.poses(parameters)
         turn = above(half[3:].sum())
         shifts, turns = (np.full(len(asked), x) for x in (above(np.linalg.norm(half[:3])), turn))
-        driven = (R, T, self.machine.inverse(R, T)) if self.rows else None
+        at = R, T, self.machine.inverse(R, T) if self.rows else None
         with np.errstate(invalid="ignore"):
-            moves = compared.moves(shifts, turns, self.pivot, parameters[:, :3], driven)
-        found = compared.bounds(R, T, None if driven is None else driven[2])
+            moves = compared.moves(*at, shifts, turns, self.pivot)
+        found = compared.bounds(*at)
         left[asked[(found.low - moves >= self.gap).all(axis=1)]] &= ~GAP
         inside = (left & ~NEGATIVE) == 0
         still = ~inside

@@ -134,7 +134,7 @@ def test_gaps_of_arms_change_no_more_than_is_proved(move: float, *, upside_down:
     centre = np.array([0.01, 0, 0])
     places, place = T + R @ centre, T0 + R0 @ centre
     shift = np.array([np.linalg.norm(places - place, axis=1).max()])
-    moved = compared.moves(shift, np.array([move]), centre, place[None], (R0[None], T0[None], q0))
+    moved = compared.moves(R0[None], T0[None], q0, shift, np.array([move]), centre)
     change = np.abs(compared.bounds(R, T, q).high - compared.bounds(R0[None], T0[None], q0).high)
     change = change.max(axis=0)
     arms = np.array(["arm" in name for name in compared.names])

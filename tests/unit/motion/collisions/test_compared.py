@@ -196,8 +196,7 @@ def test_gaps_change_at_most_by_what_is_bounded(name, near):
             turned, moved = poses_near(R[k], R[k] @ centre + first[k], 25, move * size, turn, k)
             at = compared.bounds(R[k][None], first[k][None])
             there = compared.bounds(turned, moved - turned @ centre)
-            bound = compared.moves(
-                np.array([move * size]), np.array([turn]), centre, (R[k] @ centre + first[k])[None]
-            )
+            far = np.array([move * size]), np.array([turn])
+            bound = compared.moves(R[k][None], first[k][None], None, *far, centre)
             assert (there.low <= at.high + bound).all()
             assert (there.high >= at.low - bound).all()

@@ -54,7 +54,7 @@ def test_points_and_gaps_change_no_more_than_is_proved(name: str, move: float) -
     away = np.linalg.norm(T - T0, axis=1).max()
     shift, turn = np.array([away]), np.array([move])
     home = R0[None], T0[None], drive_values(instance, R0[None], T0[None])[1]
-    moved = compared.moves(shift, turn, centre, T0[None], home)
+    moved = compared.moves(*home, shift, turn, centre)
     change = np.abs(compared.bounds(R, T, q).high - compared.bounds(*home).high).max(axis=0)
     assert (change <= moved[0] + 1e-12 * size).all()
     assert np.isfinite(moved).all()
